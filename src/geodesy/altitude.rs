@@ -1,0 +1,44 @@
+//! Altitudes carry their reference in their type, so that one can never be
+//! taken for another: the mistake flies somebody into a hill.
+
+/// Metres above mean sea level (EGM96 where an ellipsoidal height is needed).
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Amsl(pub f64);
+
+/// Metres above the terrain at the same place.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct Agl(pub f64);
+
+/// Metres above the home position of one vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+pub struct AboveHome(pub f64);
+
+impl Agl {
+    /// The same altitude above mean sea level, over ground of known height.
+    #[must_use]
+    pub fn over(self, ground: Amsl) -> Amsl {
+        Amsl(ground.0 + self.0)
+    }
+}
+
+impl AboveHome {
+    /// The same altitude above mean sea level, for a home of known height.
+    #[must_use]
+    pub fn over(self, home: Amsl) -> Amsl {
+        Amsl(home.0 + self.0)
+    }
+}
+
+impl Amsl {
+    /// Height above ground of known height.
+    #[must_use]
+    pub fn above_ground(self, ground: Amsl) -> Agl {
+        Agl(self.0 - ground.0)
+    }
+
+    /// Height above a home of known height.
+    #[must_use]
+    pub fn above_home(self, home: Amsl) -> AboveHome {
+        AboveHome(self.0 - home.0)
+    }
+}

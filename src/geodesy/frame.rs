@@ -1,0 +1,227 @@
+//! The local frame in which missions are planned.
+//!
+//! Planning coordinates are east and north of the WGS84 tangent (ENU) frame at
+//! the origin, and altitude above mean sea level instead of ENU up: the tangent
+//! plane leaves the earth by 7.8 m at 10 km and by 785 m at 100 km. East and
+//! north are taken at the foot of the vertical (ellipsoidal height 0), so that
+//! one vertical line is one point `(east, north)`: a threat is a true vertical
+//! cylinder, and height above ground is a difference at one place. Distances
+//! come out short by height over earth radius (0.016 % at 1000 m), which is the
+//! safe side for every separation.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::Amsl;
+
+/// WGS84 semi-major axis `a`, metres (NGA.STND.0036 table 3.1).
+const SEMI_MAJOR_M: f64 = 6_378_137.0;
+/// WGS84 flattening `f` (NGA.STND.0036 table 3.1).
+const FLATTENING: f64 = 1.0 / 298.257_223_563;
+/// First eccentricity squared, `e^2 = f (2 - f)`.
+const ECCENTRICITY_SQ: f64 = FLATTENING * (2.0 - FLATTENING);
+
+/// A place on the earth, WGS84, degrees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LatLon {
+    /// Geodetic latitude, degrees north, -90 to 90.
+    pub lat_deg: f64,
+    /// Longitude, degrees east, -180 to 180.
+    pub lon_deg: f64,
+}
+
+/// A place in planning coordinates, metres from the origin of a [`LocalFrame`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EastNorth {
+    /// Metres east.
+    pub east_m: f64,
+    /// Metres north.
+    pub north_m: f64,
+}
+
+/// A point in planning coordinates: east, north, and altitude above the sea.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlanPoint {
+    /// Where.
+    pub at: EastNorth,
+    /// How high.
+    pub amsl: Amsl,
+}
+
+/// What cannot be converted.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum GeodesyError {
+    /// Latitude or longitude is out of range or not a number.
+    #[error(
+        "no such place: latitude {lat_deg}, longitude {lon_deg} (allowed: -90 to 90, -180 to 180)"
+    )]
+    NoSuchPlace {
+        /// Latitude as given, degrees.
+        lat_deg: f64,
+        /// Longitude as given, degrees.
+        lon_deg: f64,
+    },
+}
+
+/// The WGS84 tangent frame at one place: east, north, up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalFrame {
+    origin: LatLon,
+    origin_ecef_m: Vector3<f64>,
+    /// Rows are east, north and up in ECEF.
+    ecef_to_enu: Matrix3<f64>,
+}
+
+impl LatLon {
+    /// A checked place.
+    ///
+    /// # Errors
+    /// [`GeodesyError::NoSuchPlace`] when out of range or not finite.
+    pub fn new(lat_deg: f64, lon_deg: f64) -> Result<Self, GeodesyError> {
+        if (-90.0..=90.0).contains(&lat_deg) && (-180.0..=180.0).contains(&lon_deg) {
+            Ok(Self { lat_deg, lon_deg })
+        } else {
+            Err(GeodesyError::NoSuchPlace { lat_deg, lon_deg })
+        }
+    }
+
+    /// Earth-centred coordinates of the point `height_m` above the ellipsoid here.
+    #[must_use]
+    pub fn to_ecef(self, height_m: f64) -> Vector3<f64> {
+        let (sin_lat, cos_lat) = self.lat_deg.to_radians().sin_cos();
+        let (sin_lon, cos_lon) = self.lon_deg.to_radians().sin_cos();
+        // Radius of curvature in the prime vertical.
+        let n_m = SEMI_MAJOR_M / (1.0 - ECCENTRICITY_SQ * sin_lat * sin_lat).sqrt();
+        Vector3::new(
+            (n_m + height_m) * cos_lat * cos_lon,
+            (n_m + height_m) * cos_lat * sin_lon,
+            (n_m * (1.0 - ECCENTRICITY_SQ) + height_m) * sin_lat,
+        )
+    }
+
+    /// The place and ellipsoidal height (metres) of a point in ECEF.
+    ///
+    /// Fixed-point iteration on the reduced latitude (Bowring 1976): three
+    /// rounds reach the last bits for every height from the deep sea to orbit.
+    #[must_use]
+    pub fn from_ecef(ecef_m: &Vector3<f64>) -> (Self, f64) {
+        let axis_distance_m = ecef_m.x.hypot(ecef_m.y);
+        let semi_minor_m = SEMI_MAJOR_M * (1.0 - FLATTENING);
+        let second_ecc_sq = ECCENTRICITY_SQ / (1.0 - ECCENTRICITY_SQ);
+        let mut reduced_rad = (ecef_m.z * SEMI_MAJOR_M).atan2(axis_distance_m * semi_minor_m);
+        let mut lat_rad = 0.0_f64;
+        for _ in 0..3 {
+            let (sin_b, cos_b) = reduced_rad.sin_cos();
+            lat_rad = (ecef_m.z + second_ecc_sq * semi_minor_m * sin_b.powi(3))
+                .atan2(axis_distance_m - ECCENTRICITY_SQ * SEMI_MAJOR_M * cos_b.powi(3));
+            reduced_rad = ((1.0 - FLATTENING) * lat_rad.sin()).atan2(lat_rad.cos());
+        }
+        let (sin_lat, cos_lat) = lat_rad.sin_cos();
+        // This form of the height is good at the poles as well as the equator.
+        let height_m = axis_distance_m * cos_lat + ecef_m.z * sin_lat
+            - SEMI_MAJOR_M * (1.0 - ECCENTRICITY_SQ * sin_lat * sin_lat).sqrt();
+        let place = Self {
+            lat_deg: lat_rad.to_degrees(),
+            lon_deg: ecef_m.y.atan2(ecef_m.x).to_degrees(),
+        };
+        (place, height_m)
+    }
+}
+
+impl EastNorth {
+    /// Distance in the plane, metres.
+    #[must_use]
+    pub fn distance_m(self, other: Self) -> f64 {
+        (self.east_m - other.east_m).hypot(self.north_m - other.north_m)
+    }
+}
+
+impl PlanPoint {
+    /// A point from its three coordinates, metres.
+    #[must_use]
+    pub fn new(east_m: f64, north_m: f64, amsl: Amsl) -> Self {
+        Self {
+            at: EastNorth { east_m, north_m },
+            amsl,
+        }
+    }
+
+    /// Straight distance in three dimensions, metres.
+    #[must_use]
+    pub fn distance_m(self, other: Self) -> f64 {
+        self.at
+            .distance_m(other.at)
+            .hypot(self.amsl.0 - other.amsl.0)
+    }
+}
+
+impl LocalFrame {
+    /// The frame tangent to the ellipsoid at `origin`.
+    #[must_use]
+    pub fn new(origin: LatLon) -> Self {
+        let (sin_lat, cos_lat) = origin.lat_deg.to_radians().sin_cos();
+        let (sin_lon, cos_lon) = origin.lon_deg.to_radians().sin_cos();
+        #[rustfmt::skip]
+        let ecef_to_enu = Matrix3::new(
+            -sin_lon,            cos_lon,           0.0,
+            -sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat,
+             cos_lat * cos_lon,  cos_lat * sin_lon, sin_lat,
+        );
+        Self {
+            origin,
+            origin_ecef_m: origin.to_ecef(0.0),
+            ecef_to_enu,
+        }
+    }
+
+    /// Where the plane touches the ellipsoid.
+    #[must_use]
+    pub fn origin(&self) -> LatLon {
+        self.origin
+    }
+
+    /// East, north, up (metres) of a place at an ellipsoidal height.
+    #[must_use]
+    pub fn to_enu(&self, place: LatLon, height_m: f64) -> Vector3<f64> {
+        self.ecef_to_enu * (place.to_ecef(height_m) - self.origin_ecef_m)
+    }
+
+    /// The place and ellipsoidal height (metres) of a point in east, north, up.
+    #[must_use]
+    pub fn from_enu(&self, enu_m: &Vector3<f64>) -> (LatLon, f64) {
+        LatLon::from_ecef(&(self.origin_ecef_m + self.ecef_to_enu.transpose() * enu_m))
+    }
+
+    /// Planning coordinates of a place (see the module).
+    #[must_use]
+    pub fn to_plan(&self, place: LatLon) -> EastNorth {
+        let enu_m = self.to_enu(place, 0.0);
+        EastNorth {
+            east_m: enu_m.x,
+            north_m: enu_m.y,
+        }
+    }
+
+    /// The place of planning coordinates: the inverse of [`Self::to_plan`].
+    ///
+    /// Looks for the up at which the point lies on the ellipsoid; the height is
+    /// almost linear in up, so a few Newton steps reach the last bits. Good to
+    /// 2000 km from the origin; beyond the earth's rim there is no such place,
+    /// and the nearest rim is returned.
+    #[must_use]
+    pub fn from_plan(&self, plan: EastNorth) -> LatLon {
+        let range_sq = plan.east_m * plan.east_m + plan.north_m * plan.north_m;
+        let mut up_m = (SEMI_MAJOR_M * SEMI_MAJOR_M - range_sq).max(0.0).sqrt() - SEMI_MAJOR_M;
+        let mut place = self.origin;
+        for _ in 0..6 {
+            let (found, height_m) = self.from_enu(&Vector3::new(plan.east_m, plan.north_m, up_m));
+            place = found;
+            // d(height)/d(up) is the cosine between the two verticals.
+            let slope = (1.0 + up_m / SEMI_MAJOR_M).max(0.1);
+            up_m -= height_m / slope;
+            if height_m.abs() < 1e-9 {
+                break;
+            }
+        }
+        place
+    }
+}

@@ -1,0 +1,65 @@
+//! Sortie turns one geodetic mission spec into verified, collision-free MAVLink
+//! missions for a whole fleet of UAVs.
+//!
+//! ```text
+//! spec -> local ENU frame -> MSFOA per vehicle, in priority order -> sampled path -> MISSION_ITEM_INT
+//!      -> re-verified from the encoded integers -> .waypoints / .plan files, review, upload over MAVLink
+//! ```
+//!
+//! # The house
+//!
+//! Each folder is one noun and imports only from folders above it in this table
+//! (`tests/layering.rs` holds it):
+//!
+//! | layer | folder | owns |
+//! |---|---|---|
+//! | 0 | [`numeric`] | seeds and streams, B-spline basis, plane and space-time geometry |
+//! | 1 | [`geodesy`] | WGS84, ECEF, local ENU frame, altitude references |
+//! | 1 | [`optimize`] | the trait `Problem`, evaluation budgets, one file per algorithm |
+//! | 2 | [`spec`] | YAML as typed, then checked: an immutable [`spec::MissionSpec`] |
+//! | 3 | [`world`] | terrain and its readers, threats, zones, area |
+//! | 4 | [`path`] | control points to a sampled, timed trajectory; turn and climb limits |
+//! | 5 | [`cost`] | the objective: named terms, weights |
+//! | 6 | [`plan`] | one vehicle's search problem; the fleet in priority order |
+//! | 7 | [`mission`] | mission items, autopilot profiles, path to items |
+//! | 8 | [`formats`] | `.waypoints`, `.plan`, KML, GeoJSON, parameter files |
+//! | 8 | [`verify`] | the verdict on encoded missions, in continuous time |
+//! | 9 | [`dispatch`] | plan, encode, verify, repair, in bounded rounds |
+//! | 9 | [`link`] | sans-IO upload and download, codec, sockets |
+//! | 10 | [`vehicle`] | the simulated vehicle |
+//! | 10 | [`report`] | HTML and JSON from facts handed to it |
+//! | 12 | [`cli`] | arguments, progress, exit codes |
+//!
+//! # Units
+//!
+//! SI and radians inside, with the unit as a suffix of the name. Degrees appear
+//! only in [`spec`], [`mission`], [`formats`] and [`report`], always as `_deg`.
+//! An altitude never travels without its reference: see [`geodesy::Amsl`].
+
+pub mod numeric;
+
+pub mod geodesy;
+pub mod optimize;
+
+pub mod spec;
+
+pub mod world;
+
+pub mod path;
+
+pub mod cost;
+
+pub mod plan;
+
+pub mod mission;
+
+pub mod formats;
+pub mod verify;
+
+pub mod dispatch;
+pub mod link;
+
+pub mod report;
+pub mod vehicle;
+
+pub mod cli;

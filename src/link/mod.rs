@@ -1,0 +1,1 @@
+//! Missions to and from vehicles: sans-IO machines, codec, sockets.

@@ -1,0 +1,12 @@
+//! From control points to a sampled, timed path.
+
+use crate::geodesy::PlanPoint;
+
+/// A point of a path and when the vehicle is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedPoint {
+    /// Where.
+    pub point: PlanPoint,
+    /// Seconds after the fleet's T0.
+    pub t_s: f64,
+}

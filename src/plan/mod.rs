@@ -1,0 +1,50 @@
+//! Paths for a fleet, one vehicle after the other in order of priority.
+
+use crate::cost::CostTerms;
+use crate::geodesy::PlanPoint;
+use crate::path::TimedPoint;
+
+/// The paths of a fleet, in the order of the spec.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FleetPlan {
+    /// The seed every stream came from.
+    pub seed: u64,
+    /// One plan for each vehicle.
+    pub vehicles: Vec<VehiclePlan>,
+}
+
+/// The path of one vehicle.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VehiclePlan {
+    /// Start to goal; with [`crate::spec::Finish::Return`] a second one, goal to over home.
+    pub routes: Vec<Route>,
+    /// The objective, judged finely, summed over the routes.
+    pub terms: CostTerms,
+    /// Proven: no path costs less.
+    pub bound: f64,
+    /// What the relaxed problem suggests the best path costs; proves nothing.
+    pub estimate: f64,
+    /// Objective evaluations spent.
+    pub evaluations: usize,
+}
+
+/// One planned spline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Route {
+    /// Control points of the clamped cubic B-spline, ends included.
+    pub control_points: Vec<PlanPoint>,
+    /// Points along it, times after T0, first and last exactly the ends.
+    pub path: Vec<TimedPoint>,
+}
+
+impl VehiclePlan {
+    /// How far the total is above the estimate, as a fraction of the estimate.
+    #[must_use]
+    pub fn gap(&self) -> f64 {
+        if self.estimate > 0.0 {
+            (self.terms.total() - self.estimate) / self.estimate
+        } else {
+            0.0
+        }
+    }
+}

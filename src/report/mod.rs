@@ -1,0 +1,1 @@
+//! Pages and documents from facts handed over.

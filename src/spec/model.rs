@@ -1,0 +1,354 @@
+//! The checked spec. Whoever holds a [`MissionSpec`] need not check it again.
+
+use std::path::PathBuf;
+
+use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
+
+/// One mission for a fleet, checked and in SI units. Positions stay geodetic;
+/// [`MissionSpec::frame`] takes them to planning coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissionSpec {
+    /// Name of the mission, and of its output folder.
+    pub name: String,
+    /// The local frame at `origin` (default: the middle of the area).
+    pub frame: LocalFrame,
+    /// Where flying is allowed.
+    pub area: Area,
+    /// Where the ground comes from.
+    pub terrain: TerrainSource,
+    /// Cylinders of infinite height that must not be entered.
+    pub threats: Vec<Threat>,
+    /// Polygons that must not be entered.
+    pub no_fly: Vec<Zone>,
+    /// Rally points.
+    pub rally: Vec<Rally>,
+    /// The fleet, in order of priority.
+    pub vehicles: Vec<Vehicle>,
+    /// How far apart vehicles must stay.
+    pub separation: Separation,
+    /// How paths are searched.
+    pub planner: Planner,
+    /// How paths become mission items.
+    pub mission: MissionOptions,
+    /// Steady wind, if any is assumed.
+    pub wind: Option<Wind>,
+}
+
+/// The allowed box of latitude, longitude and altitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Area {
+    /// South-west corner.
+    pub south_west: LatLon,
+    /// North-east corner.
+    pub north_east: LatLon,
+    /// Minimum height above ground from start to goal (h_min of the paper).
+    pub min_agl: Agl,
+    /// Ceiling.
+    pub max_amsl: Amsl,
+}
+
+impl Area {
+    /// The corners, counter-clockwise from the south-west.
+    #[must_use]
+    pub fn outline(&self) -> Vec<LatLon> {
+        let corner = |lat_deg, lon_deg| LatLon { lat_deg, lon_deg };
+        let (south, west) = (self.south_west.lat_deg, self.south_west.lon_deg);
+        let (north, east) = (self.north_east.lat_deg, self.north_east.lon_deg);
+        vec![
+            corner(south, west),
+            corner(south, east),
+            corner(north, east),
+            corner(north, west),
+        ]
+    }
+}
+
+/// Where the ground comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TerrainSource {
+    /// An elevation file, its path relative to the spec.
+    File(PathBuf),
+    /// The same height everywhere.
+    Flat(Amsl),
+    /// Gaussian hills over a base, for examples and tests.
+    Analytic {
+        /// Height far from every hill.
+        base: Amsl,
+        /// The hills.
+        hills: Vec<Hill>,
+    },
+}
+
+/// A Gaussian hill of an analytic terrain: `height * exp(-(d/radius)^2)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hill {
+    /// Summit.
+    pub place: LatLon,
+    /// Height of the summit over the base, metres.
+    pub height_m: f64,
+    /// Distance at which the height has fallen to 1/e, metres.
+    pub radius_m: f64,
+}
+
+/// A vertical cylinder of infinite height.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Threat {
+    /// Unique name.
+    pub id: String,
+    /// A label such as `radar`; without meaning to the planner.
+    pub kind: String,
+    /// Axis.
+    pub place: LatLon,
+    /// Radius, metres.
+    pub radius_m: f64,
+}
+
+/// A polygon that must not be entered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Zone {
+    /// Unique name.
+    pub id: String,
+    /// At least three corners, not closed (the last is not the first).
+    pub polygon: Vec<LatLon>,
+    /// Closed below this altitude only; closed at every height if absent.
+    pub below: Option<Amsl>,
+}
+
+/// A rally point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rally {
+    /// Where.
+    pub place: LatLon,
+    /// How high over the ground there.
+    pub agl: Agl,
+}
+
+/// One vehicle of the fleet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vehicle {
+    /// Unique name; file names begin with it.
+    pub id: String,
+    /// MAVLink system id, 1 to 255, unique.
+    pub sysid: u8,
+    /// Which autopilot will read the mission.
+    pub autopilot: Autopilot,
+    /// What flies.
+    pub airframe: Airframe,
+    /// How to reach it.
+    pub link: Link,
+    /// Where it stands on the ground.
+    pub home: LatLon,
+    /// Where the planned path begins, airborne.
+    pub start: EndPoint,
+    /// Where the planned path ends, airborne.
+    pub goal: EndPoint,
+    /// What happens at the goal.
+    pub finish: Finish,
+    /// Planned ground speed, m/s.
+    pub speed_mps: f64,
+    /// Turn overload n_max; the turn radius is `v^2 / (g sqrt(n^2 - 1))`.
+    pub max_load_factor: f64,
+    /// Steepest climb, radians; absent: the slope polynomial of the paper (Eq. 27).
+    pub max_climb_rad: Option<f64>,
+    /// Steepest descent, radians, positive; absent: the paper's polynomial.
+    pub max_descent_rad: Option<f64>,
+    /// Vertical speed up, m/s; the autopilot's default if the spec has none.
+    pub climb_mps: f64,
+    /// Vertical speed down, m/s, positive; likewise.
+    pub descent_mps: f64,
+    /// Horizontal acceleration, m/s^2; likewise.
+    pub accel_mps2: f64,
+    /// Takeoff starts this long after the fleet's T0.
+    pub depart_s: f64,
+    /// Only with it may NAV_RETURN_TO_LAUNCH be written.
+    pub return_amsl: Option<Amsl>,
+}
+
+/// A point of the path, with its altitude as the spec states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndPoint {
+    /// Where.
+    pub place: LatLon,
+    /// How high.
+    pub altitude: Placement,
+}
+
+/// An altitude over ground or over the sea.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Placement {
+    /// Over the terrain at that place.
+    Agl(Agl),
+    /// Over mean sea level.
+    Amsl(Amsl),
+}
+
+/// Which autopilot reads the mission.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Autopilot {
+    /// ArduPilot.
+    ArduPilot,
+    /// PX4.
+    Px4,
+}
+
+/// What flies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Airframe {
+    /// Multicopter.
+    Copter,
+}
+
+/// How a vehicle is reached.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Link {
+    /// A simulated vehicle inside this process, over real UDP on loopback.
+    Sim,
+    /// Send to this address, listen for the answers.
+    UdpOut(String),
+    /// Bind this address, wait for the vehicle to speak.
+    UdpIn(String),
+    /// Connect to this address.
+    Tcp(String),
+    /// A serial port.
+    Serial {
+        /// Device.
+        device: String,
+        /// Baud rate.
+        baud: u32,
+    },
+}
+
+/// What happens at the goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finish {
+    /// Land there.
+    Land,
+    /// Stay there until told otherwise.
+    Loiter,
+    /// Fly a planned path home and land there.
+    Return,
+}
+
+/// How far apart vehicles must stay, from takeoff to touchdown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation {
+    /// Least distance at the same time, metres.
+    pub distance_m: f64,
+    /// Holds for every relative shift of departure up to this, seconds.
+    pub time_slack_s: f64,
+    /// If present, a conflict is horizontal < `distance_m` and vertical < this.
+    pub vertical_m: Option<f64>,
+}
+
+/// How paths are searched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planner {
+    /// Which algorithm.
+    pub algorithm: Algorithm,
+    /// Which objective.
+    pub objective: Objective,
+    /// Seed of every random stream.
+    pub seed: u64,
+    /// Objective evaluations for each vehicle.
+    pub evaluations: usize,
+    /// Free control points of the spline.
+    pub control_points: usize,
+    /// Samples of the path in the objective.
+    pub samples: usize,
+    /// Weights of the objective's terms.
+    pub weights: Weights,
+    /// Number of swarms; absent: the algorithm's own.
+    pub swarms: Option<usize>,
+    /// Flies in all; absent: the algorithm's own.
+    pub population: Option<usize>,
+    /// Cost above which a swarm searches globally; absent: the algorithm's own.
+    pub threshold: Option<f64>,
+    /// Local step R, as a fraction of the map; absent: the algorithm's own.
+    pub step: Option<f64>,
+}
+
+/// Which algorithm searches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Algorithm {
+    /// The default: several swarms in different route classes.
+    Msfoa,
+    /// Algorithm 2 of the paper to the letter.
+    MsfoaLiteral,
+    /// The same with a shrinking local step.
+    MsfoaDwindle,
+}
+
+/// Which objective is minimised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Objective {
+    /// Integrals along the path, independent of the sampling.
+    Operational,
+    /// The paper's sums over samples.
+    Paper,
+}
+
+/// Factors on the terms of the objective; 1 means as designed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Length.
+    pub length: f64,
+    /// Height above the minimum.
+    pub altitude: f64,
+    /// Threats, zones and area.
+    pub threat: f64,
+    /// Height below the minimum.
+    pub terrain: f64,
+    /// Turns beyond the limit.
+    pub turn: f64,
+    /// Slopes beyond the limit.
+    pub climb: f64,
+    /// Nearness to earlier vehicles.
+    pub collision: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self {
+            length: 1.0,
+            altitude: 1.0,
+            threat: 1.0,
+            terrain: 1.0,
+            turn: 1.0,
+            climb: 1.0,
+            collision: 1.0,
+        }
+    }
+}
+
+/// How paths become mission items.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MissionOptions {
+    /// Reference of the altitudes in the items.
+    pub altitude: AltitudeReference,
+    /// Furthest the waypoint legs may leave the planned path, metres.
+    pub tolerance_m: f64,
+    /// Most items in one mission.
+    pub max_items: usize,
+    /// Whether a fence is written.
+    pub fence: bool,
+}
+
+/// Reference of the altitudes in mission items.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AltitudeReference {
+    /// Above mean sea level.
+    Amsl,
+    /// Above home.
+    Relative,
+    /// Above terrain, by the vehicle's own terrain data.
+    Terrain,
+}
+
+/// A steady wind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wind {
+    /// Direction it blows from, radians clockwise from north.
+    pub from_rad: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+}

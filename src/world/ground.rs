@@ -1,0 +1,133 @@
+//! The ground as the search reads it: a regular grid in planning coordinates.
+
+use geo::{BoundingRect, Polygon};
+
+use super::Terrain;
+use crate::geodesy::{EastNorth, LocalFrame};
+
+/// Heights at the nodes of a square grid, row by row from the south-west.
+///
+/// Resampled once from the [`Terrain`], so that the search neither converts
+/// coordinates nor misses the cache; the verdict never reads it. Where the
+/// source has no data the height is NaN.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ground {
+    /// The first node.
+    pub south_west: EastNorth,
+    /// Distance between nodes, metres.
+    pub spacing_m: f64,
+    /// Nodes from west to east.
+    pub columns: usize,
+    /// Nodes from south to north.
+    pub rows: usize,
+    /// Heights above mean sea level, metres.
+    pub heights_m: Vec<f32>,
+}
+
+/// Most nodes along one side; keeps the grid within 4 MiB.
+const MAX_NODES: f64 = 1024.0;
+
+impl Ground {
+    /// Samples the terrain over the bounding box of the area.
+    #[must_use]
+    pub fn sample(terrain: &Terrain, frame: &LocalFrame, area: &Polygon<f64>) -> Self {
+        let (min, max) = area
+            .bounding_rect()
+            .map_or(((0.0, 0.0), (1.0, 1.0)), |rect| {
+                (rect.min().x_y(), rect.max().x_y())
+            });
+        let (width_m, height_m) = (max.0 - min.0, max.1 - min.1);
+        let finest_m = width_m.max(height_m) / (MAX_NODES - 1.0);
+        let spacing_m = source_spacing_m(terrain)
+            .min(width_m.max(height_m))
+            .max(finest_m)
+            .max(1.0);
+        let nodes = |length_m: f64| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "at most MAX_NODES + 1"
+            )]
+            let count = (length_m / spacing_m).ceil().clamp(1.0, MAX_NODES) as usize + 1;
+            count
+        };
+        let (columns, rows) = (nodes(width_m), nodes(height_m));
+        let mut heights_m = Vec::with_capacity(columns * rows);
+        for row in 0..rows {
+            for column in 0..columns {
+                #[expect(clippy::cast_precision_loss, reason = "at most MAX_NODES")]
+                let at = EastNorth {
+                    east_m: min.0 + column as f64 * spacing_m,
+                    north_m: min.1 + row as f64 * spacing_m,
+                };
+                let height = terrain.height(frame.from_plan(at));
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "heights need no more than f32"
+                )]
+                heights_m.push(height.map_or(f32::NAN, |amsl| amsl.0 as f32));
+            }
+        }
+        Self {
+            south_west: EastNorth {
+                east_m: min.0,
+                north_m: min.1,
+            },
+            spacing_m,
+            columns,
+            rows,
+            heights_m,
+        }
+    }
+
+    /// Bilinear height above mean sea level, metres; places outside take the
+    /// edge; NaN beside voids.
+    #[must_use]
+    pub fn height_m(&self, at: EastNorth) -> f64 {
+        let (column, right) = cell(
+            (at.east_m - self.south_west.east_m) / self.spacing_m,
+            self.columns,
+        );
+        let (row, up) = cell(
+            (at.north_m - self.south_west.north_m) / self.spacing_m,
+            self.rows,
+        );
+        let corner = row * self.columns + column;
+        let node = |index: usize| f64::from(self.heights_m[index]);
+        let south = node(corner) + (node(corner + 1) - node(corner)) * right;
+        let north = node(corner + self.columns)
+            + (node(corner + self.columns + 1) - node(corner + self.columns)) * right;
+        south + (north - south) * up
+    }
+}
+
+/// The cell index and the fraction within it, clamped to the grid.
+fn cell(at: f64, nodes: usize) -> (usize, f64) {
+    #[expect(clippy::cast_precision_loss, reason = "at most MAX_NODES")]
+    let at = at.clamp(0.0, (nodes - 1) as f64);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the grid"
+    )]
+    let index = (at.floor() as usize).min(nodes - 2);
+    #[expect(clippy::cast_precision_loss, reason = "at most MAX_NODES")]
+    let fraction = at - index as f64;
+    (index, fraction)
+}
+
+/// The finest spacing at which the source still tells something new, metres.
+fn source_spacing_m(terrain: &Terrain) -> f64 {
+    const METRES_PER_DEGREE: f64 = 111_195.08;
+    match terrain {
+        Terrain::Flat(_) => f64::INFINITY,
+        Terrain::Analytic { hills, .. } => hills
+            .iter()
+            .map(|hill| hill.radius_m / 16.0)
+            .fold(f64::INFINITY, f64::min),
+        Terrain::Grid(grid) => {
+            let parallel = grid.north_west.lat_deg.to_radians().cos().max(0.01);
+            grid.row_step_deg.min(grid.column_step_deg * parallel) * METRES_PER_DEGREE
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Terrain as its source has it, in geodetic coordinates.
+
+use crate::geodesy::{Amsl, LatLon};
+use crate::spec::Hill;
+
+/// There is no elevation at a place: never taken for 0.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("no elevation data at {:.6}, {:.6}", place.lat_deg, place.lon_deg)]
+pub struct NoData {
+    /// Where.
+    pub place: LatLon,
+}
+
+/// The ground.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Terrain {
+    /// The same height everywhere.
+    Flat(Amsl),
+    /// Gaussian hills over a base.
+    Analytic {
+        /// Height far from every hill.
+        base: Amsl,
+        /// The hills.
+        hills: Vec<Hill>,
+    },
+    /// A grid of latitude and longitude.
+    Grid(TerrainGrid),
+}
+
+/// Heights at the nodes of a regular grid of latitude and longitude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TerrainGrid {
+    /// The first node: the north-west corner.
+    pub north_west: LatLon,
+    /// Degrees of latitude between rows, positive; rows go south.
+    pub row_step_deg: f64,
+    /// Degrees of longitude between columns, positive; columns go east.
+    pub column_step_deg: f64,
+    /// Number of rows, at least 2.
+    pub rows: usize,
+    /// Number of columns, at least 2.
+    pub columns: usize,
+    /// Heights above mean sea level, metres, row by row; NaN where there is no data.
+    pub heights_m: Vec<f32>,
+}
+
+impl Terrain {
+    /// The height of the ground at a place.
+    ///
+    /// # Errors
+    /// [`NoData`] outside of the grid and in a cell with a void corner.
+    pub fn height(&self, place: LatLon) -> Result<Amsl, NoData> {
+        match self {
+            Self::Flat(amsl) => Ok(*amsl),
+            Self::Analytic { base, hills } => Ok(Amsl(
+                base.0
+                    + hills
+                        .iter()
+                        .map(|hill| hill_height_m(hill, place))
+                        .sum::<f64>(),
+            )),
+            Self::Grid(grid) => grid.height_m(place).map(Amsl).ok_or(NoData { place }),
+        }
+    }
+}
+
+/// Height of a Gaussian hill; distances on the sphere of mean radius are good enough for a shape.
+fn hill_height_m(hill: &Hill, place: LatLon) -> f64 {
+    const METRES_PER_DEGREE: f64 = 111_195.08;
+    let north_m = (place.lat_deg - hill.place.lat_deg) * METRES_PER_DEGREE;
+    let east_m = (place.lon_deg - hill.place.lon_deg)
+        * METRES_PER_DEGREE
+        * hill.place.lat_deg.to_radians().cos();
+    let distance_sq = (north_m * north_m + east_m * east_m) / (hill.radius_m * hill.radius_m);
+    hill.height_m * (-distance_sq).exp()
+}
+
+impl TerrainGrid {
+    /// Bilinear height at a place, metres; `None` outside and beside voids.
+    #[must_use]
+    pub fn height_m(&self, place: LatLon) -> Option<f64> {
+        let row = (self.north_west.lat_deg - place.lat_deg) / self.row_step_deg;
+        let column = (place.lon_deg - self.north_west.lon_deg) / self.column_step_deg;
+        let (top, down) = cell(row, self.rows)?;
+        let (left, right) = cell(column, self.columns)?;
+        let node = |r: usize, c: usize| f64::from(self.heights_m[r * self.columns + c]);
+        // A neighbour of weight 0 is not asked, so that a node beside a void still counts.
+        let mix = |r: usize| {
+            if right > 0.0 {
+                node(r, left) * (1.0 - right) + node(r, left + 1) * right
+            } else {
+                node(r, left)
+            }
+        };
+        let height = if down > 0.0 {
+            mix(top) * (1.0 - down) + mix(top + 1) * down
+        } else {
+            mix(top)
+        };
+        height.is_finite().then_some(height)
+    }
+}
+
+/// The cell index and the fraction within it; `None` outside of `nodes` nodes.
+fn cell(at: f64, nodes: usize) -> Option<(usize, f64)> {
+    // A hair of tolerance: a place on the very edge is inside.
+    let last = f64::from(u32::try_from(nodes.checked_sub(1)?).ok()?);
+    if !(-1e-9..=last + 1e-9).contains(&at) {
+        return None;
+    }
+    let at = at.clamp(0.0, last);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the grid"
+    )]
+    let index = (at.floor() as usize).min(nodes - 1);
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "grids have far fewer than 2^52 rows"
+    )]
+    let fraction = at - index as f64;
+    Some((index, fraction))
+}

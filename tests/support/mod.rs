@@ -1,0 +1,85 @@
+//! Fixtures shared by the tests.
+#![allow(dead_code, unreachable_pub, missing_docs)]
+
+use sortie::geodesy::{Agl, Amsl, LatLon, LocalFrame};
+use sortie::spec::*;
+use sortie::world::{Terrain, World};
+
+pub fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
+    LatLon { lat_deg, lon_deg }
+}
+
+/// An ArduPilot copter that flies from one place to another at 80 m above ground.
+pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
+    let airborne = |place| EndPoint { place, altitude: Placement::Agl(Agl(80.0)) };
+    Vehicle {
+        id: id.to_owned(),
+        sysid,
+        autopilot: Autopilot::ArduPilot,
+        airframe: Airframe::Copter,
+        link: Link::Sim,
+        home: start,
+        start: airborne(start),
+        goal: airborne(goal),
+        finish: Finish::Land,
+        speed_mps: 15.0,
+        max_load_factor: 1.2,
+        max_climb_rad: Some(15_f64.to_radians()),
+        max_descent_rad: Some(10_f64.to_radians()),
+        climb_mps: 5.0,
+        descent_mps: 3.0,
+        accel_mps2: 2.5,
+        depart_s: 0.0,
+        return_amsl: None,
+    }
+}
+
+/// A 20 km square around 36.30 N 84.25 W over flat ground at 400 m, nothing in it.
+pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
+    MissionSpec {
+        name: "test".to_owned(),
+        frame: LocalFrame::new(place(36.30, -84.25)),
+        area: Area {
+            south_west: place(36.21, -84.36),
+            north_east: place(36.39, -84.14),
+            min_agl: Agl(60.0),
+            max_amsl: Amsl(1500.0),
+        },
+        terrain: TerrainSource::Flat(Amsl(400.0)),
+        threats: Vec::new(),
+        no_fly: Vec::new(),
+        rally: Vec::new(),
+        vehicles,
+        separation: Separation { distance_m: 100.0, time_slack_s: 5.0, vertical_m: None },
+        planner: Planner {
+            algorithm: Algorithm::Msfoa,
+            objective: Objective::Operational,
+            seed: 1,
+            evaluations: 5000,
+            control_points: 8,
+            samples: 101,
+            weights: Weights::default(),
+            swarms: None,
+            population: None,
+            threshold: None,
+            step: None,
+        },
+        mission: MissionOptions {
+            altitude: AltitudeReference::Amsl,
+            tolerance_m: 5.0,
+            max_items: 200,
+            fence: true,
+        },
+        wind: None,
+    }
+}
+
+/// The world of a spec whose terrain is flat or analytic.
+pub fn world(spec: &MissionSpec) -> World {
+    let terrain = match &spec.terrain {
+        TerrainSource::Flat(amsl) => Terrain::Flat(*amsl),
+        TerrainSource::Analytic { base, hills } => Terrain::Analytic { base: *base, hills: hills.clone() },
+        TerrainSource::File(file) => panic!("{} is not for this fixture", file.display()),
+    };
+    World::new(spec, terrain).expect("ground everywhere")
+}
