@@ -9,6 +9,7 @@
 //! come out short by height over earth radius (0.016 % at 1000 m), which is the
 //! safe side for every separation.
 
+use geo::{LineString, Polygon};
 use nalgebra::{Matrix3, Vector3};
 
 use super::Amsl;
@@ -82,6 +83,12 @@ impl LatLon {
         } else {
             Err(GeodesyError::NoSuchPlace { lat_deg, lon_deg })
         }
+    }
+
+    /// Straight distance through the earth, metres; 1 cm short of the way along it at 20 km.
+    #[must_use]
+    pub fn chord_m(self, other: Self) -> f64 {
+        (self.to_ecef(0.0) - other.to_ecef(0.0)).norm()
     }
 
     /// Earth-centred coordinates of the point `height_m` above the ellipsoid here.
@@ -199,6 +206,19 @@ impl LocalFrame {
             east_m: enu_m.x,
             north_m: enu_m.y,
         }
+    }
+
+    /// The polygon of these corners in planning coordinates (x east, y north, metres).
+    #[must_use]
+    pub fn outline(&self, corners: &[LatLon]) -> Polygon<f64> {
+        let ring: Vec<(f64, f64)> = corners
+            .iter()
+            .map(|corner| {
+                let plan = self.to_plan(*corner);
+                (plan.east_m, plan.north_m)
+            })
+            .collect();
+        Polygon::new(LineString::from(ring), Vec::new())
     }
 
     /// The place of planning coordinates: the inverse of [`Self::to_plan`].

@@ -1,11 +1,16 @@
 //! The mission spec: YAML as typed, then checked, SI and immutable.
 
+mod check;
+mod file;
 mod issue;
 mod model;
+mod places;
+mod raw;
 
+pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
     Airframe, Algorithm, AltitudeReference, Area, Autopilot, EndPoint, Finish, Hill, Link,
-    MissionOptions, MissionSpec, Objective, Placement, Planner, Rally, Separation, TerrainSource,
-    Threat, Vehicle, Weights, Wind, Zone,
+    MissionOptions, MissionSpec, Objective, OnLinkLoss, Placement, Planner, Rally, Separation,
+    TerrainSource, Threat, Vehicle, Weights, Wind, Zone,
 };

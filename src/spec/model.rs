@@ -32,6 +32,8 @@ pub struct MissionSpec {
     pub mission: MissionOptions,
     /// Steady wind, if any is assumed.
     pub wind: Option<Wind>,
+    /// What the fleet does when the link to one vehicle is lost.
+    pub on_link_loss: OnLinkLoss,
 }
 
 /// The allowed box of latitude, longitude and altitude.
@@ -351,4 +353,15 @@ pub struct Wind {
     pub from_rad: f64,
     /// Speed, m/s.
     pub speed_mps: f64,
+}
+
+/// What the fleet does when the link to one vehicle is lost.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnLinkLoss {
+    /// Everyone flies on.
+    Continue,
+    /// Everyone stays where it is.
+    HoldAll,
+    /// Everyone lands where it is.
+    LandAll,
 }

@@ -1,12 +1,16 @@
 //! The world a mission flies in: ground, threats, zones, area, in planning coordinates.
 
 mod ground;
+mod load;
+mod reader;
 mod terrain;
 
 pub use ground::Ground;
+pub use load::load;
+pub use reader::{Bounds, TerrainError, read_terrain};
 pub use terrain::{NoData, Terrain, TerrainGrid};
 
-use geo::{Contains, LineString, Point, Polygon};
+use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::spec::{EndPoint, MissionSpec, Placement};
@@ -63,6 +67,28 @@ pub struct World {
     pub stations: Vec<Stations>,
 }
 
+impl Disc {
+    /// Whether a point of the plane lies in the threat; its rim does.
+    #[must_use]
+    pub fn contains(&self, at: EastNorth) -> bool {
+        self.center.distance_m(at) <= self.radius_m
+    }
+}
+
+impl PlanZone {
+    /// Whether a point of the plane lies in the outline; its edge does.
+    #[must_use]
+    pub fn contains(&self, at: EastNorth) -> bool {
+        covers(&self.outline, at)
+    }
+
+    /// Whether the zone is closed at a point of space.
+    #[must_use]
+    pub fn is_closed_at(&self, point: PlanPoint) -> bool {
+        self.below.is_none_or(|below| point.amsl < below) && self.contains(point.at)
+    }
+}
+
 impl World {
     /// The world of a spec over a terrain that was read before.
     ///
@@ -70,16 +96,6 @@ impl World {
     /// [`NoData`] when the terrain has no height under a home, start or goal.
     pub fn new(spec: &MissionSpec, terrain: Terrain) -> Result<Self, NoData> {
         let frame = spec.frame;
-        let outline = |corners: Vec<crate::geodesy::LatLon>| {
-            let ring: Vec<(f64, f64)> = corners
-                .into_iter()
-                .map(|corner| {
-                    let plan = frame.to_plan(corner);
-                    (plan.east_m, plan.north_m)
-                })
-                .collect();
-            Polygon::new(LineString::from(ring), Vec::new())
-        };
         let threats = spec
             .threats
             .iter()
@@ -92,11 +108,11 @@ impl World {
             .no_fly
             .iter()
             .map(|zone| PlanZone {
-                outline: outline(zone.polygon.clone()),
+                outline: frame.outline(&zone.polygon),
                 below: zone.below,
             })
             .collect();
-        let area = outline(spec.area.outline());
+        let area = frame.outline(&spec.area.outline());
         let stations = spec
             .vehicles
             .iter()
@@ -125,11 +141,16 @@ impl World {
         })
     }
 
-    /// Whether a point of the plane lies in the allowed area.
+    /// Whether a point of the plane lies in the allowed area; its edge does not.
     #[must_use]
     pub fn in_area(&self, at: EastNorth) -> bool {
         self.area.contains(&Point::new(at.east_m, at.north_m))
     }
+}
+
+/// Whether a polygon and its edge hold a point.
+fn covers(polygon: &Polygon<f64>, at: EastNorth) -> bool {
+    polygon.intersects(&Point::new(at.east_m, at.north_m))
 }
 
 fn resolve(frame: &LocalFrame, terrain: &Terrain, end: EndPoint) -> Result<PlanPoint, NoData> {

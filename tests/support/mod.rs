@@ -71,6 +71,7 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
             fence: true,
         },
         wind: None,
+        on_link_loss: OnLinkLoss::Continue,
     }
 }
 

@@ -1,0 +1,260 @@
+//! The vehicles, each alone and against each other.
+
+use std::collections::BTreeMap;
+
+use super::super::raw::{
+    RawAirframe, RawAltitude, RawAutopilot, RawEndPoint, RawFinish, RawSpec, RawVehicle,
+};
+use super::super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle};
+use super::Checker;
+use super::map::Map;
+use crate::geodesy::{Agl, Amsl, LatLon};
+
+/// Load factor of a bank of 30 degrees, the lean limit that copters come with.
+const DEFAULT_LOAD_FACTOR: f64 = 1.15;
+
+/// What an autopilot does unless told otherwise.
+struct Defaults {
+    climb_mps: f64,
+    descent_mps: f64,
+    accel_mps2: f64,
+}
+
+/// `WPNAV_SPEED_UP`, `WPNAV_SPEED_DN`, `WPNAV_ACCEL` of ArduCopter.
+const ARDUCOPTER: Defaults = Defaults {
+    climb_mps: 2.5,
+    descent_mps: 1.5,
+    accel_mps2: 2.5,
+};
+/// `MPC_Z_V_AUTO_UP`, `MPC_Z_V_AUTO_DN`, `MPC_ACC_HOR` of PX4.
+const PX4_COPTER: Defaults = Defaults {
+    climb_mps: 3.0,
+    descent_mps: 1.5,
+    accel_mps2: 3.0,
+};
+
+impl Checker<'_> {
+    /// Checks the fleet; vehicles that are broken are left out, and then there is an issue.
+    pub(super) fn fleet(
+        &mut self,
+        raw: &RawSpec,
+        map: Option<&Map>,
+        separation: Separation,
+    ) -> Vec<Vehicle> {
+        if raw.vehicles.is_empty() {
+            self.report("vehicles", "no vehicle", "at least one");
+        }
+        self.unique(
+            "vehicles",
+            raw.vehicles.iter().map(|vehicle| vehicle.id.as_str()),
+        );
+        self.system_ids(raw);
+        let mut vehicles = Vec::new();
+        for (index, vehicle) in raw.vehicles.iter().enumerate() {
+            let path = format!("vehicles[{index}]");
+            let terrain_altitude = matches!(raw.mission.altitude, RawAltitude::Terrain);
+            if terrain_altitude && matches!(vehicle.autopilot, RawAutopilot::Px4) {
+                let found = format!(
+                    "terrain, and vehicle `{}` is px4",
+                    vehicle.id.escape_debug()
+                );
+                self.report("mission.altitude", found, "amsl or relative");
+            }
+            if let Some(checked) = self.vehicle(&path, vehicle, map) {
+                vehicles.push((path, checked));
+            }
+        }
+        self.pads(&vehicles, separation);
+        vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()
+    }
+
+    fn system_ids(&mut self, raw: &RawSpec) {
+        let mut seen: BTreeMap<i64, &str> = BTreeMap::new();
+        for (index, vehicle) in raw.vehicles.iter().enumerate() {
+            let path = format!("vehicles[{index}].sysid");
+            // MAV_SYS_ID of PX4 ends at 250.
+            let last = if matches!(vehicle.autopilot, RawAutopilot::Px4) {
+                250
+            } else {
+                255
+            };
+            if !(1..=last).contains(&vehicle.sysid) {
+                self.report(&path, vehicle.sysid, format!("1 to {last}"));
+            }
+            if let Some(other) = seen.insert(vehicle.sysid, &vehicle.id) {
+                let found = format!(
+                    "{}, already the system id of `{}`",
+                    vehicle.sysid,
+                    other.escape_debug()
+                );
+                self.report(&path, found, "one system id for each vehicle");
+            }
+        }
+    }
+
+    fn vehicle(&mut self, path: &str, raw: &RawVehicle, map: Option<&Map>) -> Option<Vehicle> {
+        let at = |key: &str| format!("{path}.{key}");
+        self.file_name(&at("id"), &raw.id);
+        self.airframe(path, raw);
+        let link = self.link(&at("link"), &raw.link);
+        let start = self.end_point(&at("start"), raw.start);
+        let goal = self.end_point(&at("goal"), raw.goal);
+        let home = match raw.home {
+            Some(home) => self.place(&at("home"), home.lat, home.lon),
+            None => start.map(|start| start.place),
+        };
+        if let Some(map) = map {
+            let mut clear = |key: &str, place: Option<LatLon>| {
+                if let Some(place) = place {
+                    self.clear(&at(key), key, place, map);
+                }
+            };
+            clear("start", start.map(|end| end.place));
+            clear("goal", goal.map(|end| end.place));
+            clear("home", home.filter(|_| raw.home.is_some()));
+        }
+        let (autopilot, defaults) = match raw.autopilot {
+            RawAutopilot::ArduPilot => (Autopilot::ArduPilot, ARDUCOPTER),
+            RawAutopilot::Px4 => (Autopilot::Px4, PX4_COPTER),
+        };
+        let load_factor = raw.max_load_factor.unwrap_or(DEFAULT_LOAD_FACTOR);
+        let climb_mps = raw.climb_mps.unwrap_or(defaults.climb_mps);
+        let descent_mps = raw.descent_mps.unwrap_or(defaults.descent_mps);
+        let accel_mps2 = raw.accel_mps2.unwrap_or(defaults.accel_mps2);
+        let max_climb = self.optional(&at("max_climb_deg"), raw.max_climb_deg, 0.1..=89.0);
+        let max_descent = self.optional(&at("max_descent_deg"), raw.max_descent_deg, 0.1..=89.0);
+        Some(Vehicle {
+            speed_mps: self.number(&at("speed_mps"), raw.speed_mps, 0.5..=100.0),
+            max_load_factor: self.number(&at("max_load_factor"), load_factor, 1.001..=10.0),
+            max_climb_rad: max_climb.map(f64::to_radians),
+            max_descent_rad: max_descent.map(f64::to_radians),
+            climb_mps: self.number(&at("climb_mps"), climb_mps, 0.1..=50.0),
+            descent_mps: self.number(&at("descent_mps"), descent_mps, 0.1..=50.0),
+            accel_mps2: self.number(&at("accel_mps2"), accel_mps2, 0.1..=50.0),
+            depart_s: self.number(&at("depart_s"), raw.depart_s.unwrap_or(0.0), 0.0..=86_400.0),
+            return_amsl: self
+                .optional(&at("return_amsl_m"), raw.return_amsl_m, -500.0..=20_000.0)
+                .map(Amsl),
+            id: raw.id.clone(),
+            sysid: u8::try_from(raw.sysid).ok()?,
+            autopilot,
+            airframe: Airframe::Copter,
+            link: link?,
+            home: home?,
+            start: start?,
+            goal: goal?,
+            finish: match raw.finish {
+                RawFinish::Land => Finish::Land,
+                RawFinish::Loiter => Finish::Loiter,
+                RawFinish::Return => Finish::Return,
+            },
+        })
+    }
+
+    /// Only copters for now, and nothing that only a plane has.
+    fn airframe(&mut self, path: &str, raw: &RawVehicle) {
+        let name = match raw.airframe {
+            RawAirframe::Copter => {
+                let keys = [
+                    ("takeoff_heading_deg", raw.takeoff_heading_deg.is_some()),
+                    ("landing", raw.landing.is_some()),
+                    ("loiter_radius_m", raw.loiter_radius_m.is_some()),
+                ];
+                for (key, _) in keys.into_iter().filter(|(_, present)| *present) {
+                    self.report(
+                        &format!("{path}.{key}"),
+                        "a key of planes, on a copter",
+                        "without it",
+                    );
+                }
+                return;
+            }
+            RawAirframe::Plane => "plane",
+            RawAirframe::Vtol => "vtol",
+        };
+        let found = format!("{name}: planes and vtol come with a later version");
+        self.report(&format!("{path}.airframe"), found, "copter");
+    }
+
+    fn end_point(&mut self, path: &str, raw: RawEndPoint) -> Option<EndPoint> {
+        let agl = self.optional(&format!("{path}.agl_m"), raw.agl_m, 0.0..=20_000.0);
+        let amsl = self.optional(&format!("{path}.amsl_m"), raw.amsl_m, -500.0..=20_000.0);
+        let place = self.place(path, raw.lat, raw.lon);
+        let altitude = match (agl, amsl) {
+            (Some(agl), None) => Placement::Agl(Agl(agl)),
+            (None, Some(amsl)) => Placement::Amsl(Amsl(amsl)),
+            (None, None) | (Some(_), Some(_)) => {
+                let found = if agl.is_some() {
+                    "two altitudes"
+                } else {
+                    "no altitude"
+                };
+                self.report(path, found, "either agl_m or amsl_m");
+                return None;
+            }
+        };
+        place.map(|place| EndPoint { place, altitude })
+    }
+
+    fn link(&mut self, path: &str, text: &str) -> Option<Link> {
+        let link = parse_link(text);
+        if link.is_none() {
+            let allowed =
+                "sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD";
+            self.report(path, format!("link `{}`", text.escape_debug()), allowed);
+        }
+        link
+    }
+
+    /// Two vehicles that take off in each other's separation must not do so at the same time.
+    fn pads(&mut self, vehicles: &[(String, Vehicle)], separation: Separation) {
+        for (index, (path, vehicle)) in vehicles.iter().enumerate() {
+            for (_, earlier) in &vehicles[..index] {
+                let apart_m = vehicle.home.chord_m(earlier.home);
+                let apart_s = (vehicle.depart_s - earlier.depart_s).abs();
+                if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
+                    let found = format!(
+                        "takeoff {apart_m:.1} m from `{}` and {apart_s} s apart in time",
+                        earlier.id
+                    );
+                    let allowed = format!(
+                        "at least {} m, or depart_s more than {} s apart",
+                        separation.distance_m, separation.time_slack_s
+                    );
+                    self.report(path, found, allowed);
+                }
+            }
+        }
+    }
+}
+
+fn parse_link(text: &str) -> Option<Link> {
+    if text == "sim" {
+        return Some(Link::Sim);
+    }
+    let (scheme, rest) = text.split_once(':')?;
+    let (before, last) = rest.rsplit_once(':')?;
+    let good = |c: char| !c.is_whitespace() && !c.is_control();
+    if before.is_empty() || !before.chars().all(good) || !last.chars().all(|c| c.is_ascii_digit()) {
+        return None;
+    }
+    if scheme == "serial" {
+        let baud = last.parse().ok().filter(|baud| *baud > 0)?;
+        return Some(Link::Serial {
+            device: before.to_owned(),
+            baud,
+        });
+    }
+    last.parse::<u16>().ok().filter(|port| *port > 0)?;
+    // A host is a name, an IPv4 address, or an IPv6 address in brackets.
+    let bracketed = before.starts_with('[') && before.ends_with(']');
+    if before.contains([':', '/']) && !bracketed {
+        return None;
+    }
+    match scheme {
+        "udpout" => Some(Link::UdpOut(rest.to_owned())),
+        "udpin" => Some(Link::UdpIn(rest.to_owned())),
+        "tcp" => Some(Link::Tcp(rest.to_owned())),
+        _ => None,
+    }
+}

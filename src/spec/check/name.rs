@@ -1,0 +1,50 @@
+//! Names: of files, of vehicles, of threats and zones.
+
+use std::collections::BTreeMap;
+
+use super::Checker;
+
+/// Longest name, bytes: with its ending it still is a file name everywhere.
+const MAX_BYTES: usize = 64;
+
+impl Checker<'_> {
+    /// A name that becomes part of a file name. Without dots, so that the files
+    /// of `a` (`a.*`) are never those of another vehicle `a.b`.
+    pub(super) fn file_name(&mut self, path: &str, name: &str) {
+        let good = name.len() <= MAX_BYTES
+            && name.starts_with(char::is_alphanumeric)
+            && name
+                .chars()
+                .all(|c| c.is_alphanumeric() || c == '-' || c == '_');
+        if !good {
+            let allowed = format!(
+                "letters, digits, - and _, first a letter or digit, at most {MAX_BYTES} bytes"
+            );
+            self.report(path, format!("name `{}`", name.escape_debug()), allowed);
+        }
+    }
+
+    /// A name that is only shown.
+    pub(super) fn label(&mut self, path: &str, name: &str) {
+        if name.trim().is_empty() || name.len() > MAX_BYTES || name.chars().any(char::is_control) {
+            let allowed = format!("1 to {MAX_BYTES} printable bytes");
+            self.report(path, format!("name `{}`", name.escape_debug()), allowed);
+        }
+    }
+
+    /// Names of one list, `path[i].id`, differ in more than case: file systems may not see case.
+    pub(super) fn unique<'n>(&mut self, path: &str, names: impl Iterator<Item = &'n str>) {
+        let mut seen: BTreeMap<String, usize> = BTreeMap::new();
+        for (index, name) in names.enumerate() {
+            if let Some(first) = seen.get(&name.to_lowercase()) {
+                let found = format!(
+                    "`{}`, already the id of {path}[{first}]",
+                    name.escape_debug()
+                );
+                self.report(&format!("{path}[{index}].id"), found, "unique ids");
+            } else {
+                seen.insert(name.to_lowercase(), index);
+            }
+        }
+    }
+}

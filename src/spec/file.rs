@@ -1,0 +1,157 @@
+//! A spec file: read, parsed, checked, with its text kept for messages and copies.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::check;
+use super::places::Places;
+use super::raw::RawSpec;
+use super::{Issue, MissionSpec, SpecError, TerrainSource};
+
+/// Largest spec file. A thousand vehicles need half of one MiB.
+const MAX_BYTES: u64 = 8 << 20;
+
+/// A checked spec and the text it came from.
+#[derive(Clone, Debug)]
+pub struct SpecFile {
+    /// What it says.
+    pub spec: MissionSpec,
+    /// The file, byte for byte.
+    pub text: String,
+    /// Its path, as given.
+    pub path: PathBuf,
+    places: Places,
+}
+
+impl SpecFile {
+    /// Reads and checks a spec: everything that can be told without the ground.
+    /// What needs the ground is checked where the world is loaded.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is not text, and all that [`Self::parse`] finds.
+    pub fn read(path: &Path) -> Result<Self, SpecError> {
+        let whole = |found: String, allowed: &str| SpecError {
+            file: path.display().to_string(),
+            issues: vec![Issue {
+                path: String::new(),
+                position: None,
+                found,
+                allowed: allowed.to_owned(),
+            }],
+        };
+        let mut bytes = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
+            .map_err(|error| whole(format!("cannot be read: {error}"), ""))?;
+        if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {
+            let allowed = format!("at most {} MiB", MAX_BYTES >> 20);
+            return Err(whole("too large for a mission spec".to_owned(), &allowed));
+        }
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let good = error.utf8_error().valid_up_to();
+            whole(
+                format!("not text: byte {good} is not UTF-8"),
+                "YAML in UTF-8",
+            )
+        })?;
+        Self::parse(path, text)
+    }
+
+    /// Checks a spec that is already in memory; `path` is where it would be.
+    ///
+    /// # Errors
+    /// The first structural problem (syntax, type, unknown or repeated key), or
+    /// else every semantic problem, in file order.
+    pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
+        let file = || path.display().to_string();
+        let one = |issue: Issue| SpecError {
+            file: file(),
+            issues: vec![issue],
+        };
+        // Editors on Windows begin a file with a byte order mark.
+        let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
+        let places = Places::read(yaml).map_err(one)?;
+        let raw: RawSpec = serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
+        let spec = check::check(&raw, &places).map_err(|issues| SpecError {
+            file: file(),
+            issues,
+        })?;
+        Ok(Self {
+            spec,
+            text,
+            path: path.to_owned(),
+            places,
+        })
+    }
+
+    /// A problem at a path of this file, with its line and column.
+    #[must_use]
+    pub fn issue(&self, path: &str, found: String, allowed: String) -> Issue {
+        Issue {
+            path: path.to_owned(),
+            position: self.places.find(path),
+            found,
+            allowed,
+        }
+    }
+
+    /// An error of these issues, put in file order.
+    #[must_use]
+    pub fn error(&self, mut issues: Vec<Issue>) -> SpecError {
+        issues.sort_by_key(|issue| issue.position);
+        SpecError {
+            file: self.path.display().to_string(),
+            issues,
+        }
+    }
+
+    /// Where the elevation file is, if the spec names one.
+    #[must_use]
+    pub fn terrain_path(&self) -> Option<PathBuf> {
+        match &self.spec.terrain {
+            TerrainSource::File(file) => {
+                let folder = self.path.parent().unwrap_or(Path::new(""));
+                Some(folder.join(file))
+            }
+            TerrainSource::Flat(_) | TerrainSource::Analytic { .. } => None,
+        }
+    }
+}
+
+/// A message such as `vehicles[0]: unknown field ``a``, expected ``b`` at line 3 column 5`, taken apart.
+fn structural(error: &serde_yaml::Error) -> Issue {
+    let position = error.location().map(|place| (place.line(), place.column()));
+    let mut message = error.to_string();
+    if let Some((line, column)) = position {
+        let place = format!(" at line {line} column {column}");
+        message = message.replacen(&place, "", 1);
+    }
+    let is_path = |text: &str| {
+        text.chars()
+            .all(|c| c.is_ascii_alphanumeric() || "_.[]?".contains(c))
+    };
+    let (path, message) = match message.split_once(": ") {
+        Some((path, rest)) if is_path(path) => (path.to_owned(), rest.to_owned()),
+        _ => (String::new(), message),
+    };
+    let (found, allowed) = match message.split_once(", expected ") {
+        Some((found, allowed)) => (found.to_owned(), allowed.to_owned()),
+        None => (message, String::new()),
+    };
+    Issue {
+        path,
+        position,
+        found,
+        allowed,
+    }
+}
+
+/// The JSON Schema (draft 2020-12) of a mission spec, for editors.
+#[must_use]
+pub fn json_schema() -> String {
+    let schema = schemars::schema_for!(RawSpec);
+    let mut text = format!("{:#}", schema.as_value());
+    text.push('\n');
+    text
+}

@@ -1,0 +1,321 @@
+//! Where everything stands in the YAML text.
+//!
+//! A walk over the parser's events: no tree is built and nothing recurses, so
+//! that deep nesting and aliases of aliases end in an error, not in a hang.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use saphyr_parser::{Event, Parser, Span};
+
+use super::Issue;
+
+/// Deepest nesting; a mission needs six.
+const MAX_DEPTH: usize = 32;
+/// Most values, each alias counted as often as it is used.
+const MAX_NODES: usize = 1_000_000;
+
+/// Line and column, both from 1.
+pub(super) type Position = (usize, usize);
+
+/// Line and column of every value, by its path (`vehicles[2].start.lat`).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Places {
+    of: BTreeMap<String, Position>,
+}
+
+impl Places {
+    /// Walks the whole text.
+    ///
+    /// # Errors
+    /// Broken YAML, a key given twice, more than one document, and documents too
+    /// deep or too large when their aliases are written out.
+    pub(super) fn read(text: &str) -> Result<Self, Issue> {
+        let mut walk = Walk::default();
+        for event in Parser::new_from_str(text) {
+            let (event, span) = event.map_err(|error| {
+                let marker = error.marker();
+                problem("", (marker.line(), marker.col() + 1), error.info(), "YAML")
+            })?;
+            walk.take(event, span)?;
+        }
+        Ok(Self { of: walk.places })
+    }
+
+    /// The place of a path; of the nearest thing around it where the path itself
+    /// is absent (a missing key, the inside of an alias).
+    pub(super) fn find(&self, path: &str) -> Option<Position> {
+        let mut path = path;
+        loop {
+            if let Some(position) = self.of.get(path) {
+                return Some(*position);
+            }
+            if path.is_empty() {
+                return None;
+            }
+            path = &path[..path.rfind(['.', '[']).unwrap_or(0)];
+        }
+    }
+}
+
+/// An open mapping or sequence.
+#[derive(Debug)]
+struct Open {
+    path: String,
+    /// Anchor id, 0 for none.
+    anchor: usize,
+    /// Values within, aliases written out.
+    nodes: usize,
+    inside: Inside,
+}
+
+#[derive(Debug)]
+enum Inside {
+    Mapping {
+        keys: BTreeSet<String>,
+        /// The key whose value comes next.
+        key: Option<String>,
+    },
+    Sequence {
+        next: usize,
+    },
+}
+
+#[derive(Debug, Default)]
+struct Walk {
+    places: BTreeMap<String, Position>,
+    open: Vec<Open>,
+    documents: usize,
+    /// Size of each anchored value, by anchor id.
+    anchored: BTreeMap<usize, usize>,
+    nodes: usize,
+}
+
+impl Walk {
+    fn take(&mut self, event: Event<'_>, span: Span) -> Result<(), Issue> {
+        let at = (span.start.line(), span.start.col() + 1);
+        match event {
+            Event::DocumentStart(_) => {
+                self.documents += 1;
+                if self.documents > 1 {
+                    return Err(problem(
+                        "",
+                        at,
+                        "a second document",
+                        "one mission in one file",
+                    ));
+                }
+            }
+            Event::Scalar(text, _, anchor, _) => {
+                if let Some(Inside::Mapping {
+                    keys,
+                    key: key @ None,
+                }) = self.open.last_mut().map(|open| &mut open.inside)
+                {
+                    let name = text.into_owned();
+                    *key = Some(name.clone());
+                    if !keys.insert(name) {
+                        let path = self.path();
+                        return Err(problem(
+                            &path,
+                            at,
+                            "this key a second time",
+                            "each key once",
+                        ));
+                    }
+                    return Ok(());
+                }
+                self.value(at, 1)?;
+                self.anchored.insert(anchor, 1);
+            }
+            Event::Alias(anchor) => {
+                self.refuse_as_key(at)?;
+                // An alias within its own anchor finds no size: it would never end.
+                let Some(&nodes) = self.anchored.get(&anchor) else {
+                    return Err(problem(
+                        &self.path(),
+                        at,
+                        "an alias of itself",
+                        "finite values",
+                    ));
+                };
+                self.value(at, nodes)?;
+            }
+            Event::SequenceStart(anchor, _) => {
+                self.start(at, anchor, Inside::Sequence { next: 0 })?
+            }
+            Event::MappingStart(anchor, _) => {
+                let inside = Inside::Mapping {
+                    keys: BTreeSet::new(),
+                    key: None,
+                };
+                self.start(at, anchor, inside)?;
+            }
+            Event::SequenceEnd | Event::MappingEnd => {
+                if let Some(done) = self.open.pop() {
+                    self.anchored.insert(done.anchor, done.nodes);
+                    if let Some(around) = self.open.last_mut() {
+                        around.nodes = around.nodes.saturating_add(done.nodes);
+                    }
+                }
+            }
+            Event::Nothing | Event::StreamStart | Event::StreamEnd | Event::DocumentEnd => {}
+        }
+        Ok(())
+    }
+
+    /// Path of the value that comes next.
+    fn path(&self) -> String {
+        match self.open.last() {
+            None => String::new(),
+            Some(Open {
+                path,
+                inside: Inside::Sequence { next },
+                ..
+            }) => format!("{path}[{next}]"),
+            Some(Open {
+                path,
+                inside: Inside::Mapping { key, .. },
+                ..
+            }) => {
+                let key = key.as_deref().unwrap_or("");
+                if path.is_empty() {
+                    key.to_owned()
+                } else {
+                    format!("{path}.{key}")
+                }
+            }
+        }
+    }
+
+    /// Notes one value, of so many nodes.
+    fn value(&mut self, at: Position, nodes: usize) -> Result<(), Issue> {
+        let path = self.path();
+        self.nodes = self.nodes.saturating_add(nodes);
+        if self.nodes > MAX_NODES {
+            let allowed = format!("at most {MAX_NODES} values, aliases written out");
+            return Err(problem(&path, at, "too large a file", &allowed));
+        }
+        if let Some(open) = self.open.last_mut() {
+            open.nodes = open.nodes.saturating_add(nodes);
+            match &mut open.inside {
+                Inside::Mapping { key, .. } => *key = None,
+                Inside::Sequence { next } => *next += 1,
+            }
+        }
+        self.places.insert(path, at);
+        Ok(())
+    }
+
+    fn start(&mut self, at: Position, anchor: usize, inside: Inside) -> Result<(), Issue> {
+        self.refuse_as_key(at)?;
+        let path = self.path();
+        if self.open.len() >= MAX_DEPTH {
+            let allowed = format!("at most {MAX_DEPTH} levels");
+            return Err(problem("", at, "nested too deeply", &allowed));
+        }
+        self.value(at, 1)?;
+        self.open.push(Open {
+            path,
+            anchor,
+            nodes: 1,
+            inside,
+        });
+        Ok(())
+    }
+
+    fn refuse_as_key(&self, at: Position) -> Result<(), Issue> {
+        match self.open.last() {
+            Some(Open {
+                path,
+                inside: Inside::Mapping { key: None, .. },
+                ..
+            }) => Err(problem(
+                path,
+                at,
+                "a key that is not a word",
+                "words as keys",
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn problem(path: &str, at: Position, found: &str, allowed: &str) -> Issue {
+    Issue {
+        path: path.to_owned(),
+        position: Some(at),
+        found: found.to_owned(),
+        allowed: allowed.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str =
+        "name: x\nvehicles:\n  - id: a\n    start: {lat: 1, lon: 2}\n  - &b\n    id: b\n  - *b\n";
+
+    #[test]
+    fn every_value_has_its_line_and_column() {
+        let places = Places::read(TEXT).expect("good YAML");
+        assert_eq!(places.find("name"), Some((1, 7)));
+        assert_eq!(places.find("vehicles[0].start.lon"), Some((4, 26)));
+        assert_eq!(places.find("vehicles[1].id"), Some((6, 9)));
+    }
+
+    #[test]
+    fn what_is_absent_stands_where_its_surroundings_stand() {
+        let places = Places::read(TEXT).expect("good YAML");
+        assert_eq!(
+            places.find("vehicles[0].start.agl_m"),
+            places.find("vehicles[0].start")
+        );
+        assert_eq!(
+            places.find("vehicles[2].id"),
+            Some((7, 5)),
+            "the alias, not its anchor"
+        );
+        assert_eq!(places.find("nothing.at[3].all"), Some((1, 1)));
+    }
+
+    #[test]
+    fn a_key_given_twice_is_reported_where_it_stands_again() {
+        let issue = Places::read("a: 1\nb: {c: 1,\n    c: 2}\n").expect_err("c twice");
+        assert_eq!((issue.path.as_str(), issue.position), ("b.c", Some((3, 5))));
+    }
+
+    #[test]
+    fn aliases_of_aliases_are_counted_written_out() {
+        let mut text = String::from("a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n");
+        for level in 1..30 {
+            let list = vec![format!("*a{}", level - 1); 10].join(", ");
+            text += &format!("a{level}: &a{level} [{list}]\n");
+        }
+        let issue = Places::read(&text).expect_err("ten to the thirty values");
+        assert_eq!(issue.found, "too large a file");
+    }
+
+    #[test]
+    fn an_alias_of_itself_is_an_error() {
+        let issue = Places::read("a: &a [1, *a]\n").expect_err("endless");
+        assert_eq!(
+            (issue.path.as_str(), issue.position),
+            ("a[1]", Some((1, 11)))
+        );
+    }
+
+    #[test]
+    fn deep_nesting_is_an_error() {
+        for text in [
+            "[".repeat(200_000),
+            "{a: ".repeat(200_000),
+            "- ".repeat(200_000),
+        ] {
+            let issue = Places::read(&text).expect_err("too deep");
+            // The scanner itself stops at deep brackets, the walk at deep blocks.
+            let known = ["nested too deeply", "recursion limit exceeded"];
+            assert!(known.contains(&issue.found.as_str()), "{issue:?}");
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! From a spec file to its world: reads the terrain, then checks what needs ground.
+
+use super::{Bounds, NoData, Terrain, TerrainError, World, read_terrain};
+use crate::geodesy::{Amsl, LatLon};
+use crate::spec::{
+    EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
+};
+
+/// The world of a spec file. The terrain is looked for beside it.
+///
+/// # Errors
+/// A terrain that cannot be used; or else every problem that shows only over the
+/// ground: no data where a vehicle stands or where a rally point is, a start or goal
+/// under ground, below the minimum altitude, above the ceiling or in a zone, two
+/// goals at which vehicles loiter within each other's separation.
+pub fn load(file: &SpecFile) -> Result<World, SpecError> {
+    let terrain = terrain(file).map_err(|error| {
+        let issue = file.issue("terrain.file", error.to_string(), String::new());
+        file.error(vec![issue])
+    })?;
+    let mut check = Check {
+        file,
+        terrain: &terrain,
+        issues: Vec::new(),
+    };
+    for (index, vehicle) in file.spec.vehicles.iter().enumerate() {
+        check.vehicle(&format!("vehicles[{index}]"), vehicle);
+    }
+    for (index, rally) in file.spec.rally.iter().enumerate() {
+        check.rally(&format!("rally[{index}]"), rally.place, rally.agl.0);
+    }
+    check.loiters();
+    let issues = check.issues;
+    if !issues.is_empty() {
+        return Err(file.error(issues));
+    }
+    World::new(&file.spec, terrain).map_err(|error| {
+        let issue = file.issue("terrain", error.to_string(), String::new());
+        file.error(vec![issue])
+    })
+}
+
+fn terrain(file: &SpecFile) -> Result<Terrain, TerrainError> {
+    match &file.spec.terrain {
+        TerrainSource::Flat(amsl) => Ok(Terrain::Flat(*amsl)),
+        TerrainSource::Analytic { base, hills } => Ok(Terrain::Analytic {
+            base: *base,
+            hills: hills.clone(),
+        }),
+        TerrainSource::File(name) => {
+            let path = file.terrain_path().unwrap_or_else(|| name.clone());
+            read_terrain(&path, Some(Bounds::around(&file.spec.area))).map(Terrain::Grid)
+        }
+    }
+}
+
+struct Check<'a> {
+    file: &'a SpecFile,
+    terrain: &'a Terrain,
+    issues: Vec<Issue>,
+}
+
+impl Check<'_> {
+    fn report(&mut self, path: &str, found: String, allowed: String) {
+        self.issues.push(self.file.issue(path, found, allowed));
+    }
+
+    /// The ground at a place; without data it is reported.
+    fn ground(&mut self, path: &str, place: LatLon) -> Option<Amsl> {
+        match self.terrain.height(place) {
+            Ok(ground) => Some(ground),
+            Err(error @ NoData { .. }) => {
+                self.report(
+                    path,
+                    error.to_string(),
+                    "a place that the terrain covers".to_owned(),
+                );
+                None
+            }
+        }
+    }
+
+    fn vehicle(&mut self, path: &str, vehicle: &Vehicle) {
+        let home = format!("{path}.home");
+        if let Some(ground) = self.ground(&home, vehicle.home) {
+            self.zones(&home, "takeoff", vehicle.home, ground);
+        }
+        self.airborne(&format!("{path}.start"), "start", vehicle.start);
+        let goal = format!("{path}.goal");
+        self.airborne(&goal, "goal", vehicle.goal);
+        if vehicle.finish == Finish::Land
+            && let Ok(ground) = self.terrain.height(vehicle.goal.place)
+        {
+            self.zones(&goal, "landing", vehicle.goal.place, ground);
+        }
+        let ceiling = self.file.spec.area.max_amsl;
+        if let Some(amsl) = vehicle.return_amsl.filter(|amsl| *amsl > ceiling) {
+            let found = format!("{} m, above the ceiling", amsl.0);
+            self.report(
+                &format!("{path}.return_amsl_m"),
+                found,
+                format!("at most {} m", ceiling.0),
+            );
+        }
+    }
+
+    /// A point of the plan: over ground, high enough, under the ceiling, in no zone.
+    fn airborne(&mut self, path: &str, what: &str, end: EndPoint) {
+        let area = self.file.spec.area;
+        let Some(ground) = self.ground(path, end.place) else {
+            return;
+        };
+        let amsl = match end.altitude {
+            Placement::Amsl(amsl) => amsl,
+            Placement::Agl(agl) => agl.over(ground),
+        };
+        let agl_m = amsl.above_ground(ground).0;
+        let over = format!("ground at {:.1} m", ground.0);
+        if agl_m < 0.0 {
+            let found = format!("{what} at {:.1} m is {:.1} m under ground", amsl.0, -agl_m);
+            self.report(
+                path,
+                found,
+                format!("at least {} m above {over}", area.min_agl.0),
+            );
+        } else if agl_m < area.min_agl.0 {
+            let found = format!("{what} is {agl_m:.1} m above {over}");
+            self.report(
+                path,
+                found,
+                format!("at least {} m (area.min_agl_m)", area.min_agl.0),
+            );
+        }
+        if amsl > area.max_amsl {
+            let found = format!("{what} is at {:.1} m, over {over}", amsl.0);
+            self.report(
+                path,
+                found,
+                format!("at most {} m (area.max_amsl_m)", area.max_amsl.0),
+            );
+        }
+        self.zones(path, what, end.place, amsl);
+    }
+
+    fn rally(&mut self, path: &str, place: LatLon, agl_m: f64) {
+        let ceiling = self.file.spec.area.max_amsl;
+        let Some(ground) = self.ground(path, place) else {
+            return;
+        };
+        let amsl = Amsl(ground.0 + agl_m);
+        if amsl > ceiling {
+            let found = format!("the rally point is at {:.1} m", amsl.0);
+            self.report(
+                path,
+                found,
+                format!("at most {} m (area.max_amsl_m)", ceiling.0),
+            );
+        }
+        self.zones(path, "the rally point", place, amsl);
+    }
+
+    /// Zones with a height; those without are checked with the spec alone.
+    fn zones(&mut self, path: &str, what: &str, place: LatLon, amsl: Amsl) {
+        let spec = &self.file.spec;
+        let at = spec.frame.to_plan(place);
+        let closed: Vec<String> = spec
+            .no_fly
+            .iter()
+            .filter_map(|zone| {
+                zone.below
+                    .filter(|below| amsl < *below)
+                    .map(|below| (zone, below))
+            })
+            .filter(|(zone, _)| super::covers(&spec.frame.outline(&zone.polygon), at))
+            .map(|(zone, below)| {
+                format!(
+                    "{what} at {:.1} m is inside no-fly zone `{}`, closed below {} m",
+                    amsl.0, zone.id, below.0
+                )
+            })
+            .collect();
+        for found in closed {
+            self.report(path, found, "outside or above".to_owned());
+        }
+    }
+
+    /// Whoever loiters keeps its place for ever.
+    fn loiters(&mut self) {
+        let spec = &self.file.spec;
+        let stays: Vec<(usize, f64)> = spec
+            .vehicles
+            .iter()
+            .enumerate()
+            .filter(|(_, vehicle)| vehicle.finish == Finish::Loiter)
+            .filter_map(|(index, vehicle)| {
+                let amsl = match vehicle.goal.altitude {
+                    Placement::Amsl(amsl) => amsl,
+                    Placement::Agl(agl) => agl.over(self.terrain.height(vehicle.goal.place).ok()?),
+                };
+                Some((index, amsl.0))
+            })
+            .collect();
+        let limit = spec.separation;
+        let mut near = Vec::new();
+        for (position, (later, later_m)) in stays.iter().enumerate() {
+            for (earlier, earlier_m) in &stays[..position] {
+                let goal = |index: usize| spec.frame.to_plan(spec.vehicles[index].goal.place);
+                let across_m = goal(*later).distance_m(goal(*earlier));
+                let up_m = (later_m - earlier_m).abs();
+                let conflict = match limit.vertical_m {
+                    Some(vertical_m) => across_m < limit.distance_m && up_m < vertical_m,
+                    None => across_m.hypot(up_m) < limit.distance_m,
+                };
+                if conflict {
+                    let found = format!(
+                        "loiters for ever {across_m:.1} m across and {up_m:.1} m in height from `{}`",
+                        spec.vehicles[*earlier].id
+                    );
+                    near.push((format!("vehicles[{later}].goal"), found));
+                }
+            }
+        }
+        let allowed = match limit.vertical_m {
+            Some(vertical_m) => {
+                format!("{} m across or {vertical_m} m in height", limit.distance_m)
+            }
+            None => format!("at least {} m", limit.distance_m),
+        };
+        for (path, found) in near {
+            self.report(&path, found, allowed.clone());
+        }
+    }
+}
