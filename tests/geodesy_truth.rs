@@ -1,0 +1,164 @@
+//! Geodesy against PROJ (the numbers and their origin are in `data/geodesy_truth.csv`), and its laws.
+
+use nalgebra::Vector3;
+use proptest::prelude::*;
+use sortie::geodesy::{EastNorth, LatLon, LocalFrame};
+
+const TRUTH: &str = include_str!("data/geodesy_truth.csv");
+/// Promised: a millimetre.
+const PROMISE_M: f64 = 1e-3;
+/// Reached: PROJ prints micrometres.
+const REACHED_M: f64 = 2e-6;
+
+struct Row {
+    frame: LocalFrame,
+    place: LatLon,
+    height_m: f64,
+    ecef_m: Vector3<f64>,
+    enu_m: Vector3<f64>,
+}
+
+fn rows() -> Vec<Row> {
+    let rows: Vec<Row> = TRUTH
+        .lines()
+        .filter(|line| !line.starts_with('#') && !line.starts_with("origin"))
+        .map(|line| {
+            let n: Vec<f64> = line
+                .split(',')
+                .map(|number| number.parse().expect("a number"))
+                .collect();
+            Row {
+                frame: LocalFrame::new(LatLon::new(n[0], n[1]).expect("an origin")),
+                place: LatLon::new(n[2], n[3]).expect("a place"),
+                height_m: n[4],
+                ecef_m: Vector3::new(n[5], n[6], n[7]),
+                enu_m: Vector3::new(n[8], n[9], n[10]),
+            }
+        })
+        .collect();
+    assert!(rows.len() >= 70, "{} rows", rows.len());
+    rows
+}
+
+fn within(what: &str, ours: Vector3<f64>, truth: Vector3<f64>) {
+    let off_m = (ours - truth).norm();
+    assert!(
+        off_m < REACHED_M && off_m < PROMISE_M,
+        "{what}: {off_m} m off at {truth:?}"
+    );
+}
+
+#[test]
+fn ecef_agrees_with_proj() {
+    for row in rows() {
+        within("to ECEF", row.place.to_ecef(row.height_m), row.ecef_m);
+        let (place, height_m) = LatLon::from_ecef(&row.ecef_m);
+        within("from ECEF", place.to_ecef(height_m), row.ecef_m);
+        assert!(
+            (height_m - row.height_m).abs() < REACHED_M,
+            "height at {:?}",
+            row.place
+        );
+        assert!(
+            place.chord_m(row.place) < REACHED_M,
+            "place at {:?}",
+            row.place
+        );
+    }
+}
+
+#[test]
+fn the_local_frame_agrees_with_proj() {
+    for row in rows() {
+        within(
+            "to ENU",
+            row.frame.to_enu(row.place, row.height_m),
+            row.enu_m,
+        );
+        let (place, height_m) = row.frame.from_enu(&row.enu_m);
+        assert!(
+            place.chord_m(row.place) < REACHED_M,
+            "place at {:?}",
+            row.place
+        );
+        assert!(
+            (height_m - row.height_m).abs() < REACHED_M,
+            "height at {:?}",
+            row.place
+        );
+    }
+}
+
+/// Height does not move a point in the plane, and at height 0 the plane is east and north of ENU.
+#[test]
+fn planning_coordinates_are_those_of_the_foot_of_the_vertical() {
+    for row in rows() {
+        let plan = row.frame.to_plan(row.place);
+        if row.height_m.abs() < 1e-9 {
+            let enu_m = Vector3::new(plan.east_m, plan.north_m, row.enu_m.z);
+            within("to plan", enu_m, row.enu_m);
+        }
+        assert!(
+            row.frame.from_plan(plan).chord_m(row.place) < REACHED_M,
+            "{:?}",
+            row.place
+        );
+    }
+}
+
+fn any_origin() -> impl Strategy<Value = LatLon> {
+    let lat_deg = prop_oneof![8 => -90.0..=90.0, 1 => Just(90.0), 1 => Just(-90.0)];
+    let lon_deg = prop_oneof![8 => -180.0..=180.0, 1 => Just(180.0), 1 => Just(-180.0)];
+    (lat_deg, lon_deg).prop_map(|(lat_deg, lon_deg)| LatLon { lat_deg, lon_deg })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(512))]
+
+    #[test]
+    fn planning_coordinates_come_back_from_the_earth(
+        origin in any_origin(), azimuth_rad in 0.0..std::f64::consts::TAU, range_m in 0.0..=300_000.0,
+    ) {
+        let frame = LocalFrame::new(origin);
+        let plan = EastNorth { east_m: range_m * azimuth_rad.sin(), north_m: range_m * azimuth_rad.cos() };
+        let place = frame.from_plan(plan);
+        prop_assert!(LatLon::new(place.lat_deg, place.lon_deg).is_ok());
+        let back = frame.to_plan(place);
+        prop_assert!(back.distance_m(plan) < 1e-7, "{} m", back.distance_m(plan));
+        // A tenth of a millimetre is 1e-9 degrees.
+        let again = frame.from_plan(back);
+        prop_assert!(again.chord_m(place) < 1e-6);
+    }
+
+    #[test]
+    fn far_planning_coordinates_come_back_too(
+        origin in any_origin(), azimuth_rad in 0.0..std::f64::consts::TAU, range_m in 300_000.0..=2_000_000.0,
+    ) {
+        let frame = LocalFrame::new(origin);
+        let plan = EastNorth { east_m: range_m * azimuth_rad.sin(), north_m: range_m * azimuth_rad.cos() };
+        let back = frame.to_plan(frame.from_plan(plan));
+        prop_assert!(back.distance_m(plan) < 1e-3, "{} m", back.distance_m(plan));
+    }
+
+    #[test]
+    fn east_north_up_comes_back_from_the_earth(
+        origin in any_origin(), east_m in -300_000.0..=300_000.0, north_m in -300_000.0..=300_000.0, up_m in -5000.0..=20_000.0,
+    ) {
+        let frame = LocalFrame::new(origin);
+        let enu_m = Vector3::new(east_m, north_m, up_m);
+        let (place, height_m) = frame.from_enu(&enu_m);
+        let back_m = frame.to_enu(place, height_m);
+        prop_assert!((back_m - enu_m).norm() < 1e-7, "{} m", (back_m - enu_m).norm());
+    }
+
+    #[test]
+    fn degrees_come_back_from_planning_coordinates(
+        lat_deg in -85.0..=85.0, lon_deg in -179.0..=179.0, up_deg in -2.5..=2.5, right_deg in -1.0..=1.0,
+    ) {
+        let frame = LocalFrame::new(LatLon { lat_deg, lon_deg });
+        let place = LatLon { lat_deg: lat_deg + up_deg, lon_deg: lon_deg + right_deg };
+        let back = frame.from_plan(frame.to_plan(place));
+        prop_assert!((back.lat_deg - place.lat_deg).abs() < 1e-9, "{back:?}");
+        prop_assert!((back.lon_deg - place.lon_deg).abs() < 1e-9, "{back:?}");
+    }
+}
