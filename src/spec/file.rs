@@ -135,6 +135,15 @@ fn structural(error: &serde_yaml::Error) -> Issue {
         Some((path, rest)) if is_path(path) => (path.to_owned(), rest.to_owned()),
         _ => (String::new(), message),
     };
+    // The key itself belongs to the path.
+    let key = message
+        .strip_prefix("unknown field `")
+        .and_then(|rest| rest.split_once('`'));
+    let path = match key {
+        Some((key, _)) if path.is_empty() => key.to_owned(),
+        Some((key, _)) => format!("{path}.{key}"),
+        None => path,
+    };
     let (found, allowed) = match message.split_once(", expected ") {
         Some((found, allowed)) => (found.to_owned(), allowed.to_owned()),
         None => (message, String::new()),

@@ -96,7 +96,7 @@ pub(super) struct RawTerrain {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawFlat {
     /// Metres above mean sea level.
-    #[schemars(range(min = -500, max = 9000))]
+    #[schemars(range(min = -500, max = 20000))]
     pub(super) amsl_m: f64,
 }
 
@@ -126,7 +126,7 @@ pub(super) struct RawHill {
     #[schemars(range(min = -9000, max = 9000))]
     pub(super) height_m: f64,
     /// Where the height has fallen to 1/e, metres.
-    #[schemars(range(min = 1, max = 100_000))]
+    #[schemars(range(min = 1, max = 500_000))]
     pub(super) radius_m: f64,
 }
 
@@ -174,7 +174,7 @@ pub(super) struct RawRally {
     #[schemars(range(min = -180, max = 180))]
     pub(super) lon: f64,
     /// Height above the ground there, metres.
-    #[schemars(range(min = 0, max = 10000))]
+    #[schemars(range(min = 0, max = 20000))]
     pub(super) agl_m: f64,
 }
 

@@ -13,6 +13,9 @@ use crate::geodesy::{Agl, Amsl, LatLon};
 /// Load factor of a bank of 30 degrees, the lean limit that copters come with.
 const DEFAULT_LOAD_FACTOR: f64 = 1.15;
 
+/// Greatest `MAV_SYS_ID`.
+const PX4_LAST_SYSTEM_ID: i64 = 250;
+
 /// What an autopilot does unless told otherwise.
 struct Defaults {
     climb_mps: f64,
@@ -72,14 +75,12 @@ impl Checker<'_> {
         let mut seen: BTreeMap<i64, &str> = BTreeMap::new();
         for (index, vehicle) in raw.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}].sysid");
-            // MAV_SYS_ID of PX4 ends at 250.
-            let last = if matches!(vehicle.autopilot, RawAutopilot::Px4) {
-                250
-            } else {
-                255
-            };
-            if !(1..=last).contains(&vehicle.sysid) {
-                self.report(&path, vehicle.sysid, format!("1 to {last}"));
+            let px4 = matches!(vehicle.autopilot, RawAutopilot::Px4);
+            if !(1..=255).contains(&vehicle.sysid) {
+                self.report(&path, vehicle.sysid, "1 to 255");
+            } else if px4 && vehicle.sysid > PX4_LAST_SYSTEM_ID {
+                let allowed = format!("at most {PX4_LAST_SYSTEM_ID} for px4");
+                self.report(&path, vehicle.sysid, allowed);
             }
             if let Some(other) = seen.insert(vehicle.sysid, &vehicle.id) {
                 let found = format!(

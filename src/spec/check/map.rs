@@ -1,9 +1,10 @@
 //! What lies on the map: area, terrain, threats, zones, rally points.
 
+use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 
 use geo::algorithm::line_intersection::{LineIntersection, line_intersection};
-use geo::{Contains, Intersects, Line, Point, Polygon};
+use geo::{Area as _, Contains, Intersects, Line, Point, Polygon};
 
 use super::super::raw::{RawArea, RawSpec, RawTerrain, RawThreat, RawZone};
 use super::super::{Area, Hill, Rally, TerrainSource, Threat, Zone};
@@ -14,6 +15,10 @@ use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 const MAX_AREA_M: f64 = 300_000.0;
 /// Furthest anything else may be from the origin; what is further is a slip of the pen.
 const MAX_AWAY_M: f64 = 1_000_000.0;
+/// Radius of a threat or hill, metres.
+const RADIUS_M: RangeInclusive<f64> = 1.0..=500_000.0;
+/// Least area of a zone; what has less is a line.
+const MIN_ZONE_M2: f64 = 1.0;
 /// Most corners of one zone.
 const MAX_CORNERS: usize = 1000;
 
@@ -51,7 +56,7 @@ impl Checker<'_> {
         let mut rally = Vec::new();
         for (index, point) in raw.rally.iter().enumerate() {
             let path = format!("rally[{index}]");
-            let agl = self.number(&format!("{path}.agl_m"), point.agl_m, 0.0..=10_000.0);
+            let agl = self.number(&format!("{path}.agl_m"), point.agl_m, 0.0..=20_000.0);
             if let Some(place) = self.place(&path, point.lat, point.lon) {
                 rally.push((
                     path,
@@ -171,7 +176,7 @@ impl Checker<'_> {
         match (&raw.file, &raw.flat, &raw.analytic) {
             (Some(file), None, None) => self.terrain_file(file).map(TerrainSource::File),
             (None, Some(flat), None) => {
-                let amsl = self.number("terrain.flat.amsl_m", flat.amsl_m, -500.0..=9000.0);
+                let amsl = self.number("terrain.flat.amsl_m", flat.amsl_m, -500.0..=20_000.0);
                 Some(TerrainSource::Flat(Amsl(amsl)))
             }
             (None, None, Some(analytic)) => {
@@ -187,7 +192,7 @@ impl Checker<'_> {
                     let height_m =
                         self.number(&format!("{path}.height_m"), hill.height_m, -9000.0..=9000.0);
                     let radius_m =
-                        self.number(&format!("{path}.radius_m"), hill.radius_m, 1.0..=100_000.0);
+                        self.number(&format!("{path}.radius_m"), hill.radius_m, RADIUS_M);
                     let place = self.place(&path, hill.lat, hill.lon);
                     hills.extend(place.map(|place| Hill {
                         place,
@@ -247,11 +252,12 @@ impl Checker<'_> {
 
     fn threat(&mut self, path: &str, raw: &RawThreat) -> Option<Threat> {
         self.label(&format!("{path}.id"), &raw.id);
-        let radius_m = self.number(&format!("{path}.radius_m"), raw.radius_m, 1.0..=500_000.0);
+        let radius_m = self.number(&format!("{path}.radius_m"), raw.radius_m, RADIUS_M);
         let place = self.place(path, raw.lat, raw.lon)?;
         let kind = raw.kind.clone().unwrap_or_else(|| "threat".to_owned());
         self.label(&format!("{path}.kind"), &kind);
-        Some(Threat {
+        // A radius that is wrong already must not swallow every start and goal as well.
+        RADIUS_M.contains(&radius_m).then(|| Threat {
             id: raw.id.clone(),
             kind,
             place,
@@ -293,6 +299,14 @@ impl Checker<'_> {
     /// Whether the edges of a polygon meet only where neighbours should.
     fn polygon(&mut self, path: &str, frame: &LocalFrame, corners: &[LatLon]) -> bool {
         let outline = frame.outline(corners);
+        if outline.unsigned_area() < MIN_ZONE_M2 {
+            self.report(
+                path,
+                "a polygon without area",
+                "corners that are not on a line",
+            );
+            return false;
+        }
         let edges: Vec<Line<f64>> = outline.exterior().lines().collect();
         for (first, edge) in edges.iter().enumerate() {
             if edge.start == edge.end {

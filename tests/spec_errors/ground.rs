@@ -1,0 +1,85 @@
+//! What shows only over the ground.
+
+use super::*;
+
+#[test]
+fn a_start_under_ground_says_how_deep() {
+    let text = with(
+        "start: {lat: 36.39, lon: -84.39, agl_m: 80}",
+        "start: {lat: 36.39, lon: -84.39, amsl_m: 280}",
+    );
+    let found = over_ground(&text);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(
+        (found[0].path.as_str(), found[0].position),
+        (
+            "vehicles[1].start",
+            Some(place_of(&text, "{lat: 36.39, lon: -84.39"))
+        )
+    );
+    assert!(found[0].found.contains("20.0 m under ground"), "{found:?}");
+}
+
+#[test]
+fn ends_keep_the_minimum_altitude_and_the_ceiling() {
+    let text = with("lon: -84.39, agl_m: 80}", "lon: -84.39, agl_m: 59}")
+        .replace("amsl_m: 700", "amsl_m: 1501");
+    let found = over_ground(&text);
+    let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();
+    assert_eq!(
+        paths,
+        ["vehicles[0].goal", "vehicles[1].start"],
+        "{found:?}"
+    );
+    assert!(found[0].allowed.contains("max_amsl_m") && found[1].allowed.contains("min_agl_m"));
+}
+
+#[test]
+fn a_zone_with_a_height_counts_below_it() {
+    let above = with(
+        "goal: {lat: 36.21, lon: -84.12, agl_m: 80}",
+        "goal: {lat: 36.3595, lon: -84.19, amsl_m: 950}",
+    );
+    let file = parse(&above).expect("good so far");
+    world::load(&file).expect("it returns above the zone");
+    let found = over_ground(&above.replace("amsl_m: 950", "amsl_m: 850"));
+    assert_eq!(found[0].path, "vehicles[1].goal");
+    assert!(found[0].found.contains("`town`"));
+    let found = over_ground(&above.replace("finish: return", "finish: land"));
+    assert!(found[0].found.starts_with("landing"), "{found:?}");
+}
+
+#[test]
+fn two_vehicles_do_not_loiter_at_one_place() {
+    let text = FULL
+        .replace("finish: land", "finish: loiter")
+        .replace("finish: return", "finish: loiter")
+        .replace(
+            "goal: {lat: 36.21, lon: -84.12, agl_m: 80}",
+            "goal: {lat: 36.39, lon: -84.121, amsl_m: 730}",
+        );
+    let found = over_ground(&text);
+    assert_eq!(found[0].path, "vehicles[1].goal");
+    assert!(found[0].found.contains("`alpha`"), "{found:?}");
+    let apart = text.replace("amsl_m: 730", "amsl_m: 741");
+    world::load(&parse(&apart).expect("good")).expect("41 m apart in height is enough");
+}
+
+#[test]
+fn a_missing_terrain_file_is_named_at_its_key() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mission.yaml");
+    let text = with(
+        "terrain:\n  analytic:\n    base_amsl_m: 300\n    hills:\n      - {lat: 36.30, lon: -84.25, height_m: 200, radius_m: 2000}\n",
+        "terrain: {file: terrain/none.tif}\n",
+    );
+    fs::write(&path, &text).expect("written");
+    let file = SpecFile::read(&path).expect("a good spec");
+    let error = world::load(&file).expect_err("no terrain");
+    assert_eq!(error.issues[0].path, "terrain.file");
+    assert_eq!(
+        error.issues[0].position,
+        Some(place_of(&text, "terrain/none.tif"))
+    );
+    assert!(error.to_string().contains("cannot be read"), "{error}");
+}

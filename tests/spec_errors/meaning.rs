@@ -1,0 +1,332 @@
+//! Specs that are well formed and make no sense.
+
+use super::*;
+
+#[test]
+fn latitude_123_is_out_of_range() {
+    let text = with("lat: 36.31,", "lat: 123,");
+    let issue = &issues(&text)[0];
+    assert_eq!(
+        (issue.path.as_str(), issue.position),
+        ("threats[0].lat", Some(place_of(&text, "123")))
+    );
+    let error = parse(&text).expect_err("123 degrees");
+    let (line, column) = place_of(&text, "123");
+    assert_eq!(
+        error.to_string(),
+        format!("mission.yaml:{line}:{column}: threats[0].lat: 123 (allowed: -90 to 90)")
+    );
+}
+
+#[test]
+fn several_problems_are_reported_at_once_in_file_order() {
+    let text = with("lat: 36.31,", "lat: 123,")
+        .replace("sysid: 2", "sysid: 1")
+        .replace("max_load_factor: 1.2", "max_load_factor: 0.9")
+        .replace("samples: 51", "samples: 5")
+        .replace("sortie: 1", "sortie: 2")
+        .replace("autopilot: px4", "autopilot: px4\n    airframe: plane");
+    let found = issues(&text);
+    let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();
+    let expected = [
+        "sortie",
+        "threats[0].lat",
+        "vehicles[0].max_load_factor",
+        "vehicles[1].sysid",
+        "vehicles[1].airframe",
+        "planner.samples",
+    ];
+    assert_eq!(paths, expected);
+    let positions: Vec<_> = found.iter().map(|issue| issue.position).collect();
+    assert!(
+        positions.is_sorted() && positions.iter().all(Option::is_some),
+        "{positions:?}"
+    );
+    assert_eq!(
+        parse(&text)
+            .expect_err("six problems")
+            .to_string()
+            .lines()
+            .count(),
+        6
+    );
+}
+
+#[test]
+fn a_number_that_is_none_is_out_of_range() {
+    for none in [".nan", ".inf", "-.inf"] {
+        assert_eq!(
+            only("radius_m: 3000", &format!("radius_m: {none}")).0,
+            "threats[0].radius_m"
+        );
+        assert_eq!(
+            only("lat: 36.31", &format!("lat: {none}")).0,
+            "threats[0].lat"
+        );
+    }
+    assert_eq!(
+        only("speed_mps: 12", "speed_mps: -12").0,
+        "vehicles[1].speed_mps"
+    );
+    assert_eq!(
+        only("evaluations: 5000", "evaluations: 100000001").0,
+        "planner.evaluations"
+    );
+    assert_eq!(only("sysid: 2", "sysid: -1").0, "vehicles[1].sysid");
+}
+
+#[test]
+fn a_start_in_a_threat_names_the_threat() {
+    let (path, message) = only(
+        "start: {lat: 36.39, lon: -84.39,",
+        "start: {lat: 36.32, lon: -84.26,",
+    );
+    assert_eq!(path, "vehicles[1].start");
+    assert!(
+        message.contains("inside threat `radar-1`") && message.contains("more than 3000 m"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_goal_outside_of_the_area_is_an_error() {
+    let (path, message) = only(
+        "goal: {lat: 36.21, lon: -84.12",
+        "goal: {lat: 36.19, lon: -84.12",
+    );
+    assert_eq!(path, "vehicles[1].goal");
+    assert!(
+        message.contains("36.19") && message.contains("latitude 36.2 to 36.4"),
+        "{message}"
+    );
+    // The other side of the earth does not fold back into the area.
+    assert_eq!(
+        only(
+            "goal: {lat: 36.21, lon: -84.12",
+            "goal: {lat: -36.30, lon: 95.75"
+        )
+        .0,
+        "vehicles[1].goal"
+    );
+}
+
+#[test]
+fn a_home_or_rally_point_in_a_zone_is_an_error() {
+    let zone = with(", below_amsl_m: 900", "");
+    let inside = "lat: 36.357, lon: -84.199";
+    let text = zone.replace(
+        "rally:\n  - {lat: 36.22, lon: -84.38",
+        &format!("rally:\n  - {{{inside}"),
+    );
+    assert_eq!(issues(&text)[0].path, "rally[0]");
+    let text = zone.replace(
+        "home: {lat: 36.21, lon: -84.39",
+        &format!("home: {{{inside}"),
+    );
+    assert!(issues(&text)[0].found.contains("no-fly zone `town`"));
+}
+
+#[test]
+fn two_vehicles_with_one_system_id_are_an_error() {
+    let (path, message) = only("sysid: 2", "sysid: 1");
+    assert_eq!(path, "vehicles[1].sysid");
+    assert!(
+        message.contains("already the system id of `alpha`"),
+        "{message}"
+    );
+}
+
+#[test]
+fn system_ids_of_px4_end_at_250() {
+    good(&with("sysid: 1", "sysid: 255"));
+    assert_eq!(only("sysid: 2", "sysid: 251").0, "vehicles[1].sysid");
+}
+
+#[test]
+fn ids_that_differ_only_in_case_are_an_error() {
+    assert_eq!(only("id: bravo", "id: ALPHA").0, "vehicles[1].id");
+}
+
+#[test]
+fn names_that_cannot_be_file_names_are_errors() {
+    for name in [
+        "\"\"",
+        "a/b",
+        "..",
+        ".hidden",
+        "a.b",
+        "\"a\\0b\"",
+        "-x",
+        "'a b'",
+    ] {
+        assert_eq!(
+            only("name: full", &format!("name: {name}")).0,
+            "name",
+            "{name}"
+        );
+        assert_eq!(
+            only("id: bravo", &format!("id: {name}")).0,
+            "vehicles[1].id",
+            "{name}"
+        );
+    }
+    assert_eq!(
+        only("name: full", &format!("name: {}", "x".repeat(65))).0,
+        "name"
+    );
+}
+
+#[test]
+fn planes_are_refused_until_they_can_fly() {
+    let (path, message) = only("airframe: copter", "airframe: vtol");
+    assert_eq!(path, "vehicles[0].airframe");
+    assert!(message.contains("later"), "{message}");
+    assert_eq!(
+        only(
+            "    depart_s: 5\n",
+            "    depart_s: 5\n    takeoff_heading_deg: 90\n"
+        )
+        .0,
+        "vehicles[0].takeoff_heading_deg"
+    );
+    assert_eq!(
+        only(
+            "    depart_s: 5\n",
+            "    depart_s: 5\n    landing: {heading_deg: 90, glide_deg: 6}\n"
+        )
+        .0,
+        "vehicles[0].landing"
+    );
+}
+
+#[test]
+fn terrain_altitudes_are_not_for_px4() {
+    let (path, message) = only("altitude: relative", "altitude: terrain");
+    assert_eq!(path, "mission.altitude");
+    assert!(message.contains("`bravo`"), "{message}");
+}
+
+#[test]
+fn a_link_is_one_of_the_known_kinds() {
+    for link in [
+        "udp:1.2.3.4:5",
+        "udpout:1.2.3.4",
+        "udpout::14550",
+        "udpin:0.0.0.0:0",
+        "tcp:a:99999",
+        "serial:/dev/x",
+        "serial:/dev/x:fast",
+        "udpout:a b:1",
+        "udpout:::1:14550",
+        "\"\"",
+    ] {
+        let (path, message) = only("link: udpout:127.0.0.1:14550", &format!("link: {link}"));
+        assert_eq!(path, "vehicles[0].link", "{link}");
+        assert!(message.contains("serial:DEVICE:BAUD"), "{message}");
+    }
+    for link in [
+        "sim",
+        "udpin:0.0.0.0:14550",
+        "tcp:localhost:5760",
+        "\"udpout:[::1]:14550\"",
+    ] {
+        good(&with(
+            "link: udpout:127.0.0.1:14550",
+            &format!("link: {link}"),
+        ));
+    }
+}
+
+#[test]
+fn an_end_point_has_one_altitude() {
+    assert_eq!(
+        only("amsl_m: 700", "amsl_m: 700, agl_m: 80").0,
+        "vehicles[0].goal"
+    );
+    assert_eq!(only(", amsl_m: 700", "").0, "vehicles[0].goal");
+}
+
+#[test]
+fn terrain_has_one_source_beside_the_spec() {
+    let terrain = "terrain:\n  analytic:\n    base_amsl_m: 300\n    hills:\n      - {lat: 36.30, lon: -84.25, height_m: 200, radius_m: 2000}\n";
+    for file in [
+        "/etc/dem.tif",
+        "../dem.tif",
+        "a/../dem.tif",
+        "\"\"",
+        "dem.png",
+        "'c:\\dem.tif'",
+        "./dem.tif/..",
+    ] {
+        assert_eq!(
+            only(terrain, &format!("terrain: {{file: {file}}}\n")).0,
+            "terrain.file",
+            "{file}"
+        );
+    }
+    assert_eq!(only(terrain, "terrain: {}\n").0, "terrain");
+    assert_eq!(
+        only(terrain, "terrain: {file: a.tif, flat: {amsl_m: 1}}\n").0,
+        "terrain"
+    );
+}
+
+#[test]
+fn a_polygon_is_a_polygon() {
+    let polygon = "[[36.35, -84.20], [36.36, -84.20], [36.36, -84.18]]";
+    for bad in [
+        "[[36.35, -84.20], [36.36, -84.20]]",
+        "[[36.35, -84.20], [36.36, -84.20], [36.35, -84.20]]",
+        "[[36.35, -84.20], [36.36, -84.18], [36.36, -84.20], [36.35, -84.18]]",
+        "[[36.35, -84.20], [36.36, -84.20], [36.37, -84.20]]",
+        "[[36.35, -84.20], [36.35, -84.20], [36.36, -84.20], [36.36, -84.18]]",
+        "[[36.35, -84.20], [36.36, -84.20], [36.36, -184.18]]",
+        "[[-84.20, 36.35], [-84.20, 36.36], [-84.18, 36.36]]",
+    ] {
+        let text = with(polygon, bad);
+        assert!(
+            issues(&text)
+                .iter()
+                .all(|issue| issue.path.starts_with("no_fly[0].polygon")),
+            "{bad}"
+        );
+    }
+    let closed = "[[36.35, -84.20], [36.36, -84.20], [36.36, -84.18], [36.35, -84.20]]";
+    assert_eq!(
+        good(&with(polygon, closed)),
+        good(FULL),
+        "a repeated first corner closes it"
+    );
+}
+
+#[test]
+fn the_area_lies_between_its_corners() {
+    assert_eq!(
+        only("north_east: {lat: 36.40", "north_east: {lat: 36.10").0,
+        "area.south_west"
+    );
+    assert_eq!(
+        only("origin: {lat: 36.30", "origin: {lat: 46.30").0,
+        "origin"
+    );
+}
+
+#[test]
+fn one_pad_needs_staggered_departures() {
+    let home = |text: &str| {
+        text.replace(
+            "link: serial:/dev/ttyUSB0:57600",
+            "link: sim\n    home: {lat: 36.21, lon: -84.3901}",
+        )
+    };
+    let text = home(FULL);
+    let issue = &issues(&text)[0];
+    assert_eq!(issue.path, "vehicles[1]");
+    assert!(issue.found.contains("from `alpha`"), "{issue:?}");
+    // 5 s against a departure at 15.1 s with a slack of 10 s.
+    good(&text.replace("speed_mps: 12", "speed_mps: 12\n    depart_s: 15.1"));
+    assert_eq!(
+        issues(&text.replace("speed_mps: 12", "speed_mps: 12\n    depart_s: 14.9")).len(),
+        1
+    );
+}

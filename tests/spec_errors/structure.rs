@@ -1,0 +1,217 @@
+//! Files that are broken, and what a good one becomes.
+
+use super::*;
+
+#[test]
+fn every_key_arrives_in_si_units() {
+    let spec = good(FULL);
+    assert_eq!(spec.name, "full");
+    assert_eq!(
+        (spec.area.min_agl, spec.area.max_amsl),
+        (Agl(60.0), Amsl(1500.0))
+    );
+    assert!(
+        matches!(&spec.terrain, TerrainSource::Analytic { base: Amsl(base), hills } if *base > 299.0 && hills.len() == 1)
+    );
+    assert_eq!(spec.no_fly[0].below, Some(Amsl(900.0)));
+    let alpha = &spec.vehicles[0];
+    assert_eq!(
+        (alpha.autopilot, alpha.airframe, alpha.finish),
+        (Autopilot::ArduPilot, Airframe::Copter, Finish::Land)
+    );
+    assert_eq!(alpha.link, Link::UdpOut("127.0.0.1:14550".to_owned()));
+    assert_eq!(alpha.goal.altitude, Placement::Amsl(Amsl(700.0)));
+    assert_eq!(alpha.max_climb_rad, Some(15_f64.to_radians()));
+    assert_eq!(alpha.return_amsl, Some(Amsl(900.0)));
+    let bravo = &spec.vehicles[1];
+    assert_eq!(
+        bravo.link,
+        Link::Serial {
+            device: "/dev/ttyUSB0".to_owned(),
+            baud: 57600
+        }
+    );
+    assert_eq!(
+        bravo.home, bravo.start.place,
+        "without a home it stands under its start"
+    );
+    assert_eq!(bravo.max_climb_rad, None);
+    let defaults = [bravo.climb_mps, bravo.descent_mps, bravo.accel_mps2];
+    assert_eq!(
+        defaults.map(f64::to_bits),
+        [3.0, 1.5, 3.0].map(f64::to_bits),
+        "those of PX4"
+    );
+    assert_eq!(spec.planner.algorithm, Algorithm::MsfoaDwindle);
+    assert_eq!(spec.planner.weights.length.to_bits(), 2_f64.to_bits());
+    assert_eq!(spec.mission.altitude, AltitudeReference::Relative);
+    assert_eq!(spec.on_link_loss, OnLinkLoss::HoldAll);
+    assert_eq!(
+        spec.wind.map(|wind| wind.from_rad),
+        Some(270_f64.to_radians())
+    );
+}
+
+#[test]
+fn without_an_origin_the_frame_lies_in_the_middle_of_the_area() {
+    let spec = good(&with("origin: {lat: 36.30, lon: -84.25}\n", ""));
+    let origin = spec.frame.origin();
+    assert!((origin.lat_deg - 36.30).abs() < 1e-9 && (origin.lon_deg + 84.25).abs() < 1e-9);
+}
+
+#[test]
+fn line_ends_of_windows_and_a_byte_order_mark_change_nothing() {
+    let text = format!("\u{feff}{}", FULL.replace('\n', "\r\n"));
+    assert_eq!(good(&text), good(FULL));
+    let file = parse(&text).expect("good");
+    assert_eq!(file.text, text, "the text stays as it was");
+    let broken = text.replace("lat: 36.31,", "lat: 123,");
+    assert_eq!(
+        issues(&broken)[0].position,
+        Some(place_of(&with("lat: 36.31,", "lat: 123,"), "123"))
+    );
+}
+
+#[test]
+fn broken_yaml_names_its_line_and_column() {
+    let text = with("  min_agl_m: 60\n", "  min_agl_m: [60\n");
+    let issue = &issues(&text)[0];
+    assert!(
+        issue
+            .position
+            .is_some_and(|(line, _)| (7..=8).contains(&line)),
+        "{issue:?}"
+    );
+}
+
+#[test]
+fn an_unknown_key_is_named_with_the_known_ones() {
+    let (path, message) = only("    speed_mps: 12\n", "    speed: 12\n");
+    assert_eq!(path, "vehicles[1].speed");
+    assert!(
+        message.contains("unknown field `speed`") && message.contains("`speed_mps`"),
+        "{message}"
+    );
+    let text = with("    speed_mps: 12\n", "    speed: 12\n");
+    assert_eq!(
+        issues(&text)[0].position,
+        Some(place_of(&text, "speed: 12"))
+    );
+}
+
+#[test]
+fn a_missing_key_is_named() {
+    let (path, message) = only("    speed_mps: 12\n", "");
+    assert_eq!(path, "vehicles[1]");
+    assert!(message.contains("missing field `speed_mps`"), "{message}");
+}
+
+#[test]
+fn a_wrong_type_is_named_with_its_place() {
+    let text = with("radius_m: 3000", "radius_m: wide");
+    let issue = &issues(&text)[0];
+    assert_eq!(
+        (issue.path.as_str(), issue.position),
+        ("threats[0].radius_m", Some(place_of(&text, "wide")))
+    );
+    assert!(issue.found.contains("\"wide\""), "{issue:?}");
+    let (path, _) = only("autopilot: px4", "autopilot: betaflight");
+    assert_eq!(path, "vehicles[1].autopilot");
+}
+
+#[test]
+fn a_key_given_twice_is_an_error_where_it_stands_again() {
+    let text = with(
+        "    speed_mps: 12\n",
+        "    speed_mps: 12\n    speed_mps: 21\n",
+    );
+    let issue = &issues(&text)[0];
+    assert_eq!(
+        (issue.path.as_str(), issue.position),
+        (
+            "vehicles[1].speed_mps",
+            Some(place_of(&text, "speed_mps: 21"))
+        )
+    );
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let error = SpecFile::read(Path::new("/nowhere/mission.yaml")).expect_err("no such file");
+    assert!(
+        error
+            .to_string()
+            .starts_with("/nowhere/mission.yaml: cannot be read"),
+        "{error}"
+    );
+    let error = SpecFile::read(Path::new("/")).expect_err("a folder");
+    assert!(error.to_string().contains("cannot be read"), "{error}");
+}
+
+#[test]
+fn what_is_no_mission_at_all_is_an_error_and_no_panic() {
+    for text in [
+        "",
+        "\n",
+        "# only a comment\n",
+        "null",
+        "[]",
+        "42",
+        "---\n---\n",
+        "a: b: c",
+        "\t",
+        "? [a]\n: b\n",
+        "!!binary x",
+        "&a *a",
+        "%YAML 9\n",
+        "\u{0}",
+    ] {
+        issues(text);
+    }
+}
+
+#[test]
+fn files_that_are_not_text_or_too_large_are_errors() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("mission.yaml");
+    fs::write(&path, [0xff, 0xfe, 0x00, 0x41]).expect("written");
+    assert!(
+        SpecFile::read(&path)
+            .expect_err("binary")
+            .to_string()
+            .contains("UTF-8")
+    );
+    let file = fs::File::create(&path).expect("created");
+    file.set_len(100 << 20).expect("a hole of 100 MiB");
+    assert!(
+        SpecFile::read(&path)
+            .expect_err("huge")
+            .to_string()
+            .contains("too large")
+    );
+}
+
+#[test]
+fn bombs_end_in_an_error() {
+    let mut bomb = String::from("a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n");
+    for level in 1..12 {
+        let list = vec![format!("*a{}", level - 1); 10].join(", ");
+        bomb += &format!("a{level}: &a{level} [{list}]\n");
+    }
+    issues(&bomb);
+    issues(&"[".repeat(1_000_000));
+    issues(&"{a: ".repeat(1_000_000));
+    issues(&"- ".repeat(1_000_000));
+    issues(&format!("name: {}", "x".repeat(8 << 20)));
+    issues(&"a\n".repeat(2 << 20));
+}
+
+#[test]
+fn an_alias_may_stand_for_a_place() {
+    let text = with(
+        "start: {lat: 36.21, lon: -84.38, agl_m: 80}",
+        "start: &pad {lat: 36.21, lon: -84.38, agl_m: 80}",
+    )
+    .replace("goal: {lat: 36.21, lon: -84.12, agl_m: 80}", "goal: *pad");
+    assert_eq!(good(&text).vehicles[1].goal, good(&text).vehicles[0].start);
+}
