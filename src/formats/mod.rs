@@ -1,1 +1,16 @@
 //! Files: written, and read back exactly.
+//!
+//! [`waypoints`] and [`plan`] hold missions and are read as well as written; what
+//! each of them cannot keep is told by [`losses`]. [`params`] is written for others to read.
+
+mod document;
+mod error;
+mod losses;
+mod number;
+pub mod params;
+pub mod plan;
+pub mod waypoints;
+
+pub use document::{Document, Repair};
+pub use error::FormatError;
+pub use losses::{Format, losses};

@@ -133,6 +133,8 @@ pub struct VehicleMission {
     pub rally: Vec<Item>,
     /// Parameters the verdict assumes.
     pub params: Vec<Parameter>,
+    /// What the spec asks for and the items cannot say, in sentences.
+    pub notes: Vec<String>,
 }
 
 impl Item {

@@ -1,5 +1,17 @@
 //! Mission items as an autopilot reads them, and how a path becomes items.
 
+mod accept;
+mod accept_fence;
+mod build;
+mod commands;
+mod encode;
+mod fence;
 mod item;
+mod params;
+mod simplify;
 
+pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
+pub use build::{MissionError, build};
+pub use commands::{command_name, command_named};
 pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
+pub use params::turn_radius_m;

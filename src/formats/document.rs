@@ -1,0 +1,119 @@
+//! What a mission file says, whatever its format.
+
+use super::FormatError;
+use crate::mission::{Home, Item, VehicleMission, command};
+use crate::spec::{Airframe, Autopilot};
+
+/// What a mission file says.
+///
+/// Targets of DO_JUMP are rows as in a `.waypoints` file (home is 0), whatever the
+/// autopilot counts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Document {
+    /// Where the vehicle stands, if the file says so.
+    pub home: Option<Home>,
+    /// Mission items; home is not among them.
+    pub items: Vec<Item>,
+    /// Fence items.
+    pub fence: Vec<Item>,
+    /// Rally items.
+    pub rally: Vec<Item>,
+    /// For which autopilot, if the file says so.
+    pub autopilot: Option<Autopilot>,
+    /// What was read although the format does not allow it.
+    pub repairs: Vec<Repair>,
+}
+
+/// Something a reader understood although the format does not allow it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Repair {
+    /// Line, from 1; in a JSON document, whose lines mean nothing, 0.
+    pub line: usize,
+    /// Column in characters, from 1; 0 likewise.
+    pub column: usize,
+    /// What was understood as what.
+    pub what: String,
+}
+
+impl Document {
+    /// The mission of one vehicle.
+    ///
+    /// Files have no parameters, so [`VehicleMission::params`] is empty. Repairs
+    /// become notes.
+    ///
+    /// # Errors
+    /// [`FormatError::NoHome`] without a home: set [`Document::home`] first if it is
+    /// known from elsewhere. [`FormatError::OtherAutopilot`] when the file was made
+    /// for another one: set [`Document::autopilot`] to `None` to convert it.
+    pub fn into_mission(
+        self,
+        autopilot: Autopilot,
+        airframe: Airframe,
+    ) -> Result<VehicleMission, FormatError> {
+        let home = self.home.ok_or(FormatError::NoHome)?;
+        if let Some(file) = self.autopilot
+            && file != autopilot
+        {
+            return Err(FormatError::OtherAutopilot {
+                file,
+                vehicle: autopilot,
+            });
+        }
+        let items = self
+            .items
+            .into_iter()
+            .map(|item| shift_jump(item, -row_shift(autopilot)))
+            .collect();
+        let notes = self
+            .repairs
+            .into_iter()
+            .map(|repair| match repair.line {
+                0 => repair.what,
+                line => format!("line {line}, column {}: {}", repair.column, repair.what),
+            })
+            .collect();
+        Ok(VehicleMission {
+            autopilot,
+            airframe,
+            home,
+            items,
+            fence: self.fence,
+            rally: self.rally,
+            params: Vec::new(),
+            notes,
+        })
+    }
+
+    /// Puts an item into the list that its command belongs to.
+    pub(super) fn add(&mut self, item: Item) {
+        match item.command {
+            command::FENCE_RETURN_POINT..=command::FENCE_CIRCLE_EXCLUSION => self.fence.push(item),
+            command::RALLY_POINT => self.rally.push(item),
+            _ => self.items.push(item),
+        }
+    }
+}
+
+/// The items of a mission with targets of DO_JUMP as rows (home is 0).
+pub(super) fn rows(mission: &VehicleMission) -> impl Iterator<Item = Item> + '_ {
+    let shift = row_shift(mission.autopilot);
+    mission
+        .items
+        .iter()
+        .map(move |&item| shift_jump(item, shift))
+}
+
+/// How much a row is above the number that the autopilot gives an item.
+fn row_shift(autopilot: Autopilot) -> f32 {
+    match autopilot {
+        Autopilot::ArduPilot => 0.0,
+        Autopilot::Px4 => 1.0,
+    }
+}
+
+fn shift_jump(mut item: Item, shift: f32) -> Item {
+    if item.command == command::DO_JUMP && item.params[0].is_finite() {
+        item.params[0] += shift;
+    }
+    item
+}

@@ -1,0 +1,366 @@
+//! Reads `.plan` files, those of ground stations included.
+
+use serde_json::Value;
+
+use super::{FIRMWARE, altitude_mode};
+use crate::formats::number::{coordinate, float};
+use crate::formats::{Document, FormatError, Repair};
+use crate::mission::{Home, Item, command, frame};
+
+/// Reads a mission with its fence and rally points. Unknown keys are ignored.
+///
+/// Of complex items the flown items are read where the file holds them
+/// (surveys and corridors); landing patterns hold none and are refused.
+///
+/// # Errors
+/// [`FormatError::Text`] when it is no JSON; [`FormatError::Json`] with the path, and
+/// the item from 1, for everything else.
+pub fn read(text: &str) -> Result<Document, FormatError> {
+    let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let plan: Value = serde_json::from_str(plain).map_err(|error| FormatError::Text {
+        line: error.line(),
+        column: error.column(),
+        found: error.to_string(),
+        allowed: "a JSON document".to_owned(),
+    })?;
+    let root = Node {
+        value: &plan,
+        at: String::new(),
+        item: None,
+    };
+    if root.value["fileType"] != "Plan" {
+        return Err(root.get("fileType").bad("\"Plan\""));
+    }
+    root.get("version").expect_version(1)?;
+    let mut document = Document::default();
+    if plain.len() != text.len() {
+        document
+            .repairs
+            .push(told("a byte order mark was left out"));
+    }
+    mission(&root.get("mission"), &mut document)?;
+    for part in ["geoFence", "rallyPoints"] {
+        let node = root.get(part);
+        if node.value.is_null() {
+            document.repairs.push(told(&format!("there is no {part}")));
+        } else if part == "geoFence" {
+            fence(&node, &mut document)?;
+        } else {
+            rally(&node, &mut document)?;
+        }
+    }
+    Ok(document)
+}
+
+fn told(what: &str) -> Repair {
+    Repair {
+        line: 0,
+        column: 0,
+        what: what.to_owned(),
+    }
+}
+
+/// A value and where it is.
+#[derive(Clone)]
+struct Node<'a> {
+    value: &'a Value,
+    at: String,
+    item: Option<usize>,
+}
+
+impl<'a> Node<'a> {
+    /// A member; `null` if there is none.
+    fn get(&self, key: &str) -> Self {
+        Self {
+            value: &self.value[key],
+            at: if self.at.is_empty() {
+                key.to_owned()
+            } else {
+                format!("{}.{key}", self.at)
+            },
+            item: self.item,
+        }
+    }
+
+    /// The elements of a list; of none if it is absent.
+    fn list(&self) -> Result<Vec<Self>, FormatError> {
+        if self.value.is_null() {
+            return Ok(Vec::new());
+        }
+        let values = self.value.as_array().ok_or_else(|| self.bad("a list"))?;
+        Ok(values
+            .iter()
+            .enumerate()
+            .map(|(index, value)| Self {
+                value,
+                at: format!("{}[{index}]", self.at),
+                item: self.item,
+            })
+            .collect())
+    }
+
+    fn bad(&self, allowed: &str) -> FormatError {
+        let text = self.value.to_string();
+        let found: String = text.chars().take(60).collect();
+        FormatError::Json {
+            at: self.at.clone(),
+            item: self.item,
+            found,
+            allowed: allowed.to_owned(),
+        }
+    }
+
+    fn expect_version(&self, version: u64) -> Result<(), FormatError> {
+        if self.value.as_u64() == Some(version) {
+            Ok(())
+        } else {
+            Err(self.bad(&version.to_string()))
+        }
+    }
+
+    /// A number; NaN if it is `null`.
+    fn number(&self) -> Result<f64, FormatError> {
+        match self.value {
+            Value::Null => Ok(f64::NAN),
+            value => value.as_f64().ok_or_else(|| self.bad("a number or null")),
+        }
+    }
+
+    fn float(&self) -> Result<f32, FormatError> {
+        let value = float(self.number()?);
+        if value.is_infinite() {
+            return Err(self.bad("a number that fits 32 bits"));
+        }
+        Ok(value)
+    }
+
+    fn unsigned<T: TryFrom<u64>>(&self, allowed: &str) -> Result<T, FormatError> {
+        self.value
+            .as_u64()
+            .and_then(|value| T::try_from(value).ok())
+            .ok_or_else(|| self.bad(allowed))
+    }
+
+    fn scaled(&self, frame: u8) -> Result<i32, FormatError> {
+        let value = self.number()?;
+        // A command without a place may leave its last parameters open.
+        if value.is_nan() && frame == frame::MISSION {
+            return Ok(0);
+        }
+        coordinate(frame, value).ok_or_else(|| self.bad("a number that fits"))
+    }
+
+    /// Latitude, longitude and, if there is one, altitude.
+    fn place(&self) -> Result<(i32, i32, Option<f32>), FormatError> {
+        let numbers = self.list()?;
+        let [lat, lon, rest @ ..] = numbers.as_slice() else {
+            return Err(self.bad("[latitude, longitude]"));
+        };
+        let height = rest.first().map(Node::float).transpose()?;
+        Ok((
+            lat.scaled(frame::GLOBAL)?,
+            lon.scaled(frame::GLOBAL)?,
+            height,
+        ))
+    }
+}
+
+fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
+    node.get("version").expect_version(2)?;
+    let firmware = node.get("firmwareType").value.as_u64();
+    document.autopilot = FIRMWARE
+        .iter()
+        .find(|(number, _)| Some(*number) == firmware)
+        .map(|&(_, autopilot)| autopilot);
+    let home = node.get("plannedHomePosition");
+    if !home.value.is_null() {
+        let (x, y, height) = home.place()?;
+        let amsl_m = height
+            .filter(|height| height.is_finite())
+            .ok_or_else(|| home.bad("[latitude, longitude, altitude above mean sea level]"))?;
+        document.home = Some(Home { x, y, amsl_m });
+    }
+    // Where each doJumpId of the file ended up, as a row.
+    let mut rows = Vec::new();
+    for (index, mut item) in node.get("items").list()?.into_iter().enumerate() {
+        item.item = Some(index + 1);
+        match item.value["type"].as_str() {
+            Some("SimpleItem") => {
+                let read = simple_item(&item, document)?;
+                rows.push((item.value["doJumpId"].as_u64(), read));
+            }
+            Some("ComplexItem") => {
+                let flown = item.get("TransectStyleComplexItem").get("Items");
+                if flown.value.is_null() {
+                    let kind = item.get("complexItemType");
+                    return Err(kind.bad("a complex item with its flown items in the file"));
+                }
+                for inner in flown.list()? {
+                    let read = simple_item(&inner, document)?;
+                    rows.push((inner.value["doJumpId"].as_u64(), read));
+                }
+            }
+            _ => return Err(item.get("type").bad("SimpleItem or ComplexItem")),
+        }
+    }
+    let ids: Vec<Option<u64>> = rows.iter().map(|(id, _)| *id).collect();
+    for (_, item) in rows {
+        document.items.push(resolved(item, &ids, node)?);
+    }
+    Ok(())
+}
+
+/// DO_JUMP names a `doJumpId`; the document has rows.
+fn resolved(mut item: Item, ids: &[Option<u64>], node: &Node<'_>) -> Result<Item, FormatError> {
+    if item.command != command::DO_JUMP {
+        return Ok(item);
+    }
+    let target = f64::from(item.params[0]);
+    let row = ids
+        .iter()
+        .zip(1_u16..)
+        .find(|(id, _)| {
+            id.and_then(|id| u32::try_from(id).ok())
+                .is_some_and(|id| f64::from(id).to_bits() == target.to_bits())
+        })
+        .map(|(_, row)| row)
+        .ok_or_else(|| FormatError::Json {
+            at: node.get("items").at,
+            item: None,
+            found: format!("a jump to item {target}"),
+            allowed: "a doJumpId of the file".to_owned(),
+        })?;
+    item.params[0] = f32::from(row);
+    Ok(item)
+}
+
+fn simple_item(node: &Node<'_>, document: &mut Document) -> Result<Item, FormatError> {
+    let frame: u8 = node.get("frame").unsigned("0 to 255")?;
+    let params = node.get("params").list()?;
+    let [a, b, c, d, x, y, z] = params.as_slice() else {
+        return Err(node.get("params").bad("a list of 7 numbers"));
+    };
+    let item = Item {
+        command: node.get("command").unsigned("0 to 65535")?,
+        frame,
+        autocontinue: match node.get("autoContinue").value {
+            Value::Null => true,
+            Value::Bool(flag) => *flag,
+            _ => return Err(node.get("autoContinue").bad("true or false")),
+        },
+        params: [a.float()?, b.float()?, c.float()?, d.float()?],
+        x: x.scaled(frame)?,
+        y: y.scaled(frame)?,
+        z: match z.value {
+            Value::Null if frame == frame::MISSION => 0.0,
+            _ => z.float()?,
+        },
+    };
+    check_altitude(node, &item, document)?;
+    Ok(item)
+}
+
+/// The flown altitude is `params[6]`; what the ground station shows must be the same.
+fn check_altitude(
+    node: &Node<'_>,
+    item: &Item,
+    document: &mut Document,
+) -> Result<(), FormatError> {
+    let mode = node.get("AltitudeMode");
+    let expected = match mode.value.as_u64() {
+        None | Some(altitude_mode::NONE) => return Ok(()),
+        Some(altitude_mode::RELATIVE) => frame::GLOBAL_RELATIVE_ALT,
+        Some(altitude_mode::ABSOLUTE) => frame::GLOBAL,
+        Some(altitude_mode::TERRAIN) => frame::GLOBAL_TERRAIN_ALT,
+        Some(altitude_mode::CALCULATED) if item.z.is_finite() => return Ok(()),
+        Some(altitude_mode::CALCULATED) => {
+            let z = node.get("params");
+            return Err(z.bad("an altitude: it was to be computed from terrain and never was"));
+        }
+        Some(_) => return Err(mode.bad("0 to 4")),
+    };
+    if frame::canonical(item.frame) != expected {
+        return Err(mode.bad("the reference of the item's frame"));
+    }
+    let shown = node.get("Altitude").float()?;
+    if shown.is_finite() && shown.to_bits() != item.z.to_bits() {
+        document.repairs.push(told(&format!(
+            "{}: Altitude {shown} is shown but params[6] {} is flown",
+            node.at, item.z
+        )));
+    }
+    Ok(())
+}
+
+fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
+    node.get("version").expect_version(2)?;
+    let breach = node.get("breachReturn");
+    if !breach.value.is_null() {
+        let (x, y, z) = breach.place()?;
+        let mut item = fence_item(command::FENCE_RETURN_POINT, 0.0, x, y);
+        item.frame = frame::GLOBAL_RELATIVE_ALT;
+        item.z = z.unwrap_or(0.0);
+        document.fence.push(item);
+    }
+    for polygon in node.get("polygons").list()? {
+        let command = if inclusion(&polygon)? {
+            command::FENCE_POLYGON_INCLUSION
+        } else {
+            command::FENCE_POLYGON_EXCLUSION
+        };
+        let corners = polygon.get("polygon").list()?;
+        let count = u16::try_from(corners.len())
+            .ok()
+            .filter(|&count| count >= 3)
+            .ok_or_else(|| polygon.get("polygon").bad("at least 3 corners"))?;
+        for corner in corners {
+            let (x, y, _) = corner.place()?;
+            document
+                .fence
+                .push(fence_item(command, f32::from(count), x, y));
+        }
+    }
+    for circle in node.get("circles").list()? {
+        let command = if inclusion(&circle)? {
+            command::FENCE_CIRCLE_INCLUSION
+        } else {
+            command::FENCE_CIRCLE_EXCLUSION
+        };
+        let circle = circle.get("circle");
+        let (x, y, _) = circle.get("center").place()?;
+        let radius_m = circle.get("radius").float()?;
+        document.fence.push(fence_item(command, radius_m, x, y));
+    }
+    Ok(())
+}
+
+fn inclusion(node: &Node<'_>) -> Result<bool, FormatError> {
+    let flag = node.get("inclusion");
+    flag.value
+        .as_bool()
+        .ok_or_else(|| flag.bad("true or false"))
+}
+
+fn fence_item(command: u16, param1: f32, x: i32, y: i32) -> Item {
+    Item {
+        command,
+        frame: frame::GLOBAL,
+        autocontinue: true,
+        params: [param1, 0.0, 0.0, 0.0],
+        x,
+        y,
+        z: 0.0,
+    }
+}
+
+fn rally(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
+    node.get("version").expect_version(2)?;
+    for point in node.get("points").list()? {
+        let (x, y, z) = point.place()?;
+        let mut item = fence_item(command::RALLY_POINT, 0.0, x, y);
+        item.frame = frame::GLOBAL_RELATIVE_ALT;
+        item.z = z.ok_or_else(|| point.bad("[latitude, longitude, altitude above home]"))?;
+        document.rally.push(item);
+    }
+    Ok(())
+}

@@ -1,0 +1,58 @@
+//! `QGC WPL 110`: twelve columns of text, degrees, row 0 is home.
+//!
+//! Written as every reader takes it: LF, TAB, exact 1e-7 degrees, no exponents,
+//! no NaN. Read as it is found: other separators, line ends, comments, and the
+//! header 120, which has no home row.
+
+mod read;
+
+use super::document::rows;
+use super::number::coordinate_text;
+use crate::mission::{Item, VehicleMission, command, frame};
+
+pub use read::read;
+
+/// The mission as text; fence, rally and parameters have other files.
+///
+/// A NaN is written as 0, because readers differ in whether they take "nan"
+/// ([`super::losses`]).
+#[must_use]
+pub fn write(mission: &VehicleMission) -> String {
+    let home = Item {
+        command: command::NAV_WAYPOINT,
+        frame: frame::GLOBAL,
+        autocontinue: true,
+        params: [0.0; 4],
+        x: mission.home.x,
+        y: mission.home.y,
+        z: mission.home.amsl_m,
+    };
+    let mut text = String::from("QGC WPL 110\n");
+    for (row, item) in std::iter::once(home).chain(rows(mission)).enumerate() {
+        text.push_str(&line(row, &item));
+    }
+    text
+}
+
+fn line(row: usize, item: &Item) -> String {
+    let [a, b, c, d] = item.params.map(number);
+    format!(
+        "{row}\t{}\t{}\t{}\t{a}\t{b}\t{c}\t{d}\t{}\t{}\t{}\t{}\n",
+        u8::from(row == 0),
+        item.frame,
+        item.command,
+        coordinate_text(item.frame, item.x),
+        coordinate_text(item.frame, item.y),
+        number(item.z),
+        u8::from(item.autocontinue),
+    )
+}
+
+/// Shortest decimals that read back as the same float; never an exponent.
+fn number(value: f32) -> String {
+    if value.is_finite() {
+        value.to_string()
+    } else {
+        "0".to_owned()
+    }
+}

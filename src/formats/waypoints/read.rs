@@ -1,0 +1,483 @@
+//! Reads `.waypoints` files of any origin, and says what it had to overlook.
+
+use crate::formats::number::coordinate;
+use crate::formats::{Document, FormatError, Repair};
+use crate::mission::{Home, Item, command, command_named, frame};
+
+/// Reads a mission, or a fence or rally list in the same layout.
+///
+/// # Errors
+/// [`FormatError::Text`] for a header other than 110 or 120, a row of fewer than
+/// eleven fields, a field that is no number, a place that does not fit, and a home
+/// row whose altitude is not above mean sea level.
+pub fn read(text: &str) -> Result<Document, FormatError> {
+    let mut reader = Reader::default();
+    let text = reader.plain(text);
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(index, line)| (index + 1, line));
+    let has_home = loop {
+        let Some((number, line)) = lines.next() else {
+            return Err(no_header(1, "an empty file"));
+        };
+        if !reader.is_blank(number, line) {
+            break reader.header(number, line)?;
+        }
+    };
+    for (number, line) in lines {
+        if !reader.is_blank(number, line) {
+            reader.row(number, line, has_home)?;
+        }
+    }
+    Ok(reader.finish())
+}
+
+fn no_header(line: usize, found: &str) -> FormatError {
+    FormatError::Text {
+        line,
+        column: 1,
+        found: found.to_owned(),
+        allowed: "QGC WPL 110 or QGC WPL 120".to_owned(),
+    }
+}
+
+/// A field and where it is.
+#[derive(Clone, Copy)]
+struct Field<'a> {
+    text: &'a str,
+    line: usize,
+    column: usize,
+}
+
+#[derive(Default)]
+struct Reader {
+    document: Document,
+    rows: usize,
+    /// Row of the first item: 1 after a home row.
+    first_item: Option<usize>,
+    told_separator: bool,
+}
+
+impl Reader {
+    /// Without a home row the file counts its items from 0: one less than a row.
+    fn finish(mut self) -> Document {
+        if self.first_item == Some(0) {
+            for item in &mut self.document.items {
+                if item.command == command::DO_JUMP {
+                    item.params[0] += 1.0;
+                }
+            }
+        }
+        self.document
+    }
+
+    fn repair(&mut self, line: usize, column: usize, what: impl Into<String>) {
+        self.document.repairs.push(Repair {
+            line,
+            column,
+            what: what.into(),
+        });
+    }
+
+    /// The text without byte order mark and carriage returns.
+    fn plain(&mut self, text: &str) -> String {
+        let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
+        if plain.len() != text.len() {
+            self.repair(1, 1, "a byte order mark was left out");
+        }
+        let unix = plain.replace("\r\n", "\n").replace('\r', "\n");
+        if let Some(at) = plain.find('\r') {
+            let line = plain[..at].matches('\n').count() + 1;
+            self.repair(line, 1, "carriage returns were taken as line ends");
+        }
+        if !unix.ends_with('\n') {
+            let line = unix.lines().count().max(1);
+            self.repair(line, 1, "the last line has no line end");
+        }
+        unix
+    }
+
+    /// Whether a line has nothing to read.
+    fn is_blank(&mut self, number: usize, line: &str) -> bool {
+        let text = line.trim();
+        if text.starts_with('#') {
+            self.repair(number, 1, "a comment was left out");
+        } else if text.is_empty() {
+            self.repair(number, 1, "an empty line was left out");
+        }
+        text.is_empty() || text.starts_with('#')
+    }
+
+    /// Whether the file has a home row.
+    fn header(&mut self, number: usize, line: &str) -> Result<bool, FormatError> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let has_home = match words.as_slice() {
+            ["QGC", "WPL", "110"] => true,
+            ["QGC", "WPL", "120"] => {
+                self.repair(number, 1, "version 120 has no home row");
+                false
+            }
+            _ => {
+                let found: String = line.chars().take(40).collect();
+                return Err(no_header(number, &format!("{found:?}")));
+            }
+        };
+        if line.len() != "QGC WPL 110".len() {
+            self.repair(number, 1, "spaces in the header were left out");
+        }
+        Ok(has_home)
+    }
+
+    fn row(&mut self, number: usize, line: &str, has_home: bool) -> Result<(), FormatError> {
+        let fields = self.fields(number, line)?;
+        let field = |index: usize| {
+            fields.get(index).copied().ok_or_else(|| FormatError::Text {
+                line: number,
+                column: 1,
+                found: format!("{} fields", fields.len()),
+                allowed: "12 fields".to_owned(),
+            })
+        };
+        // Counted before any of them is read: a row that lost a field in the middle
+        // has its altitude where its longitude belongs.
+        field(10)?;
+        let row = field(0)?;
+        let sequence = whole(row, u32::from(u16::MAX))?;
+        whole(field(1)?, 255)?;
+        let frame = byte(field(2)?)?;
+        let item = Item {
+            command: command_number(field(3)?)?,
+            frame,
+            autocontinue: match fields.get(11) {
+                Some(&field) => whole(field, 1)? == 1,
+                None => {
+                    self.repair(number, 1, "autocontinue is missing and was taken as 1");
+                    true
+                }
+            },
+            params: [
+                float(field(4)?)?,
+                float(field(5)?)?,
+                float(field(6)?)?,
+                float(field(7)?)?,
+            ],
+            x: scaled(field(8)?, frame)?,
+            y: scaled(field(9)?, frame)?,
+            z: float(field(10)?)?,
+        };
+        if let Some(extra) = fields.get(12) {
+            self.repair(
+                number,
+                extra.column,
+                "fields after the twelfth were left out",
+            );
+        }
+        self.place(row, sequence, item, has_home)
+    }
+
+    /// Decides whether a row is home or an item.
+    fn place(
+        &mut self,
+        row: Field<'_>,
+        sequence: u32,
+        item: Item,
+        has_home: bool,
+    ) -> Result<(), FormatError> {
+        let Field { line, column, .. } = row;
+        if self.rows == 0
+            && has_home
+            && sequence == 0
+            && [0, command::NAV_WAYPOINT].contains(&item.command)
+        {
+            self.rows = 1;
+            return self.home(row, &item);
+        }
+        let is_mission =
+            !(command::FENCE_RETURN_POINT..=command::RALLY_POINT).contains(&item.command);
+        if self.rows == 0 && has_home {
+            if is_mission {
+                let what = format!(
+                    "row {sequence} (command {}) is no home row and was taken as the first item",
+                    item.command
+                );
+                self.repair(line, column, what);
+            }
+            // Its own number tells whether a home row was counted.
+            self.rows = usize::from(sequence == 1);
+        }
+        self.first_item.get_or_insert(self.rows);
+        if usize::try_from(sequence) != Ok(self.rows) {
+            let what = format!("row {sequence} was taken as row {}", self.rows);
+            self.repair(line, column, what);
+        }
+        self.rows += 1;
+        self.document.add(item);
+        Ok(())
+    }
+
+    fn home(&mut self, row: Field<'_>, item: &Item) -> Result<(), FormatError> {
+        let Field { line, column, .. } = row;
+        if (item.x, item.y) == (0, 0) {
+            self.repair(line, column, "the home row is empty: no home position");
+            return Ok(());
+        }
+        if frame::canonical(item.frame) != frame::GLOBAL {
+            return Err(FormatError::Text {
+                line,
+                column,
+                found: format!("home in frame {}", item.frame),
+                allowed: "frame 0: the altitude of home is above mean sea level".to_owned(),
+            });
+        }
+        if !item.z.is_finite() {
+            return Err(FormatError::Text {
+                line,
+                column,
+                found: format!("home at {} m", item.z),
+                allowed: "an altitude above mean sea level".to_owned(),
+            });
+        }
+        self.document.home = Some(Home {
+            x: item.x,
+            y: item.y,
+            amsl_m: item.z,
+        });
+        Ok(())
+    }
+
+    /// Splits at tabs, or at commas if there is no tab, or at spaces if neither.
+    fn fields<'a>(&mut self, number: usize, line: &'a str) -> Result<Vec<Field<'a>>, FormatError> {
+        let (data, comment) = match line.split_once('#') {
+            Some((data, _)) => (data, true),
+            None => (line, false),
+        };
+        if comment {
+            let column = data.chars().count() + 1;
+            self.repair(number, column, "a comment was left out");
+        }
+        let data = data.trim_end();
+        let separator = if data.contains('\t') {
+            '\t'
+        } else if data.contains(',') {
+            ','
+        } else {
+            ' '
+        };
+        let mut fields = Vec::new();
+        let mut column = 1;
+        let mut untidy = separator != '\t';
+        for part in data.split(separator) {
+            let text = part.trim();
+            let lead = part.chars().take_while(|c| c.is_whitespace()).count();
+            untidy |= text.len() != part.len();
+            if !text.is_empty() {
+                fields.push(Field {
+                    text,
+                    line: number,
+                    column: column + lead,
+                });
+            } else if separator != ' ' {
+                return Err(FormatError::Text {
+                    line: number,
+                    column,
+                    found: "an empty field".to_owned(),
+                    allowed: "a number".to_owned(),
+                });
+            }
+            column += part.chars().count() + 1;
+        }
+        if untidy && !self.told_separator {
+            self.told_separator = true;
+            self.repair(number, 1, "fields are not separated by single tabs");
+        }
+        Ok(fields)
+    }
+}
+
+fn bad(field: Field<'_>, allowed: impl Into<String>) -> FormatError {
+    let found: String = field.text.chars().take(40).collect();
+    FormatError::Text {
+        line: field.line,
+        column: field.column,
+        found: format!("{found:?}"),
+        allowed: allowed.into(),
+    }
+}
+
+/// A whole number from 0; some writers give it decimals (`16.0`).
+fn whole(field: Field<'_>, most: u32) -> Result<u32, FormatError> {
+    let value: f64 = field
+        .text
+        .parse()
+        .map_err(|_| bad(field, format!("0 to {most}")))?;
+    (0..=most)
+        .contains(&saturated(value))
+        .then(|| saturated(value))
+        .filter(|&whole| f64::from(whole).to_bits() == value.abs().to_bits())
+        .ok_or_else(|| bad(field, format!("0 to {most}, whole")))
+}
+
+fn saturated(value: f64) -> u32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates; the caller compares with the original"
+    )]
+    let whole = value as u32;
+    whole
+}
+
+fn byte(field: Field<'_>) -> Result<u8, FormatError> {
+    u8::try_from(whole(field, 255)?).map_err(|_| bad(field, "0 to 255"))
+}
+
+/// A command by number or by name.
+fn command_number(field: Field<'_>) -> Result<u16, FormatError> {
+    if let Some(command) = command_named(field.text) {
+        return Ok(command);
+    }
+    let number = whole(field, u32::from(u16::MAX))?;
+    u16::try_from(number).map_err(|_| bad(field, "0 to 65535"))
+}
+
+fn float(field: Field<'_>) -> Result<f32, FormatError> {
+    field
+        .text
+        .parse::<f32>()
+        .ok()
+        .filter(|value| !value.is_infinite())
+        .ok_or_else(|| bad(field, "a number"))
+}
+
+fn scaled(field: Field<'_>, frame: u8) -> Result<i32, FormatError> {
+    field
+        .text
+        .parse()
+        .ok()
+        .and_then(|value| coordinate(frame, value))
+        .ok_or_else(|| bad(field, "a number that fits"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::read;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_missing_field_is_told_with_its_line() {
+        let error =
+            read("QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t36.1\t-84.2\n").expect_err("ten fields");
+        assert_eq!(
+            error.to_string(),
+            "line 2, column 1: 10 fields (allowed: 12 fields)"
+        );
+    }
+
+    #[test]
+    fn a_word_among_the_numbers_is_told_with_line_and_column() {
+        let error = read("QGC WPL 110\n0\t1\t0\t16\t0\t0\tabc\t0\t36.1\t-84.2\t400\t1\n")
+            .expect_err("a word");
+        assert_eq!(
+            error.to_string(),
+            "line 2, column 14: \"abc\" (allowed: a number)"
+        );
+    }
+
+    #[test]
+    fn a_home_above_home_is_refused() {
+        let error =
+            read("QGC WPL 110\n0\t1\t3\t16\t0\t0\t0\t0\t36.1\t-84.2\t0\t1\n").expect_err("frame 3");
+        assert!(
+            error.to_string().contains("above mean sea level"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn other_headers_are_refused() {
+        for text in ["", "\n", "QGC WPL 100\n", "QGC WPL\n", "{}"] {
+            let error = read(text).expect_err("no header");
+            assert!(error.to_string().contains("QGC WPL 110"), "{error}");
+        }
+    }
+
+    #[test]
+    fn spaces_commas_crlf_comments_names_and_a_missing_last_newline_are_read_and_told() {
+        let text = "\u{feff}QGC WPL 110\r\n# made by hand\r\n\
+            0,1,0,16,0,0,0,0,36.1,-84.2,400,1\r\n\r\n\
+            1 0 3 NAV_TAKEOFF 0 0 0 0 36.1 -84.2 30\r\n\
+            5\t0\t3\t16.0\t0\t0\t0\t0\t36.2\t-84.2\t30\t1\t9 # last";
+        let document = read(text).expect("readable");
+        assert_eq!(document.home.map(|home| home.x), Some(361_000_000));
+        let commands: Vec<u16> = document.items.iter().map(|item| item.command).collect();
+        assert_eq!(commands, [22, 16]);
+        let told: Vec<(usize, &str)> = document
+            .repairs
+            .iter()
+            .map(|r| (r.line, r.what.as_str()))
+            .collect();
+        assert_eq!(
+            told,
+            [
+                (1, "a byte order mark was left out"),
+                (1, "carriage returns were taken as line ends"),
+                (6, "the last line has no line end"),
+                (2, "a comment was left out"),
+                (3, "fields are not separated by single tabs"),
+                (4, "an empty line was left out"),
+                (5, "autocontinue is missing and was taken as 1"),
+                (6, "a comment was left out"),
+                (6, "fields after the twelfth were left out"),
+                (6, "row 5 was taken as row 2"),
+            ]
+        );
+    }
+
+    #[test]
+    fn version_120_and_an_empty_home_row_have_no_home() {
+        let row = "\t0\t0\t0\t0\t36.1\t-84.2\t30\t1\n";
+        let without = read(&format!("QGC WPL 120\n0\t1\t3\t22{row}")).expect("readable");
+        assert_eq!((without.home, without.items.len()), (None, 1));
+        let empty = format!("QGC WPL 110\n0\t1\t0\t0\t0\t0\t0\t0\t0\t0\t0\t1\n1\t0\t3\t22{row}");
+        let empty = read(&empty).expect("readable");
+        assert_eq!((empty.home, empty.items.len()), (None, 1));
+        let first = read(&format!("QGC WPL 110\n0\t1\t3\t22{row}")).expect("readable");
+        assert_eq!((first.home, first.items.len()), (None, 1));
+        assert!(first.repairs[0].what.contains("no home row"));
+    }
+
+    #[test]
+    fn fence_and_rally_rows_go_to_their_lists() {
+        let text = "QGC WPL 110\n\
+            0\t0\t0\t5004\t300\t0\t0\t0\t36.1\t-84.2\t0\t1\n\
+            1\t0\t3\t5100\t0\t0\t0\t0\t36.1\t-84.2\t30\t1\n";
+        let document = read(text).expect("readable");
+        assert_eq!(
+            (
+                document.items.len(),
+                document.fence.len(),
+                document.rally.len()
+            ),
+            (0, 1, 1)
+        );
+        assert!(document.repairs.is_empty(), "{:?}", document.repairs);
+    }
+
+    proptest! {
+        #[test]
+        fn random_text_never_panics(text in any::<String>()) {
+            let _ = read(&text);
+        }
+
+        #[test]
+        fn random_rows_never_panic(rows in "([0-9#,. \t\r\n\u{e9}-]|nan|inf|1e9|16){0,200}") {
+            let _ = read(&format!("QGC WPL 110\n{rows}"));
+        }
+
+        #[test]
+        fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+            let _ = read(&String::from_utf8_lossy(&bytes));
+        }
+    }
+}

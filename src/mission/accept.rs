@@ -1,0 +1,389 @@
+//! What an autopilot takes: rules as one table of data per autopilot, and one check for each.
+//!
+//! An upload that is acknowledged is not yet a mission that is accepted, and PX4
+//! takes latitude 95 without a word; so everything is held against this table before
+//! it is sent. Sources: ArduPilot `AP_Mission::mavlink_int_to_mission_cmd` and
+//! `sanity_check_params`; PX4 `mavlink_mission.cpp` and `FeasibilityChecker`; and what
+//! ArduCopter 4.6.3 and PX4 1.18 did in simulation.
+
+use std::fmt;
+
+use super::commands::{ARDUPILOT, CommandRule, PX4, Place};
+use super::item::{Item, VehicleMission, command, frame};
+use super::params::ACCEPTANCE_RADIUS;
+use crate::spec::Autopilot;
+
+/// One of the three lists of items that a vehicle holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum List {
+    /// The mission proper.
+    Mission,
+    /// The fence.
+    Fence,
+    /// The rally points.
+    Rally,
+}
+
+impl fmt::Display for List {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Mission => "mission",
+            Self::Fence => "fence",
+            Self::Rally => "rally",
+        })
+    }
+}
+
+/// Something that the autopilot refuses, or would take for something else.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AcceptanceProblem {
+    /// In which list.
+    pub list: List,
+    /// Which item, from 1 (in a mission the row of the `.waypoints` file); 0 for the list as a whole.
+    pub item: usize,
+    /// The rule, in a few words.
+    pub rule: &'static str,
+    /// What was found.
+    pub found: String,
+    /// What is allowed.
+    pub allowed: String,
+}
+
+impl fmt::Display for AcceptanceProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.list)?;
+        if self.item > 0 {
+            write!(f, " item {}", self.item)?;
+        }
+        write!(
+            f,
+            ": {}: {} (allowed: {})",
+            self.rule, self.found, self.allowed
+        )
+    }
+}
+
+/// How many items an autopilot holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// Mission items, home not counted.
+    pub items: usize,
+    /// Fence items: corners and circles.
+    pub fence: usize,
+    /// Rally points.
+    pub rally: usize,
+}
+
+/// What one autopilot takes.
+struct Profile {
+    limits: Limits,
+    commands: &'static [CommandRule],
+    /// Frames of items with a place.
+    place_frames: &'static [u8],
+    /// Frames of items without one; any if absent.
+    command_frames: Option<&'static [u8]>,
+    /// Whether a NaN is read as "default" in every parameter.
+    any_nan: bool,
+    /// Altitudes beyond do not fit, metres.
+    max_altitude_m: f32,
+    /// The first target of a jump: ArduPilot counts home as 0, PX4 does not count it.
+    first_jump: u16,
+    /// Longest hold at a waypoint, seconds.
+    max_hold_s: f32,
+    /// A takeoff must end this far above the acceptance radius.
+    takeoff_over_radius_m: Option<f32>,
+}
+
+/// ArduCopter: 650 with home; altitudes are 24 bit centimetres.
+static ARDUPILOT_PROFILE: Profile = Profile {
+    limits: Limits {
+        items: 649,
+        fence: 70,
+        rally: 46,
+    },
+    commands: ARDUPILOT,
+    place_frames: &[0, 3, 5, 6, 10, 11],
+    command_frames: None,
+    any_nan: false,
+    max_altitude_m: 83_000.0,
+    first_jump: 1,
+    max_hold_s: 65_535.0,
+    takeoff_over_radius_m: None,
+};
+
+/// PX4: `dataman.h` holds 64 fence and 32 rally points.
+static PX4_PROFILE: Profile = Profile {
+    limits: Limits {
+        items: 10_000,
+        fence: 64,
+        rally: 32,
+    },
+    commands: PX4,
+    place_frames: &[0, 3, 5, 6],
+    command_frames: Some(&[frame::MISSION]),
+    any_nan: true,
+    max_altitude_m: 83_000.0,
+    first_jump: 0,
+    max_hold_s: 65_535.0,
+    takeoff_over_radius_m: Some(1.0),
+};
+
+/// PX4's acceptance radius where the mission's parameters do not state it, metres.
+const DEFAULT_ACCEPTANCE_RADIUS_M: f32 = 10.0;
+
+fn profile(autopilot: Autopilot) -> &'static Profile {
+    match autopilot {
+        Autopilot::ArduPilot => &ARDUPILOT_PROFILE,
+        Autopilot::Px4 => &PX4_PROFILE,
+    }
+}
+
+/// How many items an autopilot holds.
+#[must_use]
+pub fn limits(autopilot: Autopilot) -> Limits {
+    profile(autopilot).limits
+}
+
+/// What was found and what is allowed.
+type Finding = (String, String);
+
+/// One rule, for every item or for the mission as a whole.
+enum Check {
+    Item(fn(&Profile, &Item) -> Option<Finding>),
+    Mission(fn(&Profile, &VehicleMission) -> Option<(usize, Finding)>),
+}
+
+/// The rules, in the order in which problems of one item are told.
+static RULES: &[(&str, Check)] = &[
+    ("something to fly", Check::Mission(something_to_fly)),
+    ("item count", Check::Mission(item_count)),
+    ("known command", Check::Item(known_command)),
+    ("frame", Check::Item(allowed_frame)),
+    ("finite parameters", Check::Item(finite_parameters)),
+    ("latitude", Check::Item(latitude)),
+    ("longitude", Check::Item(longitude)),
+    ("a real place", Check::Item(real_place)),
+    ("altitude", Check::Item(altitude)),
+    ("hold time", Check::Item(hold_time)),
+    ("jump target", Check::Mission(jump_target)),
+    ("takeoff first", Check::Mission(takeoff_first)),
+    ("takeoff altitude", Check::Mission(takeoff_altitude)),
+];
+
+/// Everything in a mission, its fence and its rally points that the autopilot
+/// would refuse or misread.
+#[must_use]
+pub fn problems(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
+    let profile = profile(mission.autopilot);
+    let mut found = Vec::new();
+    for (rule, check) in RULES {
+        let mut tell = |item, (found_text, allowed): Finding| {
+            found.push(AcceptanceProblem {
+                list: List::Mission,
+                item,
+                rule,
+                found: found_text,
+                allowed,
+            });
+        };
+        match check {
+            Check::Mission(check) => {
+                if let Some((item, finding)) = check(profile, mission) {
+                    tell(item, finding);
+                }
+            }
+            Check::Item(check) => {
+                for (index, item) in mission.items.iter().enumerate() {
+                    if let Some(finding) = check(profile, item) {
+                        tell(index + 1, finding);
+                    }
+                }
+            }
+        }
+    }
+    found.sort_by_key(|problem| problem.item);
+    found.extend(super::accept_fence::problems(mission, profile.limits));
+    found
+}
+
+impl Profile {
+    fn rule(&self, item: &Item) -> Option<&'static CommandRule> {
+        self.commands
+            .iter()
+            .find(|rule| rule.command == item.command)
+    }
+
+    /// Whether the item goes somewhere: its command has a place and its frame is not that of commands.
+    fn has_place(&self, item: &Item) -> bool {
+        match self.rule(item).map(|rule| rule.place) {
+            Some(Place::Needed) => true,
+            Some(Place::Optional) => item.frame != frame::MISSION,
+            Some(Place::None) | None => false,
+        }
+    }
+}
+
+fn something_to_fly(_: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
+    mission
+        .items
+        .is_empty()
+        .then(|| (0, ("no items".to_owned(), "at least one".to_owned())))
+}
+
+fn item_count(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
+    let (count, limit) = (mission.items.len(), profile.limits.items);
+    (count > limit).then(|| {
+        (
+            0,
+            (format!("{count} items"), format!("{limit}, home aside")),
+        )
+    })
+}
+
+fn known_command(profile: &Profile, item: &Item) -> Option<Finding> {
+    profile.rule(item).is_none().then(|| {
+        (
+            format!("command {}", item.command),
+            "the commands this autopilot knows".to_owned(),
+        )
+    })
+}
+
+fn allowed_frame(profile: &Profile, item: &Item) -> Option<Finding> {
+    let allowed = if profile.has_place(item) {
+        profile.place_frames
+    } else {
+        profile.rule(item)?;
+        profile.command_frames?
+    };
+    (!allowed.contains(&item.frame)).then(|| (format!("frame {}", item.frame), list(allowed)))
+}
+
+fn finite_parameters(profile: &Profile, item: &Item) -> Option<Finding> {
+    let nan_allowed = profile.rule(item).map_or([false; 4], |rule| rule.nan);
+    (0..4).find_map(|index| {
+        let value = item.params[index];
+        let nan_allowed = profile.any_nan || nan_allowed[index];
+        if value.is_finite() || (value.is_nan() && nan_allowed) {
+            return None;
+        }
+        let allowed = if nan_allowed {
+            "a number or NaN"
+        } else {
+            "a number"
+        };
+        Some((format!("param{} is {value}", index + 1), allowed.to_owned()))
+    })
+}
+
+fn latitude(profile: &Profile, item: &Item) -> Option<Finding> {
+    (profile.has_place(item) && item.x.unsigned_abs() > 900_000_000)
+        .then(|| (degrees(item.x), "-90 to 90 degrees".to_owned()))
+}
+
+fn longitude(profile: &Profile, item: &Item) -> Option<Finding> {
+    (profile.has_place(item) && item.y.unsigned_abs() > 1_800_000_000)
+        .then(|| (degrees(item.y), "-180 to 180 degrees".to_owned()))
+}
+
+/// ArduPilot takes 0, 0 for "here"; PX4 flies to the Gulf of Guinea.
+fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
+    (profile.has_place(item) && (item.x, item.y) == (0, 0)).then(|| {
+        (
+            "latitude 0, longitude 0".to_owned(),
+            "a place on purpose".to_owned(),
+        )
+    })
+}
+
+fn altitude(profile: &Profile, item: &Item) -> Option<Finding> {
+    let limit_m = profile.max_altitude_m;
+    let fits = item.z.is_finite() && item.z.abs() < limit_m;
+    (profile.has_place(item) && !fits)
+        .then(|| (format!("{} m", item.z), format!("within {limit_m} m")))
+}
+
+fn hold_time(profile: &Profile, item: &Item) -> Option<Finding> {
+    let holds = [command::NAV_WAYPOINT, command::NAV_LOITER_TIME].contains(&item.command);
+    let hold_s = item.params[0];
+    (holds && hold_s.is_finite() && !(0.0..=profile.max_hold_s).contains(&hold_s)).then(|| {
+        (
+            format!("{hold_s} s"),
+            format!("0 to {} s", profile.max_hold_s),
+        )
+    })
+}
+
+fn jump_target(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
+    let first = usize::from(profile.first_jump);
+    let last = (mission.items.len() + first).saturating_sub(1);
+    let bad = |item: &Item| {
+        item.command == command::DO_JUMP && !(first..=last).any(|target| is(item.params[0], target))
+    };
+    let index = mission.items.iter().position(bad)?;
+    let target = mission.items[index].params[0];
+    Some((
+        index + 1,
+        (format!("item {target}"), format!("{first} to {last}")),
+    ))
+}
+
+/// Whether a parameter is exactly this whole number.
+fn is(value: f32, whole: usize) -> bool {
+    u16::try_from(whole).is_ok_and(|whole| value.to_bits() == f32::from(whole).to_bits())
+}
+
+fn takeoff_first(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
+    let first = mission.items.iter().position(|item| {
+        profile.has_place(item) || item.command == command::NAV_RETURN_TO_LAUNCH
+    })?;
+    let found = mission.items[first].command;
+    (found != command::NAV_TAKEOFF).then(|| {
+        (
+            first + 1,
+            (
+                format!("command {found} before any takeoff"),
+                format!("command {} (takeoff)", command::NAV_TAKEOFF),
+            ),
+        )
+    })
+}
+
+fn takeoff_altitude(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
+    let index = mission
+        .items
+        .iter()
+        .position(|item| item.command == command::NAV_TAKEOFF)?;
+    let item = &mission.items[index];
+    let climb_m = match frame::canonical(item.frame) {
+        frame::GLOBAL => item.z - mission.home.amsl_m,
+        _ => item.z,
+    };
+    let least_m = profile.takeoff_over_radius_m.map_or(0.0, |over_m| {
+        let radius_m = mission
+            .params
+            .iter()
+            .find(|parameter| parameter.name == ACCEPTANCE_RADIUS)
+            .map_or(DEFAULT_ACCEPTANCE_RADIUS_M, |parameter| parameter.value);
+        radius_m + over_m
+    });
+    // A NaN is told by the rule of altitudes.
+    (climb_m <= least_m).then(|| {
+        (
+            index + 1,
+            (
+                format!("{climb_m} m above home"),
+                format!("more than {least_m} m"),
+            ),
+        )
+    })
+}
+
+fn degrees(e7: i32) -> String {
+    format!("{}", f64::from(e7) / 1e7)
+}
+
+fn list(frames: &[u8]) -> String {
+    let names: Vec<String> = frames.iter().map(u8::to_string).collect();
+    format!("frame {}", names.join(", "))
+}
