@@ -135,7 +135,8 @@ fn flight(world: &World, index: usize) -> Vec<TimedPoint> {
             Amsl(0.0),
         );
         let ground = world.terrain.height(world.frame.from_plan(point.at)).expect("ground everywhere");
-        let dip_m = 34.0 * (-((share - 0.62) / 0.03).powi(2)).exp();
+        let depth_m = if index == 1 { 58.0 } else { 26.0 };
+        let dip_m = depth_m * (-((share - 0.62) / 0.03).powi(2)).exp();
         point.amsl = Amsl(ground.0 + 82.0 + 25.0 * (12.0 * share).sin().powi(2) - dip_m);
         if let Some(last) = last {
             t_s += last.distance_m(point) / 15.0;
@@ -285,20 +286,42 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
     }
     for (a, track) in tracks.iter().enumerate().take(12) {
         for other in tracks.iter().take(12).skip(a + 1) {
+            let (nearest_m, at) = nearest(world, track, other);
             margins.push(Margin {
                 vehicle: track.vehicle.clone(),
                 other: Some(other.vehicle.clone()),
                 what: "separation".to_owned(),
-                value: 1240.0,
+                value: nearest_m,
                 limit: 100.0,
                 unit: "m",
-                at: Some(track.moments[170]),
-                ok: true,
+                at: Some(at),
+                ok: nearest_m >= 100.0,
                 note: "worst shift of departure: 5 s".to_owned(),
             });
         }
     }
     margins
+}
+
+/// The least distance of two tracks at the same time, at the moments of the first.
+fn nearest(world: &World, track: &Track, other: &Track) -> (f64, Moment) {
+    let point = |moment: &Moment| PlanPoint {
+        at: world.frame.to_plan(moment.place),
+        amsl: moment.amsl,
+    };
+    track
+        .moments
+        .iter()
+        .map(|moment| {
+            let then = other
+                .moments
+                .iter()
+                .min_by(|a, b| (a.t_s - moment.t_s).abs().total_cmp(&(b.t_s - moment.t_s).abs()))
+                .expect("a track");
+            (point(moment).distance_m(point(then)), *moment)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .expect("a track")
 }
 
 /// The same, every limit kept.
