@@ -1,1 +1,59 @@
 //! Pages and documents from facts handed over.
+
+mod contour;
+mod documents;
+mod page;
+mod picture;
+mod png;
+mod relief;
+mod scene;
+mod thin;
+mod words;
+
+pub use documents::{
+    ControlPoint, Cost, MarginEntry, PathPoint, Place, PlanDocument, PlannedVehicle,
+    ReviewDocument, json_text, plan_json, review_json,
+};
+pub use page::review_html;
+pub use picture::review_svg;
+
+use crate::mission::VehicleMission;
+use crate::plan::FleetPlan;
+use crate::spec::MissionSpec;
+use crate::verify::Review;
+use crate::world::World;
+
+/// The facts of a review.
+#[derive(Clone, Copy, Debug)]
+pub struct ReviewInput<'a> {
+    /// What was asked for.
+    pub spec: &'a MissionSpec,
+    /// Where.
+    pub world: &'a World,
+    /// The paths, if the missions come from a plan of ours.
+    pub plan: Option<&'a FleetPlan>,
+    /// The missions, each with the place of its vehicle in the spec.
+    pub missions: &'a [(usize, &'a VehicleMission)],
+    /// What `verify` found.
+    pub review: &'a Review,
+    /// The seed the paths came from, if they are ours.
+    pub seed: Option<u64>,
+    /// SHA-256 of the spec file, hexadecimal.
+    pub spec_sha256: &'a str,
+    /// Version of Sortie.
+    pub version: &'a str,
+}
+
+/// Colours of vehicles, for a light and for a dark ground: told apart in the
+/// common kinds of colour blindness (after Okabe and Ito 2008), and none of
+/// them the red of threats. More vehicles begin again.
+const COLOURS: [[&str; 2]; 8] = [
+    ["#0067a5", "#56b4e9"],
+    ["#c26a00", "#f0a93b"],
+    ["#007a5a", "#2fc79a"],
+    ["#a8418a", "#e08bc4"],
+    ["#766600", "#efe04a"],
+    ["#4b4fc4", "#a3a8ff"],
+    ["#7b4a2a", "#cfa27c"],
+    ["#3c4650", "#d4d9de"],
+];

@@ -1,0 +1,317 @@
+//! `plan.json` and `review.json`: plain documents for other programs.
+//!
+//! Keys stand in the order of the structs. Places are rounded to 1e-9 degrees
+//! and metres to 1e-4, far below anything that can be flown, so that the same
+//! facts give the same bytes.
+
+use serde::Serialize;
+
+use crate::cost::CostTerms;
+use crate::geodesy::PlanPoint;
+use crate::path::TimedPoint;
+use crate::plan::{FleetPlan, Route, VehiclePlan};
+use crate::spec::{MissionSpec, Vehicle};
+use crate::verify::{Margin, Moment, Review};
+use crate::world::World;
+
+/// The paths of a fleet: `plan.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlanDocument {
+    /// Version of Sortie.
+    pub sortie: &'static str,
+    /// SHA-256 of the spec file, hexadecimal.
+    pub spec_sha256: String,
+    /// The seed every stream came from.
+    pub seed: u64,
+    /// `pass` or `fail`: what `verify` says of the encoded missions.
+    pub verdict: &'static str,
+    /// In the order of the spec.
+    pub vehicles: Vec<PlannedVehicle>,
+}
+
+/// One vehicle of `plan.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlannedVehicle {
+    /// Name in the spec.
+    pub id: String,
+    /// MAVLink system id.
+    pub sysid: u8,
+    /// The objective.
+    pub cost: Cost,
+    /// Proven: no path costs less.
+    pub bound: Option<f64>,
+    /// What the relaxed problem suggests; proves nothing.
+    pub estimate: Option<f64>,
+    /// How far the total is above the estimate, as a fraction of it.
+    pub gap: Option<f64>,
+    /// Objective evaluations spent.
+    pub evaluations: usize,
+    /// Control points of the splines, one route after the other.
+    pub control_points: Vec<ControlPoint>,
+    /// The path, one route after the other.
+    pub path: Vec<PathPoint>,
+}
+
+/// The terms of the objective as they enter the total.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[expect(missing_docs, reason = "the names are those of `CostTerms`")]
+pub struct Cost {
+    pub total: Option<f64>,
+    pub length: Option<f64>,
+    pub altitude: Option<f64>,
+    pub threat: Option<f64>,
+    pub terrain: Option<f64>,
+    pub turn: Option<f64>,
+    pub climb: Option<f64>,
+    pub collision: Option<f64>,
+}
+
+/// A control point; a vehicle passes near it at no certain time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ControlPoint {
+    /// Degrees north, WGS84.
+    pub lat_deg: Option<f64>,
+    /// Degrees east, WGS84.
+    pub lon_deg: Option<f64>,
+    /// Metres above mean sea level.
+    pub amsl_m: Option<f64>,
+}
+
+/// A point of the path.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PathPoint {
+    /// Degrees north, WGS84.
+    pub lat_deg: Option<f64>,
+    /// Degrees east, WGS84.
+    pub lon_deg: Option<f64>,
+    /// Metres above mean sea level.
+    pub amsl_m: Option<f64>,
+    /// Seconds after T0.
+    pub t_s: Option<f64>,
+}
+
+/// The verdict and every margin: `review.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReviewDocument {
+    /// `pass` or `fail`.
+    pub verdict: &'static str,
+    /// In the order of the review.
+    pub margins: Vec<MarginEntry>,
+    /// What the flight model assumes and was not measured on an autopilot.
+    pub assumptions: Vec<String>,
+}
+
+/// One margin of `review.json`. A value that could not be judged is null.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MarginEntry {
+    /// Id of the vehicle.
+    pub vehicle: String,
+    /// Id of the other vehicle, or null.
+    pub other: Option<String>,
+    /// Which limit, in words.
+    pub what: String,
+    /// The worst value, or null.
+    pub value: Option<f64>,
+    /// What it is held against.
+    pub limit: Option<f64>,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// Where and when, or null.
+    pub at: Option<Place>,
+    /// Whether the limit is kept.
+    pub ok: bool,
+    /// What a reader needs to know besides.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub note: String,
+}
+
+/// Where and when a margin is worst.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Place {
+    /// Degrees north, WGS84.
+    pub lat_deg: Option<f64>,
+    /// Degrees east, WGS84.
+    pub lon_deg: Option<f64>,
+    /// Metres above mean sea level.
+    pub amsl_m: Option<f64>,
+    /// Seconds after T0.
+    pub t_s: Option<f64>,
+    /// Row of the `.waypoints` file: home is 0, the first item 1.
+    pub item: usize,
+}
+
+/// The content of `plan.json`.
+#[must_use]
+pub fn plan_json(
+    spec_sha256: &str,
+    spec: &MissionSpec,
+    world: &World,
+    plan: &FleetPlan,
+    passes: bool,
+) -> PlanDocument {
+    PlanDocument {
+        sortie: env!("CARGO_PKG_VERSION"),
+        spec_sha256: spec_sha256.to_owned(),
+        seed: plan.seed,
+        verdict: verdict(passes),
+        vehicles: spec
+            .vehicles
+            .iter()
+            .zip(&plan.vehicles)
+            .map(|(vehicle, planned)| planned_vehicle(vehicle, planned, world))
+            .collect(),
+    }
+}
+
+/// The content of `review.json`.
+#[must_use]
+pub fn review_json(review: &Review) -> ReviewDocument {
+    ReviewDocument {
+        verdict: verdict(review.passes()),
+        margins: review.margins.iter().map(margin_entry).collect(),
+        assumptions: review.assumptions.clone(),
+    }
+}
+
+/// A document as text: indented, with a newline at the end.
+#[must_use]
+pub fn json_text<D: Serialize>(document: &D) -> String {
+    let mut text =
+        serde_json::to_string_pretty(document).expect("documents have string keys and no maps");
+    text.push('\n');
+    text
+}
+
+/// The verdict as the documents spell it.
+pub(super) fn verdict(passes: bool) -> &'static str {
+    if passes { "pass" } else { "fail" }
+}
+
+fn planned_vehicle(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> PlannedVehicle {
+    PlannedVehicle {
+        id: vehicle.id.clone(),
+        sysid: vehicle.sysid,
+        cost: cost(&planned.terms),
+        bound: finite(planned.bound),
+        estimate: finite(planned.estimate),
+        gap: finite(planned.gap()),
+        evaluations: planned.evaluations,
+        control_points: planned
+            .routes
+            .iter()
+            .flat_map(|route| &route.control_points)
+            .map(|point| control_point(*point, world))
+            .collect(),
+        path: whole_path(&planned.routes)
+            .map(|timed| {
+                let ControlPoint {
+                    lat_deg,
+                    lon_deg,
+                    amsl_m,
+                } = control_point(timed.point, world);
+                PathPoint {
+                    lat_deg,
+                    lon_deg,
+                    amsl_m,
+                    t_s: rounded(timed.t_s, METRE_DIGITS),
+                }
+            })
+            .collect(),
+    }
+}
+
+/// The points of all routes; where one begins exactly as the last ended, once.
+pub(super) fn whole_path(routes: &[Route]) -> impl Iterator<Item = &TimedPoint> {
+    let mut last: Option<TimedPoint> = None;
+    routes
+        .iter()
+        .flat_map(|route| &route.path)
+        .filter(move |point| last.replace(**point) != Some(**point))
+}
+
+fn cost(terms: &CostTerms) -> Cost {
+    Cost {
+        total: finite(terms.total()),
+        length: finite(terms.length),
+        altitude: finite(terms.altitude),
+        threat: finite(terms.threat),
+        terrain: finite(terms.terrain),
+        turn: finite(terms.turn),
+        climb: finite(terms.climb),
+        collision: finite(terms.collision),
+    }
+}
+
+fn control_point(point: PlanPoint, world: &World) -> ControlPoint {
+    let place = world.frame.from_plan(point.at);
+    ControlPoint {
+        lat_deg: rounded(place.lat_deg, DEGREE_DIGITS),
+        lon_deg: rounded(place.lon_deg, DEGREE_DIGITS),
+        amsl_m: rounded(point.amsl.0, METRE_DIGITS),
+    }
+}
+
+fn margin_entry(margin: &Margin) -> MarginEntry {
+    MarginEntry {
+        vehicle: margin.vehicle.clone(),
+        other: margin.other.clone(),
+        what: margin.what.clone(),
+        value: rounded_beside(margin.value, margin.limit),
+        limit: finite(margin.limit),
+        unit: margin.unit,
+        at: margin.at.as_ref().map(place),
+        ok: margin.ok,
+        note: margin.note.clone(),
+    }
+}
+
+fn place(moment: &Moment) -> Place {
+    Place {
+        lat_deg: rounded(moment.place.lat_deg, DEGREE_DIGITS),
+        lon_deg: rounded(moment.place.lon_deg, DEGREE_DIGITS),
+        amsl_m: rounded(moment.amsl.0, METRE_DIGITS),
+        t_s: rounded(moment.t_s, METRE_DIGITS),
+        item: moment.item,
+    }
+}
+
+const DEGREE_DIGITS: f64 = 1e9;
+const METRE_DIGITS: f64 = 1e4;
+
+/// The number, unless it is none.
+pub(super) fn finite(value: f64) -> Option<f64> {
+    // Adding 0 turns -0 into 0.
+    value.is_finite().then_some(value + 0.0)
+}
+
+/// To the nearest multiple of `1 / per_unit`; none if not finite.
+pub(super) fn rounded(value: f64, per_unit: f64) -> Option<f64> {
+    finite((value * per_unit).round() / per_unit)
+}
+
+/// Rounded like metres, but never onto or across the limit it is compared with:
+/// 59.99999 m of 60 m must not read as 60.
+fn rounded_beside(value: f64, limit: f64) -> Option<f64> {
+    let near = rounded(value, METRE_DIGITS)?;
+    if near.partial_cmp(&limit) == value.partial_cmp(&limit) {
+        Some(near)
+    } else {
+        finite(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{rounded, rounded_beside};
+
+    #[test]
+    fn rounding_neither_crosses_the_limit_nor_leaves_a_negative_zero() {
+        assert_eq!(rounded_beside(61.234_567_8, 60.0), Some(61.2346));
+        assert_eq!(rounded_beside(59.999_999, 60.0), Some(59.999_999));
+        assert_eq!(rounded_beside(60.0, 60.0), Some(60.0));
+        assert_eq!(rounded_beside(f64::NAN, 60.0), None);
+        assert_eq!(rounded(f64::INFINITY, 1e4), None);
+        let zero = rounded(-1e-9, 1e4).expect("finite");
+        assert!(zero.is_sign_positive(), "{zero}");
+    }
+}

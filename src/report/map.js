@@ -1,0 +1,106 @@
+// The map: the plan view that is in the page already, with zoom, and what moves on it.
+
+const map = (() => {
+  const plan = element("plan"), figure = element("map"), moving = element("moving");
+  const whole = { x: 0, y: 0, w: plan.viewBox.baseVal.width, h: plan.viewBox.baseVal.height };
+  const perMetre = whole.w / (scene.bounds.east - scene.bounds.west);
+  const x = (e) => (e - scene.bounds.west) * perMetre, y = (n) => (scene.bounds.north - n) * perMetre;
+  let view = { ...whole };
+
+  const now = scene.vehicles.map((_, vehicle) => {
+    const group = svg("g", { class: colourOf(vehicle) }, moving);
+    svg("path", { class: "now-ring", d: "M0 0h0" }, group);
+    svg("path", { class: "now", d: "M0 0h0" }, group);
+    return group;
+  });
+  const here = svg("circle", { class: "here", visibility: "hidden" }, moving);
+  const bar = element("bar"), barText = element("bar-text"), furniture = element("furniture");
+  const interval = element("interval"), hatch = element("hatch");
+  const north = furniture.querySelectorAll(".ink-fill, .small:last-child");
+
+  /** Map units in a CSS pixel. */
+  const unit = () => {
+    const box = figure.getBoundingClientRect();
+    return box.width ? Math.max(view.w / box.width, view.h / box.height) : 1;
+  };
+
+  function show() {
+    const k = unit(), box = figure.getBoundingClientRect();
+    plan.setAttribute("viewBox", [view.x, view.y, view.w, view.h].join(" "));
+    plan.style.setProperty("--n", k);
+    hatch.setAttribute("patternTransform", "rotate(45) scale(" + k + ")");
+    figure.classList.toggle("zoomed", view.w < whole.w * 0.99);
+    // Scale bar and arrow stay in the corners of what is seen.
+    const left = view.x + view.w / 2 - (box.width * k) / 2, bottom = view.y + view.h / 2 + (box.height * k) / 2;
+    const seen = { left: Math.max(left, view.x), right: Math.min(left + box.width * k, view.x + view.w) };
+    const low = Math.min(bottom, view.y + view.h), high = Math.max(bottom - box.height * k, view.y);
+    const metres = roundStep((90 * k) / perMetre);
+    const x0 = seen.left + 16 * k, y0 = low - 18 * k;
+    bar.setAttribute("d", `M${x0} ${y0}v${5 * k}h${metres * perMetre}v${-5 * k}`);
+    barText.textContent = metres >= 1000 ? metres / 1000 + " km" : metres + " m";
+    barText.parentNode.setAttribute("x", x0);
+    barText.parentNode.setAttribute("y", y0 - 5 * k);
+    interval.style.display = box.width < 330 ? "none" : "";
+    const top = { x: seen.right - 24 * k, y: high + 14 * k };
+    north[0].setAttribute("d", `M${top.x} ${top.y}l${7 * k} ${20 * k}-${7 * k}-${4.5 * k}-${7 * k} ${4.5 * k}z`);
+    north[1].setAttribute("x", top.x);
+    north[1].setAttribute("y", top.y + 34 * k);
+    here.setAttribute("r", 15 * k);
+  }
+
+  function clampView() {
+    view.w = clamp(view.w, whole.w / 60, whole.w);
+    view.h = (view.w * whole.h) / whole.w;
+    view.x = clamp(view.x, 0, whole.w - view.w);
+    view.y = clamp(view.y, 0, whole.h - view.h);
+    show();
+  }
+
+  gestures(figure, {
+    drag(dx, dy) {
+      const k = unit();
+      view.x -= dx * k;
+      view.y -= dy * k;
+      clampView();
+    },
+    zoom(factor, px, py) {
+      const k = unit(), box = figure.getBoundingClientRect();
+      const cx = view.x + view.w / 2 + (px - box.width / 2) * k, cy = view.y + view.h / 2 + (py - box.height / 2) * k;
+      const shrink = clamp(1 / factor, whole.w / 60 / view.w, whole.w / view.w);
+      view = { x: cx - (cx - view.x) * shrink, y: cy - (cy - view.y) * shrink, w: view.w * shrink, h: view.h * shrink };
+      clampView();
+    },
+  });
+  element("whole-map").addEventListener("click", () => { view = { ...whole }; show(); });
+  figure.addEventListener("dblclick", () => { view = { ...whole }; show(); });
+  new ResizeObserver(show).observe(figure);
+
+  function move() {
+    scene.vehicles.forEach((vehicle, index) => {
+      const fix = fixAt(vehicle.track, state.t);
+      now[index].setAttribute("visibility", fix ? "visible" : "hidden");
+      if (!fix) return;
+      now[index].setAttribute("opacity", (fix.flying ? 1 : 0.35) * (state.focus < 0 || state.focus === index ? 1 : 0.4));
+      now[index].setAttribute("transform", `translate(${x(fix.e).toFixed(2)} ${y(fix.n).toFixed(2)})`);
+    });
+  }
+
+  whenChanged((what) => {
+    if (what === "time" || what === "focus") move();
+    if (what === "focus") {
+      plan.classList.toggle("focused", state.focus >= 0);
+      plan.querySelectorAll(".flight").forEach((flight) =>
+        flight.classList.toggle("chosen", Number(flight.dataset.vehicle) === state.focus));
+    }
+    if (what === "mark") {
+      here.setAttribute("visibility", state.mark ? "visible" : "hidden");
+      if (!state.mark) return;
+      here.setAttribute("cx", x(state.mark.e));
+      here.setAttribute("cy", y(state.mark.n));
+      const size = whole.w / 3;
+      view = { x: x(state.mark.e) - size / 2, y: y(state.mark.n) - ((size / whole.w) * whole.h) / 2, w: size, h: 0 };
+      clampView();
+    }
+  });
+  return { show };
+})();

@@ -1,0 +1,368 @@
+//! `review.html`: one page that needs nothing else.
+//!
+//! The verdict, the tables and the plan view are written here and are there
+//! without scripts and in print; the scripts move what time moves.
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use super::documents::{finite, rounded, verdict};
+use super::picture::plan_view;
+use super::scene::{Scene, VehicleShape};
+use super::words::{self, Ranked, escaped};
+use super::{COLOURS, ReviewInput};
+use crate::mission::VehicleMission;
+use crate::spec::{Airframe, Autopilot, Vehicle};
+
+/// Most rows of the table of margins; the rest is in `review.json`.
+const MOST_ROWS: usize = 1000;
+
+const TEMPLATE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPTS: [&str; 5] = [
+    include_str!("state.js"),
+    include_str!("scene.js"),
+    include_str!("map.js"),
+    include_str!("charts.js"),
+    include_str!("page.js"),
+];
+
+/// What the scripts read.
+#[derive(Serialize)]
+struct Data<'a> {
+    scene: &'a Scene,
+    /// One for each row of the table, in the order it is written.
+    margins: Vec<Jump>,
+    colours: [[&'static str; 2]; COLOURS.len()],
+}
+
+/// Where a row of the table leads.
+#[derive(Serialize)]
+struct Jump {
+    /// Places of the vehicles in the spec.
+    vehicles: Vec<usize>,
+    /// East, north, altitude, time.
+    at: Option<[Option<f64>; 4]>,
+    what: String,
+    value: Option<f64>,
+    ok: bool,
+}
+
+/// The page: HTML that opens from disk without a network.
+#[must_use]
+pub fn review_html(input: &ReviewInput<'_>) -> String {
+    let scene = Scene::new(input);
+    let ranked = words::ranked(input.review);
+    let shown = &ranked[..ranked.len().min(MOST_ROWS)];
+    let data = Data {
+        scene: &scene,
+        margins: shown.iter().map(|entry| jump(entry, input)).collect(),
+        colours: COLOURS,
+    };
+    let passes = input.review.passes();
+    let part = |name: &str| match name {
+        "style" => STYLE.to_owned(),
+        "title" => escaped(&input.spec.name),
+        "verdict" => verdict(passes).to_owned(),
+        "headline" => words::headline(input.review),
+        "facts" => facts(input, &scene),
+        "cards" => cards(shown),
+        "map" => plan_view(input, &scene, true),
+        "legend" => legend(&scene.vehicles),
+        "rows" => rows(shown),
+        "left-out" => left_out(ranked.len() - shown.len()),
+        "fleet" => fleet(input, &scene),
+        "assumptions" => assumptions(&input.review.assumptions),
+        "footer" => footer(input),
+        "data" => script_safe(&data),
+        "script" => SCRIPTS.concat(),
+        _ => String::new(),
+    };
+    fill(TEMPLATE, part)
+}
+
+/// Puts the parts in the places `{{name}}` of a template, in one pass: a part
+/// that looks like a place is left alone.
+fn fill(template: &str, part: impl Fn(&str) -> String) -> String {
+    let mut page = String::new();
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let Some((name, after)) = after.split_once("}}") else {
+            break;
+        };
+        page.push_str(before);
+        page.push_str(&part(name));
+        rest = after;
+    }
+    page.push_str(rest);
+    page
+}
+
+/// JSON that cannot end the script element it stands in.
+fn script_safe(data: &Data<'_>) -> String {
+    serde_json::to_string(data)
+        .expect("scenes have string keys and no maps")
+        .replace('<', "\\u003c")
+}
+
+fn jump(entry: &Ranked<'_>, input: &ReviewInput<'_>) -> Jump {
+    let margin = entry.margin;
+    let place_of = |id: &String| {
+        let vehicles = &input.spec.vehicles;
+        vehicles.iter().position(|vehicle| vehicle.id == *id)
+    };
+    Jump {
+        vehicles: std::iter::once(&margin.vehicle)
+            .chain(&margin.other)
+            .filter_map(place_of)
+            .collect(),
+        at: margin.at.as_ref().map(|moment| {
+            let at = input.world.frame.to_plan(moment.place);
+            [at.east_m, at.north_m, moment.amsl.0, moment.t_s].map(|value| rounded(value, 100.0))
+        }),
+        what: margin.what.clone(),
+        value: finite(margin.value),
+        ok: margin.ok,
+    }
+}
+
+fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
+    let spec = input.spec;
+    let fleet = match spec.vehicles.len() {
+        1 => "1 vehicle".to_owned(),
+        many => format!("{many} vehicles"),
+    };
+    let last_s = scene
+        .vehicles
+        .iter()
+        .filter_map(|vehicle| vehicle.track.t.last().copied())
+        .fold(0.0, f64::max);
+    let mut facts = vec![
+        fleet,
+        format!(
+            "{} × {} km",
+            words::number(scene.bounds.width_m() / 1000.0, 1),
+            words::number(scene.bounds.height_m() / 1000.0, 1)
+        ),
+        format!(
+            "at least {} m above ground, at most {} m above the sea",
+            words::number(spec.area.min_agl.0, 1),
+            words::number(spec.area.max_amsl.0, 1)
+        ),
+        format!(
+            "{} m apart, departures ± {} s",
+            words::number(spec.separation.distance_m, 1),
+            words::number(spec.separation.time_slack_s, 1)
+        ),
+    ];
+    if last_s > 0.0 {
+        facts.push(format!("all down after {}", words::clock(last_s)));
+    }
+    facts
+        .iter()
+        .map(|fact| format!("<li>{}</li>", escaped(fact)))
+        .collect()
+}
+
+fn moment(entry: &Ranked<'_>) -> String {
+    entry.margin.at.as_ref().map_or_else(String::new, |at| {
+        format!("{} · item {}", words::clock(at.t_s), at.item)
+    })
+}
+
+fn cards(shown: &[Ranked<'_>]) -> String {
+    let mut html = String::new();
+    for entry in words::telling(shown, 4) {
+        let margin = entry.margin;
+        let row = shown
+            .iter()
+            .position(|other| std::ptr::eq(other.margin, margin))
+            .unwrap_or(0);
+        let _ = write!(
+            html,
+            "<button type=\"button\" class=\"card {}\" data-row=\"{row}\"><span class=\"what\">{}</span>\
+             <span class=\"value\">{}</span><span class=\"limit\">{}{}</span>\
+             <span class=\"who\">{}</span><span class=\"when\">{}</span></button>",
+            if margin.ok { "ok" } else { "bad" },
+            escaped(&margin.what),
+            escaped(&words::value(margin)),
+            if margin.ok { "" } else { "must be " },
+            escaped(&words::limit(margin)),
+            escaped(&words::who(margin)),
+            moment(entry),
+        );
+    }
+    html
+}
+
+fn legend(vehicles: &[VehicleShape]) -> String {
+    vehicles
+        .iter()
+        .enumerate()
+        .map(|(index, vehicle)| {
+            format!(
+                "<button type=\"button\" class=\"chip\" data-vehicle=\"{index}\" aria-pressed=\"false\">\
+                 <i class=\"swatch v{}\"></i>{}</button>",
+                index % COLOURS.len(),
+                escaped(&vehicle.id)
+            )
+        })
+        .collect()
+}
+
+fn rows(shown: &[Ranked<'_>]) -> String {
+    let mut html = String::new();
+    for (row, entry) in shown.iter().enumerate() {
+        let margin = entry.margin;
+        let note = if margin.note.is_empty() {
+            String::new()
+        } else {
+            format!("<small>{}</small>", escaped(&margin.note))
+        };
+        let (time, item, place, order_s, order_item) = margin.at.as_ref().map_or_else(
+            || ("–".to_owned(), "–".to_owned(), String::new(), f64::MAX, 0),
+            |at| {
+                (
+                    words::clock(at.t_s),
+                    at.item.to_string(),
+                    words::place(at.place),
+                    at.t_s,
+                    at.item,
+                )
+            },
+        );
+        // Half of the bar is one limit's worth of slack.
+        let share = (entry.slack / (1.0 + entry.slack.abs()) * 50.0).clamp(-50.0, 50.0);
+        let (left, width) = if share < 0.0 {
+            (50.0 + share, -share)
+        } else {
+            (50.0, share)
+        };
+        let tight = if words::measures(margin) { entry.slack } else { 1e6 };
+        let _ = writeln!(
+            html,
+            "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\
+             <td class=\"mark\" data-sort=\"{row}\"><span>{word}</span></td>\
+             <td class=\"who\">{who}</td><td class=\"what\">{what}{note}</td>\
+             <td class=\"num\" data-sort=\"{value_order}\">{value}</td><td class=\"limit\">{limit}</td>\
+             <td class=\"slack\" data-sort=\"{tight:.6}\"><span class=\"bar\"><i style=\"left:{left:.1}%;width:{width:.1}%\"></i></span></td>\
+             <td class=\"num\" data-sort=\"{order_s:.2}\">{time}</td><td class=\"num\" data-sort=\"{order_item}\">{item}</td>\
+             <td class=\"place\">{place}</td></tr>",
+            class = if margin.ok { "ok" } else { "bad" },
+            word = if margin.ok { "kept" } else { "broken" },
+            who = escaped(&words::who(margin)),
+            what = escaped(&margin.what),
+            value_order = finite(margin.value).unwrap_or(f64::MIN),
+            value = escaped(&words::value(margin)),
+            limit = escaped(&words::limit(margin)),
+        );
+    }
+    html
+}
+
+fn left_out(count: usize) -> String {
+    if count == 0 {
+        String::new()
+    } else {
+        format!("<p class=\"note\">{count} more limits, wider than these, are in review.json.</p>")
+    }
+}
+
+fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
+    let mut html = String::new();
+    for (index, (vehicle, shape)) in input.spec.vehicles.iter().zip(&scene.vehicles).enumerate() {
+        let mission = input
+            .missions
+            .iter()
+            .find(|(of, _)| *of == index)
+            .map(|(_, mission)| *mission);
+        let planned = input.plan.and_then(|plan| plan.vehicles.get(index));
+        let cost = planned.map_or_else(|| "–".to_owned(), |plan| words::number(plan.terms.total(), 3));
+        let gap = planned.map_or_else(String::new, |plan| {
+            format!(
+                "<small>{} % above the estimate</small>",
+                words::number(plan.gap() * 100.0, 2)
+            )
+        });
+        let broken = input.review.margins.iter().any(|margin| {
+            !margin.ok && (margin.vehicle == vehicle.id || margin.other.as_ref() == Some(&vehicle.id))
+        });
+        let _ = writeln!(
+            html,
+            "<tr data-vehicle=\"{index}\" tabindex=\"0\" class=\"{class}\"><td><i class=\"swatch v{colour}\"></i>{id}</td>\
+             <td class=\"mark\"><span>{word}</span></td><td>{autopilot}</td><td class=\"num\">{cost}{gap}</td>\
+             <td class=\"num\">{length}</td><td class=\"num\">{departs}</td><td class=\"num\">{duration}</td><td class=\"num\">{items}</td></tr>",
+            class = if broken { "bad" } else { "ok" },
+            word = if broken { "broken" } else { "kept" },
+            colour = index % COLOURS.len(),
+            id = escaped(&vehicle.id),
+            autopilot = autopilot(vehicle),
+            length = if shape.length_m > 0.0 {
+                format!("{} km", words::number(shape.length_m / 1000.0, 2))
+            } else {
+                "–".to_owned()
+            },
+            departs = words::clock(vehicle.depart_s),
+            duration = shape.track.duration_s().map_or_else(|| "–".to_owned(), words::clock),
+            items = mission.map_or_else(|| "no mission".to_owned(), items),
+        );
+    }
+    html
+}
+
+fn items(mission: &VehicleMission) -> String {
+    mission.items.len().to_string()
+}
+
+fn autopilot(vehicle: &Vehicle) -> String {
+    let autopilot = match vehicle.autopilot {
+        Autopilot::ArduPilot => "ArduPilot",
+        Autopilot::Px4 => "PX4",
+    };
+    let airframe = match vehicle.airframe {
+        Airframe::Copter => "copter",
+    };
+    format!(
+        "{autopilot} {airframe}<small>system {}, {} m/s</small>",
+        vehicle.sysid,
+        words::number(vehicle.speed_mps, 1)
+    )
+}
+
+fn assumptions(assumptions: &[String]) -> String {
+    if assumptions.is_empty() {
+        return "<p class=\"note\">None.</p>".to_owned();
+    }
+    let items: String = assumptions
+        .iter()
+        .map(|assumption| format!("<li>{}</li>", escaped(assumption)))
+        .collect();
+    format!("<ul>{items}</ul>")
+}
+
+fn footer(input: &ReviewInput<'_>) -> String {
+    let seed = input
+        .seed
+        .map_or_else(String::new, |seed| format!("<span>seed {seed}</span>"));
+    format!(
+        "<span>sortie {}</span>{seed}<span>spec sha256 <code>{}</code></span>",
+        escaped(input.version),
+        escaped(input.spec_sha256)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fill;
+
+    #[test]
+    fn a_part_that_looks_like_a_place_is_left_alone() {
+        let page = fill("<{{a}}|{{b}}|{{none}}>", |name| match name {
+            "a" => "{{b}}".to_owned(),
+            "b" => "two".to_owned(),
+            _ => String::new(),
+        });
+        assert_eq!(page, "<{{b}}|two|>");
+    }
+}

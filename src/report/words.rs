@@ -1,0 +1,272 @@
+//! Margins in words and in order: what an operator reads.
+
+use std::cmp::Ordering;
+
+use crate::geodesy::LatLon;
+use crate::verify::{Margin, Review};
+
+/// The margins of a review, worst first, with how near each is to its limit.
+pub(super) struct Ranked<'a> {
+    pub(super) margin: &'a Margin,
+    /// Slack as a share of the limit (or of a customary amount where the limit
+    /// is 0): 0 at the limit, negative beyond it.
+    pub(super) slack: f64,
+}
+
+/// Broken limits first, then kept ones, each from the tightest; what has
+/// nothing to measure comes last.
+pub(super) fn ranked(review: &Review) -> Vec<Ranked<'_>> {
+    let mut ranked: Vec<Ranked<'_>> = review
+        .margins
+        .iter()
+        .map(|margin| Ranked {
+            margin,
+            slack: slack(margin),
+        })
+        .collect();
+    ranked.sort_by(|a, b| {
+        (a.margin.ok.cmp(&b.margin.ok))
+            .then(measures(b.margin).cmp(&measures(a.margin)))
+            .then(a.slack.partial_cmp(&b.slack).unwrap_or(Ordering::Equal))
+    });
+    ranked
+}
+
+/// Whether the value may lie anywhere beyond its limit. A count that is 0 of 0
+/// (so many rules broken) is at its limit without being near anything.
+pub(super) fn measures(margin: &Margin) -> bool {
+    margin.limit.abs() > 0.0 || customary(margin.unit).is_some() && margin.value.is_finite()
+}
+
+/// What counts as much of a unit, where the limit is 0 and gives no scale.
+fn customary(unit: &str) -> Option<f64> {
+    match unit {
+        "m" => Some(100.0),
+        "m/s" => Some(5.0),
+        "s" | "deg" => Some(10.0),
+        _ => None,
+    }
+}
+
+fn slack(margin: &Margin) -> f64 {
+    if !margin.value.is_finite() {
+        return if margin.ok { 1.0 } else { -1.0 };
+    }
+    let scale = if margin.limit.abs() > 0.0 && margin.limit.is_finite() {
+        margin.limit.abs()
+    } else {
+        customary(margin.unit).unwrap_or(1.0)
+    };
+    let off = (margin.value - margin.limit).abs() / scale;
+    if margin.ok { off } else { -off }
+}
+
+/// Whether the limit is a least value; a margin tells by being kept or not.
+fn is_least(margin: &Margin) -> bool {
+    (margin.value >= margin.limit) == margin.ok
+}
+
+/// The worst margins of different kinds, broken ones first.
+pub(super) fn telling<'a, 'r>(ranked: &'r [Ranked<'a>], most: usize) -> Vec<&'r Ranked<'a>> {
+    let mut kinds: Vec<&str> = Vec::new();
+    let mut told = Vec::new();
+    for entry in ranked {
+        let kind = entry.margin.what.split(' ').next().unwrap_or("");
+        let worth_it = !entry.margin.ok || measures(entry.margin);
+        if told.len() < most && worth_it && !kinds.contains(&kind) {
+            kinds.push(kind);
+            told.push(entry);
+        }
+    }
+    told
+}
+
+/// The verdict in one line.
+pub(super) fn headline(review: &Review) -> String {
+    let all = review.margins.len();
+    let broken = review.margins.iter().filter(|margin| !margin.ok).count();
+    match (all, broken) {
+        (0, _) => "Nothing could be judged, so nothing may fly.".to_owned(),
+        (1, 0) => "The one limit is kept.".to_owned(),
+        (_, 0) => format!("All {all} limits are kept."),
+        (_, 1) => format!("1 of {all} limits is broken."),
+        _ => format!("{broken} of {all} limits are broken."),
+    }
+}
+
+/// Who the margin is about.
+pub(super) fn who(margin: &Margin) -> String {
+    match &margin.other {
+        Some(other) => format!("{} and {other}", margin.vehicle),
+        None => margin.vehicle.clone(),
+    }
+}
+
+/// The worst value with its unit.
+pub(super) fn value(margin: &Margin) -> String {
+    if margin.value.is_finite() {
+        with_unit(&number_beside(margin.value, margin.limit), margin.unit)
+    } else {
+        "not known".to_owned()
+    }
+}
+
+/// The limit with its direction and unit.
+pub(super) fn limit(margin: &Margin) -> String {
+    if !margin.limit.is_finite() {
+        return "none".to_owned();
+    }
+    let limit = with_unit(&number(margin.limit, 1), margin.unit);
+    if !margin.value.is_finite() {
+        limit
+    } else if is_least(margin) {
+        format!("at least {limit}")
+    } else {
+        format!("at most {limit}")
+    }
+}
+
+fn with_unit(number: &str, unit: &str) -> String {
+    match unit {
+        "" => number.to_owned(),
+        "deg" => format!("{number}°"),
+        _ => format!("{number} {unit}"),
+    }
+}
+
+/// With as few digits as still show on which side of the limit it is.
+fn number_beside(value: f64, limit: f64) -> String {
+    let near_limit = number(limit, 1);
+    (1..=6)
+        .map(|digits| number(value, digits))
+        .find(|text| *text != near_limit || (value - limit).abs() < 1e-9)
+        .unwrap_or_else(|| format!("{value:e}"))
+}
+
+/// A whole number without digits, any other with so many; thousands set apart.
+pub(super) fn number(value: f64, digits: usize) -> String {
+    let whole = (value - value.round()).abs() < 1e-9;
+    let digits = if whole { 0 } else { digits };
+    let text = format!("{:.*}", digits, value.abs());
+    let (integer, fraction) = text.split_at(text.find('.').unwrap_or(text.len()));
+    let mut grouped = String::new();
+    for (place, digit) in integer.chars().enumerate() {
+        if place > 0 && (integer.len() - place).is_multiple_of(3) && integer.len() > 4 {
+            grouped.push('\u{202f}');
+        }
+        grouped.push(digit);
+    }
+    let zero = text.chars().all(|c| matches!(c, '0' | '.'));
+    let sign = if value < 0.0 && !zero { "−" } else { "" };
+    format!("{sign}{grouped}{fraction}")
+}
+
+/// Seconds as minutes and seconds, or with hours.
+pub(super) fn clock(t_s: f64) -> String {
+    if !t_s.is_finite() || t_s.abs() > 1e9 {
+        return "–".to_owned();
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "below 1e9")]
+    let whole = t_s.abs().round() as i64;
+    let (hours, minutes, seconds) = (whole / 3600, whole / 60 % 60, whole % 60);
+    let sign = if t_s < 0.0 && whole > 0 { "−" } else { "" };
+    if hours > 0 {
+        format!("{sign}{hours}:{minutes:02}:{seconds:02}")
+    } else {
+        format!("{sign}{minutes}:{seconds:02}")
+    }
+}
+
+/// A place as an operator types it.
+pub(super) fn place(place: LatLon) -> String {
+    format!("{:.6}, {:.6}", place.lat_deg, place.lon_deg)
+}
+
+/// Text inside of an element or a quoted attribute.
+pub(super) fn escaped(text: &str) -> String {
+    let mut safe = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => safe.push_str("&amp;"),
+            '<' => safe.push_str("&lt;"),
+            '>' => safe.push_str("&gt;"),
+            '"' => safe.push_str("&quot;"),
+            '\'' => safe.push_str("&#39;"),
+            // Not characters of XML.
+            '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => {
+                safe.push('\u{fffd}');
+            }
+            _ => safe.push(c),
+        }
+    }
+    safe
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{clock, escaped, limit, number, ranked, value};
+    use crate::verify::{Margin, Review};
+
+    fn margin(what: &str, value: f64, limit: f64, unit: &'static str, ok: bool) -> Margin {
+        Margin {
+            vehicle: "alpha".to_owned(),
+            other: None,
+            what: what.to_owned(),
+            value,
+            limit,
+            unit,
+            at: None,
+            ok,
+            note: String::new(),
+        }
+    }
+
+    #[test]
+    fn broken_limits_come_first_and_counts_of_nothing_last() {
+        let review = Review {
+            margins: vec![
+                margin("acceptance", 0.0, 0.0, "items", true),
+                margin("terrain clearance", 90.0, 60.0, "m", true),
+                margin("climb", 16.0, 15.0, "deg", false),
+                margin("threat radar", 20.0, 0.0, "m", true),
+                margin("area", f64::NAN, 0.0, "m", false),
+            ],
+            tracks: Vec::new(),
+            assumptions: Vec::new(),
+        };
+        let order: Vec<&str> = ranked(&review).iter().map(|r| r.margin.what.as_str()).collect();
+        assert_eq!(order, ["climb", "area", "threat radar", "terrain clearance", "acceptance"]);
+    }
+
+    #[test]
+    fn a_value_never_reads_like_the_limit_it_misses() {
+        assert_eq!(value(&margin("", 59.96, 60.0, "m", false)), "59.96 m");
+        assert_eq!(value(&margin("", 59.9996, 60.0, "m", false)), "59.9996 m");
+        assert_eq!(value(&margin("", 60.0, 60.0, "m", true)), "60 m");
+        assert_eq!(value(&margin("", f64::NAN, 60.0, "m", false)), "not known");
+    }
+
+    #[test]
+    fn a_limit_says_whether_it_is_a_least_or_a_greatest_value() {
+        assert_eq!(limit(&margin("", 61.0, 60.0, "m", true)), "at least 60 m");
+        assert_eq!(limit(&margin("", 59.0, 60.0, "m", false)), "at least 60 m");
+        assert_eq!(limit(&margin("", 9.0, 15.0, "deg", true)), "at most 15°");
+        assert_eq!(limit(&margin("", 16.0, 15.0, "deg", false)), "at most 15°");
+    }
+
+    #[test]
+    fn numbers_and_times_read_well() {
+        assert_eq!(number(-0.04, 1), "0.0");
+        assert_eq!(number(-12.34, 1), "−12.3");
+        assert_eq!(number(9999.0, 1), "9999");
+        assert_eq!(number(1_234_567.0, 1), "1\u{202f}234\u{202f}567");
+        assert_eq!(clock(59.6), "1:00");
+        assert_eq!(clock(3671.2), "1:01:11");
+        assert_eq!(clock(-0.2), "0:00");
+    }
+
+    #[test]
+    fn markup_in_a_name_is_text() {
+        assert_eq!(escaped("<b a='\"'>&\u{1}"), "&lt;b a=&#39;&quot;&#39;&gt;&amp;\u{fffd}");
+    }
+}
