@@ -76,11 +76,55 @@ fn hill_height_m(hill: &Hill, place: LatLon) -> f64 {
 }
 
 impl TerrainGrid {
+    /// Latitude of a row of nodes, degrees.
+    #[must_use]
+    pub fn row_lat_deg(&self, row: usize) -> f64 {
+        self.north_west.lat_deg - count(row) * self.row_step_deg
+    }
+
+    /// Longitude of a column of nodes, degrees.
+    #[must_use]
+    pub fn column_lon_deg(&self, column: usize) -> f64 {
+        self.north_west.lon_deg + count(column) * self.column_step_deg
+    }
+
+    /// Row and column of a place, both with a fraction, 0 at the north-west node;
+    /// beyond the grid they go on below 0 and above the last node.
+    #[must_use]
+    pub fn row_column(&self, place: LatLon) -> (f64, f64) {
+        (
+            (self.north_west.lat_deg - place.lat_deg) / self.row_step_deg,
+            (place.lon_deg - self.north_west.lon_deg) / self.column_step_deg,
+        )
+    }
+
+    /// Height at a node, metres; `None` outside and where there is no data.
+    #[must_use]
+    pub fn node_m(&self, row: usize, column: usize) -> Option<f64> {
+        if column >= self.columns {
+            return None;
+        }
+        let height_m = f64::from(*self.heights_m.get(row * self.columns + column)?);
+        height_m.is_finite().then_some(height_m)
+    }
+
+    /// Heights at the corners of the cell south and east of a node, metres:
+    /// north-west, north-east, south-west, south-east. Within the cell the height is
+    /// bilinear, so it lies between the least and the greatest of them.
+    #[must_use]
+    pub fn cell_m(&self, row: usize, column: usize) -> Option<[f64; 4]> {
+        Some([
+            self.node_m(row, column)?,
+            self.node_m(row, column + 1)?,
+            self.node_m(row + 1, column)?,
+            self.node_m(row + 1, column + 1)?,
+        ])
+    }
+
     /// Bilinear height at a place, metres; `None` outside and beside voids.
     #[must_use]
     pub fn height_m(&self, place: LatLon) -> Option<f64> {
-        let row = (self.north_west.lat_deg - place.lat_deg) / self.row_step_deg;
-        let column = (place.lon_deg - self.north_west.lon_deg) / self.column_step_deg;
+        let (row, column) = self.row_column(place);
         let (top, down) = cell(row, self.rows)?;
         let (left, right) = cell(column, self.columns)?;
         let node = |r: usize, c: usize| f64::from(self.heights_m[r * self.columns + c]);
@@ -108,6 +152,9 @@ fn cell(at: f64, nodes: usize) -> Option<(usize, f64)> {
     if !(-1e-9..=last + 1e-9).contains(&at) {
         return None;
     }
+    // The same hair puts a place beside a node on it, so that rounding cannot ask a void.
+    let near = at.round();
+    let at = if (at - near).abs() < 1e-9 { near } else { at };
     let at = at.clamp(0.0, last);
     #[expect(
         clippy::cast_possible_truncation,
@@ -115,10 +162,14 @@ fn cell(at: f64, nodes: usize) -> Option<(usize, f64)> {
         reason = "clamped to the grid"
     )]
     let index = (at.floor() as usize).min(nodes - 1);
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "grids have far fewer than 2^52 rows"
-    )]
-    let fraction = at - index as f64;
-    Some((index, fraction))
+    Some((index, at - count(index)))
+}
+
+/// A row or column as a number.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "grids have far fewer than 2^52 rows"
+)]
+fn count(index: usize) -> f64 {
+    index as f64
 }
