@@ -22,7 +22,17 @@ fn item(command: u16, frame: u8, params: [f32; 4], x: i32, y: i32, z: f32) -> It
 }
 
 fn corner(command: u16, param1: f32, x: i32, y: i32) -> Item {
-    item(command, frame::GLOBAL, [param1, 0.0, 0.0, 0.0], x, y, 0.0)
+    Item {
+        autocontinue: false,
+        ..item(command, frame::GLOBAL, [param1, 0.0, 0.0, 0.0], x, y, 0.0)
+    }
+}
+
+fn rally(x: i32, y: i32, z: f32) -> Item {
+    Item {
+        autocontinue: false,
+        ..item(command::RALLY_POINT, 3, [0.0; 4], x, y, z)
+    }
 }
 
 fn example(autopilot: Autopilot) -> VehicleMission {
@@ -65,7 +75,7 @@ fn example(autopilot: Autopilot) -> VehicleMission {
             corner(5001, 3.0, 364_000_000, -842_000_000),
             corner(5004, 900.5, 363_000_000, -842_500_000),
         ],
-        rally: vec![item(5100, 3, [0.0; 4], 362_600_000, -843_000_000, 81.0)],
+        rally: vec![rally(362_600_000, -843_000_000, 81.0)],
         params: Vec::new(),
         notes: Vec::new(),
     }
@@ -280,10 +290,7 @@ fn any_mission() -> impl Strategy<Value = VehicleMission> {
                     .iter()
                     .map(|&(x, y, radius)| corner(5003, radius, x, y))
                     .collect(),
-                rally: places
-                    .iter()
-                    .map(|&(x, y, z)| item(5100, 3, [0.0; 4], x, y, z))
-                    .collect(),
+                rally: places.iter().map(|&(x, y, z)| rally(x, y, z)).collect(),
                 ..example(autopilot)
             },
         )

@@ -20,8 +20,8 @@ pub enum Format {
 /// | other numbers beside finite ones | written as 0 | written as `null` |
 /// | fence, rally | no place | kept |
 /// | order of a fence | - | return point, polygons, circles |
-/// | `param2` to `param4`, altitude, frame of a fence item | - | dropped |
-/// | `param1` to `param4` of a rally point | - | dropped |
+/// | `param2` to `param4`, altitude, frame, autocontinue of a fence item | - | dropped |
+/// | `param1` to `param4`, autocontinue of a rally point | - | dropped |
 /// | autopilot, airframe | dropped | kept |
 /// | parameters, notes | dropped | dropped |
 #[must_use]
@@ -65,7 +65,7 @@ pub fn losses(mission: &VehicleMission, format: Format) -> Vec<String> {
                     .all(|v| v.to_bits() == 0)
             };
             let places =
-                |item: &Item, expected| item.frame == expected && plain(item) && item.autocontinue;
+                |item: &Item, expected| item.frame == expected && plain(item) && !item.autocontinue;
             if !mission.fence.iter().all(|item| places(item, frame::GLOBAL)) {
                 told.push(
                     "frame, altitude and param2 to param4 of fence items are dropped".to_owned(),

@@ -75,7 +75,8 @@ fn corner(command: u16, param1: f32, place: LatLon) -> Item {
     Item {
         command,
         frame: frame::GLOBAL,
-        autocontinue: true,
+        // Means nothing here; vehicles return it as 0.
+        autocontinue: false,
         params: [param1, 0.0, 0.0, 0.0],
         x,
         y,

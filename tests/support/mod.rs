@@ -1,6 +1,8 @@
 //! Fixtures shared by the tests.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
+pub mod peers;
+
 use sortie::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 use sortie::spec::*;
 use sortie::world::{Terrain, World};

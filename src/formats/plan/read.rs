@@ -345,7 +345,7 @@ fn fence_item(command: u16, param1: f32, x: i32, y: i32) -> Item {
     Item {
         command,
         frame: frame::GLOBAL,
-        autocontinue: true,
+        autocontinue: false,
         params: [param1, 0.0, 0.0, 0.0],
         x,
         y,
