@@ -1,4 +1,28 @@
 //! The verdict on encoded missions, in continuous time.
+//!
+//! ```text
+//! items -> decode (what the autopilot reads) -> flight (legs, fillets, ramps, holds: chords of constant velocity)
+//!       -> space (ground, ceiling, threats, zones, area, fence), contract (the rest of the spec), separation (pairs)
+//! ```
+//!
+//! It judges missions from anywhere, knows nothing of the search that may have
+//! made them, and reads the ground from its source. What it cannot judge fails.
+
+mod approach;
+mod chord;
+mod contract;
+mod decode;
+mod fence;
+mod flight;
+mod legs;
+mod outline;
+mod review;
+mod separation;
+mod space;
+mod surface;
+mod worst;
+
+pub use review::review;
 
 use crate::geodesy::{Amsl, LatLon};
 
@@ -22,9 +46,9 @@ pub struct Margin {
     pub other: Option<String>,
     /// Which limit, in words: `terrain clearance`, `threat radar-1`, `separation`, ...
     pub what: String,
-    /// The worst value.
+    /// The worst value; NaN where it cannot be known, and then `ok` is false and `note` says why.
     pub value: f64,
-    /// What it is held against.
+    /// What it is held against; NaN where there is nothing to hold it against.
     pub limit: f64,
     /// Unit of both, such as `m`, `deg`, `items`.
     pub unit: &'static str,
@@ -56,6 +80,23 @@ pub struct Track {
     pub vehicle: String,
     /// In order of time.
     pub moments: Vec<Moment>,
+}
+
+impl Margin {
+    /// A limit that fails because it cannot be judged.
+    fn unjudged(vehicle: &str, what: impl Into<String>, note: impl Into<String>) -> Self {
+        Self {
+            vehicle: vehicle.to_owned(),
+            other: None,
+            what: what.into(),
+            value: f64::NAN,
+            limit: f64::NAN,
+            unit: "",
+            at: None,
+            ok: false,
+            note: note.into(),
+        }
+    }
 }
 
 impl Review {

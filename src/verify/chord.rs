@@ -1,0 +1,136 @@
+//! Straight motions at constant velocity: what every limit is judged on.
+
+use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
+
+use super::Moment;
+
+/// Part of the flight; decides which limits hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Phase {
+    /// From the ground to the start of the planned path.
+    Join,
+    /// From start to goal.
+    Route,
+    /// From the goal to the ground.
+    Finish,
+}
+
+/// A straight motion at constant velocity from one point to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Chord {
+    /// Row of the item the vehicle flies to.
+    pub(super) row: usize,
+    pub(super) phase: Phase,
+    /// Seconds after T0 at the ends; the end is infinite for a stay.
+    pub(super) from_s: f64,
+    pub(super) to_s: f64,
+    pub(super) from: PlanPoint,
+    pub(super) to: PlanPoint,
+    /// The vehicle is never further than this from where the chord has it at the same time, metres.
+    pub(super) error_m: f64,
+    /// Height above ground at both ends where the vehicle follows the terrain, metres.
+    pub(super) agl_m: Option<(f64, f64)>,
+    /// Whether the vehicle is on the ground at the lower end.
+    pub(super) grounded: bool,
+    /// Whether it is flown: the ends of a leg beside a fillet are judged in space, not in time.
+    pub(super) flown: bool,
+}
+
+impl Chord {
+    /// The point at a fraction of the chord.
+    pub(super) fn at(&self, u: f64) -> PlanPoint {
+        let mix = |a: f64, b: f64| a + (b - a) * u;
+        PlanPoint::new(
+            mix(self.from.at.east_m, self.to.at.east_m),
+            mix(self.from.at.north_m, self.to.at.north_m),
+            Amsl(mix(self.from.amsl.0, self.to.amsl.0)),
+        )
+    }
+
+    /// The time at a fraction of the chord, seconds.
+    pub(super) fn time_s(&self, u: f64) -> f64 {
+        if u > 0.0 {
+            self.from_s + (self.to_s - self.from_s) * u
+        } else {
+            self.from_s
+        }
+    }
+
+    /// The moment at a fraction of the chord.
+    pub(super) fn moment(&self, frame: &LocalFrame, u: f64) -> Moment {
+        let point = self.at(u);
+        Moment {
+            place: frame.from_plan(point.at),
+            amsl: point.amsl,
+            t_s: self.time_s(u),
+            item: self.row,
+        }
+    }
+}
+
+/// A stretch of a chord that is straight in latitude and longitude to a millimetre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stretch {
+    /// Fractions of the chord at the ends.
+    pub(super) u: (f64, f64),
+    pub(super) from: LatLon,
+    pub(super) to: LatLon,
+}
+
+impl Stretch {
+    /// The place at a fraction of the stretch.
+    pub(super) fn place(&self, w: f64) -> LatLon {
+        LatLon {
+            lat_deg: self.from.lat_deg + (self.to.lat_deg - self.from.lat_deg) * w,
+            lon_deg: self.from.lon_deg + (self.to.lon_deg - self.from.lon_deg) * w,
+        }
+    }
+
+    /// The fraction of the chord at a fraction of the stretch.
+    pub(super) fn along(&self, w: f64) -> f64 {
+        self.u.0 + (self.u.1 - self.u.0) * w
+    }
+}
+
+/// Splits the straight line between two points of the plane into stretches.
+///
+/// A straight line of the plane leaves the straight line between the latitudes
+/// and longitudes of its ends by at most `L^2 (2 tan(lat) + L0 / R) / (8 R)`,
+/// `L0` the distance from the origin.
+pub(super) fn stretches(frame: &LocalFrame, from: EastNorth, to: EastNorth) -> Vec<Stretch> {
+    const EARTH_RADIUS_M: f64 = 6_371_000.0;
+    const DEVIATION_M: f64 = 1e-3;
+    let first = frame.from_plan(from);
+    let length_m = from.distance_m(to);
+    if length_m <= 0.0 {
+        return vec![Stretch {
+            u: (0.0, 1.0),
+            from: first,
+            to: first,
+        }];
+    }
+    let tan_lat = first.lat_deg.abs().min(89.0).to_radians().tan();
+    let bend = (2.0 * tan_lat + 0.1) / (8.0 * EARTH_RADIUS_M * DEVIATION_M);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a small positive count"
+    )]
+    let count = (length_m * bend.sqrt()).ceil().clamp(1.0, 1e5) as u32;
+    let mut found = Vec::new();
+    let mut last = (0.0, first);
+    for index in 1..=count {
+        let u = f64::from(index) / f64::from(count);
+        let place = frame.from_plan(EastNorth {
+            east_m: from.east_m + (to.east_m - from.east_m) * u,
+            north_m: from.north_m + (to.north_m - from.north_m) * u,
+        });
+        found.push(Stretch {
+            u: (last.0, u),
+            from: last.1,
+            to: place,
+        });
+        last = (u, place);
+    }
+    found
+}

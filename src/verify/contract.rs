@@ -1,0 +1,358 @@
+//! What the spec says of a mission besides where it may go: home, start, goal,
+//! finish, departure, speed, slopes, turns, number of items.
+
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::mission::VehicleMission;
+use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
+use crate::world::{Stations, World};
+
+use super::chord::Phase;
+use super::fence::Fence;
+use super::flight::{End, Flight, Mark, Slope};
+use super::worst::Worst;
+use super::{Margin, Moment};
+
+/// A commanded speed may differ from the planned one by this, m/s.
+const SPEED_MPS: f64 = 0.1;
+/// An encoded departure may differ from the planned one by this, s.
+const DEPARTURE_S: f64 = 0.5;
+/// Two altitudes in whole centimetres make a rise uncertain by this, metres.
+const RISE_M: f64 = 0.02;
+
+/// One vehicle's side of the contract.
+pub(super) struct Contract<'a> {
+    pub(super) spec: &'a MissionSpec,
+    pub(super) world: &'a World,
+    pub(super) vehicle: &'a Vehicle,
+    pub(super) stations: &'a Stations,
+    pub(super) mission: &'a VehicleMission,
+    pub(super) flight: &'a Flight,
+}
+
+impl Contract<'_> {
+    pub(super) fn margins(&self, home: Option<LatLon>, fence: &Fence) -> Vec<Margin> {
+        let mut margins = self.judged();
+        margins.extend(self.kind());
+        margins.push(self.item_count());
+        margins.extend(self.home(home, fence));
+        margins.extend(self.route());
+        margins.extend(self.finish());
+        margins.extend(self.departure());
+        margins.extend(self.speed());
+        margins.extend(self.slopes());
+        margins.extend(self.turns());
+        margins
+    }
+
+    fn id(&self) -> &str {
+        &self.vehicle.id
+    }
+
+    fn moment(&self, point: PlanPoint, t_s: f64, item: usize) -> Moment {
+        Moment {
+            place: self.world.frame.from_plan(point.at),
+            amsl: point.amsl,
+            t_s,
+            item,
+        }
+    }
+
+    /// How many items could be flown.
+    fn judged(&self) -> Vec<Margin> {
+        let total = count(self.mission.items.len());
+        let judged = self
+            .flight
+            .unknown
+            .as_ref()
+            .map_or(total, |unknown| count(unknown.row.saturating_sub(1)));
+        let last = self.flight.chords.last();
+        vec![Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: "items judged".to_owned(),
+            value: judged,
+            limit: total,
+            unit: "items",
+            at: match (&self.flight.unknown, last) {
+                (Some(unknown), Some(chord)) => Some(Moment {
+                    item: unknown.row,
+                    ..chord.moment(&self.world.frame, 1.0)
+                }),
+                _ => None,
+            },
+            ok: self.flight.unknown.is_none() && total > 0.0,
+            note: match &self.flight.unknown {
+                Some(unknown) => {
+                    format!("cannot judge from item {} on: {}", unknown.row, unknown.why)
+                }
+                None if total <= 0.0 => "the mission is empty".to_owned(),
+                None => String::new(),
+            },
+        }]
+    }
+
+    /// A mission for another autopilot or airframe.
+    fn kind(&self) -> Option<Margin> {
+        let is = (self.mission.autopilot, self.mission.airframe);
+        let wanted = (self.vehicle.autopilot, self.vehicle.airframe);
+        (is != wanted).then(|| {
+            Margin::unjudged(
+                self.id(),
+                "autopilot",
+                format!("the mission is for {is:?}, the spec says {wanted:?}"),
+            )
+        })
+    }
+
+    fn item_count(&self) -> Margin {
+        let (value, limit) = (
+            count(self.mission.items.len()),
+            count(self.spec.mission.max_items),
+        );
+        Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: "item count".to_owned(),
+            value,
+            limit,
+            unit: "items",
+            at: None,
+            ok: value <= limit,
+            note: String::new(),
+        }
+    }
+
+    /// The home row: where the spec says, at the height of the terrain, inside the fence.
+    fn home(&self, home: Option<LatLon>, fence: &Fence) -> Vec<Margin> {
+        let Some(place) = home else {
+            return vec![Margin::unjudged(
+                self.id(),
+                "home position",
+                "the home row holds no place; judged from the home of the spec",
+            )];
+        };
+        let tolerance_m = self.spec.mission.tolerance_m;
+        let amsl = Amsl(f64::from(self.mission.home.amsl_m));
+        let at = Moment {
+            place,
+            amsl,
+            t_s: 0.0,
+            item: 0,
+        };
+        // Straight through the earth: right even for a home on its other side.
+        let away_m = (place.to_ecef(0.0) - self.vehicle.home.to_ecef(0.0)).norm();
+        let mut position = Worst::default();
+        position.at_most(away_m, tolerance_m, || at);
+        let mut altitude = Worst::default();
+        match self.world.terrain.height(place) {
+            Ok(ground) => altitude.at_most((amsl.0 - ground.0).abs(), tolerance_m, || at),
+            Err(gap) => altitude.unknown(tolerance_m, gap.to_string(), at),
+        }
+        let mut inside = Worst::default();
+        if !fence.is_empty() {
+            inside.at_least(fence.place_margin_m(place), 0.0, || at);
+        }
+        [
+            position.margin(self.id(), "home position", "m"),
+            altitude.margin(self.id(), "home altitude", "m"),
+            inside.margin(self.id(), "home in the fence", "m"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// The first position against the start, the last against the goal.
+    fn route(&self) -> Vec<Margin> {
+        let tolerance_m = self.spec.mission.tolerance_m;
+        let near = |marks: &[Mark], wanted: PlanPoint, what: &str| {
+            let mut worst = Worst::default();
+            // The nearest of the candidates counts.
+            let best = marks
+                .iter()
+                .map(|mark| (mark.point.distance_m(wanted), mark))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            match best {
+                Some((away_m, mark)) => {
+                    worst.at_most(away_m, tolerance_m, || {
+                        self.moment(mark.point, mark.t_s, mark.row)
+                    });
+                    worst.margin(self.id(), what, "m")
+                }
+                None => Some(Margin::unjudged(
+                    self.id(),
+                    what,
+                    "the mission has no such point",
+                )),
+            }
+        };
+        let route = &self.flight.route;
+        let ends = match self.vehicle.finish {
+            // The goal is on the way.
+            Finish::Return => route.as_slice(),
+            Finish::Land | Finish::Loiter => &route[route.len().saturating_sub(1)..],
+        };
+        let first = &route[..route.len().min(1)];
+        let mut margins: Vec<Margin> = near(first, self.stations.start, "start")
+            .into_iter()
+            .collect();
+        if self.flight.unknown.is_none() {
+            margins.extend(near(ends, self.stations.goal, "goal"));
+        }
+        margins
+    }
+
+    /// Lands, or stays, where the spec says.
+    fn finish(&self) -> Option<Margin> {
+        let end = self.flight.end?;
+        let last = self.flight.chords.last()?;
+        let (wanted, lands) = match self.vehicle.finish {
+            Finish::Land => (self.stations.goal.at, true),
+            Finish::Return => (self.stations.home.at, true),
+            Finish::Loiter => (self.stations.goal.at, false),
+        };
+        let at = match (end, lands) {
+            (End::Landed(at), true) | (End::Stays(at), false) => at,
+            (End::Landed(_), false) => {
+                return Some(Margin::unjudged(
+                    self.id(),
+                    "finish",
+                    "the mission lands, the spec says loiter",
+                ));
+            }
+            (End::Stays(_), true) => {
+                return Some(Margin::unjudged(
+                    self.id(),
+                    "finish",
+                    "the mission ends in the air, the spec says land",
+                ));
+            }
+        };
+        let mut worst = Worst::default();
+        worst.at_most(at.distance_m(wanted), self.spec.mission.tolerance_m, || {
+            last.moment(&self.world.frame, 1.0)
+        });
+        worst.margin(self.id(), "finish", "m")
+    }
+
+    /// The delay before takeoff against `depart_s`, where the autopilot keeps one.
+    fn departure(&self) -> Option<Margin> {
+        let first = self.flight.chords.first()?;
+        if self.flight.delay_s.is_none() && self.mission.autopilot == Autopilot::Px4 {
+            return None;
+        }
+        let encoded_s = self.flight.delay_s.unwrap_or(0.0);
+        let mut worst = Worst::default();
+        worst.at_most(
+            (encoded_s - self.vehicle.depart_s).abs(),
+            DEPARTURE_S,
+            || first.moment(&self.world.frame, 0.0),
+        );
+        let mut margin = worst.margin(self.id(), "departure", "s")?;
+        margin.note = format!(
+            "delay {encoded_s} s in the mission, {} s in the spec",
+            self.vehicle.depart_s
+        );
+        Some(margin)
+    }
+
+    /// Commanded speeds against the planned one.
+    fn speed(&self) -> Option<Margin> {
+        let mut worst = Worst::default();
+        for cruise in &self.flight.cruises {
+            let Some(chord) = self.flight.chords.get(cruise.chord) else {
+                continue;
+            };
+            let at = || chord.moment(&self.world.frame, 0.0);
+            match (cruise.speed_mps, self.mission.autopilot) {
+                (Some(speed_mps), _) => worst.at_most(
+                    (speed_mps - self.vehicle.speed_mps).abs(),
+                    SPEED_MPS,
+                    at,
+                ),
+                // Its cruise parameter is assumed: PX4 misbehaved with speed items.
+                (None, Autopilot::Px4) => worst.at_most(0.0, SPEED_MPS, at),
+                (None, Autopilot::ArduPilot) => worst.unknown(
+                    SPEED_MPS,
+                    "no DO_CHANGE_SPEED before it and no WPNAV_SPEED: the speed is the vehicle's own"
+                        .to_owned(),
+                    at(),
+                ),
+            }
+        }
+        worst.margin(self.id(), "speed", "m/s")
+    }
+
+    /// Climb and descent: the angle on the route, the vertical speed on every leg.
+    fn slopes(&self) -> Vec<Margin> {
+        let mut angles = [Worst::default(), Worst::default()];
+        let mut rates = [Worst::default(), Worst::default()];
+        for slope in &self.flight.slopes {
+            let Some(chord) = self.flight.chords.get(slope.chord) else {
+                continue;
+            };
+            let at = || chord.moment(&self.world.frame, 0.0);
+            let way = usize::from(slope.rise_m < 0.0);
+            let rise_m = (slope.rise_m.abs() - RISE_M).max(0.0);
+            if slope.phase == Phase::Route {
+                let angle_deg = rise_m.atan2(slope.run_m).to_degrees();
+                let limit_deg = steepest(self.vehicle, slope).atan().to_degrees();
+                angles[way].at_most(angle_deg, limit_deg, at);
+            }
+            if slope.run_m > 0.0 {
+                let rate_mps = rise_m / slope.run_m * slope.speed_mps;
+                let limit_mps = [self.vehicle.climb_mps, self.vehicle.descent_mps][way];
+                rates[way].at_most(rate_mps, limit_mps, at);
+            }
+        }
+        let [climb, descent] = angles;
+        let [up, down] = rates;
+        [
+            climb.margin(self.id(), "climb angle", "deg"),
+            descent.margin(self.id(), "descent angle", "deg"),
+            up.margin(self.id(), "climb speed", "m/s"),
+            down.margin(self.id(), "descent speed", "m/s"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// What the fillets leave of each leg.
+    fn turns(&self) -> Option<Margin> {
+        let mut worst = Worst::default();
+        for turn in &self.flight.turns {
+            if let Some(chord) = self.flight.chords.get(turn.chord) {
+                worst.at_least(turn.left_m, 0.0, || chord.moment(&self.world.frame, 0.0));
+            }
+        }
+        worst.margin(self.id(), "turn fit", "m")
+    }
+}
+
+/// The steepest allowed rise over run of a slope.
+fn steepest(vehicle: &Vehicle, slope: &Slope) -> f64 {
+    let climbs = slope.rise_m >= 0.0;
+    let given_rad = if climbs {
+        vehicle.max_climb_rad
+    } else {
+        vehicle.max_descent_rad
+    };
+    if let Some(given_rad) = given_rad {
+        return given_rad.tan();
+    }
+    // Eq. 27, altitude in metres; both are concave, so the ends are the tightest.
+    let of = |amsl_m: f64| {
+        let z = amsl_m.clamp(0.0, 12_000.0);
+        if climbs {
+            -1.5377e-10 * z * z - 2.6997e-5 * z + 0.4211
+        } else {
+            -(2.5063e-9 * z * z - 6.3014e-6 * z - 0.3257)
+        }
+    };
+    of(slope.top_m).min(of(slope.top_m - slope.rise_m.abs()))
+}
+
+fn count(items: usize) -> f64 {
+    f64::from(u32::try_from(items).unwrap_or(u32::MAX))
+}

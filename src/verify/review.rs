@@ -1,0 +1,252 @@
+//! The review of a fleet's missions.
+
+use rayon::prelude::*;
+
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::mission::{Home, VehicleMission};
+use crate::spec::{Autopilot, MissionSpec, Vehicle};
+use crate::world::{Stations, World};
+
+use super::contract::Contract;
+use super::fence::Fence;
+use super::flight::{self, End, Flight};
+use super::separation::{self, Timeline};
+use super::space::{self, Space};
+use super::{Margin, Moment, Review, Track};
+
+/// Most points of one track.
+const TRACK_POINTS: u32 = 600;
+
+/// One mission and the vehicle it is for.
+struct Sortie<'a> {
+    vehicle: &'a Vehicle,
+    stations: &'a Stations,
+    mission: &'a VehicleMission,
+    /// Place of the home row, if it holds one.
+    home: Option<LatLon>,
+    fence: Result<Fence, String>,
+    flight: Flight,
+}
+
+/// Judges encoded missions against a spec, whoever made them.
+///
+/// Each mission comes with the index of its vehicle in the spec. A vehicle
+/// without a mission fails; so does whatever cannot be judged. The ground is
+/// `world.terrain`; `world.ground` is never read.
+#[must_use]
+pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMission)]) -> Review {
+    let mut margins = roll_call(spec, missions);
+    let mut sorties: Vec<Sortie<'_>> = missions
+        .par_iter()
+        .filter_map(|&(index, mission)| {
+            let (vehicle, stations) = (spec.vehicles.get(index)?, world.stations.get(index)?);
+            Some(Sortie::new(spec, world, vehicle, stations, mission))
+        })
+        .collect();
+    let last_s = sorties
+        .iter()
+        .map(|sortie| sortie.flight.last_s())
+        .fold(0.0, f64::max);
+    for sortie in &mut sorties {
+        // Long enough that every shift still meets it.
+        sortie
+            .flight
+            .stay_until(last_s + spec.separation.time_slack_s + 1.0);
+    }
+    let space = Space::new(spec, world);
+    let own: Vec<Vec<Margin>> = sorties
+        .par_iter()
+        .map(|sortie| sortie.margins(spec, world, &space))
+        .collect();
+    margins.extend(own.into_iter().flatten());
+    let timelines: Vec<Timeline<'_>> = sorties
+        .iter()
+        .filter(|sortie| !sortie.flight.chords.is_empty())
+        .map(|sortie| Timeline::new(&sortie.vehicle.id, &sortie.flight.chords))
+        .collect();
+    margins.extend(separation::margins(
+        &timelines,
+        &spec.separation,
+        &world.frame,
+    ));
+    Review {
+        margins,
+        tracks: sorties.iter().map(|sortie| sortie.track(world)).collect(),
+        assumptions: assumptions(spec, &sorties),
+    }
+}
+
+/// Every vehicle has one mission, every mission a vehicle.
+fn roll_call(spec: &MissionSpec, missions: &[(usize, &VehicleMission)]) -> Vec<Margin> {
+    let mut counts = vec![0_usize; spec.vehicles.len()];
+    let mut margins = Vec::new();
+    for (index, _) in missions {
+        match counts.get_mut(*index) {
+            Some(count) => *count += 1,
+            None => margins.push(Margin::unjudged(
+                "",
+                "mission",
+                format!("a mission for vehicle {index}, which the spec does not have"),
+            )),
+        }
+    }
+    for (vehicle, count) in spec.vehicles.iter().zip(counts) {
+        match count {
+            0 => margins.push(Margin::unjudged(&vehicle.id, "mission", "mission missing")),
+            1 => {}
+            _ => margins.push(Margin::unjudged(
+                &vehicle.id,
+                "mission",
+                format!("{count} missions for one vehicle"),
+            )),
+        }
+    }
+    margins
+}
+
+impl<'a> Sortie<'a> {
+    fn new(
+        spec: &MissionSpec,
+        world: &World,
+        vehicle: &'a Vehicle,
+        stations: &'a Stations,
+        mission: &'a VehicleMission,
+    ) -> Self {
+        let home = home_place(&mission.home);
+        // Without a home row the rest is judged as if the vehicle stood where the spec says.
+        let from = match home {
+            Some(place) => PlanPoint {
+                at: world.frame.to_plan(place),
+                amsl: Amsl(f64::from(mission.home.amsl_m)),
+            },
+            None => stations.home,
+        };
+        let tolerance_m = spec.mission.tolerance_m;
+        Self {
+            vehicle,
+            stations,
+            mission,
+            home,
+            fence: Fence::read(&mission.fence),
+            flight: flight::fly(vehicle, mission, world, stations, from, tolerance_m),
+        }
+    }
+
+    fn margins(&self, spec: &MissionSpec, world: &World, space: &Space<'_>) -> Vec<Margin> {
+        let id = &self.vehicle.id;
+        let none = Fence::default();
+        let fence = self.fence.as_ref().unwrap_or(&none);
+        let contract = Contract {
+            spec,
+            world,
+            vehicle: self.vehicle,
+            stations: self.stations,
+            mission: self.mission,
+            flight: &self.flight,
+        };
+        let mut margins = contract.margins(self.home, fence);
+        margins.extend(space.margins(id, &self.flight, fence));
+        if let Err(why) = &self.fence {
+            margins.push(Margin::unjudged(id, "fence", why.clone()));
+        }
+        let home_amsl = match self.home {
+            Some(_) => Amsl(f64::from(self.mission.home.amsl_m)),
+            None => self.stations.home.amsl,
+        };
+        margins.extend(space::rally_margins(
+            id,
+            self.mission,
+            home_amsl,
+            fence,
+            world,
+        ));
+        margins
+    }
+
+    /// Evenly in time, so that all is smooth, and no more than a page can draw.
+    fn track(&self, world: &World) -> Track {
+        let mut moments: Vec<Moment> = Vec::new();
+        let flown: Vec<_> = self.flight.chords.iter().filter(|c| c.flown).collect();
+        if let (Some(first), Some(last)) = (flown.first(), flown.last()) {
+            let (from_s, to_s) = (first.from_s, last.to_s);
+            let mut next = 0;
+            for index in 0..TRACK_POINTS {
+                let share = f64::from(index) / f64::from(TRACK_POINTS - 1);
+                let t_s = from_s + (to_s - from_s) * share;
+                while next + 1 < flown.len() && flown[next].to_s < t_s {
+                    next += 1;
+                }
+                let chord = flown[next];
+                let lasts_s = chord.to_s - chord.from_s;
+                let u = if lasts_s > 0.0 {
+                    ((t_s - chord.from_s) / lasts_s).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                moments.push(Moment {
+                    t_s,
+                    ..chord.moment(&world.frame, u)
+                });
+            }
+        }
+        Track {
+            vehicle: self.vehicle.id.clone(),
+            moments,
+        }
+    }
+}
+
+/// The place of a home row; a blank one (0, 0) is none.
+fn home_place(home: &Home) -> Option<LatLon> {
+    if home.x == 0 && home.y == 0 {
+        return None;
+    }
+    LatLon::new(f64::from(home.x) / 1e7, f64::from(home.y) / 1e7).ok()
+}
+
+/// What the flight model takes for granted, as far as it was used.
+fn assumptions(spec: &MissionSpec, sorties: &[Sortie<'_>]) -> Vec<String> {
+    let any = |test: fn(&Sortie<'_>) -> bool| sorties.iter().any(test);
+    let mut list: Vec<String> = [
+        "legs are straight in the local frame, altitude linear with distance",
+        "corners are flown as arcs of the turn radius at unchanged speed; the legs are judged as far as the corner too",
+        "vehicles speed up and slow down with accel_mps2, climb and descend vertically with climb_mps and descent_mps",
+        "each vehicle stands at the place and altitude of its home row when its mission starts",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    let mut add = |used: bool, text: &str| {
+        if used {
+            list.push(text.to_owned());
+        }
+    };
+    add(
+        any(|s| {
+            s.flight
+                .cruises
+                .iter()
+                .any(|cruise| cruise.speed_mps.is_none())
+                && s.mission.autopilot == Autopilot::Px4
+        }),
+        "PX4 flies with the speed of the spec: MPC_XY_CRUISE as in its .params file",
+    );
+    add(
+        any(|s| {
+            s.mission.autopilot == Autopilot::Px4
+                && s.flight.delay_s.is_none()
+                && s.vehicle.depart_s > 0.0
+        }),
+        "PX4 vehicles are started depart_s after T0 by whoever launches them",
+    );
+    add(
+        any(|s| s.flight.follows_terrain),
+        "vehicles that follow the terrain have the same elevation data and keep their height above it exactly",
+    );
+    add(
+        any(|s| matches!(s.flight.end, Some(End::Stays(_)))),
+        "a vehicle that loiters, or whose mission ends in the air, hovers there for ever",
+    );
+    add(spec.wind.is_some(), "the ground speed is kept in the wind");
+    list.extend(separation::assumption(sorties.len(), &spec.separation));
+    list
+}

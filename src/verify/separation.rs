@@ -1,0 +1,331 @@
+//! Pairwise separation, from takeoff to touchdown, at the worst allowed shift.
+
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use crate::geodesy::LocalFrame;
+use crate::spec::Separation;
+
+use super::approach::{Approach, Motion, closest};
+use super::chord::Chord;
+use super::{Margin, Moment};
+
+/// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
+const LISTED_FLEET: usize = 16;
+/// "Near", in separation distances.
+const NEAR: f64 = 4.0;
+
+/// A box in space and time around some chords.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    from_s: f64,
+    to_s: f64,
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    error_m: f64,
+}
+
+/// The chords of one vehicle and a binary tree of boxes around them.
+#[derive(Clone, Debug)]
+pub(super) struct Timeline<'a> {
+    id: &'a str,
+    chords: Vec<&'a Chord>,
+    /// Heap order: the children of `n` are `2 n + 1` and `2 n + 2`.
+    bounds: Vec<Option<Bounds>>,
+}
+
+/// What is measured between two vehicles.
+#[derive(Clone, Copy)]
+struct Metric {
+    weights: Vector3<f64>,
+    /// Only where the vertical distance is below this, metres.
+    level_m: Option<f64>,
+    slack_s: f64,
+}
+
+/// The nearest that two vehicles come: chord indices, times, distance less the errors.
+#[derive(Clone, Copy, Debug)]
+struct Nearest {
+    distance_m: f64,
+    chords: (usize, usize),
+    times_s: (f64, f64),
+}
+
+impl<'a> Timeline<'a> {
+    pub(super) fn new(id: &'a str, chords: &'a [Chord]) -> Self {
+        let chords: Vec<&Chord> = chords.iter().filter(|chord| chord.flown).collect();
+        let leaves = chords.len().next_power_of_two();
+        let mut bounds: Vec<Option<Bounds>> = vec![None; leaves - 1];
+        bounds.extend(chords.iter().map(|chord| Some(Bounds::of(chord))));
+        bounds.resize(2 * leaves - 1, None);
+        for node in (0..leaves - 1).rev() {
+            bounds[node] = match (bounds[2 * node + 1], bounds[2 * node + 2]) {
+                (Some(a), Some(b)) => Some(a.around(&b)),
+                (one, other) => one.or(other),
+            };
+        }
+        Self { id, chords, bounds }
+    }
+
+    fn leaf(&self, node: usize) -> Option<usize> {
+        let first = self.bounds.len() / 2;
+        node.checked_sub(first)
+    }
+
+    /// The whole time in the air.
+    fn span(&self) -> Option<Bounds> {
+        self.bounds.first().copied().flatten()
+    }
+}
+
+impl Bounds {
+    fn of(chord: &Chord) -> Self {
+        let (from, to) = (position(chord, 0.0), position(chord, 1.0));
+        Self {
+            from_s: chord.from_s,
+            to_s: chord.to_s,
+            low: from.inf(&to),
+            high: from.sup(&to),
+            error_m: chord.error_m,
+        }
+    }
+
+    fn around(&self, other: &Self) -> Self {
+        Self {
+            from_s: self.from_s.min(other.from_s),
+            to_s: self.to_s.max(other.to_s),
+            low: self.low.inf(&other.low),
+            high: self.high.sup(&other.high),
+            error_m: self.error_m.max(other.error_m),
+        }
+    }
+
+    /// At least so far apart is anything in the two boxes; infinite if never at the same time.
+    fn apart_m(&self, other: &Self, metric: &Metric) -> f64 {
+        let late_s = (self.from_s - other.to_s).max(other.from_s - self.to_s);
+        if late_s > metric.slack_s {
+            return f64::INFINITY;
+        }
+        let gap = (self.low - other.high)
+            .sup(&(other.low - self.high))
+            .sup(&Vector3::zeros());
+        let error_m = self.error_m + other.error_m;
+        if metric
+            .level_m
+            .is_some_and(|level_m| gap.z > level_m + error_m)
+        {
+            return f64::INFINITY;
+        }
+        gap.component_mul(&metric.weights).norm() - error_m
+    }
+}
+
+impl Metric {
+    /// The closest approach of two chords that is nearer than `below_m`.
+    fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
+        let error_m = a.error_m + b.error_m;
+        let level_m = self.level_m.map(|level_m| level_m + error_m);
+        let found = closest(&motion(a), &motion(b), self.slack_s, level_m, self.weights)?;
+        Some(Approach {
+            distance_m: (found.distance_m - error_m).max(0.0),
+            ..found
+        })
+    }
+}
+
+fn position(chord: &Chord, u: f64) -> Vector3<f64> {
+    let point = chord.at(u);
+    Vector3::new(point.at.east_m, point.at.north_m, point.amsl.0)
+}
+
+fn motion(chord: &Chord) -> Motion {
+    let (from, to) = (position(chord, 0.0), position(chord, 1.0));
+    let duration_s = chord.to_s - chord.from_s;
+    Motion {
+        from_s: chord.from_s,
+        to_s: chord.to_s,
+        from,
+        velocity: if duration_s > 0.0 {
+            (to - from) / duration_s
+        } else {
+            Vector3::zeros()
+        },
+    }
+}
+
+/// The nearest that two vehicles come, if nearer than `below_m`: a walk down both
+/// trees at once, nearer pairs of boxes first.
+fn nearest(a: &Timeline<'_>, b: &Timeline<'_>, metric: &Metric, below_m: f64) -> Option<Nearest> {
+    let mut best: Option<Nearest> = None;
+    let mut limit_m = below_m;
+    let apart = |x: usize, y: usize| match (a.bounds.get(x), b.bounds.get(y)) {
+        (Some(Some(p)), Some(Some(q))) => p.apart_m(q, metric),
+        _ => f64::INFINITY,
+    };
+    let mut open = vec![(apart(0, 0), 0, 0)];
+    while let Some((apart_m, x, y)) = open.pop() {
+        if apart_m >= limit_m {
+            continue;
+        }
+        if let (Some(i), Some(j)) = (a.leaf(x), b.leaf(y)) {
+            let Some(found) = metric.measure(a.chords[i], b.chords[j]) else {
+                continue;
+            };
+            if found.distance_m < limit_m {
+                limit_m = found.distance_m;
+                best = Some(Nearest {
+                    distance_m: found.distance_m,
+                    chords: (i, j),
+                    times_s: found.times_s,
+                });
+            }
+            continue;
+        }
+        // The box that lasts longer is opened.
+        let lasts = |bounds: Option<&Option<Bounds>>| match bounds {
+            Some(Some(bounds)) => bounds.to_s - bounds.from_s,
+            _ => 0.0,
+        };
+        let opens_a = b.leaf(y).is_some()
+            || (a.leaf(x).is_none() && lasts(a.bounds.get(x)) >= lasts(b.bounds.get(y)));
+        let pairs = if opens_a {
+            [(2 * x + 1, y), (2 * x + 2, y)]
+        } else {
+            [(x, 2 * y + 1), (x, 2 * y + 2)]
+        };
+        let mut children = pairs.map(|(x, y)| (apart(x, y), x, y));
+        if children[0].0 < children[1].0 {
+            children.swap(0, 1);
+        }
+        open.extend(children.iter().filter(|child| child.0 < limit_m));
+    }
+    best
+}
+
+/// The margins of all pairs (of a large fleet: of those that come near).
+pub(super) fn margins(
+    timelines: &[Timeline<'_>],
+    separation: &Separation,
+    frame: &LocalFrame,
+) -> Vec<Margin> {
+    let everything = timelines.len() <= LISTED_FLEET;
+    let below_m = if everything {
+        f64::INFINITY
+    } else {
+        NEAR * separation.distance_m
+    };
+    (0..timelines.len())
+        .into_par_iter()
+        .map(|first| {
+            let (a, rest) = (&timelines[first], &timelines[first + 1..]);
+            rest.iter()
+                .filter_map(|b| pair_margin(a, b, separation, frame, below_m))
+                .collect::<Vec<_>>()
+        })
+        .collect::<Vec<_>>()
+        .concat()
+}
+
+/// What a review says when it does not list every pair.
+pub(super) fn assumption(fleet: usize, separation: &Separation) -> Option<String> {
+    (fleet > LISTED_FLEET).then(|| {
+        format!(
+            "pairs of vehicles that stay more than {} m apart are not listed",
+            NEAR * separation.distance_m
+        )
+    })
+}
+
+fn pair_margin(
+    a: &Timeline<'_>,
+    b: &Timeline<'_>,
+    separation: &Separation,
+    frame: &LocalFrame,
+    below_m: f64,
+) -> Option<Margin> {
+    let metric = |weights, level_m| Metric {
+        weights,
+        level_m,
+        slack_s: separation.time_slack_s,
+    };
+    let (flat, up) = (Vector3::new(1.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
+    let Some(level_m) = separation.vertical_m else {
+        let found = nearest(a, b, &metric(flat + up, None), below_m);
+        return match found {
+            Some(found) => Some(judge((a, b), found, separation.distance_m, frame, "")),
+            None => never_together(a, b, separation, below_m),
+        };
+    };
+    if let Some(found) = nearest(a, b, &metric(flat, Some(level_m)), below_m) {
+        let what = "horizontal, where the vertical distance is too small";
+        return Some(judge((a, b), found, separation.distance_m, frame, what));
+    }
+    if below_m.is_finite() {
+        return None;
+    }
+    match nearest(a, b, &metric(up, None), f64::INFINITY) {
+        Some(found) => Some(judge((a, b), found, level_m, frame, "vertical")),
+        None => never_together(a, b, separation, below_m),
+    }
+}
+
+fn judge(
+    (a, b): (&Timeline<'_>, &Timeline<'_>),
+    found: Nearest,
+    limit_m: f64,
+    frame: &LocalFrame,
+    how: &str,
+) -> Margin {
+    let (mine, other) = (a.chords[found.chords.0], b.chords[found.chords.1]);
+    let moment = |chord: &Chord, t_s: f64| -> Moment {
+        let lasts_s = chord.to_s - chord.from_s;
+        let u = if lasts_s > 0.0 {
+            ((t_s - chord.from_s) / lasts_s).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        chord.moment(frame, u)
+    };
+    let there = moment(other, found.times_s.1);
+    let shift_s = found.times_s.1 - found.times_s.0;
+    let split = if how.is_empty() { "" } else { "; " };
+    Margin {
+        vehicle: a.id.to_owned(),
+        other: Some(b.id.to_owned()),
+        what: "separation".to_owned(),
+        value: found.distance_m,
+        limit: limit_m,
+        unit: "m",
+        at: Some(moment(mine, found.times_s.0)),
+        ok: found.distance_m >= limit_m,
+        note: format!(
+            "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s",
+            b.id, there.item, there.t_s
+        ),
+    }
+}
+
+/// Two vehicles that are never in the air at the same time: how long one is down before the other takes off.
+fn never_together(
+    a: &Timeline<'_>,
+    b: &Timeline<'_>,
+    separation: &Separation,
+    below_m: f64,
+) -> Option<Margin> {
+    let (p, q) = (a.span()?, b.span()?);
+    let gap_s = (p.from_s - q.to_s).max(q.from_s - p.to_s);
+    if below_m.is_finite() || gap_s <= 0.0 {
+        return None;
+    }
+    Some(Margin {
+        vehicle: a.id.to_owned(),
+        other: Some(b.id.to_owned()),
+        what: "separation".to_owned(),
+        value: gap_s,
+        limit: separation.time_slack_s,
+        unit: "s",
+        at: None,
+        ok: gap_s >= separation.time_slack_s,
+        note: "never in the air at the same time".to_owned(),
+    })
+}

@@ -1,0 +1,705 @@
+//! The verdict on encoded missions: what passes, what fails, and what the failure names.
+
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "missions hold 1e-7 degrees and float32"
+)]
+
+mod support;
+
+use sortie::geodesy::{AboveHome, Agl, Amsl, LatLon};
+use sortie::mission::{Home, Item, VehicleMission, command, frame};
+use sortie::spec::*;
+use sortie::verify::{Margin, Review, review};
+use sortie::world::{Terrain, TerrainGrid, World};
+use support::{copter, empty_spec, place, world};
+
+const GROUND_M: f64 = 400.0;
+
+fn degrees(value: f64) -> i32 {
+    (value * 1e7).round() as i32
+}
+
+fn at(command: u16, frame: u8, place: LatLon, z: f64, param1: f32) -> Item {
+    Item {
+        command,
+        frame,
+        autocontinue: true,
+        params: [param1, 0.0, 0.0, 0.0],
+        x: degrees(place.lat_deg),
+        y: degrees(place.lon_deg),
+        z: z as f32,
+    }
+}
+
+fn waypoint(place: LatLon, amsl_m: f64) -> Item {
+    at(command::NAV_WAYPOINT, frame::GLOBAL, place, amsl_m, 0.0)
+}
+
+fn takeoff(place: LatLon, amsl_m: f64) -> Item {
+    at(command::NAV_TAKEOFF, frame::GLOBAL, place, amsl_m, 0.0)
+}
+
+fn land(place: LatLon) -> Item {
+    at(command::NAV_LAND, frame::GLOBAL, place, 0.0, 0.0)
+}
+
+fn speed(speed_mps: f32) -> Item {
+    Item::without_place(command::DO_CHANGE_SPEED, [1.0, speed_mps, -1.0, 0.0])
+}
+
+fn delay(delay_s: f32) -> Item {
+    Item::without_place(command::NAV_DELAY, [delay_s, 0.0, 0.0, 0.0])
+}
+
+fn mission(vehicle: &Vehicle, home_m: f64, items: Vec<Item>) -> VehicleMission {
+    VehicleMission {
+        autopilot: vehicle.autopilot,
+        airframe: vehicle.airframe,
+        home: Home {
+            x: degrees(vehicle.home.lat_deg),
+            y: degrees(vehicle.home.lon_deg),
+            amsl_m: home_m as f32,
+        },
+        items,
+        fence: Vec::new(),
+        rally: Vec::new(),
+        params: Vec::new(),
+    }
+}
+
+/// Up, along the places at one altitude, down at the last.
+fn level(vehicle: &Vehicle, amsl_m: f64, places: &[LatLon]) -> VehicleMission {
+    let mut items = vec![takeoff(places[0], amsl_m), speed(15.0)];
+    items.extend(places[1..].iter().map(|&place| waypoint(place, amsl_m)));
+    items.push(land(places[places.len() - 1]));
+    mission(vehicle, GROUND_M, items)
+}
+
+fn judge(spec: &MissionSpec, missions: &[&VehicleMission]) -> Review {
+    judge_in(spec, &world(spec), missions)
+}
+
+fn judge_in(spec: &MissionSpec, world: &World, missions: &[&VehicleMission]) -> Review {
+    let pairs: Vec<(usize, &VehicleMission)> = missions.iter().copied().enumerate().collect();
+    review(spec, world, &pairs)
+}
+
+fn failures(review: &Review) -> Vec<String> {
+    let failed = review.margins.iter().filter(|margin| !margin.ok);
+    failed
+        .map(|m| {
+            format!(
+                "{} {}: {} / {} {}",
+                m.vehicle, m.what, m.value, m.limit, m.note
+            )
+        })
+        .collect()
+}
+
+fn find<'a>(review: &'a Review, what: &str) -> &'a Margin {
+    review
+        .margins
+        .iter()
+        .find(|margin| margin.what == what)
+        .unwrap_or_else(|| panic!("no margin {what} among {:#?}", review.margins))
+}
+
+/// Only this margin fails.
+fn only_failure<'a>(review: &'a Review, what: &str) -> &'a Margin {
+    let margin = find(review, what);
+    assert!(!margin.ok, "{what} is kept: {margin:?}");
+    let others: Vec<_> = review
+        .margins
+        .iter()
+        .filter(|m| !m.ok && m.what != what)
+        .collect();
+    assert!(others.is_empty(), "also failed: {others:?}");
+    margin
+}
+
+/// West to east through the middle of the area, 10 km.
+fn west() -> LatLon {
+    place(36.30, -84.30)
+}
+fn middle() -> LatLon {
+    place(36.30, -84.25)
+}
+fn east() -> LatLon {
+    place(36.30, -84.20)
+}
+
+fn one() -> (MissionSpec, VehicleMission) {
+    let vehicle = copter("alpha", 1, west(), east());
+    let mission = level(&vehicle, GROUND_M + 80.0, &[west(), middle(), east()]);
+    (empty_spec(vec![vehicle]), mission)
+}
+
+fn metres_apart(a: LatLon, b: LatLon) -> f64 {
+    (a.to_ecef(0.0) - b.to_ecef(0.0)).norm()
+}
+
+#[test]
+fn a_clean_straight_mission_passes_and_says_by_how_much() {
+    let (spec, mission) = one();
+    let review = judge(&spec, &[&mission]);
+    assert!(review.passes(), "{:#?}", failures(&review));
+    let clearance = find(&review, "terrain clearance");
+    assert!((clearance.value - 80.0).abs() < 0.011, "{clearance:?}");
+    assert!((find(&review, "ceiling").value - 480.0).abs() < 0.011);
+    let track = &review.tracks[0];
+    assert!(track.moments.len() > 100 && track.moments.len() <= 600);
+    let (first, last) = (track.moments[0], track.moments[track.moments.len() - 1]);
+    assert!(metres_apart(first.place, west()) < 0.1 && metres_apart(last.place, east()) < 0.1);
+    assert!((first.amsl.0 - 400.0).abs() < 0.01 && (last.amsl.0 - 400.0).abs() < 0.01);
+    // 80 m up at 5 m/s, 8985 m at 15 m/s with one ramp of 6 s, 80 m down at 3 m/s.
+    let length_m = metres_apart(west(), east());
+    let flown_s = 80.0 / 5.0 + length_m / 15.0 + 15.0 / 2.5 + 80.0 / 3.0;
+    assert!((last.t_s - flown_s).abs() < 0.1, "{} {flown_s}", last.t_s);
+}
+
+#[test]
+fn a_leg_through_a_threat_fails_and_names_item_place_and_time() {
+    let (mut spec, mission) = one();
+    let axis = place(36.31, -84.22);
+    spec.threats.push(Threat {
+        id: "radar-1".to_owned(),
+        kind: "radar".to_owned(),
+        place: axis,
+        radius_m: 1500.0,
+    });
+    let review = judge(&spec, &[&mission]);
+    let margin = only_failure(&review, "threat radar-1");
+    // One hundredth of a degree of latitude at 36.3 N (WGS84): 1109.6 m.
+    assert!((margin.value - (1109.6 - 1500.0)).abs() < 0.5, "{margin:?}");
+    let worst = margin.at.expect("a place");
+    assert_eq!(worst.item, 4, "takeoff 1, speed 2, middle 3, east 4");
+    assert!((worst.place.lon_deg + 84.22).abs() < 1e-4);
+    let along_m = metres_apart(west(), worst.place);
+    assert!((worst.t_s - (16.0 + along_m / 15.0 + 3.0)).abs() < 0.1);
+    // The same threat a little smaller is passed.
+    spec.threats[0].radius_m = 1109.0;
+    assert!(judge(&spec, &[&mission]).passes());
+}
+
+#[test]
+fn a_leg_between_two_fine_waypoints_that_cuts_a_hill_fails_at_the_hill() {
+    let (mut spec, mission) = one();
+    let summit = place(36.30, -84.225);
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(GROUND_M),
+        hills: vec![Hill {
+            place: summit,
+            height_m: 60.0,
+            radius_m: 300.0,
+        }],
+    };
+    let review = judge(&spec, &[&mission]);
+    let margin = only_failure(&review, "terrain clearance");
+    assert!((margin.value - 20.0).abs() < 0.02, "{margin:?}");
+    let worst = margin.at.expect("a place");
+    assert_eq!(worst.item, 4);
+    assert!(metres_apart(worst.place, summit) < 5.0);
+}
+
+#[test]
+fn a_waypoint_moved_onto_another_path_fails_the_pair_and_names_both() {
+    let south = |lon| place(36.28, lon);
+    let alpha = copter("alpha", 1, west(), east());
+    let beta = copter("beta", 2, south(-84.30), south(-84.20));
+    let mut spec = empty_spec(vec![alpha.clone(), beta.clone()]);
+    // The way round by the middle takes beta 35 s longer.
+    spec.separation.time_slack_s = 40.0;
+    let height_m = GROUND_M + 80.0;
+    let first = level(&alpha, height_m, &[west(), middle(), east()]);
+    let apart = level(
+        &beta,
+        height_m,
+        &[south(-84.30), south(-84.25), south(-84.20)],
+    );
+    let passed = judge(&spec, &[&first, &apart]);
+    assert!(passed.passes(), "{:#?}", failures(&passed));
+    let kept = find(&passed, "separation");
+    assert!((kept.value - 2219.0).abs() < 2.0, "{kept:?}");
+    let moved = level(&beta, height_m, &[south(-84.30), middle(), south(-84.20)]);
+    let review = judge(&spec, &[&first, &moved]);
+    let margin = only_failure(&review, "separation");
+    assert_eq!(
+        (margin.vehicle.as_str(), margin.other.as_deref()),
+        ("alpha", Some("beta"))
+    );
+    let worst = margin.at.expect("a place");
+    assert!(
+        margin.value < 100.0 && [3, 4].contains(&worst.item),
+        "{margin:?}"
+    );
+    assert!(metres_apart(worst.place, middle()) < 600.0);
+    assert!(margin.note.contains("beta at item"), "{}", margin.note);
+}
+
+#[test]
+fn a_departure_delay_separates_crossing_vehicles_until_the_slack_eats_it() {
+    let (north, south) = (place(36.345, -84.25), place(36.255, -84.25));
+    let alpha = copter("alpha", 1, west(), east());
+    let mut beta = copter("beta", 2, north, south);
+    beta.depart_s = 40.0;
+    let mut spec = empty_spec(vec![alpha.clone(), beta.clone()]);
+    let height_m = GROUND_M + 80.0;
+    let first = level(&alpha, height_m, &[west(), east()]);
+    let mut late = level(&beta, height_m, &[north, south]);
+    late.items.insert(0, delay(40.0));
+    let passed = judge(&spec, &[&first, &late]);
+    assert!(passed.passes(), "{:#?}", failures(&passed));
+    // Crossing at right angles with 15 m/s each, t apart: the least distance is 15 t / sqrt 2.
+    let from_middle_m = metres_apart(north, middle()) - metres_apart(west(), middle());
+    let apart_s = 40.0 + from_middle_m / 15.0;
+    let expected_m = 15.0 * (apart_s - 5.0) / 2_f64.sqrt();
+    let value_m = find(&passed, "separation").value;
+    assert!((value_m - expected_m).abs() < 1.0, "{value_m} {expected_m}");
+    spec.separation.time_slack_s = apart_s - 2.0;
+    let review = judge(&spec, &[&first, &late]);
+    let margin = only_failure(&review, "separation");
+    assert!(
+        (margin.value - 15.0 * 2.0 / 2_f64.sqrt()).abs() < 1.0,
+        "{margin:?}"
+    );
+}
+
+#[test]
+fn vertical_separation_counts_where_the_spec_has_one() {
+    let (north, south) = (place(36.345, -84.25), place(36.255, -84.25));
+    let alpha = copter("alpha", 1, west(), east());
+    let mut beta = copter("beta", 2, north, south);
+    beta.start.altitude = Placement::Agl(Agl(130.0));
+    beta.goal.altitude = Placement::Agl(Agl(130.0));
+    let mut spec = empty_spec(vec![alpha.clone(), beta.clone()]);
+    spec.separation.time_slack_s = 100.0;
+    let low = level(&alpha, GROUND_M + 80.0, &[west(), east()]);
+    let high = level(&beta, GROUND_M + 130.0, &[north, south]);
+    let three = judge(&spec, &[&low, &high]);
+    assert!((only_failure(&three, "separation").value - 50.0).abs() < 0.05);
+    spec.separation.vertical_m = Some(30.0);
+    let two = judge(&spec, &[&low, &high]);
+    assert!(two.passes(), "{:#?}", failures(&two));
+    spec.separation.vertical_m = Some(60.0);
+    let margin_m = only_failure(&judge(&spec, &[&low, &high]), "separation").value;
+    assert!(margin_m < 0.1, "{margin_m}");
+}
+
+#[test]
+fn landed_vehicles_do_not_count_and_loitering_ones_stay_for_ever() {
+    let alpha = copter("alpha", 1, west(), middle());
+    let mut beta = copter("beta", 2, east(), middle());
+    beta.depart_s = 2000.0;
+    let mut spec = empty_spec(vec![alpha.clone(), beta.clone()]);
+    let height_m = GROUND_M + 80.0;
+    let first = level(&alpha, height_m, &[west(), middle()]);
+    let mut second = level(&beta, height_m, &[east(), middle()]);
+    second.items.insert(0, delay(2000.0));
+    let passed = judge(&spec, &[&first, &second]);
+    assert!(passed.passes(), "{:#?}", failures(&passed));
+    let pair = find(&passed, "separation");
+    assert_eq!(pair.unit, "s");
+    assert!(pair.value > 1000.0 && pair.note.contains("never in the air"));
+    spec.vehicles[0].finish = Finish::Loiter;
+    let mut staying = first.clone();
+    let last = staying.items.len() - 1;
+    staying.items[last] = at(
+        command::NAV_LOITER_UNLIM,
+        frame::GLOBAL,
+        middle(),
+        height_m,
+        0.0,
+    );
+    let margin_m = only_failure(&judge(&spec, &[&staying, &second]), "separation").value;
+    assert!(margin_m < 0.1);
+}
+
+fn void_grid() -> Terrain {
+    let (rows, columns) = (21, 31);
+    let mut heights_m = vec![GROUND_M as f32; rows * columns];
+    // The column at 84.23 W on the way has no data.
+    heights_m[10 * columns + 17] = f32::NAN;
+    Terrain::Grid(TerrainGrid {
+        north_west: place(36.40, -84.40),
+        row_step_deg: 0.01,
+        column_step_deg: 0.01,
+        rows,
+        columns,
+        heights_m,
+    })
+}
+
+#[test]
+fn missing_elevation_on_the_way_fails_with_the_place_and_no_number() {
+    let (mut spec, _) = one();
+    let vehicle = spec.vehicles[0].clone();
+    spec.terrain = TerrainSource::File("void.hgt".into());
+    let world = World::new(&spec, void_grid()).expect("ground under the stations");
+    let mission = level(&vehicle, GROUND_M + 80.0, &[west(), middle(), east()]);
+    let review = judge_in(&spec, &world, &[&mission]);
+    let margin = only_failure(&review, "terrain clearance");
+    assert!(margin.value.is_nan());
+    let worst = margin.at.expect("a place");
+    assert_eq!(worst.item, 4);
+    assert!(
+        (-84.24..=-84.22).contains(&worst.place.lon_deg),
+        "{worst:?}"
+    );
+    assert!(
+        margin.note.contains("no elevation data at 36.3"),
+        "{}",
+        margin.note
+    );
+}
+
+#[test]
+fn one_path_in_four_references_has_one_clearance() {
+    let hill = Hill {
+        place: place(36.303, -84.235),
+        height_m: 70.0,
+        radius_m: 900.0,
+    };
+    let (mut spec, _) = one();
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(GROUND_M),
+        hills: vec![hill],
+    };
+    spec.vehicles[0].autopilot = Autopilot::Px4;
+    let world = world(&spec);
+    let vehicle = spec.vehicles[0].clone();
+    let home_m = world.stations[0].home.amsl.0;
+    // Fine steps, so that linear in altitude and linear above ground are nearly the same path.
+    let places: Vec<LatLon> = (0..=90)
+        .map(|i| place(36.30, -84.30 + 0.1 * f64::from(i) / 90.0))
+        .collect();
+    let fly = |frame: u8, reference: &dyn Fn(LatLon, f64) -> f64| {
+        let mut items = vec![takeoff(west(), home_m + 80.0)];
+        for &place in &places[1..] {
+            let ground_m = world.terrain.height(place).unwrap().0;
+            items.push(at(
+                command::NAV_WAYPOINT,
+                frame,
+                place,
+                reference(place, ground_m + 80.0),
+                0.0,
+            ));
+        }
+        items.push(land(east()));
+        mission(&vehicle, home_m, items)
+    };
+    let above_ground = |place: LatLon, amsl_m: f64| amsl_m - world.terrain.height(place).unwrap().0;
+    let above_home = |_: LatLon, amsl_m: f64| Amsl(amsl_m).above_home(Amsl(home_m)).0;
+    let values: Vec<f64> = [
+        (
+            frame::GLOBAL,
+            &(|_, amsl_m| amsl_m) as &dyn Fn(LatLon, f64) -> f64,
+        ),
+        (5, &|_, amsl_m| amsl_m),
+        (frame::GLOBAL_RELATIVE_ALT, &above_home),
+        (6, &above_home),
+        (frame::GLOBAL_TERRAIN_ALT, &above_ground),
+        (11, &above_ground),
+    ]
+    .into_iter()
+    .map(|(frame, reference)| {
+        let review = judge_in(&spec, &world, &[&fly(frame, reference)]);
+        assert!(review.passes(), "frame {frame}: {:#?}", failures(&review));
+        assert_eq!(
+            review
+                .assumptions
+                .iter()
+                .any(|text| text.contains("follow the terrain")),
+            [10, 11].contains(&frame)
+        );
+        find(&review, "terrain clearance").value
+    })
+    .collect();
+    for value in &values {
+        assert!((value - values[0]).abs() < 0.3, "{values:?}");
+    }
+    assert!((values[0] - values[2]).abs() < 1e-3 && (values[4] - 80.0).abs() < 1e-3);
+    assert!((AboveHome(80.0).over(Amsl(home_m)).0 - home_m - 80.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_home_row_at_the_wrong_height_lowers_a_relative_mission() {
+    let (spec, mut mission) = one();
+    for item in &mut mission.items {
+        if item.z > 0.0 {
+            item.frame = frame::GLOBAL_RELATIVE_ALT;
+            item.z = 80.0;
+        }
+    }
+    assert!(judge(&spec, &[&mission]).passes());
+    mission.home.amsl_m -= 30.0;
+    let review = judge(&spec, &[&mission]);
+    assert!((find(&review, "terrain clearance").value - 50.0).abs() < 0.01);
+    let home = find(&review, "home altitude");
+    assert!(!home.ok && (home.value - 30.0).abs() < 0.01, "{home:?}");
+    mission.home = Home {
+        x: 0,
+        y: 0,
+        amsl_m: 0.0,
+    };
+    assert!(!find(&judge(&spec, &[&mission]), "home position").ok);
+}
+
+#[test]
+fn returning_to_launch_fails_without_a_return_altitude_and_its_leg_is_judged_with_one() {
+    let (mut spec, mut mission) = one();
+    let last = mission.items.len() - 1;
+    mission.items[last] = Item::without_place(command::NAV_RETURN_TO_LAUNCH, [0.0; 4]);
+    spec.vehicles[0].finish = Finish::Return;
+    let review = judge(&spec, &[&mission]);
+    let margin = find(&review, "items judged");
+    assert!(
+        !margin.ok && margin.note.contains("return_amsl_m"),
+        "{margin:?}"
+    );
+    assert_eq!(margin.at.expect("a place").item, last + 1);
+    spec.vehicles[0].return_amsl = Some(Amsl(600.0));
+    let review = judge(&spec, &[&mission]);
+    assert!(review.passes(), "{:#?}", failures(&review));
+    assert!((find(&review, "ceiling").value - 600.0).abs() < 0.01);
+    let end = review.tracks[0].moments.last().copied().expect("a track");
+    assert!(metres_apart(end.place, west()) < 0.1);
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(GROUND_M),
+        hills: vec![Hill {
+            place: place(36.3005, -84.23),
+            height_m: 300.0,
+            radius_m: 150.0,
+        }],
+    };
+    let contact = find(&judge(&spec, &[&mission]), "ground contact").clone();
+    assert!(
+        !contact.ok && contact.at.expect("a place").item == last + 1,
+        "{contact:?}"
+    );
+}
+
+/// What a case does to a clean mission.
+type Change<'a> = &'a dyn Fn(&mut VehicleMission);
+
+#[test]
+fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
+    let (spec, clean) = one();
+    let with = |change: &dyn Fn(&mut VehicleMission)| {
+        let mut mission = clean.clone();
+        change(&mut mission);
+        let review = judge(&spec, &[&mission]);
+        assert!(!review.passes());
+        let margin = find(&review, "items judged").clone();
+        assert!(!margin.ok, "{margin:?}");
+        margin.note
+    };
+    let cases: [(&str, usize, Change<'_>); 9] = [
+        ("command 82", 4, &|m| m.items[3].command = 82),
+        ("DO_JUMP", 4, &|m| {
+            m.items.insert(
+                3,
+                Item::without_place(command::DO_JUMP, [1.0, 3.0, 0.0, 0.0]),
+            )
+        }),
+        ("altitude is NaN", 3, &|m| m.items[2].z = f32::NAN),
+        ("altitude is inf", 4, &|m| m.items[3].z = f32::INFINITY),
+        ("frame 2", 3, &|m| m.items[2].frame = frame::MISSION),
+        ("no takeoff before it", 2, &|m| {
+            m.items.remove(0);
+        }),
+        ("latitude and longitude are 0", 3, &|m| {
+            (m.items[2].x, m.items[2].y) = (0, 0)
+        }),
+        ("km from the origin", 3, &|m| {
+            (m.items[2].x, m.items[2].y) = (-363_000_000, 957_500_000)
+        }),
+        ("goes on after the landing", 6, &|m| {
+            m.items.push(waypoint(west(), 480.0))
+        }),
+    ];
+    for (reason, item, change) in cases {
+        let note = with(change);
+        assert!(
+            note.contains(reason) && note.contains(&format!("from item {item} on")),
+            "{note}"
+        );
+    }
+}
+
+#[test]
+fn a_vehicle_without_a_mission_and_a_mission_without_a_vehicle_fail() {
+    let (spec, mission) = one();
+    let world = world(&spec);
+    let none = review(&spec, &world, &[]);
+    assert!(!none.passes() && find(&none, "mission").note == "mission missing");
+    assert!(!review(&spec, &world, &[(0, &mission), (7, &mission)]).passes());
+    assert!(!review(&spec, &world, &[(0, &mission), (0, &mission)]).passes());
+    let empty = VehicleMission {
+        items: Vec::new(),
+        ..mission
+    };
+    assert!(!review(&spec, &world, &[(0, &empty)]).passes());
+}
+
+#[test]
+fn ardupilot_altitudes_are_judged_in_whole_centimetres() {
+    let (mut spec, mut mission) = one();
+    spec.area.min_agl = Agl(80.0);
+    for item in &mut mission.items {
+        if item.z > 0.0 {
+            item.z = 480.009;
+        }
+    }
+    assert!(judge(&spec, &[&mission]).passes());
+    for item in &mut mission.items {
+        if item.z > 0.0 {
+            // Kept as 479.99: measured on the autopilot, 80.2 reads back as 80.19.
+            item.z = 479.998;
+        }
+    }
+    let review = judge(&spec, &[&mission]);
+    let value = only_failure(&review, "terrain clearance").value;
+    assert!((value - 79.99).abs() < 1e-6, "{value}");
+}
+
+#[test]
+fn a_mission_of_another_vehicle_is_noticed() {
+    let south = |lon| place(36.28, lon);
+    let alpha = copter("alpha", 1, west(), east());
+    let beta = copter("beta", 2, south(-84.30), south(-84.20));
+    let spec = empty_spec(vec![alpha.clone()]);
+    let other = level(&beta, GROUND_M + 80.0, &[south(-84.30), south(-84.20)]);
+    let review = judge(&spec, &[&other]);
+    for what in ["home position", "start", "goal", "finish"] {
+        let margin = find(&review, what);
+        assert!(!margin.ok && margin.value > 2000.0, "{margin:?}");
+    }
+}
+
+#[test]
+fn climbs_descents_and_turns_are_held_against_their_limits() {
+    let (mut spec, _) = one();
+    let vehicle = spec.vehicles[0].clone();
+    let high = |lat: f64, lon: f64, amsl_m: f64| waypoint(place(lat, lon), amsl_m);
+    let fly = |inner: Vec<Item>| {
+        let mut items = vec![takeoff(west(), 480.0), speed(15.0)];
+        items.extend(inner);
+        items.extend([waypoint(east(), 480.0), land(east())]);
+        mission(&vehicle, GROUND_M, items)
+    };
+    // 200 m up over 899 m: 12.5 degrees, 3.3 m/s.
+    let steep = fly(vec![high(36.30, -84.29, 680.0), high(36.30, -84.25, 680.0)]);
+    let review = judge(&spec, &[&steep]);
+    assert!(review.passes(), "{:#?}", failures(&review));
+    assert!((find(&review, "climb angle").value - 12.55).abs() < 0.05);
+    assert!((find(&review, "climb speed").value - 3.33).abs() < 0.02);
+    spec.vehicles[0].max_climb_rad = Some(12_f64.to_radians());
+    let margin = only_failure(&judge(&spec, &[&steep]), "climb angle").clone();
+    assert_eq!(margin.at.expect("a place").item, 3);
+    spec.vehicles[0].max_climb_rad = None;
+    spec.vehicles[0].climb_mps = 3.0;
+    assert_eq!(
+        only_failure(&judge(&spec, &[&steep]), "climb speed")
+            .at
+            .expect("a place")
+            .item,
+        3
+    );
+    // A zigzag of 60 m legs with right angles: the turn radius is 90 m.
+    let zigzag = fly(vec![
+        high(36.3005, -84.2900, 480.0),
+        high(36.3005, -84.2893, 480.0),
+        high(36.3000, -84.2893, 480.0),
+    ]);
+    let margin = only_failure(&judge(&spec, &[&zigzag]), "turn fit").clone();
+    assert!(margin.value < -50.0, "{margin:?}");
+}
+
+#[test]
+fn zones_count_below_their_ceiling_only() {
+    let (mut spec, mission) = one();
+    let zone = |below| Zone {
+        id: "town".to_owned(),
+        polygon: vec![
+            place(36.29, -84.28),
+            place(36.29, -84.27),
+            place(36.31, -84.27),
+            place(36.31, -84.28),
+        ],
+        below,
+    };
+    for (below, ok) in [
+        (None, false),
+        (Some(Amsl(481.0)), false),
+        (Some(Amsl(479.0)), true),
+    ] {
+        spec.no_fly = vec![zone(below)];
+        let review = judge(&spec, &[&mission]);
+        assert_eq!(review.passes(), ok, "{below:?}: {:#?}", failures(&review));
+        if !ok {
+            let margin = only_failure(&review, "zone town");
+            // Half of the width of a hundredth of a degree: 449 m.
+            assert!((margin.value + 449.0).abs() < 2.0, "{margin:?}");
+            assert_eq!(margin.at.expect("a place").item, 3);
+        }
+    }
+}
+
+#[test]
+fn leaving_the_area_or_the_fence_fails() {
+    let (mut spec, mut mission) = one();
+    let corner = |lat, lon| Item {
+        params: [4.0, 0.0, 0.0, 0.0],
+        ..at(
+            command::FENCE_POLYGON_INCLUSION,
+            frame::GLOBAL,
+            place(lat, lon),
+            0.0,
+            4.0,
+        )
+    };
+    mission.fence = vec![
+        corner(36.29, -84.31),
+        corner(36.29, -84.19),
+        corner(36.31, -84.19),
+        corner(36.31, -84.31),
+        at(
+            command::FENCE_CIRCLE_EXCLUSION,
+            frame::GLOBAL,
+            place(36.308, -84.25),
+            0.0,
+            500.0,
+        ),
+    ];
+    let review = judge(&spec, &[&mission]);
+    assert!(review.passes(), "{:#?}", failures(&review));
+    let kept = find(&review, "fence").value;
+    assert!((kept - (887.7 - 500.0)).abs() < 1.0, "{kept}");
+    mission.fence[4].params[0] = 900.0;
+    only_failure(&judge(&spec, &[&mission]), "fence");
+    mission.fence.pop();
+    mission.fence.pop();
+    assert!(
+        !find(&judge(&spec, &[&mission]), "fence").ok,
+        "three of four corners"
+    );
+    mission.fence.clear();
+    spec.area.north_east.lat_deg = 36.2999;
+    let margin = only_failure(&judge(&spec, &[&mission]), "area").clone();
+    assert!((margin.value + 11.1).abs() < 0.5, "{margin:?}");
+}
+
+#[test]
+fn an_ardupilot_mission_without_a_speed_item_cannot_be_timed() {
+    let (spec, mut mission) = one();
+    mission.items.remove(1);
+    let margin = only_failure(&judge(&spec, &[&mission]), "speed").clone();
+    assert!(
+        margin.value.is_nan() && margin.note.contains("WPNAV_SPEED"),
+        "{margin:?}"
+    );
+    mission.items.insert(1, speed(10.0));
+    let margin = only_failure(&judge(&spec, &[&mission]), "speed").clone();
+    assert!((margin.value - 5.0).abs() < 1e-6);
+}
