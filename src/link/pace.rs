@@ -1,0 +1,48 @@
+//! How long to wait for an answer, learnt from the answers.
+
+/// Least wait before an item message is repeated, milliseconds (mission service guide: 250 ms).
+const LEAST_MS: u64 = 250;
+/// Longest wait before an item message is repeated, milliseconds.
+const MOST_MS: u64 = 2000;
+
+/// The time from a message to its answer, and the wait that follows from it.
+///
+/// A fixed 250 ms would repeat every item on a slow radio, and the repeats would
+/// make it slower still. The estimate falls to a shorter time at once and rises to
+/// a longer one slowly, so that losses, which look like slowness, hardly move it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Pace {
+    turnaround_ms: Option<u64>,
+}
+
+impl Pace {
+    /// The first answer came so long after the first message.
+    pub(super) fn answered(&mut self, after_ms: u64) {
+        self.turnaround_ms = Some(match self.turnaround_ms {
+            Some(before) => after_ms.min(before + before / 8 + 1),
+            None => after_ms,
+        });
+    }
+
+    /// The wait before the next repetition, milliseconds.
+    pub(super) fn wait_ms(self) -> u64 {
+        (2 * self.turnaround_ms.unwrap_or(0)).clamp(LEAST_MS, MOST_MS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Pace;
+
+    #[test]
+    fn a_slow_link_is_given_time_and_losses_are_not_taken_for_slowness() {
+        let mut slow = Pace::default();
+        (0..5).for_each(|_| slow.answered(600));
+        assert_eq!(slow.wait_ms(), 1200);
+        let mut lossy = Pace::default();
+        for after_ms in [20, 270, 20, 520, 270, 20] {
+            lossy.answered(after_ms);
+        }
+        assert_eq!(lossy.wait_ms(), 250);
+    }
+}

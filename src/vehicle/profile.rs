@@ -1,0 +1,82 @@
+//! Which autopilot a simulated vehicle plays.
+
+use crate::link::{AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_PX4, List};
+use crate::spec::Autopilot;
+
+/// The autopilot that a simulated vehicle plays. What each does was measured on
+/// ArduCopter 4.6.3, PX4 1.18 (both software in the loop) and MAVSDK 4.1.0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// ArduCopter.
+    ArduPilot,
+    /// PX4 on a quadrotor.
+    Px4,
+    /// An autopilot that does not say which it is, as MAVSDK's mission server.
+    Generic,
+}
+
+impl From<Autopilot> for Profile {
+    fn from(autopilot: Autopilot) -> Self {
+        match autopilot {
+            Autopilot::ArduPilot => Self::ArduPilot,
+            Autopilot::Px4 => Self::Px4,
+        }
+    }
+}
+
+impl Profile {
+    /// `MAV_AUTOPILOT` of its heartbeat.
+    #[must_use]
+    pub fn autopilot(self) -> u8 {
+        match self {
+            Self::ArduPilot => AUTOPILOT_ARDUPILOT,
+            Self::Px4 => AUTOPILOT_PX4,
+            Self::Generic => AUTOPILOT_GENERIC,
+        }
+    }
+
+    /// `MAV_TYPE` of its heartbeat.
+    pub(super) fn kind(self) -> u8 {
+        match self {
+            Self::ArduPilot | Self::Px4 => 2,
+            Self::Generic => 0,
+        }
+    }
+
+    /// By which rules it stores items; none means bit by bit.
+    pub(super) fn keeps(self) -> Option<Autopilot> {
+        match self {
+            Self::ArduPilot => Some(Autopilot::ArduPilot),
+            Self::Px4 => Some(Autopilot::Px4),
+            Self::Generic => None,
+        }
+    }
+
+    /// Between two requests for the same item, milliseconds.
+    pub(super) fn repeat_ms(self) -> u64 {
+        match self {
+            Self::ArduPilot => 1000,
+            Self::Px4 => 270,
+            Self::Generic => 500,
+        }
+    }
+
+    /// Without the item until the transfer is given up, milliseconds.
+    pub(super) fn give_up_ms(self) -> u64 {
+        match self {
+            Self::ArduPilot => 8000,
+            Self::Px4 => 5000,
+            Self::Generic => 2500,
+        }
+    }
+
+    /// Most items in a list, home included where there is one.
+    pub(super) fn capacity(self, list: List) -> usize {
+        match (self, list) {
+            (Self::ArduPilot, List::Mission) => 650,
+            (Self::ArduPilot, List::Fence) => 70,
+            (Self::ArduPilot, List::Rally) => 46,
+            (Self::Px4 | Self::Generic, _) => 10_000,
+        }
+    }
+}

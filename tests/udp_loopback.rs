@@ -1,0 +1,239 @@
+//! Transfers over real UDP on loopback, to simulated vehicles.
+
+use std::net::{SocketAddr, UdpSocket};
+
+use sortie::link::{Failure, Job, List, Refusal, TransferReport, Verdict, upload_fleet};
+use sortie::mission::{Home, Item, VehicleMission, command, frame};
+use sortie::spec::{Airframe, Autopilot, Link};
+use sortie::vehicle::{Profile, Running, Simulated, spawn};
+
+const HOME: Home = Home {
+    x: 363_000_000,
+    y: -842_500_000,
+    amsl_m: 400.5,
+};
+
+fn waypoint(n: i32) -> Item {
+    Item {
+        command: command::NAV_WAYPOINT,
+        frame: frame::GLOBAL,
+        autocontinue: true,
+        params: [0.0; 4],
+        x: HOME.x + 1000 * n,
+        y: HOME.y - 777 * n,
+        z: 480.25,
+    }
+}
+
+fn corner(n: i32) -> Item {
+    Item {
+        command: command::FENCE_POLYGON_INCLUSION,
+        params: [3.0, 0.0, 0.0, 0.0],
+        z: 0.0,
+        ..waypoint(n)
+    }
+}
+
+fn mission(autopilot: Autopilot, items: i32) -> VehicleMission {
+    VehicleMission {
+        autopilot,
+        airframe: Airframe::Copter,
+        home: HOME,
+        items: (1..=items).map(waypoint).collect(),
+        fence: [10, 500, -300].map(corner).to_vec(),
+        rally: vec![Item {
+            command: command::RALLY_POINT,
+            frame: frame::GLOBAL_RELATIVE_ALT,
+            z: 80.0,
+            ..waypoint(3)
+        }],
+        params: Vec::new(),
+    }
+}
+
+fn start(profile: Profile, sysid: u8) -> Running {
+    spawn(&Simulated::on_loopback(profile, sysid, Some(HOME))).expect("a free port")
+}
+
+fn to(address: SocketAddr) -> Link {
+    Link::UdpOut(address.to_string())
+}
+
+fn upload(sysid: u8, link: &Link, mission: &VehicleMission, force: bool) -> TransferReport {
+    let job = Job {
+        vehicle: "alpha",
+        sysid,
+        link,
+        mission,
+        force,
+    };
+    upload_fleet(&[job], &|_, _| {}).remove(0)
+}
+
+#[test]
+fn three_vehicles_of_all_profiles_are_loaded_at_once_and_read_back() {
+    let profiles = [Profile::ArduPilot, Profile::Px4, Profile::Generic];
+    let vehicles: Vec<Running> = (1..).zip(profiles).map(|(id, p)| start(p, id)).collect();
+    let missions = [Autopilot::ArduPilot, Autopilot::Px4, Autopilot::Px4].map(|a| mission(a, 40));
+    let links: Vec<Link> = vehicles.iter().map(|v| to(v.address())).collect();
+    let names = ["alpha", "bravo", "charlie"];
+    let jobs: Vec<Job<'_>> = (0..3)
+        .map(|n| Job {
+            vehicle: names[n],
+            sysid: u8::try_from(n).expect("small") + 1,
+            link: &links[n],
+            mission: &missions[n],
+            force: false,
+        })
+        .collect();
+    let shown = std::sync::atomic::AtomicUsize::new(0);
+    let reports = upload_fleet(&jobs, &|_, _| {
+        shown.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    });
+    for ((report, vehicle), mission) in reports.iter().zip(&vehicles).zip(&missions) {
+        assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+        assert_eq!((report.items, report.fence, report.rally), (40, 3, 1));
+        assert_eq!((report.hash.len(), report.attempts), (64, 3));
+        assert_eq!(vehicle.items(List::Mission).len(), mission.items.len());
+        assert_eq!(vehicle.items(List::Fence).len(), 3);
+        assert!(report.seconds < 5.0, "{report:?}");
+    }
+    assert_eq!(reports[2].autopilot, "generic autopilot vehicle");
+    assert_eq!(vehicles[2].items(List::Mission), missions[2].items);
+    assert!(shown.into_inner() > 9);
+}
+
+#[test]
+fn vehicles_behind_one_port_are_told_apart_by_system_id() {
+    let port = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let ground = port.local_addr().expect("bound");
+    drop(port);
+    let vehicles: Vec<Running> = (1..=3)
+        .map(|sysid| {
+            spawn(&Simulated {
+                speak_to: Some(ground),
+                ..Simulated::on_loopback(Profile::ArduPilot, sysid, Some(HOME))
+            })
+            .expect("a free port")
+        })
+        .collect();
+    let link = Link::UdpIn(ground.to_string());
+    let missions = [5, 6, 7].map(|items| mission(Autopilot::ArduPilot, items));
+    let jobs: Vec<Job<'_>> = (1..=3_u8)
+        .zip(&missions)
+        .map(|(sysid, mission)| Job {
+            vehicle: "one of three",
+            sysid,
+            link: &link,
+            mission,
+            force: false,
+        })
+        .collect();
+    let reports = upload_fleet(&jobs, &|_, _| {});
+    for (n, (report, vehicle)) in reports.iter().zip(&vehicles).enumerate() {
+        assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+        assert_eq!(vehicle.items(List::Mission), missions[n].items);
+    }
+}
+
+#[test]
+fn an_old_fence_does_not_stay_silently() {
+    for profile in [Profile::ArduPilot, Profile::Px4] {
+        let vehicle = start(profile, 1);
+        let autopilot = match profile {
+            Profile::Px4 => Autopilot::Px4,
+            _ => Autopilot::ArduPilot,
+        };
+        let fenced = mission(autopilot, 5);
+        let link = to(vehicle.address());
+        assert!(upload(1, &link, &fenced, false).is_verified());
+        let free = VehicleMission {
+            fence: Vec::new(),
+            rally: Vec::new(),
+            ..fenced
+        };
+        assert!(upload(1, &link, &free, false).is_verified());
+        assert_eq!(vehicle.items(List::Fence), []);
+        assert_eq!(vehicle.items(List::Rally), []);
+        assert_eq!(vehicle.items(List::Mission).len(), 5);
+    }
+}
+
+#[test]
+fn an_armed_vehicle_is_refused_unless_forced() {
+    let vehicle = start(Profile::ArduPilot, 1);
+    vehicle.set_armed(true);
+    let mission = mission(Autopilot::ArduPilot, 5);
+    let report = upload(1, &to(vehicle.address()), &mission, false);
+    assert_eq!(report.verdict, Verdict::Refused(Refusal::Armed));
+    assert_eq!(vehicle.items(List::Mission), []);
+    assert!(upload(1, &to(vehicle.address()), &mission, true).is_verified());
+}
+
+#[test]
+fn another_autopilot_than_in_the_spec_is_refused() {
+    let vehicle = start(Profile::Px4, 1);
+    let mission = mission(Autopilot::ArduPilot, 5);
+    let report = upload(1, &to(vehicle.address()), &mission, false);
+    let Verdict::Refused(refusal) = report.verdict else {
+        panic!("{report:?}");
+    };
+    assert_eq!(
+        refusal.to_string(),
+        "the spec says ArduPilot, the vehicle says PX4"
+    );
+    assert_eq!(vehicle.items(List::Fence), []);
+}
+
+#[test]
+fn another_system_id_is_refused_and_nobody_at_all_is_a_failure_within_the_deadline() {
+    let vehicle = start(Profile::ArduPilot, 7);
+    let mission = mission(Autopilot::ArduPilot, 5);
+    let silent = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let links = [
+        to(vehicle.address()),
+        to(silent.local_addr().expect("bound")),
+    ];
+    let jobs = [0, 1].map(|n| Job {
+        vehicle: ["alpha", "bravo"][n],
+        sysid: u8::try_from(n).expect("small") + 1,
+        link: &links[n],
+        mission: &mission,
+        force: false,
+    });
+    let reports = upload_fleet(&jobs, &|_, _| {});
+    let refused = Refusal::System {
+        expected: 1,
+        found: 7,
+    };
+    assert_eq!(reports[0].verdict, Verdict::Refused(refused));
+    let Verdict::Failed(failure) = &reports[1].verdict else {
+        panic!("{:?}", reports[1]);
+    };
+    assert_eq!(
+        failure.to_string(),
+        "no heartbeat from system 2 within 10 s"
+    );
+    assert!(reports.iter().all(|report| report.seconds < 12.0));
+    assert_eq!(vehicle.items(List::Mission), []);
+}
+
+#[test]
+fn a_link_that_cannot_be_opened_says_why() {
+    let mission = mission(Autopilot::ArduPilot, 1);
+    for link in [
+        Link::UdpOut("nowhere.invalid:1".to_owned()),
+        Link::Tcp("127.0.0.1:1".to_owned()),
+        Link::Sim,
+        Link::Serial {
+            device: "/dev/ttyS0".to_owned(),
+            baud: 57600,
+        },
+    ] {
+        let report = upload(1, &link, &mission, false);
+        assert!(
+            matches!(&report.verdict, Verdict::Failed(Failure::Link { error, .. }) if !error.is_empty()),
+            "{report:?}"
+        );
+    }
+}
