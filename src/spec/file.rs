@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::check;
 use super::places::Places;
-use super::raw::RawSpec;
+use super::raw;
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
@@ -72,7 +72,7 @@ impl SpecFile {
         // Editors on Windows begin a file with a byte order mark.
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let places = Places::read(yaml).map_err(one)?;
-        let raw: RawSpec = serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
+        let raw: raw::Spec = serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
         let spec = check::check(&raw, &places).map_err(|issues| SpecError {
             file: file(),
             issues,
@@ -159,7 +159,7 @@ fn structural(error: &serde_yaml::Error) -> Issue {
 /// The JSON Schema (draft 2020-12) of a mission spec, for editors.
 #[must_use]
 pub fn json_schema() -> String {
-    let schema = schemars::schema_for!(RawSpec);
+    let schema = schemars::schema_for!(raw::Spec);
     let mut text = format!("{:#}", schema.as_value());
     text.push('\n');
     text

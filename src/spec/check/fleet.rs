@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::super::raw::{
-    RawAirframe, RawAltitude, RawAutopilot, RawEndPoint, RawFinish, RawSpec, RawVehicle,
-};
+use super::super::raw;
 use super::super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle};
 use super::Checker;
 use super::map::Map;
@@ -40,7 +38,7 @@ impl Checker<'_> {
     /// Checks the fleet; vehicles that are broken are left out, and then there is an issue.
     pub(super) fn fleet(
         &mut self,
-        raw: &RawSpec,
+        raw: &raw::Spec,
         map: Option<&Map>,
         separation: Separation,
     ) -> Vec<Vehicle> {
@@ -55,8 +53,8 @@ impl Checker<'_> {
         let mut vehicles = Vec::new();
         for (index, vehicle) in raw.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}]");
-            let terrain_altitude = matches!(raw.mission.altitude, RawAltitude::Terrain);
-            if terrain_altitude && matches!(vehicle.autopilot, RawAutopilot::Px4) {
+            let terrain_altitude = matches!(raw.mission.altitude, raw::AltitudeReference::Terrain);
+            if terrain_altitude && matches!(vehicle.autopilot, raw::Autopilot::Px4) {
                 let found = format!(
                     "terrain, and vehicle `{}` is px4",
                     vehicle.id.escape_debug()
@@ -71,11 +69,11 @@ impl Checker<'_> {
         vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()
     }
 
-    fn system_ids(&mut self, raw: &RawSpec) {
+    fn system_ids(&mut self, raw: &raw::Spec) {
         let mut seen: BTreeMap<i64, &str> = BTreeMap::new();
         for (index, vehicle) in raw.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}].sysid");
-            let px4 = matches!(vehicle.autopilot, RawAutopilot::Px4);
+            let px4 = matches!(vehicle.autopilot, raw::Autopilot::Px4);
             if !(1..=255).contains(&vehicle.sysid) {
                 self.report(&path, vehicle.sysid, "1 to 255");
             } else if px4 && vehicle.sysid > PX4_LAST_SYSTEM_ID {
@@ -93,7 +91,7 @@ impl Checker<'_> {
         }
     }
 
-    fn vehicle(&mut self, path: &str, raw: &RawVehicle, map: Option<&Map>) -> Option<Vehicle> {
+    fn vehicle(&mut self, path: &str, raw: &raw::Vehicle, map: Option<&Map>) -> Option<Vehicle> {
         let at = |key: &str| format!("{path}.{key}");
         self.file_name(&at("id"), &raw.id);
         self.airframe(path, raw);
@@ -115,8 +113,8 @@ impl Checker<'_> {
             clear("home", home.filter(|_| raw.home.is_some()));
         }
         let (autopilot, defaults) = match raw.autopilot {
-            RawAutopilot::ArduPilot => (Autopilot::ArduPilot, ARDUCOPTER),
-            RawAutopilot::Px4 => (Autopilot::Px4, PX4_COPTER),
+            raw::Autopilot::ArduPilot => (Autopilot::ArduPilot, ARDUCOPTER),
+            raw::Autopilot::Px4 => (Autopilot::Px4, PX4_COPTER),
         };
         let load_factor = raw.max_load_factor.unwrap_or(DEFAULT_LOAD_FACTOR);
         let climb_mps = raw.climb_mps.unwrap_or(defaults.climb_mps);
@@ -145,17 +143,17 @@ impl Checker<'_> {
             start: start?,
             goal: goal?,
             finish: match raw.finish {
-                RawFinish::Land => Finish::Land,
-                RawFinish::Loiter => Finish::Loiter,
-                RawFinish::Return => Finish::Return,
+                raw::Finish::Land => Finish::Land,
+                raw::Finish::Loiter => Finish::Loiter,
+                raw::Finish::Return => Finish::Return,
             },
         })
     }
 
     /// Only copters for now, and nothing that only a plane has.
-    fn airframe(&mut self, path: &str, raw: &RawVehicle) {
+    fn airframe(&mut self, path: &str, raw: &raw::Vehicle) {
         let name = match raw.airframe {
-            RawAirframe::Copter => {
+            raw::Airframe::Copter => {
                 let keys = [
                     ("takeoff_heading_deg", raw.takeoff_heading_deg.is_some()),
                     ("landing", raw.landing.is_some()),
@@ -170,14 +168,14 @@ impl Checker<'_> {
                 }
                 return;
             }
-            RawAirframe::Plane => "plane",
-            RawAirframe::Vtol => "vtol",
+            raw::Airframe::Plane => "plane",
+            raw::Airframe::Vtol => "vtol",
         };
         let found = format!("{name}: planes and vtol come with a later version");
         self.report(&format!("{path}.airframe"), found, "copter");
     }
 
-    fn end_point(&mut self, path: &str, raw: RawEndPoint) -> Option<EndPoint> {
+    fn end_point(&mut self, path: &str, raw: raw::EndPoint) -> Option<EndPoint> {
         let agl = self.optional(&format!("{path}.agl_m"), raw.agl_m, 0.0..=20_000.0);
         let amsl = self.optional(&format!("{path}.amsl_m"), raw.amsl_m, -500.0..=20_000.0);
         let place = self.place(path, raw.lat, raw.lon);

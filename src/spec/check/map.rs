@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use geo::algorithm::line_intersection::{LineIntersection, line_intersection};
 use geo::{Area as _, Contains, Intersects, Line, Point, Polygon};
 
-use super::super::raw::{RawArea, RawSpec, RawTerrain, RawThreat, RawZone};
+use super::super::raw;
 use super::super::{Area, Hill, Rally, TerrainSource, Threat, Zone};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
@@ -36,7 +36,7 @@ pub(super) struct Map {
 
 impl Checker<'_> {
     /// Checks everything that does not move; `None` without a usable area.
-    pub(super) fn map(&mut self, raw: &RawSpec) -> Option<Map> {
+    pub(super) fn map(&mut self, raw: &raw::Spec) -> Option<Map> {
         let terrain = self.terrain(&raw.terrain);
         let origin = raw.origin.map(|at| self.place("origin", at.lat, at.lon));
         let area = self.area(&raw.area);
@@ -100,7 +100,7 @@ impl Checker<'_> {
         Some(map)
     }
 
-    fn area(&mut self, raw: &RawArea) -> Option<Area> {
+    fn area(&mut self, raw: &raw::Area) -> Option<Area> {
         let south_west = self.place("area.south_west", raw.south_west.lat, raw.south_west.lon);
         let north_east = self.place("area.north_east", raw.north_east.lat, raw.north_east.lon);
         let min_agl = self.number("area.min_agl_m", raw.min_agl_m, 0.0..=10_000.0);
@@ -126,7 +126,7 @@ impl Checker<'_> {
     }
 
     /// Everything is near the origin; `None` if the area is not.
-    fn near(&mut self, raw: &RawSpec, area: &Area, origin: LatLon) -> Option<()> {
+    fn near(&mut self, raw: &raw::Spec, area: &Area, origin: LatLon) -> Option<()> {
         let furthest_m = area
             .outline()
             .into_iter()
@@ -172,7 +172,7 @@ impl Checker<'_> {
         Some(())
     }
 
-    fn terrain(&mut self, raw: &RawTerrain) -> Option<TerrainSource> {
+    fn terrain(&mut self, raw: &raw::Terrain) -> Option<TerrainSource> {
         match (&raw.file, &raw.flat, &raw.analytic) {
             (Some(file), None, None) => self.terrain_file(file).map(TerrainSource::File),
             (None, Some(flat), None) => {
@@ -250,7 +250,7 @@ impl Checker<'_> {
         Some(path.to_owned())
     }
 
-    fn threat(&mut self, path: &str, raw: &RawThreat) -> Option<Threat> {
+    fn threat(&mut self, path: &str, raw: &raw::Threat) -> Option<Threat> {
         self.label(&format!("{path}.id"), &raw.id);
         let radius_m = self.number(&format!("{path}.radius_m"), raw.radius_m, RADIUS_M);
         let place = self.place(path, raw.lat, raw.lon)?;
@@ -266,7 +266,7 @@ impl Checker<'_> {
     }
 
     /// The corners of a zone, without a last one that only repeats the first.
-    fn corners(&mut self, path: &str, raw: &RawZone) -> Option<Vec<LatLon>> {
+    fn corners(&mut self, path: &str, raw: &raw::Zone) -> Option<Vec<LatLon>> {
         self.label(&format!("{path}.id"), &raw.id);
         self.optional(
             &format!("{path}.below_amsl_m"),

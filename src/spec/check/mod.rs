@@ -9,9 +9,7 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use super::places::Places;
-use super::raw::{
-    RawAlgorithm, RawAltitude, RawMission, RawObjective, RawOnLinkLoss, RawPlanner, RawSpec,
-};
+use super::raw;
 use super::{
     Algorithm, AltitudeReference, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss,
     Planner, Separation, Weights, Wind,
@@ -22,7 +20,7 @@ use crate::geodesy::LatLon;
 ///
 /// # Errors
 /// Every problem, in file order.
-pub(super) fn check(raw: &RawSpec, places: &Places) -> Result<MissionSpec, Vec<Issue>> {
+pub(super) fn check(raw: &raw::Spec, places: &Places) -> Result<MissionSpec, Vec<Issue>> {
     let mut checker = Checker {
         places,
         issues: Vec::new(),
@@ -87,7 +85,7 @@ impl Checker<'_> {
         LatLon::new(lat_deg, lon_deg).ok()
     }
 
-    fn spec(&mut self, raw: &RawSpec) -> Option<MissionSpec> {
+    fn spec(&mut self, raw: &raw::Spec) -> Option<MissionSpec> {
         if raw.sortie != 1 {
             self.report("sortie", format!("version {}", raw.sortie), "version 1");
         }
@@ -118,14 +116,14 @@ impl Checker<'_> {
             mission,
             wind,
             on_link_loss: match raw.on_link_loss {
-                RawOnLinkLoss::Continue => OnLinkLoss::Continue,
-                RawOnLinkLoss::HoldAll => OnLinkLoss::HoldAll,
-                RawOnLinkLoss::LandAll => OnLinkLoss::LandAll,
+                raw::OnLinkLoss::Continue => OnLinkLoss::Continue,
+                raw::OnLinkLoss::HoldAll => OnLinkLoss::HoldAll,
+                raw::OnLinkLoss::LandAll => OnLinkLoss::LandAll,
             },
         })
     }
 
-    fn separation(&mut self, raw: &RawSpec) -> Separation {
+    fn separation(&mut self, raw: &raw::Spec) -> Separation {
         let raw = raw.separation;
         Separation {
             distance_m: self.number("separation.distance_m", raw.distance_m, 1.0..=50_000.0),
@@ -134,7 +132,7 @@ impl Checker<'_> {
         }
     }
 
-    fn planner(&mut self, raw: &RawPlanner) -> Planner {
+    fn planner(&mut self, raw: &raw::Planner) -> Planner {
         let mut weight = |name: &str, value: f64| {
             self.number(&format!("planner.weights.{name}"), value, 0.0..=1e6)
         };
@@ -149,13 +147,13 @@ impl Checker<'_> {
         };
         Planner {
             algorithm: match raw.algorithm {
-                RawAlgorithm::Msfoa => Algorithm::Msfoa,
-                RawAlgorithm::MsfoaLiteral => Algorithm::MsfoaLiteral,
-                RawAlgorithm::MsfoaDwindle => Algorithm::MsfoaDwindle,
+                raw::Algorithm::Msfoa => Algorithm::Msfoa,
+                raw::Algorithm::MsfoaLiteral => Algorithm::MsfoaLiteral,
+                raw::Algorithm::MsfoaDwindle => Algorithm::MsfoaDwindle,
             },
             objective: match raw.objective {
-                RawObjective::Operational => Objective::Operational,
-                RawObjective::Paper => Objective::Paper,
+                raw::Objective::Operational => Objective::Operational,
+                raw::Objective::Paper => Objective::Paper,
             },
             seed: raw.seed,
             evaluations: self.count("planner.evaluations", raw.evaluations, 100..=100_000_000),
@@ -173,12 +171,12 @@ impl Checker<'_> {
         }
     }
 
-    fn mission(&mut self, raw: &RawMission) -> MissionOptions {
+    fn mission(&mut self, raw: &raw::MissionOptions) -> MissionOptions {
         MissionOptions {
             altitude: match raw.altitude {
-                RawAltitude::Amsl => AltitudeReference::Amsl,
-                RawAltitude::Relative => AltitudeReference::Relative,
-                RawAltitude::Terrain => AltitudeReference::Terrain,
+                raw::AltitudeReference::Amsl => AltitudeReference::Amsl,
+                raw::AltitudeReference::Relative => AltitudeReference::Relative,
+                raw::AltitudeReference::Terrain => AltitudeReference::Terrain,
             },
             tolerance_m: self.number("mission.tolerance_m", raw.tolerance_m, 0.1..=1000.0),
             max_items: self.count("mission.max_items", raw.max_items, 5..=60_000),
