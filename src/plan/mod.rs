@@ -1,5 +1,11 @@
 //! Paths for a fleet, one vehicle after the other in order of priority.
 
+mod classes;
+mod estimate;
+mod field;
+mod fit;
+mod lowest;
+
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
