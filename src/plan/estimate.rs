@@ -3,10 +3,12 @@
 //! Turns, slopes and separation are dropped, altitude is free down to the floor, and
 //! length is taken in the plane: then the best cost is the solution of the eikonal
 //! equation `|grad u| = c` at the goal, found here by first-order fast sweeping (Zhao
-//! 2005) of `u = |x - start| + psi`, which takes the singularity at the start out of the
+//! 2005) of
+//! `u = c_least |x - start| + psi`, which takes the singularity at the start out of the
 //! scheme. Grid marching errs upward, so this proves nothing: an estimate.
 
-use super::field::Field;
+use super::course::Course;
+use super::field::{Field, Grid, Reading, Relief};
 use crate::geodesy::EastNorth;
 
 /// Rounds of four sweeps; a path that bends more often is not believed.
@@ -14,16 +16,33 @@ const MAX_ROUNDS: usize = 12;
 /// Change of the solution that ends the sweeps, kilometres.
 const SETTLED_KM: f64 = 1e-6;
 
+/// The estimate for a course: the solution on a grid, extrapolated downward by what
+/// halving its cells has changed, and never below the proven bound.
+pub(super) fn estimate(course: &Course<'_>, budget: usize) -> f64 {
+    let (start, goal) = (course.leg.from.at, course.leg.to.at);
+    let prices = course.prices();
+    let solve = |nodes: usize, near: bool| {
+        let part = if near { course.near_box() } else { course.frame() };
+        let grid = Grid::over(part.south_west, part.north_east, nodes);
+        let relief = Relief::new(course.world, grid, &prices, Reading::Relaxed);
+        arrival(&relief.field(f64::INFINITY, &prices), start, goal)
+    };
+    let nodes = if budget >= 20_000 { 101 } else { 51 };
+    let near = solve(nodes, true) <= 2.0 * course.bound().max(1e-3);
+    let (coarse, fine) = rayon::join(|| solve(nodes, near), || solve(2 * nodes - 1, near));
+    (fine - 2.0 * (coarse - fine).max(0.0)).max(course.bound())
+}
+
 /// Cost of the cheapest way through a field, kilometres times cost.
 pub(super) fn arrival(field: &Field, start: EastNorth, goal: EastNorth) -> f64 {
     let grid = &field.grid;
-    let cell_km = grid.spacing_m / 1000.0;
+    let least = field.cost.iter().copied().fold(f64::INFINITY, f64::min);
     let mut excess = vec![f64::INFINITY; grid.len()];
     // Around the start the way is straight, and its cost that of the node it leads to.
     for (node, excess) in excess.iter_mut().enumerate() {
         let distance_m = grid.at(node).distance_m(start);
         if distance_m <= 1.5 * grid.spacing_m {
-            *excess = distance_m / 1000.0 * (field.cost[node] - 1.0).max(0.0);
+            *excess = distance_m / 1000.0 * (field.cost[node] - least);
         }
     }
     let fixed: Vec<bool> = excess.iter().map(|e| e.is_finite()).collect();
@@ -44,7 +63,7 @@ pub(super) fn arrival(field: &Field, start: EastNorth, goal: EastNorth) -> f64 {
                     if fixed[node] {
                         continue;
                     }
-                    let value = upwind(field, &excess, node, start, cell_km);
+                    let value = upwind(field, &excess, node, start, least);
                     if value < excess[node] {
                         change = change.max((excess[node] - value).min(1e9));
                         excess[node] = value;
@@ -57,12 +76,13 @@ pub(super) fn arrival(field: &Field, start: EastNorth, goal: EastNorth) -> f64 {
         }
     }
     let at_goal = bilinear(field, &excess, goal);
-    start.distance_m(goal) / 1000.0 + at_goal
+    least * start.distance_m(goal) / 1000.0 + at_goal
 }
 
 /// The excess over the straight distance at a node, from its neighbours.
-fn upwind(field: &Field, excess: &[f64], node: usize, start: EastNorth, cell_km: f64) -> f64 {
+fn upwind(field: &Field, excess: &[f64], node: usize, start: EastNorth, least: f64) -> f64 {
     let grid = &field.grid;
+    let cell_km = grid.spacing_m / 1000.0;
     let at = grid.at(node);
     let distance_m = at.distance_m(start).max(1e-9);
     let slope = (
@@ -73,7 +93,7 @@ fn upwind(field: &Field, excess: &[f64], node: usize, start: EastNorth, cell_km:
     // distance towards growing east or north.
     let axis = |slope: f64, back: Option<usize>, ahead: Option<usize>| {
         let from = |other: Option<usize>, slope: f64| {
-            other.map_or(f64::INFINITY, |other| excess[other] - cell_km * slope)
+            other.map_or(f64::INFINITY, |other| excess[other] - least * cell_km * slope)
         };
         from(back, slope).min(from(ahead, -slope))
     };
@@ -103,7 +123,6 @@ fn bilinear(field: &Field, values: &[f64], at: EastNorth) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::field::Grid;
     use super::*;
 
     fn around(walls: &[(f64, f64, f64)], nodes: usize) -> f64 {

@@ -1,6 +1,8 @@
 //! What flying costs per kilometre, on a grid: the relaxed problem that route classes
 //! and estimates come from.
 
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use geo::{Contains, Point, Polygon};
 
 use crate::geodesy::EastNorth;
@@ -25,6 +27,8 @@ pub(super) struct Field {
 /// How the objective prices the plane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prices {
+    /// Cost per kilometre of path.
+    pub length: f64,
     /// Cost per kilometre of path and kilometre of altitude.
     pub altitude: f64,
     /// Whether that altitude counts from the floor (minimum height over ground) or
@@ -115,9 +119,18 @@ pub(super) struct Relief {
     danger: Vec<f64>,
 }
 
+/// How threats meet the nodes of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// No disc is overlooked: small ones grow until they meet a node.
+    Wary,
+    /// No disc is overrated: a node counts as if it lay half a cell further out.
+    Relaxed,
+}
+
 impl Relief {
     /// Samples a world.
-    pub(super) fn new(world: &World, grid: Grid, prices: &Prices) -> Self {
+    pub(super) fn new(world: &World, grid: Grid, prices: &Prices, reading: Reading) -> Self {
         let mut floor_m = Vec::with_capacity(grid.len());
         let mut danger = Vec::with_capacity(grid.len());
         for node in 0..grid.len() {
@@ -127,9 +140,12 @@ impl Relief {
                 .threats
                 .iter()
                 .map(|threat| {
-                    // A disc smaller than a cell still has to meet a node.
-                    let radius_m = threat.radius_m.max(0.75 * grid.spacing_m);
-                    let share = at.distance_m(threat.center) / radius_m;
+                    let (smallest_m, further_m) = match reading {
+                        Reading::Wary => (0.75 * grid.spacing_m, 0.0),
+                        Reading::Relaxed => (0.0, FRAC_1_SQRT_2 * grid.spacing_m),
+                    };
+                    let share = (at.distance_m(threat.center) + further_m)
+                        / threat.radius_m.max(smallest_m);
                     if share < 1.0 {
                         prices.threat.0 - prices.threat.1 * share
                     } else {
@@ -137,7 +153,7 @@ impl Relief {
                     }
                 })
                 .sum();
-            let closed = floor.is_none() || !world.in_area(at);
+            let closed = floor.is_none() || (reading == Reading::Wary && !world.in_area(at));
             floor_m.push(floor.unwrap_or(f64::NAN));
             danger.push(threats + if closed { prices.closed } else { 0.0 });
         }
@@ -171,7 +187,7 @@ impl Relief {
                 } else {
                     counted_m.max(0.0)
                 };
-                1.0 + danger + prices.altitude * counted_m / 1000.0
+                prices.length + danger + prices.altitude * counted_m / 1000.0
             })
             .collect();
         Field {
