@@ -195,30 +195,41 @@ struct Tree {
     signature: Vec<u64>,
 }
 
-/// Moves to neighbours in one of 32 directions, and the nodes a move passes.
-fn moves() -> Vec<((isize, isize), Vec<(isize, isize)>)> {
-    type Passed = &'static [(isize, isize)];
-    let basic: [((isize, isize), Passed); 5] = [
+/// A step to another node: columns and rows.
+type Step = (isize, isize);
+
+/// A move in one of 32 directions.
+struct Move {
+    step: Step,
+    /// Nodes it passes beside its ends.
+    passed: Vec<Step>,
+}
+
+/// All moves: king's, knight's, and the two longer ones between them.
+fn moves() -> Vec<Move> {
+    let basic: [(Step, &[Step]); 5] = [
         ((1, 0), &[]),
         ((1, 1), &[]),
         ((2, 1), &[(1, 0), (1, 1)]),
         ((3, 1), &[(1, 0), (2, 1)]),
         ((3, 2), &[(1, 1), (2, 1)]),
     ];
-    let mut all = Vec::new();
-    for ((x, y), passed) in basic {
+    let mut all: Vec<Move> = Vec::new();
+    for (step, passed) in basic {
         for (sx, sy) in [(1, 1), (1, -1), (-1, 1), (-1, -1)] {
             for swap in [false, true] {
-                let turn = |(x, y): (isize, isize)| {
+                let turn = |(x, y): Step| {
                     if swap {
                         (sx * y, sy * x)
                     } else {
                         (sx * x, sy * y)
                     }
                 };
-                let passed: Vec<_> = passed.iter().map(|&step| turn(step)).collect();
-                if !all.iter().any(|(step, _)| *step == turn((x, y))) {
-                    all.push((turn((x, y)), passed));
+                if all.iter().all(|known| known.step != turn(step)) {
+                    all.push(Move {
+                        step: turn(step),
+                        passed: passed.iter().map(|&step| turn(step)).collect(),
+                    });
                 }
             }
         }
@@ -247,14 +258,14 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
             tree.signature[node] = tree.signature[parent]
                 .wrapping_add(obstacles.crossing(grid.at(parent), grid.at(node)));
         }
-        for (step, passed) in &moves {
-            let Some(next) = grid.step(node, *step) else {
+        for movement in &moves {
+            let Some(next) = grid.step(node, movement.step) else {
                 continue;
             };
             if settled[next] {
                 continue;
             }
-            let cost = tree.cost[node] + move_cost(field, node, next, *step, passed);
+            let cost = tree.cost[node] + move_cost(field, node, next, movement);
             if cost < tree.cost[next] {
                 tree.cost[next] = cost;
                 tree.parent[next] = node;
@@ -266,18 +277,13 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
 }
 
 /// Kilometres of a move times the mean cost of what it passes.
-fn move_cost(
-    field: &Field,
-    from: usize,
-    to: usize,
-    (columns, rows): (isize, isize),
-    passed: &[(isize, isize)],
-) -> f64 {
+fn move_cost(field: &Field, from: usize, to: usize, movement: &Move) -> f64 {
+    let (columns, rows) = movement.step;
     #[expect(clippy::cast_precision_loss, reason = "at most three cells")]
     let cells = (columns as f64).hypot(rows as f64);
     let ends = 0.5 * (field.cost[from] + field.cost[to]);
     let (mut sum, mut count) = (ends, 1.0);
-    for step in passed {
+    for step in &movement.passed {
         if let Some(node) = field.grid.step(from, *step) {
             sum += field.cost[node];
             count += 1.0;

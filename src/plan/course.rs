@@ -37,7 +37,12 @@ impl<'a> Course<'a> {
     /// Even parameters and the extra ones, in order.
     pub(super) fn parameters(&self, samples: usize) -> Vec<f64> {
         let mut parameters = uniform_parameters(samples);
-        parameters.extend(self.extra.iter().copied().filter(|u| (0.0..=1.0).contains(u)));
+        parameters.extend(
+            self.extra
+                .iter()
+                .copied()
+                .filter(|u| (0.0..=1.0).contains(u)),
+        );
         parameters.sort_by(f64::total_cmp);
         parameters.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
         parameters
@@ -107,7 +112,10 @@ impl<'a> Course<'a> {
         let (from, to) = (self.leg.from.at, self.leg.to.at);
         let swing_m = NEAR * from.distance_m(to);
         let range = |a: f64, b: f64, low: f64, high: f64| {
-            ((a.min(b) - swing_m).max(low), (a.max(b) + swing_m).min(high))
+            (
+                (a.min(b) - swing_m).max(low),
+                (a.max(b) + swing_m).min(high),
+            )
         };
         let (west, east) = range(
             from.east_m,

@@ -22,7 +22,11 @@ pub(super) fn estimate(course: &Course<'_>, budget: usize) -> f64 {
     let (start, goal) = (course.leg.from.at, course.leg.to.at);
     let prices = course.prices();
     let solve = |nodes: usize, near: bool| {
-        let part = if near { course.near_box() } else { course.frame() };
+        let part = if near {
+            course.near_box()
+        } else {
+            course.frame()
+        };
         let grid = Grid::over(part.south_west, part.north_east, nodes);
         let relief = Relief::new(course.world, grid, &prices, Reading::Relaxed);
         arrival(&relief.field(f64::INFINITY, &prices), start, goal)
@@ -93,7 +97,9 @@ fn upwind(field: &Field, excess: &[f64], node: usize, start: EastNorth, least: f
     // distance towards growing east or north.
     let axis = |slope: f64, back: Option<usize>, ahead: Option<usize>| {
         let from = |other: Option<usize>, slope: f64| {
-            other.map_or(f64::INFINITY, |other| excess[other] - least * cell_km * slope)
+            other.map_or(f64::INFINITY, |other| {
+                excess[other] - least * cell_km * slope
+            })
         };
         from(back, slope).min(from(ahead, -slope))
     };

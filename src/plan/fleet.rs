@@ -152,10 +152,13 @@ fn plan_vehicle(
             leg: Leg { from, to, start_s },
             earlier,
             margins: request.margins.get(index).copied().unwrap_or_default(),
-            extra: request.extra_parameters.get(index).map_or(&[], Vec::as_slice),
+            extra: request
+                .extra_parameters
+                .get(index)
+                .map_or(&[], Vec::as_slice),
         };
-        let budget = (spec.planner.evaluations - plan.evaluations)
-            / (legs.len() - plan.routes.len());
+        let budget =
+            (spec.planner.evaluations - plan.evaluations) / (legs.len() - plan.routes.len());
         let spent = plan.evaluations;
         let watch = |point: crate::optimize::TracePoint| {
             (request.progress)(Progress {

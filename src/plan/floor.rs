@@ -107,7 +107,8 @@ impl<'a> FloorMaker<'a> {
                 behind_m -= descent * lengths_m[k - 1];
             }
             behind_m = behind_m.max(raised[k]);
-            let reach_m = (ends_m.0 + climb * flown_m).min(ends_m.1 + descent * (whole_m - flown_m));
+            let reach_m =
+                (ends_m.0 + climb * flown_m).min(ends_m.1 + descent * (whole_m - flown_m));
             *floor = floor.max(behind_m.min(reach_m));
         }
     }

@@ -318,30 +318,12 @@ fn exchange(work: &mut Workspace, leaving: usize, entering: usize, violation: f6
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::Basis;
     use proptest::prelude::*;
 
-    /// Cubic Bernstein-like rows of a clamped uniform spline, by de Boor's recursion.
     fn rows(controls: usize, samples: usize) -> Vec<Row> {
-        let spans = controls - 3;
-        let knot = |i: usize| (i.max(3).min(controls) - 3) as f64 / spans as f64;
-        (0..samples)
-            .map(|k| {
-                let u = k as f64 / (samples - 1) as f64;
-                let span = ((u * spans as f64) as usize).min(spans - 1);
-                let mut n = [1.0, 0.0, 0.0, 0.0];
-                for degree in 1..=3 {
-                    let old = n;
-                    n = [0.0; 4];
-                    for (i, value) in old.iter().take(degree).enumerate() {
-                        let (left, right) = (knot(span + 4 + i - degree), knot(span + 4 + i));
-                        let share = (u - left) / (right - left);
-                        n[i] += value * (1.0 - share);
-                        n[i + 1] += value * share;
-                    }
-                }
-                (span, n)
-            })
-            .collect()
+        let basis = Basis::uniform(controls, samples);
+        (0..samples).map(|k| basis.row(k)).collect()
     }
 
     fn altitudes(rows: &[Row], z: &[f64]) -> Vec<f64> {

@@ -1,16 +1,13 @@
 //! One vehicle's path as something to minimise.
 
-use super::floor::{FloorMaker, Slopes};
+use super::course::Course;
+use super::floor::FloorMaker;
 use super::lowest::{LowestSpline, Row, Workspace};
-use crate::cost::{Controls, CostModel, CostTerms, Margins, Scratch};
+use crate::cost::{Controls, CostModel, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::bspline::Basis;
 use crate::optimize::Problem;
-use crate::path::VehicleLimits;
 use crate::spec::Objective;
-use crate::world::World;
-
-use super::course::Course;
 
 /// Altitude over the floor that keeps the path clear between samples, metres.
 const BETWEEN_SAMPLES_M: f64 = 3.0;
@@ -173,9 +170,9 @@ impl<'a> Sampled<'a> {
             room.weights.resize(samples, 1.0);
         } else {
             let length = |k: usize| room.lengths_m.get(k).copied().unwrap_or(0.0);
-            room.weights.extend((0..samples).map(|k| {
-                0.5 * (length(k) + if k > 0 { length(k - 1) } else { 0.0 })
-            }));
+            room.weights.extend(
+                (0..samples).map(|k| 0.5 * (length(k) + if k > 0 { length(k - 1) } else { 0.0 })),
+            );
         }
         self.lowest.solve(
             &room.floor_m,

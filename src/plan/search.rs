@@ -37,12 +37,22 @@ pub(super) fn search(
 ) -> Found {
     let (splines, evaluations) = match course.spec.planner.algorithm {
         spec::Algorithm::Msfoa => swarms(course, budget, seed, stream, watch),
-        spec::Algorithm::MsfoaLiteral => {
-            letter(course, LiteralParameters::literal(), budget, seed, stream, watch)
-        }
-        spec::Algorithm::MsfoaDwindle => {
-            letter(course, LiteralParameters::dwindle(), budget, seed, stream, watch)
-        }
+        spec::Algorithm::MsfoaLiteral => letter(
+            course,
+            LiteralParameters::literal(),
+            budget,
+            seed,
+            stream,
+            watch,
+        ),
+        spec::Algorithm::MsfoaDwindle => letter(
+            course,
+            LiteralParameters::dwindle(),
+            budget,
+            seed,
+            stream,
+            watch,
+        ),
     };
     let (spline, terms) = judge(course, splines);
     Found {
@@ -91,7 +101,14 @@ fn swarms(
         step: if planner.step.is_some() { 1.0 } else { 0.4 },
         group: 2,
     });
-    let outcome = minimise(&problem, &algorithm, &starts, budget - fitted, &mut rng, &offset);
+    let outcome = minimise(
+        &problem,
+        &algorithm,
+        &starts,
+        budget - fitted,
+        &mut rng,
+        &offset,
+    );
     let mut finalists = outcome.finalists;
     finalists.extend(evaluator.best().cloned());
     let fine = Sampled::new(course, &course.parameters(JUDGED_SAMPLES));
