@@ -1,4 +1,21 @@
-//! The objective: seven named terms of one path.
+//! The objective: seven named terms of one path, all at least 0.
+//!
+//! [`CostModel`] holds what one vehicle's search needs, laid out for speed.
+//! [`CostModel::terms`] is the plain reference, [`CostModel::total`] the fast
+//! form with the same operations in the same order, so that both agree to the bit.
+
+mod hazards;
+mod model;
+mod operational;
+mod paper;
+mod reference;
+mod relief;
+mod traffic;
+
+pub use model::{CostModel, Scratch};
+pub use paper::{PaperOptions, ThreatForm};
+
+use crate::geodesy::PlanPoint;
 
 /// The terms of the objective as they enter the total (design: they sum to it).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -37,4 +54,45 @@ impl CostTerms {
     pub fn is_clean(&self) -> bool {
         self.threat + self.terrain + self.turn + self.climb + self.collision <= 0.0
     }
+}
+
+/// How much stricter than the limits a search is, so that its samples leave
+/// room for what lies between them and for what encoding changes. A judge has none.
+///
+/// Near start and goal a margin shrinks to what these places themselves keep:
+/// a path cannot be better there than its ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Margins {
+    /// More height above ground, and below the ceiling, metres.
+    pub clearance_m: f64,
+    /// More distance from threats and zones, metres.
+    pub threat_m: f64,
+    /// More distance from earlier vehicles, horizontal and vertical, metres.
+    pub separation_m: f64,
+    /// Turn radius larger by this fraction of it.
+    pub turn_fraction: f64,
+    /// Slope limits smaller by this fraction of them.
+    pub climb_fraction: f64,
+}
+
+/// What one route joins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    /// Where the route begins.
+    pub from: PlanPoint,
+    /// Where it ends.
+    pub to: PlanPoint,
+    /// When it begins, seconds after T0.
+    pub start_s: f64,
+}
+
+/// Control points of a candidate, ends included, coordinate by coordinate, all finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controls<'a> {
+    /// Metres east.
+    pub east_m: &'a [f64],
+    /// Metres north.
+    pub north_m: &'a [f64],
+    /// Metres above mean sea level.
+    pub amsl_m: &'a [f64],
 }

@@ -21,6 +21,12 @@ impl SpeedProfile {
         }
     }
 
+    /// Length of the path, metres.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
     /// Seconds from rest to rest.
     #[must_use]
     pub fn duration_s(&self) -> f64 {

@@ -1,5 +1,11 @@
 //! From control points to a sampled, timed path.
 
+mod limits;
+mod timeline;
+
+pub use limits::{GRAVITY_MPS2, SlopeLimit, VehicleLimits};
+pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route};
+
 use crate::geodesy::PlanPoint;
 
 /// A point of a path and when the vehicle is there.

@@ -38,6 +38,8 @@ pub struct Stations {
     pub start: PlanPoint,
     /// Where it ends, airborne.
     pub goal: PlanPoint,
+    /// The ground under the goal.
+    pub goal_ground: Amsl,
 }
 
 /// Everything that does not move. Threats, zones and stations keep the order of the spec.
@@ -108,6 +110,7 @@ impl World {
                     },
                     start: resolve(&frame, &terrain, vehicle.start)?,
                     goal: resolve(&frame, &terrain, vehicle.goal)?,
+                    goal_ground: terrain.height(vehicle.goal.place)?,
                 })
             })
             .collect::<Result<_, NoData>>()?;

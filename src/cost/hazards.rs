@@ -1,0 +1,223 @@
+//! What a path must not cross: threats, zones, the edge of the area.
+
+use geo::Polygon;
+
+use super::{Leg, Margins};
+use crate::geodesy::PlanPoint;
+use crate::numeric::geometry::{Point, Ring, disc_chord};
+use crate::world::{Disc, PlanZone, World};
+
+/// Lengths outside the area and inside zones count this often (design, section 4).
+const FORBIDDEN: f64 = 1.1;
+
+/// A threat, widened by its margin.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Threat {
+    pub(super) center: Point,
+    pub(super) radius_m: f64,
+}
+
+/// A no-fly zone, widened by its margin.
+#[derive(Clone, Debug)]
+pub(super) struct ClosedZone {
+    ring: Ring,
+    below_m: f64,
+}
+
+/// The allowed area.
+#[derive(Clone, Debug)]
+pub(super) struct Bounds {
+    ring: Ring,
+    /// A box inside the area: a segment that stays in it needs no closer look.
+    low: Point,
+    high: Point,
+}
+
+/// Everything forbidden that does not move.
+#[derive(Clone, Debug)]
+pub(super) struct Hazards {
+    pub(super) threats: Vec<Threat>,
+    pub(super) zones: Vec<ClosedZone>,
+    pub(super) bounds: Bounds,
+}
+
+/// A straight piece of a path: places and altitudes of its ends, metres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Segment {
+    pub(super) a: Point,
+    pub(super) b: Point,
+    pub(super) amsl_a_m: f64,
+    pub(super) amsl_b_m: f64,
+}
+
+impl Hazards {
+    pub(super) fn new(world: &World, leg: &Leg, margins: &Margins) -> Self {
+        let ends = [plane(leg.from), plane(leg.to)];
+        let widest = |room_m: f64| margins.threat_m.min(room_m).max(0.0);
+        let threat = |disc: &Disc| {
+            let center = [disc.center.east_m, disc.center.north_m];
+            let room_m = ends
+                .iter()
+                .map(|end| (end[0] - center[0]).hypot(end[1] - center[1]) - disc.radius_m)
+                .fold(f64::INFINITY, f64::min);
+            Threat {
+                center,
+                radius_m: disc.radius_m + widest(room_m),
+            }
+        };
+        let zone = |zone: &PlanZone| {
+            let ring = ring_of(&zone.outline);
+            let room_m = ends
+                .iter()
+                .map(|end| ring.boundary_distance(*end))
+                .fold(f64::INFINITY, f64::min);
+            ClosedZone {
+                // A mitred corner reaches up to twice the margin.
+                ring: ring.outset(widest(0.5 * room_m)),
+                below_m: zone
+                    .below
+                    .map_or(f64::INFINITY, |amsl| amsl.0 + margins.clearance_m),
+            }
+        };
+        Self {
+            threats: world.threats.iter().map(threat).collect(),
+            zones: world.zones.iter().map(zone).collect(),
+            bounds: Bounds::new(&world.area),
+        }
+    }
+}
+
+impl Threat {
+    /// What one kilometre of a segment costs for this threat: exact share of it
+    /// inside the disc times (1.1 - closest distance / R).
+    #[inline]
+    pub(super) fn exposure(&self, segment: &Segment) -> f64 {
+        disc_chord(segment.a, segment.b, self.center, self.radius_m).map_or(0.0, |chord| {
+            chord.fraction * (FORBIDDEN - chord.closest / self.radius_m)
+        })
+    }
+
+    /// Whether no point of a box lies in the disc (a hair of tolerance, so that
+    /// rounding never hides a chord).
+    #[inline]
+    pub(super) fn misses_box(&self, low: Point, high: Point) -> bool {
+        let beyond = |axis: usize| {
+            (low[axis] - self.center[axis])
+                .max(self.center[axis] - high[axis])
+                .max(0.0)
+        };
+        let (east_m, north_m) = (beyond(0), beyond(1));
+        east_m * east_m + north_m * north_m > self.radius_m * self.radius_m * (1.0 + 1e-9)
+    }
+}
+
+impl ClosedZone {
+    /// What one kilometre of a segment costs for this zone.
+    pub(super) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
+        if self.ring.is_far_from(segment.a, segment.b) {
+            return 0.0;
+        }
+        let Some(closed) = part_below(segment, self.below_m) else {
+            return 0.0;
+        };
+        FORBIDDEN
+            * self
+                .ring
+                .inside_fraction((segment.a, segment.b), closed, crossings)
+    }
+
+    /// Whether no point of a box lies in the zone.
+    pub(super) fn misses_box(&self, low: Point, high: Point) -> bool {
+        self.ring.is_far_from(low, high)
+    }
+}
+
+impl Bounds {
+    fn new(area: &Polygon<f64>) -> Self {
+        let ring = ring_of(area);
+        let (low, high) = inner_box(&ring).unwrap_or(([1.0, 1.0], [-1.0, -1.0]));
+        Self { ring, low, high }
+    }
+
+    /// Whether a box lies in the area for certain.
+    #[inline]
+    pub(super) fn holds_box(&self, low: Point, high: Point) -> bool {
+        self.low[0] <= low[0]
+            && high[0] <= self.high[0]
+            && self.low[1] <= low[1]
+            && high[1] <= self.high[1]
+    }
+
+    /// What one kilometre of a segment costs for leaving the area.
+    pub(super) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
+        let (a, b) = (segment.a, segment.b);
+        let low = [a[0].min(b[0]), a[1].min(b[1])];
+        let high = [a[0].max(b[0]), a[1].max(b[1])];
+        if self.holds_box(low, high) {
+            return 0.0;
+        }
+        let inside = self.ring.inside_fraction((a, b), (0.0, 1.0), crossings);
+        FORBIDDEN * (1.0 - inside).max(0.0)
+    }
+}
+
+/// The part of a segment below an altitude, as fractions from and to.
+fn part_below(segment: &Segment, below_m: f64) -> Option<(f64, f64)> {
+    let (a, b) = (segment.amsl_a_m, segment.amsl_b_m);
+    match (a < below_m, b < below_m) {
+        (true, true) => Some((0.0, 1.0)),
+        (true, false) => Some((0.0, (below_m - a) / (b - a))),
+        (false, true) => Some(((a - below_m) / (a - b), 1.0)),
+        (false, false) => None,
+    }
+}
+
+/// For a convex quadrilateral that is nearly upright, as areas are: the box
+/// between its inner edges; `None` where that box would not lie inside.
+fn inner_box(ring: &Ring) -> Option<(Point, Point)> {
+    let corners = ring.corners();
+    if corners.len() != 4 || !is_convex(corners) {
+        return None;
+    }
+    let middle = |axis: usize| {
+        let mut values: Vec<f64> = corners.iter().map(|corner| corner[axis]).collect();
+        values.sort_unstable_by(f64::total_cmp);
+        (values[1], values[2])
+    };
+    let (east, north) = (middle(0), middle(1));
+    // A hair within, so that the edge itself gets the exact treatment.
+    let hair = 1e-6;
+    let (low, high) = (
+        [east.0 + hair, north.0 + hair],
+        [east.1 - hair, north.1 - hair],
+    );
+    let all_inside = [low, [high[0], low[1]], high, [low[0], high[1]]]
+        .iter()
+        .all(|corner| ring.contains(*corner));
+    (low[0] < high[0] && low[1] < high[1] && all_inside).then_some((low, high))
+}
+
+fn is_convex(corners: &[Point]) -> bool {
+    let count = corners.len();
+    (0..count).all(|i| {
+        let (a, b, c) = (
+            corners[i],
+            corners[(i + 1) % count],
+            corners[(i + 2) % count],
+        );
+        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) > 0.0
+    })
+}
+
+fn ring_of(polygon: &Polygon<f64>) -> Ring {
+    let corners: Vec<Point> = polygon
+        .exterior()
+        .coords()
+        .map(|corner| [corner.x, corner.y])
+        .collect();
+    Ring::new(&corners)
+}
+
+fn plane(point: PlanPoint) -> Point {
+    [point.at.east_m, point.at.north_m]
+}

@@ -1,0 +1,379 @@
+//! What the objective of one route needs, owned and laid out for its loops.
+
+use super::hazards::{Hazards, Segment};
+use super::operational::Sums;
+use super::paper::{Paper, PaperOptions};
+use super::relief::Relief;
+use super::traffic::Traffic;
+use super::{Controls, CostTerms, Leg, Margins, operational, reference};
+use crate::numeric::approach::Motion;
+use crate::numeric::{Basis, SpeedProfile};
+use crate::path::{Flight, VehicleLimits, ramp_stops_m};
+use crate::spec::{Finish, MissionSpec, Objective, Weights};
+use crate::world::World;
+
+/// The objective of one route of one vehicle.
+///
+/// Lengths enter in km. With S the straight distance of the leg (at least
+/// 0.1 km, so that a violated limit costs something on the shortest leg), the
+/// operational total is `length + altitude + 100 S (v_threat + v_terrain +
+/// v_turn + v_climb + v_collision)` of the design, section 4, where besides
+/// - ground is read also between samples, on the spline, at least as densely as
+///   its grid where that takes no more than four readings a piece;
+/// - height above the ceiling counts as terrain, in the same measure;
+/// - ground without data is a wall beyond the ceiling;
+/// - a zone with a height is closed below it only;
+/// - collision is taken at the closest approach of each piece as a whole, so that
+///   no crossing hides between samples; a landing or endless loiter after the
+///   route counts like a piece as long as the separation.
+#[derive(Clone, Debug)]
+pub struct CostModel {
+    pub(super) objective: Objective,
+    pub(super) weights: Weights,
+    pub(super) path: Sampling,
+    pub(super) relief: Relief,
+    pub(super) hazards: Hazards,
+    pub(super) traffic: Traffic,
+    pub(super) timing: Timing,
+    pub(super) paper: Paper,
+    pub(super) limits: VehicleLimits,
+    /// Turn radius with its margin, metres.
+    pub(super) turn_radius_m: f64,
+    /// What is left of slope limits after their margin.
+    pub(super) slope_share: f64,
+    pub(super) min_agl_m: f64,
+    pub(super) max_amsl_m: f64,
+    /// Height above ground wanted at each fine sample, metres.
+    pub(super) wanted_agl_m: Vec<f64>,
+    /// 1 / max(h_min, 10 m).
+    pub(super) per_depth: f64,
+    pub(super) straight_km: f64,
+}
+
+/// Most ground readings for each piece between two samples.
+const MOST_SUBSTEPS: usize = 4;
+
+/// Where a candidate's spline is read.
+#[derive(Clone, Debug)]
+pub(super) struct Sampling {
+    /// Samples, with `substeps - 1` more between each two.
+    pub(super) fine: Basis,
+    pub(super) substeps: usize,
+    /// Number of samples proper, k.
+    pub(super) samples: usize,
+}
+
+/// When the route is flown, and what follows it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timing {
+    pub(super) start_s: f64,
+    pub(super) speed_mps: f64,
+    pub(super) accel_mps2: f64,
+    pub(super) after: After,
+    /// Separation, the length for which the time after the route counts, km.
+    pub(super) after_km: f64,
+}
+
+/// What follows the route.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum After {
+    Nothing,
+    Loiter,
+    Land { ground_m: f64, descent_mps: f64 },
+}
+
+/// Buffers of an evaluation; they grow on first use and are then reused.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    /// Coordinates at the fine samples, metres.
+    pub(super) east_m: Vec<f64>,
+    pub(super) north_m: Vec<f64>,
+    pub(super) amsl_m: Vec<f64>,
+    /// Horizontal distance along the route at the samples, metres.
+    pub(super) along_m: Vec<f64>,
+    pub(super) crossings: Vec<(f64, i32)>,
+}
+
+impl CostModel {
+    /// The objective of one route of vehicle number `vehicle`, read at ascending
+    /// spline `parameters` from 0 to 1; `earlier` are the flights it has to keep apart from.
+    ///
+    /// # Panics
+    /// When there is no such vehicle, or the spec has fewer than 2 free control
+    /// points or there are fewer than 2 parameters: no checked spec is so.
+    #[must_use]
+    pub fn new(
+        world: &World,
+        spec: &MissionSpec,
+        vehicle: usize,
+        leg: Leg,
+        earlier: &[Flight],
+        margins: Margins,
+        parameters: &[f64],
+    ) -> Self {
+        assert!(parameters.len() >= 2, "a path has two ends");
+        let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
+        let straight_m = leg.from.distance_m(leg.to);
+        let path = Sampling::new(spec, parameters, straight_m, world.ground.spacing_m);
+        let relief = Relief::new(&world.ground, world.max_amsl.0);
+        let wanted_agl_m = wanted_agl_m(world, &relief, &leg, &margins, path.fine.samples());
+        Self {
+            objective: spec.planner.objective,
+            weights: spec.planner.weights,
+            hazards: Hazards::new(world, &leg, &margins),
+            traffic: Traffic::new(&spec.separation, &margins, earlier),
+            timing: Timing::new(world, spec, vehicle, &leg),
+            paper: Paper::new(PaperOptions::default(), &leg, earlier),
+            turn_radius_m: limits.turn_radius_m * (1.0 + margins.turn_fraction),
+            slope_share: 1.0 - margins.climb_fraction,
+            limits,
+            min_agl_m: world.min_agl.0,
+            max_amsl_m: world.max_amsl.0,
+            wanted_agl_m,
+            per_depth: 1.0 / world.min_agl.0.max(10.0),
+            straight_km: (straight_m / 1000.0).max(0.1),
+            path,
+            relief,
+        }
+    }
+
+    /// The same model with other options for the paper's objective.
+    #[must_use]
+    pub fn with_paper(mut self, options: PaperOptions) -> Self {
+        self.paper.options = options;
+        self
+    }
+
+    /// Number of control points of a candidate, ends included.
+    #[must_use]
+    pub fn control_points(&self) -> usize {
+        self.path.fine.control_points()
+    }
+
+    /// Number of samples k.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.path.samples
+    }
+
+    /// The seven terms of a candidate, weighted as they enter the total: the
+    /// plain reference, one term after the other.
+    ///
+    /// # Panics
+    /// When a coordinate has fewer than [`Self::control_points`] numbers.
+    #[must_use]
+    pub fn terms(&self, controls: &Controls<'_>) -> CostTerms {
+        let mut scratch = Scratch::default();
+        self.sample(controls, &mut scratch);
+        match self.objective {
+            Objective::Operational => self.weigh(&reference::sums(self, &mut scratch)),
+            Objective::Paper => self.paper.terms(self, &mut scratch),
+        }
+    }
+
+    /// The total of a candidate: equal to `terms(controls).total()` to the bit,
+    /// or, if that is above `cutoff`, some number above `cutoff`.
+    ///
+    /// Allocates nothing once the scratch has grown.
+    ///
+    /// # Panics
+    /// When a coordinate has fewer than [`Self::control_points`] numbers.
+    #[must_use]
+    pub fn total(&self, controls: &Controls<'_>, cutoff: f64, scratch: &mut Scratch) -> f64 {
+        self.sample(controls, scratch);
+        match self.objective {
+            Objective::Operational => operational::total(self, cutoff, scratch),
+            Objective::Paper => self.paper.terms(self, scratch).total(),
+        }
+    }
+
+    /// Spline coordinates at the fine samples.
+    fn sample(&self, controls: &Controls<'_>, scratch: &mut Scratch) {
+        let count = self.path.fine.samples();
+        for (values, out) in [
+            (controls.east_m, &mut scratch.east_m),
+            (controls.north_m, &mut scratch.north_m),
+            (controls.amsl_m, &mut scratch.amsl_m),
+        ] {
+            out.resize(count, 0.0);
+            self.path.fine.apply(values, out);
+        }
+        scratch.along_m.resize(self.path.samples, 0.0);
+    }
+
+    /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).
+    pub(super) fn weigh(&self, sums: &Sums) -> CostTerms {
+        let weights = &self.weights;
+        #[expect(clippy::cast_precision_loss, reason = "few samples")]
+        let samples = self.path.samples as f64;
+        CostTerms {
+            length: weights.length * sums.length_km,
+            altitude: weights.altitude * sums.altitude,
+            threat: weights.threat * (100.0 * sums.threat),
+            terrain: weights.terrain * (100.0 * sums.terrain),
+            turn: weights.turn * (100.0 * self.straight_km * (sums.turn / samples)),
+            climb: weights.climb * (100.0 * sums.climb),
+            collision: weights.collision * (100.0 * sums.collision),
+        }
+    }
+}
+
+impl Sampling {
+    fn new(spec: &MissionSpec, parameters: &[f64], straight_m: f64, spacing_m: f64) -> Self {
+        let samples = parameters.len();
+        let substeps = match spec.planner.objective {
+            Objective::Operational => substeps(straight_m, samples, spacing_m),
+            Objective::Paper => 1,
+        };
+        let mut fine = Vec::with_capacity((samples - 1) * substeps + 1);
+        for pair in parameters.windows(2) {
+            #[expect(clippy::cast_precision_loss, reason = "few steps")]
+            let share = |step: usize| step as f64 / substeps as f64;
+            fine.extend((0..substeps).map(|step| pair[0] + (pair[1] - pair[0]) * share(step)));
+        }
+        fine.extend(parameters.last());
+        Self {
+            fine: Basis::new(spec.planner.control_points + 2, &fine),
+            substeps,
+            samples,
+        }
+    }
+}
+
+/// Ground readings for each piece, so that a path a fifth longer than the
+/// straight one is read about once a cell of the ground.
+fn substeps(straight_m: f64, samples: usize, spacing_m: f64) -> usize {
+    #[expect(clippy::cast_precision_loss, reason = "few samples")]
+    let piece_m = 1.2 * straight_m / (samples - 1) as f64;
+    let wanted = (1..MOST_SUBSTEPS).find(|&substeps| {
+        #[expect(clippy::cast_precision_loss, reason = "few steps")]
+        let reach_m = spacing_m * substeps as f64;
+        piece_m <= reach_m
+    });
+    wanted.unwrap_or(MOST_SUBSTEPS)
+}
+
+/// Height above ground wanted at each fine sample: the limit and its margin,
+/// which grows from what the ends keep to the full over the first and last
+/// twentieth of the parameter.
+fn wanted_agl_m(
+    world: &World,
+    relief: &Relief,
+    leg: &Leg,
+    margins: &Margins,
+    count: usize,
+) -> Vec<f64> {
+    let limit_m = world.min_agl.0;
+    let kept_m = |end: crate::geodesy::PlanPoint| {
+        let agl_m = end.amsl.0 - relief.height_m(end.at.east_m, end.at.north_m);
+        (agl_m - limit_m).clamp(0.0, margins.clearance_m.max(0.0))
+    };
+    let (from_m, to_m) = (kept_m(leg.from), kept_m(leg.to));
+    let ramp = |end_m: f64, away: f64| {
+        let share = (away * 20.0).min(1.0);
+        end_m + (margins.clearance_m - end_m) * share
+    };
+    (0..count)
+        .map(|index| {
+            #[expect(clippy::cast_precision_loss, reason = "few samples")]
+            let at = index as f64 / (count - 1).max(1) as f64;
+            limit_m + ramp(from_m, at).min(ramp(to_m, 1.0 - at))
+        })
+        .collect()
+}
+
+impl Timing {
+    fn new(world: &World, spec: &MissionSpec, vehicle: usize, leg: &Leg) -> Self {
+        let (stations, vehicle) = (&world.stations[vehicle], &spec.vehicles[vehicle]);
+        let land = |ground_m: f64| After::Land {
+            ground_m,
+            descent_mps: vehicle.descent_mps,
+        };
+        let is_homeward = leg.to.at.distance_m(stations.home.at) < 1.0;
+        let after = match vehicle.finish {
+            Finish::Loiter => After::Loiter,
+            Finish::Land => land(stations.goal_ground.0),
+            Finish::Return if is_homeward => land(stations.home.amsl.0),
+            Finish::Return => After::Nothing,
+        };
+        Self {
+            start_s: leg.start_s,
+            speed_mps: vehicle.speed_mps,
+            accel_mps2: vehicle.accel_mps2,
+            after,
+            after_km: spec.separation.distance_m / 1000.0,
+        }
+    }
+
+    /// Speed profile of a route of this length.
+    pub(super) fn profile(&self, length_m: f64) -> SpeedProfile {
+        SpeedProfile::new(length_m, self.speed_mps, self.accel_mps2)
+    }
+
+    /// Calls `visit` with the motions of one piece of the route: one while
+    /// cruising, several while the speed changes.
+    pub(super) fn motions(
+        &self,
+        segment: &Segment,
+        (from_m, to_m): (f64, f64),
+        profile: &SpeedProfile,
+        mut visit: impl FnMut(Motion),
+    ) {
+        let length_m = to_m - from_m;
+        let moment = |distance_m: f64| {
+            let share = if length_m > 0.0 {
+                (distance_m - from_m) / length_m
+            } else {
+                1.0
+            };
+            let mix = |a: f64, b: f64| a + share * (b - a);
+            let place = [
+                mix(segment.a[0], segment.b[0]),
+                mix(segment.a[1], segment.b[1]),
+                mix(segment.amsl_a_m, segment.amsl_b_m),
+            ];
+            (self.start_s + profile.time_at_s(distance_m), place)
+        };
+        let mut before = (
+            self.start_s + profile.time_at_s(from_m),
+            [segment.a[0], segment.a[1], segment.amsl_a_m],
+        );
+        for distance_m in ramp_stops_m(profile, from_m, to_m) {
+            let next = moment(distance_m);
+            visit(Motion::between(before, next));
+            before = next;
+        }
+        visit(Motion::between(before, moment(to_m)));
+    }
+
+    /// The motion after a route that ends at `place` after `length_m`.
+    pub(super) fn motion_after(&self, place: [f64; 3], length_m: f64) -> Option<Motion> {
+        let end_s = self.start_s + self.profile(length_m).duration_s();
+        match self.after {
+            After::Nothing => None,
+            After::Loiter => Some(Motion::between((end_s, place), (f64::INFINITY, place))),
+            After::Land {
+                ground_m,
+                descent_mps,
+            } => {
+                let ground = [place[0], place[1], ground_m];
+                let landed_s = end_s + ((place[2] - ground_m) / descent_mps).max(0.0);
+                Some(Motion::between((end_s, place), (landed_s, ground)))
+            }
+        }
+    }
+}
+
+impl Scratch {
+    /// The piece from sample `k` to the next, `substeps` fine samples on.
+    #[inline]
+    pub(super) fn segment(&self, k: usize, substeps: usize) -> Segment {
+        let (from, to) = (k * substeps, (k + 1) * substeps);
+        Segment {
+            a: [self.east_m[from], self.north_m[from]],
+            b: [self.east_m[to], self.north_m[to]],
+            amsl_a_m: self.amsl_m[from],
+            amsl_b_m: self.amsl_m[to],
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! The paper's objective (Eq. 20 to 30): seven sums over samples, in km and minutes.
+//!
+//! The printed formulas leave gaps; each is closed as stated at its option. Sums
+//! that grow with the number of samples k are scaled by 101 / k, so that paths
+//! read at 101 and 2001 samples compare. Not in the paper, but in the term they
+//! belong to: lengths outside the area and inside zones (threat), height above
+//! the ceiling and ground without data (terrain).
+
+use super::model::{CostModel, Scratch};
+use super::operational::Step;
+use super::{CostTerms, Leg};
+use crate::geodesy::Amsl;
+use crate::path::Flight;
+
+/// How the danger of a threat falls with distance `d < R` (`T_de` of Eq. 24 is misprinted).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ThreatForm {
+    /// `R^4 / (R^4 + d^4)`, the usual radar model.
+    Quartic,
+    /// `1 - d / R`.
+    Linear,
+}
+
+/// What the paper does not print. The default closes its gaps so that limits are kept.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaperOptions {
+    /// Eq. 21 with height above ground instead of sea.
+    pub altitude_over_ground: bool,
+    /// Eq. 21 to the letter: no clamp, heights below h_min are rewarded.
+    pub altitude_unclamped: bool,
+    /// `T_de` of Eq. 24.
+    pub threat_form: ThreatForm,
+    /// Factor on `T_de`, per km.
+    pub threat_per_km: f64,
+    /// Factor on Eq. 23: with 1, tunnelling costs no more than skimming a ridge.
+    pub terrain_per_km: f64,
+    /// Whether Eq. 23 counts from h_min above ground instead of from the ground.
+    pub terrain_from_min_agl: bool,
+    /// What the doubling of Eq. 25 starts from; printed is 0, which stays 0.
+    pub turn_start: f64,
+    /// Factor on the slope excess of Eq. 26, whose cases are lost.
+    pub climb_factor: f64,
+    /// PC times C of Eq. 28 and 29.
+    pub collision_factor: f64,
+    /// Two points are a possible collision below this distance, km.
+    pub collision_km: f64,
+    /// Differences in time from here on are safe, minutes.
+    pub collision_min: f64,
+    /// Own points this near to the goal do not count, km: the paper's goal is shared.
+    pub goal_km: f64,
+    /// Eq. 29 and 30 to the letter: `t = v / |gap|`, `C t^3` for t below the limit.
+    pub collision_literal: bool,
+}
+
+impl Default for PaperOptions {
+    fn default() -> Self {
+        Self {
+            altitude_over_ground: false,
+            altitude_unclamped: false,
+            threat_form: ThreatForm::Quartic,
+            threat_per_km: 10.0,
+            terrain_per_km: 200.0,
+            terrain_from_min_agl: true,
+            turn_start: 1.0,
+            climb_factor: 100.0,
+            collision_factor: 10.0,
+            collision_km: 1.0,
+            collision_min: 0.5,
+            goal_km: 3.0,
+            collision_literal: false,
+        }
+    }
+}
+
+impl PaperOptions {
+    /// The formulas as printed, with factors 1 where none is printed.
+    #[must_use]
+    pub fn literal() -> Self {
+        Self {
+            altitude_unclamped: true,
+            threat_per_km: 1.0,
+            terrain_per_km: 1.0,
+            terrain_from_min_agl: false,
+            turn_start: 0.0,
+            climb_factor: 1.0,
+            collision_factor: 1.0,
+            collision_literal: true,
+            ..Self::default()
+        }
+    }
+}
+
+/// What the paper's objective needs besides the model.
+#[derive(Clone, Debug)]
+pub(super) struct Paper {
+    pub(super) options: PaperOptions,
+    goal_m: [f64; 2],
+    /// Points of earlier flights: east, north, altitude (m), time (s), weight (101 / points).
+    others: Vec<[f64; 5]>,
+}
+
+impl Paper {
+    pub(super) fn new(options: PaperOptions, leg: &Leg, earlier: &[Flight]) -> Self {
+        let points = earlier.iter().flat_map(|flight| {
+            let weight = per_101(flight.points.len());
+            flight.points.iter().map(move |timed| {
+                let at = timed.point.at;
+                [at.east_m, at.north_m, timed.point.amsl.0, timed.t_s, weight]
+            })
+        });
+        Self {
+            options,
+            goal_m: [leg.to.at.east_m, leg.to.at.north_m],
+            others: points.collect(),
+        }
+    }
+
+    /// The weighted terms of the sampled candidate in `scratch`.
+    pub(super) fn terms(&self, model: &CostModel, scratch: &mut Scratch) -> CostTerms {
+        let scale = per_101(model.path.samples);
+        let options = &self.options;
+        let (mut altitude, mut terrain) = (0.0, 0.0);
+        for index in 0..model.path.samples {
+            let (high_km, deep_km) = self.heights(model, scratch, index);
+            altitude += high_km;
+            terrain += deep_km;
+        }
+        let (mut length, mut threat, mut climb) = (0.0, 0.0, 0.0);
+        let mut turns = 0;
+        let mut before: Option<Step> = None;
+        scratch.along_m[0] = 0.0;
+        for k in 0..model.path.samples - 1 {
+            let step = Step::of(&scratch.segment(k, 1));
+            scratch.along_m[k + 1] = scratch.along_m[k] + step.run_m;
+            length += step.length_km;
+            threat += self.exposure_per_km(model, scratch, k) * step.length_km;
+            climb += slope_excess(model, &step, scratch.amsl_m[k]);
+            if before.is_some_and(|before| model.turn_excess(&before, &step) > 0.0) {
+                turns = (turns + 1).min(30);
+            }
+            before = Some(step);
+        }
+        let weights = &model.weights;
+        CostTerms {
+            length: weights.length * length,
+            altitude: weights.altitude * (altitude * scale),
+            threat: weights.threat * (threat * options.threat_per_km),
+            terrain: weights.terrain * (terrain * options.terrain_per_km * scale),
+            // CT doubles at each violation: c0 (2^m - 1).
+            turn: weights.turn * (options.turn_start * (2.0_f64.powi(turns) - 1.0)),
+            climb: weights.climb * (climb * options.climb_factor * scale),
+            collision: weights.collision * (self.collision(model, scratch) * scale),
+        }
+    }
+
+    /// Terms of Eq. 21 and 23 at one sample, km.
+    fn heights(&self, model: &CostModel, scratch: &Scratch, index: usize) -> (f64, f64) {
+        let amsl_m = scratch.amsl_m[index];
+        let ground_m = model
+            .relief
+            .height_m(scratch.east_m[index], scratch.north_m[index]);
+        let over_m = if self.options.altitude_over_ground {
+            amsl_m - ground_m
+        } else {
+            amsl_m
+        };
+        let high_m = over_m - model.min_agl_m;
+        let high_m = if self.options.altitude_unclamped {
+            high_m
+        } else {
+            high_m.max(0.0)
+        };
+        let wanted_m = if self.options.terrain_from_min_agl {
+            model.wanted_agl_m[index]
+        } else {
+            0.0
+        };
+        let deep_m = (ground_m + wanted_m - amsl_m).max(0.0) + (amsl_m - model.max_amsl_m).max(0.0);
+        (high_m * 1e-3, deep_m * 1e-3)
+    }
+
+    /// Sum of `T_de` at the middle of a piece (Eq. 24), with zones and area.
+    fn exposure_per_km(&self, model: &CostModel, scratch: &mut Scratch, k: usize) -> f64 {
+        let segment = scratch.segment(k, 1);
+        let middle = [
+            0.5 * (segment.a[0] + segment.b[0]),
+            0.5 * (segment.a[1] + segment.b[1]),
+        ];
+        let hazards = &model.hazards;
+        let mut exposure = 0.0;
+        for threat in &hazards.threats {
+            let (east_m, north_m) = (middle[0] - threat.center[0], middle[1] - threat.center[1]);
+            let share_sq =
+                (east_m * east_m + north_m * north_m) / (threat.radius_m * threat.radius_m);
+            if share_sq < 1.0 {
+                exposure += match self.options.threat_form {
+                    ThreatForm::Quartic => 1.0 / (1.0 + share_sq * share_sq),
+                    ThreatForm::Linear => 1.0 - share_sq.sqrt(),
+                };
+            }
+        }
+        for zone in &hazards.zones {
+            exposure += zone.exposure(&segment, &mut scratch.crossings);
+        }
+        exposure + hazards.bounds.exposure(&segment, &mut scratch.crossings)
+    }
+
+    /// Eq. 28 to 30 over every own point and every point of earlier flights.
+    fn collision(&self, model: &CostModel, scratch: &Scratch) -> f64 {
+        if self.others.is_empty() {
+            return 0.0;
+        }
+        let profile = model
+            .timing
+            .profile(scratch.along_m[model.path.samples - 1]);
+        let mut sum = 0.0;
+        for index in 0..model.path.samples {
+            let own = [
+                scratch.east_m[index],
+                scratch.north_m[index],
+                scratch.amsl_m[index],
+            ];
+            let to_goal_m = (own[0] - self.goal_m[0]).hypot(own[1] - self.goal_m[1]);
+            if to_goal_m < self.options.goal_km * 1e3 {
+                continue;
+            }
+            let own_s = model.timing.start_s + profile.time_at_s(scratch.along_m[index]);
+            for other in &self.others {
+                sum += other[4] * self.risk(own, own_s, other);
+            }
+        }
+        sum
+    }
+
+    /// Eq. 29 and 30 for two points.
+    fn risk(&self, own: [f64; 3], own_s: f64, other: &[f64; 5]) -> f64 {
+        let options = &self.options;
+        let apart = [own[0] - other[0], own[1] - other[1], own[2] - other[2]];
+        let apart_sq = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
+        let limit_m = options.collision_km * 1e3;
+        if apart_sq >= limit_m * limit_m {
+            return 0.0;
+        }
+        let gap_min = (own_s - other[3]).abs() / 60.0;
+        let cubed = if options.collision_literal {
+            // v / |dis1 - dis2| is one over the gap in minutes.
+            let t = 1.0 / gap_min;
+            if t < options.collision_min { t } else { 0.0 }
+        } else {
+            (1.0 - gap_min / options.collision_min).max(0.0)
+        };
+        options.collision_factor * cubed * cubed * cubed
+    }
+}
+
+/// Eq. 26 and 27 for one piece: slope beyond the limit by angle or polynomial,
+/// which are those at its first point.
+fn slope_excess(model: &CostModel, step: &Step, amsl_m: f64) -> f64 {
+    let limit = if step.rise_m >= 0.0 {
+        model.limits.climb.by_shape(Amsl(amsl_m))
+    } else {
+        model.limits.descent.by_shape(Amsl(amsl_m))
+    };
+    let slope = step.rise_m.abs() / step.run_m.max(1e-3);
+    (slope - limit * model.slope_share).max(0.0)
+}
+
+fn per_101(count: usize) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "few points")]
+    let count = count.max(1) as f64;
+    101.0 / count
+}

@@ -1,0 +1,226 @@
+//! The flights of earlier vehicles, found by time and place.
+
+use super::Margins;
+use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
+use crate::path::Flight;
+use crate::spec::Separation;
+
+/// Cells along time and each side of the plane, at most.
+const MOST_CELLS: [usize; 3] = [128, 32, 32];
+
+/// All motions of earlier flights, and which of them may matter in which cell of
+/// time, east and north.
+#[derive(Clone, Debug)]
+pub(super) struct Traffic {
+    distance_m: f64,
+    vertical_m: Option<f64>,
+    slack_s: f64,
+    motions: Vec<Motion>,
+    grid: Grid,
+    /// `motions` of cell `c` are `members[starts[c]..starts[c + 1]]`.
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+/// A box of time (s), east and north (m) in equal cells; what lies beyond it
+/// falls into the outermost cells.
+#[derive(Clone, Copy, Debug)]
+struct Grid {
+    low: [f64; 3],
+    per_unit: [f64; 3],
+    cells: [usize; 3],
+}
+
+/// Extent in time, east and north.
+type Extent = [(f64, f64); 3];
+
+impl Traffic {
+    pub(super) fn new(separation: &Separation, margins: &Margins, earlier: &[Flight]) -> Self {
+        let motions: Vec<Motion> = earlier
+            .iter()
+            .flat_map(|flight| flight.points.windows(2))
+            .map(|pair| {
+                let place = |i: usize| {
+                    let point = pair[i].point;
+                    [point.at.east_m, point.at.north_m, point.amsl.0]
+                };
+                Motion::between((pair[0].t_s, place(0)), (pair[1].t_s, place(1)))
+            })
+            .collect();
+        let mut traffic = Self {
+            distance_m: separation.distance_m + margins.separation_m,
+            vertical_m: separation
+                .vertical_m
+                .map(|vertical_m| vertical_m + margins.separation_m),
+            slack_s: separation.time_slack_s,
+            grid: Grid::over(&motions, separation),
+            motions,
+            starts: Vec::new(),
+            members: Vec::new(),
+        };
+        traffic.sort_into_cells();
+        traffic
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.motions.is_empty()
+    }
+
+    /// How badly a motion breaks the separation: 1 less distance over limit at
+    /// the worst allowed shift, 0 if it keeps it.
+    pub(super) fn severity(&self, own: &Motion) -> f64 {
+        let cells = self.grid.cells_of(&extent(own, 0.0, 0.0));
+        let mut worst: f64 = 0.0;
+        for time in cells[0].0..=cells[0].1 {
+            for east in cells[1].0..=cells[1].1 {
+                for north in cells[2].0..=cells[2].1 {
+                    let cell = self.grid.index([time, east, north]);
+                    let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
+                    for &member in &self.members[members] {
+                        worst = worst.max(self.severity_of(own, &self.motions[member as usize]));
+                    }
+                }
+            }
+        }
+        worst
+    }
+
+    /// The same by looking at every motion.
+    pub(super) fn severity_by_all(&self, own: &Motion) -> f64 {
+        self.motions
+            .iter()
+            .map(|other| self.severity_of(own, other))
+            .fold(0.0, f64::max)
+    }
+
+    fn severity_of(&self, own: &Motion, other: &Motion) -> f64 {
+        let ratio = match self.vertical_m {
+            None => {
+                closest_approach(own, other, self.slack_s).map(|near| near.value / self.distance_m)
+            }
+            Some(vertical_m) => closest_horizontal(own, other, self.slack_s, vertical_m)
+                .filter(|near| near.value < self.distance_m)
+                .and_then(|_| least_ratio(own, other, self.slack_s, self.distance_m, vertical_m))
+                .map(|near| near.value),
+        };
+        ratio.map_or(0.0, |ratio| (1.0 - ratio).max(0.0))
+    }
+
+    /// Counting sort of the motions into every cell they may matter in.
+    fn sort_into_cells(&mut self) {
+        let reach: Vec<[(usize, usize); 3]> = self
+            .motions
+            .iter()
+            .map(|motion| {
+                self.grid
+                    .cells_of(&extent(motion, self.slack_s, self.distance_m))
+            })
+            .collect();
+        let each_cell = |reach: &[(usize, usize); 3], act: &mut dyn FnMut(usize)| {
+            for time in reach[0].0..=reach[0].1 {
+                for east in reach[1].0..=reach[1].1 {
+                    for north in reach[2].0..=reach[2].1 {
+                        act(self.grid.index([time, east, north]));
+                    }
+                }
+            }
+        };
+        let mut starts = vec![0_u32; self.grid.cells.iter().product::<usize>() + 1];
+        for reach in &reach {
+            each_cell(reach, &mut |cell| starts[cell + 1] += 1);
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        let mut next = starts.clone();
+        let mut members = vec![0_u32; starts.last().map_or(0, |end| *end as usize)];
+        for (motion, reach) in (0_u32..).zip(&reach) {
+            each_cell(reach, &mut |cell| {
+                members[next[cell] as usize] = motion;
+                next[cell] += 1;
+            });
+        }
+        self.starts = starts;
+        self.members = members;
+    }
+}
+
+impl Grid {
+    /// Cells of some five separations and slacks, or larger where that would be too many.
+    fn over(motions: &[Motion], separation: &Separation) -> Self {
+        let least = [
+            4.0 * separation.time_slack_s.max(5.0),
+            4.0 * separation.distance_m,
+            4.0 * separation.distance_m,
+        ];
+        let mut all = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+        for motion in motions {
+            for (all, (low, high)) in all.iter_mut().zip(extent(motion, 0.0, 0.0)) {
+                all.0 = all.0.min(low);
+                all.1 = all.1.max(if high.is_finite() { high } else { low });
+            }
+        }
+        let mut grid = Self {
+            low: [0.0; 3],
+            per_unit: [0.0; 3],
+            cells: [1; 3],
+        };
+        for axis in 0..3 {
+            let width = all[axis].1 - all[axis].0;
+            if width > 0.0 && least[axis] > 0.0 {
+                #[expect(clippy::cast_precision_loss, reason = "few cells")]
+                let most = MOST_CELLS[axis] as f64;
+                let count = (width / least[axis]).ceil().clamp(1.0, most);
+                grid.low[axis] = all[axis].0;
+                grid.per_unit[axis] = count / width;
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "clamped to the most cells"
+                )]
+                let cells = count as usize;
+                grid.cells[axis] = cells;
+            }
+        }
+        grid
+    }
+
+    fn index(&self, [time, east, north]: [usize; 3]) -> usize {
+        (time * self.cells[1] + east) * self.cells[2] + north
+    }
+
+    fn cells_of(&self, extent: &Extent) -> [(usize, usize); 3] {
+        [0, 1, 2].map(|axis| {
+            let last = self.cells[axis] - 1;
+            // Not a number (nothing times infinity) and what is negative become 0.
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "a cast saturates, then the cell is clamped"
+            )]
+            let cell = |at: f64| (((at - self.low[axis]) * self.per_unit[axis]) as usize).min(last);
+            (cell(extent[axis].0), cell(extent[axis].1))
+        })
+    }
+}
+
+/// Extent of a motion, widened.
+fn extent(motion: &Motion, slack_s: f64, distance_m: f64) -> Extent {
+    let end_s = if motion.t1_s.is_finite() {
+        motion.t1_s
+    } else {
+        motion.t0_s
+    };
+    let (from, to) = (motion.from_m, motion.at(end_s));
+    let side = |axis: usize| {
+        (
+            from[axis].min(to[axis]) - distance_m,
+            from[axis].max(to[axis]) + distance_m,
+        )
+    };
+    [
+        (motion.t0_s - slack_s, motion.t1_s + slack_s),
+        side(0),
+        side(1),
+    ]
+}

@@ -1,0 +1,124 @@
+//! How tightly a vehicle may turn and how steeply it may climb.
+
+use crate::geodesy::Amsl;
+use crate::spec::{Airframe, Vehicle};
+
+/// Standard gravity, m/s^2.
+pub const GRAVITY_MPS2: f64 = 9.806_65;
+
+/// What one vehicle can fly at its planned ground speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VehicleLimits {
+    /// Planned ground speed.
+    pub speed_mps: f64,
+    /// Horizontal acceleration when starting and stopping.
+    pub accel_mps2: f64,
+    /// Smallest turn radius R_min, metres: `v^2 / (g sqrt(n^2 - 1))`, and for a
+    /// copter not below `v^2 / accel`, because it turns by tilting as it accelerates.
+    pub turn_radius_m: f64,
+    /// Steepest way up.
+    pub climb: SlopeLimit,
+    /// Steepest way down.
+    pub descent: SlopeLimit,
+}
+
+/// The steepest slope, rise over run, always positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlopeLimit {
+    shape: Shape,
+    /// Vertical speed over planned ground speed.
+    by_speed: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    /// Tangent of the greatest angle.
+    Angle(f64),
+    /// Coefficients of z^2, z and 1, z in metres (Eq. 27).
+    Polynomial([f64; 3]),
+}
+
+/// Eq. 27, alpha: greatest slope of a climb.
+const CLIMB: [f64; 3] = [-1.5377e-10, -2.6997e-5, 0.4211];
+/// Eq. 27, beta with its sign turned: greatest slope of a descent.
+const DESCENT: [f64; 3] = [-2.5063e-9, 6.3014e-6, 0.3257];
+/// The polynomials of Eq. 27 make sense up to here, metres.
+const POLYNOMIAL_TOP_M: f64 = 12_000.0;
+
+impl VehicleLimits {
+    /// The limits of a vehicle of the spec.
+    #[must_use]
+    pub fn of(vehicle: &Vehicle) -> Self {
+        let speed_mps = vehicle.speed_mps;
+        let by_load_m = speed_mps * speed_mps
+            / (GRAVITY_MPS2 * (vehicle.max_load_factor * vehicle.max_load_factor - 1.0).sqrt());
+        let turn_radius_m = match vehicle.airframe {
+            Airframe::Copter => by_load_m.max(speed_mps * speed_mps / vehicle.accel_mps2),
+        };
+        let slope = |angle_rad: Option<f64>, polynomial, vertical_mps: f64| SlopeLimit {
+            shape: angle_rad.map_or(Shape::Polynomial(polynomial), |rad| Shape::Angle(rad.tan())),
+            by_speed: vertical_mps / speed_mps,
+        };
+        Self {
+            speed_mps,
+            accel_mps2: vehicle.accel_mps2,
+            turn_radius_m,
+            climb: slope(vehicle.max_climb_rad, CLIMB, vehicle.climb_mps),
+            descent: slope(vehicle.max_descent_rad, DESCENT, vehicle.descent_mps),
+        }
+    }
+}
+
+impl SlopeLimit {
+    /// The limit at an altitude, rise over run: by angle and by vertical speed.
+    #[must_use]
+    pub fn at(&self, amsl: Amsl) -> f64 {
+        self.by_shape(amsl).min(self.by_speed)
+    }
+
+    /// The limit by angle or polynomial alone, as the paper has it.
+    #[must_use]
+    pub fn by_shape(&self, amsl: Amsl) -> f64 {
+        match self.shape {
+            Shape::Angle(slope) => slope,
+            Shape::Polynomial([square, linear, constant]) => {
+                let z_m = amsl.0.clamp(0.0, POLYNOMIAL_TOP_M);
+                ((square * z_m + linear) * z_m + constant).max(0.0)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CLIMB, DESCENT, Shape, SlopeLimit};
+    use crate::geodesy::Amsl;
+
+    #[test]
+    fn the_polynomials_start_at_22_8_and_18_degrees_and_end_near_14_and_12_km() {
+        let limit = |polynomial| SlopeLimit {
+            shape: Shape::Polynomial(polynomial),
+            by_speed: 10.0,
+        };
+        let degrees = |slope: f64| slope.atan().to_degrees();
+        assert!((degrees(limit(CLIMB).at(Amsl(0.0))) - 22.8).abs() < 0.1);
+        assert!((degrees(limit(DESCENT).at(Amsl(0.0))) - 18.0).abs() < 0.1);
+        // Still positive at 12 km, where both are held.
+        assert!(limit(CLIMB).at(Amsl(12_000.0)) > 0.07);
+        assert!(limit(DESCENT).at(Amsl(12_000.0)) > 0.03);
+        assert_eq!(
+            limit(CLIMB).at(Amsl(20_000.0)).to_bits(),
+            limit(CLIMB).at(Amsl(12_000.0)).to_bits()
+        );
+    }
+
+    #[test]
+    fn vertical_speed_limits_the_slope_too() {
+        let limit = SlopeLimit {
+            shape: Shape::Angle(0.5),
+            by_speed: 0.2,
+        };
+        assert!((limit.at(Amsl(100.0)) - 0.2).abs() < 1e-15);
+        assert!((limit.by_shape(Amsl(100.0)) - 0.5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,218 @@
+//! When a vehicle is where, from standing at home to touchdown.
+//!
+//! Assumed, and not measured on an autopilot: a copter keeps its planned ground
+//! speed along a route, corners included, and speeds up and slows down only at
+//! its two ends; it climbs and descends vertically at constant speed.
+
+use crate::geodesy::{Amsl, PlanPoint};
+use crate::numeric::SpeedProfile;
+use crate::path::TimedPoint;
+use crate::spec::{Finish, Vehicle};
+use crate::world::Stations;
+
+/// Longest piece of a motion while the speed changes, seconds: between its ends
+/// such a piece leaves constant speed by at most `accel * 2^2 / 8`.
+const RAMP_PIECE_S: f64 = 2.0;
+
+/// The whole flight of one vehicle, straight and of constant speed between its points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flight {
+    /// From takeoff to touchdown, in order of time. With [`Self::loiters`] the
+    /// last point repeats the place of the one before at time infinity.
+    pub points: Vec<TimedPoint>,
+    /// When each route begins, seconds after T0.
+    pub route_starts_s: Vec<f64>,
+    /// Whether the vehicle stays at its last point for ever.
+    pub loiters: bool,
+}
+
+/// The times of a route that is flown from rest to rest at a constant ground
+/// speed: one point for each point given.
+#[must_use]
+pub fn time_route(
+    points: &[PlanPoint],
+    t0_s: f64,
+    speed_mps: f64,
+    accel_mps2: f64,
+) -> Vec<TimedPoint> {
+    let along_m = distances_m(points);
+    let profile = SpeedProfile::new(
+        along_m.last().copied().unwrap_or(0.0),
+        speed_mps,
+        accel_mps2,
+    );
+    points
+        .iter()
+        .zip(&along_m)
+        .map(|(&point, &along_m)| TimedPoint {
+            point,
+            t_s: t0_s + profile.time_at_s(along_m),
+        })
+        .collect()
+}
+
+/// When the first route of a vehicle begins, seconds after T0: after its
+/// departure, its climb over home, and its way from there to the start.
+#[must_use]
+pub fn route_start_s(vehicle: &Vehicle, stations: &Stations) -> f64 {
+    let mut points = Vec::new();
+    take_off(&mut points, vehicle, stations);
+    points.last().map_or(vehicle.depart_s, |last| last.t_s)
+}
+
+/// The flight of a vehicle along its routes: one from start to goal, and with
+/// [`Finish::Return`] a second one from the goal to over home.
+#[must_use]
+pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Flight {
+    let mut points = Vec::new();
+    take_off(&mut points, vehicle, stations);
+    let mut route_starts_s = Vec::with_capacity(routes.len());
+    for route in routes {
+        let t0_s = points.last().map_or(vehicle.depart_s, |last| last.t_s);
+        route_starts_s.push(t0_s);
+        append_route(&mut points, route, vehicle);
+    }
+    let loiters = vehicle.finish == Finish::Loiter;
+    if let Some(&last) = points.last() {
+        match vehicle.finish {
+            Finish::Loiter => points.push(TimedPoint {
+                t_s: f64::INFINITY,
+                ..last
+            }),
+            Finish::Land => climb_to(&mut points, stations.goal_ground, vehicle),
+            Finish::Return => climb_to(&mut points, stations.home.amsl, vehicle),
+        }
+    }
+    Flight {
+        points,
+        route_starts_s,
+        loiters,
+    }
+}
+
+impl Flight {
+    /// Where the vehicle is at a time; `None` while it stands on the ground.
+    #[must_use]
+    pub fn position(&self, t_s: f64) -> Option<PlanPoint> {
+        let after = self.points.partition_point(|point| point.t_s <= t_s);
+        let from = self.points.get(after.checked_sub(1)?)?;
+        let Some(to) = self.points.get(after) else {
+            return (from.t_s >= t_s).then_some(from.point);
+        };
+        if to.t_s.is_infinite() {
+            return Some(from.point);
+        }
+        let share = (t_s - from.t_s) / (to.t_s - from.t_s);
+        Some(between(from.point, to.point, share))
+    }
+}
+
+fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, stations: &Stations) {
+    points.push(TimedPoint {
+        point: stations.home,
+        t_s: vehicle.depart_s,
+    });
+    climb_to(points, stations.start.amsl, vehicle);
+    let over_home = PlanPoint {
+        at: stations.home.at,
+        amsl: stations.start.amsl,
+    };
+    if stations.home.at.distance_m(stations.start.at) > 0.0 {
+        append_route(points, &[over_home, stations.start], vehicle);
+    }
+}
+
+/// Vertically to another altitude.
+fn climb_to(points: &mut Vec<TimedPoint>, amsl: Amsl, vehicle: &Vehicle) {
+    let Some(&last) = points.last() else {
+        return;
+    };
+    let rise_m = amsl.0 - last.point.amsl.0;
+    let duration_s = if rise_m > 0.0 {
+        rise_m / vehicle.climb_mps
+    } else {
+        -rise_m / vehicle.descent_mps
+    };
+    points.push(TimedPoint {
+        point: PlanPoint {
+            at: last.point.at,
+            amsl,
+        },
+        t_s: last.t_s + duration_s,
+    });
+}
+
+/// A route from rest to rest, begun when the last point is reached, with points
+/// added where the speed changes.
+fn append_route(points: &mut Vec<TimedPoint>, route: &[PlanPoint], vehicle: &Vehicle) {
+    let t0_s = points.last().map_or(vehicle.depart_s, |last| last.t_s);
+    let along_m = distances_m(route);
+    let profile = SpeedProfile::new(
+        along_m.last().copied().unwrap_or(0.0),
+        vehicle.speed_mps,
+        vehicle.accel_mps2,
+    );
+    for (leg, reach_m) in route.windows(2).zip(along_m.windows(2)) {
+        let length_m = reach_m[1] - reach_m[0];
+        for distance_m in ramp_stops_m(&profile, reach_m[0], reach_m[1]) {
+            points.push(TimedPoint {
+                point: between(leg[0], leg[1], (distance_m - reach_m[0]) / length_m),
+                t_s: t0_s + profile.time_at_s(distance_m),
+            });
+        }
+        points.push(TimedPoint {
+            point: leg[1],
+            t_s: t0_s + profile.time_at_s(reach_m[1]),
+        });
+    }
+}
+
+/// Distances strictly between `from_m` and `to_m` at which a leg is to be cut,
+/// so that the speed is near constant on every piece; none while cruising.
+pub fn ramp_stops_m(
+    profile: &SpeedProfile,
+    from_m: f64,
+    to_m: f64,
+) -> impl Iterator<Item = f64> + use<> {
+    let profile = *profile;
+    let (t0_s, t1_s) = (profile.time_at_s(from_m), profile.time_at_s(to_m));
+    let ramp_m = profile.ramp_m();
+    let changes = from_m < ramp_m || to_m > profile.length_m() - ramp_m;
+    let pieces = if changes {
+        ((t1_s - t0_s) / RAMP_PIECE_S).ceil().clamp(1.0, 1000.0)
+    } else {
+        1.0
+    };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 1 and 1000"
+    )]
+    let count = pieces as u32;
+    (1..count)
+        .map(move |piece| profile.distance_at_m(t0_s + (t1_s - t0_s) * f64::from(piece) / pieces))
+        .filter(move |&distance_m| from_m < distance_m && distance_m < to_m)
+}
+
+/// Horizontal distance along a polyline up to each of its points, metres.
+fn distances_m(points: &[PlanPoint]) -> Vec<f64> {
+    let mut sum_m = 0.0;
+    let mut before = points.first().copied();
+    points
+        .iter()
+        .map(|point| {
+            sum_m += before.map_or(0.0, |before| before.at.distance_m(point.at));
+            before = Some(*point);
+            sum_m
+        })
+        .collect()
+}
+
+fn between(from: PlanPoint, to: PlanPoint, share: f64) -> PlanPoint {
+    let mix = |a: f64, b: f64| a + share * (b - a);
+    PlanPoint::new(
+        mix(from.at.east_m, to.at.east_m),
+        mix(from.at.north_m, to.at.north_m),
+        Amsl(mix(from.amsl.0, to.amsl.0)),
+    )
+}
