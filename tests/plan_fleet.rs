@@ -306,7 +306,7 @@ fn replanning_keeps_the_vehicles_before_and_repeats_those_after() {
         margins: vec![
             Margins::default(),
             Margins {
-                terrain_m: 25.0,
+                clearance_m: 25.0,
                 ..Margins::default()
             },
         ],

@@ -20,7 +20,7 @@ const NEAR: f64 = 0.75;
 pub(super) struct Course<'a> {
     pub world: &'a World,
     pub spec: &'a MissionSpec,
-    pub vehicle: &'a Vehicle,
+    pub index: usize,
     pub leg: Leg,
     pub earlier: &'a [Flight],
     pub margins: Margins,
@@ -29,6 +29,11 @@ pub(super) struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
+    /// The vehicle that flies it.
+    pub(super) fn vehicle(&self) -> &'a Vehicle {
+        &self.spec.vehicles[self.index]
+    }
+
     /// Control points of the spline, ends included.
     pub(super) fn controls(&self) -> usize {
         self.spec.planner.control_points + 2
@@ -49,11 +54,11 @@ impl<'a> Course<'a> {
     }
 
     /// The objective, sampled at some parameters.
-    pub(super) fn model(&self, margins: Margins, parameters: &[f64]) -> CostModel<'a> {
+    pub(super) fn model(&self, margins: Margins, parameters: &[f64]) -> CostModel {
         CostModel::new(
             self.world,
             self.spec,
-            self.vehicle,
+            self.index,
             self.leg,
             self.earlier,
             margins,
@@ -63,7 +68,7 @@ impl<'a> Course<'a> {
 
     /// What the altitude has to clear, and `above_m` more.
     pub(super) fn floor(&self, above_m: f64) -> FloorMaker<'a> {
-        let over_m = self.margins.terrain_m + above_m;
+        let over_m = self.margins.clearance_m + above_m;
         FloorMaker::new(
             self.world,
             self.world.min_agl.0 + over_m,
@@ -76,7 +81,7 @@ impl<'a> Course<'a> {
     /// a spline does not follow a floor to the letter.
     pub(super) fn slopes(&self) -> Slopes {
         const SPARE: f64 = 0.95;
-        let limits = VehicleLimits::of(self.vehicle);
+        let limits = VehicleLimits::of(self.vehicle());
         let high = self.leg.from.amsl.0.max(self.leg.to.amsl.0);
         Slopes {
             climb: SPARE * limits.climb.at(Amsl(high)),

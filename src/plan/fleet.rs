@@ -148,7 +148,7 @@ fn plan_vehicle(
         let course = Course {
             world,
             spec,
-            vehicle,
+            index,
             leg: Leg { from, to, start_s },
             earlier,
             margins: request.margins.get(index).copied().unwrap_or_default(),
@@ -213,8 +213,8 @@ fn route(course: &Course<'_>, found: &Found) -> Route {
         path: time_route(
             &points,
             course.leg.start_s,
-            course.vehicle.speed_mps,
-            course.vehicle.accel_mps2,
+            course.vehicle().speed_mps,
+            course.vehicle().accel_mps2,
         ),
     }
 }

@@ -5,7 +5,7 @@ use super::floor::FloorMaker;
 use super::lowest::{LowestSpline, Row, Workspace};
 use crate::cost::{Controls, CostModel, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::numeric::bspline::Basis;
+use crate::numeric::Basis;
 use crate::optimize::Problem;
 use crate::spec::Objective;
 
@@ -97,7 +97,7 @@ impl Spline {
 /// A path sampled at given parameters: its objective, and the altitude decoder.
 pub(super) struct Sampled<'a> {
     basis: Basis,
-    model: CostModel<'a>,
+    model: CostModel,
     lowest: LowestSpline,
     floor: FloorMaker<'a>,
     /// Samples count alike, whatever the distance between them (the paper's sums).
