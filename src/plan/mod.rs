@@ -1,5 +1,21 @@
 //! Paths for a fleet, one vehicle after the other in order of priority.
 
+mod classes;
+mod columns;
+mod course;
+mod estimate;
+mod field;
+mod fit;
+mod fleet;
+mod floor;
+mod lowest;
+mod problem;
+mod search;
+mod starts;
+
+pub use columns::ColumnConflict;
+pub use fleet::{Progress, Request, plan_fleet, replan_from};
+
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;

@@ -1,0 +1,213 @@
+//! The distribution a swarm draws its steps from, learnt from its best flies.
+//!
+//! CMA-ES (Hansen, "The CMA Evolution Strategy: A Tutorial", 2016, with its default
+//! parameters) with positive weights only, in Cholesky form: the factor is taken
+//! anew after each generation, which for the few dimensions of a path costs less
+//! than one evaluation.
+
+use nalgebra::{DMatrix, DVector};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// A normal distribution around a mean, scaled per variable.
+pub(super) struct Adapted {
+    mean: DVector<f64>,
+    /// Unit of each variable.
+    scale: DVector<f64>,
+    sigma: f64,
+    covariance: DMatrix<f64>,
+    /// Lower Cholesky factor of the covariance.
+    factor: DMatrix<f64>,
+    /// Evolution path of the covariance, p_c.
+    path: DVector<f64>,
+    /// Evolution path of the step size, p_sigma, in the factor's coordinates.
+    step_path: DVector<f64>,
+    generations: i32,
+    rates: Rates,
+}
+
+/// Weights and learning rates; they depend on the dimension and the flies alone.
+struct Rates {
+    weights: Vec<f64>,
+    mu_eff: f64,
+    path: f64,
+    step: f64,
+    damping: f64,
+    rank_one: f64,
+    rank_mu: f64,
+    /// Expected length of a standard normal vector.
+    expected_norm: f64,
+}
+
+impl Rates {
+    fn new(dimension: usize, flies: usize) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "counts of flies and variables")]
+        let (n, half) = (dimension as f64, flies as f64 / 2.0);
+        let mut weights: Vec<f64> = (1..=flies / 2)
+            .map(|rank| {
+                #[expect(clippy::cast_precision_loss, reason = "counts of flies")]
+                let rank = rank as f64;
+                (half + 0.5).ln() - rank.ln()
+            })
+            .collect();
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|weight| *weight /= sum);
+        let mu_eff = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        let step = (mu_eff + 2.0) / (n + mu_eff + 5.0);
+        let rank_one = 2.0 / ((n + 1.3).powi(2) + mu_eff);
+        Self {
+            weights,
+            mu_eff,
+            path: (4.0 + mu_eff / n) / (n + 4.0 + 2.0 * mu_eff / n),
+            step,
+            damping: 1.0 + 2.0 * (((mu_eff - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + step,
+            rank_one,
+            rank_mu: (2.0 * (mu_eff - 2.0 + 1.0 / mu_eff) / ((n + 2.0).powi(2) + mu_eff))
+                .min(1.0 - rank_one),
+            expected_norm: n.sqrt() * (1.0 - 1.0 / (4.0 * n) + 1.0 / (21.0 * n * n)),
+        }
+    }
+}
+
+/// A standard normal number (Marsaglia's polar method).
+fn normal(rng: &mut ChaCha8Rng) -> f64 {
+    loop {
+        let (u, v): (f64, f64) = (rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0));
+        let s = u * u + v * v;
+        if s > 0.0 && s < 1.0 {
+            return u * (-2.0 * s.ln() / s).sqrt();
+        }
+    }
+}
+
+impl Adapted {
+    /// Isotropic in units of `scale`, of standard deviation `sigma`, for swarms of
+    /// `flies` (at least 4).
+    pub(super) fn new(mean: &[f64], scale: &[f64], sigma: f64, flies: usize) -> Self {
+        let n = mean.len();
+        Self {
+            mean: DVector::from_column_slice(mean),
+            scale: DVector::from_column_slice(scale),
+            sigma,
+            covariance: DMatrix::identity(n, n),
+            factor: DMatrix::identity(n, n),
+            path: DVector::zeros(n),
+            step_path: DVector::zeros(n),
+            generations: 0,
+            rates: Rates::new(n, flies),
+        }
+    }
+
+    /// Moves the centre and forgets where it came from, but keeps the shape.
+    pub(super) fn move_to(&mut self, mean: &[f64]) {
+        self.mean.copy_from_slice(mean);
+        self.path.fill(0.0);
+        self.step_path.fill(0.0);
+    }
+
+    /// One step in standard normal coordinates.
+    pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> DVector<f64> {
+        DVector::from_fn(self.mean.len(), |_, _| normal(rng))
+    }
+
+    /// The point a drawn step leads to, kept in the unit cube.
+    pub(super) fn position(&self, draw: &DVector<f64>) -> DVector<f64> {
+        let step = (&self.factor * draw).component_mul(&self.scale) * self.sigma;
+        (&self.mean + step).map(|x| x.clamp(0.0, 1.0))
+    }
+
+    /// Learns from the draws of one generation, best first; only the better half is used.
+    pub(super) fn learn(&mut self, ranked: &[&DVector<f64>]) {
+        let n = self.mean.len();
+        let rates = &self.rates;
+        let steps: Vec<DVector<f64>> = ranked
+            .iter()
+            .take(rates.weights.len())
+            .map(|draw| &self.factor * *draw)
+            .collect();
+        let mut draw_mean = DVector::zeros(n);
+        let mut step_mean = DVector::zeros(n);
+        for ((draw, step), &weight) in ranked.iter().zip(&steps).zip(&rates.weights) {
+            draw_mean.axpy(weight, draw, 1.0);
+            step_mean.axpy(weight, step, 1.0);
+        }
+        self.mean += step_mean.component_mul(&self.scale) * self.sigma;
+        self.mean.apply(|x| *x = x.clamp(0.0, 1.0));
+        self.generations += 1;
+
+        let keep = 1.0 - rates.step;
+        self.step_path.axpy(
+            (rates.step * (2.0 - rates.step) * rates.mu_eff).sqrt(),
+            &draw_mean,
+            keep,
+        );
+        let length = self.step_path.norm();
+        let settled = (1.0 - keep.powi(2 * self.generations)).sqrt();
+        let stalled = length / settled / rates.expected_norm > 1.4 + 2.0 / (as_f64(n) + 1.0);
+        let gain = if stalled { 0.0 } else { 1.0 };
+        self.path.axpy(
+            gain * (rates.path * (2.0 - rates.path) * rates.mu_eff).sqrt(),
+            &step_mean,
+            1.0 - rates.path,
+        );
+        let old = 1.0 - rates.rank_one - rates.rank_mu
+            + (1.0 - gain) * rates.rank_one * rates.path * (2.0 - rates.path);
+        self.covariance
+            .ger(rates.rank_one, &self.path, &self.path, old);
+        for (step, &weight) in steps.iter().zip(&rates.weights) {
+            self.covariance.ger(rates.rank_mu * weight, step, step, 1.0);
+        }
+        let growth = (rates.step / rates.damping) * (length / rates.expected_norm - 1.0);
+        self.sigma = (self.sigma * growth.clamp(-1.0, 1.0).exp()).clamp(1e-9, 1e3);
+        match self.covariance.clone().cholesky() {
+            Some(cholesky) => self.factor = cholesky.unpack(),
+            None => self.forget_shape(),
+        }
+    }
+
+    /// Back to a ball: the covariance has lost its definiteness.
+    fn forget_shape(&mut self) {
+        self.covariance.fill_with_identity();
+        self.factor.fill_with_identity();
+        self.path.fill(0.0);
+        self.step_path.fill(0.0);
+    }
+}
+
+fn as_f64(count: usize) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "a number of variables")]
+    let count = count as f64;
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::Seed;
+
+    #[test]
+    fn normal_numbers_have_mean_zero_and_variance_one() {
+        let mut rng = Seed(1).stream("test", 0);
+        let draws: Vec<f64> = (0..20_000).map(|_| normal(&mut rng)).collect();
+        let mean = draws.iter().sum::<f64>() / 20_000.0;
+        let variance = draws.iter().map(|x| x * x).sum::<f64>() / 20_000.0;
+        assert!(mean.abs() < 0.03, "{mean}");
+        assert!((variance - 1.0).abs() < 0.05, "{variance}");
+    }
+
+    #[test]
+    fn it_learns_the_shape_of_a_narrow_valley() {
+        let mut rng = Seed(2).stream("test", 0);
+        let valley = |p: &DVector<f64>| (p[0] - p[1]).powi(2) * 1e4 + (p[0] + p[1] - 1.2).powi(2);
+        let mut adapted = Adapted::new(&[0.2, 0.1], &[1.0, 1.0], 0.1, 12);
+        for _ in 0..120 {
+            let draws: Vec<DVector<f64>> = (0..12).map(|_| adapted.draw(&mut rng)).collect();
+            let mut ranked: Vec<&DVector<f64>> = draws.iter().collect();
+            ranked.sort_by(|a, b| {
+                valley(&adapted.position(a)).total_cmp(&valley(&adapted.position(b)))
+            });
+            adapted.learn(&ranked);
+        }
+        assert!(adapted.mean.iter().all(|x| (x - 0.6).abs() < 1e-6));
+    }
+}

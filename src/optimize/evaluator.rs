@@ -1,0 +1,176 @@
+//! The budget: every evaluation is counted, and none beyond it is made.
+
+use rayon::prelude::*;
+
+use super::{Candidate, Problem};
+
+/// Rows of one parallel task. Small enough that one swarm fills two threads.
+const ROWS_PER_TASK: usize = 8;
+
+/// The best cost known after a number of evaluations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TracePoint {
+    /// Evaluations made so far, the one that found `best` included.
+    pub evaluations: usize,
+    /// The least cost so far.
+    pub best: f64,
+}
+
+/// Evaluates batches of a problem: counts exactly, clips to the budget, and
+/// keeps the best point and the trace of convergence.
+pub struct Evaluator<'a, P: Problem + ?Sized> {
+    problem: &'a P,
+    budget: usize,
+    spent: usize,
+    best: Option<Candidate>,
+    trace: Vec<TracePoint>,
+    watch: &'a (dyn Fn(TracePoint) + Sync),
+}
+
+impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
+    /// An evaluator that makes at most `budget` evaluations and tells `watch`
+    /// after every batch.
+    #[must_use]
+    pub fn new(problem: &'a P, budget: usize, watch: &'a (dyn Fn(TracePoint) + Sync)) -> Self {
+        Self {
+            problem,
+            budget,
+            spent: 0,
+            best: None,
+            trace: Vec::new(),
+            watch,
+        }
+    }
+
+    /// Number of decision variables.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        self.problem.dimension()
+    }
+
+    /// Evaluations allowed in all.
+    #[must_use]
+    pub fn budget(&self) -> usize {
+        self.budget
+    }
+
+    /// Evaluations made.
+    #[must_use]
+    pub fn spent(&self) -> usize {
+        self.spent
+    }
+
+    /// Whether the budget is used up.
+    #[must_use]
+    pub fn is_exhausted(&self) -> bool {
+        self.spent >= self.budget
+    }
+
+    /// The best point so far.
+    #[must_use]
+    pub fn best(&self) -> Option<&Candidate> {
+        self.best.as_ref()
+    }
+
+    /// The trace of convergence.
+    #[must_use]
+    pub fn into_trace(self) -> Vec<TracePoint> {
+        self.trace
+    }
+
+    /// Costs of the rows of `candidates`, in order. Rows beyond the budget are
+    /// not evaluated and cost infinity, as does a row whose cost is not a number.
+    #[must_use]
+    pub fn evaluate(&mut self, candidates: &[f64]) -> Vec<f64> {
+        let dimension = self.dimension().max(1);
+        let rows = candidates.len() / dimension;
+        let allowed = rows.min(self.budget - self.spent);
+        let mut costs = vec![f64::INFINITY; rows];
+        candidates[..allowed * dimension]
+            .par_chunks(ROWS_PER_TASK * dimension)
+            .zip(costs[..allowed].par_chunks_mut(ROWS_PER_TASK))
+            .for_each(|(part, costs)| self.problem.evaluate(part, f64::INFINITY, costs));
+        for (row, cost) in costs[..allowed].iter_mut().enumerate() {
+            if cost.is_nan() {
+                *cost = f64::INFINITY;
+            }
+            self.fold(
+                self.spent + row + 1,
+                *cost,
+                &candidates[row * dimension..][..dimension],
+            );
+        }
+        self.spent += allowed;
+        if let Some(best) = &self.best {
+            (self.watch)(TracePoint {
+                evaluations: self.spent,
+                best: best.cost,
+            });
+        }
+        costs
+    }
+
+    fn fold(&mut self, evaluations: usize, cost: f64, position: &[f64]) {
+        if self.best.as_ref().is_none_or(|best| cost < best.cost) {
+            self.best = Some(Candidate {
+                position: position.to_vec(),
+                cost,
+            });
+            self.trace.push(TracePoint {
+                evaluations,
+                best: cost,
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// Costs the first variable, NaN beyond 0.9; counts its calls.
+    struct Counting(AtomicUsize);
+
+    impl Problem for Counting {
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+            self.0.fetch_add(costs.len(), Ordering::Relaxed);
+            for (cost, row) in costs.iter_mut().zip(candidates.chunks(2)) {
+                *cost = if row[0] > 0.9 { f64::NAN } else { row[0] };
+            }
+        }
+    }
+
+    #[test]
+    fn the_budget_is_never_exceeded_and_every_call_is_counted() {
+        let problem = Counting(AtomicUsize::new(0));
+        let mut evaluator = Evaluator::new(&problem, 30, &|_| ());
+        let batch: Vec<f64> = (0..40).map(|i| f64::from(i) / 100.0).collect();
+        let first = evaluator.evaluate(&batch);
+        let second = evaluator.evaluate(&batch);
+        assert_eq!(evaluator.spent(), 30);
+        assert_eq!(problem.0.load(Ordering::Relaxed), 30);
+        assert!(first.iter().all(|cost| cost.is_finite()));
+        assert_eq!(second.iter().filter(|cost| cost.is_finite()).count(), 10);
+        assert!(evaluator.is_exhausted());
+    }
+
+    #[test]
+    fn a_cost_that_is_no_number_counts_as_infinite_and_the_trace_falls() {
+        let problem = Counting(AtomicUsize::new(0));
+        let mut evaluator = Evaluator::new(&problem, 100, &|_| ());
+        let costs = evaluator.evaluate(&[0.95, 0.0, 0.5, 0.0, 0.7, 0.0, 0.2, 0.0]);
+        assert!(costs[0].is_infinite());
+        assert_eq!(
+            evaluator.best().map(|best| best.position.clone()),
+            Some(vec![0.2, 0.0])
+        );
+        let trace = evaluator.into_trace();
+        let points: Vec<usize> = trace.iter().map(|point| point.evaluations).collect();
+        assert_eq!(points, [1, 2, 4]);
+    }
+}

@@ -1,0 +1,376 @@
+//! MSFOA as it pays: several sub-swarms that start apart and race.
+//!
+//! From the paper (Shi, Zhang, Xia 2020, section 3.1): sub-swarms that search
+//! independently; a global task with big steps (Eq. 7, 8) for a swarm whose cost is
+//! above the threshold, a local one below; visual search, by which a swarm keeps the
+//! place of its keenest fly; and the competition of offspring, by which swarms
+//! exchange what they know (Eq. 14, 18, 19).
+//!
+//! Beyond it, as measured: swarms begin in given starts instead of anywhere; local
+//! steps are drawn from a distribution that each swarm adapts to what it smells
+//! (`adapted`); swarms race, so that the budget goes to the promising ones; one that
+//! gains nothing any more begins again elsewhere; an offspring takes the first
+//! variables from one swarm and the rest from another, which for paths is the first
+//! part of one route and the second of another (a mixture in the middle, as printed,
+//! would lead between two routes, and there the obstacle stands).
+
+use std::collections::BTreeSet;
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::DVector;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::adapted::Adapted;
+use super::{Candidate, Evaluator, Problem};
+
+/// Where a sub-swarm begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Start {
+    /// Centre, in the unit cube.
+    pub mean: Vec<f64>,
+    /// Unit of the steps, per variable; the first steps deviate by 0.4 of it.
+    pub scale: Vec<f64>,
+    /// Starts of one class lead to the same valley: later rounds keep one of each.
+    pub class: u64,
+}
+
+/// Parameters of the default algorithm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MsfoaParameters {
+    /// Sub-swarms at the beginning of the race.
+    pub swarms: usize,
+    /// Flies in each sub-swarm, at least 4.
+    pub flies: usize,
+    /// Cost above which a swarm searches globally.
+    pub threshold: f64,
+    /// Standard deviation of the first local steps, in units of a start's scale.
+    pub step: f64,
+    /// Variables that belong together: offspring are cut between such groups.
+    pub group: usize,
+}
+
+/// Shares of the budget at which the rounds of the race end.
+const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
+/// Share of the swarms that survives a round.
+const SURVIVAL: f64 = 0.4;
+/// Evaluations of one swarm without gain after which it begins again.
+const PATIENCE: usize = 700;
+/// What counts as gain, as a share of the cost.
+const GAIN: f64 = 2e-4;
+/// Swarms that mate at the end of a round.
+const PARENTS: usize = 4;
+/// Global steps, in units of a start's scale.
+const GLOBAL_STEP: f64 = 3.0;
+
+/// One sub-swarm.
+struct Swarm {
+    class: u64,
+    scale: Vec<f64>,
+    adapted: Adapted,
+    /// Its keenest fly so far.
+    best: Candidate,
+    /// Evaluations since the last gain, and the cost then.
+    idle: usize,
+    idle_cost: f64,
+}
+
+impl Swarm {
+    fn new(start: &Start, parameters: &MsfoaParameters) -> Self {
+        Self {
+            class: start.class,
+            scale: start.scale.clone(),
+            adapted: Adapted::new(&start.mean, &start.scale, parameters.step, parameters.flies),
+            best: Candidate {
+                position: start.mean.clone(),
+                cost: f64::INFINITY,
+            },
+            idle: 0,
+            idle_cost: f64::INFINITY,
+        }
+    }
+
+    /// Big steps from the keenest fly, Eq. 7 and 8 per variable.
+    fn global_fly(&self, rng: &mut ChaCha8Rng) -> Vec<f64> {
+        self.best
+            .position
+            .iter()
+            .zip(&self.scale)
+            .map(|(&x, &scale)| {
+                let step = (FRAC_PI_2 * rng.random_range(-1.0..1.0)).sin();
+                (x + GLOBAL_STEP * scale * step).clamp(0.0, 1.0)
+            })
+            .collect()
+    }
+
+    /// Visual search: the swarm remembers its keenest fly.
+    fn see(&mut self, position: &[f64], cost: f64) {
+        if cost < self.best.cost {
+            self.best = Candidate {
+                position: position.to_vec(),
+                cost,
+            };
+        }
+    }
+
+    /// Counts evaluations; true when too many brought no gain.
+    fn is_tired(&mut self, evaluations: usize) -> bool {
+        let needed = GAIN * self.idle_cost.abs();
+        if self.idle_cost.is_infinite() || self.idle_cost - self.best.cost > needed {
+            self.idle = 0;
+            self.idle_cost = self.best.cost;
+        } else {
+            self.idle += evaluations;
+        }
+        self.idle >= PATIENCE
+    }
+}
+
+/// What one fly did in a generation: a draw to learn from, or a global step.
+enum Flight {
+    Local(DVector<f64>),
+    Global,
+}
+
+/// Runs until the budget is spent; returns the best of every swarm there was.
+pub(super) fn search<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    parameters: &MsfoaParameters,
+    starts: &[Start],
+    rng: &mut ChaCha8Rng,
+) -> Vec<Candidate> {
+    let parameters = MsfoaParameters {
+        swarms: parameters.swarms.max(1),
+        flies: parameters.flies.max(4),
+        group: parameters.group.max(1),
+        ..*parameters
+    };
+    let mut starts = starts.to_vec();
+    while starts.len() < parameters.swarms {
+        starts.push(random_start(evaluator.dimension(), rng));
+    }
+    let mut unused = starts.iter();
+    let mut swarms: Vec<Swarm> = unused
+        .by_ref()
+        .take(parameters.swarms)
+        .map(|start| Swarm::new(start, &parameters))
+        .collect();
+    let mut left_behind = Vec::new();
+    for (round, end) in ROUND_ENDS.into_iter().enumerate() {
+        let last = round + 1 == ROUND_ENDS.len();
+        let round_end = share(evaluator.budget(), end);
+        while evaluator.spent() < round_end {
+            generation(evaluator, &mut swarms, &parameters, rng);
+            for swarm in &mut swarms {
+                if swarm.is_tired(parameters.flies) {
+                    left_behind.push(swarm.best.clone());
+                    let fresh = if round < 2 { unused.next() } else { None };
+                    begin_again(swarm, fresh, &parameters);
+                }
+            }
+        }
+        if !last {
+            compete(evaluator, &mut swarms, parameters.group);
+            let keep = survivors(parameters.swarms, round + 1);
+            left_behind.extend(drop_the_slow(&mut swarms, keep));
+        }
+    }
+    left_behind.extend(swarms.into_iter().map(|swarm| swarm.best));
+    left_behind.retain(|candidate| candidate.cost.is_finite());
+    left_behind
+}
+
+/// A start anywhere, of its own class.
+fn random_start(dimension: usize, rng: &mut ChaCha8Rng) -> Start {
+    Start {
+        mean: (0..dimension).map(|_| rng.random()).collect(),
+        scale: vec![0.5; dimension],
+        class: rng.random(),
+    }
+}
+
+fn share(budget: usize, part: f64) -> usize {
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a budget times a share of 1"
+    )]
+    let share = (budget as f64 * part).round() as usize;
+    share.min(budget)
+}
+
+/// Swarms that go on after so many rounds: at least two until the last round.
+fn survivors(swarms: usize, rounds: usize) -> usize {
+    if rounds + 1 == ROUND_ENDS.len() {
+        return 1;
+    }
+    (0..rounds)
+        .fold(swarms, |left, _| share(left * 10, SURVIVAL).div_ceil(10))
+        .max(2)
+}
+
+/// One olfactory and visual search of all swarms, evaluated as one batch.
+fn generation<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    swarms: &mut [Swarm],
+    parameters: &MsfoaParameters,
+    rng: &mut ChaCha8Rng,
+) {
+    let dimension = evaluator.dimension();
+    let mut rows = Vec::with_capacity(swarms.len() * parameters.flies * dimension);
+    let mut flights = Vec::with_capacity(swarms.len() * parameters.flies);
+    for swarm in swarms.iter() {
+        let task_is_global = swarm.best.cost.is_finite() && swarm.best.cost > parameters.threshold;
+        for fly in 0..parameters.flies {
+            // Half the flies of a global task keep adapting, so that a swarm that
+            // stands near a way out still finds it.
+            if task_is_global && fly % 2 == 1 {
+                rows.extend(swarm.global_fly(rng));
+                flights.push(Flight::Global);
+            } else {
+                let draw = swarm.adapted.draw(rng);
+                rows.extend(swarm.adapted.position(&draw).iter());
+                flights.push(Flight::Local(draw));
+            }
+        }
+    }
+    let costs = evaluator.evaluate(&rows);
+    for (g, swarm) in swarms.iter_mut().enumerate() {
+        let mine = g * parameters.flies..(g + 1) * parameters.flies;
+        let before = swarm.best.cost;
+        let mut global_gain = false;
+        for fly in mine.clone() {
+            global_gain |= matches!(flights[fly], Flight::Global)
+                && costs[fly] < swarm.best.cost
+                && before.is_finite();
+            swarm.see(&rows[fly * dimension..][..dimension], costs[fly]);
+        }
+        learn(swarm, &flights[mine.clone()], &costs[mine], parameters);
+        if global_gain {
+            swarm.adapted.move_to(&swarm.best.position);
+        }
+    }
+}
+
+/// The swarm's distribution learns from its local flies, if all were evaluated.
+fn learn(swarm: &mut Swarm, flights: &[Flight], costs: &[f64], parameters: &MsfoaParameters) {
+    let mut local: Vec<(f64, &DVector<f64>)> = flights
+        .iter()
+        .zip(costs)
+        .filter_map(|(flight, &cost)| match flight {
+            Flight::Local(draw) => Some((cost, draw)),
+            Flight::Global => None,
+        })
+        .collect();
+    local.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let needed = parameters.flies / 2;
+    let enough = local.len() >= needed && local.iter().take(needed).all(|fly| fly.0.is_finite());
+    if enough {
+        let ranked: Vec<&DVector<f64>> = local.iter().map(|fly| fly.1).collect();
+        swarm.adapted.learn(&ranked);
+    }
+}
+
+/// A tired swarm begins in a fresh start, or around its keenest fly with a new shape.
+fn begin_again(swarm: &mut Swarm, fresh: Option<&Start>, parameters: &MsfoaParameters) {
+    match fresh {
+        Some(start) => *swarm = Swarm::new(start, parameters),
+        None => {
+            swarm.adapted = Adapted::new(
+                &swarm.best.position,
+                &swarm.scale,
+                parameters.step,
+                parameters.flies,
+            );
+            swarm.idle = 0;
+            swarm.idle_cost = swarm.best.cost;
+        }
+    }
+}
+
+/// Competition of offspring among the best swarms: each takes the best of its
+/// children that beats its own keenest fly.
+fn compete<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    swarms: &mut [Swarm],
+    group: usize,
+) {
+    swarms.sort_by(|a, b| a.best.cost.total_cmp(&b.best.cost));
+    let dimension = evaluator.dimension();
+    let parents = swarms.len().min(PARENTS);
+    let mut rows = Vec::new();
+    let mut owners = Vec::new();
+    for (g, first) in swarms[..parents].iter().enumerate() {
+        for second in swarms[..parents].iter().filter(|s| s.class != first.class) {
+            for cut in (group..dimension).step_by(group) {
+                rows.extend_from_slice(&first.best.position[..cut]);
+                rows.extend_from_slice(&second.best.position[cut..]);
+                owners.push(g);
+            }
+        }
+    }
+    let costs = evaluator.evaluate(&rows);
+    for (child, &owner) in owners.iter().enumerate() {
+        let swarm = &mut swarms[owner];
+        if costs[child] < swarm.best.cost {
+            swarm.see(&rows[child * dimension..][..dimension], costs[child]);
+            swarm.adapted.move_to(&swarm.best.position);
+        }
+    }
+}
+
+/// Keeps the best swarms, one of each class; returns the best of those that go.
+fn drop_the_slow(swarms: &mut Vec<Swarm>, keep: usize) -> Vec<Candidate> {
+    swarms.sort_by(|a, b| a.best.cost.total_cmp(&b.best.cost));
+    let mut classes = BTreeSet::new();
+    let mut dropped = Vec::new();
+    let mut kept = Vec::new();
+    for swarm in swarms.drain(..) {
+        if kept.len() < keep && classes.insert(swarm.class) {
+            kept.push(swarm);
+        } else {
+            dropped.push(swarm.best);
+        }
+    }
+    *swarms = kept;
+    dropped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_race_narrows_to_one_swarm() {
+        let rounds = |swarms| [1, 2, 3].map(|round| survivors(swarms, round));
+        assert_eq!(rounds(14), [6, 3, 1]);
+        assert_eq!(rounds(10), [4, 2, 1]);
+        assert_eq!(rounds(1), [2, 2, 1]);
+    }
+
+    #[test]
+    fn a_swarm_tires_only_without_gain() {
+        let parameters = MsfoaParameters {
+            swarms: 1,
+            flies: 16,
+            threshold: f64::INFINITY,
+            step: 0.4,
+            group: 1,
+        };
+        let start = Start {
+            mean: vec![0.5],
+            scale: vec![0.1],
+            class: 0,
+        };
+        let mut swarm = Swarm::new(&start, &parameters);
+        let mut cost = 100.0;
+        for _ in 0..100 {
+            cost *= 0.99;
+            swarm.see(&[0.5], cost);
+            assert!(!swarm.is_tired(16));
+        }
+        assert!((0..PATIENCE / 16).all(|_| !swarm.is_tired(16)));
+        assert!(swarm.is_tired(16));
+    }
+}

@@ -1,0 +1,448 @@
+//! Route classes: which sides of the obstacles a path can take.
+//!
+//! Obstacles are the persistent maxima of the cost fields, so no list of peaks or
+//! threats is needed and any terrain will do. Shortest path trees from both ends
+//! over the same field give, for every node, the cheapest path through it; paths
+//! that pass the obstacles on different sides differ in a signature, the sum of the
+//! random numbers of the obstacles whose rays they cross (signed by the direction:
+//! homology in the plane without the obstacles). One pass so finds every class that
+//! has one via point.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+use super::field::{Field, Grid};
+use crate::geodesy::EastNorth;
+
+/// A maximum is an obstacle if it stands out by so much cost per kilometre.
+const PERSISTENCE: f64 = 0.3;
+/// Costs above this are all the same to an obstacle: walls merge to one.
+const WALL: f64 = 6.0;
+/// Classes this much dearer than the cheapest are not worth a look.
+const DETOUR: f64 = 2.2;
+/// Obstacles nearer than so many cells are the same one.
+const SAME_CELLS: f64 = 3.0;
+/// Most obstacles: those that stand out least are left away first.
+const MAX_OBSTACLES: usize = 24;
+
+/// A path in the plane that stands for its class.
+#[derive(Clone, Debug)]
+pub(super) struct Guide {
+    /// Signature of the class.
+    pub class: u64,
+    /// Its cost in the field it was found in.
+    pub cost: f64,
+    /// From end to end.
+    pub line: Vec<EastNorth>,
+}
+
+/// Obstacles with rays across the straight line from start to goal.
+#[derive(Clone, Debug)]
+pub(super) struct Obstacles {
+    start: EastNorth,
+    /// Unit vector from start to goal.
+    along: (f64, f64),
+    /// Distance along, distance across, and number of each obstacle.
+    rays: Vec<(f64, f64, u64)>,
+}
+
+impl Obstacles {
+    /// Obstacles of several fields over the same grid, as seen from `start` to `goal`.
+    pub(super) fn of(fields: &[Field], start: EastNorth, goal: EastNorth) -> Self {
+        let mut found: Vec<(f64, EastNorth, f64)> = fields
+            .iter()
+            .flat_map(|field| {
+                maxima(field).into_iter().map(|(prominence, node)| {
+                    (prominence, field.grid.at(node), field.grid.spacing_m)
+                })
+            })
+            .collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut places: Vec<EastNorth> = Vec::new();
+        for (_, at, spacing_m) in found {
+            let known = places
+                .iter()
+                .any(|place| place.distance_m(at) < SAME_CELLS * spacing_m);
+            if !known && places.len() < MAX_OBSTACLES {
+                places.push(at);
+            }
+        }
+        let length_m = start.distance_m(goal).max(1e-9);
+        let along = (
+            (goal.east_m - start.east_m) / length_m,
+            (goal.north_m - start.north_m) / length_m,
+        );
+        let mut obstacles = Self {
+            start,
+            along,
+            rays: Vec::new(),
+        };
+        for (index, place) in (0_u64..).zip(places) {
+            let (t, s) = obstacles.aligned(place);
+            obstacles.rays.push((t, s, scramble(index)));
+        }
+        obstacles
+    }
+
+    /// Distances along and across the straight line.
+    fn aligned(&self, at: EastNorth) -> (f64, f64) {
+        let (east, north) = (
+            at.east_m - self.start.east_m,
+            at.north_m - self.start.north_m,
+        );
+        (
+            east * self.along.0 + north * self.along.1,
+            north * self.along.0 - east * self.along.1,
+        )
+    }
+
+    /// What a straight step adds to the signature.
+    fn crossing(&self, from: EastNorth, to: EastNorth) -> u64 {
+        let ((t0, s0), (t1, s1)) = (self.aligned(from), self.aligned(to));
+        let mut sum = 0_u64;
+        for &(t, s, number) in &self.rays {
+            if (t0 < t) == (t1 < t) {
+                continue;
+            }
+            let across = s0 + (s1 - s0) * (t - t0) / (t1 - t0);
+            if across > s {
+                sum = if t0 < t {
+                    sum.wrapping_add(number)
+                } else {
+                    sum.wrapping_sub(number)
+                };
+            }
+        }
+        sum
+    }
+
+    /// The signature of a path.
+    pub(super) fn signature(&self, line: &[EastNorth]) -> u64 {
+        line.windows(2).fold(0, |sum, step| {
+            sum.wrapping_add(self.crossing(step[0], step[1]))
+        })
+    }
+}
+
+/// A number for each index, unlike any other (splitmix64).
+fn scramble(index: u64) -> u64 {
+    let mut z = index.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Local maxima that stand out, with their persistence: cells are flooded from the
+/// dearest down, and a summit ends where its island meets a higher one.
+fn maxima(field: &Field) -> Vec<(f64, usize)> {
+    let height = |node: usize| field.cost[node].min(WALL);
+    let mut order: Vec<usize> = (0..field.grid.len()).collect();
+    order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
+    let Some(&lowest) = order.last() else {
+        return Vec::new();
+    };
+    let mut island = vec![usize::MAX; field.grid.len()];
+    let mut found = Vec::new();
+    for &node in &order {
+        island[node] = node;
+        for rows in -1..=1 {
+            for columns in -1..=1 {
+                let Some(other) = field.grid.step(node, (columns, rows)) else {
+                    continue;
+                };
+                if island[other] == usize::MAX {
+                    continue;
+                }
+                let (a, b) = (summit(&mut island, node), summit(&mut island, other));
+                if a == b {
+                    continue;
+                }
+                let (high, low) = if (height(a), Reverse(a)) > (height(b), Reverse(b)) {
+                    (a, b)
+                } else {
+                    (b, a)
+                };
+                let prominence = height(low) - height(node);
+                if prominence > PERSISTENCE {
+                    found.push((prominence, low));
+                }
+                island[low] = high;
+            }
+        }
+    }
+    let highest = order[0];
+    let prominence = height(highest) - height(lowest);
+    if prominence > PERSISTENCE {
+        found.push((prominence, highest));
+    }
+    found
+}
+
+/// The summit of a node's island, with the way to it shortened.
+fn summit(island: &mut [usize], mut node: usize) -> usize {
+    while island[node] != node {
+        island[node] = island[island[node]];
+        node = island[node];
+    }
+    node
+}
+
+/// Shortest paths from one node to all others.
+struct Tree {
+    cost: Vec<f64>,
+    parent: Vec<usize>,
+    /// Signature of the path from the root.
+    signature: Vec<u64>,
+}
+
+/// A step to another node: columns and rows.
+type Step = (isize, isize);
+
+/// A move in one of 32 directions.
+struct Move {
+    step: Step,
+    /// Nodes it passes beside its ends.
+    passed: Vec<Step>,
+}
+
+/// All moves: king's, knight's, and the two longer ones between them.
+fn moves() -> Vec<Move> {
+    let basic: [(Step, &[Step]); 5] = [
+        ((1, 0), &[]),
+        ((1, 1), &[]),
+        ((2, 1), &[(1, 0), (1, 1)]),
+        ((3, 1), &[(1, 0), (2, 1)]),
+        ((3, 2), &[(1, 1), (2, 1)]),
+    ];
+    let mut all: Vec<Move> = Vec::new();
+    for (step, passed) in basic {
+        for (sx, sy) in [(1, 1), (1, -1), (-1, 1), (-1, -1)] {
+            for swap in [false, true] {
+                let turn = |(x, y): Step| {
+                    if swap {
+                        (sx * y, sy * x)
+                    } else {
+                        (sx * x, sy * y)
+                    }
+                };
+                if all.iter().all(|known| known.step != turn(step)) {
+                    all.push(Move {
+                        step: turn(step),
+                        passed: passed.iter().map(|&step| turn(step)).collect(),
+                    });
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Dijkstra's algorithm from a node. Costs are not negative, so their bits sort as they do.
+fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
+    let grid = &field.grid;
+    let moves = moves();
+    let mut tree = Tree {
+        cost: vec![f64::INFINITY; grid.len()],
+        parent: vec![usize::MAX; grid.len()],
+        signature: vec![0; grid.len()],
+    };
+    tree.cost[root] = 0.0;
+    let mut queue = BinaryHeap::from([Reverse((0_u64, root))]);
+    let mut settled = vec![false; grid.len()];
+    while let Some(Reverse((_, node))) = queue.pop() {
+        if std::mem::replace(&mut settled[node], true) {
+            continue;
+        }
+        let parent = tree.parent[node];
+        if parent != usize::MAX {
+            tree.signature[node] = tree.signature[parent]
+                .wrapping_add(obstacles.crossing(grid.at(parent), grid.at(node)));
+        }
+        for movement in &moves {
+            let Some(next) = grid.step(node, movement.step) else {
+                continue;
+            };
+            if settled[next] {
+                continue;
+            }
+            let cost = tree.cost[node] + move_cost(field, node, next, movement);
+            if cost < tree.cost[next] {
+                tree.cost[next] = cost;
+                tree.parent[next] = node;
+                queue.push(Reverse((cost.to_bits(), next)));
+            }
+        }
+    }
+    tree
+}
+
+/// Kilometres of a move times the mean cost of what it passes.
+fn move_cost(field: &Field, from: usize, to: usize, movement: &Move) -> f64 {
+    let (columns, rows) = movement.step;
+    #[expect(clippy::cast_precision_loss, reason = "at most three cells")]
+    let cells = (columns as f64).hypot(rows as f64);
+    let ends = 0.5 * (field.cost[from] + field.cost[to]);
+    let (mut sum, mut count) = (ends, 1.0);
+    for step in &movement.passed {
+        if let Some(node) = field.grid.step(from, *step) {
+            sum += field.cost[node];
+            count += 1.0;
+        }
+    }
+    cells * field.grid.spacing_m / 1000.0 * sum / count
+}
+
+/// The cheapest path of every class of a field, cheapest first.
+pub(super) fn guides(
+    field: &Field,
+    obstacles: &Obstacles,
+    start: EastNorth,
+    goal: EastNorth,
+) -> Vec<Guide> {
+    let grid = &field.grid;
+    let from_start = tree(field, grid.nearest(start), obstacles);
+    let from_goal = tree(field, grid.nearest(goal), obstacles);
+    let mut cheapest: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
+    for node in 0..grid.len() {
+        let cost = from_start.cost[node] + from_goal.cost[node];
+        // The way from the goal is flown backwards: its crossings count negative.
+        let class = from_start.signature[node].wrapping_sub(from_goal.signature[node]);
+        let entry = cheapest.entry(class).or_insert((cost, node));
+        if cost < entry.0 {
+            *entry = (cost, node);
+        }
+    }
+    let least = cheapest
+        .values()
+        .map(|entry| entry.0)
+        .fold(f64::INFINITY, f64::min);
+    let mut guides: Vec<Guide> = cheapest
+        .into_iter()
+        .filter(|(_, (cost, _))| *cost <= DETOUR * least)
+        .map(|(class, (cost, via))| Guide {
+            class,
+            cost,
+            line: through(grid, &from_start, &from_goal, via, start, goal),
+        })
+        .collect();
+    guides.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.class.cmp(&b.class)));
+    guides
+}
+
+/// The path through a node, with the exact ends.
+fn through(
+    grid: &Grid,
+    from_start: &Tree,
+    from_goal: &Tree,
+    via: usize,
+    start: EastNorth,
+    goal: EastNorth,
+) -> Vec<EastNorth> {
+    let climb = |tree: &Tree| {
+        let mut nodes = vec![via];
+        let mut node = via;
+        while tree.parent[node] != usize::MAX {
+            node = tree.parent[node];
+            nodes.push(node);
+        }
+        nodes
+    };
+    let mut nodes = climb(from_start);
+    nodes.reverse();
+    nodes.extend(climb(from_goal).into_iter().skip(1));
+    let mut line: Vec<EastNorth> = nodes.into_iter().map(|node| grid.at(node)).collect();
+    // The first and last node stand for the ends.
+    line[0] = start;
+    if line.len() == 1 {
+        line.push(goal);
+    } else {
+        let last = line.len() - 1;
+        line[last] = goal;
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const START: EastNorth = EastNorth {
+        east_m: 0.0,
+        north_m: 10_000.0,
+    };
+    const GOAL: EastNorth = EastNorth {
+        east_m: 20_000.0,
+        north_m: 10_000.0,
+    };
+
+    /// A square of 20 km with round walls.
+    fn field(walls: &[(f64, f64, f64)]) -> Field {
+        let corner = |east_m, north_m| EastNorth { east_m, north_m };
+        let grid = Grid::over(corner(0.0, 0.0), corner(20_000.0, 20_000.0), 41);
+        let cost = (0..grid.len())
+            .map(|node| {
+                let at = grid.at(node);
+                let inside = |&(east_m, north_m, radius_m): &(f64, f64, f64)| {
+                    at.distance_m(EastNorth { east_m, north_m }) < radius_m
+                };
+                if walls.iter().any(inside) { 100.0 } else { 1.0 }
+            })
+            .collect();
+        Field { grid, cost }
+    }
+
+    fn classes(walls: &[(f64, f64, f64)]) -> Vec<Guide> {
+        let field = field(walls);
+        let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
+        guides(&field, &obstacles, START, GOAL)
+    }
+
+    #[test]
+    fn in_the_open_there_is_one_class_and_it_is_straight() {
+        let guides = classes(&[]);
+        assert_eq!(guides.len(), 1);
+        assert!((guides[0].cost - 20.0).abs() < 1e-9);
+        assert_eq!(guides[0].line.first(), Some(&START));
+        assert_eq!(guides[0].line.last(), Some(&GOAL));
+    }
+
+    #[test]
+    fn one_wall_gives_two_classes_and_two_walls_aside_give_three() {
+        assert_eq!(classes(&[(10_000.0, 10_000.0, 3000.0)]).len(), 2);
+        let both = [(6000.0, 9000.0, 2000.0), (14_000.0, 11_000.0, 2000.0)];
+        // Between them, left of both, right of both; the fourth would be a detour to no node.
+        assert_eq!(classes(&both).len(), 3);
+    }
+
+    #[test]
+    fn the_signature_of_a_guide_is_its_class() {
+        let field = field(&[(7000.0, 9000.0, 2500.0), (13_000.0, 12_000.0, 2500.0)]);
+        let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
+        let guides = guides(&field, &obstacles, START, GOAL);
+        assert!(guides.len() >= 3);
+        for guide in guides {
+            assert_eq!(obstacles.signature(&guide.line), guide.class);
+        }
+    }
+
+    #[test]
+    fn walls_that_touch_leave_no_way_between_them() {
+        let walls = [(10_000.0, 8500.0, 2000.0), (10_000.0, 11_500.0, 2000.0)];
+        for guide in classes(&walls) {
+            assert!(
+                guide
+                    .line
+                    .iter()
+                    .filter(|at| (at.east_m - 10_000.0).abs() < 600.0)
+                    .all(|at| (at.north_m - 10_000.0).abs() > 3000.0),
+                "a way through costs {}",
+                guide.cost
+            );
+        }
+    }
+
+    #[test]
+    fn there_are_32_moves() {
+        assert_eq!(moves().len(), 32);
+    }
+}

@@ -1,0 +1,205 @@
+//! One leg of one vehicle's plan, and what its search needs to know of it.
+
+use geo::BoundingRect;
+
+use super::field::Prices;
+use super::floor::{FloorMaker, Slopes};
+use super::problem::{Frame, Spline};
+use crate::cost::{CostModel, Leg, Margins};
+use crate::geodesy::{Amsl, EastNorth};
+use crate::numeric::bspline::uniform_parameters;
+use crate::path::{Flight, VehicleLimits};
+use crate::spec::{MissionSpec, Objective, Vehicle};
+use crate::world::World;
+
+/// Share of the straight distance that routes may swing out, before the whole area is
+/// looked at.
+const NEAR: f64 = 0.75;
+
+/// From where to where one vehicle is to fly, among which earlier flights.
+pub(super) struct Course<'a> {
+    pub world: &'a World,
+    pub spec: &'a MissionSpec,
+    pub index: usize,
+    pub leg: Leg,
+    pub earlier: &'a [Flight],
+    pub margins: Margins,
+    /// Parameters at which the path is sampled besides the even ones.
+    pub extra: &'a [f64],
+}
+
+impl<'a> Course<'a> {
+    /// The vehicle that flies it.
+    pub(super) fn vehicle(&self) -> &'a Vehicle {
+        &self.spec.vehicles[self.index]
+    }
+
+    /// Control points of the spline, ends included.
+    pub(super) fn controls(&self) -> usize {
+        self.spec.planner.control_points + 2
+    }
+
+    /// Even parameters and the extra ones, in order.
+    pub(super) fn parameters(&self, samples: usize) -> Vec<f64> {
+        let mut parameters = uniform_parameters(samples);
+        parameters.extend(
+            self.extra
+                .iter()
+                .copied()
+                .filter(|u| (0.0..=1.0).contains(u)),
+        );
+        parameters.sort_by(f64::total_cmp);
+        parameters.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        parameters
+    }
+
+    /// The objective, sampled at some parameters.
+    pub(super) fn model(&self, margins: Margins, parameters: &[f64]) -> CostModel {
+        CostModel::new(
+            self.world,
+            self.spec,
+            self.index,
+            self.leg,
+            self.earlier,
+            margins,
+            parameters,
+        )
+    }
+
+    /// What the altitude has to clear, and `above_m` more.
+    pub(super) fn floor(&self, above_m: f64) -> FloorMaker<'a> {
+        let over_m = self.margins.clearance_m + above_m;
+        FloorMaker::new(
+            self.world,
+            self.world.min_agl.0 + over_m,
+            over_m,
+            self.slopes(),
+        )
+    }
+
+    /// The vehicle's slope limits where they are tightest, with a little to spare because
+    /// a spline does not follow a floor to the letter.
+    pub(super) fn slopes(&self) -> Slopes {
+        const SPARE: f64 = 0.95;
+        let limits = VehicleLimits::of(self.vehicle());
+        let high = self.leg.from.amsl.0.max(self.leg.to.amsl.0);
+        Slopes {
+            climb: SPARE * limits.climb.at(Amsl(high)),
+            descent: SPARE * limits.descent.at(Amsl(high)),
+        }
+    }
+
+    /// The smaller of the two slope limits.
+    pub(super) fn slope(&self) -> f64 {
+        let slopes = self.slopes();
+        slopes.climb.min(slopes.descent)
+    }
+
+    /// The box around the area.
+    pub(super) fn frame(&self) -> Frame {
+        let corner = |(east_m, north_m): (f64, f64)| EastNorth { east_m, north_m };
+        let (from, to) = (self.leg.from.at, self.leg.to.at);
+        match self.world.area.bounding_rect() {
+            Some(rect) => Frame {
+                south_west: corner(rect.min().x_y()),
+                north_east: corner(rect.max().x_y()),
+            },
+            None => Frame {
+                south_west: corner((from.east_m.min(to.east_m), from.north_m.min(to.north_m))),
+                north_east: corner((from.east_m.max(to.east_m), from.north_m.max(to.north_m))),
+            },
+        }
+    }
+
+    /// The part of the area around start and goal in which good routes are expected.
+    pub(super) fn near_box(&self) -> Frame {
+        let whole = self.frame();
+        let (from, to) = (self.leg.from.at, self.leg.to.at);
+        let swing_m = NEAR * from.distance_m(to);
+        let range = |a: f64, b: f64, low: f64, high: f64| {
+            (
+                (a.min(b) - swing_m).max(low),
+                (a.max(b) + swing_m).min(high),
+            )
+        };
+        let (west, east) = range(
+            from.east_m,
+            to.east_m,
+            whole.south_west.east_m,
+            whole.north_east.east_m,
+        );
+        let (south, north) = range(
+            from.north_m,
+            to.north_m,
+            whole.south_west.north_m,
+            whole.north_east.north_m,
+        );
+        Frame {
+            south_west: EastNorth {
+                east_m: west,
+                north_m: south,
+            },
+            north_east: EastNorth {
+                east_m: east,
+                north_m: north,
+            },
+        }
+    }
+
+    /// Straight distance from end to end, kilometres.
+    pub(super) fn straight_km(&self) -> f64 {
+        self.leg.from.distance_m(self.leg.to) / 1000.0
+    }
+
+    /// Control points evenly along the straight line: what an empty budget plans.
+    pub(super) fn straight(&self) -> Spline {
+        let (from, to) = (self.leg.from, self.leg.to);
+        let last = self.controls() - 1;
+        let along = |a: f64, b: f64| {
+            (0..=last)
+                .map(|j| {
+                    #[expect(clippy::cast_precision_loss, reason = "few control points")]
+                    let share = j as f64 / last as f64;
+                    a + share * (b - a)
+                })
+                .collect()
+        };
+        Spline {
+            east_m: along(from.at.east_m, to.at.east_m),
+            north_m: along(from.at.north_m, to.at.north_m),
+            amsl_m: along(from.amsl.0, to.amsl.0),
+        }
+    }
+
+    /// Proven: no path costs less, because none is shorter than the straight line and no
+    /// other term is negative.
+    pub(super) fn bound(&self) -> f64 {
+        self.straight_km() * self.spec.planner.weights.length
+    }
+
+    /// What the objective costs in the plane.
+    pub(super) fn prices(&self) -> Prices {
+        let planner = &self.spec.planner;
+        match planner.objective {
+            Objective::Operational => Prices {
+                length: planner.weights.length,
+                altitude: planner.weights.altitude,
+                above_floor: true,
+                threat: (110.0, 100.0),
+                closed: 110.0,
+            },
+            Objective::Paper => {
+                // Sums over samples, as if these were even.
+                #[expect(clippy::cast_precision_loss, reason = "hundreds of samples")]
+                let per_km = planner.samples as f64 / self.straight_km().max(1e-3);
+                Prices {
+                    length: planner.weights.length,
+                    altitude: planner.weights.altitude * per_km,
+                    above_floor: false,
+                    threat: (10.0, 5.0),
+                    closed: 110.0,
+                }
+            }
+        }
+    }
+}

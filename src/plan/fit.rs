@@ -1,0 +1,263 @@
+//! Splines fitted to polylines, with the control points spread evenly or bunched.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use super::lowest::Row;
+use crate::geodesy::EastNorth;
+
+/// Weight that keeps each control point near its own place on the polyline.
+const RIDGE: f64 = 1e-3;
+/// Steps in which a warp is integrated.
+const WARP_STEPS: usize = 256;
+
+/// A polyline by its arc length.
+#[derive(Clone, Debug)]
+pub(super) struct Line {
+    points: Vec<EastNorth>,
+    /// Length up to each point, metres.
+    lengths_m: Vec<f64>,
+}
+
+impl Line {
+    /// From at least one point.
+    pub(super) fn new(points: Vec<EastNorth>) -> Self {
+        let mut lengths_m = Vec::with_capacity(points.len());
+        let mut sum = 0.0;
+        let mut previous = points.first().copied();
+        for &point in &points {
+            sum += previous.map_or(0.0, |previous| previous.distance_m(point));
+            lengths_m.push(sum);
+            previous = Some(point);
+        }
+        Self { points, lengths_m }
+    }
+
+    /// Whole length, metres.
+    pub(super) fn length_m(&self) -> f64 {
+        self.lengths_m.last().copied().unwrap_or(0.0)
+    }
+
+    /// The point at a share of the length.
+    pub(super) fn at(&self, share: f64) -> EastNorth {
+        let wanted_m = share * self.length_m();
+        let after = self
+            .lengths_m
+            .partition_point(|&length| length < wanted_m)
+            .clamp(1, (self.points.len() - 1).max(1));
+        let (Some(&a), Some(&b)) = (self.points.get(after - 1), self.points.get(after)) else {
+            return self.points[0];
+        };
+        let step_m = self.lengths_m[after] - self.lengths_m[after - 1];
+        let part = if step_m > 0.0 {
+            ((wanted_m - self.lengths_m[after - 1]) / step_m).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        EastNorth {
+            east_m: a.east_m + (b.east_m - a.east_m) * part,
+            north_m: a.north_m + (b.north_m - a.north_m) * part,
+        }
+    }
+}
+
+/// How the spline's parameter runs along a polyline: control points gather where it
+/// runs fast.
+#[derive(Clone, Debug)]
+pub(super) struct Warp {
+    /// Share of the length at each of [`WARP_STEPS`] + 1 even parameters.
+    shares: Vec<f64>,
+}
+
+impl Warp {
+    /// Parameter even in arc length.
+    pub(super) fn even() -> Self {
+        Self::of(|_| 1.0)
+    }
+
+    /// One to three random bumps of parameter density: height 1 to 8, width 0.03 to
+    /// 0.12, at one of `summits` (60 %) or anywhere.
+    pub(super) fn random(summits: &[f64], rng: &mut ChaCha8Rng) -> Self {
+        let bumps: Vec<(f64, f64, f64)> = (0..rng.random_range(1..=3))
+            .map(|_| {
+                let height = rng.random_range(1.0..8.0);
+                let width = rng.random_range(0.03..0.12);
+                let anywhere = rng.random_range(0.0..1.0);
+                let at_summit = rng.random_bool(0.6);
+                let which = rng.random_range(0..summits.len().max(1));
+                match summits.get(which) {
+                    Some(&summit) if at_summit => (height, summit, width),
+                    _ => (height, anywhere, width),
+                }
+            })
+            .collect();
+        Self::of(|share| {
+            bumps.iter().fold(1.0, |sum, (height, at, width)| {
+                sum + height * (-((share - at) / width).powi(2)).exp()
+            })
+        })
+    }
+
+    fn of(density: impl Fn(f64) -> f64) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
+        let share = |step: usize| step as f64 / WARP_STEPS as f64;
+        let mut parameters = vec![0.0];
+        let mut sum = 0.0;
+        for step in 0..WARP_STEPS {
+            sum += 0.5 * (density(share(step)) + density(share(step + 1)));
+            parameters.push(sum);
+        }
+        let mut after = 1;
+        let shares = (0..=WARP_STEPS)
+            .map(|step| {
+                let wanted = share(step) * sum;
+                while after < WARP_STEPS && parameters[after] < wanted {
+                    after += 1;
+                }
+                let (low, high) = (parameters[after - 1], parameters[after]);
+                let part = ((wanted - low) / (high - low)).clamp(0.0, 1.0);
+                share(after - 1) + part * (share(after) - share(after - 1))
+            })
+            .collect();
+        Self { shares }
+    }
+
+    /// Share of the length at a parameter of [0, 1].
+    fn share(&self, parameter: f64) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
+        let at = parameter.clamp(0.0, 1.0) * WARP_STEPS as f64;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within WARP_STEPS"
+        )]
+        let step = (at.floor() as usize).min(WARP_STEPS - 1);
+        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
+        let part = at - step as f64;
+        self.shares[step] + part * (self.shares[step + 1] - self.shares[step])
+    }
+}
+
+/// Least squares for one spline and its samples.
+pub(super) struct Fitter {
+    rows: Vec<Row>,
+    parameters: Vec<f64>,
+    controls: usize,
+    /// Parameter at which each control point weighs most.
+    peaks: Vec<f64>,
+    normal: Option<Cholesky<f64, Dyn>>,
+}
+
+impl Fitter {
+    /// For samples at `parameters` with weights `rows`, and `controls` control points.
+    pub(super) fn new(rows: Vec<Row>, parameters: Vec<f64>, controls: usize) -> Self {
+        let free = controls - 2;
+        let mut normal = DMatrix::identity(free, free) * RIDGE;
+        let mut peaks = vec![(0.0, 0.0); controls];
+        for ((first, weights), &parameter) in rows.iter().zip(&parameters) {
+            for (i, a) in weights.iter().enumerate() {
+                if *a > peaks[first + i].0 {
+                    peaks[first + i] = (*a, parameter);
+                }
+                for (j, b) in weights.iter().enumerate() {
+                    let inner = 1..=free;
+                    if inner.contains(&(first + i)) && inner.contains(&(first + j)) {
+                        normal[(first + i - 1, first + j - 1)] += a * b;
+                    }
+                }
+            }
+        }
+        Self {
+            rows,
+            parameters,
+            controls,
+            peaks: peaks.into_iter().map(|peak| peak.1).collect(),
+            normal: normal.cholesky(),
+        }
+    }
+
+    /// The free control points of the spline nearest to a polyline.
+    pub(super) fn fit(&self, line: &Line, warp: &Warp) -> Vec<EastNorth> {
+        let places: Vec<EastNorth> = self
+            .peaks
+            .iter()
+            .map(|&parameter| line.at(warp.share(parameter)))
+            .collect();
+        let targets: Vec<EastNorth> = self
+            .parameters
+            .iter()
+            .map(|&parameter| line.at(warp.share(parameter)))
+            .collect();
+        let ends = (line.at(0.0), line.at(1.0));
+        let solve = |of: fn(&EastNorth) -> f64| {
+            let free = self.controls - 2;
+            let mut right = DVector::from_fn(free, |j, _| RIDGE * of(&places[j + 1]));
+            for ((first, weights), target) in self.rows.iter().zip(&targets) {
+                let mut rest = of(target);
+                for (i, weight) in weights.iter().enumerate() {
+                    if first + i == 0 {
+                        rest -= weight * of(&ends.0);
+                    } else if first + i + 1 == self.controls {
+                        rest -= weight * of(&ends.1);
+                    }
+                }
+                for (i, weight) in weights.iter().enumerate() {
+                    if (1..=free).contains(&(first + i)) {
+                        right[first + i - 1] += weight * rest;
+                    }
+                }
+            }
+            match &self.normal {
+                Some(normal) => normal.solve(&right),
+                None => DVector::from_fn(free, |j, _| of(&places[j + 1])),
+            }
+        };
+        let (east, north) = (solve(|p| p.east_m), solve(|p| p.north_m));
+        east.iter()
+            .zip(north.iter())
+            .map(|(&east_m, &north_m)| EastNorth { east_m, north_m })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::Seed;
+
+    fn line() -> Line {
+        let at = |east_m, north_m| EastNorth { east_m, north_m };
+        Line::new(vec![at(0.0, 0.0), at(300.0, 400.0), at(300.0, 900.0)])
+    }
+
+    #[test]
+    fn a_line_is_measured_by_its_arc_length() {
+        let line = line();
+        assert!((line.length_m() - 1000.0).abs() < 1e-9);
+        let quarter = line.at(0.25);
+        assert!((quarter.east_m - 150.0).hypot(quarter.north_m - 200.0) < 1e-9);
+        assert!((line.at(1.0).north_m - 900.0).abs() < 1e-9);
+        let lone = Line::new(vec![EastNorth {
+            east_m: 5.0,
+            north_m: 6.0,
+        }]);
+        assert!((lone.at(0.7).east_m - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_warp_runs_from_end_to_end_without_turning_back() {
+        let mut rng = Seed(4).stream("test", 0);
+        for _ in 0..50 {
+            let warp = Warp::random(&[0.3, 0.8], &mut rng);
+            assert!(warp.share(0.0).abs() < 1e-12);
+            assert!((warp.share(1.0) - 1.0).abs() < 1e-12);
+            assert!(warp.shares.is_sorted());
+        }
+        let even = Warp::even();
+        assert!((0..=10).all(|i| {
+            let u = f64::from(i) / 10.0;
+            (even.share(u) - u).abs() < 1e-9
+        }));
+    }
+}

@@ -1,0 +1,232 @@
+//! The fleet: each vehicle avoids the whole flights of those before it.
+
+use super::course::Course;
+use super::estimate::estimate;
+use super::search::{Found, search};
+use super::{FleetPlan, Route, VehiclePlan};
+use crate::cost::{CostTerms, Leg, Margins};
+use crate::geodesy::{Amsl, PlanPoint};
+use crate::numeric::{Basis, Seed};
+use crate::path::{Flight, flight, route_start_s, time_route};
+use crate::spec::{Finish, MissionSpec};
+use crate::world::{Stations, World};
+
+/// Points of a planned path, spread evenly over the spline's parameter.
+const PATH_POINTS: usize = 1001;
+
+/// What to plan besides the spec.
+pub struct Request<'a> {
+    /// The seed every random stream comes from.
+    pub seed: u64,
+    /// Margins on the limits for each vehicle; none for vehicles that are not listed.
+    pub margins: Vec<Margins>,
+    /// Parameters in `[0, 1]` at which a vehicle's path is sampled besides the even
+    /// ones, because verification failed there; none for vehicles that are not listed.
+    pub extra_parameters: Vec<Vec<f64>>,
+    /// Told while the search goes on, from the thread that called.
+    pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+/// How far planning has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Index of the vehicle that is being planned.
+    pub vehicle: usize,
+    /// Number of vehicles.
+    pub vehicles: usize,
+    /// Evaluations spent on it so far.
+    pub evaluations: usize,
+    /// Evaluations it may spend.
+    pub budget: usize,
+    /// Least cost of its route so far.
+    pub best: f64,
+}
+
+/// Plans a fleet, vehicle by vehicle in the order of the spec.
+///
+/// An infeasible vehicle is no error: its plan is the least bad one that was found, and
+/// its terms say what is violated. Same spec, world and request, same plan, on any
+/// number of threads.
+#[must_use]
+pub fn plan_fleet(spec: &MissionSpec, world: &World, request: &Request<'_>) -> FleetPlan {
+    extend(spec, world, request, Vec::new())
+}
+
+/// Plans the vehicle at index `first` and all after it again; those before it keep
+/// their paths of `previous`.
+#[must_use]
+pub fn replan_from(
+    previous: &FleetPlan,
+    first: usize,
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+) -> FleetPlan {
+    let kept = previous.vehicles.iter().take(first).cloned().collect();
+    extend(spec, world, request, kept)
+}
+
+impl FleetPlan {
+    /// The whole flight of every vehicle, takeoff to touchdown.
+    #[must_use]
+    pub fn flights(&self, spec: &MissionSpec, world: &World) -> Vec<Flight> {
+        spec.vehicles
+            .iter()
+            .zip(&world.stations)
+            .zip(&self.vehicles)
+            .map(|((vehicle, stations), plan)| flight(vehicle, stations, &plan.points()))
+            .collect()
+    }
+}
+
+impl VehiclePlan {
+    /// The points of its routes.
+    fn points(&self) -> Vec<Vec<PlanPoint>> {
+        self.routes
+            .iter()
+            .map(|route| route.path.iter().map(|timed| timed.point).collect())
+            .collect()
+    }
+}
+
+/// Appends plans for the vehicles that have none yet.
+fn extend(
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+    kept: Vec<VehiclePlan>,
+) -> FleetPlan {
+    let mut plan = FleetPlan {
+        seed: request.seed,
+        vehicles: kept,
+    };
+    let mut flights = plan.flights(spec, world);
+    for index in plan.vehicles.len()..spec.vehicles.len() {
+        let vehicle = plan_vehicle(spec, world, request, index, &flights);
+        flights.push(flight(
+            &spec.vehicles[index],
+            &world.stations[index],
+            &vehicle.points(),
+        ));
+        plan.vehicles.push(vehicle);
+    }
+    plan
+}
+
+/// Where the routes of a vehicle begin and end.
+fn legs(finish: Finish, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
+    let over_home = PlanPoint {
+        at: stations.home.at,
+        amsl: stations.start.amsl,
+    };
+    let out = (stations.start, stations.goal);
+    match finish {
+        Finish::Land | Finish::Loiter => vec![out],
+        Finish::Return => vec![out, (stations.goal, over_home)],
+    }
+}
+
+/// Plans the routes of one vehicle, one after the other; they share its budget.
+fn plan_vehicle(
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+    index: usize,
+    earlier: &[Flight],
+) -> VehiclePlan {
+    let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
+    let legs = legs(vehicle.finish, stations);
+    let mut start_s = route_start_s(vehicle, stations);
+    let mut plan = VehiclePlan {
+        routes: Vec::new(),
+        terms: CostTerms::default(),
+        bound: 0.0,
+        estimate: 0.0,
+        evaluations: 0,
+    };
+    for (stream, (from, to)) in (2 * to_u64(index)..).zip(legs.iter().copied()) {
+        let course = Course {
+            world,
+            spec,
+            index,
+            leg: Leg { from, to, start_s },
+            earlier,
+            margins: request.margins.get(index).copied().unwrap_or_default(),
+            extra: request
+                .extra_parameters
+                .get(index)
+                .map_or(&[], Vec::as_slice),
+        };
+        let budget =
+            (spec.planner.evaluations - plan.evaluations) / (legs.len() - plan.routes.len());
+        let spent = plan.evaluations;
+        let watch = |point: crate::optimize::TracePoint| {
+            (request.progress)(Progress {
+                vehicle: index,
+                vehicles: spec.vehicles.len(),
+                evaluations: spent + point.evaluations,
+                budget: spec.planner.evaluations,
+                best: point.best,
+            });
+        };
+        let found = search(&course, budget, Seed(request.seed), stream, &watch);
+        plan.bound += course.bound();
+        plan.estimate += estimate(&course, budget);
+        plan.terms = sum(&plan.terms, &found.terms);
+        plan.evaluations += found.evaluations;
+        let route = route(&course, &found);
+        start_s = route.path.last().map_or(start_s, |last| last.t_s);
+        plan.routes.push(route);
+    }
+    plan
+}
+
+fn to_u64(index: usize) -> u64 {
+    u64::try_from(index).unwrap_or(u64::MAX / 4)
+}
+
+/// A found spline as a timed path.
+fn route(course: &Course<'_>, found: &Found) -> Route {
+    let basis = Basis::new(course.controls(), &course.parameters(PATH_POINTS));
+    let sample = |values: &[f64]| {
+        let mut out = vec![0.0; basis.samples()];
+        basis.apply(values, &mut out);
+        out
+    };
+    let east_m = sample(&found.spline.east_m);
+    let north_m = sample(&found.spline.north_m);
+    let amsl_m = sample(&found.spline.amsl_m);
+    let mut points: Vec<PlanPoint> = east_m
+        .into_iter()
+        .zip(north_m)
+        .zip(amsl_m)
+        .map(|((east, north), amsl)| PlanPoint::new(east, north, Amsl(amsl)))
+        .collect();
+    if let Some(first) = points.first_mut() {
+        *first = course.leg.from;
+    }
+    if let Some(last) = points.last_mut() {
+        *last = course.leg.to;
+    }
+    Route {
+        control_points: found.spline.points(),
+        path: time_route(
+            &points,
+            course.leg.start_s,
+            course.vehicle().speed_mps,
+            course.vehicle().accel_mps2,
+        ),
+    }
+}
+
+fn sum(a: &CostTerms, b: &CostTerms) -> CostTerms {
+    CostTerms {
+        length: a.length + b.length,
+        altitude: a.altitude + b.altitude,
+        threat: a.threat + b.threat,
+        terrain: a.terrain + b.terrain,
+        turn: a.turn + b.turn,
+        climb: a.climb + b.climb,
+        collision: a.collision + b.collision,
+    }
+}

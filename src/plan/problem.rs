@@ -1,0 +1,267 @@
+//! One vehicle's path as something to minimise.
+
+use super::course::Course;
+use super::floor::FloorMaker;
+use super::lowest::{LowestSpline, Row, Workspace};
+use crate::cost::{Controls, CostModel, Scratch};
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::numeric::Basis;
+use crate::optimize::Problem;
+use crate::spec::Objective;
+
+/// Altitude over the floor that keeps the path clear between samples, metres.
+const BETWEEN_SAMPLES_M: f64 = 3.0;
+
+/// The part of the plane in which control points are searched.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Frame {
+    pub south_west: EastNorth,
+    pub north_east: EastNorth,
+}
+
+impl Frame {
+    /// A place from two numbers of [0, 1].
+    pub(super) fn place(&self, east: f64, north: f64) -> EastNorth {
+        EastNorth {
+            east_m: self.south_west.east_m
+                + east * (self.north_east.east_m - self.south_west.east_m),
+            north_m: self.south_west.north_m
+                + north * (self.north_east.north_m - self.south_west.north_m),
+        }
+    }
+
+    /// The two numbers of a place, clamped to [0, 1].
+    pub(super) fn share(&self, at: EastNorth) -> (f64, f64) {
+        let share = |value: f64, low: f64, high: f64| {
+            ((value - low) / (high - low).max(1e-9)).clamp(0.0, 1.0)
+        };
+        (
+            share(at.east_m, self.south_west.east_m, self.north_east.east_m),
+            share(at.north_m, self.south_west.north_m, self.north_east.north_m),
+        )
+    }
+
+    /// A distance in metres as steps of the two numbers, for so many numbers in pairs.
+    pub(super) fn scale(&self, distance_m: f64, numbers: usize) -> Vec<f64> {
+        let width_m = self.north_east.east_m - self.south_west.east_m;
+        let height_m = self.north_east.north_m - self.south_west.north_m;
+        let pair = [
+            distance_m / width_m.max(1e-9),
+            distance_m / height_m.max(1e-9),
+        ];
+        pair.into_iter().cycle().take(numbers).collect()
+    }
+}
+
+/// Control points of one spline by coordinate, ends included.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Spline {
+    pub east_m: Vec<f64>,
+    pub north_m: Vec<f64>,
+    pub amsl_m: Vec<f64>,
+}
+
+impl Spline {
+    /// Only the ends, and zeros between them.
+    fn reset(&mut self, from: PlanPoint, to: PlanPoint, controls: usize) {
+        let ends = |values: &mut Vec<f64>, first: f64, last: f64| {
+            values.clear();
+            values.resize(controls, 0.0);
+            values[0] = first;
+            values[controls - 1] = last;
+        };
+        ends(&mut self.east_m, from.at.east_m, to.at.east_m);
+        ends(&mut self.north_m, from.at.north_m, to.at.north_m);
+        ends(&mut self.amsl_m, from.amsl.0, to.amsl.0);
+    }
+
+    pub(super) fn controls(&self) -> Controls<'_> {
+        Controls {
+            east_m: &self.east_m,
+            north_m: &self.north_m,
+            amsl_m: &self.amsl_m,
+        }
+    }
+
+    /// The control points.
+    pub(super) fn points(&self) -> Vec<PlanPoint> {
+        self.east_m
+            .iter()
+            .zip(&self.north_m)
+            .zip(&self.amsl_m)
+            .map(|((&east, &north), &amsl)| PlanPoint::new(east, north, Amsl(amsl)))
+            .collect()
+    }
+}
+
+/// A path sampled at given parameters: its objective, and the altitude decoder.
+pub(super) struct Sampled<'a> {
+    basis: Basis,
+    model: CostModel,
+    lowest: LowestSpline,
+    floor: FloorMaker<'a>,
+    /// Samples count alike, whatever the distance between them (the paper's sums).
+    even: bool,
+    from: PlanPoint,
+    to: PlanPoint,
+    controls: usize,
+}
+
+/// What one thread decodes and evaluates in.
+#[derive(Default)]
+pub(super) struct Room {
+    spline: Spline,
+    east_m: Vec<f64>,
+    north_m: Vec<f64>,
+    floor_m: Vec<f64>,
+    lengths_m: Vec<f64>,
+    weights: Vec<f64>,
+    lowest: Workspace,
+    scratch: Scratch,
+}
+
+impl<'a> Sampled<'a> {
+    /// The samples of a course at `parameters` of [0, 1].
+    pub(super) fn new(course: &Course<'a>, parameters: &[f64]) -> Self {
+        let controls = course.controls();
+        let basis = Basis::new(controls, parameters);
+        let rows = (0..parameters.len()).map(|k| basis.row(k)).collect();
+        Self {
+            lowest: LowestSpline::new(rows, controls),
+            model: course.model(course.margins, parameters),
+            floor: course.floor(BETWEEN_SAMPLES_M),
+            even: course.spec.planner.objective == Objective::Paper,
+            from: course.leg.from,
+            to: course.leg.to,
+            controls,
+            basis,
+        }
+    }
+
+    /// Weights of the control points in each sample.
+    pub(super) fn rows(&self) -> Vec<Row> {
+        (0..self.basis.samples())
+            .map(|k| self.basis.row(k))
+            .collect()
+    }
+
+    /// The lowest spline over free control points in the plane.
+    pub(super) fn decode(&self, free: impl Iterator<Item = EastNorth>, room: &mut Room) {
+        let spline = &mut room.spline;
+        spline.reset(self.from, self.to, self.controls);
+        for (j, at) in free.enumerate() {
+            spline.east_m[j + 1] = at.east_m;
+            spline.north_m[j + 1] = at.north_m;
+        }
+        let samples = self.basis.samples();
+        room.east_m.resize(samples, 0.0);
+        room.north_m.resize(samples, 0.0);
+        self.basis.apply(&spline.east_m, &mut room.east_m);
+        self.basis.apply(&spline.north_m, &mut room.north_m);
+        self.floor.fill(
+            &room.east_m,
+            &room.north_m,
+            (self.from.amsl.0, self.to.amsl.0),
+            &mut room.floor_m,
+            &mut room.lengths_m,
+        );
+        room.weights.clear();
+        if self.even {
+            room.weights.resize(samples, 1.0);
+        } else {
+            let length = |k: usize| room.lengths_m.get(k).copied().unwrap_or(0.0);
+            room.weights.extend(
+                (0..samples).map(|k| 0.5 * (length(k) + if k > 0 { length(k - 1) } else { 0.0 })),
+            );
+        }
+        self.lowest.solve(
+            &room.floor_m,
+            &room.weights,
+            &mut spline.amsl_m,
+            &mut room.lowest,
+        );
+    }
+
+    /// The decoded spline of free control points in the plane.
+    pub(super) fn spline(&self, free: impl Iterator<Item = EastNorth>) -> Spline {
+        let mut room = Room::default();
+        self.decode(free, &mut room);
+        room.spline
+    }
+}
+
+/// Search of the horizontal control points alone: the altitude is decoded.
+pub(super) struct Horizontal<'a> {
+    pub sampled: Sampled<'a>,
+    pub frame: Frame,
+}
+
+impl Horizontal<'_> {
+    /// Free control points of a candidate: pairs of east and north.
+    pub(super) fn free<'c>(&'c self, candidate: &'c [f64]) -> impl Iterator<Item = EastNorth> + 'c {
+        candidate
+            .chunks_exact(2)
+            .map(|pair| self.frame.place(pair[0], pair[1]))
+    }
+}
+
+impl Problem for Horizontal<'_> {
+    fn dimension(&self) -> usize {
+        2 * (self.sampled.controls - 2)
+    }
+
+    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
+        let mut room = Room::default();
+        let rows = candidates.chunks_exact(self.dimension());
+        for (candidate, cost) in rows.zip(costs) {
+            self.sampled.decode(self.free(candidate), &mut room);
+            *cost = self
+                .sampled
+                .model
+                .total(&room.spline.controls(), cutoff, &mut room.scratch);
+        }
+    }
+}
+
+/// Search of all three coordinates, as in the paper: first all east, then all north,
+/// then all altitudes (Eq. 33).
+pub(super) struct Spatial<'a> {
+    pub sampled: Sampled<'a>,
+    pub frame: Frame,
+    /// Lowest and highest altitude of a control point, metres above the sea.
+    pub amsl_m: (f64, f64),
+}
+
+impl Spatial<'_> {
+    /// The spline of a candidate.
+    pub(super) fn spline(&self, candidate: &[f64], spline: &mut Spline) {
+        let sampled = &self.sampled;
+        spline.reset(sampled.from, sampled.to, sampled.controls);
+        let free = sampled.controls - 2;
+        for j in 0..free {
+            let at = self.frame.place(candidate[j], candidate[free + j]);
+            spline.east_m[j + 1] = at.east_m;
+            spline.north_m[j + 1] = at.north_m;
+            spline.amsl_m[j + 1] =
+                self.amsl_m.0 + candidate[2 * free + j] * (self.amsl_m.1 - self.amsl_m.0);
+        }
+    }
+}
+
+impl Problem for Spatial<'_> {
+    fn dimension(&self) -> usize {
+        3 * (self.sampled.controls - 2)
+    }
+
+    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
+        let mut room = Room::default();
+        let rows = candidates.chunks_exact(self.dimension());
+        for (candidate, cost) in rows.zip(costs) {
+            self.spline(candidate, &mut room.spline);
+            *cost = self
+                .sampled
+                .model
+                .total(&room.spline.controls(), cutoff, &mut room.scratch);
+        }
+    }
+}

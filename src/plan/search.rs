@@ -1,0 +1,200 @@
+//! The search of one course: starts, swarms, and the judgement of the finalists.
+
+use super::course::Course;
+use super::fit::Fitter;
+use super::problem::{Horizontal, Sampled, Spatial, Spline};
+use super::starts::starts;
+use crate::cost::{CostTerms, Margins};
+use crate::numeric::Seed;
+use crate::optimize::{
+    Algorithm, Candidate, Evaluator, LiteralParameters, MsfoaParameters, Step, TracePoint, minimise,
+};
+use crate::spec;
+
+/// Samples at which results are judged.
+pub(super) const JUDGED_SAMPLES: usize = 2001;
+/// Finalists that are judged.
+const JUDGED: usize = 24;
+/// Flies of each sub-swarm of the default.
+const FLIES: usize = 16;
+
+/// What the search of one course found.
+pub(super) struct Found {
+    pub spline: Spline,
+    /// Judged finely, without margins.
+    pub terms: CostTerms,
+    /// Evaluations spent, those of starts included.
+    pub evaluations: usize,
+}
+
+/// Searches one course within a budget.
+pub(super) fn search(
+    course: &Course<'_>,
+    budget: usize,
+    seed: Seed,
+    stream: u64,
+    watch: &(dyn Fn(TracePoint) + Sync),
+) -> Found {
+    let (splines, evaluations) = match course.spec.planner.algorithm {
+        spec::Algorithm::Msfoa => swarms(course, budget, seed, stream, watch),
+        spec::Algorithm::MsfoaLiteral => letter(
+            course,
+            LiteralParameters::literal(),
+            budget,
+            seed,
+            stream,
+            watch,
+        ),
+        spec::Algorithm::MsfoaDwindle => letter(
+            course,
+            LiteralParameters::dwindle(),
+            budget,
+            seed,
+            stream,
+            watch,
+        ),
+    };
+    let (spline, terms) = judge(course, splines);
+    Found {
+        spline,
+        terms,
+        evaluations,
+    }
+}
+
+/// The default: horizontal search from route classes, altitude decoded.
+fn swarms(
+    course: &Course<'_>,
+    budget: usize,
+    seed: Seed,
+    stream: u64,
+    watch: &(dyn Fn(TracePoint) + Sync),
+) -> (Vec<Spline>, usize) {
+    let planner = &course.spec.planner;
+    let parameters = course.parameters(planner.samples);
+    let problem = Horizontal {
+        sampled: Sampled::new(course, &parameters),
+        frame: course.frame(),
+    };
+    let fitter = Fitter::new(problem.sampled.rows(), parameters, course.controls());
+    let mut rng = seed.stream("plan", stream);
+    let wanted = planner.swarms.unwrap_or(default_swarms(budget));
+    let mut evaluator = Evaluator::new(&problem, budget, watch);
+    let mut starts = starts(course, &problem, &fitter, &mut evaluator, wanted, &mut rng);
+    let fitted = evaluator.spent();
+    let offset = move |point: TracePoint| {
+        watch(TracePoint {
+            evaluations: fitted + point.evaluations,
+            ..point
+        });
+    };
+    if let Some(step) = planner.step {
+        for start in &mut starts {
+            start.scale.fill(step);
+        }
+    }
+    let swarms = wanted.min(starts.len()).max(1);
+    let algorithm = Algorithm::Msfoa(MsfoaParameters {
+        swarms,
+        flies: planner.population.map_or(FLIES, |flies| flies / swarms),
+        threshold: planner.threshold.unwrap_or(f64::INFINITY),
+        step: if planner.step.is_some() { 1.0 } else { 0.4 },
+        group: 2,
+    });
+    let outcome = minimise(
+        &problem,
+        &algorithm,
+        &starts,
+        budget - fitted,
+        &mut rng,
+        &offset,
+    );
+    let mut finalists = outcome.finalists;
+    finalists.extend(evaluator.best().cloned());
+    let fine = Sampled::new(course, &course.parameters(JUDGED_SAMPLES));
+    let splines = most_promising(finalists)
+        .iter()
+        .map(|candidate| fine.spline(problem.free(&candidate.position)))
+        .collect();
+    (splines, fitted + outcome.evaluations)
+}
+
+/// Swarms that a budget can feed.
+fn default_swarms(budget: usize) -> usize {
+    match budget {
+        20_000.. => 14,
+        6_000.. => 10,
+        2_000.. => 6,
+        _ => 3,
+    }
+}
+
+/// The paper's algorithm: all three coordinates searched, as printed.
+fn letter(
+    course: &Course<'_>,
+    printed: LiteralParameters,
+    budget: usize,
+    seed: Seed,
+    stream: u64,
+    watch: &(dyn Fn(TracePoint) + Sync),
+) -> (Vec<Spline>, usize) {
+    let planner = &course.spec.planner;
+    let ground_m = course
+        .world
+        .ground
+        .heights_m
+        .iter()
+        .copied()
+        .filter(|height| height.is_finite())
+        .fold(f32::INFINITY, f32::min);
+    let top_m = course.world.max_amsl.0;
+    let problem = Spatial {
+        sampled: Sampled::new(course, &course.parameters(planner.samples)),
+        frame: course.frame(),
+        amsl_m: (f64::from(ground_m).min(top_m), top_m),
+    };
+    let algorithm = Algorithm::MsfoaLiteral(LiteralParameters {
+        swarms: planner.swarms.unwrap_or(printed.swarms),
+        population: planner.population.unwrap_or(printed.population),
+        threshold: planner.threshold.unwrap_or(printed.threshold),
+        step: match (printed.step, planner.step) {
+            (Step::Constant(_), Some(step)) => Step::Constant(step),
+            (Step::Dwindling(_), Some(step)) => Step::Dwindling(step),
+            (step, None) => step,
+        },
+    });
+    let mut rng = seed.stream("plan", stream);
+    let outcome = minimise(&problem, &algorithm, &[], budget, &mut rng, watch);
+    let splines = most_promising(outcome.finalists)
+        .iter()
+        .map(|candidate| {
+            let mut spline = Spline::default();
+            problem.spline(&candidate.position, &mut spline);
+            spline
+        })
+        .collect();
+    (splines, outcome.evaluations)
+}
+
+/// The finalists worth a judgement, best first.
+fn most_promising(mut finalists: Vec<Candidate>) -> Vec<Candidate> {
+    finalists.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    finalists.dedup_by(|a, b| a.position == b.position);
+    finalists.truncate(JUDGED);
+    finalists
+}
+
+/// The best of some splines at fine sampling. Chosen with the margins that verification
+/// asked for, reported without.
+fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
+    let parameters = course.parameters(JUDGED_SAMPLES);
+    let strict = course.model(course.margins, &parameters);
+    let best = splines
+        .into_iter()
+        .map(|spline| (strict.terms(&spline.controls()).total(), spline))
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map_or_else(|| course.straight(), |(_, spline)| spline);
+    let plain = course.model(Margins::default(), &parameters);
+    let terms = plain.terms(&best.controls());
+    (best, terms)
+}

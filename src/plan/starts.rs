@@ -1,0 +1,201 @@
+//! Where the sub-swarms of one course begin: a spline in every route class, with its
+//! control points bunched in several ways.
+
+use std::collections::BTreeMap;
+
+use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
+
+use super::classes::{Guide, Obstacles, guides};
+use super::course::Course;
+use super::field::{Field, Grid, Reading, Relief};
+use super::fit::{Fitter, Line, Warp};
+use super::problem::Horizontal;
+use crate::geodesy::EastNorth;
+use crate::optimize::{Evaluator, Start};
+
+/// Slope limits of the three fields, in units of the vehicle's: one field is not
+/// enough, because dilation raises valleys beside ridges as well.
+const SLOPE_FACTORS: [f64; 3] = [1.0, 2.5, f64::INFINITY];
+/// Most guides that are fitted.
+const MAX_GUIDES: usize = 60;
+/// Warped fits of one class.
+const WARPS: usize = 24;
+/// Fits of one class that become starts.
+const FITS_PER_CLASS: usize = 3;
+/// What each further start of one class costs in the ranking.
+const REPEAT: f64 = 0.04;
+/// Unit of a start's steps, in distances between control points.
+const STEP_UNIT: f64 = 0.3;
+/// Share of the budget for fits.
+const FIT_SHARE: usize = 20;
+/// Nodes along a profile in which summits are looked for.
+const PROFILE: usize = 65;
+
+/// A fitted spline and how promising it is.
+struct Fit {
+    class: u64,
+    score: f64,
+    start: Start,
+}
+
+/// Starts, the most promising first. Evaluates fits on the way, all counted.
+pub(super) fn starts(
+    course: &Course<'_>,
+    problem: &Horizontal<'_>,
+    fitter: &Fitter,
+    evaluator: &mut Evaluator<'_, Horizontal<'_>>,
+    swarms: usize,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Start> {
+    let lines: Vec<(Guide, Line)> = course_guides(course, evaluator.budget())
+        .into_iter()
+        .map(|guide| {
+            let line = Line::new(guide.line.clone());
+            (guide, line)
+        })
+        .collect();
+    let even: Vec<_> = lines.iter().map(|pair| (pair, Warp::even())).collect();
+    let mut fits = evaluate(problem, fitter, evaluator, &even);
+    let allowed = (evaluator.budget() / FIT_SHARE).saturating_sub(evaluator.spent());
+    let best = best_of_classes(&fits, 2 * swarms);
+    let each = (allowed / best.len().max(1)).min(WARPS);
+    let mut warped = Vec::new();
+    for index in best {
+        let summits = summits(course, &lines[index].1);
+        warped.extend((0..each).map(|_| (&lines[index], Warp::random(&summits, rng))));
+    }
+    fits.extend(evaluate(problem, fitter, evaluator, &warped));
+    rank(fits)
+}
+
+/// Guides of all three fields, cheapest first, and the straight line.
+fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
+    let (start, goal) = (course.leg.from.at, course.leg.to.at);
+    let nodes = if budget >= 20_000 { 81 } else { 41 };
+    let prices = course.prices();
+    let (near, whole) = (course.near_box(), course.frame());
+    let search = |south_west, north_east| {
+        let relief = Relief::new(
+            course.world,
+            Grid::over(south_west, north_east, nodes),
+            &prices,
+            Reading::Wary,
+        );
+        let fields: Vec<Field> = SLOPE_FACTORS
+            .par_iter()
+            .map(|factor| relief.field(factor * course.slope(), &prices))
+            .collect();
+        let obstacles = Obstacles::of(&fields, start, goal);
+        let mut found: Vec<Guide> = fields
+            .par_iter()
+            .map(|field| guides(field, &obstacles, start, goal))
+            .collect::<Vec<_>>()
+            .concat();
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found.truncate(MAX_GUIDES);
+        let line = vec![start, goal];
+        found.push(Guide {
+            class: obstacles.signature(&line),
+            cost: start.distance_m(goal) / 1000.0,
+            line,
+        });
+        found
+    };
+    let found = search(near.south_west, near.north_east);
+    // Where no way nearby is clean, one far around may be.
+    if near != whole && found[0].cost > 2.0 * course.straight_km() {
+        return search(whole.south_west, whole.north_east);
+    }
+    found
+}
+
+/// Fits guides under warps and evaluates them in one batch.
+fn evaluate(
+    problem: &Horizontal<'_>,
+    fitter: &Fitter,
+    evaluator: &mut Evaluator<'_, Horizontal<'_>>,
+    wanted: &[(&(Guide, Line), Warp)],
+) -> Vec<Fit> {
+    let frame = &problem.frame;
+    let means: Vec<Vec<f64>> = wanted
+        .par_iter()
+        .map(|((_, line), warp)| {
+            fitter
+                .fit(line, warp)
+                .into_iter()
+                .flat_map(|at: EastNorth| {
+                    let (east, north) = frame.share(at);
+                    [east, north]
+                })
+                .collect()
+        })
+        .collect();
+    let costs = evaluator.evaluate(&means.concat());
+    means
+        .into_iter()
+        .zip(costs)
+        .zip(wanted)
+        .map(|((mean, cost), ((guide, line), _))| {
+            #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
+            let spacing_m = line.length_m() / (mean.len() / 2 + 1) as f64;
+            let scale = frame.scale(STEP_UNIT * spacing_m, mean.len());
+            Fit {
+                class: guide.class,
+                score: 0.8 * cost + 0.2 * guide.cost,
+                start: Start {
+                    mean,
+                    scale,
+                    class: guide.class,
+                },
+            }
+        })
+        .collect()
+}
+
+/// Indices of the best fit of each class, best class first.
+fn best_of_classes(fits: &[Fit], most: usize) -> Vec<usize> {
+    let mut best: BTreeMap<u64, usize> = BTreeMap::new();
+    for (index, fit) in fits.iter().enumerate() {
+        let entry = best.entry(fit.class).or_insert(index);
+        if fit.score < fits[*entry].score {
+            *entry = index;
+        }
+    }
+    let mut indices: Vec<usize> = best.into_values().collect();
+    indices.sort_by(|&a, &b| fits[a].score.total_cmp(&fits[b].score).then(a.cmp(&b)));
+    indices.truncate(most);
+    indices
+}
+
+/// The best fits of each class, those of one class handicapped in turn.
+fn rank(mut fits: Vec<Fit>) -> Vec<Start> {
+    fits.retain(|fit| fit.score.is_finite());
+    fits.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let mut seen: BTreeMap<u64, usize> = BTreeMap::new();
+    let mut ranked = Vec::new();
+    for fit in fits {
+        let count = seen.entry(fit.class).or_insert(0);
+        if *count < FITS_PER_CLASS {
+            #[expect(clippy::cast_precision_loss, reason = "at most FITS_PER_CLASS")]
+            let handicap = 1.0 + REPEAT * *count as f64;
+            ranked.push((fit.score * handicap, fit.start));
+        }
+        *count += 1;
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.into_iter().map(|(_, start)| start).collect()
+}
+
+/// Shares of the length at which the ground under a line is highest nearby.
+fn summits(course: &Course<'_>, line: &Line) -> Vec<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "a few dozen")]
+    let share = |k: usize| k as f64 / (PROFILE - 1) as f64;
+    let heights: Vec<f64> = (0..PROFILE)
+        .map(|k| course.world.ground.height_m(line.at(share(k))))
+        .collect();
+    (1..PROFILE - 1)
+        .filter(|&k| heights[k] > heights[k - 1] && heights[k] >= heights[k + 1])
+        .map(share)
+        .collect()
+}

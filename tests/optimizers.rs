@@ -1,0 +1,206 @@
+//! The algorithms on functions whose minimum is known.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+use sortie::numeric::Seed;
+use sortie::optimize::{
+    Algorithm, LiteralParameters, MsfoaParameters, Outcome, Problem, Start, minimise,
+};
+
+#[derive(Clone, Copy)]
+enum Function {
+    /// Sum of squares around 0.3.
+    Sphere,
+    /// Rosenbrock's valley, over [-2, 2]; minimum 0 at 1.
+    Rosenbrock,
+    /// Rastrigin's field of pits, over [-2, 2]; minimum 0 at 0.
+    Rastrigin,
+}
+
+struct Analytic {
+    function: Function,
+    dimension: usize,
+    calls: AtomicUsize,
+    left_the_cube: AtomicBool,
+}
+
+impl Analytic {
+    fn new(function: Function, dimension: usize) -> Self {
+        Self {
+            function,
+            dimension,
+            calls: AtomicUsize::new(0),
+            left_the_cube: AtomicBool::new(false),
+        }
+    }
+
+    fn cost(&self, row: &[f64]) -> f64 {
+        let wide: Vec<f64> = row.iter().map(|s| 4.0 * s - 2.0).collect();
+        match self.function {
+            Function::Sphere => row.iter().map(|s| (s - 0.3).powi(2)).sum(),
+            Function::Rosenbrock => wide
+                .windows(2)
+                .map(|x| 100.0 * (x[1] - x[0] * x[0]).powi(2) + (1.0 - x[0]).powi(2))
+                .sum(),
+            Function::Rastrigin => wide
+                .iter()
+                .map(|x| x * x + 10.0 * (1.0 - (std::f64::consts::TAU * x).cos()))
+                .sum(),
+        }
+    }
+}
+
+impl Problem for Analytic {
+    fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+        self.calls.fetch_add(costs.len(), Ordering::Relaxed);
+        for (cost, row) in costs.iter_mut().zip(candidates.chunks(self.dimension)) {
+            if !row.iter().all(|s| (0.0..=1.0).contains(s)) {
+                self.left_the_cube.store(true, Ordering::Relaxed);
+            }
+            *cost = self.cost(row);
+        }
+    }
+}
+
+fn default_parameters() -> Algorithm {
+    Algorithm::Msfoa(MsfoaParameters {
+        swarms: 5,
+        flies: 16,
+        threshold: 1000.0,
+        step: 0.4,
+        group: 1,
+    })
+}
+
+fn all_algorithms() -> [Algorithm; 3] {
+    [
+        default_parameters(),
+        Algorithm::MsfoaLiteral(LiteralParameters::literal()),
+        Algorithm::MsfoaLiteral(LiteralParameters::dwindle()),
+    ]
+}
+
+fn run(problem: &Analytic, algorithm: &Algorithm, budget: usize, seed: u64) -> Outcome {
+    let mut rng = Seed(seed).stream("test", 0);
+    minimise(problem, algorithm, &[], budget, &mut rng, &|_| ())
+}
+
+#[test]
+fn every_algorithm_spends_its_budget_exactly_and_never_leaves_the_cube() {
+    for algorithm in all_algorithms() {
+        for budget in [0, 1, 7, 205, 1003, 5000] {
+            let problem = Analytic::new(Function::Rastrigin, 6);
+            let outcome = run(&problem, &algorithm, budget, 1);
+            assert_eq!(outcome.evaluations, budget, "{algorithm:?}");
+            assert_eq!(problem.calls.load(Ordering::Relaxed), budget);
+            assert!(!problem.left_the_cube.load(Ordering::Relaxed));
+            assert_eq!(outcome.finalists.is_empty(), budget == 0);
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_trace_and_another_seed_another() {
+    for algorithm in all_algorithms() {
+        let outcome = |seed| {
+            run(
+                &Analytic::new(Function::Rosenbrock, 8),
+                &algorithm,
+                4000,
+                seed,
+            )
+        };
+        assert_eq!(outcome(5), outcome(5));
+        assert_ne!(outcome(5).trace, outcome(6).trace);
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    for algorithm in all_algorithms() {
+        let outcome = |threads| {
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .expect("a pool")
+                .install(|| run(&Analytic::new(Function::Rastrigin, 10), &algorithm, 6000, 9))
+        };
+        let one = outcome(1);
+        assert_eq!(one, outcome(2));
+        assert_eq!(one, outcome(8));
+    }
+}
+
+#[test]
+fn the_trace_falls_and_ends_at_the_first_finalist() {
+    for algorithm in all_algorithms() {
+        let problem = Analytic::new(Function::Rastrigin, 6);
+        let outcome = run(&problem, &algorithm, 5000, 2);
+        assert!(
+            outcome.trace.windows(2).all(
+                |pair| pair[0].best > pair[1].best && pair[0].evaluations < pair[1].evaluations
+            )
+        );
+        let last = outcome.trace.last().expect("something was found");
+        let best = &outcome.finalists[0];
+        assert_eq!(last.best.to_bits(), best.cost.to_bits());
+        assert_eq!(problem.cost(&best.position).to_bits(), best.cost.to_bits());
+        assert!(outcome.finalists.is_sorted_by(|a, b| a.cost <= b.cost));
+    }
+}
+
+#[test]
+fn the_default_finds_the_bottom_of_a_curved_valley() {
+    let outcome = run(
+        &Analytic::new(Function::Rosenbrock, 8),
+        &default_parameters(),
+        40_000,
+        3,
+    );
+    assert!(
+        outcome.finalists[0].cost < 1e-6,
+        "{}",
+        outcome.finalists[0].cost
+    );
+}
+
+#[test]
+fn the_default_begins_where_it_is_told_and_stays_near_with_a_small_scale() {
+    let start = Start {
+        mean: vec![0.3; 4],
+        scale: vec![1e-4; 4],
+        class: 1,
+    };
+    let problem = Analytic::new(Function::Sphere, 4);
+    let mut rng = Seed(1).stream("test", 0);
+    let algorithm = Algorithm::Msfoa(MsfoaParameters {
+        swarms: 1,
+        flies: 16,
+        threshold: 1000.0,
+        step: 0.4,
+        group: 1,
+    });
+    let outcome = minimise(&problem, &algorithm, &[start], 64, &mut rng, &|_| ());
+    assert!(outcome.trace[0].best < 1e-6);
+}
+
+#[test]
+fn the_default_beats_the_letter_and_dwindling_beats_a_constant_step() {
+    let median = |algorithm: &Algorithm| {
+        let mut costs: Vec<f64> = (0..9)
+            .map(|seed| {
+                let problem = Analytic::new(Function::Sphere, 16);
+                run(&problem, algorithm, 10_000, seed).finalists[0].cost
+            })
+            .collect();
+        costs.sort_by(f64::total_cmp);
+        costs[4]
+    };
+    let [default, literal, dwindle] = all_algorithms().map(|algorithm| median(&algorithm));
+    assert!(dwindle < literal, "{dwindle} {literal}");
+    assert!(default < dwindle, "{default} {dwindle}");
+}
