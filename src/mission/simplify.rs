@@ -24,13 +24,16 @@ pub(super) struct Keep {
 const THINNING: f64 = 0.05;
 /// What a metre of misfit costs, in waypoints: a tenth of a millimetre weighs as much as one.
 const MISFIT_COST: f64 = 1e4;
+/// Candidates that one leg may pass: bounds the work on a path that is rough within
+/// the tolerance, where nearly every pair of candidates makes a leg.
+const REACH: usize = 128;
 /// Beyond this a leg need not be: stands for the infinite arc of a full reversal, metres.
 const FARTHEST_M: f64 = 1e7;
 
 /// Indices of the samples that become waypoints, first and last included.
 ///
-/// The fewest, among the samples that remain after thinning, whose legs and arcs
-/// keep the tolerance; where none do, those that miss it least, for the verdict to
+/// The fewest, among the samples that remain after thinning and with at most [`REACH`]
+/// of them to a leg, whose legs and arcs keep the tolerance; where none do, those that miss it least, for the verdict to
 /// refuse. The ends are flown from and to rest.
 pub(super) fn waypoints(path: &[Point], keep: Keep) -> Vec<usize> {
     let slack_m = THINNING * keep.tolerance_m;
@@ -108,7 +111,7 @@ impl Legs {
     fn new(points: &[Point], slack_m: f64, tolerance_m: f64) -> Self {
         let from = (0..points.len())
             .map(|from| {
-                (from + 1..points.len())
+                (from + 1..points.len().min(from + 1 + REACH))
                     .filter_map(|to| leg(points, from, to, slack_m, tolerance_m))
                     .collect()
             })

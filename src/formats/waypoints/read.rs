@@ -1,8 +1,8 @@
 //! Reads `.waypoints` files of any origin, and says what it had to overlook.
 
-use crate::formats::number::coordinate;
+use super::field::{Field, byte, command_number, float, scaled, whole};
 use crate::formats::{Document, FormatError, Repair};
-use crate::mission::{Home, Item, command, command_named, frame};
+use crate::mission::{Home, Item, command, frame};
 
 /// Reads a mission, or a fence or rally list in the same layout.
 ///
@@ -40,14 +40,6 @@ fn no_header(line: usize, found: &str) -> FormatError {
         found: found.to_owned(),
         allowed: "QGC WPL 110 or QGC WPL 120".to_owned(),
     }
-}
-
-/// A field and where it is.
-#[derive(Clone, Copy)]
-struct Field<'a> {
-    text: &'a str,
-    line: usize,
-    column: usize,
 }
 
 #[derive(Default)]
@@ -293,70 +285,6 @@ impl Reader {
         }
         Ok(fields)
     }
-}
-
-fn bad(field: Field<'_>, allowed: impl Into<String>) -> FormatError {
-    let found: String = field.text.chars().take(40).collect();
-    FormatError::Text {
-        line: field.line,
-        column: field.column,
-        found: format!("{found:?}"),
-        allowed: allowed.into(),
-    }
-}
-
-/// A whole number from 0; some writers give it decimals (`16.0`).
-fn whole(field: Field<'_>, most: u32) -> Result<u32, FormatError> {
-    let value: f64 = field
-        .text
-        .parse()
-        .map_err(|_| bad(field, format!("0 to {most}")))?;
-    (0..=most)
-        .contains(&saturated(value))
-        .then(|| saturated(value))
-        .filter(|&whole| f64::from(whole).to_bits() == value.abs().to_bits())
-        .ok_or_else(|| bad(field, format!("0 to {most}, whole")))
-}
-
-fn saturated(value: f64) -> u32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "saturates; the caller compares with the original"
-    )]
-    let whole = value as u32;
-    whole
-}
-
-fn byte(field: Field<'_>) -> Result<u8, FormatError> {
-    u8::try_from(whole(field, 255)?).map_err(|_| bad(field, "0 to 255"))
-}
-
-/// A command by number or by name.
-fn command_number(field: Field<'_>) -> Result<u16, FormatError> {
-    if let Some(command) = command_named(field.text) {
-        return Ok(command);
-    }
-    let number = whole(field, u32::from(u16::MAX))?;
-    u16::try_from(number).map_err(|_| bad(field, "0 to 65535"))
-}
-
-fn float(field: Field<'_>) -> Result<f32, FormatError> {
-    field
-        .text
-        .parse::<f32>()
-        .ok()
-        .filter(|value| !value.is_infinite())
-        .ok_or_else(|| bad(field, "a number"))
-}
-
-fn scaled(field: Field<'_>, frame: u8) -> Result<i32, FormatError> {
-    field
-        .text
-        .parse()
-        .ok()
-        .and_then(|value| coordinate(frame, value))
-        .ok_or_else(|| bad(field, "a number that fits"))
 }
 
 #[cfg(test)]
