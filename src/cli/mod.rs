@@ -1,9 +1,62 @@
 //! The command line: arguments, progress, exit codes.
 
+mod args;
+mod check;
+mod console;
+mod failure;
+mod folder;
+mod output;
+mod plan;
+mod progress;
+mod review;
+mod table;
+mod upload;
+
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+use clap::{CommandFactory, Parser};
+
+use args::{Arguments, Command};
+use failure::Failure;
+
 /// Runs one command and returns its exit code.
-pub fn run(_arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    ExitCode::from(2)
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let parsed = match Arguments::try_parse_from(arguments) {
+        Ok(parsed) => parsed,
+        Err(error) => {
+            // Help and version go to stdout and are no failure.
+            let _ = error.print();
+            return if error.use_stderr() {
+                Failure::USAGE.into()
+            } else {
+                ExitCode::SUCCESS
+            };
+        }
+    };
+    let done = match &parsed.command {
+        Command::Plan(arguments) => plan::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Review(arguments) => review::run(arguments),
+        Command::Upload(arguments) => upload::run(arguments),
+        Command::Schema => {
+            console::out(crate::spec::json_schema().trim_end());
+            Ok(())
+        }
+        Command::Completions { shell } => {
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Arguments::command(), "sortie", &mut script);
+            console::out(String::from_utf8_lossy(&script).trim_end());
+            Ok(())
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            if !failure.message.is_empty() {
+                console::note(&failure.message);
+            }
+            failure.code.into()
+        }
+    }
 }

@@ -1,1 +1,137 @@
 //! Plan, encode, verify, and plan again where a limit is violated, in bounded rounds.
+
+mod tighten;
+
+use crate::mission::{self, VehicleMission};
+use crate::path::TimedPoint;
+use crate::plan::{self, FleetPlan, Progress, Request};
+use crate::spec::MissionSpec;
+use crate::verify::{self, Margin, Review};
+use crate::world::World;
+
+use tighten::Strictness;
+
+/// A fleet planned, encoded and judged.
+#[derive(Clone, Debug)]
+pub struct Dispatched {
+    /// The paths.
+    pub plan: FleetPlan,
+    /// The missions that could be encoded, with the index of their vehicle in the spec.
+    pub missions: Vec<(usize, VehicleMission)>,
+    /// The verdict on them.
+    pub review: Review,
+    /// How often the fleet was planned, at least once.
+    pub rounds: usize,
+}
+
+/// What is being done, for whoever watches.
+#[derive(Clone, Copy, Debug)]
+pub enum Stage {
+    /// Searching, in this round (from 1).
+    Planning(usize, Progress),
+    /// Judging the encoded missions of this round.
+    Verifying(usize),
+}
+
+/// Most rounds of planning. What a few stricter rounds cannot mend is a conflict
+/// in the spec, and an operator wants to hear of it soon.
+const MAX_ROUNDS: usize = 5;
+
+/// Plans the fleet, and plans again what fails, with stricter margins where it failed.
+///
+/// An infeasible mission is not an error: the review of the best round (the one
+/// with the fewest failures, the earliest of them) says what is violated.
+#[must_use]
+pub fn dispatch(
+    spec: &MissionSpec,
+    world: &World,
+    seed: u64,
+    watch: &(dyn Fn(Stage) + Sync),
+) -> Dispatched {
+    let mut strictness = Strictness::first(spec);
+    let plan_again =
+        |round: usize, strictness: &Strictness, previous: Option<(&FleetPlan, usize)>| {
+            let progress = |at| watch(Stage::Planning(round, at));
+            let request = Request {
+                seed,
+                margins: strictness.margins.clone(),
+                extra_parameters: strictness.parameters.clone(),
+                progress: &progress,
+            };
+            match previous {
+                None => plan::plan_fleet(spec, world, &request),
+                Some((plan, first)) => plan::replan_from(plan, first, spec, world, &request),
+            }
+        };
+    let judge = |round: usize, plan: FleetPlan| {
+        watch(Stage::Verifying(round));
+        let (missions, review) = encode_and_verify(spec, world, &plan);
+        Dispatched {
+            plan,
+            missions,
+            review,
+            rounds: round,
+        }
+    };
+    let mut latest = judge(1, plan_again(1, &strictness, None));
+    let mut best = latest.clone();
+    for round in 2..=MAX_ROUNDS {
+        if latest.review.passes() {
+            break;
+        }
+        let Some(first) = strictness.tighten(spec, world, &latest.plan, &latest.review) else {
+            break;
+        };
+        latest = judge(
+            round,
+            plan_again(round, &strictness, Some((&latest.plan, first))),
+        );
+        if failures(&latest) < failures(&best) {
+            best = latest.clone();
+        }
+        best.rounds = round;
+    }
+    best
+}
+
+fn failures(dispatched: &Dispatched) -> usize {
+    dispatched
+        .review
+        .margins
+        .iter()
+        .filter(|margin| !margin.ok)
+        .count()
+}
+
+/// Encodes every vehicle's routes and judges what was encoded. A mission that
+/// cannot be encoded is missing from the list, and the review says why.
+fn encode_and_verify(
+    spec: &MissionSpec,
+    world: &World,
+    plan: &FleetPlan,
+) -> (Vec<(usize, VehicleMission)>, Review) {
+    let mut missions = Vec::new();
+    let mut problems = Vec::new();
+    for (index, vehicle) in plan.vehicles.iter().enumerate() {
+        let routes: Vec<Vec<TimedPoint>> = vehicle
+            .routes
+            .iter()
+            .map(|route| route.path.clone())
+            .collect();
+        match mission::build(spec, world, index, &routes) {
+            Ok(mission) => missions.push((index, mission)),
+            Err(error) => problems.push(Margin::unjudged(
+                &spec.vehicles[index].id,
+                "encoding",
+                error.to_string(),
+            )),
+        }
+    }
+    let judged: Vec<(usize, &VehicleMission)> = missions
+        .iter()
+        .map(|(index, mission)| (*index, mission))
+        .collect();
+    let mut review = verify::review(spec, world, &judged);
+    review.margins.extend(problems);
+    (missions, review)
+}

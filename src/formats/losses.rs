@@ -11,6 +11,17 @@ pub enum Format {
     Plan,
 }
 
+/// What a file of this format never tells, for whoever judges it alone.
+#[must_use]
+pub fn known_losses(format: Format) -> &'static str {
+    match format {
+        Format::Waypoints => {
+            "a .waypoints file holds no fence, no rally points and no parameters: they are not judged"
+        }
+        Format::Plan => "a .plan file holds no parameters: they are not judged",
+    }
+}
+
 /// What is lost when a mission is written in a format, one sentence each; empty
 /// when everything comes back.
 ///

@@ -17,4 +17,4 @@ pub mod waypoints;
 
 pub use document::{Document, Repair};
 pub use error::FormatError;
-pub use losses::{Format, losses};
+pub use losses::{Format, known_losses, losses};

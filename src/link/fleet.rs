@@ -2,7 +2,6 @@
 //! vehicles on each, told apart by system id.
 
 use std::collections::BTreeMap;
-use std::fmt;
 use std::io;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -49,10 +48,7 @@ pub fn upload_fleet(
 ) -> Vec<TransferReport> {
     let mut links: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (index, job) in jobs.iter().enumerate() {
-        links
-            .entry(Named(job.link).to_string())
-            .or_default()
-            .push(index);
+        links.entry(job.link.to_string()).or_default().push(index);
     }
     let us = ground_station(jobs);
     let mut reports: Vec<(usize, TransferReport)> = std::thread::scope(|scope| {
@@ -89,21 +85,6 @@ fn ground_station(jobs: &[Job<'_>]) -> Address {
     }
 }
 
-/// A link as a spec writes it.
-struct Named<'a>(&'a Link);
-
-impl fmt::Display for Named<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Link::Sim => f.write_str("sim"),
-            Link::UdpOut(address) => write!(f, "udpout:{address}"),
-            Link::UdpIn(address) => write!(f, "udpin:{address}"),
-            Link::Tcp(address) => write!(f, "tcp:{address}"),
-            Link::Serial { device, baud } => write!(f, "serial:{device}:{baud}"),
-        }
-    }
-}
-
 /// All vehicles of one link.
 fn run_link(
     jobs: &[Job<'_>],
@@ -114,7 +95,7 @@ fn run_link(
         return Vec::new();
     };
     let failure = |error: io::Error| Failure::Link {
-        link: Named(first.link).to_string(),
+        link: first.link.to_string(),
         error: error.to_string(),
     };
     let wire = match Wire::open(first.link) {

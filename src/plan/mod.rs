@@ -64,3 +64,33 @@ impl VehiclePlan {
         }
     }
 }
+
+impl VehiclePlan {
+    /// Horizontal and vertical way of all routes, metres.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        let pieces = self.routes.iter().flat_map(|route| route.path.windows(2));
+        pieces
+            .map(|pair| pair[0].point.distance_m(pair[1].point))
+            .sum()
+    }
+
+    /// All routes in one, in order of time.
+    #[must_use]
+    pub fn path(&self) -> Vec<TimedPoint> {
+        self.routes
+            .iter()
+            .flat_map(|route| route.path.iter().copied())
+            .collect()
+    }
+
+    /// From the beginning of the first route to the end of the last, seconds.
+    #[must_use]
+    pub fn duration_s(&self) -> f64 {
+        let first = self.routes.first().and_then(|route| route.path.first());
+        let last = self.routes.last().and_then(|route| route.path.last());
+        first
+            .zip(last)
+            .map_or(0.0, |(first, last)| last.t_s - first.t_s)
+    }
+}

@@ -3,6 +3,7 @@
 mod check;
 mod file;
 mod issue;
+mod link;
 mod model;
 mod places;
 mod raw;

@@ -84,7 +84,8 @@ pub struct Track {
 
 impl Margin {
     /// A limit that fails because it cannot be judged.
-    fn unjudged(vehicle: &str, what: impl Into<String>, note: impl Into<String>) -> Self {
+    #[must_use]
+    pub fn unjudged(vehicle: &str, what: impl Into<String>, note: impl Into<String>) -> Self {
         Self {
             vehicle: vehicle.to_owned(),
             other: None,
@@ -99,7 +100,34 @@ impl Margin {
     }
 }
 
+impl Margin {
+    /// Whether the limit is one of this vehicle, alone or with another.
+    #[must_use]
+    pub fn concerns(&self, vehicle: &str) -> bool {
+        self.vehicle == vehicle || self.other.as_deref() == Some(vehicle)
+    }
+
+    /// How far the value is from its limit, whichever side is good; negative when
+    /// the limit is not kept.
+    #[must_use]
+    pub fn slack(&self) -> f64 {
+        let apart = (self.value - self.limit).abs();
+        if self.ok { apart } else { -apart }
+    }
+}
+
 impl Review {
+    /// Whether every limit that concerns this vehicle is kept.
+    #[must_use]
+    pub fn accepts(&self, vehicle: &str) -> bool {
+        let mut concerned = self
+            .margins
+            .iter()
+            .filter(|margin| margin.concerns(vehicle))
+            .peekable();
+        concerned.peek().is_some() && concerned.all(|margin| margin.ok)
+    }
+
     /// Whether every limit is kept. A review without any margin has judged nothing and fails.
     #[must_use]
     pub fn passes(&self) -> bool {

@@ -196,11 +196,13 @@ impl Checker<'_> {
     }
 
     fn link(&mut self, path: &str, text: &str) -> Option<Link> {
-        let link = parse_link(text);
+        let link = Link::parse(text);
         if link.is_none() {
-            let allowed =
-                "sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD";
-            self.report(path, format!("link `{}`", text.escape_debug()), allowed);
+            self.report(
+                path,
+                format!("link `{}`", text.escape_debug()),
+                Link::ALLOWED,
+            );
         }
         link
     }
@@ -224,36 +226,5 @@ impl Checker<'_> {
                 }
             }
         }
-    }
-}
-
-fn parse_link(text: &str) -> Option<Link> {
-    if text == "sim" {
-        return Some(Link::Sim);
-    }
-    let (scheme, rest) = text.split_once(':')?;
-    let (before, last) = rest.rsplit_once(':')?;
-    let good = |c: char| !c.is_whitespace() && !c.is_control();
-    if before.is_empty() || !before.chars().all(good) || !last.chars().all(|c| c.is_ascii_digit()) {
-        return None;
-    }
-    if scheme == "serial" {
-        let baud = last.parse().ok().filter(|baud| *baud > 0)?;
-        return Some(Link::Serial {
-            device: before.to_owned(),
-            baud,
-        });
-    }
-    last.parse::<u16>().ok().filter(|port| *port > 0)?;
-    // A host is a name, an IPv4 address, or an IPv6 address in brackets.
-    let bracketed = before.starts_with('[') && before.ends_with(']');
-    if before.contains([':', '/']) && !bracketed {
-        return None;
-    }
-    match scheme {
-        "udpout" => Some(Link::UdpOut(rest.to_owned())),
-        "udpin" => Some(Link::UdpIn(rest.to_owned())),
-        "tcp" => Some(Link::Tcp(rest.to_owned())),
-        _ => None,
     }
 }

@@ -1,0 +1,53 @@
+//! Printing: results on stdout, everything else on stderr.
+
+use std::io::{IsTerminal, Write};
+
+/// Prints a result. A closed pipe is the reader's choice, not an error.
+pub(super) fn out(text: &str) {
+    let mut stdout = std::io::stdout().lock();
+    let _ = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
+}
+
+/// Prints what is not a result.
+pub(super) fn note(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Colours for a terminal that wants them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Paint {
+    on: bool,
+}
+
+impl Paint {
+    /// For stdout: colours only on a terminal, and never with NO_COLOR.
+    pub(super) fn for_stdout() -> Self {
+        let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+        Self {
+            on: std::io::stdout().is_terminal() && !refused,
+        }
+    }
+
+    fn wrap(self, code: &str, text: &str) -> String {
+        if self.on {
+            format!("\u{1b}[{code}m{text}\u{1b}[0m")
+        } else {
+            text.to_owned()
+        }
+    }
+
+    /// For what is good.
+    pub(super) fn good(self, text: &str) -> String {
+        self.wrap("32", text)
+    }
+
+    /// For what is not.
+    pub(super) fn bad(self, text: &str) -> String {
+        self.wrap("31;1", text)
+    }
+
+    /// For what matters less.
+    pub(super) fn dim(self, text: &str) -> String {
+        self.wrap("2", text)
+    }
+}

@@ -1,0 +1,195 @@
+//! Output folders appear whole or not at all.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What went wrong while writing, and where.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub(super) struct OutputError {
+    path: PathBuf,
+    source: io::Error,
+}
+
+fn at(path: &Path) -> impl FnOnce(io::Error) -> OutputError + '_ {
+    move |source| OutputError {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// A folder under construction beside its final place. Dropped before
+/// [`Self::publish`], it leaves nothing behind.
+pub(super) struct NewFolder {
+    target: PathBuf,
+    building: PathBuf,
+    published: bool,
+}
+
+impl NewFolder {
+    /// Starts a folder that is to appear as `target`.
+    pub(super) fn beside(target: &Path) -> Result<Self, OutputError> {
+        let target = &std::path::absolute(target).map_err(at(target))?;
+        if let Some(reason) = in_the_way(target) {
+            let source = io::Error::new(io::ErrorKind::AlreadyExists, reason);
+            return Err(OutputError {
+                path: target.clone(),
+                source,
+            });
+        }
+        if let Some(parent) = target.parent() {
+            fs::create_dir_all(parent).map_err(at(parent))?;
+        }
+        let building = sibling(target, "new");
+        if building.exists() {
+            fs::remove_dir_all(&building).map_err(at(&building))?;
+        }
+        fs::create_dir(&building).map_err(at(&building))?;
+        Ok(Self {
+            target: target.to_owned(),
+            building,
+            published: false,
+        })
+    }
+
+    /// Writes one file; `name` may contain folders.
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        let path = self.building.join(name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(at(parent))?;
+        }
+        fs::write(&path, bytes).map_err(at(&path))
+    }
+
+    /// Puts the folder in its place: old aside, new in, old removed.
+    pub(super) fn publish(mut self) -> Result<(), OutputError> {
+        let old = sibling(&self.target, "old");
+        if old.exists() {
+            fs::remove_dir_all(&old).map_err(at(&old))?;
+        }
+        let replaces = self.target.exists();
+        if replaces {
+            fs::rename(&self.target, &old).map_err(at(&self.target))?;
+        }
+        if let Err(error) = fs::rename(&self.building, &self.target) {
+            if replaces {
+                // Give back what was there; if even that fails, it is still under its other name.
+                let _ = fs::rename(&old, &self.target);
+            }
+            return Err(at(&self.target)(error));
+        }
+        self.published = true;
+        if replaces {
+            fs::remove_dir_all(&old).map_err(at(&old))?;
+        }
+        Ok(())
+    }
+}
+
+/// Why a folder may not be replaced: only what `plan` wrote, or nothing, may go.
+fn in_the_way(target: &Path) -> Option<&'static str> {
+    let Ok(mut entries) = fs::read_dir(target) else {
+        return target
+            .exists()
+            .then_some("a file of this name is in the way");
+    };
+    let ours = target.join("spec.yaml").exists() && target.join("plan.json").exists();
+    (entries.next().is_some() && !ours)
+        .then_some("this folder holds something else than an earlier plan and is not replaced")
+}
+
+impl Drop for NewFolder {
+    fn drop(&mut self) {
+        if !self.published {
+            let _ = fs::remove_dir_all(&self.building);
+        }
+    }
+}
+
+/// Writes one file so that it appears whole or not at all.
+pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    if let Some(parent) = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+    {
+        fs::create_dir_all(parent).map_err(at(parent))?;
+    }
+    let building = sibling(path, "new");
+    let written = fs::write(&building, bytes).and_then(|()| fs::rename(&building, path));
+    written.map_err(|source| {
+        let _ = fs::remove_file(&building);
+        OutputError {
+            path: path.to_owned(),
+            source,
+        }
+    })
+}
+
+/// `.name.tag.PID` beside `path`: the process id keeps two runs apart.
+fn sibling(path: &Path, tag: &str) -> PathBuf {
+    let name = path.file_name().map_or_else(
+        || "sortie".into(),
+        |name| name.to_string_lossy().into_owned(),
+    );
+    path.with_file_name(format!(".{name}.{tag}.{}", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_replaces_the_old_one_as_a_whole() {
+        let home = tempfile::tempdir().unwrap();
+        let target = home.path().join("out");
+        for round in ["one", "two"] {
+            let folder = NewFolder::beside(&target).unwrap();
+            for name in [&format!("{round}/file"), "spec.yaml", "plan.json"] {
+                folder.write(name, round.as_bytes()).unwrap();
+            }
+            folder.publish().unwrap();
+        }
+        assert!(!target.join("one").exists());
+        assert_eq!(fs::read(target.join("two/file")).unwrap(), b"two");
+        assert_eq!(
+            fs::read_dir(home.path()).unwrap().count(),
+            1,
+            "nothing is left beside it"
+        );
+    }
+
+    #[test]
+    fn a_folder_that_is_never_published_leaves_nothing_and_keeps_the_old_one() {
+        let home = tempfile::tempdir().unwrap();
+        let target = home.path().join("out");
+        fs::create_dir(&target).unwrap();
+        for name in ["kept", "spec.yaml", "plan.json"] {
+            fs::write(target.join(name), b"").unwrap();
+        }
+        drop(NewFolder::beside(&target).unwrap());
+        assert!(target.join("kept").exists());
+        assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_an_earlier_plan_is_never_replaced() {
+        let home = tempfile::tempdir().unwrap();
+        fs::write(home.path().join("thesis.tex"), b"").unwrap();
+        let message = NewFolder::beside(home.path()).err().unwrap().to_string();
+        assert!(message.contains("not replaced"), "{message}");
+        assert!(home.path().join("thesis.tex").exists());
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_an_error_that_names_it() {
+        let home = tempfile::tempdir().unwrap();
+        let target = home.path().join("out");
+        fs::write(&target, b"").unwrap();
+        let message = NewFolder::beside(&target).err().unwrap().to_string();
+        assert!(
+            message.contains("out") && message.contains("in the way"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,238 @@
+//! `sortie plan`: the main job.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use super::args;
+use super::console::{Paint, out};
+use super::failure::Failure;
+use super::folder;
+use super::progress::Progress;
+use super::table;
+use super::upload::{self, Delivery};
+use crate::dispatch::{self, Dispatched, Stage};
+use crate::link::TransferReport;
+use crate::report;
+use crate::spec::SpecFile;
+use crate::world::{self, World};
+
+/// Seconds spent in each stage: printed and in `timing.json`, never in a result.
+struct Stopwatch {
+    started: Instant,
+    stages: Vec<(&'static str, f64)>,
+}
+
+impl Stopwatch {
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "wall times are shown, they decide nothing"
+    )]
+    fn start() -> Self {
+        Self {
+            started: Instant::now(),
+            stages: Vec::new(),
+        }
+    }
+
+    fn lap(&mut self, stage: &'static str) {
+        let before: f64 = self.stages.iter().map(|(_, seconds)| seconds).sum();
+        self.stages
+            .push((stage, self.started.elapsed().as_secs_f64() - before));
+    }
+
+    fn json(&self) -> Value {
+        self.stages
+            .iter()
+            .map(|(stage, seconds)| ((*stage).to_owned(), json!(seconds)))
+            .collect::<serde_json::Map<_, _>>()
+            .into()
+    }
+
+    fn total_s(&self) -> f64 {
+        self.stages.iter().map(|(_, seconds)| seconds).sum()
+    }
+}
+
+pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
+    let mut watch = Stopwatch::start();
+    let file = SpecFile::read(&arguments.spec)?;
+    let world = world::load(&file)?;
+    watch.lap("read_s");
+    let seed = arguments.seed.unwrap_or(file.spec.planner.seed);
+    let dispatched = plan(&file, &world, seed);
+    watch.lap("plan_s");
+    let target = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(&file.spec.name));
+    folder::write(&target, &file, &world, &dispatched, &watch.json())?;
+    watch.lap("write_s");
+
+    let passes = dispatched.review.passes();
+    let delivery = if arguments.upload && passes {
+        let missions = dispatched
+            .missions
+            .iter()
+            .map(|(vehicle, mission)| (*vehicle, mission))
+            .collect();
+        Some(upload::deliver(&file, missions, &[], false)?)
+    } else {
+        None
+    };
+    if let Some(delivery) = &delivery {
+        delivery.record(&target)?;
+        watch.lap("upload_s");
+    }
+    if arguments.json {
+        let plan = report::plan_json(
+            &folder::sha256(&file.text),
+            &file.spec,
+            &world,
+            &dispatched.plan,
+            passes,
+        );
+        let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
+        document["out"] = json!(target.display().to_string());
+        document["upload"] = delivery.as_ref().map_or(Value::Null, Delivery::json);
+        out(report::json_text(&document).trim_end());
+    } else {
+        tell(&file, &dispatched, delivery.as_ref(), &watch);
+        out(&format!("files in {}", target.display()));
+    }
+    if !passes {
+        let unsent = if arguments.upload {
+            "; nothing was sent"
+        } else {
+            ""
+        };
+        return Err(Failure::new(
+            Failure::VERDICT,
+            format!("the fleet does not pass verification{unsent}"),
+        ));
+    }
+    match delivery {
+        Some(delivery) => delivery.verdict(),
+        None => Ok(()),
+    }
+}
+
+/// Plans with a progress line.
+fn plan(file: &SpecFile, world: &World, seed: u64) -> Dispatched {
+    let progress = Mutex::new(Progress::start());
+    dispatch::dispatch(&file.spec, world, seed, &|stage| {
+        let message = match stage {
+            Stage::Planning(round, at) => {
+                let again = if round > 1 {
+                    format!(", round {round}")
+                } else {
+                    String::new()
+                };
+                let id = &file.spec.vehicles[at.vehicle].id;
+                format!(
+                    "planning {id} ({} of {}{again}): cost {:.3} after {} of {} evaluations",
+                    at.vehicle + 1,
+                    at.vehicles,
+                    at.best,
+                    at.evaluations,
+                    at.budget
+                )
+            }
+            Stage::Verifying(_) => "verifying the encoded missions".to_owned(),
+        };
+        if let Ok(progress) = progress.lock() {
+            progress.say(message);
+        }
+    })
+}
+
+/// The table an operator reads.
+fn tell(file: &SpecFile, dispatched: &Dispatched, delivery: Option<&Delivery>, watch: &Stopwatch) {
+    let (spec, review, paint) = (&file.spec, &dispatched.review, Paint::for_stdout());
+    let verdict = if review.passes() {
+        paint.good("pass")
+    } else {
+        paint.bad("FAIL")
+    };
+    out(&format!(
+        "{}: {verdict}, seed {}, {} {} in {:.1} s",
+        spec.name,
+        dispatched.plan.seed,
+        dispatched.rounds,
+        if dispatched.rounds == 1 {
+            "round"
+        } else {
+            "rounds"
+        },
+        watch.total_s()
+    ));
+    let mut rows = table::table(&[
+        "vehicle",
+        "autopilot",
+        "cost",
+        "length",
+        "time",
+        "items",
+        "above ground",
+        "threats and zones",
+        "separation",
+        "on board",
+    ]);
+    for (index, vehicle) in spec.vehicles.iter().enumerate() {
+        let id = vehicle.id.as_str();
+        let plan = &dispatched.plan.vehicles[index];
+        let items = dispatched
+            .missions
+            .iter()
+            .find(|(of, _)| *of == index)
+            .map(|(_, mission)| mission.items.len());
+        let report = delivery
+            .and_then(|delivery| delivery.reports.iter().find(|report| report.vehicle == id));
+        rows.add_row([
+            id.to_owned(),
+            table::autopilot(vehicle.autopilot).to_owned(),
+            format!("{:.3}", plan.terms.total()),
+            format!("{:.1} km", plan.length_m() / 1000.0),
+            table::clock(plan.duration_s()),
+            items.map_or("-".to_owned(), |items| items.to_string()),
+            table::tightest(review, id, |what| what == "terrain clearance"),
+            table::tightest(review, id, |what| {
+                what.starts_with("threat ") || what.starts_with("zone ")
+            }),
+            table::tightest(review, id, |what| what == "separation"),
+            on_board(review.accepts(id), report),
+        ]);
+    }
+    out(&rows.to_string());
+    if !review.passes() {
+        out(&table::failures(review, paint));
+    }
+    for report in delivery
+        .iter()
+        .flat_map(|delivery| &delivery.reports)
+        .filter(|report| !report.is_verified())
+    {
+        out(&format!(
+            "{} {}",
+            paint.bad("FAIL"),
+            upload::sentence(report)
+        ));
+    }
+    let notes = dispatched
+        .missions
+        .iter()
+        .flat_map(|(vehicle, mission)| mission.notes.iter().map(move |note| (vehicle, note)));
+    for (vehicle, note) in notes {
+        out(&paint.dim(&format!("note: {}: {note}", spec.vehicles[*vehicle].id)));
+    }
+}
+
+fn on_board(accepted: bool, report: Option<&TransferReport>) -> String {
+    match report {
+        Some(report) => upload::state(report),
+        None if accepted => "not sent".to_owned(),
+        None => "rejected".to_owned(),
+    }
+}

@@ -1,0 +1,95 @@
+//! Tables for the terminal: one for the fleet, one for what fails.
+
+use comfy_table::{ContentArrangement, Table, presets};
+
+use super::console::Paint;
+use crate::spec::Autopilot;
+use crate::verify::{Margin, Review};
+
+/// An empty table that fits the terminal.
+pub(super) fn table(header: &[&str]) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(header.iter().copied());
+    table
+}
+
+/// The tightest margin of a vehicle among the limits `wanted`, as an operator
+/// reads it: the value and what it is held against.
+pub(super) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> bool) -> String {
+    let worst = review
+        .margins
+        .iter()
+        .filter(|margin| margin.concerns(vehicle) && wanted(&margin.what))
+        .min_by(|a, b| a.slack().total_cmp(&b.slack()));
+    let Some(margin) = worst else {
+        return "-".to_owned();
+    };
+    let whom = match &margin.other {
+        Some(other) if other != vehicle => format!(" to {other}"),
+        Some(_) => format!(" to {}", margin.vehicle),
+        None => margin
+            .what
+            .split_once(' ')
+            .filter(|(kind, _)| ["threat", "zone"].contains(kind))
+            .map_or_else(String::new, |(_, id)| format!(" to {id}")),
+    };
+    let mark = if margin.ok { "" } else { " FAIL" };
+    format!(
+        "{:.0} {}{whom} (>= {:.0}){mark}",
+        margin.value, margin.unit, margin.limit
+    )
+}
+
+/// Every failed margin in words.
+pub(super) fn failures(review: &Review, paint: Paint) -> String {
+    let failed = review.margins.iter().filter(|margin| !margin.ok);
+    failed
+        .map(|margin| format!("{} {}", paint.bad("FAIL"), sentence(margin)))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// One margin in words: who, what, by how much, where, when.
+fn sentence(margin: &Margin) -> String {
+    let mut text = match &margin.other {
+        Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.what),
+        None => format!("{}: {}", margin.vehicle, margin.what),
+    };
+    if margin.value.is_finite() {
+        text += &format!(
+            ": {:.1} {unit}, limit {:.1} {unit}",
+            margin.value,
+            margin.limit,
+            unit = margin.unit
+        );
+    }
+    if let Some(at) = &margin.at {
+        text += &format!(
+            ", at item {}, {:.6} {:.6}, {:.0} m AMSL, T0+{:.0} s",
+            at.item, at.place.lat_deg, at.place.lon_deg, at.amsl.0, at.t_s
+        );
+    }
+    if !margin.note.is_empty() {
+        text += &format!(" ({})", margin.note);
+    }
+    text
+}
+
+/// Seconds as minutes and seconds.
+pub(super) fn clock(seconds: f64) -> String {
+    if !seconds.is_finite() {
+        return "no end".to_owned();
+    }
+    let whole = seconds.round().max(0.0);
+    format!("{:.0}:{:02.0}", (whole / 60.0).floor(), whole % 60.0)
+}
+
+/// The autopilot as its people write it.
+pub(super) fn autopilot(autopilot: Autopilot) -> &'static str {
+    match autopilot {
+        Autopilot::ArduPilot => "ArduPilot",
+        Autopilot::Px4 => "PX4",
+    }
+}

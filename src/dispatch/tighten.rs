@@ -1,0 +1,123 @@
+//! What a failed verification asks of the next round of planning.
+
+use crate::cost::Margins;
+use crate::plan::FleetPlan;
+use crate::spec::MissionSpec;
+use crate::verify::{Margin, Review};
+use crate::world::World;
+
+/// Stricter margins and more samples for the next round.
+#[derive(Clone, Debug)]
+pub(super) struct Strictness {
+    /// For each vehicle, how much stricter than its limits the search is.
+    pub(super) margins: Vec<Margins>,
+    /// For each vehicle, where along its spline the search looks besides the even samples.
+    pub(super) parameters: Vec<Vec<f64>>,
+}
+
+/// Added to what was missing, so that the next round does not fail by a hair, metres.
+const EXTRA_M: f64 = 1.0;
+/// Least step of a margin that is a fraction.
+const LEAST_FRACTION: f64 = 0.02;
+
+impl Strictness {
+    /// For the first round: waypoint legs may leave the path by the tolerance, so
+    /// that much of everything that is a distance is kept in hand.
+    pub(super) fn first(spec: &MissionSpec) -> Self {
+        let tolerance_m = spec.mission.tolerance_m;
+        let margins = Margins {
+            clearance_m: tolerance_m,
+            threat_m: tolerance_m,
+            separation_m: 2.0 * tolerance_m,
+            ..Margins::default()
+        };
+        let fleet = spec.vehicles.len();
+        Self {
+            margins: vec![margins; fleet],
+            parameters: vec![Vec::new(); fleet],
+        }
+    }
+
+    /// Answers every failed margin that planning can mend; returns the first
+    /// vehicle, in order of priority, that has to be planned again.
+    pub(super) fn tighten(
+        &mut self,
+        spec: &MissionSpec,
+        world: &World,
+        plan: &FleetPlan,
+        review: &Review,
+    ) -> Option<usize> {
+        let index = |id: &str| spec.vehicles.iter().position(|vehicle| vehicle.id == id);
+        let mut first = None;
+        for margin in review.margins.iter().filter(|margin| !margin.ok) {
+            // The vehicle of lower priority gives way.
+            let other = margin.other.as_deref().and_then(index);
+            let Some(vehicle) = index(&margin.vehicle).max(other) else {
+                continue;
+            };
+            if self.answer(vehicle, margin) {
+                self.parameters[vehicle].extend(parameter_at(plan, vehicle, margin, world));
+                first = Some(first.map_or(vehicle, |first: usize| first.min(vehicle)));
+            }
+        }
+        first
+    }
+
+    /// Whether a stricter search may mend this margin; if so, makes it stricter.
+    fn answer(&mut self, vehicle: usize, margin: &Margin) -> bool {
+        let missing = -margin.slack();
+        if !missing.is_finite() {
+            return false;
+        }
+        let margins = &mut self.margins[vehicle];
+        let fraction = (1.2 * missing / margin.limit.abs().max(1e-9)).clamp(LEAST_FRACTION, 0.2);
+        match margin.what.split(' ').next().unwrap_or_default() {
+            "terrain" | "ceiling" => margins.clearance_m += missing + EXTRA_M,
+            "threat" | "zone" | "area" | "fence" => margins.threat_m += missing + EXTRA_M,
+            "separation" => margins.separation_m += missing + EXTRA_M,
+            "climb" | "descent" => {
+                margins.climb_fraction = (margins.climb_fraction + fraction).min(0.6)
+            }
+            "turn" => margins.turn_fraction += fraction,
+            _ => return false,
+        }
+        true
+    }
+}
+
+/// Where along the vehicle's spline a margin failed: the parameter of the nearest
+/// point of its path, and its neighbours.
+fn parameter_at(plan: &FleetPlan, vehicle: usize, margin: &Margin, world: &World) -> Vec<f64> {
+    let Some(at) = margin.at else {
+        return Vec::new();
+    };
+    let place = world.frame.to_plan(at.place);
+    let paths = plan.vehicles[vehicle].routes.iter();
+    let nearest = paths
+        .flat_map(|route| {
+            let last = route.path.len().saturating_sub(1).max(1);
+            route
+                .path
+                .iter()
+                .enumerate()
+                .map(move |(index, timed)| (index, last, timed))
+        })
+        .min_by(|a, b| {
+            a.2.point
+                .at
+                .distance_m(place)
+                .total_cmp(&b.2.point.at.distance_m(place))
+        });
+    let Some((index, last, _)) = nearest else {
+        return Vec::new();
+    };
+    #[expect(
+        clippy::cast_precision_loss,
+        reason = "a path has far fewer than 2^52 points"
+    )]
+    let parameter = index as f64 / last as f64;
+    [-0.002, 0.0, 0.002]
+        .iter()
+        .map(|step| (parameter + step).clamp(0.0, 1.0))
+        .collect()
+}
