@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::Vector3;
+
 use super::super::raw;
 use super::super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle};
 use super::Checker;
@@ -207,9 +209,13 @@ impl Checker<'_> {
 
     /// Two vehicles that take off in each other's separation must not do so at the same time.
     fn pads(&mut self, vehicles: &[(String, Vehicle)], separation: Separation) {
+        let pads: Vec<Vector3<f64>> = vehicles
+            .iter()
+            .map(|(_, vehicle)| vehicle.home.to_ecef(0.0))
+            .collect();
         for (index, (path, vehicle)) in vehicles.iter().enumerate() {
-            for (_, earlier) in &vehicles[..index] {
-                let apart_m = vehicle.home.chord_m(earlier.home);
+            for ((_, earlier), pad) in vehicles[..index].iter().zip(&pads) {
+                let apart_m = (pads[index] - pad).norm();
                 let apart_s = (vehicle.depart_s - earlier.depart_s).abs();
                 if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
                     let found = format!(
