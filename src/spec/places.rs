@@ -106,26 +106,10 @@ impl Walk {
                 }
             }
             Event::Scalar(text, _, anchor, _) => {
-                if let Some(Inside::Mapping {
-                    keys,
-                    key: key @ None,
-                }) = self.open.last_mut().map(|open| &mut open.inside)
-                {
-                    let name = text.into_owned();
-                    *key = Some(name.clone());
-                    if !keys.insert(name) {
-                        let path = self.path();
-                        return Err(problem(
-                            &path,
-                            at,
-                            "this key a second time",
-                            "each key once",
-                        ));
-                    }
-                    return Ok(());
+                if !self.key(at, &text)? {
+                    self.value(at, 1)?;
+                    self.anchored.insert(anchor, 1);
                 }
-                self.value(at, 1)?;
-                self.anchored.insert(anchor, 1);
             }
             Event::Alias(anchor) => {
                 self.refuse_as_key(at)?;
@@ -161,6 +145,24 @@ impl Walk {
             Event::Nothing | Event::StreamStart | Event::StreamEnd | Event::DocumentEnd => {}
         }
         Ok(())
+    }
+
+    /// Takes a word as a key if one is due, and says whether it was.
+    fn key(&mut self, at: Position, word: &str) -> Result<bool, Issue> {
+        let inside = self.open.last_mut().map(|open| &mut open.inside);
+        let Some(Inside::Mapping {
+            keys,
+            key: key @ None,
+        }) = inside
+        else {
+            return Ok(false);
+        };
+        *key = Some(word.to_owned());
+        if keys.insert(word.to_owned()) {
+            return Ok(true);
+        }
+        let found = "this key a second time";
+        Err(problem(&self.path(), at, found, "each key once"))
     }
 
     /// Path of the value that comes next.
