@@ -239,7 +239,11 @@ fn rows(shown: &[Ranked<'_>]) -> String {
         } else {
             (50.0, share)
         };
-        let tight = if words::measures(margin) { entry.slack } else { 1e6 };
+        let tight = if words::measures(margin) {
+            entry.slack
+        } else {
+            1e6
+        };
         let _ = writeln!(
             html,
             "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\
@@ -278,7 +282,10 @@ fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
             .find(|(of, _)| *of == index)
             .map(|(_, mission)| *mission);
         let planned = input.plan.and_then(|plan| plan.vehicles.get(index));
-        let cost = planned.map_or_else(|| "–".to_owned(), |plan| words::number(plan.terms.total(), 3));
+        let cost = planned.map_or_else(
+            || "–".to_owned(),
+            |plan| words::number(plan.terms.total(), 3),
+        );
         let gap = planned.map_or_else(String::new, |plan| {
             format!(
                 "<small>{} % above the estimate</small>",
@@ -286,7 +293,8 @@ fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
             )
         });
         let broken = input.review.margins.iter().any(|margin| {
-            !margin.ok && (margin.vehicle == vehicle.id || margin.other.as_ref() == Some(&vehicle.id))
+            !margin.ok
+                && (margin.vehicle == vehicle.id || margin.other.as_ref() == Some(&vehicle.id))
         });
         let _ = writeln!(
             html,
@@ -304,7 +312,10 @@ fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
                 "–".to_owned()
             },
             departs = words::clock(vehicle.depart_s),
-            duration = shape.track.duration_s().map_or_else(|| "–".to_owned(), words::clock),
+            duration = shape
+                .track
+                .duration_s()
+                .map_or_else(|| "–".to_owned(), words::clock),
             items = mission.map_or_else(|| "no mission".to_owned(), items),
         );
     }

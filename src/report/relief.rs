@@ -148,13 +148,19 @@ impl Relief {
                 let slope = |before: Option<f64>, after: Option<f64>, step_m: f64| {
                     let here = self.at(column, row)?;
                     let (b, a) = (before.unwrap_or(here), after.unwrap_or(here));
-                    let steps = f64::from(
-                        u8::from(before.is_some()) + u8::from(after.is_some()),
-                    );
+                    let steps = f64::from(u8::from(before.is_some()) + u8::from(after.is_some()));
                     (steps > 0.0).then(|| stretch * (a - b) / (steps * step_m))
                 };
-                let east = slope(self.at(column - 1, row), self.at(column + 1, row), step_east_m);
-                let north = slope(self.at(column, row - 1), self.at(column, row + 1), step_north_m);
+                let east = slope(
+                    self.at(column - 1, row),
+                    self.at(column + 1, row),
+                    step_east_m,
+                );
+                let north = slope(
+                    self.at(column, row - 1),
+                    self.at(column, row + 1),
+                    step_north_m,
+                );
                 pixels.push(match (east, north) {
                     (Some(east), Some(north)) => shade(east, north),
                     _ => CLEAR,
@@ -215,7 +221,13 @@ mod tests {
 
     #[test]
     fn steps_are_round() {
-        for (least, step) in [(0.9, 1.0), (1.0, 1.0), (13.0, 20.0), (430.0, 500.0), (0.03, 0.05)] {
+        for (least, step) in [
+            (0.9, 1.0),
+            (1.0, 1.0),
+            (13.0, 20.0),
+            (430.0, 500.0),
+            (0.03, 0.05),
+        ] {
             assert!((round_step(least) - step).abs() < 1e-9 * step);
         }
     }

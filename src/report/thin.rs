@@ -40,9 +40,12 @@ fn keep(fixes: &[Fix], allowed_m: f64) -> Vec<Fix> {
     while let Some((first, last)) = open.pop() {
         let worst = (first + 1..last)
             .map(|at| (at, error_m(&fixes[first], &fixes[at], &fixes[last])))
-            .fold((0, allowed_m), |worst, next| {
-                if next.1 > worst.1 { next } else { worst }
-            });
+            .fold(
+                (0, allowed_m),
+                |worst, next| {
+                    if next.1 > worst.1 { next } else { worst }
+                },
+            );
         if worst.1 > allowed_m {
             kept[worst.0] = true;
             open.push((first, worst.0));
@@ -79,7 +82,13 @@ mod tests {
             .map(|step| {
                 let t_s = f64::from(step);
                 let (east_m, north_m) = motion(t_s);
-                Fix { east_m, north_m, amsl_m: 100.0, t_s, item: 1 }
+                Fix {
+                    east_m,
+                    north_m,
+                    amsl_m: 100.0,
+                    t_s,
+                    item: 1,
+                }
             })
             .collect()
     }

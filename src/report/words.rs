@@ -234,8 +234,20 @@ mod tests {
             tracks: Vec::new(),
             assumptions: Vec::new(),
         };
-        let order: Vec<&str> = ranked(&review).iter().map(|r| r.margin.what.as_str()).collect();
-        assert_eq!(order, ["climb", "area", "threat radar", "terrain clearance", "acceptance"]);
+        let order: Vec<&str> = ranked(&review)
+            .iter()
+            .map(|r| r.margin.what.as_str())
+            .collect();
+        assert_eq!(
+            order,
+            [
+                "climb",
+                "area",
+                "threat radar",
+                "terrain clearance",
+                "acceptance"
+            ]
+        );
     }
 
     #[test]
@@ -267,6 +279,9 @@ mod tests {
 
     #[test]
     fn markup_in_a_name_is_text() {
-        assert_eq!(escaped("<b a='\"'>&\u{1}"), "&lt;b a=&#39;&quot;&#39;&gt;&amp;\u{fffd}");
+        assert_eq!(
+            escaped("<b a='\"'>&\u{1}"),
+            "&lt;b a=&#39;&quot;&#39;&gt;&amp;\u{fffd}"
+        );
     }
 }

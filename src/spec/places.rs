@@ -63,7 +63,7 @@ struct Open {
     path: String,
     /// Anchor id, 0 for none.
     anchor: usize,
-    /// Values within, aliases written out.
+    /// Values within, itself not counted, aliases written out.
     nodes: usize,
     inside: Inside,
 }
@@ -106,9 +106,9 @@ impl Walk {
                 }
             }
             Event::Scalar(text, _, anchor, _) => {
+                self.anchored.insert(anchor, 1);
                 if !self.key(at, &text)? {
                     self.value(at, 1)?;
-                    self.anchored.insert(anchor, 1);
                 }
             }
             Event::Alias(anchor) => {
@@ -136,7 +136,8 @@ impl Walk {
             }
             Event::SequenceEnd | Event::MappingEnd => {
                 if let Some(done) = self.open.pop() {
-                    self.anchored.insert(done.anchor, done.nodes);
+                    self.anchored
+                        .insert(done.anchor, done.nodes.saturating_add(1));
                     if let Some(around) = self.open.last_mut() {
                         around.nodes = around.nodes.saturating_add(done.nodes);
                     }
@@ -219,7 +220,7 @@ impl Walk {
         self.open.push(Open {
             path,
             anchor,
-            nodes: 1,
+            nodes: 0,
             inside,
         });
         Ok(())

@@ -65,21 +65,19 @@ impl Checker<'_> {
 
     /// A path that stays beside the spec wherever both are copied.
     fn terrain_file(&mut self, file: &str) -> Option<PathBuf> {
-        let path = Path::new(file);
-        let inside = path
-            .components()
-            .all(|part| matches!(part, Component::Normal(_)));
-        if file.is_empty()
-            || !inside
-            || file.contains(['\\', ':'])
-            || file.chars().any(char::is_control)
-        {
+        let mut path = PathBuf::new();
+        let mut inside = !file.contains(['\\', ':']) && !file.chars().any(char::is_control);
+        for part in Path::new(file).components() {
+            match part {
+                Component::Normal(name) => path.push(name),
+                Component::CurDir => {}
+                Component::ParentDir | Component::RootDir | Component::Prefix(_) => inside = false,
+            }
+        }
+        if !inside || path.as_os_str().is_empty() {
             let allowed = "a path relative to the spec, with /, without .. and drive letters";
-            self.report(
-                "terrain.file",
-                format!("`{}`", file.escape_debug()),
-                allowed,
-            );
+            let found = format!("`{}`", file.escape_debug());
+            self.report("terrain.file", found, allowed);
             return None;
         }
         let extension = path
@@ -94,7 +92,7 @@ impl Checker<'_> {
             );
             return None;
         }
-        Some(path.to_owned())
+        Some(path)
     }
 
     pub(super) fn threat(&mut self, path: &str, raw: &raw::Threat) -> Option<Threat> {
