@@ -238,7 +238,8 @@ impl LocalFrame {
             // d(height)/d(up) is the cosine between the two verticals.
             let slope = (1.0 + up_m / SEMI_MAJOR_M).max(0.1);
             up_m -= height_m / slope;
-            if height_m.abs() < 1e-9 {
+            // Sideways the place is off by no more than the angle between the verticals of it.
+            if height_m.abs() < 1e-7 {
                 break;
             }
         }

@@ -119,7 +119,8 @@ impl SpecFile {
     }
 }
 
-/// A message such as `vehicles[0]: unknown field ``a``, expected ``b`` at line 3 column 5`, taken apart.
+/// Takes apart a message such as
+/// `vehicles[0]: invalid type: string "fast", expected f64 at line 3 column 5`.
 fn structural(error: &serde_yaml::Error) -> Issue {
     let position = error.location().map(|place| (place.line(), place.column()));
     let mut message = error.to_string();
@@ -145,7 +146,7 @@ fn structural(error: &serde_yaml::Error) -> Issue {
         None => path,
     };
     let (found, allowed) = match message.split_once(", expected ") {
-        Some((found, allowed)) => (found.to_owned(), allowed.to_owned()),
+        Some((found, allowed)) => (found.to_owned(), plain(allowed)),
         None => (message, String::new()),
     };
     Issue {
@@ -153,6 +154,17 @@ fn structural(error: &serde_yaml::Error) -> Issue {
         position,
         found,
         allowed,
+    }
+}
+
+/// What the parser expected, without the words of the programmer.
+fn plain(expected: &str) -> String {
+    match expected {
+        "f64" => "a number".to_owned(),
+        "u32" | "u64" | "i64" => "a whole number".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        _ if expected.starts_with("struct ") => "keys with values".to_owned(),
+        _ => expected.to_owned(),
     }
 }
 

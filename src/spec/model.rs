@@ -242,6 +242,18 @@ pub struct Separation {
     pub vertical_m: Option<f64>,
 }
 
+impl Separation {
+    /// Whether two places at the same time are too near, for their distance across
+    /// and in height, metres.
+    #[must_use]
+    pub fn is_conflict(&self, across_m: f64, up_m: f64) -> bool {
+        match self.vertical_m {
+            Some(vertical_m) => across_m < self.distance_m && up_m < vertical_m,
+            None => across_m.hypot(up_m) < self.distance_m,
+        }
+    }
+}
+
 /// How paths are searched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planner {

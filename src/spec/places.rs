@@ -63,7 +63,7 @@ struct Open {
     path: String,
     /// Anchor id, 0 for none.
     anchor: usize,
-    /// Values within, aliases written out.
+    /// Values within, itself not counted, aliases written out.
     nodes: usize,
     inside: Inside,
 }
@@ -106,26 +106,10 @@ impl Walk {
                 }
             }
             Event::Scalar(text, _, anchor, _) => {
-                if let Some(Inside::Mapping {
-                    keys,
-                    key: key @ None,
-                }) = self.open.last_mut().map(|open| &mut open.inside)
-                {
-                    let name = text.into_owned();
-                    *key = Some(name.clone());
-                    if !keys.insert(name) {
-                        let path = self.path();
-                        return Err(problem(
-                            &path,
-                            at,
-                            "this key a second time",
-                            "each key once",
-                        ));
-                    }
-                    return Ok(());
-                }
-                self.value(at, 1)?;
                 self.anchored.insert(anchor, 1);
+                if !self.key(at, &text)? {
+                    self.value(at, 1)?;
+                }
             }
             Event::Alias(anchor) => {
                 self.refuse_as_key(at)?;
@@ -152,7 +136,8 @@ impl Walk {
             }
             Event::SequenceEnd | Event::MappingEnd => {
                 if let Some(done) = self.open.pop() {
-                    self.anchored.insert(done.anchor, done.nodes);
+                    self.anchored
+                        .insert(done.anchor, done.nodes.saturating_add(1));
                     if let Some(around) = self.open.last_mut() {
                         around.nodes = around.nodes.saturating_add(done.nodes);
                     }
@@ -161,6 +146,24 @@ impl Walk {
             Event::Nothing | Event::StreamStart | Event::StreamEnd | Event::DocumentEnd => {}
         }
         Ok(())
+    }
+
+    /// Takes a word as a key if one is due, and says whether it was.
+    fn key(&mut self, at: Position, word: &str) -> Result<bool, Issue> {
+        let inside = self.open.last_mut().map(|open| &mut open.inside);
+        let Some(Inside::Mapping {
+            keys,
+            key: key @ None,
+        }) = inside
+        else {
+            return Ok(false);
+        };
+        *key = Some(word.to_owned());
+        if keys.insert(word.to_owned()) {
+            return Ok(true);
+        }
+        let found = "this key a second time";
+        Err(problem(&self.path(), at, found, "each key once"))
     }
 
     /// Path of the value that comes next.
@@ -217,7 +220,7 @@ impl Walk {
         self.open.push(Open {
             path,
             anchor,
-            nodes: 1,
+            nodes: 0,
             inside,
         });
         Ok(())

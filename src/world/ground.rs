@@ -1,6 +1,7 @@
 //! The ground as the search reads it: a regular grid in planning coordinates.
 
 use geo::{BoundingRect, Polygon};
+use rayon::prelude::*;
 
 use super::Terrain;
 use crate::geodesy::{EastNorth, LocalFrame};
@@ -52,31 +53,31 @@ impl Ground {
             count
         };
         let (columns, rows) = (nodes(width_m), nodes(height_m));
-        let mut heights_m = Vec::with_capacity(columns * rows);
-        for row in 0..rows {
-            for column in 0..columns {
-                #[expect(clippy::cast_precision_loss, reason = "at most MAX_NODES")]
-                let at = EastNorth {
-                    east_m: min.0 + column as f64 * spacing_m,
-                    north_m: min.1 + row as f64 * spacing_m,
-                };
-                let height = terrain.height(frame.from_plan(at));
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    reason = "heights need no more than f32"
-                )]
-                heights_m.push(height.map_or(f32::NAN, |amsl| amsl.0 as f32));
-            }
-        }
+        let south_west = EastNorth {
+            east_m: min.0,
+            north_m: min.1,
+        };
+        // Rows at once, kept in order: the same grid on any number of threads.
+        let heights_m: Vec<Vec<f32>> = (0..rows)
+            .into_par_iter()
+            .map(|row| {
+                (0..columns)
+                    .map(|column| {
+                        let at = EastNorth {
+                            east_m: south_west.east_m + count(column) * spacing_m,
+                            north_m: south_west.north_m + count(row) * spacing_m,
+                        };
+                        node_m(terrain, frame, at)
+                    })
+                    .collect()
+            })
+            .collect();
         Self {
-            south_west: EastNorth {
-                east_m: min.0,
-                north_m: min.1,
-            },
+            south_west,
             spacing_m,
             columns,
             rows,
-            heights_m,
+            heights_m: heights_m.concat(),
         }
     }
 
@@ -101,19 +102,33 @@ impl Ground {
     }
 }
 
+/// The height that the source has at a node; NaN where it has none.
+fn node_m(terrain: &Terrain, frame: &LocalFrame, at: EastNorth) -> f32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "heights need no more than f32"
+    )]
+    terrain
+        .height(frame.from_plan(at))
+        .map_or(f32::NAN, |amsl| amsl.0 as f32)
+}
+
+/// A number of nodes as a number.
+#[expect(clippy::cast_precision_loss, reason = "at most MAX_NODES + 1")]
+fn count(nodes: usize) -> f64 {
+    nodes as f64
+}
+
 /// The cell index and the fraction within it, clamped to the grid.
 fn cell(at: f64, nodes: usize) -> (usize, f64) {
-    #[expect(clippy::cast_precision_loss, reason = "at most MAX_NODES")]
-    let at = at.clamp(0.0, (nodes - 1) as f64);
+    let at = at.clamp(0.0, count(nodes - 1));
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "clamped to the grid"
     )]
     let index = (at.floor() as usize).min(nodes - 2);
-    #[expect(clippy::cast_precision_loss, reason = "at most MAX_NODES")]
-    let fraction = at - index as f64;
-    (index, fraction)
+    (index, at - count(index))
 }
 
 /// The finest spacing at which the source still tells something new, metres.

@@ -1,7 +1,7 @@
 //! From a spec file to its world: reads the terrain, then checks what needs ground.
 
 use super::{Bounds, NoData, Terrain, TerrainError, World, read_terrain};
-use crate::geodesy::{Amsl, LatLon};
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{
     EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
 };
@@ -187,47 +187,35 @@ impl Check<'_> {
     /// Whoever loiters keeps its place for ever.
     fn loiters(&mut self) {
         let spec = &self.file.spec;
-        let stays: Vec<(usize, f64)> = spec
+        let stays: Vec<(usize, PlanPoint)> = spec
             .vehicles
             .iter()
             .enumerate()
             .filter(|(_, vehicle)| vehicle.finish == Finish::Loiter)
             .filter_map(|(index, vehicle)| {
-                let amsl = match vehicle.goal.altitude {
-                    Placement::Amsl(amsl) => amsl,
-                    Placement::Agl(agl) => agl.over(self.terrain.height(vehicle.goal.place).ok()?),
-                };
-                Some((index, amsl.0))
+                let goal = super::resolve(&spec.frame, self.terrain, vehicle.goal);
+                Some((index, goal.ok()?))
             })
             .collect();
         let limit = spec.separation;
-        let mut near = Vec::new();
-        for (position, (later, later_m)) in stays.iter().enumerate() {
-            for (earlier, earlier_m) in &stays[..position] {
-                let goal = |index: usize| spec.frame.to_plan(spec.vehicles[index].goal.place);
-                let across_m = goal(*later).distance_m(goal(*earlier));
-                let up_m = (later_m - earlier_m).abs();
-                let conflict = match limit.vertical_m {
-                    Some(vertical_m) => across_m < limit.distance_m && up_m < vertical_m,
-                    None => across_m.hypot(up_m) < limit.distance_m,
-                };
-                if conflict {
-                    let found = format!(
-                        "loiters for ever {across_m:.1} m across and {up_m:.1} m in height from `{}`",
-                        spec.vehicles[*earlier].id
-                    );
-                    near.push((format!("vehicles[{later}].goal"), found));
-                }
-            }
-        }
         let allowed = match limit.vertical_m {
             Some(vertical_m) => {
                 format!("{} m across or {vertical_m} m in height", limit.distance_m)
             }
             None => format!("at least {} m", limit.distance_m),
         };
-        for (path, found) in near {
-            self.report(&path, found, allowed.clone());
+        for (position, (later, place)) in stays.iter().enumerate() {
+            for (earlier, other) in &stays[..position] {
+                let across_m = place.at.distance_m(other.at);
+                let up_m = (place.amsl.0 - other.amsl.0).abs();
+                if limit.is_conflict(across_m, up_m) {
+                    let found = format!(
+                        "loiters for ever {across_m:.1} m across and {up_m:.1} m in height from `{}`",
+                        spec.vehicles[*earlier].id
+                    );
+                    self.report(&format!("vehicles[{later}].goal"), found, allowed.clone());
+                }
+            }
         }
     }
 }

@@ -166,3 +166,49 @@ fn resolve(frame: &LocalFrame, terrain: &Terrain, end: EndPoint) -> Result<PlanP
         amsl,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(east_m: f64, north_m: f64) -> EastNorth {
+        EastNorth { east_m, north_m }
+    }
+
+    fn square(side_m: f64) -> Polygon<f64> {
+        Polygon::new(
+            vec![(0.0, 0.0), (side_m, 0.0), (side_m, side_m), (0.0, side_m)].into(),
+            Vec::new(),
+        )
+    }
+
+    #[test]
+    fn the_rim_of_what_is_closed_is_closed() {
+        let disc = Disc {
+            center: at(0.0, 0.0),
+            radius_m: 5.0,
+        };
+        assert!(disc.contains(at(3.0, 4.0)) && !disc.contains(at(3.0, 4.1)));
+        let zone = PlanZone {
+            outline: square(10.0),
+            below: None,
+        };
+        for inside in [at(5.0, 5.0), at(10.0, 5.0), at(0.0, 0.0)] {
+            assert!(zone.contains(inside), "{inside:?}");
+        }
+        assert!(!zone.contains(at(10.1, 5.0)));
+    }
+
+    #[test]
+    fn a_zone_with_a_height_is_open_from_that_height_on() {
+        let mut zone = PlanZone {
+            outline: square(10.0),
+            below: Some(Amsl(100.0)),
+        };
+        let over = |amsl_m| PlanPoint::new(5.0, 5.0, Amsl(amsl_m));
+        assert!(zone.is_closed_at(over(99.9)) && !zone.is_closed_at(over(100.0)));
+        assert!(!zone.is_closed_at(PlanPoint::new(11.0, 5.0, Amsl(0.0))));
+        zone.below = None;
+        assert!(zone.is_closed_at(over(1e9)));
+    }
+}

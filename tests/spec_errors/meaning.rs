@@ -264,6 +264,8 @@ fn terrain_has_one_source_beside_the_spec() {
             "{file}"
         );
     }
+    let file = good(&with(terrain, "terrain: {file: ./tiles/dem.tif}\n")).terrain;
+    assert_eq!(file, TerrainSource::File("tiles/dem.tif".into()));
     assert_eq!(only(terrain, "terrain: {}\n").0, "terrain");
     assert_eq!(
         only(terrain, "terrain: {file: a.tif, flat: {amsl_m: 1}}\n").0,

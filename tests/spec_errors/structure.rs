@@ -1,5 +1,7 @@
 //! Files that are broken, and what a good one becomes.
 
+use proptest::prelude::*;
+
 use super::*;
 
 #[test]
@@ -214,4 +216,23 @@ fn an_alias_may_stand_for_a_place() {
     )
     .replace("goal: {lat: 36.21, lon: -84.12, agl_m: 80}", "goal: *pad");
     assert_eq!(good(&text).vehicles[1].goal, good(&text).vehicles[0].start);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(500))]
+
+    #[test]
+    fn a_damaged_spec_never_panics(
+        damage in prop::collection::vec((any::<prop::sample::Index>(), "[ -~\n\t]{0,3}"), 1..5),
+    ) {
+        let mut text = FULL.to_owned();
+        for (at, piece) in damage {
+            let at = at.index(text.len());
+            let end = (at + piece.len()).min(text.len());
+            text.replace_range(at..end, &piece);
+        }
+        if let Err(error) = parse(&text) {
+            prop_assert!(!error.issues.is_empty());
+        }
+    }
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use nalgebra::Vector3;
+
 use super::super::raw;
 use super::super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle};
 use super::Checker;
@@ -50,23 +52,30 @@ impl Checker<'_> {
             raw.vehicles.iter().map(|vehicle| vehicle.id.as_str()),
         );
         self.system_ids(raw);
+        self.altitude_reference(raw);
         let mut vehicles = Vec::new();
         for (index, vehicle) in raw.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}]");
-            let terrain_altitude = matches!(raw.mission.altitude, raw::AltitudeReference::Terrain);
-            if terrain_altitude && matches!(vehicle.autopilot, raw::Autopilot::Px4) {
-                let found = format!(
-                    "terrain, and vehicle `{}` is px4",
-                    vehicle.id.escape_debug()
-                );
-                self.report("mission.altitude", found, "amsl or relative");
-            }
             if let Some(checked) = self.vehicle(&path, vehicle, map) {
                 vehicles.push((path, checked));
             }
         }
         self.pads(&vehicles, separation);
         vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()
+    }
+
+    /// PX4 has no terrain altitudes in missions.
+    fn altitude_reference(&mut self, raw: &raw::Spec) {
+        let px4 = |vehicle: &&raw::Vehicle| matches!(vehicle.autopilot, raw::Autopilot::Px4);
+        if let raw::AltitudeReference::Terrain = raw.mission.altitude
+            && let Some(vehicle) = raw.vehicles.iter().find(px4)
+        {
+            let found = format!(
+                "terrain, and vehicle `{}` is px4",
+                vehicle.id.escape_debug()
+            );
+            self.report("mission.altitude", found, "amsl or relative");
+        }
     }
 
     fn system_ids(&mut self, raw: &raw::Spec) {
@@ -102,16 +111,13 @@ impl Checker<'_> {
             Some(home) => self.place(&at("home"), home.lat, home.lon),
             None => start.map(|start| start.place),
         };
-        if let Some(map) = map {
-            let mut clear = |key: &str, place: Option<LatLon>| {
-                if let Some(place) = place {
-                    self.clear(&at(key), key, place, map);
-                }
-            };
-            clear("start", start.map(|end| end.place));
-            clear("goal", goal.map(|end| end.place));
-            clear("home", home.filter(|_| raw.home.is_some()));
-        }
+        let own_home = home.filter(|_| raw.home.is_some());
+        let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));
+        self.all_clear(
+            path,
+            map,
+            [("start", from), ("goal", to), ("home", own_home)],
+        );
         let (autopilot, defaults) = match raw.autopilot {
             raw::Autopilot::ArduPilot => (Autopilot::ArduPilot, ARDUCOPTER),
             raw::Autopilot::Px4 => (Autopilot::Px4, PX4_COPTER),
@@ -148,6 +154,16 @@ impl Checker<'_> {
                 raw::Finish::Return => Finish::Return,
             },
         })
+    }
+
+    /// Reports those places of a vehicle at which nothing may stand.
+    fn all_clear(&mut self, path: &str, map: Option<&Map>, places: [(&str, Option<LatLon>); 3]) {
+        let Some(map) = map else { return };
+        for (key, place) in places {
+            if let Some(place) = place {
+                self.clear(&format!("{path}.{key}"), key, place, map);
+            }
+        }
     }
 
     /// Only copters for now, and nothing that only a plane has.
@@ -209,9 +225,13 @@ impl Checker<'_> {
 
     /// Two vehicles that take off in each other's separation must not do so at the same time.
     fn pads(&mut self, vehicles: &[(String, Vehicle)], separation: Separation) {
+        let pads: Vec<Vector3<f64>> = vehicles
+            .iter()
+            .map(|(_, vehicle)| vehicle.home.to_ecef(0.0))
+            .collect();
         for (index, (path, vehicle)) in vehicles.iter().enumerate() {
-            for (_, earlier) in &vehicles[..index] {
-                let apart_m = vehicle.home.chord_m(earlier.home);
+            for ((_, earlier), pad) in vehicles[..index].iter().zip(&pads) {
+                let apart_m = (pads[index] - pad).norm();
                 let apart_s = (vehicle.depart_s - earlier.depart_s).abs();
                 if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
                     let found = format!(

@@ -4,6 +4,7 @@
 mod fleet;
 mod map;
 mod name;
+mod shapes;
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
