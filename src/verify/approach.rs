@@ -43,6 +43,9 @@ pub(super) fn closest(
     weights: Vector3<f64>,
 ) -> Option<Approach> {
     let offset_s = a.from_s - b.from_s;
+    // A microsecond more, so that rounding cannot empty the strip of no slack at all.
+    let slack_s = slack_s + 1e-6;
+    let (last_a, last_b) = (a.to_s - a.from_s, b.to_s - b.from_s);
     let mut planes = vec![
         HalfPlane {
             normal: (1.0, -1.0),
@@ -65,7 +68,6 @@ pub(super) fn closest(
             bound: level_m + apart.z,
         });
     }
-    let (last_a, last_b) = (a.to_s - a.from_s, b.to_s - b.from_s);
     let mut corners: Vec<Times> = vec![(0.0, 0.0), (last_a, 0.0), (last_a, last_b), (0.0, last_b)];
     for plane in &planes {
         corners = clip(&corners, plane);
@@ -78,20 +80,32 @@ pub(super) fn closest(
         rate_a: a.velocity.component_mul(&weights),
         rate_b: -b.velocity.component_mul(&weights),
     };
-    let (distance_m, at) = gap.least(&corners);
+    let is_allowed = |at: Times| {
+        (0.0..=last_a).contains(&at.0)
+            && (0.0..=last_b).contains(&at.1)
+            && planes.iter().all(|plane| plane.over(at) <= 0.0)
+    };
+    let level = gap.level_point().filter(|at| is_allowed(*at));
+    let (distance_m, at) = gap.least(&corners, level);
     Some(Approach {
         distance_m,
         times_s: (a.from_s + at.0, b.from_s + at.1),
     })
 }
 
+impl HalfPlane {
+    /// By how much a pair of times is beyond.
+    fn over(&self, at: Times) -> f64 {
+        self.normal.0 * at.0 + self.normal.1 * at.1 - self.bound
+    }
+}
+
 /// The part of a convex polygon in a half plane (Sutherland and Hodgman).
 fn clip(corners: &[Times], plane: &HalfPlane) -> Vec<Times> {
-    let over = |at: Times| plane.normal.0 * at.0 + plane.normal.1 * at.1 - plane.bound;
     let mut kept = Vec::with_capacity(corners.len() + 1);
     for (index, &here) in corners.iter().enumerate() {
         let before = corners[(index + corners.len() - 1) % corners.len()];
-        let (over_before, over_here) = (over(before), over(here));
+        let (over_before, over_here) = (plane.over(before), plane.over(here));
         if (over_before > 0.0) != (over_here > 0.0) {
             let share = over_before / (over_before - over_here);
             kept.push((
@@ -118,7 +132,8 @@ impl Gap {
         self.apart + self.rate_a * times.0 + self.rate_b * times.1
     }
 
-    fn least(&self, corners: &[Times]) -> (f64, Times) {
+    /// The least length on the edges of a polygon, or at a level point inside.
+    fn least(&self, corners: &[Times], level: Option<Times>) -> (f64, Times) {
         let mut least = (f64::INFINITY, (0.0, 0.0));
         let mut offer = |at: Times| {
             let distance_m = self.at(at).norm();
@@ -126,7 +141,7 @@ impl Gap {
                 least = (distance_m, at);
             }
         };
-        if let Some(at) = self.level_point().filter(|at| contains(corners, *at)) {
+        if let Some(at) = level {
             offer(at);
         }
         for (index, &from) in corners.iter().enumerate() {
@@ -165,16 +180,4 @@ impl Gap {
             (ab * pa - aa * pb) / determinant,
         ))
     }
-}
-
-/// Whether a convex polygon, corners in either order, contains a point.
-fn contains(corners: &[Times], at: Times) -> bool {
-    let mut sides = (false, false);
-    for (index, &from) in corners.iter().enumerate() {
-        let to = corners[(index + 1) % corners.len()];
-        let side = (to.0 - from.0) * (at.1 - from.1) - (to.1 - from.1) * (at.0 - from.0);
-        sides.0 |= side > 0.0;
-        sides.1 |= side < 0.0;
-    }
-    !(sides.0 && sides.1)
 }

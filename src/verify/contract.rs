@@ -2,11 +2,11 @@
 //! finish, departure, speed, slopes, turns, number of items.
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::VehicleMission;
+use crate::mission::{self, AcceptanceProblem, List, VehicleMission};
 use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
 
-use super::chord::Phase;
+use super::chord::{Chord, Phase};
 use super::fence::Fence;
 use super::flight::{End, Flight, Mark, Slope};
 use super::worst::Worst;
@@ -34,6 +34,7 @@ impl Contract<'_> {
         let mut margins = self.judged();
         margins.extend(self.kind());
         margins.push(self.item_count());
+        margins.extend(self.acceptance());
         margins.extend(self.home(home, fence));
         margins.extend(self.route());
         margins.extend(self.finish());
@@ -120,6 +121,37 @@ impl Contract<'_> {
             ok: value <= limit,
             note: String::new(),
         }
+    }
+
+    /// What the autopilot would refuse or misread: one margin for each problem.
+    fn acceptance(&self) -> Vec<Margin> {
+        let problems = mission::problems(self.mission);
+        let margin = |at, note| Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: "acceptance".to_owned(),
+            value: count(problems.len()),
+            limit: 0.0,
+            unit: "problems",
+            at,
+            ok: problems.is_empty(),
+            note,
+        };
+        if problems.is_empty() {
+            return vec![margin(None, String::new())];
+        }
+        let flown = |problem: &AcceptanceProblem| {
+            let of_item = |chord: &&Chord| chord.row == problem.item;
+            let in_mission = problem.list == List::Mission;
+            let chord = self.flight.chords.iter().find(of_item);
+            chord
+                .filter(|_| in_mission)
+                .map(|chord| chord.moment(&self.world.frame, 1.0))
+        };
+        problems
+            .iter()
+            .map(|problem| margin(flown(problem), problem.to_string()))
+            .collect()
     }
 
     /// The home row: where the spec says, at the height of the terrain, inside the fence.

@@ -1,7 +1,7 @@
 //! What the items tell the vehicle to do, read as the autopilot reads them.
 
 use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
-use crate::mission::{Item, VehicleMission, command, frame};
+use crate::mission::{Item, VehicleMission, command, command_name, frame};
 use crate::spec::Autopilot;
 use crate::world::World;
 
@@ -122,7 +122,10 @@ fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> 
         command::DO_CHANGE_SPEED => speed(item),
         other if WITHOUT_MOTION.contains(&other) => Ok(Order::Nothing),
         command::DO_JUMP => Err("a jump (DO_JUMP)".to_owned()),
-        other => Err(format!("the motion of command {other} is not known")),
+        other => Err(format!(
+            "the motion of {} is not known",
+            command_name(other).map_or_else(|| format!("command {other}"), str::to_owned)
+        )),
     }
 }
 

@@ -2,13 +2,11 @@
 
 use std::f64::consts::PI;
 
-use crate::geodesy::EastNorth;
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::mission;
 use crate::spec::Vehicle;
 
 use super::chord::Phase;
-
-/// Standard gravity, m/s^2.
-const GRAVITY_MPS2: f64 = 9.806_65;
 
 /// A point of the flight where legs meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -84,11 +82,19 @@ pub(super) struct Run {
     pub(super) peak_mps: Vec<f64>,
 }
 
-/// The turn radius: load factor, and the acceleration a copter turns with, metres.
-pub(super) fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64) -> f64 {
-    let load = (vehicle.max_load_factor * vehicle.max_load_factor - 1.0).sqrt();
-    let square = speed_mps * speed_mps;
-    (square / (GRAVITY_MPS2 * load)).max(square / vehicle.accel_mps2)
+/// The turn radius at a speed, metres: it grows with its square.
+fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64) -> f64 {
+    let ratio = speed_mps / vehicle.speed_mps;
+    mission::turn_radius_m(vehicle) * ratio * ratio
+}
+
+impl Knot {
+    pub(super) fn point(&self) -> PlanPoint {
+        PlanPoint {
+            at: self.at,
+            amsl: Amsl(self.amsl_m),
+        }
+    }
 }
 
 impl Shape {

@@ -9,7 +9,8 @@ use crate::world::{Stations, World};
 
 use super::contract::Contract;
 use super::fence::Fence;
-use super::flight::{self, End, Flight};
+use super::flight::{End, Flight};
+use super::pilot;
 use super::separation::{self, Timeline};
 use super::space::{self, Space};
 use super::{Margin, Moment, Review, Track};
@@ -128,7 +129,7 @@ impl<'a> Sortie<'a> {
             mission,
             home,
             fence: Fence::read(&mission.fence),
-            flight: flight::fly(vehicle, mission, world, stations, from, tolerance_m),
+            flight: pilot::fly(vehicle, mission, world, stations, from, tolerance_m),
         }
     }
 
