@@ -28,9 +28,9 @@ const NOBODY_MS: u64 = 10_000;
 /// Wait for a vehicle that is starting, milliseconds.
 const STARTING_MS: u64 = 30_000;
 /// The whole transfer: this and [`ITEM_MS`] for each item, milliseconds.
-const TRANSFER_MS: u64 = 60_000;
+const TRANSFER_MS: u64 = 120_000;
 /// What each item adds to the time allowed, milliseconds.
-const ITEM_MS: u64 = 3000;
+const ITEM_MS: u64 = 5000;
 /// Pause before a list is sent again that had no space while the vehicle was starting, milliseconds.
 const PAUSE_MS: u64 = 2000;
 /// Confirmed uploads of one list that read back otherwise before it is given up.

@@ -458,11 +458,15 @@ impl Vehicle {
                     next,
                     heard,
                 } if *partner == from && *given == list => {
-                    if seq != *next && seq + 1 != *next {
+                    let is_in_step = seq == *next || seq + 1 == *next;
+                    if self.profile == Profile::Px4 && !is_in_step {
                         self.transfer = Transfer::Idle;
                         return self.acknowledge(from, list, MissionResult::ERROR);
                     }
-                    (*next, *heard) = (seq + 1, now);
+                    if seq > *next {
+                        return;
+                    }
+                    (*next, *heard) = ((*next).max(seq + 1), now);
                 }
                 _ => return,
             }
