@@ -72,7 +72,8 @@ pub struct Decoder {
 impl Default for Decoder {
     fn default() -> Self {
         Self {
-            reader: MavlinkReader::new(Feed::default()),
+            // Two of the longest frames; a fleet has many decoders.
+            reader: MavlinkReader::with_capacity(560, Feed::default()),
         }
     }
 }
@@ -487,7 +488,10 @@ mod tests {
             panic!("another message");
         };
         assert_eq!((data.x, data.y, data.seq), (item.x, item.y, seq));
-        assert_eq!([data.param1, data.param2, data.param3], [1.5, -2.0, 3.25]);
+        assert_eq!(
+            [data.param1, data.param2, data.param3].map(f32::to_bits),
+            [1.5_f32, -2.0, 3.25].map(f32::to_bits)
+        );
         assert!(data.param4.is_nan());
         assert_eq!(data.z.to_bits(), item.z.to_bits());
         assert_eq!(data.command, dialect::MavCmd::MAV_CMD_NAV_WAYPOINT);

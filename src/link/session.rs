@@ -12,8 +12,8 @@ use super::compare::{Difference, differences};
 use super::download::{Download, DownloadError};
 use super::identity;
 use super::message::{
-    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Heartbeat, List, Message, MissionResult, Route,
-    STATE_ACTIVE, STATE_STANDBY, TYPE_GCS,
+    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, List, Message, MissionResult,
+    Route, STATE_ACTIVE, STATE_STANDBY, TYPE_GCS,
 };
 use super::report::{Failure, Refusal, TransferReport, Verdict, hash};
 use super::time::Time;
@@ -37,6 +37,8 @@ const PAUSE_MS: u64 = 2000;
 const MOST_ROUNDS: u32 = 3;
 /// How long PX4 is listened to after the last read-back, milliseconds: it judges a mission after accepting it.
 const LISTEN_MS: u64 = 1000;
+/// Most texts of the vehicle that are kept.
+const MOST_TEXTS: usize = 50;
 /// The lists in the order of transfer.
 const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
 
@@ -157,7 +159,7 @@ impl<'a> Session<'a> {
                 let is_ours = self
                     .vehicle
                     .is_some_and(|(vehicle, _)| vehicle.system == from.system);
-                if is_ours && self.texts.last() != Some(text) {
+                if is_ours && self.texts.last() != Some(text) && self.texts.len() < MOST_TEXTS {
                     self.texts.push(text.clone());
                 }
             }
@@ -555,6 +557,13 @@ impl<'a> Session<'a> {
     }
 
     fn end(&mut self, now: Time, verdict: Verdict) {
+        if let (Stage::Sending(_), Some(route)) = (&self.stage, self.route()) {
+            // Lets PX4 go, instead of leaving it waiting for 5 s.
+            self.outbox.push_back(route.message(Body::Ack {
+                result: MissionResult::OPERATION_CANCELLED,
+                opaque_id: 0,
+            }));
+        }
         let [mission, fence, rally] = &self.held;
         let verified = verdict == Verdict::Verified;
         #[expect(

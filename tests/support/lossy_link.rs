@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use rand::{Rng, RngExt};
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use sortie::link::{Address, Decoder, Encoder, Message, Time};
 use sortie::numeric::Seed;
@@ -80,7 +80,7 @@ impl Ether {
         if self.rng.random_bool(self.weather.corruption) {
             let at = self.rng.random_range(0..frame.len());
             frame[at] ^= u8::try_from(self.rng.random_range(1..256_u32)).expect("a byte");
-            let cut = self.rng.next_u32() % 4 == 0;
+            let cut = self.rng.random_bool(0.25);
             frame.truncate(if cut { at } else { frame.len() });
         }
         self.serial += 1;
