@@ -117,6 +117,7 @@ fn mission(autopilot: Autopilot) -> VehicleMission {
         fence: [-200, 300, 800].map(corner).to_vec(),
         rally: Vec::new(),
         params: Vec::new(),
+        notes: Vec::new(),
     }
 }
 
