@@ -48,6 +48,7 @@ fn mission(autopilot: Autopilot, items: i32) -> VehicleMission {
             ..waypoint(3)
         }],
         params: Vec::new(),
+        notes: Vec::new(),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::mission::Item;
 /// Wait for `MISSION_COUNT`, milliseconds (mission service guide).
 const LIST_MS: u64 = 1500;
 /// `MISSION_REQUEST_LIST`s without any answer before the vehicle counts as silent.
-const MOST_LISTS: u32 = 15;
+const MOST_LISTS: u32 = 20;
 /// Silence in mid transfer before it is started over, milliseconds. PX4 forgets after 5 s.
 const SILENCE_MS: u64 = 6000;
 /// Wait after `DENIED` or `ERROR` before asking again, milliseconds.
@@ -243,7 +243,11 @@ impl Download {
             MissionResult::ACCEPTED
             | MissionResult::INVALID_SEQUENCE
             | MissionResult::OPERATION_CANCELLED => {}
+            // PX4 says ERROR, and forgets the transfer, when an old copy of a request overtakes newer ones.
             MissionResult::DENIED | MissionResult::ERROR => {
+                if matches!(self.phase, Phase::Reading { .. }) {
+                    self.pace.slow_down();
+                }
                 self.complaint = Some(result);
                 self.phase = Phase::Listing {
                     again: now + BUSY_MS,

@@ -1,7 +1,7 @@
 //! Is this the vehicle that the spec means?
 
 use super::message::{
-    AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Heartbeat, TYPE_GCS,
+    AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Heartbeat,
 };
 use super::report::Refusal;
 use crate::spec::{Airframe, Autopilot};
@@ -10,9 +10,13 @@ use crate::spec::{Airframe, Autopilot};
 /// hexarotor, octorotor, tricopter, dodecarotor, decarotor, generic multirotor.
 const COPTER_TYPES: [u8; 9] = [2, 3, 4, 13, 14, 15, 29, 35, 43];
 
+/// `MAV_TYPE`s that fly nothing: ground station, antenna tracker, onboard controller,
+/// gimbal, ADS-B receiver, camera, charging station, FLARM, servo, remote id.
+const PAYLOAD_TYPES: [u8; 10] = [6, 5, 18, 26, 27, 30, 31, 32, 33, 34];
+
 /// Whether a heartbeat comes from an autopilot and not from a ground station or payload.
 pub(super) fn is_vehicle(heartbeat: &Heartbeat) -> bool {
-    heartbeat.kind != TYPE_GCS && heartbeat.autopilot != AUTOPILOT_INVALID
+    !PAYLOAD_TYPES.contains(&heartbeat.kind) && heartbeat.autopilot != AUTOPILOT_INVALID
 }
 
 /// Refuses a vehicle that is not the one of the spec, or that is armed.

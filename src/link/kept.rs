@@ -153,6 +153,10 @@ mod tests {
         }
     }
 
+    fn same(read: [f32; 4], expected: [f32; 4]) {
+        assert_eq!(read.map(f32::to_bits), expected.map(f32::to_bits));
+    }
+
     fn copter(item: Item) -> Item {
         kept(Autopilot::ArduPilot, List::Mission, &item)
     }
@@ -178,7 +182,7 @@ mod tests {
                 ..waypoint()
             })
             .params;
-            assert_eq!(read, [held, 0.0, 0.0, 0.0]);
+            same(read, [held, 0.0, 0.0, 0.0]);
         }
         for (sent, held) in [(6, 3), (5, 0), (11, 10)] {
             assert_eq!(
@@ -195,13 +199,13 @@ mod tests {
             params: [3.0, 0.0, -1234.0, 0.0],
             ..waypoint()
         };
-        assert_eq!(copter(turns).params, [3.0, 0.0, -1230.0, 0.0]);
+        same(copter(turns).params, [3.0, 0.0, -1230.0, 0.0]);
         let land = Item {
             command: command::NAV_LAND,
             params: [0.0, 0.0, 0.0, 90.0],
             ..waypoint()
         };
-        assert_eq!(copter(land).params, [0.0, 0.0, 0.0, 1.0]);
+        same(copter(land).params, [0.0, 0.0, 0.0, 1.0]);
     }
 
     #[test]
@@ -214,7 +218,7 @@ mod tests {
         let read = copter(speed);
         assert_eq!((read.frame, read.x, read.y), (0, 0, 0));
         assert_eq!(read.z.to_bits(), 0);
-        assert_eq!(read.params, [1.0, 8.5, -1.0, 0.0]);
+        same(read.params, [1.0, 8.5, -1.0, 0.0]);
     }
 
     #[test]
@@ -225,7 +229,10 @@ mod tests {
             ..waypoint()
         };
         let read = kept(Autopilot::ArduPilot, List::Rally, &rally);
-        assert_eq!((read.z, read.autocontinue), (80.0, false));
+        assert_eq!(
+            (read.z.to_bits(), read.autocontinue),
+            (80_f32.to_bits(), false)
+        );
         let read = kept(Autopilot::ArduPilot, List::Fence, &rally);
         assert!(!read.autocontinue);
     }
@@ -245,6 +252,6 @@ mod tests {
             .params
         };
         assert!(yaw(f32::NAN)[3].is_nan());
-        assert_eq!(yaw(-90.0), [0.0, 0.0, 0.0, 270.0]);
+        same(yaw(-90.0), [0.0, 0.0, 0.0, 270.0]);
     }
 }

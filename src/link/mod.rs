@@ -11,13 +11,16 @@ mod download;
 mod fleet;
 mod identity;
 mod kept;
+mod meeting;
 mod message;
 mod pace;
 mod report;
 mod session;
 mod socket;
+mod task;
 mod time;
 mod upload;
+mod wanted;
 
 pub use clear::{Clear, Cleared};
 pub use codec::{Decoder, Encoder};

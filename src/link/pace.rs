@@ -10,9 +10,19 @@ const MOST_MS: u64 = 2000;
 /// A fixed 250 ms would repeat every item on a slow radio, and the repeats would
 /// make it slower still. The estimate falls to a shorter time at once and rises to
 /// a longer one slowly, so that losses, which look like slowness, hardly move it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     turnaround_ms: Option<u64>,
+    least_ms: u64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            turnaround_ms: None,
+            least_ms: LEAST_MS,
+        }
+    }
 }
 
 impl Pace {
@@ -24,9 +34,14 @@ impl Pace {
         });
     }
 
+    /// Repetitions did harm: fewer of them from now on.
+    pub(super) fn slow_down(&mut self) {
+        self.least_ms = (2 * self.least_ms).min(MOST_MS / 2);
+    }
+
     /// The wait before the next repetition, milliseconds.
     pub(super) fn wait_ms(self) -> u64 {
-        (2 * self.turnaround_ms.unwrap_or(0)).clamp(LEAST_MS, MOST_MS)
+        (2 * self.turnaround_ms.unwrap_or(0)).clamp(self.least_ms, MOST_MS)
     }
 }
 

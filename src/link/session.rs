@@ -8,35 +8,36 @@
 use std::collections::VecDeque;
 
 use super::clear::Clear;
-use super::compare::{Difference, differences};
+use super::compare::Difference;
 use super::download::{Download, DownloadError};
 use super::identity;
+use super::meeting::{Encounter, Meeting, is_ready};
 use super::message::{
-    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Heartbeat, List, Message, MissionResult, Route,
-    STATE_ACTIVE, STATE_STANDBY, TYPE_GCS,
+    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, List, Message, MissionResult,
+    Route, STATE_ACTIVE, TYPE_GCS,
 };
-use super::report::{Failure, Refusal, TransferReport, Verdict, hash};
+use super::report::{Failure, TransferReport, Verdict, hash};
+use super::task::{Ended, Task};
 use super::time::Time;
-use super::upload::{Upload, UploadError};
-use crate::mission::{Item, VehicleMission, command, frame};
+use super::upload::{Sent, Upload, UploadError};
+use super::wanted::Wanted;
+use crate::mission::{Item, VehicleMission};
 use crate::spec::Autopilot;
 
 /// Between two of our heartbeats, milliseconds. MAVSDK forgets us after 3 s without.
 const HEARTBEAT_MS: u64 = 1000;
-/// Wait for the first heartbeat of the vehicle, milliseconds.
-const NOBODY_MS: u64 = 10_000;
-/// Wait for a vehicle that is starting, milliseconds.
-const STARTING_MS: u64 = 30_000;
 /// The whole transfer: this and [`ITEM_MS`] for each item, milliseconds.
-const TRANSFER_MS: u64 = 60_000;
+const TRANSFER_MS: u64 = 120_000;
 /// What each item adds to the time allowed, milliseconds.
-const ITEM_MS: u64 = 3000;
+const ITEM_MS: u64 = 5000;
 /// Pause before a list is sent again that had no space while the vehicle was starting, milliseconds.
 const PAUSE_MS: u64 = 2000;
 /// Confirmed uploads of one list that read back otherwise before it is given up.
 const MOST_ROUNDS: u32 = 3;
 /// How long PX4 is listened to after the last read-back, milliseconds: it judges a mission after accepting it.
 const LISTEN_MS: u64 = 1000;
+/// Most texts of the vehicle that are kept.
+const MOST_TEXTS: usize = 50;
 /// The lists in the order of transfer.
 const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
 
@@ -78,8 +79,8 @@ pub struct Session<'a> {
     heartbeat_due: Time,
     outbox: VecDeque<Message>,
     stage: Stage,
+    /// The vehicle and what it last said, once it has been met.
     vehicle: Option<(Address, Heartbeat)>,
-    heard: Vec<(Address, Heartbeat)>,
     /// Index into [`ORDER`].
     at: usize,
     rounds: u32,
@@ -97,20 +98,13 @@ pub struct Session<'a> {
 #[derive(Debug)]
 enum Stage {
     /// For the vehicle to speak, or to be ready.
-    Waiting {
-        until: Time,
-    },
-    Sending(Upload),
-    Clearing(Clear),
-    Reading(Download),
+    Meeting(Meeting),
+    /// A list is sent, cleared or read.
+    Working(Task),
     /// Before a list is sent again.
-    Pausing {
-        until: Time,
-    },
+    Pausing { until: Time },
     /// After the last list, for what the vehicle has to say.
-    Listening {
-        until: Time,
-    },
+    Listening { until: Time },
 }
 
 impl<'a> Session<'a> {
@@ -127,11 +121,8 @@ impl<'a> Session<'a> {
             began: now,
             heartbeat_due: now,
             outbox: VecDeque::new(),
-            stage: Stage::Waiting {
-                until: now + NOBODY_MS,
-            },
+            stage: Stage::Meeting(Meeting::first(now)),
             vehicle: None,
-            heard: Vec::new(),
             at: 0,
             rounds: 0,
             pauses: 0,
@@ -157,17 +148,16 @@ impl<'a> Session<'a> {
                 let is_ours = self
                     .vehicle
                     .is_some_and(|(vehicle, _)| vehicle.system == from.system);
-                if is_ours && self.texts.last() != Some(text) {
+                if is_ours && self.texts.last() != Some(text) && self.texts.len() < MOST_TEXTS {
                     self.texts.push(text.clone());
                 }
             }
             Message::MissionCurrent { .. } => {}
-            Message::Mission(_) => match &mut self.stage {
-                Stage::Sending(upload) => upload.handle(now, from, message),
-                Stage::Clearing(clear) => clear.handle(now, from, message),
-                Stage::Reading(download) => download.handle(now, from, message),
-                Stage::Waiting { .. } | Stage::Pausing { .. } | Stage::Listening { .. } => {}
-            },
+            Message::Mission(_) => {
+                if let Stage::Working(task) = &mut self.stage {
+                    task.handle(now, from, message);
+                }
+            }
         }
         self.advance(now);
     }
@@ -188,13 +178,14 @@ impl<'a> Session<'a> {
             }));
         }
         match &mut self.stage {
-            Stage::Sending(upload) => upload.handle_timeout(now),
-            Stage::Clearing(clear) => clear.handle_timeout(now),
-            Stage::Reading(download) => download.handle_timeout(now),
-            Stage::Waiting { until } if now >= *until => self.waited(now),
+            Stage::Working(task) => task.handle_timeout(now),
+            Stage::Meeting(meeting) if now >= meeting.until() => {
+                let encounter = meeting.timeout(&self.order, now);
+                self.meet(now, encounter);
+            }
             Stage::Pausing { until } if now >= *until => self.begin_list(now),
             Stage::Listening { until } if now >= *until => self.end(now, Verdict::Verified),
-            Stage::Waiting { .. } | Stage::Pausing { .. } | Stage::Listening { .. } => {}
+            Stage::Meeting(_) | Stage::Pausing { .. } | Stage::Listening { .. } => {}
         }
         self.advance(now);
         if self.report.is_none() && now >= self.deadline {
@@ -209,10 +200,8 @@ impl<'a> Session<'a> {
             return Some(message);
         }
         match &mut self.stage {
-            Stage::Sending(upload) => upload.poll_transmit(),
-            Stage::Clearing(clear) => clear.poll_transmit(),
-            Stage::Reading(download) => download.poll_transmit(),
-            Stage::Waiting { .. } | Stage::Pausing { .. } | Stage::Listening { .. } => None,
+            Stage::Working(task) => task.poll_transmit(),
+            Stage::Meeting(_) | Stage::Pausing { .. } | Stage::Listening { .. } => None,
         }
     }
 
@@ -223,12 +212,9 @@ impl<'a> Session<'a> {
             return None;
         }
         let stage = match &self.stage {
-            Stage::Sending(upload) => upload.poll_timeout(),
-            Stage::Clearing(clear) => clear.poll_timeout(),
-            Stage::Reading(download) => download.poll_timeout(),
-            Stage::Waiting { until } | Stage::Pausing { until } | Stage::Listening { until } => {
-                Some(*until)
-            }
+            Stage::Working(task) => task.poll_timeout(),
+            Stage::Meeting(meeting) => Some(meeting.until()),
+            Stage::Pausing { until } | Stage::Listening { until } => Some(*until),
         };
         let due = self.heartbeat_due.min(self.deadline);
         Some(stage.map_or(due, |stage| stage.min(due)))
@@ -243,13 +229,14 @@ impl<'a> Session<'a> {
     /// Where it is.
     #[must_use]
     pub fn progress(&self) -> Progress {
-        let wanted = self.wanted(ORDER[self.at]).len();
+        let total = self.wanted().items(ORDER[self.at]).len();
         let (stage, done, total) = match &self.stage {
             _ if self.report.is_some() => ("done", 0, 0),
-            Stage::Waiting { .. } | Stage::Pausing { .. } => ("waiting", 0, 0),
-            Stage::Sending(upload) => ("sending", upload.progress(), wanted),
-            Stage::Clearing(_) => ("clearing", 0, 0),
-            Stage::Reading(download) => ("reading", download.progress(), wanted),
+            Stage::Working(task) => {
+                let (stage, done) = task.progress();
+                (stage, done, total)
+            }
+            Stage::Meeting(_) | Stage::Pausing { .. } => ("waiting", 0, 0),
             Stage::Listening { .. } => ("done", 0, 0),
         };
         Progress {
@@ -271,112 +258,46 @@ impl<'a> Session<'a> {
         if !identity::is_vehicle(&heartbeat) {
             return;
         }
-        let Some((vehicle, _)) = self.vehicle else {
-            self.heard.retain(|(address, _)| *address != from);
-            self.heard.push((from, heartbeat));
-            if from.system == self.order.sysid {
-                self.meet(now, from, heartbeat);
-            }
+        if let Stage::Meeting(meeting) = &mut self.stage {
+            let encounter = meeting.heartbeat(&self.order, now, from, heartbeat);
+            self.vehicle = meeting.vehicle();
+            self.meet(now, encounter);
+        }
+        let Some((vehicle, last)) = &mut self.vehicle else {
             return;
         };
-        if vehicle != from {
+        if *vehicle != from || self.report.is_some() {
             return;
         }
-        self.vehicle = Some((vehicle, heartbeat));
+        *last = heartbeat;
         if heartbeat.is_armed() && !self.order.force {
             self.end(now, Verdict::Failed(Failure::ArmedMeanwhile));
-        } else if matches!(self.stage, Stage::Waiting { .. }) {
-            if is_ready(&heartbeat) {
-                self.at = 0;
+        } else if !is_ready(&heartbeat) && !matches!(self.stage, Stage::Meeting(_)) {
+            // It was started again: what it confirmed before may be gone.
+            self.stage = Stage::Meeting(Meeting::again((from, heartbeat), now));
+        }
+    }
+
+    fn meet(&mut self, now: Time, encounter: Encounter) {
+        match encounter {
+            Encounter::Nobody => {}
+            Encounter::Met(address, heartbeat) => {
+                self.vehicle = Some((address, heartbeat));
+                (self.at, self.rounds, self.pauses) = (0, 0, 0);
                 self.begin_list(now);
             }
-        } else if !is_ready(&heartbeat) {
-            // It was started again: what it confirmed before may be gone.
-            self.stage = Stage::Waiting {
-                until: now + STARTING_MS,
-            };
+            Encounter::Over(verdict) => self.end(now, verdict),
         }
     }
 
-    /// The vehicle has spoken for the first time.
-    fn meet(&mut self, now: Time, from: Address, heartbeat: Heartbeat) {
-        self.vehicle = Some((from, heartbeat));
+    /// What is wanted, by the rules of the autopilot that answers, if it says which it is.
+    fn wanted(&self) -> Wanted<'a> {
         let mission = self.order.mission;
-        let checked = identity::check(&heartbeat, mission.autopilot, mission.airframe);
-        match checked {
-            Err(refusal) if !self.order.force => self.end(now, Verdict::Refused(refusal)),
-            _ if is_ready(&heartbeat) => self.begin_list(now),
-            _ => {
-                self.stage = Stage::Waiting {
-                    until: now + STARTING_MS,
-                };
-            }
-        }
-    }
-
-    /// Nobody came, or nobody got ready.
-    fn waited(&mut self, now: Time) {
-        if let Some((_, heartbeat)) = self.vehicle {
-            let status = heartbeat.system_status;
-            let after_s = STARTING_MS / 1000;
-            self.end(now, Verdict::Failed(Failure::NotReady { status, after_s }));
-            return;
-        }
-        let strangers: Vec<(Address, Heartbeat)> = self
-            .heard
-            .iter()
-            .filter(|(address, _)| !self.order.others.contains(&address.system))
-            .copied()
-            .collect();
-        let expected = self.order.sysid;
-        match strangers.as_slice() {
-            [(address, heartbeat)] if self.order.force => self.meet(now, *address, *heartbeat),
-            [(address, _)] => {
-                let found = address.system;
-                self.end(now, Verdict::Refused(Refusal::System { expected, found }));
-            }
-            _ => {
-                let mut heard: Vec<u8> = self.heard.iter().map(|(from, _)| from.system).collect();
-                heard.sort_unstable();
-                heard.dedup();
-                let failure = Failure::Nobody {
-                    sysid: expected,
-                    after_s: NOBODY_MS / 1000,
-                    heard,
-                };
-                self.end(now, Verdict::Failed(failure));
-            }
-        }
-    }
-
-    /// The rules that apply: those of the autopilot that answers, if it says which it is.
-    fn autopilot(&self) -> Autopilot {
-        self.vehicle
+        let autopilot = self
+            .vehicle
             .and_then(|(_, heartbeat)| identity::named(heartbeat.autopilot))
-            .unwrap_or(self.order.mission.autopilot)
-    }
-
-    fn wanted(&self, list: List) -> &'a [Item] {
-        let mission = self.order.mission;
-        match list {
-            List::Mission => &mission.items,
-            List::Fence => &mission.fence,
-            List::Rally => &mission.rally,
-        }
-    }
-
-    /// The items as they are sent: with home in front for ArduPilot, and exactly one
-    /// mission item marked as current (MAVSDK refuses a mission otherwise).
-    fn rows(&self, list: List) -> Vec<(Item, u8)> {
-        let mut rows: Vec<(Item, u8)> = Vec::new();
-        if list == List::Mission && self.autopilot() == Autopilot::ArduPilot {
-            rows.push((home_row(self.order.mission), 0));
-        }
-        rows.extend(self.wanted(list).iter().map(|item| (*item, 0)));
-        if let (List::Mission, Some((_, current))) = (list, rows.first_mut()) {
-            *current = 1;
-        }
-        rows
+            .unwrap_or(mission.autopilot);
+        Wanted { mission, autopilot }
     }
 
     fn route(&self) -> Option<Route> {
@@ -392,79 +313,63 @@ impl<'a> Session<'a> {
     fn begin_list(&mut self, now: Time) {
         let Some(route) = self.route() else { return };
         self.complaint = None;
-        if self.wanted(route.list).is_empty() {
-            self.stage = Stage::Reading(Download::new(route, self.deadline, now));
+        if self.wanted().items(route.list).is_empty() {
+            self.work(Task::Download(Download::new(route, self.deadline, now)));
         } else {
             // How long this vehicle may be silent before it has given up or lost us:
             // several times its own re-request period (1 s, 250 ms, MAVSDK 500 ms).
-            let silence_ms = match (self.autopilot(), self.vehicle) {
+            let silence_ms = match (self.wanted().autopilot, self.vehicle) {
                 (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => 4000,
                 (Autopilot::ArduPilot, _) => 5000,
                 (Autopilot::Px4, _) => 3000,
             };
-            let rows = self.rows(route.list);
-            self.stage = Stage::Sending(Upload::new(route, rows, silence_ms, self.deadline, now));
+            let rows = self.wanted().rows(route.list);
+            let upload = Upload::new(route, rows, silence_ms, self.deadline, now);
+            self.work(Task::Upload(upload));
         }
+    }
+
+    fn work(&mut self, task: Task) {
+        self.stage = Stage::Working(task);
     }
 
     /// Goes on when the machine at work has ended.
     fn advance(&mut self, now: Time) {
+        let Stage::Working(task) = &mut self.stage else {
+            return;
+        };
+        let Some(ended) = task.ended() else { return };
         if self.report.is_some() {
             return;
         }
-        match &self.stage {
-            Stage::Sending(upload) => {
-                if let Some(outcome) = upload.outcome() {
-                    let (runs, repeats) = upload.effort();
-                    self.attempts += runs;
-                    self.retries += repeats;
-                    self.sent(now, outcome);
-                }
-            }
-            Stage::Clearing(clear) => {
-                if let Some(outcome) = clear.outcome() {
-                    self.retries += clear.repeats();
-                    match outcome {
-                        Ok(cleared) => {
-                            self.acknowledged = cleared.acknowledged;
-                            self.read_back(now);
-                        }
-                        Err(result) => {
-                            let list = ORDER[self.at];
-                            self.end(now, Verdict::Failed(Failure::Clear { list, result }));
-                        }
-                    }
-                }
-            }
-            Stage::Reading(download) => {
-                if let Some(outcome) = download.outcome() {
-                    let outcome = outcome.clone();
-                    self.retries += download.repeats();
-                    // The closing ACK is still in there.
-                    while let Some(message) = self.poll_transmit_stage() {
-                        self.outbox.push_back(message);
-                    }
-                    self.read(now, outcome);
-                }
-            }
-            Stage::Waiting { .. } | Stage::Pausing { .. } | Stage::Listening { .. } => {}
+        let (attempts, repeats) = task.effort();
+        self.attempts += attempts;
+        self.retries += repeats;
+        // The closing ACK of a download is still in there.
+        while let Some(message) = task.poll_transmit() {
+            self.outbox.push_back(message);
         }
-    }
-
-    fn poll_transmit_stage(&mut self) -> Option<Message> {
-        match &mut self.stage {
-            Stage::Reading(download) => download.poll_transmit(),
-            _ => None,
+        let list = ORDER[self.at];
+        match ended {
+            Ended::Sent(outcome) => self.sent(now, outcome),
+            Ended::Read(outcome) => self.read(now, outcome),
+            Ended::Cleared(Ok(cleared)) => {
+                self.acknowledged = cleared.acknowledged;
+                self.read_back(now);
+            }
+            Ended::Cleared(Err(result)) => {
+                self.end(now, Verdict::Failed(Failure::Clear { list, result }));
+            }
         }
     }
 
     fn read_back(&mut self, now: Time) {
         if let Some(route) = self.route() {
-            self.stage = Stage::Reading(Download::new(route, self.deadline, now));
+            self.work(Task::Download(Download::new(route, self.deadline, now)));
         }
     }
 
-    fn sent(&mut self, now: Time, outcome: Result<super::upload::Sent, UploadError>) {
+    fn sent(&mut self, now: Time, outcome: Result<Sent, UploadError>) {
         match outcome {
             Ok(sent) => {
                 self.acknowledged = sent.acknowledged;
@@ -490,22 +395,20 @@ impl<'a> Session<'a> {
 
     fn read(&mut self, now: Time, outcome: Result<Vec<Item>, DownloadError>) {
         let list = ORDER[self.at];
-        let wanted = self.wanted(list);
+        let wanted = self.wanted();
+        let shall_be_empty = wanted.items(list).is_empty();
         let mut read = match outcome {
             Ok(read) => read,
             // A vehicle that knows no fence or rally holds none.
             Err(DownloadError::Refused {
                 result: MissionResult::UNSUPPORTED,
-            }) if list != List::Mission && wanted.is_empty() => Vec::new(),
+            }) if list != List::Mission && shall_be_empty => Vec::new(),
             Err(error) => {
                 self.end(now, Verdict::Failed(Failure::ReadBack { list, error }));
                 return;
             }
         };
-        if list == List::Mission && self.autopilot() == Autopilot::ArduPilot && !read.is_empty() {
-            read.remove(0);
-        }
-        let found = differences(self.autopilot(), list, wanted, &read);
+        let found = wanted.compare(list, &mut read);
         if found.is_empty() {
             self.held[usize::from(list.mission_type())] = read;
             self.next_list(now);
@@ -520,19 +423,19 @@ impl<'a> Session<'a> {
             };
             self.end(now, Verdict::Failed(failure));
         } else {
-            self.again(now, wanted.is_empty());
+            self.again(now, shall_be_empty);
         }
     }
 
     /// The read-back was not what it should be: once more.
     fn again(&mut self, now: Time, shall_be_empty: bool) {
         // Without the vehicle's confirmation it was to be expected; the deadline bounds that.
-        self.rounds += u32::from(self.acknowledged || self.complaint.is_some());
+        let spoke = self.acknowledged || self.complaint == Some(MissionResult::ERROR);
+        self.rounds += u32::from(spoke);
         self.acknowledged = false;
         match self.route() {
             Some(route) if shall_be_empty => {
-                self.attempts += 1;
-                self.stage = Stage::Clearing(Clear::new(route, self.deadline, now));
+                self.work(Task::Clear(Clear::new(route, self.deadline, now)));
             }
             _ => self.begin_list(now),
         }
@@ -544,7 +447,7 @@ impl<'a> Session<'a> {
             self.at += 1;
             self.begin_list(now);
         } else {
-            let listen_ms = match self.autopilot() {
+            let listen_ms = match self.wanted().autopilot {
                 Autopilot::Px4 => LISTEN_MS,
                 Autopilot::ArduPilot => 0,
             };
@@ -555,6 +458,13 @@ impl<'a> Session<'a> {
     }
 
     fn end(&mut self, now: Time, verdict: Verdict) {
+        if let (Stage::Working(Task::Upload(_)), Some(route)) = (&self.stage, self.route()) {
+            // Lets PX4 go, instead of leaving it waiting for 5 s.
+            self.outbox.push_back(route.message(Body::Ack {
+                result: MissionResult::OPERATION_CANCELLED,
+                opaque_id: 0,
+            }));
+        }
         let [mission, fence, rally] = &self.held;
         let verified = verdict == Verdict::Verified;
         #[expect(
@@ -586,24 +496,5 @@ impl<'a> Session<'a> {
                 verdict,
             )
         });
-    }
-}
-
-/// Whether a vehicle takes missions. A generic one need not say more than "state unknown" (0).
-fn is_ready(heartbeat: &Heartbeat) -> bool {
-    heartbeat.system_status >= STATE_STANDBY
-        || (heartbeat.autopilot == AUTOPILOT_GENERIC && heartbeat.system_status == 0)
-}
-
-/// Sequence number 0 of an ArduPilot mission. The vehicle puts its own home there.
-fn home_row(mission: &VehicleMission) -> Item {
-    Item {
-        command: command::NAV_WAYPOINT,
-        frame: frame::GLOBAL,
-        autocontinue: true,
-        params: [0.0; 4],
-        x: mission.home.x,
-        y: mission.home.y,
-        z: mission.home.amsl_m,
     }
 }

@@ -13,7 +13,7 @@ use crate::mission::Item;
 /// Wait for the answer to `MISSION_COUNT`, milliseconds (mission service guide).
 const COUNT_MS: u64 = 1500;
 /// `MISSION_COUNT`s without any answer before the vehicle counts as silent.
-const MOST_COUNTS: u32 = 15;
+const MOST_COUNTS: u32 = 20;
 /// An identical request within this time is the echo of one already answered, milliseconds.
 const ECHO_MS: u64 = 100;
 /// Silence after the final item before its `MISSION_ACK` counts as lost, milliseconds.

@@ -1,0 +1,199 @@
+//! Uploads to MAVSDK's mission server, an implementation of the vehicle side that is not ours.
+
+#[allow(dead_code, unreachable_pub)]
+#[path = "support/peers.rs"]
+mod peers;
+
+use std::io::{BufRead, BufReader};
+use std::net::UdpSocket;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+use serde_json::Value;
+use sortie::link::{Job, TransferReport, Verdict, upload_fleet};
+use sortie::mission::{Home, Item, VehicleMission, command, frame};
+use sortie::spec::{Airframe, Autopilot, Link};
+
+const HOME: Home = Home {
+    x: 363_000_000,
+    y: -842_500_000,
+    amsl_m: 400.5,
+};
+
+/// MAVSDK in a process of its own; it ends when this is dropped.
+struct Peer {
+    process: Child,
+    lines: Receiver<String>,
+}
+
+impl Peer {
+    fn start(python: &Path, port: u16, sysid: u8) -> Self {
+        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/peers/vehicle_mavsdk.py");
+        let mut process = Command::new(python)
+            .arg(script)
+            .args([port.to_string(), sysid.to_string()])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("python starts");
+        let output = BufReader::new(process.stdout.take().expect("piped"));
+        let (send, lines) = channel();
+        std::thread::spawn(move || {
+            for line in output.lines().map_while(Result::ok) {
+                if send.send(line).is_err() {
+                    return;
+                }
+            }
+        });
+        let peer = Self { process, lines };
+        while peer.line() != "ready" {}
+        peer
+    }
+
+    fn line(&self) -> String {
+        self.lines
+            .recv_timeout(Duration::from_secs(20))
+            .expect("the peer says something")
+    }
+
+    /// The next list that it took.
+    fn list(&self) -> Value {
+        loop {
+            if let Ok(list) = serde_json::from_str::<Value>(&self.line()) {
+                assert_eq!(list["result"], 1, "RESULT_SUCCESS in {list}");
+                return list["items"].clone();
+            }
+        }
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        // Already gone is as good.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+fn free_port() -> u16 {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    socket.local_addr().expect("bound").port()
+}
+
+fn waypoint(n: i32) -> Item {
+    Item {
+        command: command::NAV_WAYPOINT,
+        frame: frame::GLOBAL,
+        autocontinue: true,
+        params: [0.0, 2.5, 0.0, f32::NAN],
+        x: HOME.x + 1003 * n,
+        y: HOME.y - 771 * n,
+        z: 480.37,
+    }
+}
+
+fn mission(autopilot: Autopilot) -> VehicleMission {
+    let mut items: Vec<Item> = (0..40).map(waypoint).collect();
+    items[0].command = command::NAV_TAKEOFF;
+    items[1] = Item::without_place(command::DO_CHANGE_SPEED, [1.0, 12.5, -1.0, 0.0]);
+    items.push(Item {
+        command: command::NAV_LAND,
+        ..waypoint(39)
+    });
+    let corner = |n| Item {
+        command: command::FENCE_POLYGON_INCLUSION,
+        params: [3.0, 0.0, 0.0, 0.0],
+        z: 0.0,
+        ..waypoint(n)
+    };
+    VehicleMission {
+        autopilot,
+        airframe: Airframe::Copter,
+        home: HOME,
+        items,
+        fence: [-200, 300, 800].map(corner).to_vec(),
+        rally: Vec::new(),
+        params: Vec::new(),
+        notes: Vec::new(),
+    }
+}
+
+fn upload(port: u16, sysid: u8, mission: &VehicleMission) -> TransferReport {
+    let link = Link::UdpIn(format!("127.0.0.1:{port}"));
+    let job = Job {
+        vehicle: "alpha",
+        sysid,
+        link: &link,
+        mission,
+        force: false,
+    };
+    upload_fleet(&[job], &|_, _| {}).remove(0)
+}
+
+/// What the peer says it got, against what was sent.
+fn assert_same(list: &Value, mission_type: u8, sent: &[Item]) {
+    let got = list.as_array().expect("a list");
+    assert_eq!(got.len(), sent.len());
+    for (seq, (got, sent)) in got.iter().zip(sent).enumerate() {
+        let float = |value: f32| serde_json::to_value(f64::from(value)).expect("a number or null");
+        assert_eq!(got["mission_type"], mission_type);
+        assert_eq!(got["seq"], seq);
+        assert_eq!(got["command"], sent.command);
+        assert_eq!(got["frame"], sent.frame);
+        assert_eq!(got["x"], sent.x);
+        assert_eq!(got["y"], sent.y);
+        assert_eq!(got["z"], float(sent.z), "item {seq}");
+        assert_eq!(
+            got["params"],
+            Value::from(sent.params.map(float).to_vec()),
+            "item {seq}"
+        );
+        assert_eq!(got["current"], u8::from(mission_type == 0 && seq == 0));
+    }
+}
+
+#[test]
+fn mavsdk_takes_mission_and_fence_and_they_read_back_equal() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let port = free_port();
+    let peer = Peer::start(&python, port, 1);
+    let mission = mission(Autopilot::Px4);
+    let report = upload(port, 1, &mission);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert_eq!((report.items, report.fence, report.rally), (41, 3, 0));
+    assert_eq!(report.autopilot, "generic autopilot vehicle");
+    assert_same(&peer.list(), 1, &mission.fence);
+    assert_same(&peer.list(), 0, &mission.items);
+}
+
+#[test]
+fn mavsdk_takes_an_ardupilot_mission_with_home_in_front() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let port = free_port();
+    let peer = Peer::start(&python, port, 7);
+    let mission = mission(Autopilot::ArduPilot);
+    let report = upload(port, 7, &mission);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert_eq!(report.items, 41);
+    peer.list();
+    let home = Item {
+        command: command::NAV_WAYPOINT,
+        frame: frame::GLOBAL,
+        autocontinue: true,
+        params: [0.0; 4],
+        x: HOME.x,
+        y: HOME.y,
+        z: HOME.amsl_m,
+    };
+    let rows: Vec<Item> = std::iter::once(home)
+        .chain(mission.items.iter().copied())
+        .collect();
+    assert_same(&peer.list(), 0, &rows);
+}
