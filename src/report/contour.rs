@@ -37,14 +37,12 @@ impl Contours {
         while level * contours.interval_m < high_m {
             // Half a decimetre aside, so that no node lies on a line.
             let level_m = level * contours.interval_m + 0.05;
-            let lines = chained(&pieces(relief, level_m))
-                .into_iter()
-                .map(|edges| {
-                    edges
-                        .into_iter()
-                        .map(|edge| crossing(relief, bounds, level_m, edge))
-                        .collect()
-                });
+            let lines = chained(&pieces(relief, level_m)).into_iter().map(|edges| {
+                edges
+                    .into_iter()
+                    .map(|edge| crossing(relief, bounds, level_m, edge))
+                    .collect()
+            });
             if level.rem_euclid(5.0) < 0.5 {
                 contours.index.extend(lines);
             } else {
@@ -127,7 +125,11 @@ fn crossing(relief: &Relief, bounds: &Bounds, level_m: f64, edge: Edge) -> EastN
     } else {
         (column, row + 1)
     };
-    let height_m = |column, row| relief.at(i64::from(column), i64::from(row)).unwrap_or(level_m);
+    let height_m = |column, row| {
+        relief
+            .at(i64::from(column), i64::from(row))
+            .unwrap_or(level_m)
+    };
     let (a, b) = (height_m(column, row), height_m(to_column, to_row));
     let share = ((level_m - a) / (b - a)).clamp(0.0, 1.0);
     let (from, to) = (
@@ -144,7 +146,12 @@ fn crossing(relief: &Relief, bounds: &Bounds, level_m: f64, edge: Edge) -> EastN
 mod tests {
     use super::{Bounds, Contours, Relief};
 
-    const BOUNDS: Bounds = Bounds { west: 0.0, south: 0.0, east: 300.0, north: 200.0 };
+    const BOUNDS: Bounds = Bounds {
+        west: 0.0,
+        south: 0.0,
+        east: 300.0,
+        north: 200.0,
+    };
 
     fn relief(height_dm: impl Fn(i32, i32) -> Option<i32>) -> Relief {
         let nodes = (0..3).flat_map(|row| (0..4).map(move |column| (column, row)));
@@ -164,7 +171,10 @@ mod tests {
         assert_eq!(lines.len(), 6);
         for line in lines {
             assert_eq!(line.len(), 3);
-            assert!(line.iter().all(|at| (at.east_m - line[0].east_m).abs() < 1e-9));
+            assert!(
+                line.iter()
+                    .all(|at| (at.east_m - line[0].east_m).abs() < 1e-9)
+            );
         }
         let holed = relief(|column, row| ((column, row) != (1, 0)).then_some(column * 1000));
         let kept = Contours::new(&holed, &BOUNDS);
@@ -183,7 +193,13 @@ mod tests {
 
     #[test]
     fn flat_ground_has_no_contours() {
-        assert_eq!(Contours::new(&relief(|_, _| Some(4000)), &BOUNDS), Contours::default());
-        assert_eq!(Contours::new(&relief(|_, _| None), &BOUNDS), Contours::default());
+        assert_eq!(
+            Contours::new(&relief(|_, _| Some(4000)), &BOUNDS),
+            Contours::default()
+        );
+        assert_eq!(
+            Contours::new(&relief(|_, _| None), &BOUNDS),
+            Contours::default()
+        );
     }
 }

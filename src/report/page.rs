@@ -16,7 +16,7 @@ use crate::mission::VehicleMission;
 use crate::spec::{Airframe, Autopilot, Vehicle};
 
 /// Most rows of the table of margins; the rest is in `review.json`.
-const MOST_ROWS: usize = 1000;
+const MOST_ROWS: usize = 600;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -146,7 +146,7 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
             words::number(scene.bounds.height_m() / 1000.0, 1)
         ),
         format!(
-            "at least {} m above ground, at most {} m above the sea",
+            "{} m or more above ground, up to {} m AMSL",
             words::number(spec.area.min_agl.0, 1),
             words::number(spec.area.max_amsl.0, 1)
         ),
@@ -179,6 +179,7 @@ fn cards(shown: &[Ranked<'_>]) -> String {
             .iter()
             .position(|other| std::ptr::eq(other.margin, margin))
             .unwrap_or(0);
+        let known = margin.value.is_finite();
         let _ = write!(
             html,
             "<button type=\"button\" class=\"card {}\" data-row=\"{row}\"><span class=\"what\">{}</span>\
@@ -187,8 +188,12 @@ fn cards(shown: &[Ranked<'_>]) -> String {
             if margin.ok { "ok" } else { "bad" },
             escaped(&margin.what),
             escaped(&words::value(margin)),
-            if margin.ok { "" } else { "must be " },
-            escaped(&words::limit(margin)),
+            if margin.ok || !known { "" } else { "must be " },
+            escaped(&if known {
+                words::limit(margin)
+            } else {
+                margin.note.clone()
+            }),
             escaped(&words::who(margin)),
             moment(entry),
         );
@@ -239,7 +244,11 @@ fn rows(shown: &[Ranked<'_>]) -> String {
         } else {
             (50.0, share)
         };
-        let tight = if words::measures(margin) { entry.slack } else { 1e6 };
+        let tight = if words::measures(margin) {
+            entry.slack
+        } else {
+            1e6
+        };
         let _ = writeln!(
             html,
             "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\
@@ -278,7 +287,10 @@ fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
             .find(|(of, _)| *of == index)
             .map(|(_, mission)| *mission);
         let planned = input.plan.and_then(|plan| plan.vehicles.get(index));
-        let cost = planned.map_or_else(|| "–".to_owned(), |plan| words::number(plan.terms.total(), 3));
+        let cost = planned.map_or_else(
+            || "–".to_owned(),
+            |plan| words::number(plan.terms.total(), 3),
+        );
         let gap = planned.map_or_else(String::new, |plan| {
             format!(
                 "<small>{} % above the estimate</small>",
@@ -286,7 +298,8 @@ fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
             )
         });
         let broken = input.review.margins.iter().any(|margin| {
-            !margin.ok && (margin.vehicle == vehicle.id || margin.other.as_ref() == Some(&vehicle.id))
+            !margin.ok
+                && (margin.vehicle == vehicle.id || margin.other.as_ref() == Some(&vehicle.id))
         });
         let _ = writeln!(
             html,
@@ -304,7 +317,10 @@ fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
                 "–".to_owned()
             },
             departs = words::clock(vehicle.depart_s),
-            duration = shape.track.duration_s().map_or_else(|| "–".to_owned(), words::clock),
+            duration = shape
+                .track
+                .duration_s()
+                .map_or_else(|| "–".to_owned(), words::clock),
             items = mission.map_or_else(|| "no mission".to_owned(), items),
         );
     }

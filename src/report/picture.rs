@@ -71,7 +71,11 @@ pub(super) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inline: bool) ->
     let label = format!("Plan view of {}", input.spec.name);
     let mut svg = format!(
         "<svg {}viewBox=\"0 0 {WIDTH} {}\" {}role=\"img\" aria-label=\"{}\">",
-        if inline { "id=\"plan\" class=\"plan\" " } else { "" },
+        if inline {
+            "id=\"plan\" class=\"plan\" "
+        } else {
+            ""
+        },
         one(view.height),
         if inline {
             String::new()
@@ -88,7 +92,7 @@ pub(super) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inline: bool) ->
     closed(&mut svg, &view, scene);
     let names = scene.vehicles.len() <= MOST_NAMES;
     for (index, vehicle) in scene.vehicles.iter().enumerate() {
-        flight(&mut svg, &view, index, vehicle);
+        flight(&mut svg, &view, index, vehicle, names);
     }
     for (index, vehicle) in scene.vehicles.iter().enumerate().filter(|_| names) {
         stations(&mut svg, &view, index, vehicle);
@@ -157,9 +161,10 @@ fn ground(svg: &mut String, view: &View, scene: &Scene, contours: &Contours) {
         ("contour", ".7", ".16", &contours.plain),
         ("contour", "1.2", ".26", &contours.index),
     ] {
-        let data: String = lines.iter().map(|line: &Line| {
-            view.path(line.iter().map(|at| (at.east_m, at.north_m)))
-        }).collect();
+        let data: String = lines
+            .iter()
+            .map(|line: &Line| view.path(line.iter().map(|at| (at.east_m, at.north_m))))
+            .collect();
         let _ = write!(
             svg,
             "<path class=\"{class}\" d=\"{data}\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"{width}\" stroke-opacity=\"{opacity}\"/>"
@@ -209,7 +214,14 @@ fn names_of_places(svg: &mut String, view: &View, scene: &Scene) {
             format!(" below {} m", words::number(below_m, 0))
         });
         let (x, y) = (view.x(middle(0)), view.y(middle(1)));
-        label(svg, "of-zone", (x, y), ZONE, "middle", &format!("{}{below}", zone.id));
+        label(
+            svg,
+            "of-zone",
+            (x, y),
+            ZONE,
+            "middle",
+            &format!("{}{below}", zone.id),
+        );
     }
     for threat in &scene.threats {
         let (x, y) = (view.x(threat.at[0]), view.y(threat.at[1]));
@@ -217,21 +229,31 @@ fn names_of_places(svg: &mut String, view: &View, scene: &Scene) {
     }
 }
 
-fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape) {
+fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape, cased: bool) {
     let (class, colour) = (index % COLOURS.len(), COLOURS[index % COLOURS.len()][0]);
     let track = &vehicle.track;
     let data = view.path(track.e.iter().zip(&track.n).map(|(e, n)| (*e, *n)));
+    let _ = write!(svg, "<g class=\"flight\" data-vehicle=\"{index}\">");
+    if cased {
+        let _ = write!(
+            svg,
+            "<path class=\"casing\" d=\"{data}\" fill=\"none\" stroke=\"{PAPER}\" stroke-opacity=\".75\" stroke-width=\"5\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
+        );
+    }
     let _ = write!(
         svg,
-        "<g class=\"flight\" data-vehicle=\"{index}\">\
-         <path class=\"casing\" d=\"{data}\" fill=\"none\" stroke=\"{PAPER}\" stroke-opacity=\".75\" stroke-width=\"5\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\
-         <path class=\"track v{class}\" d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
+        "<path class=\"track v{class}\" d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
     );
     if !vehicle.waypoints.is_empty() {
         // Dots are strokes without length: they keep their size when zoomed.
         let mut dots = String::new();
         for (east_m, north_m, ..) in &vehicle.waypoints {
-            let _ = write!(dots, "M{} {}h0", one(view.x(*east_m)), one(view.y(*north_m)));
+            let _ = write!(
+                dots,
+                "M{} {}h0",
+                one(view.x(*east_m)),
+                one(view.y(*north_m))
+            );
         }
         for (class, colour, width) in [("dots v", colour, "6.4"), ("pips v", PAPER, "3")] {
             let _ = write!(
@@ -264,15 +286,27 @@ fn stations(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape)
     dot(goal, "goal", colour, "15", "round");
     dot(goal, "goal-eye", PAPER, "8", "round");
     // Away from the goal, so that the name does not lie on the path.
-    let left = goal.0 > start.0 && start.0 > 120.0 || start.0 > WIDTH - 120.0;
-    let (anchor, nudge) = if left { ("end", -12.0) } else { ("start", 12.0) };
-    label(svg, "of-vehicle", (start.0 + nudge, start.1), colour, anchor, &vehicle.id);
+    let left = goal.0 > start.0 && start.0 > 190.0 || start.0 > WIDTH - 190.0;
+    let anchor = if left { "end" } else { "start" };
+    label(svg, "of-vehicle", start, colour, anchor, &vehicle.id);
 }
 
-fn label(svg: &mut String, class: &str, (x, y): (f64, f64), colour: &str, anchor: &str, text: &str) {
+fn label(
+    svg: &mut String,
+    class: &str,
+    (x, y): (f64, f64),
+    colour: &str,
+    anchor: &str,
+    text: &str,
+) {
+    let aside = match anchor {
+        "start" => ".85em",
+        "end" => "-.85em",
+        _ => "0",
+    };
     let _ = write!(
         svg,
-        "<text class=\"{class}\" x=\"{}\" y=\"{}\" dy=\".35em\" text-anchor=\"{anchor}\" font-size=\"15\" font-weight=\"600\" \
+        "<text class=\"{class}\" x=\"{}\" y=\"{}\" dx=\"{aside}\" dy=\".35em\" text-anchor=\"{anchor}\" font-size=\"15\" font-weight=\"600\" \
          fill=\"{colour}\" stroke=\"{PAPER}\" stroke-width=\"3.5\" stroke-linejoin=\"round\" paint-order=\"stroke\">{}</text>",
         one(x),
         one(y),
@@ -321,13 +355,16 @@ fn legend(vehicles: &[VehicleShape]) -> String {
         let column = f64::from(u32::try_from(index % LEGEND_COLUMNS).unwrap_or(0));
         let line = f64::from(u32::try_from(index / LEGEND_COLUMNS).unwrap_or(0));
         let (x, y) = (column * 250.0, line * LEGEND_LINE);
-        let duration = vehicle.track.duration_s().map_or_else(String::new, |duration_s| {
-            format!(
-                " {} km, {}",
-                words::number(vehicle.length_m / 1000.0, 1),
-                words::clock(duration_s)
-            )
-        });
+        let duration = vehicle
+            .track
+            .duration_s()
+            .map_or_else(String::new, |duration_s| {
+                format!(
+                    " {} km, {}",
+                    words::number(vehicle.length_m / 1000.0, 1),
+                    words::clock(duration_s)
+                )
+            });
         let _ = write!(
             svg,
             "<path d=\"M{} {}h26\" stroke=\"{}\" stroke-width=\"3.5\" stroke-linecap=\"round\"/>\

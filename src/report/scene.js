@@ -223,7 +223,7 @@ const scene3d = (() => {
 
   const camera = {};
   function reset() {
-    Object.assign(camera, { az: -0.42, el: 0.62, distance: 3.15, target: [0, 0, ((low + high) / 2 - low) * scale * exaggeration * 0.5] });
+    Object.assign(camera, { az: -0.42, el: 0.66, distance: 2.7, target: [-0.05, -0.1, (top - low) * scale * exaggeration * 0.15] });
   }
   reset();
 
@@ -278,10 +278,11 @@ const scene3d = (() => {
 
   function drawModel() {
     gl.viewport(0, 0, canvas.width, canvas.height);
+    // Clearing heeds the mask.
+    gl.depthMask(true);
     gl.clearColor(...colours.sky, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
-    gl.depthMask(true);
     gl.disable(gl.BLEND);
     use(walls);
     gl.bindVertexArray(side.array);
@@ -424,28 +425,30 @@ const scene3d = (() => {
     }
   }
 
+  function paint() {
+    const box = figure.getBoundingClientRect();
+    if (!box.width || !box.height) return;
+    const ratio = Math.min(devicePixelRatio, 2);
+    [width, height] = [box.width, box.height];
+    for (const each of [canvas, over]) {
+      const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+      if (each.width !== w || each.height !== h) { each.width = w; each.height = h; }
+    }
+    m = matrix(width / height);
+    drawModel();
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.lineJoin = "round";
+    axes();
+    markers();
+  }
+
   let asked = false;
+  /** Paints once in the next frame, however often it is asked. */
   function draw() {
     if (asked) return;
     asked = true;
-    requestAnimationFrame(() => {
-      asked = false;
-      const box = figure.getBoundingClientRect();
-      if (!box.width || !box.height) return;
-      const ratio = Math.min(devicePixelRatio, 2);
-      [width, height] = [box.width, box.height];
-      for (const each of [canvas, over]) {
-        const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-        if (each.width !== w || each.height !== h) { each.width = w; each.height = h; }
-      }
-      m = matrix(width / height);
-      drawModel();
-      pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-      pen.clearRect(0, 0, width, height);
-      pen.lineJoin = "round";
-      axes();
-      markers();
-    });
+    requestAnimationFrame(() => { asked = false; paint(); });
   }
 
   gestures(figure, {
@@ -486,7 +489,7 @@ const scene3d = (() => {
   element("from-above").addEventListener("click", () => { Object.assign(camera, { az: 0, el: 1.569, target: [0, 0, 0] }); draw(); });
   element("home-view").addEventListener("click", () => { reset(); draw(); });
   label();
-  new ResizeObserver(draw).observe(figure);
+  whenResized(figure, paint);
   whenChanged((what) => {
     if (what === "theme") dress();
     if (what === "mark" && state.mark) {
@@ -495,5 +498,5 @@ const scene3d = (() => {
     }
     draw();
   });
-  return { ready: true, draw };
+  return { ready: true, paint };
 })();

@@ -270,9 +270,7 @@ fn fixes(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Vec<Fix> {
 
 /// The true ground along the drawn track.
 fn ground_under(track: &TrackShape, world: &World, most: usize) -> GroundShape {
-    let leg_m = |at: usize| {
-        (track.e[at] - track.e[at - 1]).hypot(track.n[at] - track.n[at - 1])
-    };
+    let leg_m = |at: usize| (track.e[at] - track.e[at - 1]).hypot(track.n[at] - track.n[at - 1]);
     let length_m: f64 = (1..track.e.len()).map(leg_m).sum();
     let steps = u32::try_from(most).unwrap_or(u32::MAX).max(2) - 1;
     let step_m = (length_m / f64::from(steps)).max(1.0);
@@ -316,13 +314,20 @@ fn waypoints(mission: &VehicleMission, world: &World) -> Vec<(f64, f64, f64, usi
         .items
         .iter()
         .enumerate()
-        .filter(|(_, item)| item.command <= command::NAV_TAKEOFF || item.command == 84 || item.command == 85)
+        .filter(|(_, item)| {
+            item.command <= command::NAV_TAKEOFF || item.command == 84 || item.command == 85
+        })
         .filter(|(_, item)| (item.x, item.y) != (0, 0))
         .filter_map(|(row, item)| {
             let place = item.place()?;
             let amsl_m = altitude_m(item, mission, world, place)?;
             let at = world.frame.to_plan(place);
-            Some((metres(at.east_m), metres(at.north_m), metres(amsl_m), row + 1))
+            Some((
+                metres(at.east_m),
+                metres(at.north_m),
+                metres(amsl_m),
+                row + 1,
+            ))
         })
         .collect()
 }

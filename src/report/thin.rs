@@ -15,11 +15,19 @@ pub(super) struct Fix {
 const FINEST_M: f64 = 0.1;
 
 /// At most `most` fixes (never fewer than the two ends) that keep the motion.
-/// The error allowed grows from a decimetre until they are few enough.
+/// The error allowed grows from a decimetre until they are few enough. The last
+/// fix of every item stays, as long as those are few.
 pub(super) fn thin(fixes: &[Fix], most: usize) -> Vec<Fix> {
+    let mut turns: Vec<usize> = (1..fixes.len())
+        .filter(|at| fixes[at - 1].item != fixes[*at].item)
+        .map(|at| at - 1)
+        .collect();
+    if turns.len() > most / 2 {
+        turns.clear();
+    }
     let mut allowed_m = FINEST_M;
     loop {
-        let kept = keep(fixes, allowed_m);
+        let kept = keep(fixes, &turns, allowed_m);
         if kept.len() <= most.max(2) || allowed_m > 1e9 {
             return kept;
         }
@@ -29,20 +37,29 @@ pub(super) fn thin(fixes: &[Fix], most: usize) -> Vec<Fix> {
 
 /// Douglas and Peucker 1973, with the distance taken at equal times, so that
 /// speeds survive and not only the line.
-fn keep(fixes: &[Fix], allowed_m: f64) -> Vec<Fix> {
+fn keep(fixes: &[Fix], turns: &[usize], allowed_m: f64) -> Vec<Fix> {
     if fixes.len() < 3 {
         return fixes.to_vec();
     }
     let mut kept = vec![false; fixes.len()];
     kept[0] = true;
     kept[fixes.len() - 1] = true;
-    let mut open = vec![(0, fixes.len() - 1)];
+    let mut open = Vec::new();
+    let mut first = 0;
+    for last in turns.iter().copied().chain([fixes.len() - 1]) {
+        kept[last] = true;
+        open.push((first, last));
+        first = last;
+    }
     while let Some((first, last)) = open.pop() {
         let worst = (first + 1..last)
             .map(|at| (at, error_m(&fixes[first], &fixes[at], &fixes[last])))
-            .fold((0, allowed_m), |worst, next| {
-                if next.1 > worst.1 { next } else { worst }
-            });
+            .fold(
+                (0, allowed_m),
+                |worst, next| {
+                    if next.1 > worst.1 { next } else { worst }
+                },
+            );
         if worst.1 > allowed_m {
             kept[worst.0] = true;
             open.push((first, worst.0));
@@ -79,7 +96,13 @@ mod tests {
             .map(|step| {
                 let t_s = f64::from(step);
                 let (east_m, north_m) = motion(t_s);
-                Fix { east_m, north_m, amsl_m: 100.0, t_s, item: 1 }
+                Fix {
+                    east_m,
+                    north_m,
+                    amsl_m: 100.0,
+                    t_s,
+                    item: 1,
+                }
             })
             .collect()
     }

@@ -11,7 +11,10 @@ pub fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
 
 /// An ArduPilot copter that flies from one place to another at 80 m above ground.
 pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
-    let airborne = |place| EndPoint { place, altitude: Placement::Agl(Agl(80.0)) };
+    let airborne = |place| EndPoint {
+        place,
+        altitude: Placement::Agl(Agl(80.0)),
+    };
     Vehicle {
         id: id.to_owned(),
         sysid,
@@ -50,7 +53,11 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
         no_fly: Vec::new(),
         rally: Vec::new(),
         vehicles,
-        separation: Separation { distance_m: 100.0, time_slack_s: 5.0, vertical_m: None },
+        separation: Separation {
+            distance_m: 100.0,
+            time_slack_s: 5.0,
+            vertical_m: None,
+        },
         planner: Planner {
             algorithm: Algorithm::Msfoa,
             objective: Objective::Operational,
@@ -78,7 +85,10 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
 pub fn world(spec: &MissionSpec) -> World {
     let terrain = match &spec.terrain {
         TerrainSource::Flat(amsl) => Terrain::Flat(*amsl),
-        TerrainSource::Analytic { base, hills } => Terrain::Analytic { base: *base, hills: hills.clone() },
+        TerrainSource::Analytic { base, hills } => Terrain::Analytic {
+            base: *base,
+            hills: hills.clone(),
+        },
         TerrainSource::File(file) => panic!("{} is not for this fixture", file.display()),
     };
     World::new(spec, terrain).expect("ground everywhere")
