@@ -16,8 +16,9 @@ const FINEST_M: f64 = 0.1;
 
 /// At most `most` fixes (never fewer than the two ends) that keep the motion.
 /// The error allowed grows from a decimetre until they are few enough. The last
-/// fix of every item stays, as long as those are few.
-pub(super) fn thin(fixes: &[Fix], most: usize) -> Vec<Fix> {
+/// fix of every item stays, as long as those are few. Also tells the error
+/// allowed in the end, metres.
+pub(super) fn thin(fixes: &[Fix], most: usize) -> (Vec<Fix>, f64) {
     let mut turns: Vec<usize> = (1..fixes.len())
         .filter(|at| fixes[at - 1].item != fixes[*at].item)
         .map(|at| at - 1)
@@ -29,7 +30,7 @@ pub(super) fn thin(fixes: &[Fix], most: usize) -> Vec<Fix> {
     loop {
         let kept = keep(fixes, &turns, allowed_m);
         if kept.len() <= most.max(2) || allowed_m > 1e9 {
-            return kept;
+            return (kept, allowed_m);
         }
         allowed_m *= 1.6;
     }
@@ -109,17 +110,19 @@ mod tests {
 
     #[test]
     fn steady_straight_flight_needs_its_ends_alone_but_a_stop_is_kept() {
-        assert_eq!(thin(&fixes(|t_s| (15.0 * t_s, 0.0)), 50).len(), 2);
-        let stopping = thin(&fixes(|t_s| (15.0 * t_s.clamp(60.0, 120.0), 0.0)), 50);
+        assert_eq!(thin(&fixes(|t_s| (15.0 * t_s, 0.0)), 50).0.len(), 2);
+        let (stopping, allowed_m) = thin(&fixes(|t_s| (15.0 * t_s.clamp(60.0, 120.0), 0.0)), 50);
         let times: Vec<f64> = stopping.iter().map(|fix| fix.t_s).collect();
         assert_eq!(times, [0.0, 60.0, 120.0, 200.0]);
+        assert!((allowed_m - 0.1).abs() < 1e-12);
     }
 
     #[test]
     fn no_more_fixes_are_left_than_allowed_and_the_ends_stay() {
         let wavy = fixes(|t_s| (15.0 * t_s, 300.0 * (t_s / 7.0).sin()));
-        let few = thin(&wavy, 20);
+        let (few, allowed_m) = thin(&wavy, 20);
         assert!(few.len() <= 20 && few.len() > 8, "{}", few.len());
+        assert!(allowed_m > 1.0);
         assert_eq!((few[0], few[few.len() - 1]), (wavy[0], wavy[200]));
     }
 }
