@@ -64,7 +64,7 @@ const profiles = (() => {
   let cards = [];
 
   /** Which vehicles: the chosen one, or the first few. */
-  const chosen = () => (state.focus >= 0 && scene.vehicles.length > MOST ? [state.focus] : scene.vehicles.keys().toArray().slice(0, MOST));
+  const chosen = () => (state.focus >= 0 && scene.vehicles.length > MOST ? [state.focus] : [...scene.vehicles.keys()].slice(0, MOST));
 
   /** The distance along a track nearest to a place. */
   function nearest(track, [e, n, z]) {
@@ -98,7 +98,7 @@ const profiles = (() => {
       height: narrow ? 210 : 240, x: [0, length], y: { from: least - pad, to: most + pad, map: (v) => v },
       ticksX: ticks(0, length, narrow ? 4 : 9, (v) => (v / 1000).toFixed(length < 4000 ? 1 : 0)),
       ticksY: ticks(least - pad, most + pad, 4, (v) => v.toFixed(0)),
-      titleX: "km along the track", titleY: "m above the sea",
+      titleX: "km along the track", titleY: "m AMSL",
     });
     const { root, at } = chart, base = chart.height - chart.bottom;
     const from = nearest(track, vehicle.start), to = Math.max(nearest(track, vehicle.goal), from);
@@ -137,7 +137,7 @@ const profiles = (() => {
       dot.setAttribute("cx", at.x(fix.d));
       dot.setAttribute("cy", at.y(fix.z));
       const agl = under === null ? "no ground data" : (fix.z - under).toFixed(0) + " m above ground";
-      reading.textContent = `${agl} · ${fix.z.toFixed(0)} m above the sea · item ${fix.item}` + (fix.flying ? "" : state.t < fix.t ? " · not yet departed" : " · finished");
+      reading.textContent = `${agl} · ${fix.z.toFixed(0)} m AMSL · item ${fix.item}` + (fix.flying ? "" : state.t < fix.t ? " · not yet departed" : " · finished");
     };
   }
 
@@ -159,11 +159,11 @@ const profiles = (() => {
   }
 
   let width = 0;
-  new ResizeObserver(() => {
+  whenResized(host, () => {
     if (host.clientWidth === width) return;
     width = host.clientWidth;
     build();
-  }).observe(host);
+  });
   whenChanged((what) => {
     if (what === "time") cards.forEach((move) => move());
     if (what === "focus" && scene.vehicles.length > MOST) build();
@@ -273,11 +273,11 @@ const separation = (() => {
 
   let width = -1;
   section.hidden = scene.vehicles.length < 2;
-  new ResizeObserver(() => {
+  whenResized(host, () => {
     if (host.clientWidth === width) return;
     width = host.clientWidth;
     build();
-  }).observe(host);
+  });
   whenChanged((what) => {
     if (what === "time") move();
     if (what === "focus" && scene.vehicles.length > 5) build();

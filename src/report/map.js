@@ -73,7 +73,7 @@ const map = (() => {
   });
   element("whole-map").addEventListener("click", () => { view = { ...whole }; show(); });
   figure.addEventListener("dblclick", () => { view = { ...whole }; show(); });
-  new ResizeObserver(show).observe(figure);
+  whenResized(figure, show);
 
   function move() {
     scene.vehicles.forEach((vehicle, index) => {

@@ -7,6 +7,7 @@ mod picture;
 mod png;
 mod relief;
 mod scene;
+mod tables;
 mod thin;
 mod words;
 

@@ -10,18 +10,19 @@ use serde::Serialize;
 use super::documents::{finite, rounded, verdict};
 use super::picture::plan_view;
 use super::scene::{Scene, VehicleShape};
+use super::tables;
 use super::words::{self, Ranked, escaped};
 use super::{COLOURS, ReviewInput};
-use crate::mission::VehicleMission;
-use crate::spec::{Airframe, Autopilot, Vehicle};
 
 /// Most rows of the table of margins; the rest is in `review.json`.
-const MOST_ROWS: usize = 1000;
+const MOST_ROWS: usize = 600;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("state.js"),
+    include_str!("solids.js"),
+    include_str!("shaders.js"),
     include_str!("scene.js"),
     include_str!("map.js"),
     include_str!("charts.js"),
@@ -70,9 +71,10 @@ pub fn review_html(input: &ReviewInput<'_>) -> String {
         "cards" => cards(shown),
         "map" => plan_view(input, &scene, true),
         "legend" => legend(&scene.vehicles),
-        "rows" => rows(shown),
+        "coarse" => coarse(&scene),
+        "rows" => tables::margins(shown),
         "left-out" => left_out(ranked.len() - shown.len()),
-        "fleet" => fleet(input, &scene),
+        "fleet" => tables::fleet(input, &scene),
         "assumptions" => assumptions(&input.review.assumptions),
         "footer" => footer(input),
         "data" => script_safe(&data),
@@ -146,7 +148,7 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
             words::number(scene.bounds.height_m() / 1000.0, 1)
         ),
         format!(
-            "at least {} m above ground, at most {} m above the sea",
+            "{} m or more above ground, up to {} m AMSL",
             words::number(spec.area.min_agl.0, 1),
             words::number(spec.area.max_amsl.0, 1)
         ),
@@ -179,6 +181,7 @@ fn cards(shown: &[Ranked<'_>]) -> String {
             .iter()
             .position(|other| std::ptr::eq(other.margin, margin))
             .unwrap_or(0);
+        let known = margin.value.is_finite();
         let _ = write!(
             html,
             "<button type=\"button\" class=\"card {}\" data-row=\"{row}\"><span class=\"what\">{}</span>\
@@ -187,8 +190,12 @@ fn cards(shown: &[Ranked<'_>]) -> String {
             if margin.ok { "ok" } else { "bad" },
             escaped(&margin.what),
             escaped(&words::value(margin)),
-            if margin.ok { "" } else { "must be " },
-            escaped(&words::limit(margin)),
+            if margin.ok || !known { "" } else { "must be " },
+            escaped(&if known {
+                words::limit(margin)
+            } else {
+                margin.note.clone()
+            }),
             escaped(&words::who(margin)),
             moment(entry),
         );
@@ -211,58 +218,20 @@ fn legend(vehicles: &[VehicleShape]) -> String {
         .collect()
 }
 
-fn rows(shown: &[Ranked<'_>]) -> String {
-    let mut html = String::new();
-    for (row, entry) in shown.iter().enumerate() {
-        let margin = entry.margin;
-        let note = if margin.note.is_empty() {
-            String::new()
-        } else {
-            format!("<small>{}</small>", escaped(&margin.note))
-        };
-        let (time, item, place, order_s, order_item) = margin.at.as_ref().map_or_else(
-            || ("–".to_owned(), "–".to_owned(), String::new(), f64::MAX, 0),
-            |at| {
-                (
-                    words::clock(at.t_s),
-                    at.item.to_string(),
-                    words::place(at.place),
-                    at.t_s,
-                    at.item,
-                )
-            },
-        );
-        // Half of the bar is one limit's worth of slack.
-        let share = (entry.slack / (1.0 + entry.slack.abs()) * 50.0).clamp(-50.0, 50.0);
-        let (left, width) = if share < 0.0 {
-            (50.0 + share, -share)
-        } else {
-            (50.0, share)
-        };
-        let tight = if words::measures(margin) {
-            entry.slack
-        } else {
-            1e6
-        };
-        let _ = writeln!(
-            html,
-            "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\
-             <td class=\"mark\" data-sort=\"{row}\"><span>{word}</span></td>\
-             <td class=\"who\">{who}</td><td class=\"what\">{what}{note}</td>\
-             <td class=\"num\" data-sort=\"{value_order}\">{value}</td><td class=\"limit\">{limit}</td>\
-             <td class=\"slack\" data-sort=\"{tight:.6}\"><span class=\"bar\"><i style=\"left:{left:.1}%;width:{width:.1}%\"></i></span></td>\
-             <td class=\"num\" data-sort=\"{order_s:.2}\">{time}</td><td class=\"num\" data-sort=\"{order_item}\">{item}</td>\
-             <td class=\"place\">{place}</td></tr>",
-            class = if margin.ok { "ok" } else { "bad" },
-            word = if margin.ok { "kept" } else { "broken" },
-            who = escaped(&words::who(margin)),
-            what = escaped(&margin.what),
-            value_order = finite(margin.value).unwrap_or(f64::MIN),
-            value = escaped(&words::value(margin)),
-            limit = escaped(&words::limit(margin)),
-        );
+/// Says so when the paths of a large fleet are drawn coarsely.
+fn coarse(scene: &Scene) -> String {
+    let worst_m = scene
+        .vehicles
+        .iter()
+        .map(|vehicle| vehicle.drawn_within_m)
+        .fold(0.0, f64::max);
+    if worst_m < 2.0 {
+        return String::new();
     }
-    html
+    format!(
+        "<p class=\"note\">So many paths are drawn to within {} m. The margins are exact.</p>",
+        words::number(worst_m.ceil(), 0)
+    )
 }
 
 fn left_out(count: usize) -> String {
@@ -271,74 +240,6 @@ fn left_out(count: usize) -> String {
     } else {
         format!("<p class=\"note\">{count} more limits, wider than these, are in review.json.</p>")
     }
-}
-
-fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
-    let mut html = String::new();
-    for (index, (vehicle, shape)) in input.spec.vehicles.iter().zip(&scene.vehicles).enumerate() {
-        let mission = input
-            .missions
-            .iter()
-            .find(|(of, _)| *of == index)
-            .map(|(_, mission)| *mission);
-        let planned = input.plan.and_then(|plan| plan.vehicles.get(index));
-        let cost = planned.map_or_else(
-            || "–".to_owned(),
-            |plan| words::number(plan.terms.total(), 3),
-        );
-        let gap = planned.map_or_else(String::new, |plan| {
-            format!(
-                "<small>{} % above the estimate</small>",
-                words::number(plan.gap() * 100.0, 2)
-            )
-        });
-        let broken = input.review.margins.iter().any(|margin| {
-            !margin.ok
-                && (margin.vehicle == vehicle.id || margin.other.as_ref() == Some(&vehicle.id))
-        });
-        let _ = writeln!(
-            html,
-            "<tr data-vehicle=\"{index}\" tabindex=\"0\" class=\"{class}\"><td><i class=\"swatch v{colour}\"></i>{id}</td>\
-             <td class=\"mark\"><span>{word}</span></td><td>{autopilot}</td><td class=\"num\">{cost}{gap}</td>\
-             <td class=\"num\">{length}</td><td class=\"num\">{departs}</td><td class=\"num\">{duration}</td><td class=\"num\">{items}</td></tr>",
-            class = if broken { "bad" } else { "ok" },
-            word = if broken { "broken" } else { "kept" },
-            colour = index % COLOURS.len(),
-            id = escaped(&vehicle.id),
-            autopilot = autopilot(vehicle),
-            length = if shape.length_m > 0.0 {
-                format!("{} km", words::number(shape.length_m / 1000.0, 2))
-            } else {
-                "–".to_owned()
-            },
-            departs = words::clock(vehicle.depart_s),
-            duration = shape
-                .track
-                .duration_s()
-                .map_or_else(|| "–".to_owned(), words::clock),
-            items = mission.map_or_else(|| "no mission".to_owned(), items),
-        );
-    }
-    html
-}
-
-fn items(mission: &VehicleMission) -> String {
-    mission.items.len().to_string()
-}
-
-fn autopilot(vehicle: &Vehicle) -> String {
-    let autopilot = match vehicle.autopilot {
-        Autopilot::ArduPilot => "ArduPilot",
-        Autopilot::Px4 => "PX4",
-    };
-    let airframe = match vehicle.airframe {
-        Airframe::Copter => "copter",
-    };
-    format!(
-        "{autopilot} {airframe}<small>system {}, {} m/s</small>",
-        vehicle.sysid,
-        words::number(vehicle.speed_mps, 1)
-    )
 }
 
 fn assumptions(assumptions: &[String]) -> String {

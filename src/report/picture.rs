@@ -92,7 +92,7 @@ pub(super) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inline: bool) ->
     closed(&mut svg, &view, scene);
     let names = scene.vehicles.len() <= MOST_NAMES;
     for (index, vehicle) in scene.vehicles.iter().enumerate() {
-        flight(&mut svg, &view, index, vehicle);
+        flight(&mut svg, &view, index, vehicle, names);
     }
     for (index, vehicle) in scene.vehicles.iter().enumerate().filter(|_| names) {
         stations(&mut svg, &view, index, vehicle);
@@ -229,15 +229,20 @@ fn names_of_places(svg: &mut String, view: &View, scene: &Scene) {
     }
 }
 
-fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape) {
+fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape, cased: bool) {
     let (class, colour) = (index % COLOURS.len(), COLOURS[index % COLOURS.len()][0]);
     let track = &vehicle.track;
     let data = view.path(track.e.iter().zip(&track.n).map(|(e, n)| (*e, *n)));
+    let _ = write!(svg, "<g class=\"flight\" data-vehicle=\"{index}\">");
+    if cased {
+        let _ = write!(
+            svg,
+            "<path class=\"casing\" d=\"{data}\" fill=\"none\" stroke=\"{PAPER}\" stroke-opacity=\".75\" stroke-width=\"5\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
+        );
+    }
     let _ = write!(
         svg,
-        "<g class=\"flight\" data-vehicle=\"{index}\">\
-         <path class=\"casing\" d=\"{data}\" fill=\"none\" stroke=\"{PAPER}\" stroke-opacity=\".75\" stroke-width=\"5\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\
-         <path class=\"track v{class}\" d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
+        "<path class=\"track v{class}\" d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
     );
     if !vehicle.waypoints.is_empty() {
         // Dots are strokes without length: they keep their size when zoomed.
@@ -281,20 +286,9 @@ fn stations(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape)
     dot(goal, "goal", colour, "15", "round");
     dot(goal, "goal-eye", PAPER, "8", "round");
     // Away from the goal, so that the name does not lie on the path.
-    let left = goal.0 > start.0 && start.0 > 120.0 || start.0 > WIDTH - 120.0;
-    let (anchor, nudge) = if left {
-        ("end", -12.0)
-    } else {
-        ("start", 12.0)
-    };
-    label(
-        svg,
-        "of-vehicle",
-        (start.0 + nudge, start.1),
-        colour,
-        anchor,
-        &vehicle.id,
-    );
+    let left = goal.0 > start.0 && start.0 > 190.0 || start.0 > WIDTH - 190.0;
+    let anchor = if left { "end" } else { "start" };
+    label(svg, "of-vehicle", start, colour, anchor, &vehicle.id);
 }
 
 fn label(
@@ -305,9 +299,14 @@ fn label(
     anchor: &str,
     text: &str,
 ) {
+    let aside = match anchor {
+        "start" => ".85em",
+        "end" => "-.85em",
+        _ => "0",
+    };
     let _ = write!(
         svg,
-        "<text class=\"{class}\" x=\"{}\" y=\"{}\" dy=\".35em\" text-anchor=\"{anchor}\" font-size=\"15\" font-weight=\"600\" \
+        "<text class=\"{class}\" x=\"{}\" y=\"{}\" dx=\"{aside}\" dy=\".35em\" text-anchor=\"{anchor}\" font-size=\"15\" font-weight=\"600\" \
          fill=\"{colour}\" stroke=\"{PAPER}\" stroke-width=\"3.5\" stroke-linejoin=\"round\" paint-order=\"stroke\">{}</text>",
         one(x),
         one(y),

@@ -16,7 +16,7 @@ pub(super) fn data_uri(columns: u32, shades: &[Shade]) -> String {
     // 8 bits, palette, deflate, adaptive filters, not interlaced.
     header.extend([8, 3, 0, 0, 0]);
     let colours: Vec<u8> = (0..=u8::MAX)
-        .flat_map(|shade| [if shade < 128 { 0 } else { 255 }; 3])
+        .flat_map(|shade| if shade < 128 { [28, 38, 48] } else { [255; 3] })
         .collect();
     let opacities: Vec<u8> = (0..=u8::MAX)
         .map(|shade| shade.abs_diff(128).saturating_mul(2))

@@ -139,9 +139,9 @@ impl Relief {
         let step_east_m = bounds.width_m() / f64::from(self.columns - 1);
         let step_north_m = bounds.height_m() / f64::from(self.rows - 1);
         let (low_m, high_m) = self.range_m().unwrap_or((0.0, 0.0));
-        // Slopes are stretched until the whole relief rises by a fifth of the
+        // Slopes are stretched until the whole relief rises by an eighth of the
         // width: gentle hills must be seen as well as steep ones.
-        let stretch = (0.2 * bounds.width_m() / (high_m - low_m).max(20.0)).clamp(1.0, 12.0);
+        let stretch = (0.13 * bounds.width_m() / (high_m - low_m).max(20.0)).clamp(1.0, 9.0);
         let mut pixels = Vec::with_capacity(self.heights_dm.len());
         for row in (0..i64::from(self.rows)).rev() {
             for column in 0..i64::from(self.columns) {
@@ -180,11 +180,11 @@ fn shade(east: f64, north: f64) -> Shade {
     // Light from the north-west, 45 degrees up: (-1/2, 1/2, sqrt(1/2)).
     let lit = (0.5 * east - 0.5 * north + std::f64::consts::FRAC_1_SQRT_2) / length
         - std::f64::consts::FRAC_1_SQRT_2;
-    let shade = f64::from(CLEAR) + (lit * 90.0).clamp(-70.0, 70.0);
+    let shade = f64::from(CLEAR) + (lit * 80.0).clamp(-46.0, 60.0);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "between 58 and 198"
+        reason = "between 82 and 188"
     )]
     let shade = shade.round() as Shade;
     shade

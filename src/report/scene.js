@@ -11,23 +11,11 @@ const scene3d = (() => {
   const pen = over.getContext("2d");
   const b = scene.bounds, middle = [(b.west + b.east) / 2, (b.south + b.north) / 2];
   const scale = 2 / Math.hypot(b.east - b.west, b.north - b.south);
-  const known = scene.relief.heights_dm.filter((height) => height !== null);
-  const low = known.reduce((a, h) => Math.min(a, h), known.length ? Infinity : 0) / 10;
-  const high = known.reduce((a, h) => Math.max(a, h), known.length ? -Infinity : 0) / 10;
-  const flown = scene.vehicles.reduce((top, vehicle) => vehicle.track.z.reduce((a, z) => Math.max(a, z), top), high);
-  const span = Math.max(b.east - b.west, b.north - b.south);
-  const top = flown + Math.max(60, (flown - low) * 0.18), floor = low - Math.max(30, (high - low) * 0.14);
+  const { low, high, top, floor, span } = solids;
   const steps = [1, 2, 3, 5, 8];
   let exaggeration = steps.find((step) => ((top - low) * step) / span > 0.085) || 8;
-  const interval = roundStep(Math.max(high - low, 1) / 14);
-
-  const SHARED = `#version 300 es
-    precision highp float;
-    uniform mat4 m; uniform vec4 box; uniform float ex; uniform vec2 size; uniform vec3 pal[8]; uniform float focus;
-    vec4 at(vec3 p) { return m * vec4((p.xy - box.xy) * box.w, (p.z - box.z) * box.w * ex, 1.0); }
-    float dim(float who) { return focus < 0.0 || who < 0.0 || abs(who - focus) < 0.5 ? 1.0 : 0.22; }`;
-  const COLOUR = `#version 300 es
-    precision highp float; in vec4 colour; out vec4 o; void main() { o = colour; }`;
+  // No lines on a plain, as in the map.
+  const interval = high - low < 1 ? 0 : roundStep((high - low) / 14);
 
   function program(vertex, fragment) {
     const made = gl.createProgram();
@@ -46,55 +34,7 @@ const scene3d = (() => {
     } };
   }
 
-  const terrain = program(`
-    layout(location=0) in vec3 p; layout(location=1) in vec2 slope;
-    out vec3 normal; out float z;
-    void main() { gl_Position = at(p); normal = vec3(-slope * ex, 1.0); z = p.z; }`, `#version 300 es
-    precision highp float; in vec3 normal; in float z; out vec4 o;
-    uniform vec3 low, mid, high, ink; uniform vec3 range;
-    void main() {
-      float share = clamp((z - range.x) / max(range.y - range.x, 1.0), 0.0, 1.0);
-      vec3 tint = share < 0.5 ? mix(low, mid, share * 2.0) : mix(mid, high, share * 2.0 - 1.0);
-      vec3 n = normalize(normal);
-      float light = dot(n, normalize(vec3(-0.55, 0.5, 0.8)));
-      float sky = 0.5 + 0.5 * n.z;
-      tint *= 0.34 + 0.30 * sky + 0.50 * max(light, 0.0);
-      float line = z / range.z, width = fwidth(line);
-      float near = abs(fract(line - 0.5) - 0.5) / max(width, 1e-6);
-      float index = abs(fract(line / 5.0 - 0.5) - 0.5) * 5.0 / max(width, 1e-6);
-      float drawn = max((1.0 - smoothstep(0.4, 1.3, near)) * 0.16, (1.0 - smoothstep(0.6, 1.7, index)) * 0.26);
-      o = vec4(mix(tint, ink, drawn * (1.0 - smoothstep(0.25, 0.6, width))), 1.0);
-    }`);
-  const walls = program(`
-    layout(location=0) in vec3 p; layout(location=1) in vec4 c; out vec4 colour;
-    void main() { gl_Position = at(p); colour = c; }`, COLOUR);
-  const curtains = program(`
-    layout(location=0) in vec3 a; layout(location=1) in vec3 b; layout(location=2) in vec2 who; uniform float base; out vec4 colour;
-    void main() {
-      vec3 p = (gl_VertexID & 2) == 0 ? a : b;
-      if ((gl_VertexID & 1) == 0) p.z = base;
-      gl_Position = at(p); colour = vec4(pal[int(who.x)], 0.17 * dim(who.y));
-    }`, COLOUR);
-  const lines = program(`
-    layout(location=0) in vec3 a; layout(location=1) in vec3 b; layout(location=2) in vec2 who;
-    uniform float width, alpha; uniform vec3 plain; out vec4 colour;
-    void main() {
-      vec4 A = at(a), B = at(b);
-      vec2 along = B.xy / B.w * size - A.xy / A.w * size;
-      along = length(along) > 1e-4 ? normalize(along) : vec2(1.0, 0.0);
-      float end = (gl_VertexID & 2) == 0 ? -1.0 : 1.0, side = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
-      vec4 P = end < 0.0 ? A : B;
-      P.xy += (vec2(-along.y, along.x) * side + along * end * 0.4) * width / size * P.w;
-      P.z -= 0.0012 * P.w;
-      gl_Position = P;
-      colour = vec4(who.x < 0.0 ? plain : pal[int(who.x)], alpha * dim(who.y));
-    }`, COLOUR);
-  const dots = program(`
-    layout(location=0) in vec3 p; layout(location=1) in vec2 who; uniform float width; uniform vec3 plain; out vec4 colour; out vec3 eye;
-    void main() { gl_Position = at(p); gl_Position.z -= 0.002 * gl_Position.w; gl_PointSize = width;
-      colour = vec4(pal[int(who.x)], dim(who.y)); eye = plain; }`, `#version 300 es
-    precision highp float; in vec4 colour; in vec3 eye; out vec4 o;
-    void main() { float r = length(gl_PointCoord - 0.5) * 2.0; if (r > 1.0) discard; o = r < 0.42 ? vec4(eye, colour.a) : colour; }`);
+  const [terrain, walls, curtains, lines, dots] = ["terrain", "walls", "curtains", "lines", "dots"].map((name) => program(...SHADERS[name]));
 
   /** Vertex arrays: `sizes` are the floats of each attribute; `divisor` 1 for one instance each. */
   function mesh(values, sizes, divisor = 0, indices = null) {
@@ -116,98 +56,14 @@ const scene3d = (() => {
     return { array, count: indices ? indices.length : values.length / stride };
   }
 
-  function reliefMesh() {
-    const { columns, rows, heights_dm: heights } = scene.relief, values = [], indices = [];
-    const de = (b.east - b.west) / (columns - 1), dn = (b.north - b.south) / (rows - 1);
-    const at = (column, row) => {
-      const height = heights[clamp(row, 0, rows - 1) * columns + clamp(column, 0, columns - 1)];
-      return height === null ? null : height / 10;
-    };
-    const slope = (before, here, after, step) => ((after ?? here) - (before ?? here)) / (step * ((before === null ? 0 : 1) + (after === null ? 0 : 1) || 1));
-    for (let row = 0; row < rows; row++) {
-      for (let column = 0; column < columns; column++) {
-        const here = at(column, row);
-        values.push(b.west + column * de, b.south + row * dn, here ?? low,
-          slope(at(column - 1, row), here ?? low, at(column + 1, row), de), slope(at(column, row - 1), here ?? low, at(column, row + 1), dn));
-        const corner = row * columns + column;
-        if (column + 1 < columns && row + 1 < rows && ![corner, corner + 1, corner + columns, corner + columns + 1].some((i) => heights[i] === null)) {
-          indices.push(corner, corner + 1, corner + columns, corner + 1, corner + columns + 1, corner + columns);
-        }
-      }
-    }
-    return mesh(values, [3, 2], 0, indices);
-  }
-
-  /** The cut sides of the block of ground. */
-  function sidesMesh(colour) {
-    const { columns, rows } = scene.relief, values = [];
-    const de = (b.east - b.west) / (columns - 1), dn = (b.north - b.south) / (rows - 1);
-    const strip = (count, place) => {
-      for (let i = 0; i + 1 < count; i++) {
-        const [p, q] = [place(i), place(i + 1)], hp = reliefAt(...p), hq = reliefAt(...q);
-        if (hp === null || hq === null) continue;
-        for (const [[e, n], z] of [[p, hp], [q, hq], [p, floor], [q, hq], [q, floor], [p, floor]]) values.push(e, n, z, ...colour, 1);
-      }
-    };
-    strip(columns, (i) => [Math.min(b.west + i * de, b.east), b.south]);
-    strip(columns, (i) => [Math.min(b.west + i * de, b.east), b.north]);
-    strip(rows, (i) => [b.west, Math.min(b.south + i * dn, b.north)]);
-    strip(rows, (i) => [b.east, Math.min(b.south + i * dn, b.north)]);
-    return mesh(values, [3, 4]);
-  }
-
-  const circle = (threat) => Array.from({ length: 97 }, (_, i) => {
-    const angle = (i / 96) * 2 * Math.PI;
-    return [threat.at[0] + threat.radius_m * Math.cos(angle), threat.at[1] + threat.radius_m * Math.sin(angle)];
-  });
-  const dense = (ring) => ring.slice(1).flatMap((to, i) => {
-    const from = ring[i], pieces = Math.max(1, Math.ceil(Math.hypot(to[0] - from[0], to[1] - from[1]) / (span / 150)));
-    return Array.from({ length: pieces }, (_, k) => [0, 1].map((axis) => from[axis] + ((to[axis] - from[axis]) * k) / pieces));
-  }).concat([ring[ring.length - 1]]);
-
-  /** Walls from under the ground: what the ground hides is hidden. They fade where they have no top. */
-  function wallsMesh(threat, zone) {
-    const values = [];
-    const wall = (ring, ceiling, colour, foot, head) => {
-      for (let i = 0; i + 1 < ring.length; i++) {
-        const [p, q] = [ring[i], ring[i + 1]];
-        for (const [at, z, a] of [[p, floor, foot], [q, floor, foot], [p, ceiling, head], [q, floor, foot], [q, ceiling, head], [p, ceiling, head]]) {
-          values.push(at[0], at[1], z, ...colour, a);
-        }
-      }
-    };
-    for (const t of scene.threats) wall(circle(t), top, threat, 0.36, 0.05);
-    for (const z of scene.zones) wall(z.ring, z.below_m === null ? top : Math.min(z.below_m, top), zone, 0.34, z.below_m === null ? 0.05 : 0.3);
-    return mesh(values, [3, 4]);
-  }
-
-  function rings(list) {
-    const values = [];
-    const onGround = (ring) => ring.map(([e, n]) => [e, n, (reliefAt(e, n) ?? low) + (high - low) * 0.002 + 0.5]);
-    const join = (points) => {
-      for (let i = 0; i + 1 < points.length; i++) values.push(...points[i], ...points[i + 1], -1, -1);
-    };
-    for (const { ring, z } of list) join(z === null ? onGround(ring) : ring.map(([e, n]) => [e, n, z]));
-    return mesh(values, [3, 3, 2], 1);
-  }
-
-  function flights() {
-    const legs = [], points = [];
-    scene.vehicles.forEach(({ track, waypoints }, index) => {
-      const who = [index % data.colours.length, index];
-      for (let i = 0; i + 1 < track.t.length; i++) {
-        legs.push(track.e[i], track.n[i], track.z[i], track.e[i + 1], track.n[i + 1], track.z[i + 1], ...who);
-      }
-      for (const [e, n, z] of waypoints) points.push(e, n, z, ...who);
-    });
-    return { legs: mesh(legs, [3, 3, 2], 1), points: mesh(points, [3, 2]) };
-  }
-
   const rgb = (name) => {
     const hex = themed(name).slice(1);
     return [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
   };
-  const shape = reliefMesh(), flight = flights();
+  const ground = solids.relief(), flown = solids.flights();
+  const shape = mesh(ground.values, [3, 2], 0, ground.indices);
+  const flight = { legs: mesh(flown.legs, [3, 3, 2], 1), points: mesh(flown.points, [3, 2]) };
+  const { circle, dense } = solids, rings = (list) => mesh(solids.rings(list), [3, 3, 2], 1);
   const threatRings = rings(scene.threats.map((t) => ({ ring: circle(t), z: null })));
   const zoneRings = rings(scene.zones.flatMap((z) => [{ ring: dense(z.ring), z: null }].concat(
     z.below_m === null || z.below_m > top ? [] : [{ ring: z.ring, z: z.below_m }])));
@@ -216,14 +72,14 @@ const scene3d = (() => {
   function dress() {
     colours = Object.fromEntries(["low", "mid", "high", "ink", "sky", "halo", "threat", "zone", "side", "soft"].map((name) => [name, rgb("--" + name)]));
     colours.pal = data.colours.flatMap((_, i) => rgb("--v" + i));
-    side = sidesMesh(colours.side);
-    closed = wallsMesh(colours.threat, colours.zone);
+    side = mesh(solids.sides(colours.side), [3, 4]);
+    closed = mesh(solids.walls(colours.threat, colours.zone), [3, 4]);
   }
   dress();
 
   const camera = {};
   function reset() {
-    Object.assign(camera, { az: -0.42, el: 0.62, distance: 3.15, target: [0, 0, ((low + high) / 2 - low) * scale * exaggeration * 0.5] });
+    Object.assign(camera, { az: -0.42, el: 0.66, distance: 2.7, target: [-0.05, -0.1, (top - low) * scale * exaggeration * 0.15] });
   }
   reset();
 
@@ -232,7 +88,7 @@ const scene3d = (() => {
 
   /** Column-major matrix from the world (1 is half a diagonal) to clip space. */
   function matrix(aspect) {
-    const { az, el, target } = camera, distance = camera.distance * Math.max(1, 1.15 / aspect);
+    const { az, el, target } = camera, distance = camera.distance * Math.max(1, 1.3 / aspect);
     const back = [Math.sin(az) * Math.cos(el), -Math.cos(az) * Math.cos(el), Math.sin(el)];
     const right = [Math.cos(az), Math.sin(az), 0], up = cross(back, right);
     const eye = target.map((value, axis) => value + back[axis] * distance);
@@ -278,10 +134,11 @@ const scene3d = (() => {
 
   function drawModel() {
     gl.viewport(0, 0, canvas.width, canvas.height);
+    // Clearing heeds the mask.
+    gl.depthMask(true);
     gl.clearColor(...colours.sky, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.enable(gl.DEPTH_TEST);
-    gl.depthMask(true);
     gl.disable(gl.BLEND);
     use(walls);
     gl.bindVertexArray(side.array);
@@ -361,10 +218,13 @@ const scene3d = (() => {
     if (!left || camera.el > 1.3) return;
     const rise = roundStep((top - low) / 4);
     stroke([project(...left.c, reliefAt(...left.c) ?? low), project(...left.c, top)], soft, 1);
+    let last = Infinity;
     for (let z = Math.ceil(low / rise) * rise; z <= top; z += rise) {
       const at = project(...left.c, z);
+      if (!at || last - at.y < 14) continue;
+      last = at.y;
       stroke([at, at && { x: at.x - 5, y: at.y }], soft, 1);
-      name(z + (z + rise > top ? " m" : ""), at && { x: at.x - 9, y: at.y + 4 }, soft, "right", false);
+      name(z + (z === Math.ceil(low / rise) * rise ? " m" : ""), at && { x: at.x - 9, y: at.y + 4 }, soft, "right", false);
     }
   }
 
@@ -424,28 +284,30 @@ const scene3d = (() => {
     }
   }
 
+  function paint() {
+    const box = figure.getBoundingClientRect();
+    if (!box.width || !box.height) return;
+    const ratio = Math.min(devicePixelRatio, 2);
+    [width, height] = [box.width, box.height];
+    for (const each of [canvas, over]) {
+      const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+      if (each.width !== w || each.height !== h) { each.width = w; each.height = h; }
+    }
+    m = matrix(width / height);
+    drawModel();
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    pen.lineJoin = "round";
+    axes();
+    markers();
+  }
+
   let asked = false;
+  /** Paints once in the next frame, however often it is asked. */
   function draw() {
     if (asked) return;
     asked = true;
-    requestAnimationFrame(() => {
-      asked = false;
-      const box = figure.getBoundingClientRect();
-      if (!box.width || !box.height) return;
-      const ratio = Math.min(devicePixelRatio, 2);
-      [width, height] = [box.width, box.height];
-      for (const each of [canvas, over]) {
-        const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-        if (each.width !== w || each.height !== h) { each.width = w; each.height = h; }
-      }
-      m = matrix(width / height);
-      drawModel();
-      pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-      pen.clearRect(0, 0, width, height);
-      pen.lineJoin = "round";
-      axes();
-      markers();
-    });
+    requestAnimationFrame(() => { asked = false; paint(); });
   }
 
   gestures(figure, {
@@ -486,7 +348,7 @@ const scene3d = (() => {
   element("from-above").addEventListener("click", () => { Object.assign(camera, { az: 0, el: 1.569, target: [0, 0, 0] }); draw(); });
   element("home-view").addEventListener("click", () => { reset(); draw(); });
   label();
-  new ResizeObserver(draw).observe(figure);
+  whenResized(figure, paint);
   whenChanged((what) => {
     if (what === "theme") dress();
     if (what === "mark" && state.mark) {
@@ -495,5 +357,5 @@ const scene3d = (() => {
     }
     draw();
   });
-  return { ready: true, draw };
+  return { ready: true, paint };
 })();

@@ -70,6 +70,8 @@ pub(super) struct VehicleShape {
     ground: GroundShape,
     /// East, north, altitude, and the row of the item.
     pub(super) waypoints: Vec<(f64, f64, f64, usize)>,
+    /// How far the thinned track is from the whole one at most, metres.
+    pub(super) drawn_within_m: f64,
     /// Length of the whole track, metres, not of the thinned one.
     #[serde(skip)]
     pub(super) length_m: f64,
@@ -203,7 +205,8 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         ]
     };
     let whole = fixes(input, index, vehicle);
-    let track = TrackShape::new(&thin(&whole, share(MOST_FIXES, 12).min(1500)));
+    let (kept, drawn_within_m) = thin(&whole, share(MOST_FIXES, 12).min(1500));
+    let track = TrackShape::new(&kept);
     let mission = input.missions.iter().find(|(of, _)| *of == index);
     let waypoints = mission.map_or_else(Vec::new, |(_, mission)| waypoints(mission, world));
     let too_many = waypoints.len() > share(MOST_WAYPOINTS, 0);
@@ -219,6 +222,7 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         ground: ground_under(&track, world, share(MOST_GROUND, 24).min(600)),
         track,
         waypoints: if too_many { Vec::new() } else { waypoints },
+        drawn_within_m: metres(drawn_within_m),
         length_m: whole
             .windows(2)
             .map(|pair| {

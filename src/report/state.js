@@ -44,6 +44,12 @@ function clockText(seconds) {
   return sign + (hours ? hours + ":" + two(minutes) : minutes) + ":" + two(whole % 60);
 }
 
+/** Calls back now, and in the frame after an element has got another size: it may change sizes itself. */
+function whenResized(watched, act) {
+  act();
+  new ResizeObserver(() => requestAnimationFrame(act)).observe(watched);
+}
+
 /** The next of 1, 2, 5, 10, ... at or above. */
 function roundStep(least) {
   const decade = 10 ** Math.floor(Math.log10(least));

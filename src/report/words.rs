@@ -32,10 +32,12 @@ pub(super) fn ranked(review: &Review) -> Vec<Ranked<'_>> {
     ranked
 }
 
-/// Whether the value may lie anywhere beyond its limit. A count that is 0 of 0
-/// (so many rules broken) is at its limit without being near anything.
+/// Whether the value says how near the limit is. A count that is all it must be
+/// (26 of 26 items, 0 of 0 faults) is at its limit without being near anything.
 pub(super) fn measures(margin: &Margin) -> bool {
-    margin.limit.abs() > 0.0 || customary(margin.unit).is_some() && margin.value.is_finite()
+    let countable = customary(margin.unit).is_none();
+    let full = (margin.value - margin.limit).abs() <= 0.0;
+    !(margin.ok && (countable && full || !margin.value.is_finite()))
 }
 
 /// What counts as much of a unit, where the limit is 0 and gives no scale.
@@ -66,15 +68,26 @@ fn is_least(margin: &Margin) -> bool {
     (margin.value >= margin.limit) == margin.ok
 }
 
-/// The worst margins of different kinds, broken ones first.
+/// What an operator asks first; the first word of the limit.
+const VITAL: [&str; 5] = ["terrain", "separation", "threat", "zone", "no-fly"];
+
+/// The worst margins of different kinds: broken ones, then the vital, then others.
 pub(super) fn telling<'a, 'r>(ranked: &'r [Ranked<'a>], most: usize) -> Vec<&'r Ranked<'a>> {
-    let mut kinds: Vec<&str> = Vec::new();
-    let mut told = Vec::new();
-    for entry in ranked {
-        let kind = entry.margin.what.split(' ').next().unwrap_or("");
-        let worth_it = !entry.margin.ok || measures(entry.margin);
-        if told.len() < most && worth_it && !kinds.contains(&kind) {
-            kinds.push(kind);
+    fn kind<'r>(entry: &'r Ranked<'_>) -> &'r str {
+        entry.margin.what.split(' ').next().unwrap_or("")
+    }
+    let broken = ranked.iter().filter(|entry| !entry.margin.ok);
+    let kept = || {
+        ranked
+            .iter()
+            .filter(|entry| entry.margin.ok && measures(entry.margin))
+    };
+    let vital = VITAL
+        .iter()
+        .filter_map(|vital| kept().find(|entry| kind(entry) == *vital));
+    let mut told: Vec<&Ranked<'a>> = Vec::new();
+    for entry in broken.chain(vital).chain(kept()) {
+        if told.len() < most && told.iter().all(|other| kind(other) != kind(entry)) {
             told.push(entry);
         }
     }
@@ -98,6 +111,7 @@ pub(super) fn headline(review: &Review) -> String {
 pub(super) fn who(margin: &Margin) -> String {
     match &margin.other {
         Some(other) => format!("{} and {other}", margin.vehicle),
+        None if margin.vehicle.is_empty() => "–".to_owned(),
         None => margin.vehicle.clone(),
     }
 }
@@ -106,6 +120,8 @@ pub(super) fn who(margin: &Margin) -> String {
 pub(super) fn value(margin: &Margin) -> String {
     if margin.value.is_finite() {
         with_unit(&number_beside(margin.value, margin.limit), margin.unit)
+    } else if margin.ok {
+        "–".to_owned()
     } else {
         "not known".to_owned()
     }
@@ -114,7 +130,7 @@ pub(super) fn value(margin: &Margin) -> String {
 /// The limit with its direction and unit.
 pub(super) fn limit(margin: &Margin) -> String {
     if !margin.limit.is_finite() {
-        return "none".to_owned();
+        return "–".to_owned();
     }
     let limit = with_unit(&number(margin.limit, 1), margin.unit);
     if !margin.value.is_finite() {
@@ -136,11 +152,19 @@ fn with_unit(number: &str, unit: &str) -> String {
 
 /// With as few digits as still show on which side of the limit it is.
 fn number_beside(value: f64, limit: f64) -> String {
-    let near_limit = number(limit, 1);
-    (1..=6)
-        .map(|digits| number(value, digits))
-        .find(|text| *text != near_limit || (value - limit).abs() < 1e-9)
-        .unwrap_or_else(|| format!("{value:e}"))
+    let apart = (value - limit).abs() > 1e-9;
+    let scales = [
+        (1, 10.0),
+        (2, 100.0),
+        (3, 1e3),
+        (4, 1e4),
+        (5, 1e5),
+        (6, 1e6),
+    ];
+    scales
+        .into_iter()
+        .find(|(_, scale)| !apart || ((value * scale).round() / scale - limit).abs() > 1e-9)
+        .map_or_else(|| format!("{value:e}"), |(digits, _)| number(value, digits))
 }
 
 /// A whole number without digits, any other with so many; thousands set apart.
@@ -241,8 +265,8 @@ mod tests {
         assert_eq!(
             order,
             [
-                "climb",
                 "area",
+                "climb",
                 "threat radar",
                 "terrain clearance",
                 "acceptance"

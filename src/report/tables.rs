@@ -1,0 +1,167 @@
+//! The tables of the page: margins and fleet.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::documents::finite;
+use super::scene::{Scene, VehicleShape};
+use super::words::{self, Ranked, escaped};
+use super::{COLOURS, ReviewInput};
+use crate::mission::VehicleMission;
+use crate::plan::VehiclePlan;
+use crate::spec::{Airframe, Autopilot, Vehicle};
+use crate::verify::Moment;
+
+/// Sorts what is not known behind everything.
+const LAST: f64 = 1e15;
+
+/// Rows of margins, in the order given.
+pub(super) fn margins(shown: &[Ranked<'_>]) -> String {
+    shown
+        .iter()
+        .enumerate()
+        .map(|(row, entry)| margin_row(row, entry))
+        .collect()
+}
+
+fn margin_row(row: usize, entry: &Ranked<'_>) -> String {
+    let margin = entry.margin;
+    let tight = if words::measures(margin) {
+        entry.slack
+    } else {
+        LAST
+    };
+    let note = if margin.note.is_empty() {
+        String::new()
+    } else {
+        format!("<small>{}</small>", escaped(&margin.note))
+    };
+    format!(
+        "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\
+         <td class=\"mark\" data-sort=\"{row}\"><span>{word}</span></td>\
+         <td class=\"who\">{who}</td><td class=\"what\">{what}{note}</td>\
+         <td class=\"num\" data-sort=\"{value_order}\">{value}</td><td class=\"limit\">{limit}</td>\
+         <td class=\"slack\" data-sort=\"{tight:.6}\">{bar}</td>{at}</tr>\n",
+        class = class(margin.ok),
+        word = word(margin.ok),
+        who = escaped(&words::who(margin)),
+        what = escaped(&margin.what),
+        value_order = finite(margin.value).unwrap_or(-LAST),
+        value = escaped(&words::value(margin)),
+        limit = escaped(&words::limit(margin)),
+        bar = bar(entry.slack),
+        at = when_and_where(margin.at.as_ref()),
+    )
+}
+
+/// The slack to the right of the limit, or how far it is missed to the left.
+fn bar(slack: f64) -> String {
+    // Half a side is one limit's worth; no slack is too large for the bar.
+    let width = slack.abs() / (1.0 + slack.abs()) * 50.0;
+    let left = if slack < 0.0 { 50.0 - width } else { 50.0 };
+    format!("<span class=\"bar\"><i style=\"left:{left:.1}%;width:{width:.1}%\"></i></span>")
+}
+
+fn when_and_where(at: Option<&Moment>) -> String {
+    let Some(at) = at else {
+        return format!(
+            "<td class=\"num\" data-sort=\"{LAST}\">–</td><td class=\"num\" data-sort=\"{LAST}\">–</td><td class=\"place\"></td>"
+        );
+    };
+    format!(
+        "<td class=\"num\" data-sort=\"{:.2}\">{}</td><td class=\"num\" data-sort=\"{}\">{}</td><td class=\"place\">{}</td>",
+        finite(at.t_s).unwrap_or(LAST),
+        words::clock(at.t_s),
+        at.item,
+        at.item,
+        words::place(at.place)
+    )
+}
+
+fn class(ok: bool) -> &'static str {
+    if ok { "ok" } else { "bad" }
+}
+
+fn word(ok: bool) -> &'static str {
+    if ok { "kept" } else { "broken" }
+}
+
+/// Rows of vehicles, in the order of the spec.
+pub(super) fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
+    let broken: BTreeSet<&str> = input
+        .review
+        .margins
+        .iter()
+        .filter(|margin| !margin.ok)
+        .flat_map(|margin| std::iter::once(&margin.vehicle).chain(&margin.other))
+        .map(String::as_str)
+        .collect();
+    let missions: BTreeMap<usize, &VehicleMission> = input.missions.iter().copied().collect();
+    input
+        .spec
+        .vehicles
+        .iter()
+        .zip(&scene.vehicles)
+        .enumerate()
+        .map(|(index, (vehicle, shape))| {
+            format!(
+                "<tr data-vehicle=\"{index}\" tabindex=\"0\" class=\"{class}\"><td><i class=\"swatch v{colour}\"></i>{id}</td>\
+                 <td class=\"mark\"><span>{word}</span></td><td>{autopilot}</td>{cost}{flight}<td class=\"num\">{items}</td></tr>\n",
+                class = class(!broken.contains(vehicle.id.as_str())),
+                word = word(!broken.contains(vehicle.id.as_str())),
+                colour = index % COLOURS.len(),
+                id = escaped(&vehicle.id),
+                autopilot = autopilot(vehicle),
+                cost = cost(input.plan.and_then(|plan| plan.vehicles.get(index))),
+                flight = flight(vehicle, shape),
+                items = missions
+                    .get(&index)
+                    .map_or_else(|| "no mission".to_owned(), |mission| mission.items.len().to_string()),
+            )
+        })
+        .collect()
+}
+
+fn cost(planned: Option<&VehiclePlan>) -> String {
+    planned.map_or_else(
+        || "<td class=\"num\">–</td>".to_owned(),
+        |plan| {
+            format!(
+                "<td class=\"num\">{}<small>{} % above the estimate</small></td>",
+                words::number(plan.terms.total(), 3),
+                words::number(plan.gap() * 100.0, 2)
+            )
+        },
+    )
+}
+
+/// Length, departure and duration.
+fn flight(vehicle: &Vehicle, shape: &VehicleShape) -> String {
+    let length = if shape.length_m > 0.0 {
+        format!("{} km", words::number(shape.length_m / 1000.0, 2))
+    } else {
+        "–".to_owned()
+    };
+    let duration = shape
+        .track
+        .duration_s()
+        .map_or_else(|| "–".to_owned(), words::clock);
+    format!(
+        "<td class=\"num\">{length}</td><td class=\"num\">{}</td><td class=\"num\">{duration}</td>",
+        words::clock(vehicle.depart_s)
+    )
+}
+
+fn autopilot(vehicle: &Vehicle) -> String {
+    let autopilot = match vehicle.autopilot {
+        Autopilot::ArduPilot => "ArduPilot",
+        Autopilot::Px4 => "PX4",
+    };
+    let airframe = match vehicle.airframe {
+        Airframe::Copter => "copter",
+    };
+    format!(
+        "{autopilot} {airframe}<small>system {}, {} m/s</small>",
+        vehicle.sysid,
+        words::number(vehicle.speed_mps, 1)
+    )
+}

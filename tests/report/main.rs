@@ -1,0 +1,9 @@
+//! The documents and pages of a review.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod browser;
+mod documents;
+mod facts;
+mod page;

@@ -1,0 +1,150 @@
+//! The page and the picture as text.
+
+use std::fs;
+
+use sortie::spec::Vehicle;
+use sortie::world::{Terrain, TerrainGrid};
+
+use crate::facts::{HOSTILE, IDS, data_of, facts, hilly_spec, output};
+use crate::support::place;
+
+#[test]
+fn the_page_asks_for_nothing_from_anywhere() {
+    let html = facts(hilly_spec(IDS)).html();
+    assert!(html.contains("content=\"default-src 'none';"));
+    for address in [
+        "http:",
+        "https:",
+        "src=",
+        "@import",
+        "fetch(",
+        "XMLHttpRequest",
+        "eval(",
+    ] {
+        assert!(!html.contains(address), "{address} in the page");
+    }
+    for (at, _) in html.match_indices("url(") {
+        assert!(
+            html[at..].starts_with("url(#hatch)"),
+            "{}",
+            &html[at..at + 40]
+        );
+    }
+    for (at, _) in html.match_indices("href=") {
+        assert!(
+            html[at..].starts_with("href=\"data:image/png;base64,"),
+            "{}",
+            &html[at..at + 40]
+        );
+    }
+}
+
+#[test]
+fn the_page_and_the_picture_are_well_formed_whatever_the_names() {
+    for ids in [IDS, HOSTILE] {
+        let mut spec = hilly_spec(ids);
+        spec.name = ids[1].to_owned();
+        spec.threats[0].id = ids[0].to_owned();
+        spec.no_fly[0].id = ids[2].to_owned();
+        let facts = facts(spec);
+        assert_balanced(&facts.html());
+        assert_balanced(&facts.svg());
+    }
+}
+
+/// Every element that is opened is closed, in order, and no id is used twice.
+fn assert_balanced(markup: &str) {
+    const EMPTY: [&str; 3] = ["meta", "input", "!doctype"];
+    let mut open: Vec<&str> = Vec::new();
+    let mut ids: Vec<&str> = Vec::new();
+    let mut rest = markup;
+    while let Some((_, after)) = rest.split_once('<') {
+        let (tag, after) = after.split_once('>').expect("a tag ends");
+        assert!(!tag.contains('<'), "a tag in a tag: <{tag}>");
+        let name = tag
+            .trim_start_matches('/')
+            .split([' ', '/'])
+            .next()
+            .expect("a name");
+        if tag.starts_with('/') {
+            assert_eq!(open.pop(), Some(name), "closed in order");
+        } else if !tag.ends_with('/') && !EMPTY.contains(&name) {
+            open.push(name);
+        }
+        ids.extend(
+            tag.split(" id=\"")
+                .skip(1)
+                .filter_map(|rest| rest.split('"').next()),
+        );
+        // What stands in these is no markup.
+        rest = match name {
+            "script" | "style" if !tag.starts_with('/') => {
+                &after[after.find(&format!("</{name}>")).expect("its end")..]
+            }
+            _ => after,
+        };
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+    let count = ids.len();
+    ids.sort_unstable();
+    ids.dedup();
+    assert_eq!(ids.len(), count, "an id is used twice");
+}
+
+#[test]
+fn ground_without_data_is_a_hole_and_not_a_plain_at_sea_level() {
+    let mut facts = facts(hilly_spec(IDS));
+    let (rows, columns) = (40, 40);
+    let mut heights_m = vec![500.0; rows * columns];
+    heights_m[..columns * 10].fill(f32::NAN);
+    facts.world.terrain = Terrain::Grid(TerrainGrid {
+        north_west: place(36.40, -84.37),
+        row_step_deg: 0.2 / 39.0,
+        column_step_deg: 0.24 / 39.0,
+        rows,
+        columns,
+        heights_m,
+    });
+    let html = facts.html();
+    let scene = data_of(&html);
+    let heights = scene["scene"]["relief"]["heights_dm"]
+        .as_array()
+        .expect("heights");
+    let holes = heights.iter().filter(|height| height.is_null()).count();
+    assert!(
+        holes > heights.len() / 6 && holes < heights.len() / 3,
+        "{holes} of {}",
+        heights.len()
+    );
+    assert!(
+        heights
+            .iter()
+            .all(|height| height.is_null() || height == 5000)
+    );
+    let ground = scene["scene"]["vehicles"][0]["ground"]["amsl_m"]
+        .as_array()
+        .expect("ground");
+    assert!(
+        ground.iter().any(serde_json::Value::is_null),
+        "alpha ends over the void"
+    );
+}
+
+#[test]
+fn the_page_of_a_thousand_vehicles_stays_under_3_mb() {
+    let ids: Vec<String> = (0..1000).map(|number| format!("uav-{number:04}")).collect();
+    let mut spec = hilly_spec(IDS);
+    let three = spec.vehicles.clone();
+    spec.vehicles = ids
+        .iter()
+        .zip(three.iter().cycle())
+        .map(|(id, vehicle)| Vehicle {
+            id: id.clone(),
+            ..vehicle.clone()
+        })
+        .collect();
+    let facts = facts(spec);
+    let html = facts.html();
+    fs::write(output().join("thousand.html"), &html).expect("a page");
+    assert!(html.len() < 3_000_000, "{} bytes", html.len());
+}
