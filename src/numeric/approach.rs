@@ -101,27 +101,18 @@ pub fn least_ratio(
     };
     let start = pair.region.corners[0];
     let mut best = (value(start), start);
-    let mut low = 0.0;
-    for _ in 0..60 {
-        let level = 0.5 * (low + best.0);
-        if best.0 - low <= 1e-12 * best.0 {
-            break;
-        }
+    let (mut low, mut high) = (0.0, best.0);
+    while high - low > 1e-12 * high.max(1.0) {
+        let level = 0.5 * (low + high);
         let strip = pair.strip(level * vertical_m);
-        let found = if strip.is_empty() {
-            None
+        let found = (!strip.is_empty())
+            .then(|| least(&strip, &pair.gap, 2))
+            .filter(|found| found.0 <= level * horizontal_m);
+        if let Some((_, at)) = found {
+            best = (value(at), at);
+            high = level;
         } else {
-            let (_, at) = least(&strip, &pair.gap, 2);
-            Some((value(at), at)).filter(|found| found.0 < best.0)
-        };
-        match found {
-            Some(found) => {
-                best = found;
-                if best.0 > level {
-                    low = level;
-                }
-            }
-            None => low = level,
+            low = level;
         }
     }
     Some(pair.absolute(best))
@@ -191,12 +182,19 @@ impl Region {
         kept
     }
 
+    /// The box of the corners is asked too: a region may be a mere line or
+    /// point, whose edges alone would let pass what lies on their extension.
     fn contains(&self, [t, u]: [f64; 2]) -> bool {
         let corners = self.corners();
-        corners.iter().enumerate().all(|(index, from)| {
+        let within = |axis: usize, value: f64| {
+            corners.iter().any(|corner| corner[axis] <= value)
+                && corners.iter().any(|corner| corner[axis] >= value)
+        };
+        let is_left_of_edges = corners.iter().enumerate().all(|(index, from)| {
             let to = corners[(index + 1) % corners.len()];
             (to[0] - from[0]) * (u - from[1]) - (to[1] - from[1]) * (t - from[0]) >= 0.0
-        })
+        });
+        is_left_of_edges && within(0, t) && within(1, u)
     }
 }
 
@@ -302,4 +300,143 @@ fn least(region: &Region, gap: &Gap, axes: usize) -> (f64, [f64; 2]) {
         }
     }
     (best.0.sqrt(), best.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Motion, closest_approach, closest_horizontal, least_ratio};
+    use proptest::prelude::*;
+
+    const STEPS: u32 = 300;
+
+    fn motion() -> impl Strategy<Value = Motion> {
+        let place = || [-300.0..300.0_f64, -300.0..300.0_f64, 0.0..150.0_f64];
+        (0.0..30.0_f64, 0.0..30.0_f64, place(), place(), 0..4_u8).prop_map(
+            |(t0_s, duration_s, from, to, kind)| match kind {
+                0 => Motion::between((t0_s, from), (f64::INFINITY, from)),
+                1 => Motion::between((t0_s, from), (t0_s, from)),
+                _ => Motion::between((t0_s, from), (t0_s + duration_s, to)),
+            },
+        )
+    }
+
+    /// Gaps at a dense grid of allowed pairs of times.
+    fn dense(a: &Motion, b: &Motion, slack_s: f64) -> Vec<[f64; 3]> {
+        let spread =
+            |low: f64, high: f64, i: u32| low + (high - low) * f64::from(i) / f64::from(STEPS);
+        let (low, high) = (
+            a.t0_s.max(b.t0_s - slack_s),
+            a.t1_s.min(b.t1_s + slack_s).min(200.0),
+        );
+        let mut gaps = Vec::new();
+        if low > high {
+            return gaps;
+        }
+        for i in 0..=STEPS {
+            let t = spread(low, high, i);
+            let (from, to) = (b.t0_s.max(t - slack_s), b.t1_s.min(t + slack_s));
+            if from > to {
+                continue;
+            }
+            for j in 0..=STEPS {
+                let (at_a, at_b) = (a.at(t), b.at(spread(from, to, j)));
+                gaps.push([at_a[0] - at_b[0], at_a[1] - at_b[1], at_a[2] - at_b[2]]);
+            }
+        }
+        gaps
+    }
+
+    fn level(gap: &[f64; 3]) -> f64 {
+        gap[0].hypot(gap[1])
+    }
+
+    /// Between two neighbours of the dense grid no gap changes by more than this, metres.
+    fn coarse(a: &Motion, b: &Motion) -> f64 {
+        let speed = |motion: &Motion| {
+            motion
+                .velocity_mps
+                .iter()
+                .map(|v| v * v)
+                .sum::<f64>()
+                .sqrt()
+        };
+        (speed(a) + speed(b)) * 80.0 / f64::from(STEPS)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(150))]
+
+        #[test]
+        fn no_dense_pair_of_times_is_nearer_and_the_answer_is_one_of_them(
+            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64]
+        ) {
+            let gaps = dense(&a, &b, slack_s);
+            let Some(near) = closest_approach(&a, &b, slack_s) else {
+                prop_assert!(gaps.is_empty());
+                return Ok(());
+            };
+            for gap in &gaps {
+                prop_assert!(level(gap).hypot(gap[2]) >= near.value - 1e-6);
+            }
+            // The times are allowed and give the value.
+            prop_assert!((near.u_s - near.t_s).abs() <= slack_s + 1e-6);
+            prop_assert!(near.t_s >= a.t0_s - 1e-6 && near.t_s <= a.t1_s + 1e-6);
+            prop_assert!(near.u_s >= b.t0_s - 1e-6 && near.u_s <= b.t1_s + 1e-6);
+            let (at_a, at_b) = (a.at(near.t_s), b.at(near.u_s));
+            let gap = [at_a[0] - at_b[0], at_a[1] - at_b[1], at_a[2] - at_b[2]];
+            prop_assert!((level(&gap).hypot(gap[2]) - near.value).abs() < 1e-6);
+        }
+
+        #[test]
+        fn with_a_vertical_limit_no_dense_pair_within_it_is_nearer(
+            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64], vertical_m in 1.0..80.0_f64
+        ) {
+            let gaps = dense(&a, &b, slack_s);
+            let within: Vec<f64> = gaps.iter().filter(|gap| gap[2].abs() <= vertical_m).map(level).collect();
+            match closest_horizontal(&a, &b, slack_s, vertical_m) {
+                Some(near) => {
+                    prop_assert!(within.iter().all(|gap| *gap >= near.value - 1e-6));
+                    let gap = a.at(near.t_s)[2] - b.at(near.u_s)[2];
+                    prop_assert!(gap.abs() <= vertical_m + 1e-6);
+                }
+                None => prop_assert!(within.is_empty()),
+            }
+        }
+
+        #[test]
+        fn the_least_ratio_is_below_one_exactly_when_both_limits_are_broken_at_once(
+            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
+            horizontal_m in 20.0..200.0_f64, vertical_m in 5.0..80.0_f64
+        ) {
+            let ratio = |gap: &[f64; 3]| (level(gap) / horizontal_m).max(gap[2].abs() / vertical_m);
+            let gaps = dense(&a, &b, slack_s);
+            let found = gaps.iter().map(ratio).fold(f64::INFINITY, f64::min);
+            let Some(near) = least_ratio(&a, &b, slack_s, horizontal_m, vertical_m) else {
+                prop_assert!(gaps.is_empty());
+                return Ok(());
+            };
+            prop_assert!(near.value <= found + 1e-9, "{} {found}", near.value);
+            if found.is_finite() {
+                let most = coarse(&a, &b) / horizontal_m.min(vertical_m);
+                prop_assert!(near.value >= found - most - 1e-9, "{} {found}", near.value);
+            }
+            let conflict = closest_horizontal(&a, &b, slack_s, vertical_m)
+                .is_some_and(|near| near.value < horizontal_m);
+            if (near.value - 1.0).abs() > 1e-9 {
+                prop_assert_eq!(conflict, near.value < 1.0);
+            }
+        }
+    }
+
+    #[test]
+    fn two_that_cross_at_one_place_six_seconds_apart_meet_only_with_slack_enough() {
+        let a = Motion::between((0.0, [-100.0, 0.0, 50.0]), (20.0, [100.0, 0.0, 50.0]));
+        let b = Motion::between((6.0, [0.0, -100.0, 50.0]), (26.0, [0.0, 100.0, 50.0]));
+        let at = |slack_s| closest_approach(&a, &b, slack_s).unwrap().value;
+        assert!(at(6.0) < 1e-9);
+        assert!(at(10.0) < 1e-9);
+        // Six seconds at 10 m/s, seen across the diagonal.
+        assert!((at(0.0) - 60.0 / 2.0_f64.sqrt()).abs() < 1e-9);
+        assert!((at(4.0) - 20.0 / 2.0_f64.sqrt()).abs() < 1e-9);
+    }
 }
