@@ -64,7 +64,7 @@ impl Motion {
 #[must_use]
 pub fn closest_approach(a: &Motion, b: &Motion, slack_s: f64) -> Option<Approach> {
     let pair = Pair::new(a, b, slack_s)?;
-    Some(pair.absolute(least(&pair.region, &pair.gap, 3)))
+    Some(pair.absolute(pair.least(&pair.region, 3, f64::INFINITY)))
 }
 
 /// Least horizontal distance over the same times, where the height difference
@@ -78,7 +78,7 @@ pub fn closest_horizontal(
 ) -> Option<Approach> {
     let pair = Pair::new(a, b, slack_s)?;
     let strip = pair.strip(vertical_m);
-    (!strip.is_empty()).then(|| pair.absolute(least(&strip, &pair.gap, 2)))
+    (!strip.is_empty()).then(|| pair.absolute(pair.least(&strip, 2, vertical_m)))
 }
 
 /// Least of `max(horizontal / horizontal_m, vertical / vertical_m)` over the
@@ -106,7 +106,7 @@ pub fn least_ratio(
         let level = 0.5 * (low + high);
         let strip = pair.strip(level * vertical_m);
         let found = (!strip.is_empty())
-            .then(|| least(&strip, &pair.gap, 2))
+            .then(|| pair.least(&strip, 2, level * vertical_m))
             .filter(|found| found.0 <= level * horizontal_m);
         if let Some((_, at)) = found {
             best = (value(at), at);
@@ -152,6 +152,11 @@ impl Region {
         self.count == 0
     }
 
+    fn edges(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+        let next = self.corners().iter().cycle().skip(1);
+        self.corners().iter().copied().zip(next.copied())
+    }
+
     /// The part where `value(t, u) <= 0`, for an affine value given at each corner.
     fn cut(&self, value: impl Fn([f64; 2]) -> f64) -> Self {
         let mut kept = Self {
@@ -164,9 +169,7 @@ impl Region {
                 kept.count += 1;
             }
         };
-        let corners = self.corners();
-        for (index, &from) in corners.iter().enumerate() {
-            let to = corners[(index + 1) % corners.len()];
+        for (from, to) in self.edges() {
             let (at_from, at_to) = (value(from), value(to));
             if at_from <= HAIR {
                 push(from);
@@ -181,27 +184,15 @@ impl Region {
         }
         kept
     }
-
-    /// The box of the corners is asked too: a region may be a mere line or
-    /// point, whose edges alone would let pass what lies on their extension.
-    fn contains(&self, [t, u]: [f64; 2]) -> bool {
-        let corners = self.corners();
-        let within = |axis: usize, value: f64| {
-            corners.iter().any(|corner| corner[axis] <= value)
-                && corners.iter().any(|corner| corner[axis] >= value)
-        };
-        let is_left_of_edges = corners.iter().enumerate().all(|(index, from)| {
-            let to = corners[(index + 1) % corners.len()];
-            (to[0] - from[0]) * (u - from[1]) - (to[1] - from[1]) * (t - from[0]) >= 0.0
-        });
-        is_left_of_edges && within(0, t) && within(1, u)
-    }
 }
 
 /// Two motions, with times counted from the first moment at which both count.
 struct Pair {
     origin_s: f64,
     gap: Gap,
+    /// Bounds of `t` and of `u`.
+    bounds: [(f64, f64); 2],
+    slack_s: f64,
     region: Region,
 }
 
@@ -235,6 +226,8 @@ impl Pair {
         (!region.is_empty()).then_some(Self {
             origin_s,
             gap,
+            bounds: [(0.0, t1), (u0, u1)],
+            slack_s,
             region,
         })
     }
@@ -253,53 +246,68 @@ impl Pair {
             u_s: self.origin_s + u,
         }
     }
-}
 
-/// Least length of the gap in its first `axes` coordinates over a region that is not empty.
-fn least(region: &Region, gap: &Gap, axes: usize) -> (f64, [f64; 2]) {
-    let dot = |x: &[f64; 3], y: &[f64; 3]| (0..axes).map(|axis| x[axis] * y[axis]).sum::<f64>();
-    let square = |at: [f64; 2]| {
-        let gap = gap.at(at);
-        dot(&gap, &gap)
-    };
-    let (aa, ab, bb) = (
-        dot(&gap.a, &gap.a),
-        dot(&gap.a, &gap.b),
-        dot(&gap.b, &gap.b),
-    );
-    let determinant = aa * bb - ab * ab;
-    if determinant > 1e-12 * aa * bb {
-        let (a0, b0) = (dot(&gap.a, &gap.at00), dot(&gap.b, &gap.at00));
-        let stationary = [
-            (ab * b0 - bb * a0) / determinant,
-            (aa * b0 - ab * a0) / determinant,
-        ];
-        if region.contains(stationary) {
-            return (square(stationary).sqrt(), stationary);
-        }
-    }
-    let corners = region.corners();
-    let mut best = (f64::INFINITY, corners[0]);
-    for (index, &from) in corners.iter().enumerate() {
-        let to = corners[(index + 1) % corners.len()];
-        let (gap_from, gap_to) = (gap.at(from), gap.at(to));
-        let along = [0, 1, 2].map(|axis| gap_to[axis] - gap_from[axis]);
-        let length_sq = dot(&along, &along);
-        let share = if length_sq > 0.0 {
-            (-dot(&gap_from, &along) / length_sq).clamp(0.0, 1.0)
-        } else {
-            0.0
+    /// Whether a pair of times counts. Not asked of the corners: where two of
+    /// them all but coincide, the side of their edge is a matter of rounding.
+    fn allows(&self, at: [f64; 2], vertical_m: f64) -> bool {
+        let within = |axis: usize| {
+            let (low, high) = self.bounds[axis];
+            (low - HAIR..=high + HAIR).contains(&at[axis])
         };
-        let at = [
-            from[0] + share * (to[0] - from[0]),
-            from[1] + share * (to[1] - from[1]),
-        ];
-        let found = square(at);
-        if found < best.0 {
-            best = (found, at);
-        }
+        within(0)
+            && within(1)
+            && (at[1] - at[0]).abs() <= self.slack_s + HAIR
+            && self.gap.at(at)[2].abs() <= vertical_m + HAIR
     }
-    (best.0.sqrt(), best.1)
+
+    /// Least length of the gap in its first `axes` coordinates over a region
+    /// that is not empty: what is allowed with heights at most `vertical_m` apart.
+    fn least(&self, region: &Region, axes: usize, vertical_m: f64) -> (f64, [f64; 2]) {
+        let dot = |x: &[f64; 3], y: &[f64; 3]| (0..axes).map(|axis| x[axis] * y[axis]).sum::<f64>();
+        let gap = &self.gap;
+        let (aa, ab, bb) = (
+            dot(&gap.a, &gap.a),
+            dot(&gap.a, &gap.b),
+            dot(&gap.b, &gap.b),
+        );
+        let determinant = aa * bb - ab * ab;
+        let mut best = (f64::INFINITY, region.corners[0]);
+        // The edges are asked in any case: between motions that are almost
+        // parallel the stationary point is known only roughly.
+        if determinant > 1e-12 * aa * bb {
+            let (a0, b0) = (dot(&gap.a, &gap.at00), dot(&gap.b, &gap.at00));
+            let stationary = [
+                (ab * b0 - bb * a0) / determinant,
+                (aa * b0 - ab * a0) / determinant,
+            ];
+            if self.allows(stationary, vertical_m) {
+                let there = gap.at(stationary);
+                best = (dot(&there, &there).sqrt(), stationary);
+            }
+        }
+        region
+            .edges()
+            .map(|(from, to)| {
+                let (gap_from, gap_to) = (gap.at(from), gap.at(to));
+                let along = [0, 1, 2].map(|axis| gap_to[axis] - gap_from[axis]);
+                let length_sq = dot(&along, &along);
+                let share = if length_sq > 0.0 {
+                    (-dot(&gap_from, &along) / length_sq).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                let at = [
+                    from[0] + share * (to[0] - from[0]),
+                    from[1] + share * (to[1] - from[1]),
+                ];
+                let there = gap.at(at);
+                (dot(&there, &there).sqrt(), at)
+            })
+            .fold(
+                best,
+                |best, found| if found.0 < best.0 { found } else { best },
+            )
+    }
 }
 
 #[cfg(test)]
