@@ -17,6 +17,11 @@ use support::{copter, empty_spec, place, world};
 
 const FREE: usize = 8;
 
+/// Shares of the way to the control points of a straight path.
+fn shares() -> impl Iterator<Item = f64> {
+    (0..10_u8).map(|i| f64::from(i) / 9.0)
+}
+
 /// Control points of one candidate, ends included.
 #[derive(Clone, Debug)]
 struct Path {
@@ -28,11 +33,8 @@ struct Path {
 impl Path {
     /// Evenly spread control points on the straight line: the straight path.
     fn straight(leg: &Leg) -> Self {
-        let last = f64::from(u32::try_from(FREE + 1).unwrap());
         let coordinate = |from: f64, to: f64| -> Vec<f64> {
-            (0..FREE + 2)
-                .map(|i| from + (to - from) * f64::from(u32::try_from(i).unwrap()) / last)
-                .collect()
+            shares().map(|share| from + (to - from) * share).collect()
         };
         Self {
             east_m: coordinate(leg.from.at.east_m, leg.to.at.east_m),
