@@ -23,8 +23,8 @@ use crate::world::World;
 /// - height above the ceiling counts as terrain, in the same measure;
 /// - ground without data is a wall beyond the ceiling;
 /// - a zone with a height is closed below it only;
-/// - collision is taken at the closest approach of each piece as a whole, so that
-///   no crossing hides between samples; a landing or endless loiter after the
+/// - collision is read at the closest approach within each piece too, so that no
+///   crossing hides between samples; a landing or endless loiter after the
 ///   route counts like a piece as long as the separation.
 #[derive(Clone, Debug)]
 pub struct CostModel {
@@ -310,22 +310,17 @@ impl Timing {
         SpeedProfile::new(length_m, self.speed_mps, self.accel_mps2)
     }
 
-    /// Calls `visit` with the motions of one piece of the route: one while
-    /// cruising, several while the speed changes.
+    /// Calls `visit` with the motions of one piece of the route and their shares
+    /// of it: one while cruising, several while the speed changes.
     pub(super) fn motions(
         &self,
         segment: &Segment,
         (from_m, to_m): (f64, f64),
         profile: &SpeedProfile,
-        mut visit: impl FnMut(Motion),
+        mut visit: impl FnMut(Motion, f64),
     ) {
         let length_m = to_m - from_m;
-        let moment = |distance_m: f64| {
-            let share = if length_m > 0.0 {
-                (distance_m - from_m) / length_m
-            } else {
-                1.0
-            };
+        let moment = |distance_m: f64, share: f64| {
             let mix = |a: f64, b: f64| a + share * (b - a);
             let place = [
                 mix(segment.a[0], segment.b[0]),
@@ -334,16 +329,14 @@ impl Timing {
             ];
             (self.start_s + profile.time_at_s(distance_m), place)
         };
-        let mut before = (
-            self.start_s + profile.time_at_s(from_m),
-            [segment.a[0], segment.a[1], segment.amsl_a_m],
-        );
+        let mut before = (0.0, moment(from_m, 0.0));
         for distance_m in ramp_stops_m(profile, from_m, to_m) {
-            let next = moment(distance_m);
-            visit(Motion::between(before, next));
-            before = next;
+            let share = (distance_m - from_m) / length_m;
+            let next = moment(distance_m, share);
+            visit(Motion::between(before.1, next), share - before.0);
+            before = (share, next);
         }
-        visit(Motion::between(before, moment(to_m)));
+        visit(Motion::between(before.1, moment(to_m, 1.0)), 1.0 - before.0);
     }
 
     /// The motion after a route that ends at `place` after `length_m`.

@@ -245,12 +245,14 @@ fn add_collisions(model: &CostModel, scratch: &Scratch, cutoff: f64, sums: &mut 
     for k in 0..last {
         let segment = scratch.segment(k, model.path.substeps);
         let reach_m = (scratch.along_m[k], scratch.along_m[k + 1]);
-        let mut worst: f64 = 0.0;
-        model.timing.motions(&segment, reach_m, &profile, |motion| {
-            worst = worst.max(model.traffic.severity(&motion));
-        });
-        if worst > 0.0 {
-            sums.collision += worst * Step::of(&segment).length_km;
+        let mut mean = 0.0;
+        model
+            .timing
+            .motions(&segment, reach_m, &profile, |motion, share| {
+                mean += model.traffic.mean_severity(&motion) * share;
+            });
+        if mean > 0.0 {
+            sums.collision += mean * Step::of(&segment).length_km;
             if model.weigh(sums).total() > cutoff {
                 return;
             }
@@ -259,6 +261,6 @@ fn add_collisions(model: &CostModel, scratch: &Scratch, cutoff: f64, sums: &mut 
     let end = scratch.segment(last - 1, model.path.substeps);
     let place = [end.b[0], end.b[1], end.amsl_b_m];
     if let Some(motion) = model.timing.motion_after(place, scratch.along_m[last]) {
-        sums.collision += model.traffic.severity(&motion) * model.timing.after_km;
+        sums.collision += model.traffic.mean_severity(&motion) * model.timing.after_km;
     }
 }

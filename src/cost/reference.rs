@@ -75,16 +75,18 @@ fn collision(model: &CostModel, scratch: &mut Scratch, steps: &[Step]) -> f64 {
     for (k, step) in steps.iter().enumerate() {
         let segment = scratch.segment(k, model.path.substeps);
         let reach_m = (scratch.along_m[k], scratch.along_m[k + 1]);
-        let mut worst: f64 = 0.0;
-        model.timing.motions(&segment, reach_m, &profile, |motion| {
-            worst = worst.max(model.traffic.severity_by_all(&motion));
-        });
-        sum += worst * step.length_km;
+        let mut mean = 0.0;
+        model
+            .timing
+            .motions(&segment, reach_m, &profile, |motion, share| {
+                mean += model.traffic.mean_severity_by_all(&motion) * share;
+            });
+        sum += mean * step.length_km;
     }
     let end = scratch.segment(steps.len() - 1, model.path.substeps);
     let place = [end.b[0], end.b[1], end.amsl_b_m];
     if let Some(motion) = model.timing.motion_after(place, length_m) {
-        sum += model.traffic.severity_by_all(&motion) * model.timing.after_km;
+        sum += model.traffic.mean_severity_by_all(&motion) * model.timing.after_km;
     }
     sum
 }

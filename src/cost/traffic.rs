@@ -1,7 +1,9 @@
 //! The flights of earlier vehicles, found by time and place.
 
 use super::Margins;
-use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
+use crate::numeric::approach::{
+    Approach, Motion, closest_approach, closest_horizontal, least_ratio,
+};
 use crate::path::Flight;
 use crate::spec::Separation;
 
@@ -29,6 +31,39 @@ struct Grid {
     low: [f64; 3],
     per_unit: [f64; 3],
     cells: [usize; 3],
+}
+
+/// How badly the separation is broken: 1 less distance over limit at the worst
+/// allowed shift, 0 where it is kept; and when.
+#[derive(Clone, Copy, Debug, Default)]
+struct Severity {
+    value: f64,
+    t_s: f64,
+}
+
+impl Severity {
+    /// The worse of two; of equals the earlier, so that the order in which motions
+    /// are looked at does not matter.
+    fn worse(self, other: Self) -> Self {
+        let is_worse =
+            other.value > self.value || (other.value >= self.value && other.t_s < self.t_s);
+        if is_worse { other } else { self }
+    }
+}
+
+/// Mean over a motion of a severity that is known at any part of it.
+fn mean(own: &Motion, severity: impl Fn(&Motion) -> Severity) -> f64 {
+    let worst = severity(own);
+    let duration_s = own.t1_s - own.t0_s;
+    if worst.value <= 0.0 || duration_s <= 0.0 || duration_s.is_infinite() {
+        return worst.value;
+    }
+    let end = |t_s: f64| {
+        let place = own.at(t_s);
+        severity(&Motion::between((t_s, place), (t_s, place))).value
+    };
+    let share = ((worst.t_s - own.t0_s) / duration_s).clamp(0.0, 1.0);
+    0.5 * (share * end(own.t0_s) + worst.value + (1.0 - share) * end(own.t1_s))
 }
 
 /// Extent in time, east and north.
@@ -66,18 +101,32 @@ impl Traffic {
         self.motions.is_empty()
     }
 
-    /// How badly a motion breaks the separation: 1 less distance over limit at
-    /// the worst allowed shift, 0 if it keeps it.
-    pub(super) fn severity(&self, own: &Motion) -> f64 {
+    /// Mean severity along a motion: the trapezoidal rule over its ends and its
+    /// worst moment, so 0 only for a motion that keeps the separation throughout.
+    pub(super) fn mean_severity(&self, own: &Motion) -> f64 {
+        mean(own, |own| self.severity(own))
+    }
+
+    /// The same by looking at every motion.
+    pub(super) fn mean_severity_by_all(&self, own: &Motion) -> f64 {
+        mean(own, |own| {
+            self.motions
+                .iter()
+                .map(|other| self.severity_of(own, other))
+                .fold(Severity::default(), Severity::worse)
+        })
+    }
+
+    fn severity(&self, own: &Motion) -> Severity {
         let cells = self.grid.cells_of(&extent(own, 0.0, 0.0));
-        let mut worst: f64 = 0.0;
+        let mut worst = Severity::default();
         for time in cells[0].0..=cells[0].1 {
             for east in cells[1].0..=cells[1].1 {
                 for north in cells[2].0..=cells[2].1 {
                     let cell = self.grid.index([time, east, north]);
                     let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
                     for &member in &self.members[members] {
-                        worst = worst.max(self.severity_of(own, &self.motions[member as usize]));
+                        worst = worst.worse(self.severity_of(own, &self.motions[member as usize]));
                     }
                 }
             }
@@ -85,25 +134,21 @@ impl Traffic {
         worst
     }
 
-    /// The same by looking at every motion.
-    pub(super) fn severity_by_all(&self, own: &Motion) -> f64 {
-        self.motions
-            .iter()
-            .map(|other| self.severity_of(own, other))
-            .fold(0.0, f64::max)
-    }
-
-    fn severity_of(&self, own: &Motion, other: &Motion) -> f64 {
-        let ratio = match self.vertical_m {
-            None => {
-                closest_approach(own, other, self.slack_s).map(|near| near.value / self.distance_m)
-            }
+    fn severity_of(&self, own: &Motion, other: &Motion) -> Severity {
+        let near = match self.vertical_m {
+            None => closest_approach(own, other, self.slack_s).map(|near| Approach {
+                value: near.value / self.distance_m,
+                ..near
+            }),
             Some(vertical_m) => closest_horizontal(own, other, self.slack_s, vertical_m)
                 .filter(|near| near.value < self.distance_m)
-                .and_then(|_| least_ratio(own, other, self.slack_s, self.distance_m, vertical_m))
-                .map(|near| near.value),
+                .and_then(|_| least_ratio(own, other, self.slack_s, self.distance_m, vertical_m)),
         };
-        ratio.map_or(0.0, |ratio| (1.0 - ratio).max(0.0))
+        near.filter(|near| near.value < 1.0)
+            .map_or(Severity::default(), |near| Severity {
+                value: 1.0 - near.value,
+                t_s: near.t_s,
+            })
     }
 
     /// Counting sort of the motions into every cell they may matter in.

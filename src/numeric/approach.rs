@@ -64,7 +64,7 @@ impl Motion {
 #[must_use]
 pub fn closest_approach(a: &Motion, b: &Motion, slack_s: f64) -> Option<Approach> {
     let pair = Pair::new(a, b, slack_s)?;
-    Some(pair.absolute(least(&pair.region, &pair.gap, 3)))
+    Some(pair.absolute(pair.least(&pair.region, 3, f64::INFINITY)))
 }
 
 /// Least horizontal distance over the same times, where the height difference
@@ -78,7 +78,7 @@ pub fn closest_horizontal(
 ) -> Option<Approach> {
     let pair = Pair::new(a, b, slack_s)?;
     let strip = pair.strip(vertical_m);
-    (!strip.is_empty()).then(|| pair.absolute(least(&strip, &pair.gap, 2)))
+    (!strip.is_empty()).then(|| pair.absolute(pair.least(&strip, 2, vertical_m)))
 }
 
 /// Least of `max(horizontal / horizontal_m, vertical / vertical_m)` over the
@@ -101,27 +101,18 @@ pub fn least_ratio(
     };
     let start = pair.region.corners[0];
     let mut best = (value(start), start);
-    let mut low = 0.0;
-    for _ in 0..60 {
-        let level = 0.5 * (low + best.0);
-        if best.0 - low <= 1e-12 * best.0 {
-            break;
-        }
+    let (mut low, mut high) = (0.0, best.0);
+    while high - low > 1e-12 * high.max(1.0) {
+        let level = 0.5 * (low + high);
         let strip = pair.strip(level * vertical_m);
-        let found = if strip.is_empty() {
-            None
+        let found = (!strip.is_empty())
+            .then(|| pair.least(&strip, 2, level * vertical_m))
+            .filter(|found| found.0 <= level * horizontal_m);
+        if let Some((_, at)) = found {
+            best = (value(at), at);
+            high = level;
         } else {
-            let (_, at) = least(&strip, &pair.gap, 2);
-            Some((value(at), at)).filter(|found| found.0 < best.0)
-        };
-        match found {
-            Some(found) => {
-                best = found;
-                if best.0 > level {
-                    low = level;
-                }
-            }
-            None => low = level,
+            low = level;
         }
     }
     Some(pair.absolute(best))
@@ -161,6 +152,11 @@ impl Region {
         self.count == 0
     }
 
+    fn edges(&self) -> impl Iterator<Item = ([f64; 2], [f64; 2])> {
+        let next = self.corners().iter().cycle().skip(1);
+        self.corners().iter().copied().zip(next.copied())
+    }
+
     /// The part where `value(t, u) <= 0`, for an affine value given at each corner.
     fn cut(&self, value: impl Fn([f64; 2]) -> f64) -> Self {
         let mut kept = Self {
@@ -173,9 +169,7 @@ impl Region {
                 kept.count += 1;
             }
         };
-        let corners = self.corners();
-        for (index, &from) in corners.iter().enumerate() {
-            let to = corners[(index + 1) % corners.len()];
+        for (from, to) in self.edges() {
             let (at_from, at_to) = (value(from), value(to));
             if at_from <= HAIR {
                 push(from);
@@ -190,20 +184,15 @@ impl Region {
         }
         kept
     }
-
-    fn contains(&self, [t, u]: [f64; 2]) -> bool {
-        let corners = self.corners();
-        corners.iter().enumerate().all(|(index, from)| {
-            let to = corners[(index + 1) % corners.len()];
-            (to[0] - from[0]) * (u - from[1]) - (to[1] - from[1]) * (t - from[0]) >= 0.0
-        })
-    }
 }
 
 /// Two motions, with times counted from the first moment at which both count.
 struct Pair {
     origin_s: f64,
     gap: Gap,
+    /// Bounds of `t` and of `u`.
+    bounds: [(f64, f64); 2],
+    slack_s: f64,
     region: Region,
 }
 
@@ -237,6 +226,8 @@ impl Pair {
         (!region.is_empty()).then_some(Self {
             origin_s,
             gap,
+            bounds: [(0.0, t1), (u0, u1)],
+            slack_s,
             region,
         })
     }
@@ -255,51 +246,205 @@ impl Pair {
             u_s: self.origin_s + u,
         }
     }
+
+    /// Whether a pair of times counts. Not asked of the corners: where two of
+    /// them all but coincide, the side of their edge is a matter of rounding.
+    fn allows(&self, at: [f64; 2], vertical_m: f64) -> bool {
+        let within = |axis: usize| {
+            let (low, high) = self.bounds[axis];
+            (low - HAIR..=high + HAIR).contains(&at[axis])
+        };
+        within(0)
+            && within(1)
+            && (at[1] - at[0]).abs() <= self.slack_s + HAIR
+            && self.gap.at(at)[2].abs() <= vertical_m + HAIR
+    }
+
+    /// Least length of the gap in its first `axes` coordinates over a region
+    /// that is not empty: what is allowed with heights at most `vertical_m` apart.
+    fn least(&self, region: &Region, axes: usize, vertical_m: f64) -> (f64, [f64; 2]) {
+        let dot = |x: &[f64; 3], y: &[f64; 3]| (0..axes).map(|axis| x[axis] * y[axis]).sum::<f64>();
+        let gap = &self.gap;
+        let (aa, ab, bb) = (
+            dot(&gap.a, &gap.a),
+            dot(&gap.a, &gap.b),
+            dot(&gap.b, &gap.b),
+        );
+        let determinant = aa * bb - ab * ab;
+        let mut best = (f64::INFINITY, region.corners[0]);
+        // The edges are asked in any case: between motions that are almost
+        // parallel the stationary point is known only roughly.
+        if determinant > 1e-12 * aa * bb {
+            let (a0, b0) = (dot(&gap.a, &gap.at00), dot(&gap.b, &gap.at00));
+            let stationary = [
+                (ab * b0 - bb * a0) / determinant,
+                (aa * b0 - ab * a0) / determinant,
+            ];
+            if self.allows(stationary, vertical_m) {
+                let there = gap.at(stationary);
+                best = (dot(&there, &there).sqrt(), stationary);
+            }
+        }
+        region
+            .edges()
+            .map(|(from, to)| {
+                let (gap_from, gap_to) = (gap.at(from), gap.at(to));
+                let along = [0, 1, 2].map(|axis| gap_to[axis] - gap_from[axis]);
+                let length_sq = dot(&along, &along);
+                let share = if length_sq > 0.0 {
+                    (-dot(&gap_from, &along) / length_sq).clamp(0.0, 1.0)
+                } else {
+                    0.0
+                };
+                let at = [
+                    from[0] + share * (to[0] - from[0]),
+                    from[1] + share * (to[1] - from[1]),
+                ];
+                let there = gap.at(at);
+                (dot(&there, &there).sqrt(), at)
+            })
+            .fold(
+                best,
+                |best, found| if found.0 < best.0 { found } else { best },
+            )
+    }
 }
 
-/// Least length of the gap in its first `axes` coordinates over a region that is not empty.
-fn least(region: &Region, gap: &Gap, axes: usize) -> (f64, [f64; 2]) {
-    let dot = |x: &[f64; 3], y: &[f64; 3]| (0..axes).map(|axis| x[axis] * y[axis]).sum::<f64>();
-    let square = |at: [f64; 2]| {
-        let gap = gap.at(at);
-        dot(&gap, &gap)
-    };
-    let (aa, ab, bb) = (
-        dot(&gap.a, &gap.a),
-        dot(&gap.a, &gap.b),
-        dot(&gap.b, &gap.b),
-    );
-    let determinant = aa * bb - ab * ab;
-    if determinant > 1e-12 * aa * bb {
-        let (a0, b0) = (dot(&gap.a, &gap.at00), dot(&gap.b, &gap.at00));
-        let stationary = [
-            (ab * b0 - bb * a0) / determinant,
-            (aa * b0 - ab * a0) / determinant,
-        ];
-        if region.contains(stationary) {
-            return (square(stationary).sqrt(), stationary);
-        }
+#[cfg(test)]
+mod tests {
+    use super::{Motion, closest_approach, closest_horizontal, least_ratio};
+    use proptest::prelude::*;
+
+    const STEPS: u32 = 300;
+
+    fn motion() -> impl Strategy<Value = Motion> {
+        let place = || [-300.0..300.0_f64, -300.0..300.0_f64, 0.0..150.0_f64];
+        (0.0..30.0_f64, 0.0..30.0_f64, place(), place(), 0..4_u8).prop_map(
+            |(t0_s, duration_s, from, to, kind)| match kind {
+                0 => Motion::between((t0_s, from), (f64::INFINITY, from)),
+                1 => Motion::between((t0_s, from), (t0_s, from)),
+                _ => Motion::between((t0_s, from), (t0_s + duration_s, to)),
+            },
+        )
     }
-    let corners = region.corners();
-    let mut best = (f64::INFINITY, corners[0]);
-    for (index, &from) in corners.iter().enumerate() {
-        let to = corners[(index + 1) % corners.len()];
-        let (gap_from, gap_to) = (gap.at(from), gap.at(to));
-        let along = [0, 1, 2].map(|axis| gap_to[axis] - gap_from[axis]);
-        let length_sq = dot(&along, &along);
-        let share = if length_sq > 0.0 {
-            (-dot(&gap_from, &along) / length_sq).clamp(0.0, 1.0)
-        } else {
-            0.0
+
+    /// Gaps at a dense grid of allowed pairs of times.
+    fn dense(a: &Motion, b: &Motion, slack_s: f64) -> Vec<[f64; 3]> {
+        let spread =
+            |low: f64, high: f64, i: u32| low + (high - low) * f64::from(i) / f64::from(STEPS);
+        let (low, high) = (
+            a.t0_s.max(b.t0_s - slack_s),
+            a.t1_s.min(b.t1_s + slack_s).min(200.0),
+        );
+        let mut gaps = Vec::new();
+        if low > high {
+            return gaps;
+        }
+        for i in 0..=STEPS {
+            let t = spread(low, high, i);
+            let (from, to) = (b.t0_s.max(t - slack_s), b.t1_s.min(t + slack_s));
+            if from > to {
+                continue;
+            }
+            for j in 0..=STEPS {
+                let (at_a, at_b) = (a.at(t), b.at(spread(from, to, j)));
+                gaps.push([at_a[0] - at_b[0], at_a[1] - at_b[1], at_a[2] - at_b[2]]);
+            }
+        }
+        gaps
+    }
+
+    fn level(gap: &[f64; 3]) -> f64 {
+        gap[0].hypot(gap[1])
+    }
+
+    /// Between two neighbours of the dense grid no gap changes by more than this, metres.
+    fn coarse(a: &Motion, b: &Motion) -> f64 {
+        let speed = |motion: &Motion| {
+            motion
+                .velocity_mps
+                .iter()
+                .map(|v| v * v)
+                .sum::<f64>()
+                .sqrt()
         };
-        let at = [
-            from[0] + share * (to[0] - from[0]),
-            from[1] + share * (to[1] - from[1]),
-        ];
-        let found = square(at);
-        if found < best.0 {
-            best = (found, at);
+        (speed(a) + speed(b)) * 80.0 / f64::from(STEPS)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(150))]
+
+        #[test]
+        fn no_dense_pair_of_times_is_nearer_and_the_answer_is_one_of_them(
+            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64]
+        ) {
+            let gaps = dense(&a, &b, slack_s);
+            let Some(near) = closest_approach(&a, &b, slack_s) else {
+                prop_assert!(gaps.is_empty());
+                return Ok(());
+            };
+            for gap in &gaps {
+                prop_assert!(level(gap).hypot(gap[2]) >= near.value - 1e-6);
+            }
+            // The times are allowed and give the value.
+            prop_assert!((near.u_s - near.t_s).abs() <= slack_s + 1e-6);
+            prop_assert!(near.t_s >= a.t0_s - 1e-6 && near.t_s <= a.t1_s + 1e-6);
+            prop_assert!(near.u_s >= b.t0_s - 1e-6 && near.u_s <= b.t1_s + 1e-6);
+            let (at_a, at_b) = (a.at(near.t_s), b.at(near.u_s));
+            let gap = [at_a[0] - at_b[0], at_a[1] - at_b[1], at_a[2] - at_b[2]];
+            prop_assert!((level(&gap).hypot(gap[2]) - near.value).abs() < 1e-6);
+        }
+
+        #[test]
+        fn with_a_vertical_limit_no_dense_pair_within_it_is_nearer(
+            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64], vertical_m in 1.0..80.0_f64
+        ) {
+            let gaps = dense(&a, &b, slack_s);
+            let within: Vec<f64> = gaps.iter().filter(|gap| gap[2].abs() <= vertical_m).map(level).collect();
+            match closest_horizontal(&a, &b, slack_s, vertical_m) {
+                Some(near) => {
+                    prop_assert!(within.iter().all(|gap| *gap >= near.value - 1e-6));
+                    let gap = a.at(near.t_s)[2] - b.at(near.u_s)[2];
+                    prop_assert!(gap.abs() <= vertical_m + 1e-6);
+                }
+                None => prop_assert!(within.is_empty()),
+            }
+        }
+
+        #[test]
+        fn the_least_ratio_is_below_one_exactly_when_both_limits_are_broken_at_once(
+            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
+            horizontal_m in 20.0..200.0_f64, vertical_m in 5.0..80.0_f64
+        ) {
+            let ratio = |gap: &[f64; 3]| (level(gap) / horizontal_m).max(gap[2].abs() / vertical_m);
+            let gaps = dense(&a, &b, slack_s);
+            let found = gaps.iter().map(ratio).fold(f64::INFINITY, f64::min);
+            let Some(near) = least_ratio(&a, &b, slack_s, horizontal_m, vertical_m) else {
+                prop_assert!(gaps.is_empty());
+                return Ok(());
+            };
+            prop_assert!(near.value <= found + 1e-9, "{} {found}", near.value);
+            if found.is_finite() {
+                let most = coarse(&a, &b) / horizontal_m.min(vertical_m);
+                prop_assert!(near.value >= found - most - 1e-9, "{} {found}", near.value);
+            }
+            let conflict = closest_horizontal(&a, &b, slack_s, vertical_m)
+                .is_some_and(|near| near.value < horizontal_m);
+            if (near.value - 1.0).abs() > 1e-9 {
+                prop_assert_eq!(conflict, near.value < 1.0);
+            }
         }
     }
-    (best.0.sqrt(), best.1)
+
+    #[test]
+    fn two_that_cross_at_one_place_six_seconds_apart_meet_only_with_slack_enough() {
+        let a = Motion::between((0.0, [-100.0, 0.0, 50.0]), (20.0, [100.0, 0.0, 50.0]));
+        let b = Motion::between((6.0, [0.0, -100.0, 50.0]), (26.0, [0.0, 100.0, 50.0]));
+        let at = |slack_s| closest_approach(&a, &b, slack_s).unwrap().value;
+        assert!(at(6.0) < 1e-9);
+        assert!(at(10.0) < 1e-9);
+        // Six seconds at 10 m/s, seen across the diagonal.
+        assert!((at(0.0) - 60.0 / 2.0_f64.sqrt()).abs() < 1e-9);
+        assert!((at(4.0) - 20.0 / 2.0_f64.sqrt()).abs() < 1e-9);
+    }
 }

@@ -257,3 +257,114 @@ fn doubled_area(corners: &[Point]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(a, b)| cross(*a, *b)).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Point, Ring, disc_chord, point_segment_distance, turn_angle};
+    use proptest::prelude::*;
+
+    const STEPS: u32 = 4000;
+
+    /// Midpoints of many equal parts of a segment.
+    fn along(a: Point, b: Point) -> impl Iterator<Item = Point> {
+        (0..STEPS).map(move |i| {
+            let share = (f64::from(i) + 0.5) / f64::from(STEPS);
+            [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
+        })
+    }
+
+    fn distance(a: Point, b: Point) -> f64 {
+        (a[0] - b[0]).hypot(a[1] - b[1])
+    }
+
+    fn share(count: usize) -> f64 {
+        f64::from(u32::try_from(count).unwrap()) / f64::from(STEPS)
+    }
+
+    fn point() -> impl Strategy<Value = Point> {
+        [-10.0..10.0_f64, -10.0..10.0_f64]
+    }
+
+    /// A star-shaped polygon around the origin: simple, mostly concave.
+    fn star() -> impl Strategy<Value = Vec<Point>> {
+        prop::collection::vec(2.0..9.0_f64, 3..12).prop_map(|reaches| {
+            let count = f64::from(u32::try_from(reaches.len()).unwrap());
+            (0_u32..)
+                .zip(reaches)
+                .map(|(i, reach)| {
+                    let (sin, cos) = (f64::from(i) / count * std::f64::consts::TAU).sin_cos();
+                    [reach * cos, reach * sin]
+                })
+                .collect()
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn a_chord_is_what_dense_points_say(a in point(), b in point(), center in point(), radius in 0.5..8.0_f64) {
+            let inside = along(a, b).filter(|p| distance(*p, center) < radius).count();
+            let closest = along(a, b).map(|p| distance(p, center)).fold(f64::INFINITY, f64::min);
+            match disc_chord(a, b, center, radius) {
+                Some(chord) => {
+                    prop_assert!((chord.fraction - share(inside)).abs() < 2.0 / f64::from(STEPS));
+                    prop_assert!((chord.closest - closest).abs() < 0.01);
+                    prop_assert!(chord.closest < radius);
+                }
+                None => prop_assert!(inside <= 1),
+            }
+            prop_assert!((point_segment_distance(center, a, b) - closest).abs() < 0.01);
+        }
+
+        #[test]
+        fn the_length_in_a_concave_polygon_is_what_dense_points_say(corners in star(), a in point(), b in point()) {
+            let ring = Ring::new(&corners);
+            let inside = along(a, b).filter(|p| ring.contains(*p)).count();
+            let exact = ring.inside_fraction((a, b), (0.0, 1.0), &mut Vec::new());
+            let crossings = f64::from(u32::try_from(corners.len()).unwrap());
+            prop_assert!((exact - share(inside)).abs() <= crossings / f64::from(STEPS), "{exact} {}", share(inside));
+            // Two halves make the whole, and the order of corners does not matter.
+            let first = ring.inside_fraction((a, b), (0.0, 0.3), &mut Vec::new());
+            let second = ring.inside_fraction((a, b), (0.3, 1.0), &mut Vec::new());
+            prop_assert!((first + second - exact).abs() < 1e-12);
+            let turned: Vec<Point> = corners.iter().rev().copied().collect();
+            let other = Ring::new(&turned).inside_fraction((a, b), (0.0, 1.0), &mut Vec::new());
+            prop_assert!((other - exact).abs() < 1e-9);
+        }
+
+        #[test]
+        fn an_outset_polygon_holds_what_is_within_the_distance_and_little_more(
+            corners in star(), distance in 0.1..1.0_f64, p in point()
+        ) {
+            let ring = Ring::new(&corners);
+            let outset = ring.outset(distance);
+            let near = ring.boundary_distance(p);
+            if ring.contains(p) || near < 0.999 * distance {
+                prop_assert!(outset.contains(p), "{p:?} is {near} away");
+            }
+            if outset.contains(p) && !ring.contains(p) {
+                prop_assert!(near < 2.001 * distance, "{p:?} is {near} away");
+            }
+        }
+    }
+
+    #[test]
+    fn a_segment_along_an_edge_and_one_through_a_corner_are_no_surprise() {
+        let square = Ring::new(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [0.0, 0.0]]);
+        let inside = |a, b| square.inside_fraction((a, b), (0.0, 1.0), &mut Vec::new());
+        assert!((inside([-1.0, -1.0], [3.0, 3.0]) - 0.5).abs() < 1e-12);
+        assert!(inside([-1.0, 1.0], [1.0, 3.0]) < 1e-12);
+        let along_edge = inside([-1.0, 0.0], [3.0, 0.0]);
+        assert!(along_edge < 1e-12 || (along_edge - 0.5).abs() < 1e-12);
+        assert!((inside([1.0, 1.0], [1.0, 1.0]) - 1.0).abs() < 1e-12);
+        assert!(inside([5.0, 1.0], [5.0, 1.0]) < 1e-12);
+    }
+
+    #[test]
+    fn turns_are_measured_from_straight_on() {
+        let degrees = |c| turn_angle([0.0, 0.0], [1.0, 0.0], c).to_degrees();
+        assert!(degrees([2.0, 0.0]) < 1e-12);
+        assert!((degrees([1.0, 5.0]) - 90.0).abs() < 1e-12);
+        assert!((degrees([0.0, 0.0]) - 180.0).abs() < 1e-12);
+        assert!(degrees([1.0, 0.0]) < 1e-12);
+    }
+}
