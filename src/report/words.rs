@@ -163,6 +163,7 @@ fn number_beside(value: f64, limit: f64) -> String {
     ];
     scales
         .into_iter()
+        .skip(usize::from(value.abs() < 10.0 && limit.abs() < 10.0))
         .find(|(_, scale)| !apart || ((value * scale).round() / scale - limit).abs() > 1e-9)
         .map_or_else(|| format!("{value:e}"), |(digits, _)| number(value, digits))
 }
