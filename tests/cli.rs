@@ -239,7 +239,7 @@ fn an_unknown_key_is_refused_with_its_place() {
         "    speed_mps: 12",
         "    spede_mps: 12",
         3,
-        &["hop.yaml:21:5", "spede_mps"],
+        &["hop.yaml:20:5", "spede_mps"],
     );
 }
 
@@ -249,7 +249,7 @@ fn a_latitude_of_123_is_refused() {
         "lat: 36.30, lon: -84.265",
         "lat: 123, lon: -84.265",
         3,
-        &["hop.yaml:18:18", "start.lat", "123"],
+        &["hop.yaml:17:18", "start.lat", "123"],
     );
 }
 
