@@ -91,6 +91,10 @@ pub struct Scratch {
     pub(super) amsl_m: Vec<f64>,
     /// Horizontal distance along the route at the samples, metres.
     pub(super) along_m: Vec<f64>,
+    /// Times at the samples, seconds after T0.
+    pub(super) times_s: Vec<f64>,
+    /// Threats near the block at hand.
+    pub(super) near: Vec<usize>,
     pub(super) crossings: Vec<(f64, i32)>,
 }
 
@@ -199,6 +203,7 @@ impl CostModel {
             self.path.fine.apply(values, out);
         }
         scratch.along_m.resize(self.path.samples, 0.0);
+        scratch.times_s.resize(self.path.samples, 0.0);
     }
 
     /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).

@@ -1,6 +1,6 @@
 //! The operational objective (design, section 4), in one pass over a candidate.
 
-use super::hazards::Segment;
+use super::hazards::{Segment, Threat};
 use super::model::{CostModel, Scratch};
 use crate::geodesy::Amsl;
 use crate::numeric::geometry::Point;
@@ -194,22 +194,20 @@ fn add_hazards(
     let substeps = model.path.substeps;
     let (low, high) = block_box(scratch, start * substeps, end * substeps, substeps);
     let hazards = &model.hazards;
-    let threats_near = hazards
-        .threats
-        .iter()
-        .any(|threat| !threat.misses_box(low, high));
+    scratch.near.clear();
+    let near = |&(_, threat): &(usize, &Threat)| !threat.misses_box(low, high);
+    let threats = hazards.threats.iter().enumerate().filter(near);
+    scratch.near.extend(threats.map(|(index, _)| index));
     let zones_near = hazards.zones.iter().any(|zone| !zone.misses_box(low, high));
     let inside = hazards.bounds.holds_box(low, high);
-    if !threats_near && !zones_near && inside {
+    if scratch.near.is_empty() && !zones_near && inside {
         return;
     }
     for k in start..end {
         let segment = scratch.segment(k, substeps);
         let mut exposure = 0.0;
-        if threats_near {
-            for threat in &hazards.threats {
-                exposure += threat.exposure(&segment);
-            }
+        for &index in &scratch.near {
+            exposure += hazards.threats[index].exposure(&segment);
         }
         if zones_near {
             for zone in &hazards.zones {
@@ -239,28 +237,44 @@ fn block_box(scratch: &Scratch, from: usize, to: usize, stride: usize) -> (Point
 }
 
 /// Separation from earlier flights, until the total is above the cutoff.
-fn add_collisions(model: &CostModel, scratch: &Scratch, cutoff: f64, sums: &mut Sums) {
-    let last = model.path.samples - 1;
-    let profile = model.timing.profile(scratch.along_m[last]);
-    for k in 0..last {
-        let segment = scratch.segment(k, model.path.substeps);
-        let reach_m = (scratch.along_m[k], scratch.along_m[k + 1]);
-        let mut mean = 0.0;
-        model
-            .timing
-            .motions(&segment, reach_m, &profile, |motion, share| {
-                mean += model.traffic.mean_severity(&motion) * share;
-            });
-        if mean > 0.0 {
+fn add_collisions(model: &CostModel, scratch: &mut Scratch, cutoff: f64, sums: &mut Sums) {
+    let (last, substeps) = (model.path.samples - 1, model.path.substeps);
+    let length_m = scratch.along_m[last];
+    let profile = model.timing.profile(length_m);
+    for (time_s, along_m) in scratch.times_s.iter_mut().zip(&scratch.along_m) {
+        *time_s = model.timing.start_s + profile.time_at_s(*along_m);
+    }
+    let is_clear = |from: usize, to: usize| {
+        let (low, high) = block_box(scratch, from * substeps, to * substeps, substeps);
+        model.traffic.is_clear(&[
+            (scratch.times_s[from], scratch.times_s[to]),
+            (low[0], high[0]),
+            (low[1], high[1]),
+        ])
+    };
+    for start in (0..last).step_by(BLOCK) {
+        let end = (start + BLOCK).min(last);
+        if is_clear(start, end) {
+            continue;
+        }
+        for k in (start..end).filter(|&k| !is_clear(k, k + 1)) {
+            let segment = scratch.segment(k, substeps);
+            let reach_m = (scratch.along_m[k], scratch.along_m[k + 1]);
+            let mut mean = 0.0;
+            model
+                .timing
+                .motions(&segment, reach_m, &profile, |motion, share| {
+                    mean += model.traffic.mean_severity(&motion) * share;
+                });
             sums.collision += mean * Step::of(&segment).length_km;
-            if model.weigh(sums).total() > cutoff {
-                return;
-            }
+        }
+        if model.weigh(sums).total() > cutoff {
+            return;
         }
     }
-    let end = scratch.segment(last - 1, model.path.substeps);
+    let end = scratch.segment(last - 1, substeps);
     let place = [end.b[0], end.b[1], end.amsl_b_m];
-    if let Some(motion) = model.timing.motion_after(place, scratch.along_m[last]) {
+    if let Some(motion) = model.timing.motion_after(place, length_m) {
         sums.collision += model.traffic.mean_severity(&motion) * model.timing.after_km;
     }
 }

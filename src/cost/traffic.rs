@@ -66,8 +66,8 @@ fn mean(own: &Motion, severity: impl Fn(&Motion) -> Severity) -> f64 {
     0.5 * (share * end(own.t0_s) + worst.value + (1.0 - share) * end(own.t1_s))
 }
 
-/// Extent in time, east and north.
-type Extent = [(f64, f64); 3];
+/// Extent in time (s), east and north (m).
+pub(super) type Extent = [(f64, f64); 3];
 
 impl Traffic {
     pub(super) fn new(separation: &Separation, margins: &Margins, earlier: &[Flight]) -> Self {
@@ -114,6 +114,19 @@ impl Traffic {
                 .iter()
                 .map(|other| self.severity_of(own, other))
                 .fold(Severity::default(), Severity::worse)
+        })
+    }
+
+    /// Whether no motion is near anything in a box of time, east and north.
+    pub(super) fn is_clear(&self, extent: &Extent) -> bool {
+        let [times, easts, norths] = self.grid.cells_of(extent);
+        (times.0..=times.1).all(|time| {
+            (easts.0..=easts.1).all(|east| {
+                // Cells along north follow each other, so one look covers them.
+                let first = self.grid.index([time, east, norths.0]);
+                let last = self.grid.index([time, east, norths.1]);
+                self.starts[first] == self.starts[last + 1]
+            })
         })
     }
 

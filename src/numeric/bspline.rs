@@ -18,7 +18,9 @@ pub fn uniform_parameters(samples: usize) -> Vec<f64> {
 pub struct Basis {
     control_points: usize,
     first: Vec<usize>,
-    weights: Vec<[f64; 4]>,
+    /// The four weights of a row stand in four columns, so that rows which share
+    /// their control points are worked off side by side.
+    weights: [Vec<f64>; 4],
 }
 
 impl Basis {
@@ -30,15 +32,19 @@ impl Basis {
     #[must_use]
     pub fn new(control_points: usize, parameters: &[f64]) -> Self {
         assert!(control_points >= 4, "a cubic needs 4 control points");
-        let (first, weights) = parameters
-            .iter()
-            .map(|&parameter| row(control_points, parameter))
-            .unzip();
-        Self {
+        let mut basis = Self {
             control_points,
-            first,
-            weights,
+            first: Vec::with_capacity(parameters.len()),
+            weights: [(); 4].map(|()| Vec::with_capacity(parameters.len())),
+        };
+        for &parameter in parameters {
+            let (first, weights) = row(control_points, parameter);
+            basis.first.push(first);
+            for (column, weight) in basis.weights.iter_mut().zip(weights) {
+                column.push(weight);
+            }
         }
+        basis
     }
 
     /// The basis at [`uniform_parameters`].
@@ -68,7 +74,7 @@ impl Basis {
     /// When `k` is not a sample.
     #[must_use]
     pub fn row(&self, k: usize) -> (usize, [f64; 4]) {
-        (self.first[k], self.weights[k])
+        (self.first[k], [0, 1, 2, 3].map(|i| self.weights[i][k]))
     }
 
     /// One coordinate of the curve at all samples, from that of the control points.
@@ -76,12 +82,19 @@ impl Basis {
     /// # Panics
     /// When `values` has fewer than [`Self::control_points`] numbers.
     pub fn apply(&self, values: &[f64], out: &mut [f64]) {
-        for ((out, &first), weights) in out.iter_mut().zip(&self.first).zip(&self.weights) {
-            let values = &values[first..first + 4];
-            *out = weights[0] * values[0]
-                + weights[1] * values[1]
-                + weights[2] * values[2]
-                + weights[3] * values[3];
+        let mut from = 0;
+        for span in self.first.chunk_by(|a, b| a == b) {
+            let to = (from + span.len()).min(out.len());
+            let first = span[0];
+            let (a, b) = (values[first], values[first + 1]);
+            let (c, d) = (values[first + 2], values[first + 3]);
+            let [wa, wb, wc, wd] = [0, 1, 2, 3].map(|i| &self.weights[i][from..to]);
+            for ((((out, wa), wb), wc), wd) in
+                out[from..to].iter_mut().zip(wa).zip(wb).zip(wc).zip(wd)
+            {
+                *out = wa * a + wb * b + wc * c + wd * d;
+            }
+            from = to;
         }
     }
 }
