@@ -227,6 +227,7 @@ fn a_landing_on_a_vehicle_that_loiters_there_is_told() {
         copter("bravo", 2, SOUTH, EAST),
     ]);
     spec.vehicles[0].finish = Finish::Loiter;
+    spec.vehicles[1].depart_s = 600.0;
     spec.planner.evaluations = 1000;
     let (world, plan) = plan(&spec);
     let conflicts = plan.column_conflicts(&spec, &world);

@@ -3,7 +3,7 @@
 use super::course::Course;
 use super::floor::FloorMaker;
 use super::lowest::{LowestSpline, Row, Workspace};
-use crate::cost::{Controls, CostModel, Scratch};
+use crate::cost::{Controls, CostModel, Margins, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::Basis;
 use crate::optimize::Problem;
@@ -121,14 +121,15 @@ pub(super) struct Room {
 }
 
 impl<'a> Sampled<'a> {
-    /// The samples of a course at `parameters` of [0, 1].
-    pub(super) fn new(course: &Course<'a>, parameters: &[f64]) -> Self {
+    /// The samples of a course at `parameters` of [0, 1]; `margins` are those of the
+    /// objective.
+    pub(super) fn new(course: &Course<'a>, margins: Margins, parameters: &[f64]) -> Self {
         let controls = course.controls();
         let basis = Basis::new(controls, parameters);
         let rows = (0..parameters.len()).map(|k| basis.row(k)).collect();
         Self {
             lowest: LowestSpline::new(rows, controls),
-            model: course.model(course.margins, parameters),
+            model: course.model(margins, parameters),
             floor: course.floor(BETWEEN_SAMPLES_M),
             even: course.spec.planner.objective == Objective::Paper,
             from: course.leg.from,

@@ -73,7 +73,7 @@ fn swarms(
     let planner = &course.spec.planner;
     let parameters = course.parameters(planner.samples);
     let problem = Horizontal {
-        sampled: Sampled::new(course, &parameters),
+        sampled: Sampled::new(course, searched(course.margins), &parameters),
         frame: course.frame(),
     };
     let fitter = Fitter::new(problem.sampled.rows(), parameters, course.controls());
@@ -111,12 +111,23 @@ fn swarms(
     );
     let mut finalists = outcome.finalists;
     finalists.extend(evaluator.best().cloned());
-    let fine = Sampled::new(course, &course.parameters(JUDGED_SAMPLES));
+    let fine = Sampled::new(course, course.margins, &course.parameters(JUDGED_SAMPLES));
     let splines = most_promising(finalists)
         .iter()
         .map(|candidate| fine.spline(problem.free(&candidate.position)))
         .collect();
     (splines, fitted + outcome.evaluations)
+}
+
+/// A little stricter than the judgement: between coarse samples a spline is steeper and
+/// bends more than its chords do.
+fn searched(margins: Margins) -> Margins {
+    Margins {
+        separation_m: margins.separation_m + 1.0,
+        turn_fraction: margins.turn_fraction + 0.03,
+        climb_fraction: margins.climb_fraction + 0.03,
+        ..margins
+    }
 }
 
 /// Swarms that a budget can feed.
@@ -149,7 +160,7 @@ fn letter(
         .fold(f32::INFINITY, f32::min);
     let top_m = course.world.max_amsl.0;
     let problem = Spatial {
-        sampled: Sampled::new(course, &course.parameters(planner.samples)),
+        sampled: Sampled::new(course, course.margins, &course.parameters(planner.samples)),
         frame: course.frame(),
         amsl_m: (f64::from(ground_m).min(top_m), top_m),
     };
