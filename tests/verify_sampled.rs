@@ -379,7 +379,7 @@ fn compare_in_time(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 16, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn sampling_over_hills_agrees_with_the_verdict(shape in bends()) {

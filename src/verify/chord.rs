@@ -92,15 +92,19 @@ impl Stretch {
     }
 }
 
-/// Splits the straight line between two points of the plane into stretches.
+/// Splits the straight line from one point of the plane, whose place is known, to
+/// another into stretches.
 ///
 /// A straight line of the plane leaves the straight line between the latitudes
 /// and longitudes of its ends by at most `L^2 (2 tan(lat) + L0 / R) / (8 R)`,
 /// `L0` the distance from the origin.
-pub(super) fn stretches(frame: &LocalFrame, from: EastNorth, to: EastNorth) -> Vec<Stretch> {
+pub(super) fn stretches(
+    frame: &LocalFrame,
+    (from, first): (EastNorth, LatLon),
+    to: EastNorth,
+) -> Vec<Stretch> {
     const EARTH_RADIUS_M: f64 = 6_371_000.0;
     const DEVIATION_M: f64 = 1e-3;
-    let first = frame.from_plan(from);
     let length_m = from.distance_m(to);
     if length_m <= 0.0 {
         return vec![Stretch {

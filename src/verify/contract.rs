@@ -3,6 +3,7 @@
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, List, VehicleMission};
+use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
 
@@ -362,27 +363,17 @@ impl Contract<'_> {
     }
 }
 
-/// The steepest allowed rise over run of a slope.
+/// The steepest allowed rise over run of a slope. The polynomials of the paper
+/// are concave in altitude, so an end is the tightest.
 fn steepest(vehicle: &Vehicle, slope: &Slope) -> f64 {
-    let climbs = slope.rise_m >= 0.0;
-    let given_rad = if climbs {
-        vehicle.max_climb_rad
+    let limits = VehicleLimits::of(vehicle);
+    let limit = if slope.rise_m < 0.0 {
+        limits.descent
     } else {
-        vehicle.max_descent_rad
+        limits.climb
     };
-    if let Some(given_rad) = given_rad {
-        return given_rad.tan();
-    }
-    // Eq. 27, altitude in metres; both are concave, so the ends are the tightest.
-    let of = |amsl_m: f64| {
-        let z = amsl_m.clamp(0.0, 12_000.0);
-        if climbs {
-            -1.5377e-10 * z * z - 2.6997e-5 * z + 0.4211
-        } else {
-            -(2.5063e-9 * z * z - 6.3014e-6 * z - 0.3257)
-        }
-    };
-    of(slope.top_m).min(of(slope.top_m - slope.rise_m.abs()))
+    let at = |amsl_m: f64| limit.by_shape(Amsl(amsl_m));
+    at(slope.top_m).min(at(slope.top_m - slope.rise_m.abs()))
 }
 
 fn count(items: usize) -> f64 {

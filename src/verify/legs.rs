@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::mission;
+use crate::path::VehicleLimits;
 use crate::spec::Vehicle;
 
 use super::chord::Phase;
@@ -85,7 +85,7 @@ pub(super) struct Run {
 /// The turn radius at a speed, metres: it grows with its square.
 fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64) -> f64 {
     let ratio = speed_mps / vehicle.speed_mps;
-    mission::turn_radius_m(vehicle) * ratio * ratio
+    VehicleLimits::of(vehicle).turn_radius_m * ratio * ratio
 }
 
 impl Knot {

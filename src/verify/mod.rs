@@ -8,7 +8,6 @@
 //! It judges missions from anywhere, knows nothing of the search that may have
 //! made them, and reads the ground from its source. What it cannot judge fails.
 
-mod approach;
 mod chord;
 mod contract;
 mod decode;

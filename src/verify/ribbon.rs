@@ -203,7 +203,8 @@ impl<'a> Ribbon<'a> {
             });
             return Ok(());
         }
-        for stretch in stretches(self.frame, chord.from.at, chord.to.at) {
+        let from = (chord.from.at, self.frame.from_plan(chord.from.at));
+        for stretch in stretches(self.frame, from, chord.to.at) {
             let patches = self
                 .surface
                 .under(stretch.from, stretch.to)

@@ -4,16 +4,18 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::geodesy::LocalFrame;
+use crate::numeric::approach::{
+    Approach, Motion, closest_approach, closest_horizontal, least_ratio,
+};
 use crate::spec::Separation;
 
-use super::approach::{Approach, Motion, closest};
 use super::chord::Chord;
 use super::{Margin, Moment};
 
 /// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
 const LISTED_FLEET: usize = 16;
 /// "Near", in separation distances.
-const NEAR: f64 = 4.0;
+const NEAR: f64 = 2.0;
 
 /// A box in space and time around some chords.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +36,21 @@ pub(super) struct Timeline<'a> {
     bounds: Vec<Option<Bounds>>,
 }
 
-/// What is measured between two vehicles.
+/// What is measured between two vehicles, metres.
+#[derive(Clone, Copy)]
+enum Distance {
+    /// In three dimensions.
+    Space,
+    /// Horizontally, where the vertical distance is below this.
+    Horizontal(f64),
+    /// Vertically.
+    Vertical,
+}
+
+/// A distance, and how far departures may shift.
 #[derive(Clone, Copy)]
 struct Metric {
-    weights: Vector3<f64>,
-    /// Only where the vertical distance is below this, metres.
-    level_m: Option<f64>,
+    distance: Distance,
     slack_s: f64,
 }
 
@@ -110,24 +121,31 @@ impl Bounds {
             .sup(&(other.low - self.high))
             .sup(&Vector3::zeros());
         let error_m = self.error_m + other.error_m;
-        if metric
-            .level_m
-            .is_some_and(|level_m| gap.z > level_m + error_m)
-        {
-            return f64::INFINITY;
-        }
-        gap.component_mul(&metric.weights).norm() - error_m
+        let apart_m = match metric.distance {
+            Distance::Space => gap.norm(),
+            Distance::Horizontal(level_m) if gap.z > level_m + error_m => f64::INFINITY,
+            Distance::Horizontal(_) => gap.xy().norm(),
+            Distance::Vertical => gap.z,
+        };
+        apart_m - error_m
     }
 }
 
 impl Metric {
-    /// The closest approach of two chords that is nearer than `below_m`.
+    /// The closest approach of two chords, less what the chords may be off.
     fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
         let error_m = a.error_m + b.error_m;
-        let level_m = self.level_m.map(|level_m| level_m + error_m);
-        let found = closest(&motion(a), &motion(b), self.slack_s, level_m, self.weights)?;
+        let (p, q, slack_s) = (motion(a), motion(b), self.slack_s);
+        let found = match self.distance {
+            Distance::Space => closest_approach(&p, &q, slack_s),
+            Distance::Horizontal(level_m) => closest_horizontal(&p, &q, slack_s, level_m + error_m),
+            // Beside an endless horizontal limit only the vertical distance counts, here in metres.
+            Distance::Vertical => least_ratio(&p, &q, slack_s, f64::INFINITY, 1.0),
+        }?;
+        let less_m = found.value - error_m;
         Some(Approach {
-            distance_m: (found.distance_m - error_m).max(0.0),
+            // Not `max`, which would take a NaN for 0.
+            value: if less_m < 0.0 { 0.0 } else { less_m },
             ..found
         })
     }
@@ -139,18 +157,8 @@ fn position(chord: &Chord, u: f64) -> Vector3<f64> {
 }
 
 fn motion(chord: &Chord) -> Motion {
-    let (from, to) = (position(chord, 0.0), position(chord, 1.0));
-    let duration_s = chord.to_s - chord.from_s;
-    Motion {
-        from_s: chord.from_s,
-        to_s: chord.to_s,
-        from,
-        velocity: if duration_s > 0.0 {
-            (to - from) / duration_s
-        } else {
-            Vector3::zeros()
-        },
-    }
+    let end = |t_s, u| (t_s, position(chord, u).into());
+    Motion::between(end(chord.from_s, 0.0), end(chord.to_s, 1.0))
 }
 
 /// The nearest that two vehicles come, if nearer than `below_m`: a walk down both
@@ -171,12 +179,12 @@ fn nearest(a: &Timeline<'_>, b: &Timeline<'_>, metric: &Metric, below_m: f64) ->
             let Some(found) = metric.measure(a.chords[i], b.chords[j]) else {
                 continue;
             };
-            if found.distance_m < limit_m {
-                limit_m = found.distance_m;
+            if found.value < limit_m {
+                limit_m = found.value;
                 best = Some(Nearest {
-                    distance_m: found.distance_m,
+                    distance_m: found.value,
                     chords: (i, j),
-                    times_s: found.times_s,
+                    times_s: (found.t_s, found.u_s),
                 });
             }
             continue;
@@ -243,27 +251,25 @@ fn pair_margin(
     frame: &LocalFrame,
     below_m: f64,
 ) -> Option<Margin> {
-    let metric = |weights, level_m| Metric {
-        weights,
-        level_m,
+    let metric = |distance| Metric {
+        distance,
         slack_s: separation.time_slack_s,
     };
-    let (flat, up) = (Vector3::new(1.0, 1.0, 0.0), Vector3::new(0.0, 0.0, 1.0));
     let Some(level_m) = separation.vertical_m else {
-        let found = nearest(a, b, &metric(flat + up, None), below_m);
+        let found = nearest(a, b, &metric(Distance::Space), below_m);
         return match found {
             Some(found) => Some(judge((a, b), found, separation.distance_m, frame, "")),
             None => never_together(a, b, separation, below_m),
         };
     };
-    if let Some(found) = nearest(a, b, &metric(flat, Some(level_m)), below_m) {
+    if let Some(found) = nearest(a, b, &metric(Distance::Horizontal(level_m)), below_m) {
         let what = "horizontal, where the vertical distance is too small";
         return Some(judge((a, b), found, separation.distance_m, frame, what));
     }
     if below_m.is_finite() {
         return None;
     }
-    match nearest(a, b, &metric(up, None), f64::INFINITY) {
+    match nearest(a, b, &metric(Distance::Vertical), f64::INFINITY) {
         Some(found) => Some(judge((a, b), found, level_m, frame, "vertical")),
         None => never_together(a, b, separation, below_m),
     }

@@ -1,6 +1,6 @@
 //! Limits on where a flight goes: ground, ceiling, threats, zones, area, fence.
 
-use crate::geodesy::Amsl;
+use crate::geodesy::{Amsl, EastNorth, LatLon};
 use crate::mission::VehicleMission;
 use crate::spec::MissionSpec;
 use crate::world::{NoData, World};
@@ -65,8 +65,14 @@ impl<'a> Space<'a> {
             area: Worst::default(),
             fence: Worst::default(),
         };
+        let mut last: Option<(EastNorth, LatLon)> = None;
         for chord in &flight.chords {
-            let parts = stretches(&self.world.frame, chord.from.at, chord.to.at);
+            // Most chords begin where the one before ends.
+            let from = last
+                .filter(|(at, _)| *at == chord.from.at)
+                .unwrap_or_else(|| (chord.from.at, self.world.frame.from_plan(chord.from.at)));
+            let parts = stretches(&self.world.frame, from, chord.to.at);
+            last = parts.last().map(|part| (chord.to.at, part.to));
             self.judge_ground(chord, &parts, &mut found);
             self.judge_ceiling(chord, &mut found.ceiling);
             self.judge_threats(chord, &parts, &mut found.threats);
