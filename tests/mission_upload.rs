@@ -144,6 +144,8 @@ struct Scene<'a> {
     stranger: Vec<(Time, Address, Message)>,
     /// Answers to missions are never given.
     mute: bool,
+    /// The vehicle gives this row of its mission back one metre higher.
+    lifted: Option<u16>,
 }
 
 const GROUND: usize = 0;
@@ -159,6 +161,7 @@ impl<'a> Scene<'a> {
             event: Event::Nothing,
             stranger: Vec::new(),
             mute: false,
+            lifted: None,
         }
     }
 
@@ -179,7 +182,8 @@ impl<'a> Scene<'a> {
             while let Some(message) = self.session.poll_transmit() {
                 self.ether.send(GROUND, US, &[DRONE, OTHER], &message);
             }
-            while let Some(message) = self.vehicle.poll_transmit() {
+            while let Some(mut message) = self.vehicle.poll_transmit() {
+                self.tamper(&mut message);
                 if !(self.mute && matches!(message, Message::Mission(_))) {
                     self.ether
                         .send(DRONE, self.vehicle.address(), &[GROUND, OTHER], &message);
@@ -200,6 +204,18 @@ impl<'a> Scene<'a> {
             let next = next.expect("a vehicle always has its next heartbeat");
             self.ether.now = next.max(now + 1);
             assert!(self.ether.now < Time(3_600_000), "the session never ends");
+        }
+    }
+
+    fn tamper(&self, message: &mut Message) {
+        if let Message::Mission(MissionMessage {
+            mission_type: 0,
+            body: Body::ItemInt { seq, item, .. },
+            ..
+        }) = message
+            && self.lifted == Some(*seq)
+        {
+            item.z += 1.0;
         }
     }
 
@@ -891,6 +907,32 @@ fn what_was_on_board_before_is_replaced_and_empty_lists_are_emptied() {
         assert_eq!(report.verdict, Verdict::Verified, "{profile:?} {report:?}");
         assert!(holds(&scene.vehicle, profile, &after), "{profile:?}");
         assert_eq!((report.items, report.fence, report.rally), (6, 0, 0));
+    }
+}
+
+#[test]
+fn a_vehicle_that_keeps_something_else_fails_and_item_and_field_are_named() {
+    for (profile, seq) in [(Profile::ArduPilot, 3), (Profile::Px4, 2)] {
+        let mission = mission(profile, 10);
+        let mut scene = Scene::new(14, CLEAR, vehicle(profile), &mission);
+        scene.lifted = Some(seq);
+        let report = scene.run();
+        let Verdict::Failed(failure) = &report.verdict else {
+            panic!("{report:?}")
+        };
+        assert_eq!(
+            failure.to_string(),
+            "mission: the vehicle holds something else than was sent (differences: 1)"
+        );
+        let [difference] = &report.differences[..] else {
+            panic!("{report:?}")
+        };
+        let text = difference.to_string();
+        assert!(
+            text.starts_with("mission item 3: z sent 480.37, read back 481.3"),
+            "{text}"
+        );
+        assert_eq!(report.hash, "");
     }
 }
 

@@ -1,6 +1,7 @@
-//! Uploads to MAVSDK's mission server, an implementation of the vehicle side that is not ours.
+//! Both sides of a transfer against implementations that are not ours: MAVSDK as vehicle,
+//! MAVSDK and pymavlink as ground stations.
 
-#[allow(dead_code, unreachable_pub)]
+#[allow(unreachable_pub)]
 #[path = "support/peers.rs"]
 mod peers;
 
@@ -12,9 +13,10 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
 use serde_json::Value;
-use sortie::link::{Job, TransferReport, Verdict, upload_fleet};
+use sortie::link::{Job, List, TransferReport, Verdict, upload_fleet};
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
 use sortie::spec::{Airframe, Autopilot, Link};
+use sortie::vehicle::{Profile, Simulated, spawn};
 
 const HOME: Home = Home {
     x: 363_000_000,
@@ -196,4 +198,46 @@ fn mavsdk_takes_an_ardupilot_mission_with_home_in_front() {
         .chain(mission.items.iter().copied())
         .collect();
     assert_same(&peer.list(), 0, &rows);
+}
+
+/// Ground stations that are not ours load the simulated vehicles and read them back.
+#[test]
+fn mavsdk_and_pymavlink_load_the_simulated_vehicles() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    for profile in [Profile::ArduPilot, Profile::Px4] {
+        for tool in ["mavsdk", "pymavlink"] {
+            let vehicle = spawn(&Simulated::on_loopback(profile, 3, Some(HOME))).expect("a port");
+            let port = vehicle.address().port().to_string();
+            let script = "vehicle_ground_station.py";
+            let result = peers::run(&python, script, &[tool, &port, "60"]);
+            let read = result["items"].as_array().expect("a list");
+            assert_eq!(read.len(), 60, "{profile:?} {tool}");
+            for (seq, item) in (0..60).zip(read) {
+                let place = [&item[1], &item[2], &item[3]].map(|n| n.as_f64().expect("a number"));
+                let sent = match (profile, seq) {
+                    (Profile::ArduPilot, 0) => [363e6, -842.5e6, 400.5],
+                    _ => [
+                        363e6 + 100.0 * f64::from(seq),
+                        -842.5e6 - 70.0 * f64::from(seq),
+                        480.25,
+                    ],
+                };
+                assert!(
+                    place.iter().zip(sent).all(|(a, b)| (a - b).abs() < 1e-6),
+                    "{profile:?} {tool}: {item}"
+                );
+            }
+            let items = vehicle.items(List::Mission);
+            assert_eq!(
+                items.len(),
+                if profile == Profile::ArduPilot {
+                    59
+                } else {
+                    60
+                }
+            );
+        }
+    }
 }

@@ -1,6 +1,8 @@
-//! Transfers over real UDP on loopback, to simulated vehicles.
+//! Transfers over real sockets on loopback, to simulated vehicles.
 
-use std::net::{SocketAddr, UdpSocket};
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpListener, UdpSocket};
+use std::time::Duration;
 
 use sortie::link::{Failure, Job, List, Refusal, TransferReport, Verdict, upload_fleet};
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
@@ -223,7 +225,7 @@ fn another_system_id_is_refused_and_nobody_at_all_is_a_failure_within_the_deadli
 fn a_link_that_cannot_be_opened_says_why() {
     let mission = mission(Autopilot::ArduPilot, 1);
     for link in [
-        Link::UdpOut("nowhere.invalid:1".to_owned()),
+        Link::UdpOut("127.0.0.1".to_owned()),
         Link::Tcp("127.0.0.1:1".to_owned()),
         Link::Sim,
         Link::Serial {
@@ -237,4 +239,79 @@ fn a_link_that_cannot_be_opened_says_why() {
             "{report:?}"
         );
     }
+}
+
+/// A TCP port in front of a vehicle that speaks UDP, for one connection.
+fn tcp_bridge(vehicle: SocketAddr) -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = listener.local_addr().expect("bound");
+    std::thread::spawn(move || {
+        let (mut stream, _) = listener.accept().expect("a connection");
+        let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+        socket.connect(vehicle).expect("an address");
+        let pause = Some(Duration::from_millis(1));
+        stream.set_read_timeout(pause).expect("a socket");
+        socket.set_read_timeout(pause).expect("a socket");
+        let mut buffer = [0; 512];
+        loop {
+            match stream.read(&mut buffer) {
+                Ok(0) => return,
+                // Pieces of 7 bytes: a stream knows no frames.
+                Ok(length) => buffer[..length].chunks(7).for_each(|piece| {
+                    let _ = socket.send(piece);
+                }),
+                Err(_) => {}
+            }
+            if let Ok(length) = socket.recv(&mut buffer) {
+                if stream.write_all(&buffer[..length]).is_err() {
+                    return;
+                }
+            }
+        }
+    });
+    address
+}
+
+#[test]
+fn a_vehicle_behind_tcp_is_loaded_too() {
+    let vehicle = start(Profile::Px4, 1);
+    let mission = mission(Autopilot::Px4, 12);
+    let link = Link::Tcp(tcp_bridge(vehicle.address()).to_string());
+    let report = upload(1, &link, &mission, false);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert_eq!(vehicle.items(List::Mission).len(), 12);
+}
+
+#[test]
+fn a_closed_connection_is_a_failure_of_the_link() {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let link = Link::Tcp(listener.local_addr().expect("bound").to_string());
+    let closing = std::thread::spawn(move || drop(listener.accept()));
+    let report = upload(1, &link, &mission(Autopilot::Px4, 1), false);
+    closing.join().expect("no panic");
+    let Verdict::Failed(failure) = &report.verdict else {
+        panic!("{report:?}");
+    };
+    let text = failure.to_string();
+    assert!(text.starts_with("tcp:127.0.0.1:"), "{text}");
+    assert!(text.ends_with("closed by the other side"), "{text}");
+}
+
+#[test]
+fn with_force_a_single_stranger_is_loaded_by_its_own_rules() {
+    // The spec says system 1 and ArduPilot; system 7 with PX4 is there.
+    let vehicle = start(Profile::Px4, 7);
+    let mission = mission(Autopilot::ArduPilot, 5);
+    let report = upload(1, &to(vehicle.address()), &mission, true);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert_eq!((report.sysid, report.items), (7, 5));
+    assert_eq!(vehicle.items(List::Mission).len(), 5, "no home row for PX4");
+}
+
+#[test]
+fn a_simulated_vehicle_stops_when_it_is_dropped() {
+    let vehicle = start(Profile::ArduPilot, 1);
+    let address = vehicle.address();
+    drop(vehicle);
+    UdpSocket::bind(address).expect("the port is free again");
 }

@@ -98,7 +98,7 @@ pub enum Failure {
         error: DownloadError,
     },
     /// The vehicle holds something else.
-    #[error("{list}: the vehicle holds something else than was sent ({count} differences){}", said(*.complaint))]
+    #[error("{list}: the vehicle holds something else than was sent (differences: {count}){}", said(*.complaint))]
     Different {
         /// Which.
         list: List,
