@@ -76,6 +76,7 @@ pub fn review_html(input: &ReviewInput<'_>) -> String {
         "left-out" => left_out(ranked.len() - shown.len()),
         "fleet" => tables::fleet(input, &scene),
         "assumptions" => assumptions(&input.review.assumptions),
+        "notes" => notes(input),
         "footer" => footer(input),
         "data" => script_safe(&data),
         "script" => SCRIPTS.concat(),
@@ -251,6 +252,43 @@ fn assumptions(assumptions: &[String]) -> String {
         .map(|assumption| format!("<li>{}</li>", escaped(assumption)))
         .collect();
     format!("<ul>{items}</ul>")
+}
+
+/// What the missions cannot say, each sentence once, with its vehicles.
+fn notes(input: &ReviewInput<'_>) -> String {
+    let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (index, mission) in input.missions {
+        let id = input
+            .spec
+            .vehicles
+            .get(*index)
+            .map_or("–", |vehicle| vehicle.id.as_str());
+        for note in &mission.notes {
+            match said.iter_mut().find(|(known, _)| known == note) {
+                Some((_, ids)) => ids.push(id),
+                None => said.push((note, vec![id])),
+            }
+        }
+    }
+    if said.is_empty() {
+        return String::new();
+    }
+    let items: String = said
+        .iter()
+        .map(|(note, ids)| {
+            let whose = if ids.len() == input.missions.len() && ids.len() > 1 {
+                "all vehicles".to_owned()
+            } else {
+                ids.join(", ")
+            };
+            format!(
+                "<li>{} <small>{}</small></li>",
+                escaped(note),
+                escaped(&whose)
+            )
+        })
+        .collect();
+    format!("<section><h2>In the spec, but not in the missions</h2><ul>{items}</ul></section>")
 }
 
 fn footer(input: &ReviewInput<'_>) -> String {

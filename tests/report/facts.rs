@@ -259,7 +259,7 @@ fn mission(vehicle: &Vehicle, home: PlanPoint, track: &Track) -> VehicleMission 
         fence: Vec::new(),
         rally: Vec::new(),
         params: Vec::new(),
-        notes: Vec::new(),
+        notes: vec!["the fence has no zone with a height: town".to_owned()],
     }
 }
 
