@@ -450,3 +450,32 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_is_built_from_a_good_path_passes_the_verdict() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        for altitude in [AltitudeReference::Amsl, AltitudeReference::Relative] {
+            for finish in [Finish::Land, Finish::Loiter, Finish::Return] {
+                let (spec, world) = spec_of(|spec| {
+                    spec.vehicles[0].autopilot = autopilot;
+                    spec.vehicles[0].finish = finish;
+                    spec.vehicles[0].depart_s = 20.0;
+                    spec.vehicles[0].home = place(36.249, -84.301);
+                    spec.mission.altitude = altitude;
+                });
+                let (out, back) = out_and_back(&world);
+                let routes = match finish {
+                    Finish::Return => vec![out, back],
+                    _ => vec![out],
+                };
+                let mission = mission::build(&spec, &world, 0, &routes).expect("a mission");
+                let review = sortie::verify::review(&spec, &world, &[(0, &mission)]);
+                let broken: Vec<_> = review.margins.iter().filter(|margin| !margin.ok).collect();
+                assert!(
+                    review.passes(),
+                    "{autopilot:?} {altitude:?} {finish:?}: {broken:?}"
+                );
+            }
+        }
+    }
+}

@@ -4,10 +4,10 @@ use super::accept::{List, limits};
 use super::encode::{ENCODING_M, Encoder};
 use super::fence;
 use super::item::{Item, VehicleMission, command};
-use super::params::{parameters, turn_radius_m};
+use super::params::parameters;
 use super::simplify::{Keep, Point, waypoints};
 use crate::geodesy::PlanPoint;
-use crate::path::TimedPoint;
+use crate::path::{TimedPoint, VehicleLimits};
 use crate::spec::{AltitudeReference, Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{NoData, World};
 
@@ -324,9 +324,10 @@ impl Author<'_> {
         let tolerance_m = self.spec.mission.tolerance_m;
         let keep = Keep {
             tolerance_m: (tolerance_m - ENCODING_M).max(tolerance_m / 2.0),
-            radius_m: turn_radius_m(self.vehicle),
+            limits: VehicleLimits::of(self.vehicle),
+            zero: self.encoder.zero(),
         };
-        Ok(waypoints(&path, keep)
+        Ok(waypoints(&path, &keep)
             .into_iter()
             .map(|index| route[index].point)
             .collect())

@@ -63,6 +63,15 @@ impl<'a> Encoder<'a> {
         })
     }
 
+    /// Altitude of height 0 in the reference of the mission; the terrain's is not one altitude.
+    pub(super) fn zero(&self) -> Option<Amsl> {
+        match self.reference {
+            AltitudeReference::Amsl => Some(Amsl(0.0)),
+            AltitudeReference::Relative => Some(self.home_amsl()),
+            AltitudeReference::Terrain => None,
+        }
+    }
+
     /// An item at a point.
     pub(super) fn item(
         &self,

@@ -7,6 +7,7 @@ mod commands;
 mod encode;
 mod fence;
 mod item;
+mod legs;
 mod params;
 mod simplify;
 
@@ -14,4 +15,3 @@ pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
 pub use build::{MissionError, build};
 pub use commands::{command_name, command_named};
 pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
-pub use params::turn_radius_m;

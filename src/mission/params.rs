@@ -3,23 +3,12 @@
 //! Names as in ArduCopter 4.6 (centimetres) and PX4 1.16 to 1.18 (metres).
 
 use super::item::Parameter;
+use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, MissionOptions, Vehicle};
 
-/// Standard gravity, m/s^2.
-const GRAVITY_MPS2: f64 = 9.806_65;
-
-/// Turn radius of a copter at its planned speed, metres: the larger of what the
-/// load factor allows, `v^2 / (g sqrt(n^2 - 1))`, and what the horizontal
-/// acceleration allows, `v^2 / a`.
-#[must_use]
-pub fn turn_radius_m(vehicle: &Vehicle) -> f64 {
-    vehicle.speed_mps * vehicle.speed_mps / corner_accel_mps2(vehicle)
-}
-
+/// The acceleration across the path that makes the planned turn radius, m/s^2.
 fn corner_accel_mps2(vehicle: &Vehicle) -> f64 {
-    let load_factor = vehicle.max_load_factor;
-    let banked_mps2 = GRAVITY_MPS2 * (load_factor * load_factor - 1.0).max(0.0).sqrt();
-    banked_mps2.min(vehicle.accel_mps2)
+    vehicle.speed_mps * vehicle.speed_mps / VehicleLimits::of(vehicle).turn_radius_m
 }
 
 /// The parameters for one vehicle.

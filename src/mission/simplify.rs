@@ -5,8 +5,15 @@
 //! the waypoint at `R (1/cos(phi/2) - 1)`. So waypoints must be far enough apart
 //! for the arcs at both ends of a leg, and what an arc cuts off counts as leaving
 //! the path, on top of what the legs themselves leave it.
+//!
+//! Altitudes are encoded in quarters of a metre, which makes a short leg steeper
+//! than the path: legs that come out steeper than the vehicle may climb are avoided.
 
 use nalgebra::Vector3;
+
+use super::legs::Legs;
+use crate::geodesy::Amsl;
+use crate::path::VehicleLimits;
 
 /// A point of the path: east, north, height, metres.
 pub(super) type Point = Vector3<f64>;
@@ -16,31 +23,27 @@ pub(super) type Point = Vector3<f64>;
 pub(super) struct Keep {
     /// Furthest from the path, metres, positive.
     pub tolerance_m: f64,
-    /// Turn radius, metres.
-    pub radius_m: f64,
+    /// Turn radius and slopes.
+    pub limits: VehicleLimits,
+    /// Altitude of height 0; absent when heights are above terrain, whose slopes are not
+    /// those of the flight.
+    pub zero: Option<Amsl>,
 }
 
 /// Share of the tolerance spent on thinning the samples to candidates.
 const THINNING: f64 = 0.05;
-/// What a metre of misfit costs, in waypoints: a tenth of a millimetre weighs as much as one.
-const MISFIT_COST: f64 = 1e4;
-/// Candidates that one leg may pass: bounds the work on a path that is rough within
-/// the tolerance, where nearly every pair of candidates makes a leg.
-const REACH: usize = 128;
-/// Beyond this a leg need not be: stands for the infinite arc of a full reversal, metres.
-const FARTHEST_M: f64 = 1e7;
 
 /// Indices of the samples that become waypoints, first and last included.
 ///
-/// The fewest, among the samples that remain after thinning and with at most [`REACH`]
-/// of them to a leg, whose legs and arcs keep the tolerance; where none do, those that miss it least, for the verdict to
-/// refuse. The ends are flown from and to rest.
-pub(super) fn waypoints(path: &[Point], keep: Keep) -> Vec<usize> {
+/// The fewest, among the samples that remain after thinning, whose legs and arcs keep
+/// the limits; where none do, those that miss them least, for the verdict to refuse.
+/// The ends are flown from and to rest.
+pub(super) fn waypoints(path: &[Point], keep: &Keep) -> Vec<usize> {
     let slack_m = THINNING * keep.tolerance_m;
     let candidates = thin(path, slack_m);
     let points: Vec<Point> = candidates.iter().map(|&index| path[index]).collect();
-    let legs = Legs::new(&points, slack_m, keep.tolerance_m);
-    legs.fewest(keep)
+    Legs::new(&points, slack_m, keep)
+        .fewest()
         .into_iter()
         .map(|index| candidates[index])
         .collect()
@@ -70,7 +73,7 @@ fn thin(path: &[Point], tolerance_m: f64) -> Vec<usize> {
 }
 
 /// Distance of a point from a segment, metres.
-fn distance_m(point: Point, from: Point, to: Point) -> f64 {
+pub(super) fn distance_m(point: Point, from: Point, to: Point) -> f64 {
     let along = to - from;
     let length_sq = along.norm_squared();
     let at = if length_sq > 0.0 {
@@ -81,170 +84,58 @@ fn distance_m(point: Point, from: Point, to: Point) -> f64 {
     (point - from - along * at).norm()
 }
 
-/// A leg that keeps the tolerance.
-struct Leg {
-    to: usize,
-    /// Furthest that the path leaves it, metres.
-    deviation_m: f64,
-    /// In the plane, metres.
-    length_m: f64,
-    /// In the plane, radians from east.
-    heading_rad: f64,
-}
-
-/// A way to the end of a leg, such that no other is both cheaper and leaves more of the leg.
-#[derive(Clone, Copy)]
-struct Way {
-    cost: f64,
-    /// How much of the leg the arc at its beginning uses, metres.
-    used_m: f64,
-    /// Where it came from: start, leg and way of the leg before; none at the path's start.
-    before: Option<(usize, usize, usize)>,
-}
-
-/// All legs between candidates, by where they begin.
-struct Legs {
-    from: Vec<Vec<Leg>>,
-}
-
-impl Legs {
-    fn new(points: &[Point], slack_m: f64, tolerance_m: f64) -> Self {
-        let from = (0..points.len())
-            .map(|from| {
-                (from + 1..points.len().min(from + 1 + REACH))
-                    .filter_map(|to| leg(points, from, to, slack_m, tolerance_m))
-                    .collect()
-            })
-            .collect();
-        Self { from }
-    }
-
-    /// Dynamic program over legs: the cost of a way is its number of waypoints plus its misfits.
-    fn fewest(&self, keep: Keep) -> Vec<usize> {
-        let last = self.from.len().saturating_sub(1);
-        let mut ways: Vec<Vec<Vec<Way>>> = self
-            .from
-            .iter()
-            .map(|legs| vec![Vec::new(); legs.len()])
-            .collect();
-        for way in ways.first_mut().into_iter().flatten() {
-            way.push(Way {
-                cost: 1.0,
-                used_m: 0.0,
-                before: None,
-            });
-        }
-        let mut best: Option<(f64, (usize, usize, usize))> = None;
-        for from in 0..last {
-            for (index, leg) in self.from[from].iter().enumerate() {
-                let here = std::mem::take(&mut ways[from][index]);
-                for (number, way) in here.iter().enumerate() {
-                    let name = (from, index, number);
-                    if leg.to == last {
-                        let cost = way.cost + MISFIT_COST * (way.used_m - leg.length_m).max(0.0);
-                        if best.is_none_or(|(least, _)| cost < least) {
-                            best = Some((cost, name));
-                        }
-                        continue;
-                    }
-                    for (next, onward) in self.from[leg.to].iter().enumerate() {
-                        let corner = Corner::between(leg, onward, keep.radius_m);
-                        let misfit_m = (way.used_m + corner.used_m - leg.length_m).max(0.0)
-                            + (corner.cut_m + leg.deviation_m.max(onward.deviation_m)
-                                - keep.tolerance_m)
-                                .max(0.0);
-                        offer(
-                            &mut ways[leg.to][next],
-                            Way {
-                                cost: way.cost + 1.0 + MISFIT_COST * misfit_m,
-                                used_m: corner.used_m,
-                                before: Some(name),
-                            },
-                        );
-                    }
-                }
-                ways[from][index] = here;
-            }
-        }
-        let mut vertices = vec![last];
-        let mut at = best.map(|(_, name)| name);
-        while let Some((from, index, number)) = at {
-            vertices.push(from);
-            at = ways[from][index][number].before;
-        }
-        vertices.reverse();
-        vertices
-    }
-}
-
-/// The leg between two candidates, if it keeps the tolerance; neighbours always do.
-fn leg(points: &[Point], from: usize, to: usize, slack_m: f64, tolerance_m: f64) -> Option<Leg> {
-    let mut deviation_m = 0.0_f64;
-    for between in from + 1..to {
-        deviation_m = deviation_m.max(distance_m(points[between], points[from], points[to]));
-        if deviation_m + slack_m > tolerance_m {
-            return None;
-        }
-    }
-    let along = points[to] - points[from];
-    Some(Leg {
-        to,
-        deviation_m: deviation_m + slack_m,
-        length_m: along.x.hypot(along.y),
-        heading_rad: along.y.atan2(along.x),
-    })
-}
-
-/// The arc at a waypoint.
-struct Corner {
-    /// How much of each leg it uses, metres.
-    used_m: f64,
-    /// How far it passes from the waypoint, metres.
-    cut_m: f64,
-}
-
-impl Corner {
-    fn between(leg: &Leg, onward: &Leg, radius_m: f64) -> Self {
-        // A vertical leg has no heading: the vehicle stops in the plane, there is no arc.
-        if leg.length_m <= 0.0 || onward.length_m <= 0.0 {
-            return Self {
-                used_m: 0.0,
-                cut_m: 0.0,
-            };
-        }
-        let turn_rad = (onward.heading_rad - leg.heading_rad)
-            .sin()
-            .atan2((onward.heading_rad - leg.heading_rad).cos());
-        let half_rad = turn_rad.abs() / 2.0;
-        Self {
-            used_m: (radius_m * half_rad.tan()).clamp(0.0, FARTHEST_M),
-            cut_m: (radius_m * (1.0 / half_rad.cos() - 1.0)).clamp(0.0, FARTHEST_M),
-        }
-    }
-}
-
-/// Keeps a way unless another is at least as good in both respects.
-fn offer(ways: &mut Vec<Way>, new: Way) {
-    let covers = |a: &Way, b: &Way| a.cost <= b.cost && a.used_m <= b.used_m;
-    if ways.iter().any(|way| covers(way, &new)) {
-        return;
-    }
-    ways.retain(|way| !covers(&new, way));
-    ways.push(new);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geodesy::LatLon;
+    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Vehicle};
     use proptest::prelude::*;
 
-    const KEEP: Keep = Keep {
-        tolerance_m: 5.0,
-        radius_m: 90.0,
-    };
+    use crate::mission::encode::quarter_up;
+    use crate::mission::legs::Corner;
+
+    /// A copter at 15 m/s with 2.5 m/s^2, so 90 m, that may climb 15 degrees and descend 10.
+    fn keep() -> Keep {
+        Keep {
+            tolerance_m: 5.0,
+            limits: VehicleLimits::of(&copter()),
+            zero: Some(Amsl(0.0)),
+        }
+    }
+
+    fn copter() -> Vehicle {
+        let place = LatLon {
+            lat_deg: 36.0,
+            lon_deg: -84.0,
+        };
+        let end = EndPoint {
+            place,
+            altitude: Placement::Amsl(Amsl(500.0)),
+        };
+        Vehicle {
+            id: "alpha".to_owned(),
+            sysid: 1,
+            autopilot: Autopilot::ArduPilot,
+            airframe: Airframe::Copter,
+            link: Link::Sim,
+            home: place,
+            start: end,
+            goal: end,
+            finish: Finish::Land,
+            speed_mps: 15.0,
+            max_load_factor: 1.2,
+            max_climb_rad: Some(15_f64.to_radians()),
+            max_descent_rad: Some(10_f64.to_radians()),
+            climb_mps: 5.0,
+            descent_mps: 3.0,
+            accel_mps2: 2.5,
+            depart_s: 0.0,
+            return_amsl: None,
+        }
+    }
 
     fn chosen(path: &[Point]) -> Vec<Point> {
-        waypoints(path, KEEP)
+        waypoints(path, &keep())
             .into_iter()
             .map(|index| path[index])
             .collect()
@@ -259,7 +150,7 @@ mod tests {
             }
             let turn = heading(points[index], points[index + 1])
                 - heading(points[index - 1], points[index]);
-            KEEP.radius_m * (turn.sin().atan2(turn.cos()).abs() / 2.0).tan()
+            keep().limits.turn_radius_m * (turn.sin().atan2(turn.cos()).abs() / 2.0).tan()
         };
         (1..points.len())
             .map(|index| {
@@ -283,7 +174,7 @@ mod tests {
         let path: Vec<Point> = (0..=100)
             .map(|i| Point::new(f64::from(i) * 10.0, f64::from(i) * 3.0, 500.0))
             .collect();
-        assert_eq!(waypoints(&path, KEEP), [0, 100]);
+        assert_eq!(waypoints(&path, &keep()), [0, 100]);
     }
 
     #[test]
@@ -291,7 +182,7 @@ mod tests {
         let path: Vec<Point> = (0..=100)
             .map(|i| Point::new(f64::from(i) * 10.0, 0.0, 500.0 + f64::from((i - 50).max(0))))
             .collect();
-        let kept = waypoints(&path, KEEP);
+        let kept = waypoints(&path, &keep());
         assert_eq!(kept.len(), 3);
         assert!(kept[1].abs_diff(50) <= 10, "bend at {}", kept[1]);
     }
@@ -310,6 +201,41 @@ mod tests {
         assert!(least_room_m(&kept) >= -1e-6, "room {}", least_room_m(&kept));
     }
 
+    /// The most that a leg as encoded rises beyond a slope, metres.
+    fn most_over_m(points: &[Point], slope: f64) -> f64 {
+        let encoded_m = |point: &Point| f64::from(quarter_up(point.z));
+        points
+            .windows(2)
+            .map(|leg| {
+                let along = leg[1] - leg[0];
+                encoded_m(&leg[1]) - encoded_m(&leg[0]) - slope * along.x.hypot(along.y)
+            })
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    #[test]
+    fn short_legs_of_a_climb_near_the_limit_are_not_encoded_steeper_than_it() {
+        // A small tolerance makes legs short, so that a quarter of a metre matters.
+        let keep = Keep {
+            tolerance_m: 0.6,
+            ..keep()
+        };
+        for slope in [0.26, 0.262, 0.264] {
+            let mut path = arc(300.0, std::f64::consts::PI, 4000);
+            for (point, step) in path.iter_mut().zip(0_u16..) {
+                let run_m = 300.0 * std::f64::consts::PI * f64::from(step) / 4000.0;
+                point.z = 500.1 + slope * run_m;
+            }
+            let kept: Vec<Point> = waypoints(&path, &keep)
+                .into_iter()
+                .map(|index| path[index])
+                .collect();
+            assert!(least_room_m(&kept) >= -1e-6);
+            let over_m = most_over_m(&kept, 15_f64.to_radians().tan());
+            assert!(over_m < 0.02, "{slope}: {over_m} m");
+        }
+    }
+
     #[test]
     fn a_turn_that_cannot_be_flown_still_yields_a_mission_through_both_ends() {
         let path = [
@@ -317,7 +243,7 @@ mod tests {
             Point::new(30.0, 0.0, 500.0),
             Point::new(0.0, 1.0, 500.0),
         ];
-        assert_eq!(waypoints(&path, KEEP), [0, 1, 2]);
+        assert_eq!(waypoints(&path, &keep()), [0, 1, 2]);
     }
 
     #[test]
@@ -340,16 +266,20 @@ mod tests {
                     .fold(0.0, f64::max)
             };
             let points: Vec<Point> = subset.iter().map(|&i| path[i]).collect();
+            let heading = |a: usize, b: usize| {
+                let along = path[b] - path[a];
+                along.y.atan2(along.x)
+            };
             let corners = subset.windows(3).all(|three| {
-                let legs = Legs::new(&[path[three[0]], path[three[1]], path[three[2]]], 0.0, 1e9);
-                let corner = Corner::between(&legs.from[0][0], &legs.from[1][0], KEEP.radius_m);
+                let turn_rad = heading(three[1], three[2]) - heading(three[0], three[1]);
+                let corner = Corner::of(turn_rad, keep().limits.turn_radius_m);
                 let worst = deviation(three[0], three[1]).max(deviation(three[1], three[2]));
-                corner.cut_m + worst <= KEEP.tolerance_m
+                corner.cut_m + worst <= keep().tolerance_m
             });
             corners
                 && subset
                     .windows(2)
-                    .all(|two| deviation(two[0], two[1]) <= KEEP.tolerance_m)
+                    .all(|two| deviation(two[0], two[1]) <= keep().tolerance_m)
                 && least_room_m(&points) >= 0.0
         };
         let fewest = (0_u32..1 << 10)
@@ -363,7 +293,7 @@ mod tests {
             .map(|subset| subset.len())
             .min();
         // The thinning takes a twentieth of the tolerance; this path has no choice that close to it.
-        assert_eq!(Some(waypoints(&path, KEEP).len()), fewest);
+        assert_eq!(Some(waypoints(&path, &keep()).len()), fewest);
     }
 
     proptest! {
@@ -378,11 +308,11 @@ mod tests {
                 let last = path[path.len() - 1];
                 path.push(last + Point::new(length * heading.cos(), length * heading.sin(), climb));
             }
-            let kept = waypoints(&path, KEEP);
+            let kept = waypoints(&path, &keep());
             prop_assert_eq!((kept[0], kept[kept.len() - 1]), (0, path.len() - 1));
             for leg in kept.windows(2) {
                 for index in leg[0]..=leg[1] {
-                    prop_assert!(distance_m(path[index], path[leg[0]], path[leg[1]]) <= KEEP.tolerance_m);
+                    prop_assert!(distance_m(path[index], path[leg[0]], path[leg[1]]) <= keep().tolerance_m);
                 }
             }
         }
