@@ -183,8 +183,7 @@ fn an_edited_mission_is_not_uploaded() {
     let items = plan["mission"]["items"].as_array_mut().unwrap();
     let waypoint = items
         .iter_mut()
-        .filter(|item| item["command"] == 16)
-        .next_back()
+        .rfind(|item| item["command"] == 16)
         .unwrap();
     waypoint["params"][6] = Value::from(10.0);
     fs::write(&path, serde_json::to_vec(&plan).unwrap()).unwrap();
