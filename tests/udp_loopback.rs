@@ -262,10 +262,10 @@ fn tcp_bridge(vehicle: SocketAddr) -> SocketAddr {
                 }),
                 Err(_) => {}
             }
-            if let Ok(length) = socket.recv(&mut buffer) {
-                if stream.write_all(&buffer[..length]).is_err() {
-                    return;
-                }
+            if let Ok(length) = socket.recv(&mut buffer)
+                && stream.write_all(&buffer[..length]).is_err()
+            {
+                return;
             }
         }
     });
