@@ -101,7 +101,7 @@ const profiles = (() => {
       titleX: "km along the track", titleY: "m AMSL",
     });
     const { root, at } = chart, base = chart.height - chart.bottom;
-    const from = nearest(track, vehicle.start), to = Math.max(nearest(track, vehicle.goal), from);
+    const from = nearest(track, vehicle.start), to = vehicle.returns ? length : Math.max(nearest(track, vehicle.goal), from);
     const banded = to > from ? soil.filter(([d]) => d >= from && d <= to) : soil;
     for (const run of runs(banded)) {
       const upper = run.map(([d, z]) => [at.x(d), at.y(z + scene.min_agl_m)]), lower = run.map(([d, z]) => [at.x(d), at.y(z)]).reverse();

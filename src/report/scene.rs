@@ -9,7 +9,7 @@ use super::relief::{Bounds, Relief};
 use super::thin::{Fix, thin};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
-use crate::spec::Vehicle;
+use crate::spec::{Finish, Vehicle};
 use crate::verify::{Moment, Track};
 use crate::world::World;
 
@@ -65,6 +65,8 @@ pub(super) struct VehicleShape {
     pub(super) home: [f64; 3],
     pub(super) start: [f64; 3],
     pub(super) goal: [f64; 3],
+    /// Whether it flies a planned path home from the goal.
+    returns: bool,
     pub(super) track: TrackShape,
     /// Ground under the track at equal steps of distance, from its beginning.
     ground: GroundShape,
@@ -219,6 +221,7 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         home: station(|stations| stations.home),
         start: station(|stations| stations.start),
         goal: station(|stations| stations.goal),
+        returns: vehicle.finish == Finish::Return,
         ground: ground_under(&track, world, share(MOST_GROUND, 24).min(600)),
         track,
         waypoints: if too_many { Vec::new() } else { waypoints },
