@@ -15,3 +15,4 @@ pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
 pub use build::{MissionError, build};
 pub use commands::{command_name, command_named};
 pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
+pub use params::turn_radius_m;

@@ -6,9 +6,15 @@ use super::item::Parameter;
 use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, MissionOptions, Vehicle};
 
+/// Turn radius of a vehicle at its planned speed, metres.
+#[must_use]
+pub fn turn_radius_m(vehicle: &Vehicle) -> f64 {
+    VehicleLimits::of(vehicle).turn_radius_m
+}
+
 /// The acceleration across the path that makes the planned turn radius, m/s^2.
 fn corner_accel_mps2(vehicle: &Vehicle) -> f64 {
-    vehicle.speed_mps * vehicle.speed_mps / VehicleLimits::of(vehicle).turn_radius_m
+    vehicle.speed_mps * vehicle.speed_mps / turn_radius_m(vehicle)
 }
 
 /// The parameters for one vehicle.
