@@ -233,3 +233,59 @@ fn nearest(point: Flat, from: Flat, to: Flat) -> (f64, f64) {
     let distance_m = (away.0 - along.0 * w).hypot(away.1 - along.1 * w);
     (distance_m, w)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Keep, LatLon, Outline, Stretch};
+
+    fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
+        LatLon { lat_deg, lon_deg }
+    }
+
+    /// A U open to the north, arms 0.01 degrees wide.
+    fn horseshoe() -> Outline {
+        Outline::new(vec![
+            place(36.00, -84.00),
+            place(36.00, -83.97),
+            place(36.03, -83.97),
+            place(36.03, -83.98),
+            place(36.01, -83.98),
+            place(36.01, -83.99),
+            place(36.03, -83.99),
+            place(36.03, -84.00),
+        ])
+    }
+
+    fn margin_m(from: LatLon, to: LatLon, keep: Keep) -> (f64, f64) {
+        let stretch = Stretch {
+            u: (0.0, 1.0),
+            from,
+            to,
+        };
+        horseshoe().margin_m(&stretch, keep)
+    }
+
+    #[test]
+    fn a_stretch_between_the_arms_is_outside_and_one_across_them_is_not() {
+        // The middle of the gap: half of 0.01 degrees of longitude at 36.02 N, 450.8 m (WGS84).
+        let (inside_m, _) = margin_m(place(36.025, -83.985), place(36.02, -83.985), Keep::Outside);
+        assert!((inside_m - 450.8).abs() < 0.5, "{inside_m}");
+        let across = (place(36.02, -84.005), place(36.02, -83.965));
+        assert!(margin_m(across.0, across.1, Keep::Outside).0 < -440.0);
+        assert!(margin_m(across.0, across.1, Keep::Inside).0 < -440.0);
+        // Cutting a corner by a metre is seen, although both ends are outside.
+        let (cut_m, w) = margin_m(
+            place(35.99999, -83.9701),
+            place(36.0001, -83.96999),
+            Keep::Outside,
+        );
+        assert!(cut_m < 0.0 && w > 0.0 && w < 1.0, "{cut_m} at {w}");
+    }
+
+    #[test]
+    fn a_stretch_along_the_base_is_inside_by_its_distance_to_the_edge() {
+        let (margin_m, _) = margin_m(place(36.005, -83.99), place(36.004, -83.98), Keep::Inside);
+        // 0.004 degrees of latitude: 443.9 m (WGS84).
+        assert!((margin_m - 443.9).abs() < 0.2, "{margin_m}");
+    }
+}

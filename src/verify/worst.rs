@@ -84,3 +84,30 @@ impl Worst {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Worst;
+    use crate::geodesy::{Amsl, LatLon};
+    use crate::verify::Moment;
+
+    #[test]
+    fn a_value_that_is_not_a_number_is_the_worst_and_fails() {
+        let at = |item| Moment {
+            place: LatLon {
+                lat_deg: 0.0,
+                lon_deg: 0.0,
+            },
+            amsl: Amsl(0.0),
+            t_s: 0.0,
+            item,
+        };
+        let mut worst = Worst::default();
+        worst.at_least(5.0, 1.0, || at(1));
+        worst.at_least(f64::NAN, 1.0, || at(2));
+        worst.at_least(-5.0, 1.0, || at(3));
+        let margin = worst.margin("alpha", "clearance", "m").expect("was judged");
+        assert!(!margin.ok && margin.value.is_nan());
+        assert_eq!(margin.at.map(|at| at.item), Some(2));
+    }
+}
