@@ -89,6 +89,10 @@ pub struct Scratch {
     pub(super) east_m: Vec<f64>,
     pub(super) north_m: Vec<f64>,
     pub(super) amsl_m: Vec<f64>,
+    /// What counts as altitude (km) and what is missing in height (depths) at
+    /// the fine samples.
+    pub(super) high_km: Vec<f64>,
+    pub(super) deficit: Vec<f64>,
     /// Horizontal distance along the route at the samples, metres.
     pub(super) along_m: Vec<f64>,
     /// Times at the samples, seconds after T0.
@@ -202,6 +206,8 @@ impl CostModel {
             out.resize(count, 0.0);
             self.path.fine.apply(values, out);
         }
+        scratch.high_km.resize(count, 0.0);
+        scratch.deficit.resize(count, 0.0);
         scratch.along_m.resize(self.path.samples, 0.0);
         scratch.times_s.resize(self.path.samples, 0.0);
     }

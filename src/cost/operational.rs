@@ -60,21 +60,21 @@ impl Step {
 /// Total of the sampled candidate in `scratch`, or a number above `cutoff` if it is above.
 pub(super) fn total(model: &CostModel, cutoff: f64, scratch: &mut Scratch) -> f64 {
     let mut sums = Sums::default();
-    let segments = model.path.samples - 1;
+    let (segments, substeps) = (model.path.samples - 1, model.path.substeps);
     let mut before = None;
     let mut along_m = 0.0;
-    let mut clearance = model.clearance(scratch, 0);
     let mut start = 0;
     while start < segments {
         let end = (start + BLOCK).min(segments);
+        read_ground(model, scratch, (start, end));
         for k in start..end {
-            let step = Step::of(&scratch.segment(k, model.path.substeps));
+            let segment = scratch.segment(k, substeps);
+            let step = Step::of(&segment);
             along_m += step.run_m;
             scratch.along_m[k + 1] = along_m;
             sums.length_km += step.length_km;
-            clearance = model.add_ground(scratch, k, &step, clearance, &mut sums);
-            sums.climb +=
-                model.slope_excess(&step, scratch.segment(k, model.path.substeps)) * step.length_km;
+            add_ground(model, scratch, k, &step, &mut sums);
+            sums.climb += model.slope_excess(&step, segment) * step.length_km;
             if let Some(before) = before {
                 sums.turn += model.turn_excess(&before, &step);
             }
@@ -94,48 +94,16 @@ pub(super) fn total(model: &CostModel, cutoff: f64, scratch: &mut Scratch) -> f6
 }
 
 impl CostModel {
-    /// Clearance at fine sample `index`.
+    /// Clearance at an altitude over ground, where so much height is wanted.
     #[inline]
-    pub(super) fn clearance(&self, scratch: &Scratch, index: usize) -> Clearance {
-        let amsl_m = scratch.amsl_m[index];
-        let ground_m = self
-            .relief
-            .height_m(scratch.east_m[index], scratch.north_m[index]);
+    pub(super) fn clearance(&self, amsl_m: f64, ground_m: f64, wanted_agl_m: f64) -> Clearance {
         let agl_m = amsl_m - ground_m;
-        let below_m = (self.wanted_agl_m[index] - agl_m).max(0.0);
+        let below_m = (wanted_agl_m - agl_m).max(0.0);
         let above_m = (amsl_m - self.max_amsl_m).max(0.0);
         Clearance {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * 1e-3,
             deficit: (below_m + above_m) * self.per_depth,
         }
-    }
-
-    /// Altitude and terrain of piece `k` by the trapezoidal rule over its fine
-    /// samples; returns the clearance at its end.
-    #[inline]
-    fn add_ground(
-        &self,
-        scratch: &Scratch,
-        k: usize,
-        step: &Step,
-        first: Clearance,
-        sums: &mut Sums,
-    ) -> Clearance {
-        let substeps = self.path.substeps;
-        let mut altitude = 0.5 * first.altitude_km;
-        let mut deficit = 0.5 * first.deficit;
-        for index in k * substeps + 1..(k + 1) * substeps {
-            let between = self.clearance(scratch, index);
-            altitude += between.altitude_km;
-            deficit += between.deficit;
-        }
-        let last = self.clearance(scratch, (k + 1) * substeps);
-        altitude += 0.5 * last.altitude_km;
-        deficit += 0.5 * last.deficit;
-        let piece_km = step.length_km * self.per_substep();
-        sums.altitude += altitude * piece_km;
-        sums.terrain += deficit * piece_km;
-        last
     }
 
     /// One over the ground readings of each piece.
@@ -182,6 +150,43 @@ impl CostModel {
         let limit_rad = 2.0 * (0.5 * ratio).min(1.0).asin();
         (turn_rad / limit_rad - 1.0).max(0.0)
     }
+}
+
+/// Clearances at the fine samples of one block. First all lookups, then all
+/// arithmetic: the latter is the same for every sample and needs no branch.
+fn read_ground(model: &CostModel, scratch: &mut Scratch, (start, end): (usize, usize)) {
+    let range = start * model.path.substeps..end * model.path.substeps + 1;
+    let (east_m, north_m) = (
+        &scratch.east_m[range.clone()],
+        &scratch.north_m[range.clone()],
+    );
+    let ground_m = &mut scratch.high_km[range.clone()];
+    for ((ground_m, east_m), north_m) in ground_m.iter_mut().zip(east_m).zip(north_m) {
+        *ground_m = model.relief.height_m(*east_m, *north_m);
+    }
+    let amsl_m = &scratch.amsl_m[range.clone()];
+    let wanted_m = &model.wanted_agl_m[range.clone()];
+    let deficit = &mut scratch.deficit[range];
+    for (((high, deficit), amsl_m), wanted_m) in
+        ground_m.iter_mut().zip(deficit).zip(amsl_m).zip(wanted_m)
+    {
+        let clearance = model.clearance(*amsl_m, *high, *wanted_m);
+        *high = clearance.altitude_km;
+        *deficit = clearance.deficit;
+    }
+}
+
+/// Altitude and terrain of piece `k` by the trapezoidal rule over its fine samples.
+#[inline]
+fn add_ground(model: &CostModel, scratch: &Scratch, k: usize, step: &Step, sums: &mut Sums) {
+    let (from, to) = (k * model.path.substeps, (k + 1) * model.path.substeps);
+    let trapezoid = |values: &[f64]| {
+        let inner = values[1..values.len() - 1].iter();
+        inner.fold(0.5 * values[0], |sum, value| sum + value) + 0.5 * values[values.len() - 1]
+    };
+    let piece_km = step.length_km * model.per_substep();
+    sums.altitude += trapezoid(&scratch.high_km[from..=to]) * piece_km;
+    sums.terrain += trapezoid(&scratch.deficit[from..=to]) * piece_km;
 }
 
 /// Threats, zones and area for the pieces of one block.

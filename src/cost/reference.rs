@@ -35,7 +35,11 @@ fn ground(model: &CostModel, scratch: &Scratch, steps: &[Step]) -> (f64, f64) {
         for index in k * substeps..=(k + 1) * substeps {
             let is_end = index == k * substeps || index == (k + 1) * substeps;
             let share = if is_end { 0.5 } else { 1.0 };
-            let clearance = model.clearance(scratch, index);
+            let ground_m = model
+                .relief
+                .height_m(scratch.east_m[index], scratch.north_m[index]);
+            let clearance =
+                model.clearance(scratch.amsl_m[index], ground_m, model.wanted_agl_m[index]);
             high += share * clearance.altitude_km;
             deficit += share * clearance.deficit;
         }

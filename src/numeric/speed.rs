@@ -8,16 +8,26 @@ pub struct SpeedProfile {
     length_m: f64,
     accel_mps2: f64,
     peak_mps: f64,
+    ramp_m: f64,
+    duration_s: f64,
 }
 
 impl SpeedProfile {
     /// A profile over `length_m` (at least 0) with positive speed and acceleration.
     #[must_use]
     pub fn new(length_m: f64, cruise_mps: f64, accel_mps2: f64) -> Self {
+        let peak_mps = cruise_mps.min((length_m * accel_mps2).sqrt());
+        let duration_s = if peak_mps > 0.0 {
+            length_m / peak_mps + peak_mps / accel_mps2
+        } else {
+            0.0
+        };
         Self {
             length_m,
             accel_mps2,
-            peak_mps: cruise_mps.min((length_m * accel_mps2).sqrt()),
+            peak_mps,
+            ramp_m: peak_mps * peak_mps / (2.0 * accel_mps2),
+            duration_s,
         }
     }
 
@@ -30,17 +40,13 @@ impl SpeedProfile {
     /// Seconds from rest to rest.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
-        if self.peak_mps > 0.0 {
-            self.length_m / self.peak_mps + self.peak_mps / self.accel_mps2
-        } else {
-            0.0
-        }
+        self.duration_s
     }
 
     /// Metres needed to reach the peak speed.
     #[must_use]
     pub fn ramp_m(&self) -> f64 {
-        self.peak_mps * self.peak_mps / (2.0 * self.accel_mps2)
+        self.ramp_m
     }
 
     /// Seconds after which `distance_m` lies behind; clamped to the path.
