@@ -66,33 +66,28 @@ impl<'a> Course<'a> {
         )
     }
 
-    /// What the altitude has to clear, and `above_m` more.
-    pub(super) fn floor(&self, above_m: f64) -> FloorMaker<'a> {
+    /// What the altitude has to clear, and `above_m` more, with slope limits smaller by
+    /// `climb_fraction`.
+    pub(super) fn floor(&self, above_m: f64, climb_fraction: f64) -> FloorMaker<'a> {
+        /// Keeps rounding from turning a limit that is met into one that is broken.
+        const HAIR: f64 = 1e-3;
         let over_m = self.margins.clearance_m + above_m;
         FloorMaker::new(
             self.world,
             self.world.min_agl.0 + over_m,
             over_m,
-            self.slopes(),
+            Slopes::new(
+                VehicleLimits::of(self.vehicle()),
+                1.0 - climb_fraction - HAIR,
+            ),
         )
     }
 
-    /// The vehicle's slope limits where they are tightest, with a little to spare because
-    /// a spline does not follow a floor to the letter.
-    pub(super) fn slopes(&self) -> Slopes {
-        const SPARE: f64 = 0.95;
-        let limits = VehicleLimits::of(self.vehicle());
-        let high = self.leg.from.amsl.0.max(self.leg.to.amsl.0);
-        Slopes {
-            climb: SPARE * limits.climb.at(Amsl(high)),
-            descent: SPARE * limits.descent.at(Amsl(high)),
-        }
-    }
-
-    /// The smaller of the two slope limits.
+    /// The smaller of the vehicle's slope limits, at its higher end.
     pub(super) fn slope(&self) -> f64 {
-        let slopes = self.slopes();
-        slopes.climb.min(slopes.descent)
+        let limits = VehicleLimits::of(self.vehicle());
+        let high = Amsl(self.leg.from.amsl.0.max(self.leg.to.amsl.0));
+        limits.climb.at(high).min(limits.descent.at(high))
     }
 
     /// The box around the area.

@@ -1,17 +1,21 @@
 //! The lowest spline over a floor: altitudes decoded exactly instead of searched.
 //!
 //! Over a fixed horizontal spline the altitude of every sample is linear in the
-//! altitudes of the control points, so the lowest flight that clears a floor is a
-//! linear program in a handful of variables,
+//! altitudes of the control points, so the lowest flight that clears a floor and
+//! climbs and descends no faster than it may is a linear program in a handful of
+//! variables,
 //!
 //! ```text
-//! min sum_k w_k (B z)_k   subject to   (B z)_k >= floor_k,  z >= base,
+//! min sum_k w_k (B z)_k   subject to   (B z)_k >= floor_k,
+//!                                      -down_k <= (B z)_{k+1} - (B z)_k <= up_k,
+//!                                      z >= base,
 //! ```
 //!
 //! solved by a revised dual simplex whose basis inverse is as small as the number of
 //! free control points. The dual simplex starts from any dual feasible basis; it is
 //! always the same one here (one sample below each control point), so that equal
-//! candidates give equal bytes whatever was solved before.
+//! candidates give equal bytes whatever was solved before. Where slopes and floor
+//! cannot be met together the slopes are given up: the objective will tell.
 
 use nalgebra::DMatrix;
 
@@ -22,8 +26,8 @@ pub(super) type Row = (usize, [f64; 4]);
 /// A sample where an end point weighs more than this does not constrain: the free
 /// control points could meet it only by leaping.
 const END_WEIGHT: f64 = 0.85;
-/// Violation of the floor that counts as none, metres.
-const TOLERANCE_M: f64 = 1e-4;
+/// Violation that counts as none, metres.
+const TOLERANCE_M: f64 = 1e-6;
 /// Entries of a row in terms of the basis below this are no pivots.
 const PIVOT: f64 = 1e-9;
 
@@ -31,29 +35,55 @@ const PIVOT: f64 = 1e-9;
 #[derive(Clone, Debug)]
 pub(super) struct LowestSpline {
     rows: Vec<Row>,
-    /// Whether a sample constrains.
+    /// Whether the floor at a sample constrains.
     binding: Vec<bool>,
     controls: usize,
-    /// The constraints of the first basis, and the inverse of their matrix by columns.
     first: Option<Basis>,
+}
+
+/// What a path has to keep, sample by sample.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Demand {
+    /// Lowest altitude at each sample, metres.
+    pub floor_m: Vec<f64>,
+    /// Greatest rise from each sample to the next, metres.
+    pub up_m: Vec<f64>,
+    /// Greatest drop from each sample to the next, metres, positive.
+    pub down_m: Vec<f64>,
+    /// What altitude costs at each sample, not negative.
+    pub weights: Vec<f64>,
 }
 
 /// What [`LowestSpline::solve`] works in, kept between calls to save allocations.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Workspace {
     cost: Vec<f64>,
-    bound: Vec<f64>,
-    x: Vec<f64>,
+    /// Altitudes of all control points, over base.
+    z: Vec<f64>,
+    /// Altitudes of the samples, over base.
+    samples: Vec<f64>,
     dual: Vec<f64>,
     pivot_row: Vec<f64>,
     basis: Basis,
 }
 
-/// Active constraints and the inverse of their matrix. Constraint `k` is the floor
-/// at sample `k`; constraint `samples + j` is the base of free control point `j`.
+/// A constraint that may be active.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Constraint {
+    /// The floor at a sample.
+    Floor(usize),
+    /// The rise after a sample.
+    Up(usize),
+    /// The drop after a sample.
+    Down(usize),
+    /// The base of a control point.
+    Base(usize),
+}
+
+/// Active constraints and the inverse of their matrix.
 #[derive(Clone, Debug, Default)]
 struct Basis {
-    active: Vec<usize>,
+    active: Vec<Constraint>,
     /// Column `i` belongs to `active[i]`.
     inverse: Vec<f64>,
 }
@@ -98,7 +128,7 @@ impl LowestSpline {
         let matrix = DMatrix::from_fn(free, free, |i, j| self.weight(active[i], j + 1));
         let inverse = matrix.try_inverse()?;
         Some(Basis {
-            active,
+            active: active.into_iter().map(Constraint::Floor).collect(),
             inverse: inverse.as_slice().to_vec(),
         })
     }
@@ -123,139 +153,158 @@ impl LowestSpline {
     }
 
     /// Fills the free altitudes of `amsl_m`, whose first and last are given.
-    ///
-    /// `floor_m` and `weights` (not negative) have one entry for each sample.
-    pub(super) fn solve(
-        &self,
-        floor_m: &[f64],
-        weights: &[f64],
-        amsl_m: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        let (low, high) = floor_m
+    pub(super) fn solve(&self, demand: &Demand, amsl_m: &mut [f64], work: &mut Workspace) {
+        let (low, high) = demand
+            .floor_m
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &h| {
                 (low.min(h), high.max(h))
             });
         let base = low - (high - low) - 100.0;
-        self.load(floor_m, weights, amsl_m, base, work);
-        if self.start(work) && self.pivot_until_feasible(work) {
-            for (altitude, x) in amsl_m[1..].iter_mut().zip(&work.x) {
-                *altitude = base + x;
-            }
-        } else {
-            self.lift(floor_m, amsl_m);
-        }
-    }
-
-    /// Costs of the free control points, and bounds with the end points moved over.
-    fn load(
-        &self,
-        floor_m: &[f64],
-        weights: &[f64],
-        amsl_m: &[f64],
-        base: f64,
-        work: &mut Workspace,
-    ) {
-        let free = self.controls - 2;
-        work.cost.clear();
-        work.cost.resize(free, 0.0);
-        work.bound.clear();
-        let last = self.controls - 1;
-        for (k, (first, row)) in self.rows.iter().enumerate() {
-            let mut bound = floor_m[k] - base;
-            for (i, weight) in row.iter().enumerate() {
-                let control = first + i;
-                if control == 0 || control == last {
-                    bound -= weight * (amsl_m[control] - base);
-                } else {
-                    work.cost[control - 1] += weights[k] * weight;
+        self.price_controls(&demand.weights, work);
+        for with_slopes in [true, false] {
+            self.start(demand, amsl_m, base, work);
+            if self.pivot_until_feasible(demand, base, with_slopes, work) {
+                let last = self.controls - 1;
+                for (altitude, z) in amsl_m[1..last].iter_mut().zip(&work.z[1..last]) {
+                    *altitude = base + z;
                 }
+                return;
             }
-            work.bound.push(if self.binding[k] {
-                bound
-            } else {
-                f64::NEG_INFINITY
-            });
         }
-        work.bound.resize(self.rows.len() + free, 0.0);
+        self.lift(&demand.floor_m, amsl_m);
     }
 
-    /// Loads the first basis, or the cold one (all at base) if that is not dual
-    /// feasible. False if neither is: a control point that costs less than nothing.
-    fn start(&self, work: &mut Workspace) -> bool {
+    /// What the altitude of each control point costs.
+    fn price_controls(&self, weights: &[f64], work: &mut Workspace) {
+        work.cost.clear();
+        work.cost.resize(self.controls, 0.0);
+        for ((first, row), weight) in self.rows.iter().zip(weights) {
+            for (cost, share) in work.cost[*first..first + 4].iter_mut().zip(row) {
+                *cost += weight * share;
+            }
+        }
+    }
+
+    /// Loads the first basis, or, if that is not dual feasible, the cold one: all at
+    /// base. The cold one always is, because altitude costs are not negative.
+    fn start(&self, demand: &Demand, amsl_m: &[f64], base: f64, work: &mut Workspace) {
+        let (free, last) = (self.controls - 2, self.controls - 1);
+        work.z.clear();
+        work.z.resize(self.controls, 0.0);
+        work.z[0] = amsl_m[0] - base;
+        work.z[last] = amsl_m[last] - base;
         if let Some(first) = &self.first {
-            work.basis.clone_from(first);
+            work.basis.active.clone_from(&first.active);
+            work.basis.inverse.clone_from(&first.inverse);
             self.price(work);
             if work.dual.iter().all(|&y| y >= 0.0) {
-                return true;
+                self.touch_floor(first, demand, base, work);
+                return;
             }
         }
-        let free = self.controls - 2;
         work.basis.active.clear();
-        work.basis
-            .active
-            .extend(self.rows.len()..self.rows.len() + free);
+        work.basis.active.extend((1..last).map(Constraint::Base));
         work.basis.inverse.clear();
         work.basis.inverse.resize(free * free, 0.0);
         for i in 0..free {
             work.basis.inverse[i * free + i] = 1.0;
         }
         self.price(work);
-        work.dual.iter().all(|&y| y >= 0.0)
     }
 
-    /// Primal and dual values of the basis.
+    /// Altitudes in the first basis.
+    fn touch_floor(&self, first: &Basis, demand: &Demand, base: f64, work: &mut Workspace) {
+        let (free, last) = (self.controls - 2, self.controls - 1);
+        for (active, column) in first.active.iter().zip(first.inverse.chunks_exact(free)) {
+            if let Constraint::Floor(k) = *active {
+                let ends = self.weight(k, 0) * work.z[0] + self.weight(k, last) * work.z[last];
+                let bound = demand.floor_m[k] - base - ends;
+                for (z, m) in work.z[1..last].iter_mut().zip(column) {
+                    *z += bound * m;
+                }
+            }
+        }
+    }
+
+    /// Dual values of the basis.
     fn price(&self, work: &mut Workspace) {
-        let free = self.controls - 2;
-        work.x.clear();
-        work.x.resize(free, 0.0);
+        let (free, last) = (self.controls - 2, self.controls - 1);
         work.dual.clear();
-        for (i, &constraint) in work.basis.active.iter().enumerate() {
-            let column = &work.basis.inverse[i * free..(i + 1) * free];
-            let bound = work.bound[constraint];
-            for (x, m) in work.x.iter_mut().zip(column) {
-                *x += bound * m;
-            }
-            let dual = work.cost.iter().zip(column).map(|(c, m)| c * m).sum();
-            work.dual.push(dual);
+        for column in work.basis.inverse.chunks_exact(free) {
+            let prices = work.cost[1..last].iter().zip(column);
+            work.dual.push(prices.map(|(c, m)| c * m).sum());
         }
     }
 
-    /// The most violated constraint and by how much.
-    fn most_violated(&self, work: &Workspace) -> Option<(usize, f64)> {
-        let mut worst = (usize::MAX, TOLERANCE_M);
-        for (k, &bound) in work.bound[..self.rows.len()].iter().enumerate() {
-            let value: f64 = self.free_weights(k).map(|(j, w)| w * work.x[j]).sum();
-            if bound - value > worst.1 {
-                worst = (k, bound - value);
+    /// The most violated constraint and by how much, metres.
+    fn most_violated(
+        &self,
+        demand: &Demand,
+        base: f64,
+        with_slopes: bool,
+        work: &mut Workspace,
+    ) -> Option<(Constraint, f64)> {
+        work.samples.clear();
+        work.samples.extend(self.rows.iter().map(|(first, w)| {
+            let z = &work.z[*first..first + 4];
+            w[0] * z[0] + w[1] * z[1] + w[2] * z[2] + w[3] * z[3]
+        }));
+        let mut worst = (None, TOLERANCE_M);
+        let mut consider = |constraint, violation: f64| {
+            if violation > worst.1 {
+                worst = (Some(constraint), violation);
+            }
+        };
+        for (k, (altitude, floor)) in work.samples.iter().zip(&demand.floor_m).enumerate() {
+            if self.binding[k] {
+                consider(Constraint::Floor(k), floor - base - altitude);
             }
         }
-        for (j, &x) in work.x.iter().enumerate() {
-            if -x > worst.1 {
-                worst = (self.rows.len() + j, -x);
+        if with_slopes {
+            let limits = demand.up_m.iter().zip(&demand.down_m);
+            for (k, (pair, (up, down))) in work.samples.windows(2).zip(limits).enumerate() {
+                let rise = pair[1] - pair[0];
+                consider(Constraint::Up(k), rise - up);
+                consider(Constraint::Down(k), -rise - down);
             }
         }
-        (worst.0 != usize::MAX).then_some(worst)
+        for (control, z) in work.z.iter().enumerate().take(self.controls - 1).skip(1) {
+            consider(Constraint::Base(control), -z);
+        }
+        worst.0.map(|constraint| (constraint, worst.1))
     }
 
-    /// Dual simplex; false if it does not end within a bound far above what it needs.
-    fn pivot_until_feasible(&self, work: &mut Workspace) -> bool {
+    /// A constraint's row times a column of the inverse.
+    fn times(&self, constraint: Constraint, column: &[f64]) -> f64 {
+        let row = |k: usize| -> f64 { self.free_weights(k).map(|(j, w)| w * column[j]).sum() };
+        match constraint {
+            Constraint::Floor(k) => row(k),
+            Constraint::Up(k) => row(k) - row(k + 1),
+            Constraint::Down(k) => row(k + 1) - row(k),
+            Constraint::Base(control) => column[control - 1],
+        }
+    }
+
+    /// Dual simplex; false if the constraints contradict one another, or if it does not
+    /// end within a bound far above what it needs.
+    fn pivot_until_feasible(
+        &self,
+        demand: &Demand,
+        base: f64,
+        with_slopes: bool,
+        work: &mut Workspace,
+    ) -> bool {
         let free = self.controls - 2;
         for _ in 0..10 * free + 50 {
-            let Some((entering, violation)) = self.most_violated(work) else {
+            let Some((entering, violation)) = self.most_violated(demand, base, with_slopes, work)
+            else {
                 return true;
             };
             // The entering row in terms of the basis.
             work.pivot_row.clear();
             for column in work.basis.inverse.chunks_exact(free) {
-                work.pivot_row.push(if entering < self.rows.len() {
-                    self.free_weights(entering)
-                        .map(|(j, w)| w * column[j])
-                        .sum()
-                } else {
-                    column[entering - self.rows.len()]
-                });
+                work.pivot_row.push(self.times(entering, column));
             }
             let leaving = (0..free)
                 .filter(|&i| work.pivot_row[i] > PIVOT)
@@ -288,15 +337,15 @@ impl LowestSpline {
 
 /// One pivot: constraint `entering`, violated by so much, replaces the active one at
 /// `leaving`.
-fn exchange(work: &mut Workspace, leaving: usize, entering: usize, violation: f64) {
-    let free = work.x.len();
+fn exchange(work: &mut Workspace, leaving: usize, entering: Constraint, violation: f64) {
+    let free = work.dual.len();
     let pivot = work.pivot_row[leaving];
     let ratio = work.dual[leaving] / pivot;
     let (before, rest) = work.basis.inverse.split_at_mut(leaving * free);
     let (column, after) = rest.split_at_mut(free);
     column.iter_mut().for_each(|m| *m /= pivot);
-    for (x, m) in work.x.iter_mut().zip(column.iter()) {
-        *x += violation * m;
+    for (z, m) in work.z[1..].iter_mut().zip(column.iter()) {
+        *z += violation * m;
     }
     let others = before.chunks_exact_mut(free).enumerate().chain(
         after
@@ -332,24 +381,44 @@ mod tests {
             .collect()
     }
 
-    fn solve(rows: &[Row], floor: &[f64], weights: &[f64], ends: (f64, f64)) -> Vec<f64> {
-        let controls = rows.last().expect("rows").0 + 4;
-        let mut z = vec![0.0; controls];
-        (z[0], z[controls - 1]) = ends;
-        LowestSpline::new(rows.to_vec(), controls).solve(
-            floor,
-            weights,
-            &mut z,
-            &mut Workspace::default(),
-        );
+    /// Ten control points over 101 samples.
+    fn solve(floor: &[f64], weights: &[f64], ends: (f64, f64), step_m: f64) -> Vec<f64> {
+        let rows = rows(10, 101);
+        let mut z = vec![0.0; 10];
+        (z[0], z[9]) = ends;
+        let demand = Demand {
+            floor_m: floor.to_vec(),
+            up_m: vec![step_m; 100],
+            down_m: vec![step_m; 100],
+            weights: weights.to_vec(),
+        };
+        LowestSpline::new(rows, 10).solve(&demand, &mut z, &mut Workspace::default());
         z
     }
 
     #[test]
     fn over_a_flat_floor_the_path_is_flat() {
-        let rows = rows(10, 101);
-        let z = solve(&rows, &[460.0; 101], &[1.0; 101], (460.0, 460.0));
+        let z = solve(&[460.0; 101], &[1.0; 101], (460.0, 460.0), 1.0);
         assert!(z.iter().all(|z| (z - 460.0).abs() < 1e-3), "{z:?}");
+    }
+
+    #[test]
+    fn slopes_are_kept_where_they_can_be_and_given_up_where_not() {
+        let rows = rows(10, 101);
+        let mut floor = vec![100.0; 101];
+        floor[50] = 300.0;
+        let peak = |step_m| solve(&floor, &[1.0; 101], (100.0, 100.0), step_m);
+        let steepest = |z: &[f64]| {
+            altitudes(&rows, z)
+                .windows(2)
+                .map(|pair| (pair[1] - pair[0]).abs())
+                .fold(0.0, f64::max)
+        };
+        let free = peak(f64::INFINITY);
+        let limit = 0.8 * steepest(&free);
+        assert!((steepest(&peak(limit)) - limit).abs() < 1e-3);
+        // 200 m up in 50 steps of 3 m: no.
+        assert_eq!(free, peak(3.0));
     }
 
     proptest! {
@@ -367,7 +436,7 @@ mod tests {
                     .map(|(at, height, width)| height * (-((u - at) / width).powi(2)).exp())
                     .sum::<f64>()
             }).collect();
-            let z = solve(&rows, &floor, &speeds, (floor[0] + 20.0, floor[100] + 20.0));
+            let z = solve(&floor, &speeds, (floor[0] + 20.0, floor[100] + 20.0), f64::INFINITY);
             let lowest = LowestSpline::new(rows.clone(), 10);
             let height = |z: &[f64]| -> f64 {
                 altitudes(&rows, z).iter().zip(&speeds).map(|(a, w)| a * w).sum()
@@ -378,7 +447,7 @@ mod tests {
                     .map(|((a, h), _)| h - a)
                     .fold(f64::NEG_INFINITY, f64::max)
             };
-            prop_assert!(short_by(&z) < 1e-3);
+            prop_assert!(short_by(&z) < 1e-5);
             for change in &moves {
                 let mut other = z.clone();
                 for (value, change) in other[1..9].iter_mut().zip(change) {
@@ -387,17 +456,16 @@ mod tests {
                 // Lifted as far as it is short: feasible.
                 let lift = short_by(&other).max(0.0) / (1.0 - END_WEIGHT);
                 other[1..9].iter_mut().for_each(|value| *value += lift);
-                prop_assert!(height(&other) >= height(&z) - 0.1, "{} < {}", height(&other), height(&z));
+                prop_assert!(height(&other) >= height(&z) - 1e-3, "{} < {}", height(&other), height(&z));
             }
         }
 
         #[test]
         fn the_fallback_clears_the_floor(floor in prop::collection::vec(0.0..500.0_f64, 101)) {
             let rows = rows(10, 101);
-            let lowest = LowestSpline::new(rows.clone(), 10);
             let mut z = vec![500.0; 10];
-            lowest.lift(&floor, &mut z);
-            for ((altitude, h), _) in altitudes(&rows, &z).iter().zip(&floor).zip(0..) {
+            LowestSpline::new(rows.clone(), 10).lift(&floor, &mut z);
+            for (altitude, h) in altitudes(&rows, &z).iter().zip(&floor) {
                 prop_assert!(*altitude >= h - 1e-9);
             }
         }

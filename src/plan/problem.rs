@@ -2,7 +2,7 @@
 
 use super::course::Course;
 use super::floor::FloorMaker;
-use super::lowest::{LowestSpline, Row, Workspace};
+use super::lowest::{Demand, LowestSpline, Row, Workspace};
 use crate::cost::{Controls, CostModel, Margins, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::Basis;
@@ -113,9 +113,8 @@ pub(super) struct Room {
     spline: Spline,
     east_m: Vec<f64>,
     north_m: Vec<f64>,
-    floor_m: Vec<f64>,
+    demand: Demand,
     lengths_m: Vec<f64>,
-    weights: Vec<f64>,
     lowest: Workspace,
     scratch: Scratch,
 }
@@ -130,7 +129,7 @@ impl<'a> Sampled<'a> {
         Self {
             lowest: LowestSpline::new(rows, controls),
             model: course.model(margins, parameters),
-            floor: course.floor(BETWEEN_SAMPLES_M),
+            floor: course.floor(BETWEEN_SAMPLES_M, margins.climb_fraction),
             even: course.spec.planner.objective == Objective::Paper,
             from: course.leg.from,
             to: course.leg.to,
@@ -163,24 +162,21 @@ impl<'a> Sampled<'a> {
             &room.east_m,
             &room.north_m,
             (self.from.amsl.0, self.to.amsl.0),
-            &mut room.floor_m,
+            &mut room.demand,
             &mut room.lengths_m,
         );
-        room.weights.clear();
+        let weights = &mut room.demand.weights;
+        weights.clear();
         if self.even {
-            room.weights.resize(samples, 1.0);
+            weights.resize(samples, 1.0);
         } else {
             let length = |k: usize| room.lengths_m.get(k).copied().unwrap_or(0.0);
-            room.weights.extend(
+            weights.extend(
                 (0..samples).map(|k| 0.5 * (length(k) + if k > 0 { length(k - 1) } else { 0.0 })),
             );
         }
-        self.lowest.solve(
-            &room.floor_m,
-            &room.weights,
-            &mut spline.amsl_m,
-            &mut room.lowest,
-        );
+        self.lowest
+            .solve(&room.demand, &mut spline.amsl_m, &mut room.lowest);
     }
 
     /// The decoded spline of free control points in the plane.
