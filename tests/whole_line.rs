@@ -231,7 +231,7 @@ fn a_waypoint_moved_into_a_threat_is_found() {
     let threat = threat.unwrap_or_else(|| panic!("no threat among {failed:?}"));
     assert!(names_a_place(threat), "{threat}");
     assert_eq!(threat["vehicle"], **id);
-    let item = threat["at"]["item"].as_u64().unwrap() as usize;
+    let item = usize::try_from(threat["at"]["item"].as_u64().unwrap()).unwrap();
     assert!(
         (row..=row + 1).contains(&item),
         "item {item} is not beside the moved row {row}"
