@@ -29,7 +29,7 @@ fn bends() -> impl Strategy<Value = (f64, f64, f64, Vec<Bend>)> {
     (
         -1500.0..1500.0,
         -1500.0..1500.0,
-        0.0..6.28,
+        0.0..std::f64::consts::TAU,
         prop::collection::vec(bend, 2..6),
     )
 }
@@ -256,7 +256,7 @@ fn rough() -> Terrain {
         for column in 0..columns {
             let (x, y) = (f64::from(column), f64::from(row));
             let wave = (x * 0.13).sin() * 50.0 + (y * 0.17 + x * 0.05).sin() * 40.0;
-            let noise = (x * 12.9898 + y * 78.233).sin() * 43_758.5453;
+            let noise = (x * 12.9898 + y * 78.233).sin() * 43_758.545_3;
             #[expect(clippy::cast_possible_truncation, reason = "grids are float32")]
             heights_m.push((450.0 + wave + 25.0 * (noise - noise.floor())) as f32);
         }
@@ -362,13 +362,14 @@ fn compare_in_time(
     let review = review(&spec, &world, &[(0, &missions[0]), (1, &missions[1])]);
     let tracks = [&first, &second].map(|points| timed(points, &frame, ground_m, EVERY_S));
     let mut found_m = f64::INFINITY;
-    let mut shift = 0_usize;
-    while shift as f64 * EVERY_S <= slack_s {
+    let (mut shift, mut shift_s) = (0_usize, 0.0);
+    while shift_s <= slack_s {
         for (early, late) in [(&tracks[0], &tracks[1]), (&tracks[1], &tracks[0])] {
             let pairs = early.iter().skip(shift).zip(late);
             found_m = found_m.min(least(pairs.map(|(a, b)| a.distance_m(*b))));
         }
         shift += 1;
+        shift_s += EVERY_S;
     }
     // Both move at most 15 m/s across and 5 up, and meet at most half a step from a sample.
     agree(
