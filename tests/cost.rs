@@ -240,7 +240,10 @@ fn a_clean_straight_path_costs_its_length_and_its_height_above_the_minimum() {
 static ROUGH: LazyLock<(MissionSpec, World, Vec<Flight>)> = LazyLock::new(|| {
     let spec = rough_spec();
     let world = world(&spec);
-    let earlier = vec![first_flight(&spec, &world)];
+    let mut staying = spec.clone();
+    staying.vehicles[0].finish = Finish::Loiter;
+    staying.vehicles[0].depart_s = 300.0;
+    let earlier = vec![first_flight(&spec, &world), first_flight(&staying, &world)];
     (spec, world, earlier)
 });
 
@@ -261,9 +264,13 @@ proptest! {
     #[test]
     fn the_fast_total_is_the_reference_to_the_bit_and_a_cutoff_decides_alike(
         moves in prop_oneof![moves(300.0), moves(6000.0)], share in 0.01..1.5_f64,
-        samples in 2_usize..160, objective in objective()
+        samples in 2_usize..160, objective in objective(), vertical_m in prop::option::of(10.0..300.0_f64)
     ) {
-        let (model, leg) = rough(objective, samples);
+        let (spec, world, earlier) = &*ROUGH;
+        let mut spec = spec.clone();
+        spec.planner.objective = objective;
+        spec.separation.vertical_m = vertical_m;
+        let (model, leg) = model(&spec, world, earlier, samples);
         let path = Path::moved(&leg, &moves);
         let mut scratch = Scratch::default();
         let exact = model.terms(&path.controls()).total();

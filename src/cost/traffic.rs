@@ -18,6 +18,8 @@ pub(super) struct Traffic {
     vertical_m: Option<f64>,
     slack_s: f64,
     motions: Vec<Motion>,
+    /// Balls around the motions.
+    balls: Vec<Ball>,
     grid: Grid,
     /// `motions` of cell `c` are `members[starts[c]..starts[c + 1]]`.
     starts: Vec<u32>,
@@ -48,6 +50,39 @@ impl Severity {
         let is_worse =
             other.value > self.value || (other.value >= self.value && other.t_s < self.t_s);
         if is_worse { other } else { self }
+    }
+}
+
+/// A ball that holds a motion.
+#[derive(Clone, Copy, Debug)]
+struct Ball {
+    center_m: [f64; 3],
+    radius_m: f64,
+}
+
+impl Ball {
+    fn around(motion: &Motion) -> Self {
+        let duration_s = motion.t1_s - motion.t0_s;
+        let half_s = if duration_s.is_finite() {
+            0.5 * duration_s
+        } else {
+            0.0
+        };
+        let speed_sq: f64 = motion.velocity_mps.iter().map(|v| v * v).sum();
+        Self {
+            center_m: motion.at(motion.t0_s + half_s),
+            radius_m: speed_sq.sqrt() * half_s,
+        }
+    }
+
+    /// Whether two balls are further apart than `reach_m`, by more than rounding.
+    fn is_apart(&self, other: &Self, reach_m: f64) -> bool {
+        let gap_sq: f64 = (0..3)
+            .map(|axis| self.center_m[axis] - other.center_m[axis])
+            .map(|gap| gap * gap)
+            .sum();
+        let touch_m = self.radius_m + other.radius_m + reach_m + 1e-6;
+        gap_sq > touch_m * touch_m
     }
 }
 
@@ -89,6 +124,7 @@ impl Traffic {
                 .map(|vertical_m| vertical_m + margins.separation_m),
             slack_s: separation.time_slack_s,
             grid: Grid::over(&motions, separation),
+            balls: motions.iter().map(Ball::around).collect(),
             motions,
             starts: Vec::new(),
             members: Vec::new(),
@@ -110,9 +146,9 @@ impl Traffic {
     /// The same by looking at every motion.
     pub(super) fn mean_severity_by_all(&self, own: &Motion) -> f64 {
         mean(own, |own| {
-            self.motions
-                .iter()
-                .map(|other| self.severity_of(own, other))
+            let ball = Ball::around(own);
+            (0..self.motions.len())
+                .map(|other| self.severity_of(own, &ball, other))
                 .fold(Severity::default(), Severity::worse)
         })
     }
@@ -132,6 +168,7 @@ impl Traffic {
 
     fn severity(&self, own: &Motion) -> Severity {
         let cells = self.grid.cells_of(&extent(own, 0.0, 0.0));
+        let ball = Ball::around(own);
         let mut worst = Severity::default();
         for time in cells[0].0..=cells[0].1 {
             for east in cells[1].0..=cells[1].1 {
@@ -139,7 +176,7 @@ impl Traffic {
                     let cell = self.grid.index([time, east, north]);
                     let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
                     for &member in &self.members[members] {
-                        worst = worst.worse(self.severity_of(own, &self.motions[member as usize]));
+                        worst = worst.worse(self.severity_of(own, &ball, member as usize));
                     }
                 }
             }
@@ -147,7 +184,12 @@ impl Traffic {
         worst
     }
 
-    fn severity_of(&self, own: &Motion, other: &Motion) -> Severity {
+    fn severity_of(&self, own: &Motion, ball: &Ball, other: usize) -> Severity {
+        let reach_m = self.distance_m.hypot(self.vertical_m.unwrap_or(0.0));
+        if ball.is_apart(&self.balls[other], reach_m) {
+            return Severity::default();
+        }
+        let other = &self.motions[other];
         let near = match self.vertical_m {
             None => closest_approach(own, other, self.slack_s).map(|near| Approach {
                 value: near.value / self.distance_m,
