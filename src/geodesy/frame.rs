@@ -21,6 +21,9 @@ const FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// First eccentricity squared, `e^2 = f (2 - f)`.
 const ECCENTRICITY_SQ: f64 = FLATTENING * (2.0 - FLATTENING);
 
+/// Longest straight piece of an edge in planning coordinates.
+const EDGE_PIECE_M: f64 = 5000.0;
+
 /// A place on the earth, WGS84, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LatLon {
@@ -209,13 +212,31 @@ impl LocalFrame {
     }
 
     /// The polygon of these corners in planning coordinates (x east, y north, metres).
+    ///
+    /// Edges are straight in latitude and longitude, as autopilots test fences. In
+    /// the plane such an edge bends by `d^2 tan(lat) / 8 R`, 9 m over 25 km at 36
+    /// degrees, so it is drawn in pieces of at most [`EDGE_PIECE_M`] (0.4 m).
     #[must_use]
     pub fn outline(&self, corners: &[LatLon]) -> Polygon<f64> {
+        let next = corners.iter().cycle().skip(1);
         let ring: Vec<(f64, f64)> = corners
             .iter()
-            .map(|corner| {
-                let plan = self.to_plan(*corner);
-                (plan.east_m, plan.north_m)
+            .zip(next)
+            .flat_map(|(&from, &to)| {
+                let mut pieces = 1_u32;
+                while pieces < 1000 && from.chord_m(to) > f64::from(pieces) * EDGE_PIECE_M {
+                    pieces += 1;
+                }
+                (0..pieces).map(move |piece| {
+                    let share = f64::from(piece) / f64::from(pieces);
+                    let between = |a: f64, b: f64| a + (b - a) * share;
+                    let place = LatLon {
+                        lat_deg: between(from.lat_deg, to.lat_deg),
+                        lon_deg: between(from.lon_deg, to.lon_deg),
+                    };
+                    let plan = self.to_plan(place);
+                    (plan.east_m, plan.north_m)
+                })
             })
             .collect();
         Polygon::new(LineString::from(ring), Vec::new())

@@ -3,7 +3,7 @@
 //! Names as in ArduCopter 4.6 (centimetres) and PX4 1.16 to 1.18 (metres).
 
 use super::item::Parameter;
-use crate::path::VehicleLimits;
+use crate::path::{SLOW_LANDING_M, VehicleLimits, slow_landing_mps};
 use crate::spec::{Autopilot, MissionOptions, Vehicle};
 
 /// Turn radius of a vehicle at its planned speed, metres.
@@ -74,12 +74,12 @@ fn ardupilot(
     );
     list.add(
         "LAND_ALT_LOW",
-        1000.0,
+        SLOW_LANDING_M * 100.0,
         "height of the slow end of a landing, cm",
     );
     list.add(
         "LAND_SPEED",
-        50.0,
+        slow_landing_mps(vehicle.autopilot) * 100.0,
         "speed of the slow end of a landing, cm/s",
     );
     if vehicle.depart_s > 0.0 {
@@ -147,7 +147,11 @@ fn px4(
         vehicle.climb_mps,
         "planned climb at takeoff",
     );
-    list.add("MPC_LAND_SPEED", 0.7, "speed of the slow end of a landing");
+    list.add(
+        "MPC_LAND_SPEED",
+        slow_landing_mps(vehicle.autopilot),
+        "speed of the slow end of a landing",
+    );
     list.add(
         ACCEPTANCE_RADIUS,
         corner_cut_m(options),

@@ -1,8 +1,10 @@
 //! From control points to a sampled, timed path.
 
+mod landing;
 mod limits;
 mod timeline;
 
+pub use landing::{SLOW_LANDING_M, slow_landing_mps};
 pub use limits::{GRAVITY_MPS2, SlopeLimit, VehicleLimits};
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route};
 

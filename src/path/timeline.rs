@@ -6,7 +6,7 @@
 
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
-use crate::path::TimedPoint;
+use crate::path::{SLOW_LANDING_M, TimedPoint, slow_landing_mps};
 use crate::spec::{Finish, Vehicle};
 use crate::world::Stations;
 
@@ -79,8 +79,8 @@ pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>])
                 t_s: f64::INFINITY,
                 ..last
             }),
-            Finish::Land => climb_to(&mut points, stations.goal_ground, vehicle),
-            Finish::Return => climb_to(&mut points, stations.home.amsl, vehicle),
+            Finish::Land => land(&mut points, stations.goal_ground, vehicle),
+            Finish::Return => land(&mut points, stations.home.amsl, vehicle),
         }
     }
     Flight {
@@ -112,7 +112,7 @@ fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, stations: &Stations
         point: stations.home,
         t_s: vehicle.depart_s,
     });
-    climb_to(points, stations.start.amsl, vehicle);
+    lift(points, stations.start.amsl, vehicle.climb_mps);
     let over_home = PlanPoint {
         at: stations.home.at,
         amsl: stations.start.amsl,
@@ -122,23 +122,30 @@ fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, stations: &Stations
     }
 }
 
-/// Vertically to another altitude.
-fn climb_to(points: &mut Vec<TimedPoint>, amsl: Amsl, vehicle: &Vehicle) {
+/// Vertically to the ground, the last metres slowly.
+fn land(points: &mut Vec<TimedPoint>, ground: Amsl, vehicle: &Vehicle) {
+    let slow_from = Amsl(ground.0 + SLOW_LANDING_M);
+    if points
+        .last()
+        .is_some_and(|last| last.point.amsl > slow_from)
+    {
+        lift(points, slow_from, vehicle.descent_mps);
+    }
+    let slow_mps = slow_landing_mps(vehicle.autopilot).min(vehicle.descent_mps);
+    lift(points, ground, slow_mps);
+}
+
+/// Vertically to another altitude at constant speed.
+fn lift(points: &mut Vec<TimedPoint>, amsl: Amsl, speed_mps: f64) {
     let Some(&last) = points.last() else {
         return;
-    };
-    let rise_m = amsl.0 - last.point.amsl.0;
-    let duration_s = if rise_m > 0.0 {
-        rise_m / vehicle.climb_mps
-    } else {
-        -rise_m / vehicle.descent_mps
     };
     points.push(TimedPoint {
         point: PlanPoint {
             at: last.point.at,
             amsl,
         },
-        t_s: last.t_s + duration_s,
+        t_s: last.t_s + (amsl.0 - last.point.amsl.0).abs() / speed_mps,
     });
 }
 

@@ -2,6 +2,7 @@
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::VehicleMission;
+use crate::path::{SLOW_LANDING_M, slow_landing_mps};
 use crate::spec::{Autopilot, Vehicle};
 use crate::world::{Stations, World};
 
@@ -13,8 +14,6 @@ use super::ribbon::Ribbon;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
 const SAME_PLACE_M: f64 = 0.025;
-/// Below this the landing is slow: LAND_ALT_LOW, MPC_LAND_ALT1, metres.
-const SLOW_LANDING_M: f64 = 10.0;
 /// Places further from the origin than this are beyond the local frame.
 const REACH_M: f64 = 500_000.0;
 
@@ -261,10 +260,7 @@ impl Pilot<'_> {
     fn touch_down(&mut self, row: usize) -> Result<(), Unknown> {
         let at = self.last().at;
         let ground_m = self.ribbon.ground_m(row, self.world.frame.from_plan(at))?;
-        let slow_mps = match self.vehicle.autopilot {
-            Autopilot::ArduPilot => 0.5,
-            Autopilot::Px4 => 0.7,
-        };
+        let slow_mps = slow_landing_mps(self.vehicle.autopilot);
         let descent_mps = self.vehicle.descent_mps;
         let slow_m = ground_m + SLOW_LANDING_M;
         if self.last().amsl_m > slow_m {
