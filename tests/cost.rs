@@ -557,3 +557,14 @@ fn one_that_loiters_is_in_the_way_for_ever_and_what_follows_the_route_counts() {
     spec.vehicles[1].finish = Finish::Loiter;
     assert!(collision_of(&spec, 101) > 0.0);
 }
+
+#[test]
+fn a_copter_turns_no_tighter_than_its_load_factor_and_its_acceleration_allow() {
+    let mut vehicle = copter("alpha", 1, WEST, EAST);
+    let radius_m =
+        |vehicle: &sortie::spec::Vehicle| sortie::path::VehicleLimits::of(vehicle).turn_radius_m;
+    // 15 m/s: 225 / 2.5 by acceleration, 225 / (9.80665 * sqrt(0.44)) = 34.59 by load.
+    assert!((radius_m(&vehicle) - 90.0).abs() < 1e-9);
+    vehicle.accel_mps2 = 10.0;
+    assert!((radius_m(&vehicle) - 34.59).abs() < 0.01);
+}
