@@ -284,12 +284,12 @@ mod tests {
     fn a_flight_climbs_goes_to_the_start_flies_the_route_and_lands() {
         let (vehicle, stations) = (vehicle(Finish::Land), stations());
         let flight = flight(&vehicle, &stations, &[route()]);
-        // 80 m up at 4 m/s, 100 m and 1000 m at 10 m/s with one ramp of 5 s each, 70 m down at 2 m/s and 10 m at 0.5 m/s.
+        // 80 m up at 4 m/s, 100 m and 1000 m at 10 m/s with one ramp of 5 s each, 70 m down at 2 m/s and 10 m at 0.7 m/s.
         let start_s = 30.0 + 20.0 + 15.0;
         assert!((flight.route_starts_s[0] - start_s).abs() < 1e-9);
         assert!((route_start_s(&vehicle, &stations) - start_s).abs() < 1e-9);
         let last = flight.points.last().unwrap();
-        assert!((last.t_s - (start_s + 105.0 + 35.0 + 20.0)).abs() < 1e-9);
+        assert!((last.t_s - (start_s + 105.0 + 35.0 + 10.0 / 0.7)).abs() < 1e-9);
         assert!((last.point.amsl.0 - 120.0).abs() < 1e-9);
         assert!(!flight.loiters);
         assert!(
@@ -326,7 +326,7 @@ mod tests {
         assert_eq!(returns.route_starts_s.len(), 2);
         let last = returns.points.last().unwrap();
         assert_eq!(last.point, stations.home);
-        assert!((last.t_s - (65.0 + 105.0 + 115.0 + 70.0 + 20.0)).abs() < 1e-9);
+        assert!((last.t_s - (65.0 + 105.0 + 115.0 + 70.0 + 10.0 / 0.7)).abs() < 1e-9);
     }
 
     #[test]
