@@ -71,11 +71,9 @@ impl<'a> Course<'a> {
     pub(super) fn floor(&self, above_m: f64, climb_fraction: f64) -> FloorMaker<'a> {
         /// Keeps rounding from turning a limit that is met into one that is broken.
         const HAIR: f64 = 1e-3;
-        let over_m = self.margins.clearance_m + above_m;
         FloorMaker::new(
             self.world,
-            self.world.min_agl.0 + over_m,
-            over_m,
+            self.margins.clearance_m + above_m,
             Slopes::new(
                 VehicleLimits::of(self.vehicle()),
                 1.0 - climb_fraction - HAIR,

@@ -34,33 +34,28 @@ impl Slopes {
 /// What the floor is made of.
 pub(super) struct FloorMaker<'a> {
     world: &'a World,
-    /// Kept above ground, metres.
-    clearance_m: f64,
+    /// Kept above ground beyond the minimum, metres.
+    over_m: f64,
     /// Zones that can be flown over: box, outline, and what is closed below.
     zones: Vec<(Rect<f64>, &'a Polygon<f64>, f64)>,
     slopes: Slopes,
 }
 
 impl<'a> FloorMaker<'a> {
-    /// Keeps `clearance_m` above ground, and `over_zone_m` above zones.
-    pub(super) fn new(
-        world: &'a World,
-        clearance_m: f64,
-        over_zone_m: f64,
-        slopes: Slopes,
-    ) -> Self {
+    /// Keeps `over_m` more than the minimum above ground, and as much above zones.
+    pub(super) fn new(world: &'a World, over_m: f64, slopes: Slopes) -> Self {
         let zones = world
             .zones
             .iter()
             .filter_map(|zone| {
-                let below_m = zone.below?.0 + over_zone_m;
+                let below_m = zone.below?.0 + over_m;
                 let rect = zone.outline.bounding_rect()?;
                 (below_m <= world.max_amsl.0).then_some((rect, &zone.outline, below_m))
             })
             .collect();
         Self {
             world,
-            clearance_m,
+            over_m,
             zones,
             slopes,
         }
@@ -81,8 +76,17 @@ impl<'a> FloorMaker<'a> {
         lengths_m.clear();
         let mut known_m = ends_m.0;
         let mut highest_m = ends_m.0.max(ends_m.1);
+        let last = east_m.len() - 1;
+        let kept_m = |k: usize, end_m: f64| {
+            let kept_m = end_m - self.least_m(east_m[k], north_m[k]);
+            kept_m.clamp(0.0, self.over_m.max(0.0))
+        };
+        let (from_m, to_m) = (kept_m(0, ends_m.0), kept_m(last, ends_m.1));
         for (k, (&east, &north)) in east_m.iter().zip(north_m).enumerate() {
-            let raw_m = self.raw_m(east, north);
+            let over_m = self
+                .ramp(from_m, k, last)
+                .min(self.ramp(to_m, last - k, last));
+            let raw_m = self.raw_m(east, north, over_m);
             // Over a void the objective judges; the floor just goes on.
             if !raw_m.is_nan() {
                 known_m = raw_m;
@@ -102,9 +106,23 @@ impl<'a> FloorMaker<'a> {
         raise(ends_m, demand);
     }
 
-    fn raw_m(&self, east_m: f64, north_m: f64) -> f64 {
-        let ground_m = self.world.ground.height_m(EastNorth { east_m, north_m });
-        let mut floor_m = ground_m + self.clearance_m;
+    /// The least altitude over the ground.
+    fn least_m(&self, east_m: f64, north_m: f64) -> f64 {
+        let at = EastNorth { east_m, north_m };
+        self.world.ground.height_m(at) + self.world.min_agl.0
+    }
+
+    /// What is kept beyond the minimum, so many samples from an end that keeps `end_m`: it
+    /// grows to the full over a twentieth of the path, as it does in the objective. A path
+    /// that begins at the minimum would else have to leap.
+    fn ramp(&self, end_m: f64, samples: usize, all: usize) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "thousands of samples")]
+        let share = (20.0 * samples as f64 / all.max(1) as f64).min(1.0);
+        end_m + (self.over_m - end_m) * share
+    }
+
+    fn raw_m(&self, east_m: f64, north_m: f64, over_m: f64) -> f64 {
+        let mut floor_m = self.least_m(east_m, north_m) + over_m;
         for (rect, outline, below_m) in &self.zones {
             let at = Point::new(east_m, north_m);
             if rect.contains(&at) && outline.contains(&at) {

@@ -9,6 +9,7 @@ mod fit;
 mod fleet;
 mod floor;
 mod lowest;
+mod obstacles;
 mod problem;
 mod search;
 mod starts;

@@ -6,10 +6,11 @@ use std::collections::BTreeMap;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::classes::{Guide, Obstacles, guides};
+use super::classes::{Guide, guides};
 use super::course::Course;
 use super::field::{Field, Grid, Reading, Relief};
 use super::fit::{Fitter, Line, Warp};
+use super::obstacles::Obstacles;
 use super::problem::Horizontal;
 use crate::geodesy::EastNorth;
 use crate::optimize::{Evaluator, Start};
