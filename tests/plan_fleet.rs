@@ -369,3 +369,23 @@ proptest! {
         prop_assert!(vehicle.routes[0].path.iter().all(|p| p.point.at.distance_m(origin) < 40_000.0));
     }
 }
+
+#[test]
+fn the_fewest_and_the_most_control_points_plan() {
+    for (control_points, samples) in [(2, 11), (30, 11), (30, 201)] {
+        let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+        spec.threats = vec![threat("radar-1", place(36.302, -84.25), 2000.0)];
+        spec.planner.control_points = control_points;
+        spec.planner.samples = samples;
+        spec.planner.evaluations = 1000;
+        let (_, plan) = plan(&spec);
+        let vehicle = &plan.vehicles[0];
+        assert_eq!(vehicle.routes[0].control_points.len(), control_points + 2);
+        assert!(vehicle.terms.total().is_finite());
+        assert!(
+            vehicle.terms.total() < 2.0 * vehicle.bound,
+            "{:?}",
+            vehicle.terms
+        );
+    }
+}

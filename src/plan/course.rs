@@ -39,6 +39,16 @@ impl<'a> Course<'a> {
         self.spec.planner.control_points + 2
     }
 
+    /// Samples of the search: those of the spec, but not so few that a spline could hide
+    /// its bends between them. The paper's sums depend on their number, which so stays.
+    pub(super) fn samples(&self) -> usize {
+        let planner = &self.spec.planner;
+        match planner.objective {
+            Objective::Operational => planner.samples.max(3 * self.controls()),
+            Objective::Paper => planner.samples,
+        }
+    }
+
     /// Even parameters and the extra ones, in order.
     pub(super) fn parameters(&self, samples: usize) -> Vec<f64> {
         let mut parameters = uniform_parameters(samples);

@@ -71,7 +71,7 @@ fn swarms(
     watch: &(dyn Fn(TracePoint) + Sync),
 ) -> (Vec<Spline>, usize) {
     let planner = &course.spec.planner;
-    let parameters = course.parameters(planner.samples);
+    let parameters = course.parameters(course.samples());
     let problem = Horizontal {
         sampled: Sampled::new(course, searched(course.margins), &parameters),
         frame: course.frame(),
@@ -160,7 +160,7 @@ fn letter(
         .fold(f32::INFINITY, f32::min);
     let top_m = course.world.max_amsl.0;
     let problem = Spatial {
-        sampled: Sampled::new(course, course.margins, &course.parameters(planner.samples)),
+        sampled: Sampled::new(course, course.margins, &course.parameters(course.samples())),
         frame: course.frame(),
         amsl_m: (f64::from(ground_m).min(top_m), top_m),
     };
