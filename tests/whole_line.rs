@@ -244,9 +244,17 @@ fn a_waypoint_moved_under_the_ridge_is_found() {
     let folder = planned.copies();
     let id = &ids(&planned.json("plan.json"))[0];
     let file = folder.path().join(format!("{id}.waypoints"));
-    let (row, _, _, amsl_m) = *waypoints(&file)
+    // Where the clearance is least, the ground is near.
+    let written = planned.json("review.json");
+    let margins = written["margins"].as_array().unwrap();
+    let least = margins
         .iter()
-        .max_by(|a, b| a.3.total_cmp(&b.3))
+        .find(|m| m["vehicle"] == **id && m["what"] == "terrain clearance");
+    let near = usize::try_from(least.unwrap()["at"]["item"].as_u64().unwrap()).unwrap();
+    let route = waypoints(&file);
+    let (row, _, _, amsl_m) = *route
+        .iter()
+        .min_by_key(|(row, ..)| row.abs_diff(near))
         .unwrap();
     edit(&file, row, &[(10, format!("{}", amsl_m - 150.0))]);
     let failed = failures(&review(folder.path(), "waypoints"));
@@ -256,6 +264,11 @@ fn a_waypoint_moved_under_the_ridge_is_found() {
     let clearance = clearance.unwrap_or_else(|| panic!("no clearance among {failed:?}"));
     assert!(names_a_place(clearance), "{clearance}");
     assert!(clearance["value"].as_f64().unwrap() < clearance["limit"].as_f64().unwrap());
+    let item = usize::try_from(clearance["at"]["item"].as_u64().unwrap()).unwrap();
+    assert!(
+        item.abs_diff(row) <= 1,
+        "item {item} is not beside the moved row {row}"
+    );
 }
 
 #[test]

@@ -172,41 +172,50 @@ fn part_below(segment: &Segment, below_m: f64) -> Option<(f64, f64)> {
     }
 }
 
-/// For a convex quadrilateral that is nearly upright, as areas are: the box
-/// between its inner edges; `None` where that box would not lie inside.
+/// A large box inside the ring: its bounding box, shrunk about the middle until no
+/// edge reaches in. `None` where the middle is outside or hardly anything is left.
 fn inner_box(ring: &Ring) -> Option<(Point, Point)> {
-    let corners = ring.corners();
-    if corners.len() != 4 || !is_convex(corners) {
-        return None;
-    }
-    let middle = |axis: usize| {
-        let mut values: Vec<f64> = corners.iter().map(|corner| corner[axis]).collect();
-        values.sort_unstable_by(f64::total_cmp);
-        (values[1], values[2])
+    let (low, high) = ring.bounds();
+    let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+    let shrunk = |share: f64| {
+        let corner = |axis: usize, end: f64| middle[axis] + share * (end - middle[axis]);
+        (
+            [corner(0, low[0]), corner(1, low[1])],
+            [corner(0, high[0]), corner(1, high[1])],
+        )
     };
-    let (east, north) = (middle(0), middle(1));
-    // A hair within, so that the edge itself gets the exact treatment.
-    let hair = 1e-6;
-    let (low, high) = (
-        [east.0 + hair, north.0 + hair],
-        [east.1 - hair, north.1 - hair],
-    );
-    let all_inside = [low, [high[0], low[1]], high, [low[0], high[1]]]
-        .iter()
-        .all(|corner| ring.contains(*corner));
-    (low[0] < high[0] && low[1] < high[1] && all_inside).then_some((low, high))
+    let holds = |share: f64| {
+        let (low, high) = shrunk(share);
+        !ring.edges().any(|(a, b)| crosses_box(a, b, low, high))
+    };
+    // Bisection between a box that fits and one that does not.
+    let (mut fits, mut too_large) = (0.0, 1.0);
+    for _ in 0..20 {
+        let share = 0.5 * (fits + too_large);
+        if holds(share) {
+            fits = share
+        } else {
+            too_large = share
+        }
+    }
+    (fits > 0.1 && ring.contains(middle)).then(|| shrunk(fits))
 }
 
-fn is_convex(corners: &[Point]) -> bool {
-    let count = corners.len();
-    (0..count).all(|i| {
-        let (a, b, c) = (
-            corners[i],
-            corners[(i + 1) % count],
-            corners[(i + 2) % count],
-        );
-        (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) > 0.0
-    })
+/// Whether any point of the segment from `a` to `b` lies in the box (Liang and Barsky 1984).
+fn crosses_box(a: Point, b: Point, low: Point, high: Point) -> bool {
+    let (mut enters, mut leaves) = (0.0_f64, 1.0_f64);
+    for axis in 0..2 {
+        let along = b[axis] - a[axis];
+        let (to_low, to_high) = (low[axis] - a[axis], high[axis] - a[axis]);
+        if along.abs() > 0.0 {
+            let (one, other) = (to_low / along, to_high / along);
+            enters = enters.max(one.min(other));
+            leaves = leaves.min(one.max(other));
+        } else if to_low > 0.0 || to_high < 0.0 {
+            return false;
+        }
+    }
+    enters <= leaves
 }
 
 fn ring_of(polygon: &Polygon<f64>) -> Ring {

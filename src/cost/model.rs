@@ -190,8 +190,23 @@ impl CostModel {
     pub fn total(&self, controls: &Controls<'_>, cutoff: f64, scratch: &mut Scratch) -> f64 {
         self.sample(controls, scratch);
         match self.objective {
-            Objective::Operational => operational::total(self, cutoff, scratch),
+            Objective::Operational => operational::terms(self, cutoff, scratch).total(),
             Objective::Paper => self.paper.terms(self, scratch).total(),
+        }
+    }
+
+    /// The same terms as [`Self::terms`], to the bit, by the fast way: for judging at
+    /// many samples.
+    ///
+    /// # Panics
+    /// When a coordinate has fewer than [`Self::control_points`] numbers.
+    #[must_use]
+    pub fn judge(&self, controls: &Controls<'_>) -> CostTerms {
+        let mut scratch = Scratch::default();
+        self.sample(controls, &mut scratch);
+        match self.objective {
+            Objective::Operational => operational::terms(self, f64::INFINITY, &mut scratch),
+            Objective::Paper => self.paper.terms(self, &mut scratch),
         }
     }
 

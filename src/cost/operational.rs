@@ -1,5 +1,6 @@
 //! The operational objective (design, section 4), in one pass over a candidate.
 
+use super::CostTerms;
 use super::hazards::{Segment, Threat};
 use super::model::{CostModel, Scratch};
 use crate::geodesy::Amsl;
@@ -57,8 +58,9 @@ impl Step {
     }
 }
 
-/// Total of the sampled candidate in `scratch`, or a number above `cutoff` if it is above.
-pub(super) fn total(model: &CostModel, cutoff: f64, scratch: &mut Scratch) -> f64 {
+/// Terms of the sampled candidate in `scratch`; once their sum is above `cutoff`,
+/// only so many that it is.
+pub(super) fn terms(model: &CostModel, cutoff: f64, scratch: &mut Scratch) -> CostTerms {
     let mut sums = Sums::default();
     let (segments, substeps) = (model.path.samples - 1, model.path.substeps);
     let mut before = None;
@@ -81,8 +83,8 @@ pub(super) fn total(model: &CostModel, cutoff: f64, scratch: &mut Scratch) -> f6
             before = Some(step);
         }
         add_hazards(model, scratch, (start, end), &mut sums);
-        let so_far = model.weigh(&sums).total();
-        if so_far > cutoff {
+        let so_far = model.weigh(&sums);
+        if so_far.total() > cutoff {
             return so_far;
         }
         start = end;
@@ -90,7 +92,7 @@ pub(super) fn total(model: &CostModel, cutoff: f64, scratch: &mut Scratch) -> f6
     if !model.traffic.is_empty() {
         add_collisions(model, scratch, cutoff, &mut sums);
     }
-    model.weigh(&sums).total()
+    model.weigh(&sums)
 }
 
 impl CostModel {

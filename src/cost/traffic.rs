@@ -8,7 +8,7 @@ use crate::path::Flight;
 use crate::spec::Separation;
 
 /// Cells along time and each side of the plane, at most.
-const MOST_CELLS: [usize; 3] = [128, 32, 32];
+const MOST_CELLS: [usize; 3] = [128, 64, 64];
 
 /// All motions of earlier flights, and which of them may matter in which cell of
 /// time, east and north.
@@ -17,6 +17,8 @@ pub(super) struct Traffic {
     distance_m: f64,
     vertical_m: Option<f64>,
     slack_s: f64,
+    /// Motions further apart than this are in no conflict, metres.
+    reach_m: f64,
     motions: Vec<Motion>,
     /// Balls around the motions.
     balls: Vec<Ball>,
@@ -117,11 +119,14 @@ impl Traffic {
                 Motion::between((pair[0].t_s, place(0)), (pair[1].t_s, place(1)))
             })
             .collect();
+        let distance_m = separation.distance_m + margins.separation_m;
+        let vertical_m = separation
+            .vertical_m
+            .map(|vertical_m| vertical_m + margins.separation_m);
         let mut traffic = Self {
-            distance_m: separation.distance_m + margins.separation_m,
-            vertical_m: separation
-                .vertical_m
-                .map(|vertical_m| vertical_m + margins.separation_m),
+            distance_m,
+            vertical_m,
+            reach_m: distance_m.hypot(vertical_m.unwrap_or(0.0)),
             slack_s: separation.time_slack_s,
             grid: Grid::over(&motions, separation),
             balls: motions.iter().map(Ball::around).collect(),
@@ -185,8 +190,7 @@ impl Traffic {
     }
 
     fn severity_of(&self, own: &Motion, ball: &Ball, other: usize) -> Severity {
-        let reach_m = self.distance_m.hypot(self.vertical_m.unwrap_or(0.0));
-        if ball.is_apart(&self.balls[other], reach_m) {
+        if ball.is_apart(&self.balls[other], self.reach_m) {
             return Severity::default();
         }
         let other = &self.motions[other];

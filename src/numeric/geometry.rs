@@ -74,7 +74,8 @@ pub fn disc_chord(a: Point, b: Point, center: Point, radius: f64) -> Option<Chor
         return None;
     }
     let nearest = (-half / square).clamp(0.0, 1.0);
-    let closest = (from[0] + nearest * along[0]).hypot(from[1] + nearest * along[1]);
+    let gap = [from[0] + nearest * along[0], from[1] + nearest * along[1]];
+    let closest = dot(gap, gap).sqrt();
     Some(Chord {
         fraction: leave - enter,
         closest,
@@ -135,7 +136,8 @@ impl Ring {
             || a[1].min(b[1]) > self.high[1]
     }
 
-    fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
+    /// The edges, counter-clockwise.
+    pub fn edges(&self) -> impl Iterator<Item = (Point, Point)> {
         let next = self.corners.iter().cycle().skip(1);
         self.corners.iter().copied().zip(next.copied())
     }

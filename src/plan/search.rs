@@ -202,10 +202,10 @@ fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
     let strict = course.model(course.margins, &parameters);
     let best = splines
         .into_iter()
-        .map(|spline| (strict.terms(&spline.controls()).total(), spline))
+        .map(|spline| (strict.judge(&spline.controls()).total(), spline))
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map_or_else(|| course.straight(), |(_, spline)| spline);
     let plain = course.model(Margins::default(), &parameters);
-    let terms = plain.terms(&best.controls());
+    let terms = plain.judge(&best.controls());
     (best, terms)
 }
