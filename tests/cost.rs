@@ -273,7 +273,9 @@ proptest! {
         let (model, leg) = model(&spec, world, earlier, samples);
         let path = Path::moved(&leg, &moves);
         let mut scratch = Scratch::default();
-        let exact = model.terms(&path.controls()).total();
+        let terms = model.terms(&path.controls());
+        prop_assert_eq!(model.judge(&path.controls()), terms);
+        let exact = terms.total();
         prop_assert!(exact.is_finite() && exact > 0.0);
         let fast = model.total(&path.controls(), f64::INFINITY, &mut scratch);
         prop_assert_eq!(fast.to_bits(), exact.to_bits());

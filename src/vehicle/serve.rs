@@ -141,7 +141,7 @@ struct Server {
 
 impl Server {
     fn run(mut self) {
-        #[expect(
+        #[allow(
             clippy::disallowed_methods,
             reason = "a vehicle on a real socket lives in real time"
         )]
