@@ -172,14 +172,7 @@ fn tell_losses(id: &str, path: &Path) {
 
 fn tell(file: &SpecFile, review: &verify::Review) {
     let paint = Paint::for_stdout();
-    let mut rows = table::table(&[
-        "vehicle",
-        "limit",
-        "worst",
-        "limit value",
-        "where and when",
-        "",
-    ]);
+    let mut rows = table::table(&["vehicle", "limit", "worst", "allowed", "where and when", ""]);
     for margin in &review.margins {
         let who = margin.other.as_ref().map_or_else(
             || margin.vehicle.clone(),
@@ -210,7 +203,11 @@ fn tell(file: &SpecFile, review: &verify::Review) {
             who,
             margin.what.clone(),
             value(margin.value),
-            value(margin.limit),
+            if margin.limit.is_finite() {
+                format!("{} {}", table::sense(margin), value(margin.limit))
+            } else {
+                "-".to_owned()
+            },
             place,
             verdict,
         ]);

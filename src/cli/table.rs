@@ -4,7 +4,7 @@ use comfy_table::{ContentArrangement, Table, presets};
 
 use super::console::Paint;
 use crate::spec::Autopilot;
-use crate::verify::{Margin, Review};
+use crate::verify::{Margin, Review, Sense};
 
 /// An empty table that fits the terminal.
 pub(super) fn table(header: &[&str]) -> Table {
@@ -22,7 +22,7 @@ pub(super) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> 
         .margins
         .iter()
         .filter(|margin| margin.concerns(vehicle) && wanted(&margin.what))
-        .min_by(|a, b| a.slack().total_cmp(&b.slack()));
+        .min_by(|a, b| a.ok.cmp(&b.ok).then(a.slack().total_cmp(&b.slack())));
     let Some(margin) = worst else {
         return "-".to_owned();
     };
@@ -59,8 +59,9 @@ fn sentence(margin: &Margin) -> String {
     };
     if margin.value.is_finite() {
         text += &format!(
-            ": {:.1} {unit}, limit {:.1} {unit}",
+            ": {:.1} {unit}, {} {:.1} {unit} allowed",
             margin.value,
+            sense(margin),
             margin.limit,
             unit = margin.unit
         );
@@ -75,6 +76,14 @@ fn sentence(margin: &Margin) -> String {
         text += &format!(" ({})", margin.note);
     }
     text
+}
+
+/// Which side of the limit is good, in words.
+pub(super) fn sense(margin: &Margin) -> &'static str {
+    match margin.sense {
+        Sense::AtLeast => "at least",
+        Sense::AtMost => "at most",
+    }
 }
 
 /// Seconds as minutes and seconds.

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::geodesy::LatLon;
-use crate::verify::{Margin, Review};
+use crate::verify::{Margin, Review, Sense};
 
 /// The margins of a review, worst first, with how near each is to its limit.
 pub(super) struct Ranked<'a> {
@@ -61,11 +61,6 @@ fn slack(margin: &Margin) -> f64 {
     };
     let off = (margin.value - margin.limit).abs() / scale;
     if margin.ok { off } else { -off }
-}
-
-/// Whether the limit is a least value; a margin tells by being kept or not.
-fn is_least(margin: &Margin) -> bool {
-    (margin.value >= margin.limit) == margin.ok
 }
 
 /// What an operator asks first; the first word of the limit.
@@ -135,7 +130,7 @@ pub(super) fn limit(margin: &Margin) -> String {
     let limit = with_unit(&number(margin.limit, 1), margin.unit);
     if !margin.value.is_finite() {
         limit
-    } else if is_least(margin) {
+    } else if margin.sense == Sense::AtLeast {
         format!("at least {limit}")
     } else {
         format!("at most {limit}")
@@ -230,7 +225,7 @@ pub(super) fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::{clock, escaped, limit, number, ranked, value};
-    use crate::verify::{Margin, Review};
+    use crate::verify::{Margin, Review, Sense};
 
     fn margin(what: &str, value: f64, limit: f64, unit: &'static str, ok: bool) -> Margin {
         Margin {
@@ -239,6 +234,11 @@ mod tests {
             what: what.to_owned(),
             value,
             limit,
+            sense: if (value >= limit) == ok {
+                Sense::AtLeast
+            } else {
+                Sense::AtMost
+            },
             unit,
             at: None,
             ok,

@@ -11,7 +11,7 @@ use super::chord::{Chord, Phase};
 use super::fence::Fence;
 use super::flight::{End, Flight, Mark, Slope};
 use super::worst::Worst;
-use super::{Margin, Moment};
+use super::{Margin, Moment, Sense};
 
 /// A commanded speed may differ from the planned one by this, m/s.
 const SPEED_MPS: f64 = 0.1;
@@ -74,6 +74,7 @@ impl Contract<'_> {
             what: "items judged".to_owned(),
             value: judged,
             limit: total,
+            sense: Sense::AtLeast,
             unit: "items",
             at: match (&self.flight.unknown, last) {
                 (Some(unknown), Some(chord)) => Some(Moment {
@@ -117,6 +118,7 @@ impl Contract<'_> {
             what: "item count".to_owned(),
             value,
             limit,
+            sense: Sense::AtMost,
             unit: "items",
             at: None,
             ok: value <= limit,
@@ -133,6 +135,7 @@ impl Contract<'_> {
             what: "acceptance".to_owned(),
             value: count(problems.len()),
             limit: 0.0,
+            sense: Sense::AtMost,
             unit: "problems",
             at,
             ok: problems.is_empty(),

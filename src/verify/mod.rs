@@ -51,6 +51,8 @@ pub struct Margin {
     pub value: f64,
     /// What it is held against; NaN where there is nothing to hold it against.
     pub limit: f64,
+    /// Which side of the limit is good.
+    pub sense: Sense,
     /// Unit of both, such as `m`, `deg`, `items`.
     pub unit: &'static str,
     /// Where and when it is worst, if that is anywhere.
@@ -59,6 +61,15 @@ pub struct Margin {
     pub ok: bool,
     /// What a reader needs to know besides; empty as a rule.
     pub note: String,
+}
+
+/// Which side of a limit is good.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sense {
+    /// The value must be at least the limit.
+    AtLeast,
+    /// The value must be at most the limit.
+    AtMost,
 }
 
 /// A place and time of a flight.
@@ -93,6 +104,7 @@ impl Margin {
             what: what.into(),
             value: f64::NAN,
             limit: f64::NAN,
+            sense: Sense::AtLeast,
             unit: "",
             at: None,
             ok: false,
@@ -108,12 +120,14 @@ impl Margin {
         self.vehicle == vehicle || self.other.as_deref() == Some(vehicle)
     }
 
-    /// How far the value is from its limit, whichever side is good; negative when
-    /// the limit is not kept.
+    /// How far the value is on the good side of its limit; negative on the other;
+    /// NaN where it cannot be judged.
     #[must_use]
     pub fn slack(&self) -> f64 {
-        let apart = (self.value - self.limit).abs();
-        if self.ok { apart } else { -apart }
+        match self.sense {
+            Sense::AtLeast => self.value - self.limit,
+            Sense::AtMost => self.limit - self.value,
+        }
     }
 }
 

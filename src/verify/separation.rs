@@ -10,7 +10,7 @@ use crate::numeric::approach::{
 use crate::spec::Separation;
 
 use super::chord::Chord;
-use super::{Margin, Moment};
+use super::{Margin, Moment, Sense};
 
 /// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
 const LISTED_FLEET: usize = 16;
@@ -301,6 +301,7 @@ fn judge(
         what: "separation".to_owned(),
         value: found.distance_m,
         limit: limit_m,
+        sense: Sense::AtLeast,
         unit: "m",
         at: Some(moment(mine, found.times_s.0)),
         ok: found.distance_m >= limit_m,
@@ -329,6 +330,7 @@ fn never_together(
         what: "separation".to_owned(),
         value: gap_s,
         limit: separation.time_slack_s,
+        sense: Sense::AtLeast,
         unit: "s",
         at: None,
         ok: gap_s >= separation.time_slack_s,

@@ -1,6 +1,6 @@
 //! The worst of many values against one limit.
 
-use super::{Margin, Moment};
+use super::{Margin, Moment, Sense};
 
 /// A limit is kept when it is missed by no more than this: the noise of float32
 /// altitudes (half a millimetre at 8 km), in the unit of the limit.
@@ -13,6 +13,7 @@ pub(super) struct Worst {
     room: f64,
     value: f64,
     limit: f64,
+    sense: Sense,
     at: Option<Moment>,
     note: String,
 }
@@ -23,6 +24,7 @@ impl Default for Worst {
             room: f64::INFINITY,
             value: f64::INFINITY,
             limit: 0.0,
+            sense: Sense::AtLeast,
             at: None,
             note: String::new(),
         }
@@ -42,6 +44,7 @@ impl Worst {
 
     /// Takes a value that must be at most `limit`, if it is the worst.
     pub(super) fn at_most(&mut self, value: f64, limit: f64, at: impl FnOnce() -> Moment) {
+        self.sense = Sense::AtMost;
         self.offer(limit - value, value, limit, at);
     }
 
@@ -77,6 +80,7 @@ impl Worst {
             what: what.into(),
             value: self.value,
             limit: self.limit,
+            sense: self.sense,
             unit,
             at: self.at,
             ok: self.room >= -ROUNDING,

@@ -10,7 +10,7 @@ use sortie::path::TimedPoint;
 use sortie::plan::{FleetPlan, Route, VehiclePlan};
 use sortie::report::{ReviewInput, review_html, review_svg};
 use sortie::spec::*;
-use sortie::verify::{Margin, Moment, Review, Track};
+use sortie::verify::{Margin, Moment, Review, Sense, Track};
 use sortie::world::World;
 
 use crate::support::{copter, empty_spec, place, world};
@@ -332,6 +332,11 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
                     what: what.to_owned(),
                     value,
                     limit,
+                    sense: if (value >= limit) == ok {
+                        Sense::AtLeast
+                    } else {
+                        Sense::AtMost
+                    },
                     unit,
                     at,
                     ok,
@@ -415,6 +420,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
                 what: "separation".to_owned(),
                 value: nearest_m,
                 limit: 100.0,
+                sense: Sense::AtLeast,
                 unit: "m",
                 at: Some(at),
                 ok: nearest_m >= 100.0,
