@@ -220,13 +220,24 @@ fn tell(file: &SpecFile, dispatched: &Dispatched, delivery: Option<&Delivery>, w
             upload::sentence(report)
         ));
     }
-    let notes = dispatched
-        .missions
-        .iter()
-        .flat_map(|(vehicle, mission)| mission.notes.iter().map(move |note| (vehicle, note)));
-    for (vehicle, note) in notes {
-        out(&paint.dim(&format!("note: {}: {note}", spec.vehicles[*vehicle].id)));
+    for (note, ids) in notes(file, dispatched) {
+        out(&paint.dim(&format!("note: {}: {note}", ids.join(", "))));
     }
+}
+
+/// What a reader of the missions needs to know, each once, with the vehicles it is true of.
+fn notes<'a>(file: &'a SpecFile, dispatched: &'a Dispatched) -> Vec<(&'a str, Vec<&'a str>)> {
+    let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (vehicle, mission) in &dispatched.missions {
+        let id = file.spec.vehicles[*vehicle].id.as_str();
+        for note in &mission.notes {
+            match notes.iter_mut().find(|(known, _)| known == note) {
+                Some((_, ids)) => ids.push(id),
+                None => notes.push((note, vec![id])),
+            }
+        }
+    }
+    notes
 }
 
 fn on_board(accepted: bool, report: Option<&TransferReport>) -> String {
