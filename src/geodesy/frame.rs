@@ -215,7 +215,7 @@ impl LocalFrame {
     ///
     /// Edges are straight in latitude and longitude, as autopilots test fences. In
     /// the plane such an edge bends by `d^2 tan(lat) / 8 R`, 9 m over 25 km at 36
-    /// degrees, so it is drawn in pieces of at most [`EDGE_PIECE_M`] (0.4 m).
+    /// degrees, so it is drawn in pieces of at most 5 km (0.4 m).
     #[must_use]
     pub fn outline(&self, corners: &[LatLon]) -> Polygon<f64> {
         let next = corners.iter().cycle().skip(1);

@@ -257,7 +257,7 @@ fn margin_entry(margin: &Margin) -> MarginEntry {
         other: margin.other.clone(),
         what: margin.what.clone(),
         value: rounded_beside(margin.value, margin.limit),
-        limit: finite(margin.limit),
+        limit: rounded(margin.limit, 1e9),
         unit: margin.unit,
         at: margin.at.as_ref().map(place),
         ok: margin.ok,
