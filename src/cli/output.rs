@@ -3,6 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// What went wrong while writing, and where.
 #[derive(Debug, thiserror::Error)]
@@ -41,6 +42,7 @@ impl NewFolder {
         if let Some(parent) = target.parent() {
             fs::create_dir_all(parent).map_err(at(parent))?;
         }
+        remove_leftovers(target);
         let building = sibling(target, "new");
         if building.exists() {
             fs::remove_dir_all(&building).map_err(at(&building))?;
@@ -103,6 +105,30 @@ impl Drop for NewFolder {
     fn drop(&mut self) {
         if !self.published {
             let _ = fs::remove_dir_all(&self.building);
+        }
+    }
+}
+
+/// A folder under construction is done within a second. One that was left an hour
+/// ago belongs to a run that was killed.
+const LEFTOVER: Duration = Duration::from_secs(3600);
+
+/// Removes what killed runs have left beside `target`, as far as that is possible.
+fn remove_leftovers(target: &Path) {
+    let Some((parent, name)) = target.parent().zip(target.file_name()) else {
+        return;
+    };
+    let ours = ["new", "old"].map(|tag| format!(".{}.{tag}.", name.to_string_lossy()));
+    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
+        let is_ours = ours
+            .iter()
+            .any(|start| entry.file_name().to_string_lossy().starts_with(start));
+        let age = entry
+            .metadata()
+            .and_then(|data| data.modified())
+            .map(|time| time.elapsed());
+        if is_ours && matches!(age, Ok(Ok(age)) if age > LEFTOVER) {
+            let _ = fs::remove_dir_all(entry.path());
         }
     }
 }
@@ -170,6 +196,22 @@ mod tests {
         drop(NewFolder::beside(&target).unwrap());
         assert!(target.join("kept").exists());
         assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed_after_an_hour_and_not_before() {
+        let home = tempfile::tempdir().unwrap();
+        let (stale, fresh) = (
+            home.path().join(".out.new.1"),
+            home.path().join(".out.new.2"),
+        );
+        for folder in [&stale, &fresh] {
+            fs::create_dir(folder).unwrap();
+        }
+        let then = std::time::SystemTime::UNIX_EPOCH;
+        fs::File::open(&stale).unwrap().set_modified(then).unwrap();
+        drop(NewFolder::beside(&home.path().join("out")).unwrap());
+        assert!(!stale.exists() && fresh.exists());
     }
 
     #[test]
