@@ -60,7 +60,9 @@ impl Bench {
                     other => format!("{other:?}"),
                 }),
                 Message::StatusText { text, .. } => Some(text),
-                Message::Heartbeat(_) | Message::MissionCurrent { .. } => None,
+                Message::Heartbeat(_)
+                | Message::MissionCurrent { .. }
+                | Message::HomePosition { .. } => None,
             })
             .collect()
     }

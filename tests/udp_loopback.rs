@@ -4,10 +4,13 @@ use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::time::Duration;
 
-use sortie::link::{Failure, Job, List, Refusal, TransferReport, Verdict, upload_fleet};
+use sortie::link::{
+    Decoder, Encoder, Failure, Job, List, Refusal, Time, TransferReport, Verdict, Version,
+    upload_fleet,
+};
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
 use sortie::spec::{Airframe, Autopilot, Link};
-use sortie::vehicle::{Profile, Running, Simulated, spawn};
+use sortie::vehicle::{Profile, Running, Simulated, Vehicle, spawn};
 
 const HOME: Home = Home {
     x: 363_000_000,
@@ -314,4 +317,83 @@ fn a_simulated_vehicle_stops_when_it_is_dropped() {
     let address = vehicle.address();
     drop(vehicle);
     UdpSocket::bind(address).expect("the port is free again");
+}
+
+#[test]
+fn two_vehicles_with_one_system_id_on_one_link_are_never_called_loaded() {
+    let port = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let ground = port.local_addr().expect("bound");
+    drop(port);
+    let _vehicles = [1, 2].map(|_| {
+        spawn(&Simulated {
+            speak_to: Some(ground),
+            ..Simulated::on_loopback(Profile::ArduPilot, 1, Some(HOME))
+        })
+        .expect("a free port")
+    });
+    let mission = mission(Autopilot::ArduPilot, 300);
+    let report = upload(1, &Link::UdpIn(ground.to_string()), &mission, false);
+    let Verdict::Failed(failure) = report.verdict else {
+        panic!("{report:?}");
+    };
+    let text = failure.to_string();
+    assert!(
+        text.starts_with("system 1 speaks from 127.0.0.1:"),
+        "{text}"
+    );
+}
+
+/// A vehicle that neither reads nor writes MAVLink 2, until its socket is gone.
+fn spawn_mavlink_1() -> SocketAddr {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let address = socket.local_addr().expect("bound");
+    let mut vehicle = Vehicle::new(Profile::ArduPilot, 1, Some(HOME), Time(0));
+    let mut encoder = Encoder::new(vehicle.address());
+    let mut decoder = Decoder::default();
+    socket
+        .set_read_timeout(Some(Duration::from_millis(5)))
+        .expect("a timeout");
+    std::thread::spawn(move || {
+        let (mut partner, mut buffer, mut ms) = (None, [0; 512], 0);
+        // About half a minute: longer than the test.
+        while ms < 30_000 {
+            ms += 5;
+            if let Ok((length, from)) = socket.recv_from(&mut buffer) {
+                partner = Some(from);
+                if buffer[0] == 0xfe {
+                    decoder.push(&buffer[..length]);
+                }
+            }
+            while let Some((from, message)) = decoder.next_message() {
+                vehicle.handle(Time(ms), from, &message);
+            }
+            vehicle.handle_timeout(Time(ms));
+            while let Some(message) = vehicle.poll_transmit() {
+                let frame = encoder.encode_in(Version::One, &message);
+                if let Some(partner) = partner {
+                    socket.send_to(&frame, partner).expect("sent");
+                }
+            }
+        }
+    });
+    address
+}
+
+#[test]
+fn a_mavlink_1_vehicle_is_refused_fence_and_rally_and_takes_a_mission() {
+    let fenced = mission(Autopilot::ArduPilot, 5);
+    let plain = VehicleMission {
+        fence: Vec::new(),
+        rally: Vec::new(),
+        ..fenced.clone()
+    };
+    let link = to(spawn_mavlink_1());
+    let report = upload(1, &link, &fenced, false);
+    let only = Failure::OnlyMavlink1 { fence: 3, rally: 1 };
+    assert_eq!(report.verdict, Verdict::Failed(only));
+    let report = upload(1, &link, &plain, false);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert_eq!(report.items, 5);
+    let said = "ArduPilot quadrotor, MAVLink 1: fence and rally cannot be asked";
+    assert_eq!(report.autopilot, said);
 }

@@ -25,6 +25,10 @@ pub(super) enum Command {
     Review(Review),
     /// Verify again, transfer to the vehicles, read back and compare
     Upload(Upload),
+    /// Read mission, fence and rally points from a vehicle into a file
+    Download(Download),
+    /// Run the simulated vehicles of a spec, for any ground station, until Ctrl-C
+    Vehicles(Vehicles),
     /// Print the JSON Schema of the spec
     Schema,
     /// Print a completion script
@@ -88,10 +92,71 @@ pub(super) struct Upload {
     /// Say what would be sent, and send nothing
     #[arg(long)]
     pub(super) dry_run: bool,
+    /// Capture every frame sent and received: a file, or a folder for one named after the time
+    #[arg(long, value_name = "FILE or DIR")]
+    pub(super) tlog: Option<PathBuf>,
     /// Send although verification fails, or the vehicle is armed or not the one in the spec
     #[arg(long)]
     pub(super) force: bool,
     /// Print one JSON document instead of the table
     #[arg(long)]
     pub(super) json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Download {
+    /// How the vehicle is reached: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    #[arg(long, value_name = "ADDR")]
+    pub(super) link: String,
+    /// Its system id [default: the only one on the link]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    pub(super) sysid: Option<u8>,
+    /// The file to write, .plan or .waypoints
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: PathBuf,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Vehicles {
+    /// The mission spec (YAML)
+    pub(super) spec: PathBuf,
+    /// UDP port of the first vehicle, one more for each further one; 0 for any free ones
+    #[arg(long, value_name = "PORT", default_value_t = 14550)]
+    pub(super) port: u16,
+    /// Speak to this ground station at once, instead of waiting to be spoken to
+    #[arg(long, value_name = "HOST:PORT")]
+    pub(super) speak_to: Option<String>,
+    /// What all of them play [default: the autopilots in the spec]
+    #[arg(long, value_enum, value_name = "AUTOPILOT")]
+    pub(super) profile: Option<ProfileName>,
+    /// Frames lost in each direction, percent
+    #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
+    pub(super) loss: f64,
+    /// How long a frame takes in each direction, milliseconds
+    #[arg(long, value_name = "MS", default_value_t = 0)]
+    pub(super) delay: u64,
+    /// Seed of the losses
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+    /// End after this time instead of at Ctrl-C
+    #[arg(long = "for", value_name = "SECONDS")]
+    pub(super) for_s: Option<u64>,
+}
+
+/// What a simulated vehicle plays.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub(super) enum ProfileName {
+    /// ArduCopter
+    Ardupilot,
+    /// PX4
+    Px4,
+    /// An autopilot that does not say which
+    Generic,
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|percent| (0.0..=100.0).contains(percent))
+        .ok_or_else(|| "not a number from 0 to 100".to_owned())
 }

@@ -3,6 +3,7 @@
 mod args;
 mod check;
 mod console;
+mod download;
 mod failure;
 mod folder;
 mod output;
@@ -11,6 +12,7 @@ mod progress;
 mod review;
 mod table;
 mod upload;
+mod vehicles;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -39,6 +41,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check(arguments) => check::run(arguments),
         Command::Review(arguments) => review::run(arguments),
         Command::Upload(arguments) => upload::run(arguments),
+        Command::Download(arguments) => download::run(arguments),
+        Command::Vehicles(arguments) => vehicles::run(arguments),
         Command::Schema => {
             console::out(crate::spec::json_schema().trim_end());
             Ok(())

@@ -78,7 +78,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
             .iter()
             .map(|(vehicle, mission)| (*vehicle, mission))
             .collect();
-        Some(upload::deliver(&file, missions, &[], false)?)
+        Some(upload::deliver(&file, missions, &[], false, None)?)
     } else {
         None
     };

@@ -14,7 +14,7 @@ use super::output;
 use super::progress::Progress;
 use super::review;
 use super::table;
-use crate::link::{self, Job, TransferReport, Verdict};
+use crate::link::{self, Job, Tlog, TransferReport, Verdict};
 use crate::mission::VehicleMission;
 use crate::spec::{Autopilot, Link, SpecFile};
 use crate::vehicle::{self, Profile, Running, Simulated};
@@ -55,7 +55,8 @@ pub(super) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         say_what_would_be_sent(&file, &missions, &links);
         return Ok(());
     }
-    let delivery = deliver(&file, judged, &links, arguments.force)?;
+    let tlog = arguments.tlog.as_deref();
+    let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
     delivery.record(&target)?;
     if arguments.json {
         out(report_text(&delivery.json()).trim_end());
@@ -170,7 +171,9 @@ pub(super) fn deliver(
     missions: Vec<(usize, &VehicleMission)>,
     links: &[(usize, Link)],
     force: bool,
+    tlog: Option<&Path>,
 ) -> Result<Delivery, Failure> {
+    let capture = tlog.map(begin_capture).transpose()?;
     let mut simulated: Vec<Running> = Vec::new();
     let mut resolved: Vec<Link> = Vec::new();
     for (vehicle, mission) in &missions {
@@ -199,12 +202,38 @@ pub(super) fn deliver(
         })
         .collect();
     let progress = Mutex::new(Progress::start());
-    let reports = link::upload_fleet(&jobs, &|id, at| {
+    let reports = link::upload_fleet_captured(&jobs, capture.as_ref(), &|id, at| {
         if let Ok(progress) = progress.lock() {
             progress.say(format!("{id}: {} {} of {}", at.stage, at.done, at.total));
         }
     });
+    if let Some(Err(error)) = capture.map(Tlog::finish) {
+        note(&format!("the capture is not complete: {error}"));
+    }
     Ok(Delivery { reports })
+}
+
+/// A capture in a file, or in a folder under the time of its beginning.
+fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
+    let path = if path.is_dir() {
+        path.join(format!("upload-{}.tlog", seconds_since_1970()))
+    } else {
+        path.to_owned()
+    };
+    Tlog::create(&path).map_err(|error| {
+        let message = format!("cannot write {}: {error}", path.display());
+        Failure::new(Failure::OUTPUT, message)
+    })
+}
+
+#[expect(
+    clippy::disallowed_methods,
+    reason = "records carry the time they were made"
+)]
+fn seconds_since_1970() -> u64 {
+    SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_secs())
 }
 
 fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result<Running, Failure> {
@@ -298,16 +327,10 @@ impl Delivery {
     }
 
     /// Writes the record to `DIR.runs/`, under its time and as the newest.
-    #[expect(
-        clippy::disallowed_methods,
-        reason = "a record carries the time it was made"
-    )]
     pub(super) fn record(&self, target: &Path) -> Result<(), Failure> {
         let text = report_text(&self.json());
         let folder = folder::runs_folder(target);
-        let seconds = SystemTime::now()
-            .duration_since(UNIX_EPOCH)
-            .map_or(0, |since| since.as_secs());
+        let seconds = seconds_since_1970();
         output::write_file(
             &folder.join(format!("upload-{seconds}.json")),
             text.as_bytes(),

@@ -8,7 +8,7 @@
 use std::io::{self, Read};
 
 use mavlink::dialects::ardupilotmega::MavMessage;
-use mavlink::{MAV_STX_V2, MAVLinkMessageRaw, MavlinkReader, Message as _, calculate_crc};
+use mavlink::{MAV_STX, MAV_STX_V2, MAVLinkMessageRaw, MavlinkReader, Message as _, calculate_crc};
 
 use super::message::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult};
 use crate::mission::{Item, frame};
@@ -25,6 +25,7 @@ mod id {
     pub(super) const MISSION_ACK: u32 = 47;
     pub(super) const MISSION_REQUEST_INT: u32 = 51;
     pub(super) const MISSION_ITEM_INT: u32 = 73;
+    pub(super) const HOME_POSITION: u32 = 242;
     pub(super) const STATUSTEXT: u32 = 253;
 }
 
@@ -45,7 +46,35 @@ impl Encoder {
     /// The frame of a message.
     #[must_use]
     pub fn encode(&mut self, message: &Message) -> Vec<u8> {
-        let (id, mut payload) = write_payload(message);
+        self.encode_in(Version::Two, message)
+    }
+
+    /// The frame of a message for a vehicle that speaks this MAVLink. In MAVLink 1
+    /// everything is about the mission: it has no `mission_type`.
+    #[must_use]
+    pub fn encode_in(&mut self, version: Version, message: &Message) -> Vec<u8> {
+        let (id, payload) = write_payload(message);
+        let frame = match version {
+            Version::One => self.frame_1(id, payload),
+            Version::Two => self.frame_2(id, payload),
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        frame
+    }
+
+    fn frame_1(&self, id: u32, mut payload: Vec<u8>) -> Vec<u8> {
+        let length = length_1(id);
+        payload.resize(usize::from(length), 0);
+        let [id0, ..] = id.to_le_bytes();
+        let mut frame = vec![MAV_STX, length, self.sequence];
+        frame.extend([self.us.system, self.us.component, id0]);
+        frame.extend(payload);
+        let crc = calculate_crc(&frame[1..], MavMessage::extra_crc(id));
+        frame.extend(crc.to_le_bytes());
+        frame
+    }
+
+    fn frame_2(&self, id: u32, mut payload: Vec<u8>) -> Vec<u8> {
         // MAVLink 2 cuts trailing zeros, but never the first byte.
         while payload.len() > 1 && payload.last() == Some(&0) {
             payload.pop();
@@ -57,8 +86,20 @@ impl Encoder {
         frame.extend(payload);
         let crc = calculate_crc(&frame[1..], MavMessage::extra_crc(id));
         frame.extend(crc.to_le_bytes());
-        self.sequence = self.sequence.wrapping_add(1);
         frame
+    }
+}
+
+/// Bytes of a payload without the extensions of MAVLink 2.
+fn length_1(id: u32) -> u8 {
+    match id {
+        id::HEARTBEAT => 9,
+        id::STATUSTEXT => 51,
+        id::HOME_POSITION => 52,
+        id::MISSION_ITEM | id::MISSION_ITEM_INT => 37,
+        id::MISSION_COUNT | id::MISSION_REQUEST | id::MISSION_REQUEST_INT => 4,
+        id::MISSION_ACK => 3,
+        _ => 2,
     }
 }
 
@@ -88,19 +129,50 @@ impl Decoder {
     #[must_use]
     pub fn next_message(&mut self) -> Option<(Address, Message)> {
         loop {
+            let frame = self.next_frame()?;
+            if let Some(message) = frame.message {
+                return Some((frame.from, message));
+            }
+        }
+    }
+
+    /// The next frame whose checksum is right, whether its message is known or not.
+    pub(super) fn next_frame(&mut self) -> Option<Frame> {
+        loop {
             let raw = self.reader.read_any_raw_message::<MavMessage>().ok()?;
             let Ok(system) = u8::try_from(raw.system_id()) else {
                 continue;
             };
-            let component = match &raw {
-                MAVLinkMessageRaw::V1(frame) => frame.component_id(),
-                MAVLinkMessageRaw::V2(frame) => frame.component_id(),
+            let (component, version, bytes) = match &raw {
+                MAVLinkMessageRaw::V1(v1) => (v1.component_id(), Version::One, v1.raw_bytes()),
+                MAVLinkMessageRaw::V2(v2) => (v2.component_id(), Version::Two, v2.raw_bytes()),
             };
-            if let Some(message) = read_payload(raw.message_id(), raw.payload()) {
-                return Some((Address { system, component }, message));
-            }
+            return Some(Frame {
+                from: Address { system, component },
+                version,
+                message: read_payload(raw.message_id(), raw.payload()),
+                bytes: bytes.to_vec(),
+            });
         }
     }
+}
+
+/// Which MAVLink a frame is in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// MAVLink 1: no mission types, so no fence and no rally points.
+    One,
+    /// MAVLink 2.
+    Two,
+}
+
+/// One frame as it came.
+pub(super) struct Frame {
+    pub(super) from: Address,
+    pub(super) version: Version,
+    /// `None` for a message that no transfer needs.
+    pub(super) message: Option<Message>,
+    pub(super) bytes: Vec<u8>,
 }
 
 /// What the reader reads from; empty means "later", not "the end".
@@ -139,6 +211,10 @@ impl Payload<'_> {
 
     fn u32(&mut self) -> u32 {
         u32::from_le_bytes(self.take())
+    }
+
+    fn i32(&mut self) -> i32 {
+        i32::from_le_bytes(self.take())
     }
 
     fn f32(&mut self) -> f32 {
@@ -184,6 +260,11 @@ fn read_payload(id: u32, payload: &[u8]) -> Option<Message> {
                 opaque_ids: [read.u32(), read.u32(), read.u32()],
             }
         }
+        id::HOME_POSITION => Message::HomePosition {
+            x: read.i32(),
+            y: read.i32(),
+            amsl_mm: read.i32(),
+        },
         _ => Message::Mission(read_mission(id, read)?),
     };
     Some(message)
@@ -307,6 +388,14 @@ fn write_payload(message: &Message) -> (u32, Vec<u8>) {
             let mut bytes = [seq.to_le_bytes(), total.to_le_bytes(), [0, 0]].concat();
             bytes.extend(opaque_ids.iter().flat_map(|id| id.to_le_bytes()));
             (id::MISSION_CURRENT, bytes)
+        }
+        Message::HomePosition { x, y, amsl_mm } => {
+            let mut bytes = [x, y, amsl_mm].map(|value| value.to_le_bytes()).concat();
+            // Local position and approach vector are 0; the attitude is "level".
+            bytes.resize(24, 0);
+            bytes.extend(1_f32.to_le_bytes());
+            bytes.resize(52, 0);
+            (id::HOME_POSITION, bytes)
         }
         Message::Mission(mission) => write_mission(mission),
     }
@@ -443,6 +532,11 @@ mod tests {
                 seq: 3,
                 total: 9,
                 opaque_ids: [1, 0xdead_beef, 3],
+            },
+            Message::HomePosition {
+                x: 363_000_000,
+                y: -842_500_000,
+                amsl_mm: -1500,
             },
         ];
         let (seq, current, result) = (258, 1, MissionResult(13));
@@ -620,6 +714,39 @@ mod tests {
         let good = mission(Body::Request { seq: 4 });
         bytes.extend(Encoder::new(US).encode(&good));
         assert_eq!(decode(&bytes), [good]);
+    }
+
+    #[test]
+    fn mavlink_1_frames_come_back_without_what_mavlink_1_has_not() {
+        for message in all() {
+            let mut expected = message.clone();
+            match &mut expected {
+                Message::Mission(mission) => {
+                    mission.mission_type = 0;
+                    if let Body::Count { opaque_id, .. } | Body::Ack { opaque_id, .. } =
+                        &mut mission.body
+                    {
+                        *opaque_id = 0;
+                    }
+                }
+                Message::MissionCurrent {
+                    total, opaque_ids, ..
+                } => (*total, *opaque_ids) = (0, [0; 3]),
+                _ => {}
+            }
+            let frame = Encoder::new(US).encode_in(Version::One, &message);
+            let mut decoder = Decoder::default();
+            decoder.push(&frame);
+            let found = decoder.next_frame().expect("a frame");
+            assert_eq!((found.from, found.version), (US, Version::One));
+            assert_eq!(found.message, Some(expected));
+            assert_eq!(found.bytes, frame);
+            assert!(
+                MavlinkReader::new(&*frame)
+                    .read_any_raw_message::<dialect::MavMessage>()
+                    .is_ok()
+            );
+        }
     }
 
     #[test]

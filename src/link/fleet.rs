@@ -3,15 +3,16 @@
 
 use std::collections::BTreeMap;
 use std::io;
-use std::net::SocketAddr;
-use std::time::{Duration, Instant};
 
-use super::codec::{Decoder, Encoder};
+use super::codec::Version;
+use super::message::List;
 use super::message::{Address, Message};
+use super::radio::{Heard, Radio};
+use super::reading::{Onboard, Reading};
 use super::report::{Failure, TransferReport, Verdict};
 use super::session::{Order, Progress, Session};
-use super::socket::Wire;
 use super::time::Time;
+use super::tlog::Tlog;
 use crate::mission::VehicleMission;
 use crate::spec::Link;
 
@@ -20,8 +21,6 @@ use crate::spec::Link;
 const GROUND_STATION: u8 = 245;
 /// Our component id, `MAV_COMP_ID_MISSIONPLANNER`.
 const COMPONENT: u8 = 190;
-/// Longest wait on a socket.
-const LONGEST_WAIT: Duration = Duration::from_millis(200);
 
 /// One vehicle's transfer.
 #[derive(Clone, Copy, Debug)]
@@ -46,17 +45,27 @@ pub fn upload_fleet(
     jobs: &[Job<'_>],
     progress: &(dyn Fn(&str, Progress) + Sync),
 ) -> Vec<TransferReport> {
+    upload_fleet_captured(jobs, None, progress)
+}
+
+/// [`upload_fleet`] with a capture of every frame sent and received.
+#[must_use]
+pub fn upload_fleet_captured(
+    jobs: &[Job<'_>],
+    tlog: Option<&Tlog>,
+    progress: &(dyn Fn(&str, Progress) + Sync),
+) -> Vec<TransferReport> {
     let mut links: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     for (index, job) in jobs.iter().enumerate() {
         links.entry(job.link.to_string()).or_default().push(index);
     }
-    let us = ground_station(jobs);
+    let us = ground_station(&jobs.iter().map(|job| job.sysid).collect::<Vec<_>>());
     let mut reports: Vec<(usize, TransferReport)> = std::thread::scope(|scope| {
         let threads: Vec<_> = links
             .values()
             .map(|indices| {
                 let shared: Vec<Job<'_>> = indices.iter().map(|&index| jobs[index]).collect();
-                scope.spawn(move || (indices, run_link(&shared, us, progress)))
+                scope.spawn(move || (indices, run_link(&shared, us, tlog, progress)))
             })
             .collect();
         threads
@@ -73,11 +82,60 @@ pub fn upload_fleet(
     reports.into_iter().map(|(_, report)| report).collect()
 }
 
+/// Reads everything that one vehicle holds. Without a system id it must be the only
+/// one on the link. `progress` is told the list at work and how many of its items came.
+///
+/// # Errors
+/// When the vehicle is not there, or does not give one of its lists.
+pub fn download(
+    link: &Link,
+    sysid: Option<u8>,
+    progress: &dyn Fn(List, usize),
+) -> Result<Onboard, Failure> {
+    let us = ground_station(sysid.as_slice());
+    let failure = |error: io::Error| Failure::Link {
+        link: link.to_string(),
+        error: error.to_string(),
+    };
+    let mut radio = Radio::open(link, us, None).map_err(failure)?;
+    let mut reading = Reading::new(sysid, us, radio.now());
+    let mut system = sysid.unwrap_or(0);
+    loop {
+        reading.handle_timeout(radio.now());
+        while let Some(message) = reading.poll_transmit() {
+            if let Message::Mission(mission) = &message {
+                system = mission.target.system;
+            }
+            radio
+                .send(system, Version::Two, &message)
+                .map_err(failure)?;
+        }
+        if let Some((list, items)) = reading.progress() {
+            progress(list, items);
+        }
+        if let Some(outcome) = reading.outcome() {
+            return outcome.clone();
+        }
+        let due = reading.poll_timeout().unwrap_or_default();
+        for heard in radio.receive(due).map_err(failure)? {
+            match heard {
+                Heard::Message(from, _, message) => {
+                    reading.handle(radio.now(), from, &message);
+                }
+                Heard::Twins(sysid, at) if sysid == system => {
+                    reading.abort(Failure::Twins { sysid, at });
+                }
+                Heard::Twins(..) => {}
+            }
+        }
+    }
+}
+
 /// A system id for us that no vehicle has.
-fn ground_station(jobs: &[Job<'_>]) -> Address {
+fn ground_station(vehicles: &[u8]) -> Address {
     let system = (1..=GROUND_STATION)
         .rev()
-        .find(|system| jobs.iter().all(|job| job.sysid != *system))
+        .find(|system| !vehicles.contains(system))
         .unwrap_or(GROUND_STATION);
     Address {
         system,
@@ -89,6 +147,7 @@ fn ground_station(jobs: &[Job<'_>]) -> Address {
 fn run_link(
     jobs: &[Job<'_>],
     us: Address,
+    tlog: Option<&Tlog>,
     progress: &(dyn Fn(&str, Progress) + Sync),
 ) -> Vec<TransferReport> {
     let Some(first) = jobs.first() else {
@@ -98,8 +157,8 @@ fn run_link(
         link: first.link.to_string(),
         error: error.to_string(),
     };
-    let wire = match Wire::open(first.link) {
-        Ok(wire) => wire,
+    let radio = match Radio::open(first.link, us, tlog) {
+        Ok(radio) => radio,
         Err(error) => {
             let verdict = Verdict::Failed(failure(error));
             return jobs
@@ -108,9 +167,9 @@ fn run_link(
                 .collect();
         }
     };
-    let mut driver = Driver::new(wire, jobs, us);
+    let mut driver = Driver::new(radio, jobs, us);
     if let Err(error) = driver.run(progress) {
-        let (now, failure) = (driver.now(), failure(error));
+        let (now, failure) = (driver.radio.now(), failure(error));
         for session in &mut driver.sessions {
             session.abort(now, failure.clone());
         }
@@ -122,21 +181,16 @@ fn run_link(
         .collect()
 }
 
-/// Sockets and clock for the sessions of one link.
+/// The sessions of one link.
 struct Driver<'a> {
-    wire: Wire,
+    radio: Radio<'a>,
     sessions: Vec<Session<'a>>,
     jobs: Vec<Job<'a>>,
     shown: Vec<Option<Progress>>,
-    encoder: Encoder,
-    decoders: BTreeMap<SocketAddr, Decoder>,
-    /// Where each system was last heard.
-    routes: BTreeMap<u8, SocketAddr>,
-    began: Instant,
 }
 
 impl<'a> Driver<'a> {
-    fn new(wire: Wire, jobs: &[Job<'a>], us: Address) -> Self {
+    fn new(radio: Radio<'a>, jobs: &[Job<'a>], us: Address) -> Self {
         let sysids: Vec<u8> = jobs.iter().map(|job| job.sysid).collect();
         let sessions = jobs.iter().map(|job| {
             let order = Order {
@@ -152,32 +206,18 @@ impl<'a> Driver<'a> {
             };
             Session::new(order, us, Time::default())
         });
-        #[allow(
-            clippy::disallowed_methods,
-            reason = "real vehicles answer in real time; the sessions get it as a value"
-        )]
-        let began = Instant::now();
         Self {
-            wire,
+            radio,
             sessions: sessions.collect(),
             jobs: jobs.to_vec(),
             shown: vec![None; jobs.len()],
-            encoder: Encoder::new(us),
-            decoders: BTreeMap::new(),
-            routes: BTreeMap::new(),
-            began,
         }
-    }
-
-    fn now(&self) -> Time {
-        Time(u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX))
     }
 
     /// Until every session has its report.
     fn run(&mut self, progress: &(dyn Fn(&str, Progress) + Sync)) -> io::Result<()> {
-        let mut buffer = [0; 2048];
         loop {
-            let now = self.now();
+            let now = self.radio.now();
             for session in &mut self.sessions {
                 if session.poll_timeout().is_some_and(|due| now >= due) {
                     session.handle_timeout(now);
@@ -187,21 +227,27 @@ impl<'a> Driver<'a> {
             self.show(progress);
             let due = self.sessions.iter().filter_map(Session::poll_timeout).min();
             let Some(due) = due else { return Ok(()) };
-            let wait = Duration::from_millis(due - self.now()).min(LONGEST_WAIT);
-            if let Some((length, from)) = self.wire.receive(&mut buffer, wait)? {
-                self.receive(from, buffer.get(..length).unwrap_or_default());
+            for heard in self.radio.receive(due)? {
+                self.handle(heard);
             }
         }
     }
 
-    fn receive(&mut self, from: SocketAddr, bytes: &[u8]) {
-        let now = self.now();
-        let decoder = self.decoders.entry(from).or_default();
-        decoder.push(bytes);
-        while let Some((sender, message)) = decoder.next_message() {
-            self.routes.insert(sender.system, from);
-            for session in &mut self.sessions {
-                session.handle(now, sender, &message);
+    fn handle(&mut self, heard: Heard) {
+        let now = self.radio.now();
+        match heard {
+            Heard::Message(sender, version, message) => {
+                for session in &mut self.sessions {
+                    session.hear_version(now, sender, version);
+                    session.handle(now, sender, &message);
+                }
+            }
+            Heard::Twins(sysid, at) => {
+                for (session, job) in self.sessions.iter_mut().zip(&self.jobs) {
+                    if job.sysid == sysid && !job.force {
+                        session.abort(now, Failure::Twins { sysid, at });
+                    }
+                }
             }
         }
     }
@@ -213,11 +259,7 @@ impl<'a> Driver<'a> {
                     Message::Mission(mission) => mission.target.system,
                     _ => job.sysid,
                 };
-                let frame = self.encoder.encode(&message);
-                let to = self.routes.get(&system).copied();
-                if let Some(to) = to.or(self.wire.remote()) {
-                    self.wire.send(&frame, to)?;
-                }
+                self.radio.send(system, session.version(), &message)?;
             }
         }
         Ok(())

@@ -44,6 +44,15 @@ pub enum Message {
         /// Opaque ids of mission, fence, rally; 0 if the autopilot keeps none.
         opaque_ids: [u32; 3],
     },
+    /// `HOME_POSITION` (242), the place alone.
+    HomePosition {
+        /// Latitude, 1e-7 degrees.
+        x: i32,
+        /// Longitude, 1e-7 degrees.
+        y: i32,
+        /// Altitude above mean sea level, millimetres.
+        amsl_mm: i32,
+    },
     /// One of the messages of the mission protocol.
     Mission(MissionMessage),
 }
@@ -83,6 +92,15 @@ pub const MODE_ARMED: u8 = 128;
 pub const MISSION_TYPE_ALL: u8 = 255;
 
 impl Heartbeat {
+    /// That of a ground station.
+    pub const OURS: Self = Self {
+        kind: TYPE_GCS,
+        autopilot: AUTOPILOT_INVALID,
+        base_mode: 0,
+        custom_mode: 0,
+        system_status: STATE_ACTIVE,
+    };
+
     /// Whether the motors may run.
     #[must_use]
     pub fn is_armed(&self) -> bool {

@@ -14,26 +14,31 @@ mod kept;
 mod meeting;
 mod message;
 mod pace;
+mod radio;
+mod reading;
 mod report;
 mod session;
 mod socket;
 mod task;
 mod time;
+mod tlog;
 mod upload;
 mod wanted;
 
 pub use clear::{Clear, Cleared};
-pub use codec::{Decoder, Encoder};
+pub use codec::{Decoder, Encoder, Version};
 pub use compare::{Difference, differences};
 pub use download::{Download, DownloadError};
-pub use fleet::{Job, upload_fleet};
+pub use fleet::{Job, download, upload_fleet, upload_fleet_captured};
 pub use kept::kept;
 pub use message::{
     AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Address, Body,
     Heartbeat, List, MISSION_TYPE_ALL, MODE_ARMED, Message, MissionMessage, MissionResult, Route,
     STATE_ACTIVE, STATE_STANDBY, TYPE_GCS,
 };
+pub use reading::{Onboard, Reading};
 pub use report::{Failure, Refusal, TransferReport, Verdict, hash};
 pub use session::{Order, Progress, Session};
 pub use time::Time;
+pub use tlog::Tlog;
 pub use upload::{Sent, Upload, UploadError};

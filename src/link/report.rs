@@ -1,5 +1,7 @@
 //! What a transfer came to.
 
+use std::net::SocketAddr;
+
 use sha2::{Digest, Sha256};
 
 use super::compare::Difference;
@@ -62,6 +64,36 @@ pub enum Failure {
         after_s: u64,
         /// Other systems heard on the link.
         heard: Vec<u8>,
+    },
+    /// No heartbeat of any vehicle.
+    #[error("no heartbeat of any vehicle within {after_s} s")]
+    Nothing {
+        /// How long was waited, seconds.
+        after_s: u64,
+    },
+    /// Several vehicles, and none was named.
+    #[error("several vehicles are on the link: name one by its system id{}", heard_text(.heard))]
+    Several {
+        /// Their system ids.
+        heard: Vec<u8>,
+    },
+    /// One system id at two addresses at the same time: nobody can tell which of them is meant.
+    #[error("system {sysid} speaks from {} and from {} at once: two vehicles with one system id, or one over two links", at[0], at[1])]
+    Twins {
+        /// Their system id.
+        sysid: u8,
+        /// Where they are.
+        at: [SocketAddr; 2],
+    },
+    /// Fence and rally points have no messages in MAVLink 1.
+    #[error(
+        "the vehicle speaks only MAVLink 1, which has no messages for fence items ({fence}) and rally points ({rally})"
+    )]
+    OnlyMavlink1 {
+        /// Fence items that it shall hold.
+        fence: usize,
+        /// Rally points that it shall hold.
+        rally: usize,
     },
     /// The vehicle did not finish starting.
     #[error("still starting (system_status {status}) after {after_s} s")]

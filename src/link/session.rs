@@ -8,13 +8,13 @@
 use std::collections::VecDeque;
 
 use super::clear::Clear;
+use super::codec::Version;
 use super::compare::Difference;
 use super::download::{Download, DownloadError};
 use super::identity;
 use super::meeting::{Encounter, Meeting, is_ready};
 use super::message::{
-    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, List, Message, MissionResult,
-    Route, STATE_ACTIVE, TYPE_GCS,
+    AUTOPILOT_GENERIC, Address, Body, Heartbeat, List, Message, MissionResult, Route,
 };
 use super::report::{Failure, TransferReport, Verdict, hash};
 use super::task::{Ended, Task};
@@ -36,6 +36,9 @@ const PAUSE_MS: u64 = 2000;
 const MOST_ROUNDS: u32 = 3;
 /// How long PX4 is listened to after the last read-back, milliseconds: it judges a mission after accepting it.
 const LISTEN_MS: u64 = 1000;
+/// Answers in MAVLink 1 for so long, milliseconds, mean that the vehicle speaks no other:
+/// two of our heartbeats, in MAVLink 2, have gone out by then.
+const OLD_MS: u64 = 2500;
 /// Most texts of the vehicle that are kept.
 const MOST_TEXTS: usize = 50;
 /// The lists in the order of transfer.
@@ -92,6 +95,9 @@ pub struct Session<'a> {
     held: [Vec<Item>; 3],
     differences: Vec<Difference>,
     texts: Vec<String>,
+    /// Since when the vehicle has been answering our MAVLink 2 in MAVLink 1.
+    old_since: Option<Time>,
+    version: Version,
     report: Option<TransferReport>,
 }
 
@@ -133,6 +139,8 @@ impl<'a> Session<'a> {
             held: [Vec::new(), Vec::new(), Vec::new()],
             differences: Vec::new(),
             texts: Vec::new(),
+            old_since: None,
+            version: Version::Two,
             report: None,
         }
     }
@@ -152,7 +160,7 @@ impl<'a> Session<'a> {
                     self.texts.push(text.clone());
                 }
             }
-            Message::MissionCurrent { .. } => {}
+            Message::MissionCurrent { .. } | Message::HomePosition { .. } => {}
             Message::Mission(_) => {
                 if let Stage::Working(task) = &mut self.stage {
                     task.handle(now, from, message);
@@ -162,6 +170,33 @@ impl<'a> Session<'a> {
         self.advance(now);
     }
 
+    /// Takes in which MAVLink a sender used, before its message is handed in.
+    ///
+    /// Autopilots begin in MAVLink 1 until they hear MAVLink 2, and our heartbeats are
+    /// in MAVLink 2: only who stays with the old one for long speaks nothing else.
+    pub fn hear_version(&mut self, now: Time, from: Address, version: Version) {
+        let system = self
+            .vehicle
+            .map_or(self.order.sysid, |(vehicle, _)| vehicle.system);
+        if from.system != system || !matches!(self.stage, Stage::Meeting(_)) {
+            return;
+        }
+        self.old_since = match version {
+            Version::One => self.old_since.or(Some(now)),
+            Version::Two => None,
+        };
+        self.version = match self.old_since {
+            Some(since) if now - since >= OLD_MS => Version::One,
+            _ => Version::Two,
+        };
+    }
+
+    /// In which MAVLink the vehicle is to be spoken to.
+    #[must_use]
+    pub fn version(&self) -> Version {
+        self.version
+    }
+
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Time) {
         if self.report.is_some() {
@@ -169,13 +204,7 @@ impl<'a> Session<'a> {
         }
         if now >= self.heartbeat_due {
             self.heartbeat_due = now + HEARTBEAT_MS;
-            self.outbox.push_back(Message::Heartbeat(Heartbeat {
-                kind: TYPE_GCS,
-                autopilot: AUTOPILOT_INVALID,
-                base_mode: 0,
-                custom_mode: 0,
-                system_status: STATE_ACTIVE,
-            }));
+            self.outbox.push_back(Message::Heartbeat(Heartbeat::OURS));
         }
         match &mut self.stage {
             Stage::Working(task) => task.handle_timeout(now),
@@ -258,7 +287,11 @@ impl<'a> Session<'a> {
         if !identity::is_vehicle(&heartbeat) {
             return;
         }
+        let is_undecided = self.old_since.is_some() && self.version == Version::Two;
         if let Stage::Meeting(meeting) = &mut self.stage {
+            if is_undecided {
+                return;
+            }
             let encounter = meeting.heartbeat(&self.order, now, from, heartbeat);
             self.vehicle = meeting.vehicle();
             self.meet(now, encounter);
@@ -284,6 +317,17 @@ impl<'a> Session<'a> {
             Encounter::Met(address, heartbeat) => {
                 self.vehicle = Some((address, heartbeat));
                 (self.at, self.rounds, self.pauses) = (0, 0, 0);
+                if self.version == Version::One {
+                    let (fence, rally) = (
+                        self.order.mission.fence.len(),
+                        self.order.mission.rally.len(),
+                    );
+                    if fence + rally > 0 {
+                        let failure = Failure::OnlyMavlink1 { fence, rally };
+                        return self.end(now, Verdict::Failed(failure));
+                    }
+                    self.at = ORDER.len() - 1;
+                }
                 self.begin_list(now);
             }
             Encounter::Over(verdict) => self.end(now, verdict),
@@ -457,6 +501,17 @@ impl<'a> Session<'a> {
         }
     }
 
+    fn description(&self) -> String {
+        let Some((_, beat)) = self.vehicle else {
+            return String::new();
+        };
+        let description = identity::describe(&beat);
+        match self.version {
+            Version::One => format!("{description}, MAVLink 1: fence and rally cannot be asked"),
+            Version::Two => description,
+        }
+    }
+
     fn end(&mut self, now: Time, verdict: Verdict) {
         if let (Stage::Working(Task::Upload(_)), Some(route)) = (&self.stage, self.route()) {
             // Lets PX4 go, instead of leaving it waiting for 5 s.
@@ -473,9 +528,7 @@ impl<'a> Session<'a> {
         )]
         let seconds = (now - self.began) as f64 / 1000.0;
         self.report = Some(TransferReport {
-            autopilot: self
-                .vehicle
-                .map_or(String::new(), |(_, beat)| identity::describe(&beat)),
+            autopilot: self.description(),
             items: mission.len(),
             fence: fence.len(),
             rally: rally.len(),

@@ -13,6 +13,21 @@ use crate::world::{NoData, World};
 /// Furthest that encoding moves a point, metres: a quarter up, half of 1e-7 degrees aside.
 pub(super) const ENCODING_M: f64 = 0.26;
 
+/// Home of a vehicle that stands at a place on the ground.
+///
+/// Its altitude is rounded down to centimetres: altitudes above home that are
+/// computed from it are then high enough.
+#[must_use]
+pub fn home_at(place: LatLon, ground: Amsl) -> Home {
+    let (x, y) = degrees_e7(place);
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "float32 is what the wire has"
+    )]
+    let amsl_m = ((ground.0 * 100.0 + HAIR).floor() / 100.0) as f32;
+    Home { x, y, amsl_m }
+}
+
 /// Writes points of one vehicle's mission.
 pub(super) struct Encoder<'a> {
     world: &'a World,
@@ -22,25 +37,16 @@ pub(super) struct Encoder<'a> {
 
 impl<'a> Encoder<'a> {
     /// An encoder for a vehicle that stands at `home`, in the reference of the spec.
-    ///
-    /// The altitude of home is rounded down to centimetres: altitudes above home
-    /// that are computed from it are then high enough.
     pub(super) fn new(
         world: &'a World,
         reference: AltitudeReference,
         place: LatLon,
         ground: Amsl,
     ) -> Self {
-        let (x, y) = degrees_e7(place);
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "float32 is what the wire has"
-        )]
-        let amsl_m = ((ground.0 * 100.0 + HAIR).floor() / 100.0) as f32;
         Self {
             world,
             reference,
-            home: Home { x, y, amsl_m },
+            home: home_at(place, ground),
         }
     }
 

@@ -14,5 +14,6 @@ mod simplify;
 pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
 pub use build::{MissionError, build};
 pub use commands::{command_name, command_named};
+pub use encode::home_at;
 pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
 pub use params::turn_radius_m;

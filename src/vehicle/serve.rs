@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use super::air::{Air, Weather};
 use super::profile::Profile;
 use super::server::Vehicle;
 use crate::link::{Address, Decoder, Encoder, List, Message, Time};
@@ -31,6 +32,8 @@ pub struct Simulated {
     pub listen: SocketAddr,
     /// A ground station that it speaks to before it is spoken to.
     pub speak_to: Option<SocketAddr>,
+    /// What happens to its frames, and to those for it.
+    pub weather: Weather,
 }
 
 impl Simulated {
@@ -43,6 +46,7 @@ impl Simulated {
             home,
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
             speak_to: None,
+            weather: Weather::default(),
         }
     }
 }
@@ -78,6 +82,8 @@ pub fn spawn(simulated: &Simulated) -> io::Result<Running> {
             .map(|at| (at, Partner::default()))
             .into_iter()
             .collect(),
+        up: Air::new(simulated.weather, simulated.sysid, "up"),
+        down: Air::new(simulated.weather, simulated.sysid, "down"),
         vehicle: Arc::clone(&vehicle),
         stop: Arc::clone(&stop),
     };
@@ -135,6 +141,10 @@ struct Partner {
 struct Server {
     socket: UdpSocket,
     partners: BTreeMap<SocketAddr, Partner>,
+    /// Frames from ground stations.
+    up: Air,
+    /// Frames to them.
+    down: Air,
     vehicle: Arc<Mutex<Vehicle>>,
     stop: Arc<AtomicBool>,
 }
@@ -151,6 +161,10 @@ impl Server {
         let mut buffer = [0; 2048];
         while !self.stop.load(Ordering::Relaxed) {
             let due = lock(&self.vehicle).poll_timeout();
+            let due = [self.up.next_arrival(), self.down.next_arrival()]
+                .into_iter()
+                .flatten()
+                .fold(due, Time::min);
             let wait = Duration::from_millis(due - now());
             // A read timeout of zero would mean "for ever".
             let wait = wait.clamp(Duration::from_millis(1), LONGEST_WAIT);
@@ -158,12 +172,21 @@ impl Server {
                 return;
             }
             if let Ok((length, from)) = self.socket.recv_from(&mut buffer) {
-                self.receive(now(), from, buffer.get(..length).unwrap_or_default());
+                let frame = buffer.get(..length).unwrap_or_default();
+                self.up.send(now(), from, frame.to_vec());
             }
-            let mut vehicle = lock(&self.vehicle);
-            vehicle.handle_timeout(now());
-            while let Some(message) = vehicle.poll_transmit() {
-                self.send(&mut encoder, &message);
+            while let Some((from, frame)) = self.up.arrived(now()) {
+                self.receive(now(), from, &frame);
+            }
+            lock(&self.vehicle).handle_timeout(now());
+            loop {
+                let message = lock(&self.vehicle).poll_transmit();
+                let Some(message) = message else { break };
+                self.send(now(), &mut encoder, &message);
+            }
+            while let Some((to, frame)) = self.down.arrived(now()) {
+                // Whoever is gone does not hear it: as on any radio.
+                let _ = self.socket.send_to(&frame, to);
             }
         }
     }
@@ -183,7 +206,7 @@ impl Server {
     }
 
     /// A message for one ground station goes only there, everything else to all.
-    fn send(&self, encoder: &mut Encoder, message: &Message) {
+    fn send(&mut self, now: Time, encoder: &mut Encoder, message: &Message) {
         let frame = encoder.encode(message);
         for (address, partner) in &self.partners {
             let is_meant = match message {
@@ -191,8 +214,7 @@ impl Server {
                 _ => true,
             };
             if is_meant {
-                // Whoever is gone does not hear it: as on any radio.
-                let _ = self.socket.send_to(&frame, address);
+                self.down.send(now, *address, frame.clone());
             }
         }
     }

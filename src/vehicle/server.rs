@@ -212,6 +212,19 @@ impl Vehicle {
             total,
             opaque_ids: List::ALL.map(|list| self.opaque_id(list)),
         });
+        // A generic one, as MAVSDK's mission server, says nothing about its place.
+        if let (Some(home), Profile::ArduPilot | Profile::Px4) = (self.home, self.profile) {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "`as` saturates, two thousand kilometres up"
+            )]
+            let amsl_mm = (f64::from(home.amsl_m) * 1000.0).round() as i32;
+            self.outbox.push_back(Message::HomePosition {
+                x: home.x,
+                y: home.y,
+                amsl_mm,
+            });
+        }
     }
 
     fn opaque_id(&self, list: List) -> u32 {

@@ -3,7 +3,8 @@
 usage: vehicle_ground_station.py mavsdk|pymavlink PORT ITEMS
 
 The vehicle listens on a UDP port of this machine. Prints one JSON line: the
-seconds that the upload took, and what was read back.
+seconds that the upload took (null if it failed), what was read back (likewise),
+and what went wrong.
 """
 
 import json
@@ -13,13 +14,16 @@ import time
 
 os.environ["MAVLINK20"] = "1"
 
+# How long pymavlink, which has no mission protocol of its own, is let try, seconds.
+PATIENCE_S = 20
+
 
 def rows(count):
     """Sequence number, x, y, z of waypoints."""
     return [(seq, 363000000 + 100 * seq, -842500000 - 70 * seq, 480.25) for seq in range(count)]
 
 
-def with_mavsdk(port, count):
+def with_mavsdk(port, count, result):
     from mavsdk import ComponentType, Configuration, Mavsdk
     from mavsdk.plugins.mission_raw import MissionItem, MissionRaw
 
@@ -33,11 +37,11 @@ def with_mavsdk(port, count):
     ]
     began = time.monotonic()
     mission.upload_mission(items)
-    seconds = time.monotonic() - began
-    return seconds, [(item.seq, item.x, item.y, item.z) for item in mission.download_mission()]
+    result["seconds"] = time.monotonic() - began
+    result["items"] = [(item.seq, item.x, item.y, item.z) for item in mission.download_mission()]
 
 
-def with_pymavlink(port, count):
+def with_pymavlink(port, count, result):
     from pymavlink import mavutil
 
     link = mavutil.mavlink_connection(f"udpout:127.0.0.1:{port}", source_system=254)
@@ -46,33 +50,51 @@ def with_pymavlink(port, count):
     target = (link.target_system, link.target_component)
     items = rows(count)
     began = time.monotonic()
-    link.mav.mission_count_send(*target, count, 0)
-    while True:
-        message = link.recv_match(
-            type=["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"], blocking=True, timeout=5
-        )
-        if message.get_type() == "MISSION_ACK":
-            assert message.type == 0, message
-            break
-        seq, x, y, z = items[message.seq]
-        current = int(seq == 0)
-        link.mav.mission_item_int_send(*target, seq, 0, 16, current, 1, 0, 0, 0, 0, x, y, z, 0)
-    seconds = time.monotonic() - began
-    link.mav.mission_request_list_send(*target, 0)
-    total = link.recv_match(type="MISSION_COUNT", blocking=True, timeout=5).count
+    answers = ["MISSION_REQUEST", "MISSION_REQUEST_INT", "MISSION_ACK"]
+
+    def receive(kinds):
+        """The next message of these kinds for us, or None after 1.5 s."""
+        link.mav.heartbeat_send(6, 8, 0, 0, 4)
+        return link.recv_match(type=kinds, blocking=True, timeout=1.5)
+
+    message = None
+    while message is None:
+        link.mav.mission_count_send(*target, count, 0)
+        message = receive(answers)
+        assert time.monotonic() < began + PATIENCE_S, "no answer to MISSION_COUNT"
+    while message is None or message.get_type() != "MISSION_ACK" or message.type == 13:
+        assert time.monotonic() < began + PATIENCE_S, "the upload does not end"
+        if message is not None and message.get_type() != "MISSION_ACK":
+            seq, x, y, z = items[message.seq]
+            current = int(seq == 0)
+            link.mav.mission_item_int_send(*target, seq, 0, 16, current, 1, 0, 0, 0, 0, x, y, z, 0)
+        message = receive(answers)
+    assert message.type == 0, message
+    result["seconds"] = time.monotonic() - began
+    total = None
+    while total is None:
+        link.mav.mission_request_list_send(*target, 0)
+        total = receive("MISSION_COUNT")
+        assert time.monotonic() < began + 2 * PATIENCE_S, "no answer to MISSION_REQUEST_LIST"
     read = []
-    for seq in range(total):
-        link.mav.mission_request_int_send(*target, seq, 0)
-        item = link.recv_match(type="MISSION_ITEM_INT", blocking=True, timeout=5)
-        read.append((item.seq, item.x, item.y, item.z))
+    while len(read) < total.count:
+        link.mav.mission_request_int_send(*target, len(read), 0)
+        item = receive("MISSION_ITEM_INT")
+        if item is not None and item.seq == len(read):
+            read.append((item.seq, item.x, item.y, item.z))
+        assert time.monotonic() < began + 2 * PATIENCE_S, "the download does not end"
     link.mav.mission_ack_send(*target, 0, 0)
-    return seconds, read
+    result["items"] = read
 
 
 def main():
     tool, port, count = sys.argv[1], sys.argv[2], int(sys.argv[3])
-    seconds, items = {"mavsdk": with_mavsdk, "pymavlink": with_pymavlink}[tool](port, count)
-    print(json.dumps({"seconds": seconds, "items": items}), flush=True)
+    result = {"seconds": None, "items": None, "error": None}
+    try:
+        {"mavsdk": with_mavsdk, "pymavlink": with_pymavlink}[tool](port, count, result)
+    except Exception as error:  # whatever it is, the test judges what it means
+        result["error"] = repr(error)
+    print(json.dumps(result), flush=True)
 
 
 main()

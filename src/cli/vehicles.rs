@@ -1,0 +1,91 @@
+//! `sortie vehicles`: the simulated vehicles of a spec, in the foreground.
+
+use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
+use std::time::Duration;
+
+use super::args::{self, ProfileName};
+use super::console::out;
+use super::failure::Failure;
+use super::table;
+use crate::mission;
+use crate::spec::SpecFile;
+use crate::vehicle::{self, Profile, Running, Simulated, Weather};
+use crate::world;
+
+pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
+    let file = SpecFile::read(&arguments.spec)?;
+    let world = world::load(&file)?;
+    let speak_to = arguments.speak_to.as_deref().map(resolve).transpose()?;
+    let mut running: Vec<Running> = Vec::new();
+    let mut rows = table::table(&["vehicle", "system", "plays", "link"]);
+    for (index, (this, stations)) in file.spec.vehicles.iter().zip(&world.stations).enumerate() {
+        let profile = match arguments.profile {
+            None => this.autopilot.into(),
+            Some(ProfileName::Ardupilot) => Profile::ArduPilot,
+            Some(ProfileName::Px4) => Profile::Px4,
+            Some(ProfileName::Generic) => Profile::Generic,
+        };
+        let vehicle = vehicle::spawn(&Simulated {
+            profile,
+            sysid: this.sysid,
+            home: Some(mission::home_at(this.home, stations.home.amsl)),
+            listen: (Ipv4Addr::LOCALHOST, port(arguments.port, index)?).into(),
+            speak_to,
+            weather: Weather {
+                loss: arguments.loss / 100.0,
+                delay_ms: arguments.delay,
+                seed: arguments.seed,
+            },
+        })
+        .map_err(|error| {
+            let message = format!("{}: the vehicle does not start: {error}", this.id);
+            Failure::new(Failure::TRANSFER, message)
+        })?;
+        let link = match speak_to {
+            Some(ground) => format!("udpin:{ground}"),
+            None => format!("udpout:{}", vehicle.address()),
+        };
+        let plays = match profile {
+            Profile::ArduPilot => "ArduPilot",
+            Profile::Px4 => "PX4",
+            Profile::Generic => "generic",
+        };
+        rows.add_row([&this.id, &this.sysid.to_string(), plays, &link]);
+        running.push(vehicle);
+    }
+    out(&rows.to_string());
+    match arguments.for_s {
+        Some(seconds) => std::thread::sleep(Duration::from_secs(seconds)),
+        // Ctrl-C ends the process, and the vehicles with it.
+        None => loop {
+            std::thread::park();
+        },
+    }
+    drop(running);
+    Ok(())
+}
+
+/// The port of a vehicle, or any if the first is.
+fn port(first: u16, index: usize) -> Result<u16, Failure> {
+    if first == 0 {
+        return Ok(0);
+    }
+    u16::try_from(index)
+        .ok()
+        .and_then(|index| first.checked_add(index))
+        .ok_or_else(|| {
+            let message = format!("--port {first}: not enough ports up to 65535 for the fleet");
+            Failure::new(Failure::USAGE, message)
+        })
+}
+
+fn resolve(address: &str) -> Result<SocketAddr, Failure> {
+    address
+        .to_socket_addrs()
+        .ok()
+        .and_then(|mut addresses| addresses.next())
+        .ok_or_else(|| {
+            let message = format!("--speak-to {address}: not an address of the form HOST:PORT");
+            Failure::new(Failure::USAGE, message)
+        })
+}

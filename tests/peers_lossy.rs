@@ -1,0 +1,170 @@
+//! Transfers through a bad radio, over real sockets, with implementations that are
+//! not ours at the other end: whoever fails, nobody says "uploaded" wrongly.
+
+#[allow(unreachable_pub)]
+#[path = "support/lossy_proxy.rs"]
+mod lossy_proxy;
+#[allow(unreachable_pub)]
+#[path = "support/mavsdk.rs"]
+mod mavsdk;
+#[allow(unreachable_pub)]
+#[path = "support/peers.rs"]
+mod peers;
+
+use std::net::SocketAddr;
+use std::path::Path;
+
+use lossy_proxy::{LossyProxy, Radio};
+use mavsdk::{Peer, free_port};
+use sortie::link::{Job, List, TransferReport, Verdict, upload_fleet};
+use sortie::mission::{Home, Item, VehicleMission, command, frame};
+use sortie::spec::{Airframe, Autopilot, Link};
+use sortie::vehicle::{Profile, Simulated, spawn};
+
+const HOME: Home = Home {
+    x: 363_000_000,
+    y: -842_500_000,
+    amsl_m: 400.5,
+};
+
+/// As `tests/peers/vehicle_ground_station.py` numbers them.
+fn waypoint(n: i32) -> Item {
+    Item {
+        command: command::NAV_WAYPOINT,
+        frame: frame::GLOBAL,
+        autocontinue: true,
+        params: [0.0; 4],
+        x: HOME.x + 100 * n,
+        y: HOME.y - 70 * n,
+        z: 480.25,
+    }
+}
+
+fn mission(items: i32) -> VehicleMission {
+    VehicleMission {
+        autopilot: Autopilot::Px4,
+        airframe: Airframe::Copter,
+        home: HOME,
+        items: (0..items).map(waypoint).collect(),
+        fence: Vec::new(),
+        rally: Vec::new(),
+        params: Vec::new(),
+        notes: Vec::new(),
+    }
+}
+
+/// Uploads to MAVSDK at that loss, and holds the verdict against what MAVSDK got.
+fn upload_to_mavsdk(python: &Path, percent: u32, seed: u64) -> TransferReport {
+    let port = free_port();
+    let ground = SocketAddr::from(([127, 0, 0, 1], port));
+    let proxy = LossyProxy::to(ground, Radio::losing(percent, seed));
+    let peer = Peer::start(python, proxy.near.port(), 1);
+    let mission = mission(60);
+    let link = Link::UdpIn(ground.to_string());
+    let job = Job {
+        vehicle: "alpha",
+        sysid: 1,
+        link: &link,
+        mission: &mission,
+        force: false,
+    };
+    let report = upload_fleet(&[job], &|_, _| {}).remove(0);
+    if report.is_verified() {
+        let got = peer.list();
+        let got: Vec<(i64, i64)> = got
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|item| {
+                (
+                    item["x"].as_i64().expect("x"),
+                    item["y"].as_i64().expect("y"),
+                )
+            })
+            .collect();
+        let sent = mission.items.iter();
+        let sent: Vec<(i64, i64)> = sent.map(|i| (i.x.into(), i.y.into())).collect();
+        assert_eq!(got, sent, "{percent} % loss, seed {seed}");
+    }
+    report
+}
+
+/// `SORTIE_UPLOADS=20` for the whole measurement at 25 % loss.
+#[test]
+fn mavsdk_is_loaded_at_every_loss_up_to_25_percent_each_way() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let uploads = std::env::var("SORTIE_UPLOADS").ok();
+    let uploads: u64 = uploads.and_then(|n| n.parse().ok()).unwrap_or(3);
+    let mut runs = vec![(0, 1), (5, 1), (15, 1)];
+    runs.extend((1..=uploads).map(|seed| (25, seed)));
+    // A few at a time: each waits for the radio, not for the processor.
+    for some in runs.chunks(6) {
+        std::thread::scope(|scope| {
+            for &(percent, seed) in some {
+                let python = &python;
+                scope.spawn(move || {
+                    let report = upload_to_mavsdk(python, percent, seed);
+                    println!(
+                        "{percent} % seed {seed}: {:?}, {:.1} s, {} starts, {} repeats",
+                        report.verdict, report.seconds, report.attempts, report.retries
+                    );
+                    assert_eq!(report.verdict, Verdict::Verified, "{percent} %: {report:?}");
+                });
+            }
+        });
+    }
+}
+
+/// Both tools at one loss against one profile: what they believe is what is on board.
+fn loaded_by_others(python: &Path, profile: Profile, tool: &str, percent: u32) {
+    let vehicle = spawn(&Simulated::on_loopback(profile, 3, Some(HOME))).expect("a free port");
+    let proxy = LossyProxy::to(vehicle.address(), Radio::losing(percent, 1));
+    let port = proxy.near.port().to_string();
+    let result = peers::run(python, "vehicle_ground_station.py", &[tool, &port, "20"]);
+    let held = vehicle.items(List::Mission);
+    // ArduPilot has the first one, home, to itself.
+    let first = i32::from(profile == Profile::ArduPilot);
+    let whole: Vec<Item> = (first..20).map(waypoint).collect();
+    let what = format!("{profile:?}, {tool}, {percent} %: {result}");
+    println!("{what}");
+    if percent == 0 {
+        assert!(result["error"].is_null(), "{what}");
+    }
+    if result["seconds"].is_number() {
+        assert_eq!(held, whole, "told to be uploaded: {what}");
+    } else if profile == Profile::Px4 {
+        assert!(held.is_empty() || held == whole, "all or nothing: {what}");
+    } else {
+        assert!(whole.starts_with(&held), "a beginning of it: {what}");
+    }
+    if let Some(read) = result["items"].as_array() {
+        assert_eq!(read.len(), 20, "{what}");
+        for (n, item) in (0..).zip(read).skip(1) {
+            let sent = waypoint(n);
+            assert_eq!(
+                (&item[1], &item[2]),
+                (&sent.x.into(), &sent.y.into()),
+                "{what}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_other_ground_stations_believe_to_be_on_board_is_on_board_at_any_loss() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    for percent in [0, 5, 15, 25] {
+        std::thread::scope(|scope| {
+            for profile in [Profile::ArduPilot, Profile::Px4] {
+                for tool in ["mavsdk", "pymavlink"] {
+                    let python = &python;
+                    scope.spawn(move || loaded_by_others(python, profile, tool, percent));
+                }
+            }
+        });
+    }
+}
