@@ -196,6 +196,148 @@ fn an_edited_mission_is_not_uploaded() {
 }
 
 #[test]
+fn a_folder_that_was_edited_is_not_uploaded() {
+    let folder = folder_with(SPEC);
+    let plan = || {
+        assert_eq!(
+            sortie(folder.path(), &["plan", "hop.yaml"]).status.code(),
+            Some(0)
+        )
+    };
+    let edit = |name: &str, from: &str, to: &str| {
+        let path = folder.path().join("out/hop").join(name);
+        let before = fs::read_to_string(&path).unwrap();
+        assert!(before.contains(from), "{from:?} is not in {name}");
+        fs::write(path, before.replacen(from, to, 1)).unwrap();
+        let output = sortie(folder.path(), &["upload", "out/hop"]);
+        assert_eq!(
+            output.status.code(),
+            Some(4),
+            "{name}: {}",
+            text(&output.stderr)
+        );
+        assert!(
+            text(&output.stderr).contains(name),
+            "{}",
+            text(&output.stderr)
+        );
+    };
+    plan();
+    edit("alpha.waypoints", "36.3000000", "36.3000001");
+    fs::remove_dir_all(folder.path().join("out")).unwrap();
+    plan();
+    edit("spec.yaml", "radius_m: 200", "radius_m: 100");
+    assert!(
+        !folder.path().join("out/hop.runs").exists(),
+        "something was sent"
+    );
+}
+
+#[test]
+fn a_rejected_file_needs_force_under_every_command() {
+    let folder = folder_with(SPEC);
+    assert_eq!(
+        sortie(folder.path(), &["plan", "hop.yaml"]).status.code(),
+        Some(0)
+    );
+    fs::copy(
+        folder.path().join("out/hop/alpha.plan"),
+        folder.path().join("alpha.REJECTED.plan"),
+    )
+    .unwrap();
+    let arguments = ["upload", "--spec", "hop.yaml", "alpha.REJECTED.plan"];
+    let output = sortie(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
+    let forced = sortie(folder.path(), &[&arguments[..], &["--force"]].concat());
+    assert_eq!(forced.status.code(), Some(0), "{}", text(&forced.stderr));
+}
+
+#[test]
+fn a_refused_upload_is_still_one_json_document() {
+    let folder = folder_with(SPEC);
+    assert_eq!(
+        sortie(folder.path(), &["plan", "hop.yaml"]).status.code(),
+        Some(0)
+    );
+    let spec = SPEC.replace("radius_m: 200", "radius_m: 700");
+    fs::write(folder.path().join("wider.yaml"), spec).unwrap();
+    let output = sortie(
+        folder.path(),
+        &[
+            "upload",
+            "--json",
+            "--spec",
+            "wider.yaml",
+            "out/hop/alpha.plan",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(4), "{}", text(&output.stderr));
+    let document: Value = serde_json::from_slice(&output.stdout).expect("one JSON document");
+    assert_eq!(document["verdict"], "refused");
+}
+
+#[test]
+fn a_result_that_cannot_be_printed_is_exit_1() {
+    let folder = folder_with(SPEC);
+    let full = fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .expect("a device that is full");
+    let status = Command::new(cargo_bin("sortie"))
+        .current_dir(folder.path())
+        .arg("schema")
+        .stdout(full)
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(1));
+}
+
+#[test]
+fn a_page_never_replaces_what_is_no_page() {
+    let folder = folder_with(SPEC);
+    assert_eq!(
+        sortie(folder.path(), &["plan", "hop.yaml"]).status.code(),
+        Some(0)
+    );
+    let page = |name: &str| {
+        sortie(
+            folder.path(),
+            &["review", "hop.yaml", "out/hop/alpha.plan", "--html", name],
+        )
+        .status
+        .code()
+    };
+    assert_eq!(page("hop.yaml"), Some(2));
+    assert_eq!(
+        fs::read_to_string(folder.path().join("hop.yaml")).unwrap(),
+        SPEC
+    );
+    assert_eq!(page("page.html"), Some(0));
+    assert!(folder.path().join("page.html").is_file());
+}
+
+#[test]
+fn a_file_that_no_plan_wrote_keeps_its_folder_from_being_replaced() {
+    let folder = folder_with(SPEC);
+    let plan = || sortie(folder.path(), &["plan", "hop.yaml"]);
+    assert_eq!(plan().status.code(), Some(0));
+    assert_eq!(plan().status.code(), Some(0), "an earlier plan is replaced");
+    fs::write(
+        folder.path().join("out/hop/notes.txt"),
+        "wind from the west",
+    )
+    .unwrap();
+    let output = plan();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(
+        text(&output.stderr).contains("notes.txt"),
+        "{}",
+        text(&output.stderr)
+    );
+    assert!(folder.path().join("out/hop/notes.txt").exists());
+}
+
+#[test]
 fn review_of_the_files_alone_reaches_the_same_verdict() {
     let folder = folder_with(SPEC);
     assert_eq!(

@@ -23,6 +23,6 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         count(spec.vehicles.len(), "vehicle", "vehicles"),
         count(spec.threats.len(), "threat", "threats"),
         count(spec.no_fly.len(), "no-fly zone", "no-fly zones"),
-    ));
+    ))?;
     Ok(())
 }

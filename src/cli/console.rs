@@ -1,11 +1,19 @@
 //! Printing: results on stdout, everything else on stderr.
 
-use std::io::{IsTerminal, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
+
+use super::failure::Failure;
 
 /// Prints a result. A closed pipe is the reader's choice, not an error.
-pub(super) fn out(text: &str) {
+pub(super) fn out(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    let _ = writeln!(stdout, "{text}").and_then(|()| stdout.flush());
+    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            let message = format!("cannot write to standard output: {error}");
+            Err(Failure::new(Failure::OUTPUT, message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints what is not a result.
@@ -20,9 +28,10 @@ pub(super) struct Paint {
 }
 
 impl Paint {
-    /// For stdout: colours only on a terminal, and never with NO_COLOR.
+    /// For stdout: colours only on a terminal, and never with NO_COLOR or TERM=dumb.
     pub(super) fn for_stdout() -> Self {
-        let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+        let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty())
+            || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
         Self {
             on: std::io::stdout().is_terminal() && !refused,
         }

@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &args::Download) -> Result<(), Failure> {
         mission.fence.len(),
         mission.rally.len(),
         arguments.output.display()
-    ));
+    ))?;
     Ok(())
 }
 

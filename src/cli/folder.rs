@@ -1,14 +1,17 @@
 //! The files of an output folder: what `plan` writes and `upload` reads.
 
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
 use super::failure::Failure;
 use super::output::NewFolder;
 use crate::dispatch::Dispatched;
-use crate::formats;
+use crate::formats::{self, Document, FormatError};
 use crate::mission::VehicleMission;
 use crate::path::TimedPoint;
 use crate::report::{self, ReviewInput};
@@ -41,9 +44,9 @@ pub(super) fn write(
     timing: &serde_json::Value,
 ) -> Result<(), Failure> {
     let (spec, review) = (&file.spec, &dispatched.review);
-    let folder = NewFolder::beside(out)?;
+    let folder = NewFolder::beside(out, in_the_way)?;
     if let (Some(path), TerrainSource::File(name)) = (file.terrain_path(), &spec.terrain) {
-        let bytes = std::fs::read(&path).map_err(|error| {
+        let bytes = fs::read(&path).map_err(|error| {
             Failure::new(
                 Failure::INPUT,
                 format!("cannot read {}: {error}", path.display()),
@@ -126,6 +129,20 @@ pub(super) fn page(
 /// Marks the name of a mission that fails verification.
 pub(super) const REJECTED: &str = ".REJECTED";
 
+/// Largest mission file: a thousand times the largest mission of any autopilot.
+const MAX_BYTES: u64 = 64 << 20;
+
+pub(super) fn is_waypoints(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension == "waypoints")
+}
+
+/// Whether a mission file is marked as rejected.
+pub(super) fn is_rejected(path: &Path) -> bool {
+    path.file_stem()
+        .is_some_and(|stem| stem.to_string_lossy().ends_with(REJECTED))
+}
+
 /// Reads a mission file by its extension, `.waypoints` or `.plan`.
 pub(super) fn read_mission(
     path: &Path,
@@ -133,22 +150,137 @@ pub(super) fn read_mission(
     vehicle: usize,
 ) -> Result<VehicleMission, Failure> {
     let bad = |what: String| Failure::new(Failure::INPUT, format!("{}: {what}", path.display()));
-    let bytes = std::fs::read(path).map_err(|error| bad(format!("cannot be read: {error}")))?;
+    let read: fn(&str) -> Result<Document, FormatError> =
+        match path.extension().and_then(OsStr::to_str) {
+            Some("waypoints") => formats::waypoints::read,
+            Some("plan") => formats::plan::read,
+            _ => {
+                let message = format!("{}: neither .waypoints nor .plan", path.display());
+                return Err(Failure::new(Failure::USAGE, message));
+            }
+        };
+    let mut bytes = Vec::new();
+    fs::File::open(path)
+        .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| bad(format!("cannot be read: {error}")))?;
+    if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {
+        return Err(bad(format!(
+            "too large for a mission (allowed: {} MiB)",
+            MAX_BYTES >> 20
+        )));
+    }
     let text = String::from_utf8(bytes).map_err(|error| bad(format!("not text: {error}")))?;
-    let document = match path.extension().and_then(OsStr::to_str) {
-        Some("waypoints") => formats::waypoints::read(&text),
-        Some("plan") => formats::plan::read(&text),
-        _ => {
-            return Err(Failure::new(
-                Failure::USAGE,
-                format!("{}: neither .waypoints nor .plan", path.display()),
-            ));
-        }
-    };
     let vehicle = &file.spec.vehicles[vehicle];
-    document
+    read(&text)
         .and_then(|document| document.into_mission(vehicle.autopilot, vehicle.airframe))
         .map_err(|error| bad(error.to_string()))
+}
+
+/// Refuses a folder in which something was edited since `plan` wrote it: the spec,
+/// or one of the two files of a mission, so that they disagree.
+pub(super) fn refuse_edited(
+    folder: &Path,
+    file: &SpecFile,
+    files: &BTreeMap<usize, PathBuf>,
+) -> Result<(), Failure> {
+    let edited = |what: String| {
+        let message = format!("{what}; nothing was sent (--force overrides)");
+        Err(Failure::new(Failure::VERDICT, message))
+    };
+    if planned_from(folder).as_deref() != Some(sha256(&file.text).as_str()) {
+        return edited(format!(
+            "{} is not the spec that plan.json was made from",
+            folder.join("spec.yaml").display()
+        ));
+    }
+    for (vehicle, path) in files {
+        let twin = path.with_extension("waypoints");
+        if !twin.exists() {
+            continue;
+        }
+        let (mission, other) = (
+            read_mission(path, file, *vehicle)?,
+            read_mission(&twin, file, *vehicle)?,
+        );
+        // The twin has lost what its format cannot hold; so must the other to be compared.
+        if formats::waypoints::write(&mission) != formats::waypoints::write(&other) {
+            return edited(format!(
+                "{} and {} disagree",
+                path.display(),
+                twin.display()
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The hash of the spec from which an output folder was made, if that is what a folder is.
+fn planned_from(folder: &Path) -> Option<String> {
+    let plan: serde_json::Value =
+        serde_json::from_slice(&fs::read(folder.join("plan.json")).ok()?).ok()?;
+    plan.get("sortie")?;
+    Some(plan.get("spec_sha256")?.as_str()?.to_owned())
+}
+
+/// Why a folder may not be replaced: only what `plan` wrote, and nothing else
+/// beside it, may go.
+pub(super) fn in_the_way(target: &Path) -> Option<String> {
+    let Ok(entries) = fs::read_dir(target) else {
+        return target
+            .exists()
+            .then(|| "a file of this name is in the way".to_owned());
+    };
+    let mut names: Vec<String> = entries
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    if names.is_empty() {
+        return None;
+    }
+    let spec = fs::read_to_string(target.join("spec.yaml")).ok();
+    let ours = spec
+        .as_deref()
+        .is_some_and(|spec| planned_from(target) == Some(sha256(spec)));
+    let (Some(spec), true) = (spec, ours) else {
+        return Some(
+            "this folder holds something else than an earlier plan and is not replaced".to_owned(),
+        );
+    };
+    let terrain = terrain_folder(&spec);
+    let foreign = names
+        .iter()
+        .find(|name| !is_written(name) && Some(*name) != terrain.as_ref())?;
+    Some(format!(
+        "it holds {foreign}, which no plan wrote, and is not replaced"
+    ))
+}
+
+/// Whether `plan` writes a file of this name.
+fn is_written(name: &str) -> bool {
+    let fixed = [
+        "spec.yaml",
+        "plan.json",
+        "review.json",
+        "review.html",
+        "fleet.kml",
+        "fleet.geojson",
+        "timing.json",
+    ];
+    let endings = [".waypoints", ".plan", ".params"];
+    fixed.contains(&name) || endings.iter().any(|ending| name.ends_with(ending))
+}
+
+/// The first part of the path of the terrain that a spec names: a file or folder that was copied with it.
+fn terrain_folder(spec: &str) -> Option<String> {
+    let file = SpecFile::parse(Path::new("spec.yaml"), spec.to_owned()).ok()?;
+    let TerrainSource::File(path) = file.spec.terrain else {
+        return None;
+    };
+    let first = path
+        .components()
+        .find(|part| matches!(part, Component::Normal(_)))?;
+    Some(first.as_os_str().to_string_lossy().into_owned())
 }
 
 /// The vehicle whose name a mission file has, such as `alpha.waypoints` or `alpha.REJECTED.plan`.

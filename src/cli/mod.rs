@@ -43,15 +43,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Upload(arguments) => upload::run(arguments),
         Command::Download(arguments) => download::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
-        Command::Schema => {
-            console::out(crate::spec::json_schema().trim_end());
-            Ok(())
-        }
+        Command::Schema => console::out(crate::spec::json_schema().trim_end()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "sortie", &mut script);
-            console::out(String::from_utf8_lossy(&script).trim_end());
-            Ok(())
+            console::out(String::from_utf8_lossy(&script).trim_end())
         }
     };
     match done {

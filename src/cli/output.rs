@@ -29,9 +29,15 @@ pub(super) struct NewFolder {
 }
 
 impl NewFolder {
-    /// Starts a folder that is to appear as `target`.
-    pub(super) fn beside(target: &Path) -> Result<Self, OutputError> {
-        let target = &std::path::absolute(target).map_err(at(target))?;
+    /// Starts a folder that is to appear as `target`, unless what is there is in the
+    /// way. A link is followed, so that it still is one afterwards.
+    pub(super) fn beside(
+        target: &Path,
+        in_the_way: impl Fn(&Path) -> Option<String>,
+    ) -> Result<Self, OutputError> {
+        let target = &fs::canonicalize(target)
+            .or_else(|_| std::path::absolute(target))
+            .map_err(at(target))?;
         if let Some(reason) = in_the_way(target) {
             let source = io::Error::new(io::ErrorKind::AlreadyExists, reason);
             return Err(OutputError {
@@ -89,18 +95,6 @@ impl NewFolder {
     }
 }
 
-/// Why a folder may not be replaced: only what `plan` wrote, or nothing, may go.
-fn in_the_way(target: &Path) -> Option<&'static str> {
-    let Ok(mut entries) = fs::read_dir(target) else {
-        return target
-            .exists()
-            .then_some("a file of this name is in the way");
-    };
-    let ours = target.join("spec.yaml").exists() && target.join("plan.json").exists();
-    (entries.next().is_some() && !ours)
-        .then_some("this folder holds something else than an earlier plan and is not replaced")
-}
-
 impl Drop for NewFolder {
     fn drop(&mut self) {
         if !self.published {
@@ -135,6 +129,10 @@ fn remove_leftovers(target: &Path) {
 
 /// Writes one file so that it appears whole or not at all.
 pub(super) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    if fs::metadata(path).is_ok_and(|data| !data.is_file()) {
+        let source = io::Error::new(io::ErrorKind::AlreadyExists, "it is no regular file");
+        return Err(at(path)(source));
+    }
     if let Some(parent) = path
         .parent()
         .filter(|parent| !parent.as_os_str().is_empty())
@@ -164,13 +162,14 @@ fn sibling(path: &Path, tag: &str) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::folder::in_the_way;
 
     #[test]
     fn a_folder_replaces_the_old_one_as_a_whole() {
         let home = tempfile::tempdir().unwrap();
         let target = home.path().join("out");
         for round in ["one", "two"] {
-            let folder = NewFolder::beside(&target).unwrap();
+            let folder = NewFolder::beside(&target, |_| None).unwrap();
             for name in [&format!("{round}/file"), "spec.yaml", "plan.json"] {
                 folder.write(name, round.as_bytes()).unwrap();
             }
@@ -193,7 +192,7 @@ mod tests {
         for name in ["kept", "spec.yaml", "plan.json"] {
             fs::write(target.join(name), b"").unwrap();
         }
-        drop(NewFolder::beside(&target).unwrap());
+        drop(NewFolder::beside(&target, |_| None).unwrap());
         assert!(target.join("kept").exists());
         assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1);
     }
@@ -210,7 +209,7 @@ mod tests {
         }
         let then = std::time::SystemTime::UNIX_EPOCH;
         fs::File::open(&stale).unwrap().set_modified(then).unwrap();
-        drop(NewFolder::beside(&home.path().join("out")).unwrap());
+        drop(NewFolder::beside(&home.path().join("out"), |_| None).unwrap());
         assert!(!stale.exists() && fresh.exists());
     }
 
@@ -218,7 +217,10 @@ mod tests {
     fn a_folder_that_is_not_an_earlier_plan_is_never_replaced() {
         let home = tempfile::tempdir().unwrap();
         fs::write(home.path().join("thesis.tex"), b"").unwrap();
-        let message = NewFolder::beside(home.path()).err().unwrap().to_string();
+        let message = NewFolder::beside(home.path(), in_the_way)
+            .err()
+            .unwrap()
+            .to_string();
         assert!(message.contains("not replaced"), "{message}");
         assert!(home.path().join("thesis.tex").exists());
     }
@@ -228,7 +230,10 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let target = home.path().join("out");
         fs::write(&target, b"").unwrap();
-        let message = NewFolder::beside(&target).err().unwrap().to_string();
+        let message = NewFolder::beside(&target, in_the_way)
+            .err()
+            .unwrap()
+            .to_string();
         assert!(
             message.contains("out") && message.contains("in the way"),
             "{message}"

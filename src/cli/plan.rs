@@ -11,12 +11,12 @@ use super::console::{Paint, out};
 use super::failure::Failure;
 use super::folder;
 use super::progress::Progress;
-use super::table;
+use super::table::{self, Rows};
 use super::upload::{self, Delivery};
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::report;
-use crate::spec::SpecFile;
+use crate::spec::{OnLinkLoss, SpecFile};
 use crate::world::{self, World};
 
 /// Seconds spent in each stage: printed and in `timing.json`, never in a result.
@@ -97,10 +97,10 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
         document["out"] = json!(target.display().to_string());
         document["upload"] = delivery.as_ref().map_or(Value::Null, Delivery::json);
-        out(report::json_text(&document).trim_end());
+        out(report::json_text(&document).trim_end())?;
     } else {
-        tell(&file, &dispatched, delivery.as_ref(), &watch);
-        out(&format!("files in {}", target.display()));
+        tell(&file, &dispatched, delivery.as_ref(), &watch)?;
+        out(&format!("files in {}", target.display()))?;
     }
     if !passes {
         let unsent = if arguments.upload {
@@ -149,7 +149,12 @@ fn plan(file: &SpecFile, world: &World, seed: u64) -> Dispatched {
 }
 
 /// The table an operator reads.
-fn tell(file: &SpecFile, dispatched: &Dispatched, delivery: Option<&Delivery>, watch: &Stopwatch) {
+fn tell(
+    file: &SpecFile,
+    dispatched: &Dispatched,
+    delivery: Option<&Delivery>,
+    watch: &Stopwatch,
+) -> Result<(), Failure> {
     let (spec, review, paint) = (&file.spec, &dispatched.review, Paint::for_stdout());
     let verdict = if review.passes() {
         paint.good("pass")
@@ -167,8 +172,8 @@ fn tell(file: &SpecFile, dispatched: &Dispatched, delivery: Option<&Delivery>, w
             "rounds"
         },
         watch.total_s()
-    ));
-    let mut rows = table::table(&[
+    ))?;
+    let mut rows = Rows::new(&[
         "vehicle",
         "autopilot",
         "cost",
@@ -190,7 +195,7 @@ fn tell(file: &SpecFile, dispatched: &Dispatched, delivery: Option<&Delivery>, w
             .map(|(_, mission)| mission.items.len());
         let report = delivery
             .and_then(|delivery| delivery.reports.iter().find(|report| report.vehicle == id));
-        rows.add_row([
+        rows.add([
             id.to_owned(),
             table::autopilot(vehicle.autopilot).to_owned(),
             format!("{:.3}", plan.terms.total()),
@@ -205,9 +210,12 @@ fn tell(file: &SpecFile, dispatched: &Dispatched, delivery: Option<&Delivery>, w
             on_board(review.accepts(id), report),
         ]);
     }
-    out(&rows.to_string());
+    out(&rows.to_string())?;
     if !review.passes() {
-        out(&table::failures(review, paint));
+        for line in blocked(file, dispatched) {
+            out(&format!("{} {line}", paint.bad("FAIL")))?;
+        }
+        out(&table::failures(review, paint))?;
     }
     for report in delivery
         .iter()
@@ -218,11 +226,43 @@ fn tell(file: &SpecFile, dispatched: &Dispatched, delivery: Option<&Delivery>, w
             "{} {}",
             paint.bad("FAIL"),
             upload::sentence(report)
-        ));
+        ))?;
     }
     for (note, ids) in notes(file, dispatched) {
-        out(&paint.dim(&format!("note: {}: {note}", ids.join(", "))));
+        out(&paint.dim(&format!("note: {}: {note}", ids.join(", "))))?;
     }
+    if spec.on_link_loss != OnLinkLoss::Continue {
+        out(&paint
+            .dim("note: on_link_loss is kept for flying the fleet; no mission file can hold it"))?;
+    }
+    Ok(())
+}
+
+/// The vehicles for which no path was found that keeps every limit, and which it breaks.
+fn blocked(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
+    let vehicles = file.spec.vehicles.iter().zip(&dispatched.plan.vehicles);
+    vehicles
+        .filter(|(_, plan)| !plan.terms.is_clean())
+        .map(|(vehicle, plan)| {
+            let terms = &plan.terms;
+            let broken: Vec<&str> = [
+                (terms.threat, "threats, zones or the area"),
+                (terms.terrain, "height above ground or the ceiling"),
+                (terms.turn, "turns"),
+                (terms.climb, "climb or descent"),
+                (terms.collision, "separation from earlier vehicles"),
+            ]
+            .into_iter()
+            .filter(|(term, _)| *term > 0.0)
+            .map(|(_, name)| name)
+            .collect();
+            format!(
+                "{}: no path was found from start to goal that keeps every limit; the best breaks {}",
+                vehicle.id,
+                broken.join(", ")
+            )
+        })
+        .collect()
 }
 
 /// What a reader of the missions needs to know, each once, with the vehicles it is true of.

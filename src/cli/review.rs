@@ -8,7 +8,7 @@ use super::console::{Paint, note, out};
 use super::failure::Failure;
 use super::folder;
 use super::output;
-use super::table;
+use super::table::{self, Rows};
 use crate::formats::{self, Format};
 use crate::mission::VehicleMission;
 use crate::report;
@@ -30,6 +30,15 @@ pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
         return Err(Failure::new(Failure::USAGE, message));
     };
     let named = named(&arguments.vehicle)?;
+    if let Some(page) = &arguments.html
+        && !page.extension().is_some_and(|e| e == "html" || e == "htm")
+    {
+        let message = format!(
+            "--html {}: the name of a page ends in .html",
+            page.display()
+        );
+        return Err(Failure::new(Failure::USAGE, message));
+    }
     let file = SpecFile::read(spec)?;
     let world = world::load(&file)?;
     let files = assign(
@@ -60,9 +69,9 @@ pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
         )?;
     }
     if arguments.json {
-        out(report::json_text(&report::review_json(&review)).trim_end());
+        out(report::json_text(&report::review_json(&review)).trim_end())?;
     } else {
-        tell(&file, &review);
+        tell(&file, &review)?;
     }
     if review.passes() {
         Ok(())
@@ -170,9 +179,23 @@ fn tell_losses(id: &str, path: &Path) {
     }
 }
 
-fn tell(file: &SpecFile, review: &verify::Review) {
+fn tell(file: &SpecFile, review: &verify::Review) -> Result<(), Failure> {
     let paint = Paint::for_stdout();
-    let mut rows = table::table(&["vehicle", "limit", "worst", "allowed", "where and when", ""]);
+    let kept = review.margins.iter().filter(|margin| margin.ok).count();
+    let verdict = if review.passes() {
+        paint.good("pass")
+    } else {
+        paint.bad("FAIL")
+    };
+    let all = review.margins.len();
+    out(&format!(
+        "{}: {verdict}, {kept} of {all} limits kept",
+        file.spec.name
+    ))?;
+    if !review.passes() {
+        out(&table::failures(review, paint))?;
+    }
+    let mut rows = Rows::new(&["vehicle", "limit", "worst", "allowed", "where and when", ""]);
     for margin in &review.margins {
         let who = margin.other.as_ref().map_or_else(
             || margin.vehicle.clone(),
@@ -189,7 +212,7 @@ fn tell(file: &SpecFile, review: &verify::Review) {
         });
         let value = |value: f64| {
             if value.is_finite() {
-                format!("{value:.1} {}", margin.unit)
+                format!("{} {}", table::number(value, 1), margin.unit)
             } else {
                 "-".to_owned()
             }
@@ -199,7 +222,7 @@ fn tell(file: &SpecFile, review: &verify::Review) {
         } else {
             paint.bad("FAIL")
         };
-        rows.add_row([
+        rows.add([
             who,
             margin.what.clone(),
             value(margin.value),
@@ -212,10 +235,5 @@ fn tell(file: &SpecFile, review: &verify::Review) {
             verdict,
         ]);
     }
-    out(&rows.to_string());
-    if review.passes() {
-        out(&format!("{}: {}", file.spec.name, paint.good("pass")));
-    } else {
-        out(&table::failures(review, paint));
-    }
+    out(&rows.to_string())
 }

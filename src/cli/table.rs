@@ -1,18 +1,74 @@
 //! Tables for the terminal: one for the fleet, one for what fails.
 
+use std::fmt;
+
 use comfy_table::{ContentArrangement, Table, presets};
 
 use super::console::Paint;
 use crate::spec::Autopilot;
 use crate::verify::{Margin, Review, Sense};
 
-/// An empty table that fits the terminal.
-pub(super) fn table(header: &[&str]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
-    table.set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_header(header.iter().copied());
-    table
+/// A table, or on a terminal too narrow for it a list of the same cells.
+pub(super) struct Rows {
+    header: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Rows {
+    pub(super) fn new(header: &[&'static str]) -> Self {
+        Self {
+            header: header.to_vec(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds a row with a cell for each head.
+    pub(super) fn add(&mut self, cells: impl Into<Vec<String>>) {
+        self.rows.push(cells.into());
+    }
+}
+
+impl fmt::Display for Rows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut table = Table::new();
+        table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+        table.set_content_arrangement(ContentArrangement::Disabled);
+        table.set_header(self.header.iter().copied());
+        for row in &self.rows {
+            table.add_row(row.iter().map(String::as_str));
+        }
+        let text = table.to_string();
+        let needed = text.lines().map(|line| line.chars().count()).max();
+        let fits = |columns: u16| needed.is_none_or(|needed| needed <= usize::from(columns));
+        if table.width().is_none_or(fits) {
+            return f.write_str(&text);
+        }
+        for (index, row) in self.rows.iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            for (head, cell) in self
+                .header
+                .iter()
+                .zip(row)
+                .filter(|(_, cell)| !cell.is_empty())
+            {
+                writeln!(f, "{head:>18}  {cell}")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A number of at most so many decimals; short whatever its size.
+pub(super) fn number(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        "not known".to_owned()
+    } else if value.abs() < 1e9 {
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.1e}")
+    }
 }
 
 /// The tightest margin of a vehicle among the limits `wanted`, as an operator
@@ -36,10 +92,11 @@ pub(super) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> 
             .map_or_else(String::new, |(_, id)| format!(" to {id}")),
     };
     let mark = if margin.ok { "" } else { " FAIL" };
-    format!(
-        "{:.0} {}{whom} (>= {:.0}){mark}",
-        margin.value, margin.unit, margin.limit
-    )
+    if !margin.value.is_finite() {
+        return format!("not known{whom}{mark}");
+    }
+    let (value, limit) = (number(margin.value, 0), number(margin.limit, 0));
+    format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
 }
 
 /// Every failed margin in words.
@@ -59,10 +116,10 @@ fn sentence(margin: &Margin) -> String {
     };
     if margin.value.is_finite() {
         text += &format!(
-            ": {:.1} {unit}, {} {:.1} {unit} allowed",
-            margin.value,
+            ": {} {unit}, {} {} {unit} allowed",
+            number(margin.value, 1),
             sense(margin),
-            margin.limit,
+            number(margin.limit, 1),
             unit = margin.unit
         );
     }

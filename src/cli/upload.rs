@@ -13,7 +13,7 @@ use super::folder;
 use super::output;
 use super::progress::Progress;
 use super::review;
-use super::table;
+use super::table::{self, Rows};
 use crate::link::{self, Job, Tlog, TransferReport, Verdict};
 use crate::mission::VehicleMission;
 use crate::spec::{Autopilot, Link, SpecFile};
@@ -31,6 +31,15 @@ pub(super) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         Some(spec) => {
             let file = SpecFile::read(spec)?;
             let files = review::assign(&file, arguments.paths.iter(), &[])?;
+            if !arguments.force {
+                refuse_rejected(files.values())?;
+            }
+            for path in files.values().filter(|path| folder::is_waypoints(path)) {
+                note(&format!(
+                    "{}: a .waypoints file holds no fence and no rally points: what is on board is cleared",
+                    path.display()
+                ));
+            }
             let target = PathBuf::from("out").join(&file.spec.name);
             (file, files, target)
         }
@@ -42,26 +51,35 @@ pub(super) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
     if !review.passes() {
-        out(&table::failures(&review, Paint::for_stdout()));
+        let failures = table::failures(&review, Paint::for_stdout());
+        if arguments.json {
+            note(&failures);
+        } else {
+            out(&failures)?;
+        }
         if !arguments.force {
-            return Err(Failure::new(
-                Failure::VERDICT,
-                "the missions do not pass verification; nothing was sent",
-            ));
+            let reason = "the missions do not pass verification; nothing was sent";
+            if arguments.json {
+                out(report_text(&Delivery::nothing(reason)).trim_end())?;
+            }
+            return Err(Failure::new(Failure::VERDICT, reason));
         }
         note("the missions do not pass verification; sent all the same, as told by --force");
     }
     if arguments.dry_run {
-        say_what_would_be_sent(&file, &missions, &links);
-        return Ok(());
+        if arguments.json {
+            let reason = "nothing was sent (--dry-run)";
+            return out(report_text(&Delivery::nothing(reason)).trim_end());
+        }
+        return say_what_would_be_sent(&file, &missions, &links);
     }
     let tlog = arguments.tlog.as_deref();
     let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
     delivery.record(&target)?;
     if arguments.json {
-        out(report_text(&delivery.json()).trim_end());
+        out(report_text(&delivery.json()).trim_end())?;
     } else {
-        delivery.tell();
+        delivery.tell()?;
     }
     delivery.verdict()
 }
@@ -108,7 +126,22 @@ fn from_folder(
         };
         files.insert(index, path);
     }
+    if !force {
+        folder::refuse_edited(folder, &file, &files)?;
+    }
     Ok((file, files, folder.clone()))
+}
+
+/// A mission that was rejected is not taken under another command either.
+fn refuse_rejected<'a>(mut files: impl Iterator<Item = &'a PathBuf>) -> Result<(), Failure> {
+    match files.find(|path| folder::is_rejected(path)) {
+        None => Ok(()),
+        Some(path) => {
+            let path = path.display();
+            let message = format!("{path} was rejected by verification; nothing was sent");
+            Err(Failure::new(Failure::VERDICT, message))
+        }
+    }
 }
 
 /// Links from the command line, by the index of their vehicle.
@@ -142,11 +175,11 @@ fn say_what_would_be_sent(
     file: &SpecFile,
     missions: &[(usize, VehicleMission)],
     links: &[(usize, Link)],
-) {
-    let mut rows = table::table(&["vehicle", "system", "link", "items", "fence", "rally"]);
+) -> Result<(), Failure> {
+    let mut rows = Rows::new(&["vehicle", "system", "link", "items", "fence", "rally"]);
     for (vehicle, mission) in missions {
         let this = &file.spec.vehicles[*vehicle];
-        rows.add_row([
+        rows.add([
             this.id.clone(),
             this.sysid.to_string(),
             link_of(file, *vehicle, links).to_string(),
@@ -155,8 +188,8 @@ fn say_what_would_be_sent(
             mission.rally.len().to_string(),
         ]);
     }
-    out(&rows.to_string());
-    out("nothing was sent (--dry-run)");
+    out(&rows.to_string())?;
+    out("nothing was sent (--dry-run)")
 }
 
 fn link_of<'a>(file: &'a SpecFile, vehicle: usize, links: &'a [(usize, Link)]) -> &'a Link {
@@ -286,6 +319,16 @@ fn report_text(document: &Value) -> String {
 }
 
 impl Delivery {
+    /// The document of a transfer that never began.
+    fn nothing(reason: &str) -> Value {
+        json!({
+            "sortie": env!("CARGO_PKG_VERSION"),
+            "verdict": "refused",
+            "reason": reason,
+            "vehicles": [],
+        })
+    }
+
     pub(super) fn json(&self) -> Value {
         let vehicles: Vec<Value> = self
             .reports
@@ -339,9 +382,9 @@ impl Delivery {
         Ok(())
     }
 
-    fn tell(&self) {
+    fn tell(&self) -> Result<(), Failure> {
         let paint = Paint::for_stdout();
-        let mut rows = table::table(&[
+        let mut rows = Rows::new(&[
             "vehicle",
             "system",
             "says it is",
@@ -352,7 +395,7 @@ impl Delivery {
             "hash",
         ]);
         for report in &self.reports {
-            rows.add_row([
+            rows.add([
                 report.vehicle.clone(),
                 report.sysid.to_string(),
                 report.autopilot.clone(),
@@ -363,10 +406,11 @@ impl Delivery {
                 report.hash.chars().take(12).collect(),
             ]);
         }
-        out(&rows.to_string());
+        out(&rows.to_string())?;
         for report in self.reports.iter().filter(|report| !report.is_verified()) {
-            out(&format!("{} {}", paint.bad("FAIL"), sentence(report)));
+            out(&format!("{} {}", paint.bad("FAIL"), sentence(report)))?;
         }
+        Ok(())
     }
 
     pub(super) fn verdict(&self) -> Result<(), Failure> {

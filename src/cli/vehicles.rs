@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::args::{self, ProfileName};
 use super::console::out;
 use super::failure::Failure;
-use super::table;
+use super::table::Rows;
 use crate::mission;
 use crate::spec::SpecFile;
 use crate::vehicle::{self, Profile, Running, Simulated, Weather};
@@ -17,7 +17,7 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
     let world = world::load(&file)?;
     let speak_to = arguments.speak_to.as_deref().map(resolve).transpose()?;
     let mut running: Vec<Running> = Vec::new();
-    let mut rows = table::table(&["vehicle", "system", "plays", "link"]);
+    let mut rows = Rows::new(&["vehicle", "system", "plays", "link"]);
     for (index, (this, stations)) in file.spec.vehicles.iter().zip(&world.stations).enumerate() {
         let profile = match arguments.profile {
             None => this.autopilot.into(),
@@ -50,10 +50,15 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
             Profile::Px4 => "PX4",
             Profile::Generic => "generic",
         };
-        rows.add_row([&this.id, &this.sysid.to_string(), plays, &link]);
+        rows.add([
+            this.id.clone(),
+            this.sysid.to_string(),
+            plays.to_owned(),
+            link,
+        ]);
         running.push(vehicle);
     }
-    out(&rows.to_string());
+    out(&rows.to_string())?;
     match arguments.for_s {
         Some(seconds) => std::thread::sleep(Duration::from_secs(seconds)),
         // Ctrl-C ends the process, and the vehicles with it.

@@ -55,7 +55,7 @@ impl Strictness {
             let Some(vehicle) = index(&margin.vehicle).max(other) else {
                 continue;
             };
-            if self.answer(vehicle, margin) {
+            if mends(plan, vehicle, margin) && self.answer(vehicle, margin) {
                 self.parameters[vehicle].extend(parameter_at(plan, vehicle, margin, world));
                 first = Some(first.map_or(vehicle, |first: usize| first.min(vehicle)));
             }
@@ -83,6 +83,30 @@ impl Strictness {
         }
         true
     }
+}
+
+/// Whether a stricter search can help at all: not where it has not even kept the
+/// limit itself, and not before the planned path begins.
+fn mends(plan: &FleetPlan, vehicle: usize, margin: &Margin) -> bool {
+    let plan = &plan.vehicles[vehicle];
+    let begins_s = plan
+        .routes
+        .first()
+        .and_then(|route| route.path.first())
+        .map(|first| first.t_s);
+    let on_route = margin
+        .at
+        .zip(begins_s)
+        .is_none_or(|(at, begins_s)| at.t_s >= begins_s - 1.0);
+    let kept = match margin.what.split(' ').next().unwrap_or_default() {
+        "terrain" | "ceiling" => plan.terms.terrain,
+        "threat" | "zone" | "area" | "fence" => plan.terms.threat,
+        "separation" => plan.terms.collision,
+        "climb" | "descent" => plan.terms.climb,
+        "turn" => plan.terms.turn,
+        _ => 0.0,
+    } <= 0.0;
+    on_route && kept
 }
 
 /// Where along the vehicle's spline a margin failed: the parameter of the nearest
