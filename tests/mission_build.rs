@@ -479,3 +479,18 @@ fn what_is_built_from_a_good_path_passes_the_verdict() {
         }
     }
 }
+
+#[test]
+fn no_place_that_is_flown_to_has_an_altitude_of_zero() {
+    // Along the height of the sea, over ground below it.
+    let mission = built(|spec| {
+        spec.terrain = TerrainSource::Flat(Amsl(-80.0));
+        spec.mission.altitude = AltitudeReference::Amsl;
+    });
+    for item in &mission.items {
+        if [command::NAV_WAYPOINT, command::NAV_TAKEOFF].contains(&item.command) {
+            assert!(item.z >= 0.25, "{item:?}");
+        }
+    }
+    assert!(mission.items.iter().any(|item| item.z == 0.25));
+}

@@ -435,7 +435,7 @@ fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
         assert!(!margin.ok, "{margin:?}");
         margin.note
     };
-    let cases: [(&str, usize, Change<'_>); 9] = [
+    let cases: [(&str, usize, Change<'_>); 13] = [
         ("NAV_SPLINE_WAYPOINT", 4, &|m| m.items[3].command = 82),
         ("DO_JUMP", 4, &|m| {
             m.items.insert(
@@ -458,6 +458,17 @@ fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
         ("goes on after the landing", 6, &|m| {
             m.items.push(waypoint(west(), 480.0))
         }),
+        ("keeps the altitude before it", 3, &|m| m.items[2].z = 0.0),
+        ("keeps the altitude before it", 4, &|m| {
+            m.items[3].frame = frame::GLOBAL_RELATIVE_ALT;
+            m.items[3].z = -0.009;
+        }),
+        ("time of day", 1, &|m| m.items.insert(0, delay(0.0))),
+        ("time of day", 4, &|m| {
+            let until = [-1.0, -1.0, 30.0, -1.0];
+            m.items
+                .insert(3, Item::without_place(command::NAV_DELAY, until));
+        }),
     ];
     for (reason, item, change) in cases {
         let note = with(change);
@@ -466,6 +477,26 @@ fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
             "{note}"
         );
     }
+}
+
+#[test]
+fn a_delay_of_no_seconds_until_any_time_of_day_is_no_wait() {
+    let (spec, mut mission) = one();
+    let none = Item::without_place(command::NAV_DELAY, [-1.0; 4]);
+    mission.items.insert(0, none);
+    let review = judge(&spec, &[&mission]);
+    assert!(review.passes(), "{:#?}", failures(&review));
+}
+
+#[test]
+fn px4_takes_an_altitude_of_zero_for_zero() {
+    let (mut spec, mut mission) = one();
+    spec.vehicles[0].autopilot = Autopilot::Px4;
+    mission.autopilot = Autopilot::Px4;
+    mission.items[2].z = 0.0;
+    let review = judge(&spec, &[&mission]);
+    assert!(find(&review, "items judged").ok);
+    assert!(find(&review, "terrain clearance").value < -390.0);
 }
 
 #[test]

@@ -5,12 +5,13 @@
 //! truncates: 30.129 comes back as 30.12), so no step on the way to the vehicle
 //! can lower it.
 
-use super::item::{Home, Item, frame};
+use super::item::{Home, Item, command, frame};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::AltitudeReference;
 use crate::world::{NoData, World};
 
-/// Furthest that encoding moves a point, metres: a quarter up, half of 1e-7 degrees aside.
+/// Furthest that encoding moves a point, metres: a quarter up, half of 1e-7 degrees aside;
+/// more only where a height just below 0 becomes a quarter.
 pub(super) const ENCODING_M: f64 = 0.26;
 
 /// Home of a vehicle that stands at a place on the ground.
@@ -79,6 +80,9 @@ impl<'a> Encoder<'a> {
     }
 
     /// An item at a point.
+    ///
+    /// A height of 0 becomes the next quarter: at a place that is flown to ArduPilot
+    /// takes it for "as high as before". A landing goes down in any case.
     pub(super) fn item(
         &self,
         command: u16,
@@ -97,7 +101,10 @@ impl<'a> Encoder<'a> {
             params,
             x,
             y,
-            z: quarter_up(self.height_m(point)?),
+            z: match quarter_up(self.height_m(point)?) {
+                0.0 if command != command::NAV_LAND => 0.25,
+                z => z,
+            },
         })
     }
 

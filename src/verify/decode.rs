@@ -95,17 +95,17 @@ fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> 
         }),
         command::NAV_WAYPOINT => Ok(Order::Fly {
             at: place(item)?,
-            height: height(item, autopilot, home)?,
+            height: own_height(item, autopilot, home)?,
             hold_s: hold_s(item.params[0], autopilot)?,
         }),
         command::NAV_LOITER_TIME => Ok(Order::Fly {
             at: place(item)?,
-            height: height(item, autopilot, home)?,
+            height: own_height(item, autopilot, home)?,
             hold_s: seconds(item.params[0])?,
         }),
         command::NAV_LOITER_UNLIM => Ok(Order::Stay {
             at: place(item)?,
-            height: height(item, autopilot, home)?,
+            height: own_height(item, autopilot, home)?,
         }),
         command::NAV_LAND if here => Ok(Order::Land { at: None }),
         command::NAV_LAND => {
@@ -116,8 +116,7 @@ fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> 
         }
         command::NAV_RETURN_TO_LAUNCH => Ok(Order::Return),
         command::NAV_DELAY => Ok(Order::Wait {
-            hold_s: seconds(item.params[0])
-                .map_err(|_| "a delay until a time of day is not known after T0".to_owned())?,
+            hold_s: delay_s(item, autopilot)?,
         }),
         command::DO_CHANGE_SPEED => speed(item),
         other if WITHOUT_MOTION.contains(&other) => Ok(Order::Nothing),
@@ -189,6 +188,21 @@ pub(super) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<He
     }
 }
 
+/// The altitude of a place that is flown to.
+///
+/// To ArduPilot an altitude of 0 cm there is no altitude: the vehicle keeps the one
+/// it has (ArduCopter `ModeAuto::loc_from_cmd`), whatever the frame.
+fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
+    let height = height(item, autopilot, home)?;
+    if autopilot == Autopilot::ArduPilot && (f64::from(item.z) * 100.0).abs() < 1.0 {
+        return Err(format!(
+            "an altitude of {} m keeps the altitude before it (ArduPilot takes 0 cm for none)",
+            item.z
+        ));
+    }
+    Ok(height)
+}
+
 /// Place, altitude and height above ground (metres) of a rally point.
 ///
 /// ArduPilot keeps whole metres, truncated (measured on 4.6.3).
@@ -221,6 +235,23 @@ fn hold_s(param: f32, autopilot: Autopilot) -> Result<f64, String> {
         Autopilot::Px4 if param.is_nan() => Ok(0.0),
         _ => seconds(param),
     }
+}
+
+/// How long a delay lasts.
+///
+/// Without seconds ArduPilot waits until an hour, minute and second of the day, of
+/// which -1 means any: three of them are no wait at all.
+fn delay_s(item: &Item, autopilot: Autopilot) -> Result<f64, String> {
+    let [delay_s, of_day @ ..] = item.params;
+    match autopilot {
+        Autopilot::ArduPilot if delay_s <= 0.0 => of_day
+            .iter()
+            .all(|part| part.to_bits() == (-1.0_f32).to_bits())
+            .then_some(0.0)
+            .ok_or(()),
+        _ => seconds(delay_s).map_err(|_| ()),
+    }
+    .map_err(|()| "a delay until a time of day is not known after T0".to_owned())
 }
 
 fn seconds(param: f32) -> Result<f64, String> {
