@@ -39,6 +39,7 @@ fn good(autopilot: Autopilot) -> VehicleMission {
         fence: Vec::new(),
         rally: Vec::new(),
         params: Vec::new(),
+        fence_told: true,
         notes: Vec::new(),
     }
 }

@@ -85,6 +85,7 @@ fn mission(profile: Profile, waypoints: u16) -> VehicleMission {
         fence: [1, 300, 600, 900].map(corner).to_vec(),
         rally: [5, 6].map(rally).to_vec(),
         params: Vec::new(),
+        fence_told: true,
         notes: Vec::new(),
     }
 }

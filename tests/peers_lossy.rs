@@ -47,6 +47,7 @@ fn mission(items: i32) -> VehicleMission {
         home: HOME,
         items: (0..items).map(waypoint).collect(),
         fence: Vec::new(),
+        fence_told: true,
         rally: Vec::new(),
         params: Vec::new(),
         notes: Vec::new(),

@@ -56,6 +56,7 @@ fn mission(autopilot: Autopilot) -> VehicleMission {
         fence: [-200, 300, 800].map(corner).to_vec(),
         rally: Vec::new(),
         params: Vec::new(),
+        fence_told: true,
         notes: Vec::new(),
     }
 }

@@ -53,6 +53,7 @@ fn mission(autopilot: Autopilot, items: i32) -> VehicleMission {
             ..waypoint(3)
         }],
         params: Vec::new(),
+        fence_told: true,
         notes: Vec::new(),
     }
 }

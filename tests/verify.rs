@@ -364,7 +364,7 @@ fn one_path_in_four_references_has_one_clearance() {
 }
 
 #[test]
-fn a_home_row_at_the_wrong_height_lowers_a_relative_mission() {
+fn altitudes_above_home_are_above_the_ground_there_whatever_the_home_row_says() {
     let (spec, mut mission) = one();
     for item in &mut mission.items {
         if item.z > 0.0 {
@@ -375,9 +375,16 @@ fn a_home_row_at_the_wrong_height_lowers_a_relative_mission() {
     assert!(judge(&spec, &[&mission]).passes());
     mission.home.amsl_m -= 30.0;
     let review = judge(&spec, &[&mission]);
-    assert!((find(&review, "terrain clearance").value - 50.0).abs() < 0.01);
+    assert!((find(&review, "terrain clearance").value - 80.0).abs() < 0.01);
     let home = find(&review, "home altitude");
     assert!(!home.ok && (home.value - 30.0).abs() < 0.01, "{home:?}");
+    // A wide tolerance is none for the altitude of home.
+    let mut wide = spec.clone();
+    wide.mission.tolerance_m = 50.0;
+    mission.home.amsl_m = GROUND_M as f32 + 6.0;
+    let review = judge(&wide, &[&mission]);
+    let home = only_failure(&review, "home altitude");
+    assert!((home.limit - 5.0).abs() < 1e-9, "{home:?}");
     mission.home = Home {
         x: 0,
         y: 0,
@@ -405,19 +412,149 @@ fn returning_to_launch_fails_without_a_return_altitude_and_its_leg_is_judged_wit
     assert!((find(&review, "ceiling").value - 600.0).abs() < 0.01);
     let end = review.tracks[0].moments.last().copied().expect("a track");
     assert!(metres_apart(end.place, west()) < 0.1);
+    // From a home in the north the way back alone crosses a hill.
+    spec.vehicles[0].home = place(36.33, -84.30);
+    let vehicle = &spec.vehicles[0];
+    let mut mission = level(vehicle, 480.0, &[vehicle.home, west(), east()]);
+    mission.items[last] = Item::without_place(command::NAV_RETURN_TO_LAUNCH, [0.0; 4]);
     spec.terrain = TerrainSource::Analytic {
         base: Amsl(GROUND_M),
         hills: vec![Hill {
-            place: place(36.3005, -84.23),
-            height_m: 300.0,
+            place: place(36.315, -84.25),
+            height_m: 250.0,
             radius_m: 150.0,
         }],
     };
-    let contact = find(&judge(&spec, &[&mission]), "ground contact").clone();
+    let review = judge(&spec, &[&mission]);
+    let clearance = only_failure(&review, "terrain clearance");
+    assert_eq!(clearance.at.expect("a place").item, last + 1);
+    let told = |review: &Review, text: &str| {
+        let mut assumptions = review.assumptions.iter();
+        assumptions.any(|assumption| assumption.contains(text))
+    };
+    assert!(told(&review, "RTL_ALT"));
+    assert!(!told(&judge(&one().0, &[&one().1]), "RTL_ALT"));
+}
+
+#[test]
+fn legs_to_the_start_and_to_the_landing_keep_the_minimum_height_too() {
+    let hill = |lon| TerrainSource::Analytic {
+        base: Amsl(GROUND_M),
+        hills: vec![Hill {
+            place: place(36.30, lon),
+            height_m: 78.0,
+            radius_m: 200.0,
+        }],
+    };
+    let (before, beyond) = (place(36.30, -84.33), place(36.30, -84.17));
+    let (mut spec, _) = one();
+    spec.vehicles[0].home = before;
+    let height_m = GROUND_M + 80.0;
+    let joined = level(&spec.vehicles[0], height_m, &[before, west(), east()]);
+    assert!(judge(&spec, &[&joined]).passes());
+    spec.terrain = hill(-84.315);
+    let review = judge(&spec, &[&joined]);
+    let margin = only_failure(&review, "terrain clearance");
+    assert!((margin.value - 2.0).abs() < 0.02, "{margin:?}");
+    assert_eq!(margin.at.expect("a place").item, 3);
+    // A landing beyond the goal: the leg there is flown at the height of the goal.
+    let (mut spec, mut mission) = one();
+    spec.terrain = hill(-84.185);
+    let last = mission.items.len() - 1;
+    mission.items[last] = land(beyond);
+    let review = judge(&spec, &[&mission]);
+    let margin = find(&review, "terrain clearance");
+    assert!(!margin.ok && (margin.value - 2.0).abs() < 0.02);
+    assert_eq!(margin.at.expect("a place").item, last + 1);
+    assert!(find(&review, "ground contact").ok);
+}
+
+#[test]
+fn a_vehicle_that_only_goes_up_and_down_has_no_clearance_to_pass_with() {
+    let (spec, mut mission) = one();
+    mission.items = vec![takeoff(west(), 480.0), speed(15.0), land(west())];
+    let review = judge(&spec, &[&mission]);
+    let margin = find(&review, "terrain clearance");
+    assert!(!margin.ok && margin.note.contains("flies nowhere"));
+}
+
+#[test]
+fn a_wide_acceptance_radius_and_a_precision_landing_fail_on_px4_alone() {
+    let (mut spec, mut mission) = one();
+    mission.items[2].params[1] = 300.0;
+    let last = mission.items.len() - 1;
+    mission.items[last].params[1] = 2.0;
+    assert!(judge(&spec, &[&mission]).passes());
+    spec.vehicles[0].autopilot = Autopilot::Px4;
+    mission.autopilot = Autopilot::Px4;
+    let review = judge(&spec, &[&mission]);
+    assert!(find(&review, "acceptance").note.contains("precision"));
+    assert!(!find(&review, "acceptance").ok);
+    mission.items[last].params[1] = 0.0;
+    let review = judge(&spec, &[&mission]);
+    let margin = only_failure(&review, "acceptance radius");
+    assert!((margin.value - 300.0).abs() < 1e-9 && (margin.limit - 5.0).abs() < 1e-9);
+    let worst = margin.at.expect("a place");
+    assert!(worst.item == 3 && metres_apart(worst.place, middle()) < 1.0);
     assert!(
-        !contact.ok && contact.at.expect("a place").item == last + 1,
-        "{contact:?}"
+        review
+            .assumptions
+            .iter()
+            .any(|text| text.contains("DO_CHANGE_SPEED"))
     );
+    for kept in [0.0, 5.0, f32::NAN] {
+        mission.items[2].params[1] = kept;
+        let review = judge(&spec, &[&mission]);
+        assert!(review.passes(), "{kept}: {:#?}", failures(&review));
+    }
+}
+
+#[test]
+fn a_fence_that_lost_a_part_fails_where_the_file_could_hold_it() {
+    let (mut spec, _) = one();
+    spec.threats.push(Threat {
+        id: "radar-1".to_owned(),
+        kind: "radar".to_owned(),
+        place: place(36.35, -84.22),
+        radius_m: 1500.0,
+    });
+    let corners = [(36.22, -84.34), (36.22, -84.33), (36.23, -84.33)];
+    spec.no_fly.push(Zone {
+        id: "town".to_owned(),
+        polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
+        below: None,
+    });
+    let world = world(&spec);
+    let routes = [timed(&world, west(), east(), GROUND_M + 80.0)];
+    let whole = build(&spec, &world, 0, &routes).expect("a mission");
+    assert!(find(&judge(&spec, &[&whole]), "fence complete").ok);
+    let missing = |fence: Vec<Item>| {
+        let mission = VehicleMission {
+            fence,
+            ..whole.clone()
+        };
+        let review = judge(&spec, &[&mission]);
+        only_failure(&review, "fence complete").note.clone()
+    };
+    assert!(missing(Vec::new()).ends_with("area, zone town, threat radar-1"));
+    assert!(missing(whole.fence[..7].to_vec()).ends_with(": threat radar-1"));
+    assert!(missing(whole.fence[4..].to_vec()).ends_with(": area"));
+    let mut moved = whole.fence.clone();
+    moved[5].x += 1000;
+    assert!(missing(moved).ends_with(": zone town"));
+    let mut smaller = whole.fence.clone();
+    smaller[7].params[0] -= 1.0;
+    assert!(missing(smaller).ends_with(": threat radar-1"));
+    let told_nothing = VehicleMission {
+        fence: Vec::new(),
+        fence_told: false,
+        ..whole.clone()
+    };
+    assert!(judge(&spec, &[&told_nothing]).passes());
+    let mut turned = whole.clone();
+    turned.fence[..4].rotate_left(1);
+    turned.fence[4..7].reverse();
+    assert!(judge(&spec, &[&turned]).passes());
 }
 
 /// What a case does to a clean mission.

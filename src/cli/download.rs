@@ -8,7 +8,7 @@ use super::failure::Failure;
 use super::output;
 use super::progress::Progress;
 use crate::formats::{self, Document, Format, FormatError};
-use crate::link::{self, Onboard};
+use crate::link::{self, List, Onboard};
 use crate::mission::{Home, VehicleMission};
 use crate::spec::{Airframe, Autopilot, Link};
 
@@ -79,6 +79,7 @@ fn mission_of(onboard: &Onboard) -> VehicleMission {
         }),
         items: onboard.mission.clone(),
         fence: onboard.fence.clone(),
+        fence_told: !onboard.unknown.contains(&List::Fence),
         rally: onboard.rally.clone(),
         params: Vec::new(),
         notes: Vec::new(),

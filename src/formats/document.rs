@@ -16,6 +16,8 @@ pub struct Document {
     pub items: Vec<Item>,
     /// Fence items.
     pub fence: Vec<Item>,
+    /// Whether the format can hold a fence, so that none means none.
+    pub fence_told: bool,
     /// Rally items.
     pub rally: Vec<Item>,
     /// For which autopilot, if the file says so.
@@ -78,6 +80,7 @@ impl Document {
             home,
             items,
             fence: self.fence,
+            fence_told: self.fence_told,
             rally: self.rally,
             params: Vec::new(),
             notes,

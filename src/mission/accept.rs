@@ -90,6 +90,8 @@ struct Profile {
     first_jump: u16,
     /// Longest hold at a waypoint, seconds.
     max_hold_s: f32,
+    /// Whether a landing may look for a beacon, in its `param2`.
+    lands_by_beacon: bool,
     /// A takeoff must end this far above the acceptance radius.
     takeoff_over_radius_m: Option<f32>,
 }
@@ -108,6 +110,7 @@ static ARDUPILOT_PROFILE: Profile = Profile {
     max_altitude_m: 83_000.0,
     first_jump: 1,
     max_hold_s: 65_535.0,
+    lands_by_beacon: false,
     takeoff_over_radius_m: None,
 };
 
@@ -125,6 +128,7 @@ static PX4_PROFILE: Profile = Profile {
     max_altitude_m: 83_000.0,
     first_jump: 0,
     max_hold_s: 65_535.0,
+    lands_by_beacon: true,
     takeoff_over_radius_m: Some(1.0),
 };
 
@@ -165,6 +169,7 @@ static RULES: &[(&str, Check)] = &[
     ("a real place", Check::Item(real_place)),
     ("altitude", Check::Item(altitude)),
     ("hold time", Check::Item(hold_time)),
+    ("precision landing", Check::Item(precision_landing)),
     ("jump target", Check::Mission(jump_target)),
     ("takeoff first", Check::Mission(takeoff_first)),
     ("takeoff altitude", Check::Mission(takeoff_altitude)),
@@ -310,6 +315,18 @@ fn hold_time(profile: &Profile, item: &Item) -> Option<Finding> {
         (
             format!("{hold_s} s"),
             format!("0 to {} s", profile.max_hold_s),
+        )
+    })
+}
+
+/// A precision landing leaves the place of the item for that of a beacon, after a search for it.
+fn precision_landing(profile: &Profile, item: &Item) -> Option<Finding> {
+    let mode = item.params[1];
+    let looks = item.command == command::NAV_LAND && profile.lands_by_beacon;
+    (looks && mode.is_finite() && mode.abs() > 0.0).then(|| {
+        (
+            format!("param2 is {mode}"),
+            "0: a landing at its place".to_owned(),
         )
     })
 }

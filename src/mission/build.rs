@@ -133,6 +133,7 @@ pub fn build(
         home: encoder.home(),
         items,
         fence,
+        fence_told: true,
         rally,
         params,
         notes,

@@ -129,6 +129,9 @@ pub struct VehicleMission {
     pub items: Vec<Item>,
     /// Fence items (`MAV_MISSION_TYPE_FENCE`).
     pub fence: Vec<Item>,
+    /// Whether an empty fence means that there is none: false where the mission
+    /// comes from a file that cannot hold one.
+    pub fence_told: bool,
     /// Rally items (`MAV_MISSION_TYPE_RALLY`).
     pub rally: Vec<Item>,
     /// Parameters the verdict assumes.

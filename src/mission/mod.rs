@@ -15,5 +15,6 @@ pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
 pub use build::{MissionError, build};
 pub use commands::{command_name, command_named};
 pub use encode::home_at;
+pub use fence::missing_from_fence;
 pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
-pub use params::turn_radius_m;
+pub use params::{corner_cut_m, turn_radius_m};

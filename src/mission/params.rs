@@ -184,8 +184,10 @@ fn px4(
 /// PX4's acceptance radius; the takeoff altitude must be above it.
 pub(super) const ACCEPTANCE_RADIUS: &str = "NAV_ACC_RAD";
 
-/// How far a corner may be cut: the tolerance, within what both autopilots take.
-fn corner_cut_m(options: &MissionOptions) -> f64 {
+/// How far a corner may be cut: the tolerance, within what both autopilots take, metres.
+/// `WPNAV_RADIUS` and `NAV_ACC_RAD` are set to it.
+#[must_use]
+pub fn corner_cut_m(options: &MissionOptions) -> f64 {
     options.tolerance_m.clamp(1.0, 10.0)
 }
 

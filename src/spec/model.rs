@@ -43,7 +43,8 @@ pub struct Area {
     pub south_west: LatLon,
     /// North-east corner.
     pub north_east: LatLon,
-    /// Minimum height above ground from start to goal (h_min of the paper).
+    /// Minimum height above ground wherever a vehicle flies, the columns of takeoff and
+    /// landing aside (h_min of the paper).
     pub min_agl: Agl,
     /// Ceiling.
     pub max_amsl: Amsl,

@@ -4,7 +4,7 @@ use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 
 use super::Moment;
 
-/// Part of the flight; decides which limits hold.
+/// Part of the flight; the angles of climb and descent hold on the route alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Phase {
     /// From the ground to the start of the planned path.

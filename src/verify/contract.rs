@@ -2,7 +2,7 @@
 //! finish, departure, speed, slopes, turns, number of items.
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{self, AcceptanceProblem, List, VehicleMission};
+use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};
 use crate::path::VehicleLimits;
 use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
@@ -17,6 +17,8 @@ use super::{Margin, Moment, Sense};
 const SPEED_MPS: f64 = 0.1;
 /// An encoded departure may differ from the planned one by this, s.
 const DEPARTURE_S: f64 = 0.5;
+/// Home may be written this far from the ground at most, metres, however wide the tolerance.
+const HOME_M: f64 = 5.0;
 /// Two altitudes in whole centimetres make a rise uncertain by this, metres.
 const RISE_M: f64 = 0.02;
 
@@ -43,6 +45,8 @@ impl Contract<'_> {
         margins.extend(self.speed());
         margins.extend(self.slopes());
         margins.extend(self.turns());
+        margins.extend(self.acceptance_radius());
+        margins.extend(self.fence_complete());
         margins
     }
 
@@ -180,9 +184,10 @@ impl Contract<'_> {
         let mut position = Worst::default();
         position.at_most(away_m, tolerance_m, || at);
         let mut altitude = Worst::default();
+        let near_m = tolerance_m.min(HOME_M);
         match self.world.terrain.height(place) {
-            Ok(ground) => altitude.at_most((amsl.0 - ground.0).abs(), tolerance_m, || at),
-            Err(gap) => altitude.unknown(tolerance_m, gap.to_string(), at),
+            Ok(ground) => altitude.at_most((amsl.0 - ground.0).abs(), near_m, || at),
+            Err(gap) => altitude.unknown(near_m, gap.to_string(), at),
         }
         let mut inside = Worst::default();
         if !fence.is_empty() {
@@ -363,6 +368,54 @@ impl Contract<'_> {
             }
         }
         worst.margin(self.id(), "turn fit", "m")
+    }
+}
+
+impl Contract<'_> {
+    /// PX4 keeps a radius of its own for each waypoint, and goes on to the next one
+    /// within it; 0 and NaN are that of its parameters. ArduCopter keeps none.
+    fn acceptance_radius(&self) -> Option<Margin> {
+        if self.mission.autopilot != Autopilot::Px4 {
+            return None;
+        }
+        let limit_m = mission::corner_cut_m(&self.spec.mission);
+        let mut worst = Worst::default();
+        for (index, item) in self.mission.items.iter().enumerate() {
+            let (row, radius_m) = (index + 1, f64::from(item.params[1]));
+            if item.command != command::NAV_WAYPOINT || radius_m.is_nan() || radius_m <= 0.0 {
+                continue;
+            }
+            let Some(chord) = self.flight.chords.iter().rfind(|chord| chord.row == row) else {
+                // Not flown as far as is known, which fails already.
+                continue;
+            };
+            worst.at_most(radius_m, limit_m, || chord.moment(&self.world.frame, 1.0));
+        }
+        worst.margin(self.id(), "acceptance radius", "m")
+    }
+
+    /// What of the spec's fence the mission's does not hold, where it could hold one.
+    fn fence_complete(&self) -> Option<Margin> {
+        if !self.spec.mission.fence || !self.mission.fence_told {
+            return None;
+        }
+        let missing = mission::missing_from_fence(self.spec, &self.mission.fence);
+        Some(Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: "fence complete".to_owned(),
+            value: count(missing.len()),
+            limit: 0.0,
+            sense: Sense::AtMost,
+            unit: "missing",
+            at: None,
+            ok: missing.is_empty(),
+            note: if missing.is_empty() {
+                String::new()
+            } else {
+                format!("not in the fence: {}", missing.join(", "))
+            },
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{Home, VehicleMission};
+use crate::mission::{Home, VehicleMission, command};
 use crate::spec::{Autopilot, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
 
@@ -25,6 +25,8 @@ struct Sortie<'a> {
     mission: &'a VehicleMission,
     /// Place of the home row, if it holds one.
     home: Option<LatLon>,
+    /// Where it takes off, and the altitude that altitudes above home are measured from.
+    stands: PlanPoint,
     fence: Result<Fence, String>,
     flight: Flight,
 }
@@ -115,21 +117,19 @@ impl<'a> Sortie<'a> {
     ) -> Self {
         let home = home_place(&mission.home);
         // Without a home row the rest is judged as if the vehicle stood where the spec says.
-        let from = match home {
-            Some(place) => PlanPoint {
-                at: world.frame.to_plan(place),
-                amsl: Amsl(f64::from(mission.home.amsl_m)),
-            },
-            None => stations.home,
-        };
+        let stands = home.map_or(stations.home, |place| PlanPoint {
+            at: world.frame.to_plan(place),
+            amsl: standing(world, place, &mission.home),
+        });
         let tolerance_m = spec.mission.tolerance_m;
         Self {
             vehicle,
             stations,
             mission,
             home,
+            stands,
             fence: Fence::read(&mission.fence),
-            flight: pilot::fly(vehicle, mission, world, stations, from, tolerance_m),
+            flight: pilot::fly(vehicle, mission, world, stations, stands, tolerance_m),
         }
     }
 
@@ -150,18 +150,20 @@ impl<'a> Sortie<'a> {
         if let Err(why) = &self.fence {
             margins.push(Margin::unjudged(id, "fence", why.clone()));
         }
-        let home_amsl = match self.home {
-            Some(_) => Amsl(f64::from(self.mission.home.amsl_m)),
-            None => self.stations.home.amsl,
-        };
         margins.extend(space::rally_margins(
             id,
             self.mission,
-            home_amsl,
+            self.stands.amsl,
             fence,
             world,
         ));
         margins
+    }
+
+    /// Whether the mission holds an item of this command.
+    fn holds(&self, command: u16) -> bool {
+        let mut items = self.mission.items.iter();
+        items.any(|item| item.command == command)
     }
 
     /// Evenly in time, so that all is smooth, and no more than a page can draw.
@@ -205,6 +207,16 @@ fn home_place(home: &Home) -> Option<LatLon> {
     LatLon::new(f64::from(home.x) / 1e7, f64::from(home.y) / 1e7).ok()
 }
 
+/// The altitude at which a vehicle stands at the place of its home row: that of the
+/// ground. Autopilots take home from where they are, not from a file; what the row
+/// says only stands in where the ground is not known, and then that fails.
+fn standing(world: &World, place: LatLon, row: &Home) -> Amsl {
+    world
+        .terrain
+        .height(place)
+        .unwrap_or(Amsl(f64::from(row.amsl_m)))
+}
+
 /// What the flight model takes for granted, as far as it was used.
 fn assumptions(spec: &MissionSpec, sorties: &[Sortie<'_>]) -> Vec<String> {
     let any = |test: fn(&Sortie<'_>) -> bool| sorties.iter().any(test);
@@ -212,7 +224,7 @@ fn assumptions(spec: &MissionSpec, sorties: &[Sortie<'_>]) -> Vec<String> {
         "legs are straight in the local frame, altitude linear with distance",
         "corners are flown as arcs of the turn radius at unchanged speed; the legs are judged as far as the corner too",
         "vehicles speed up and slow down with accel_mps2, climb and descend vertically with climb_mps and descent_mps",
-        "each vehicle stands at the place and altitude of its home row when its mission starts",
+        "each vehicle stands on the ground at the place of its home row when its mission starts, and takes that for home",
     ]
     .map(str::to_owned)
     .to_vec();
@@ -238,6 +250,14 @@ fn assumptions(spec: &MissionSpec, sorties: &[Sortie<'_>]) -> Vec<String> {
                 && s.vehicle.depart_s > 0.0
         }),
         "PX4 vehicles are started depart_s after T0 by whoever launches them",
+    );
+    add(
+        any(|s| s.holds(command::NAV_RETURN_TO_LAUNCH)),
+        "a return to launch climbs to return_amsl_m: RTL_ALT (PX4: RTL_RETURN_ALT) as in the .params file of the vehicle",
+    );
+    add(
+        any(|s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED)),
+        "PX4 obeys DO_CHANGE_SPEED: a copter was seen to stick or to drift off with it, leave it out and set MPC_XY_CRUISE",
     );
     add(
         any(|s| s.flight.follows_terrain),

@@ -5,7 +5,7 @@ use crate::mission::VehicleMission;
 use crate::spec::MissionSpec;
 use crate::world::{NoData, World};
 
-use super::chord::{Chord, Phase, Stretch, stretches};
+use super::chord::{Chord, Stretch, stretches};
 use super::fence::Fence;
 use super::flight::Flight;
 use super::outline::{Cylinder, Keep, Outline};
@@ -94,8 +94,13 @@ impl<'a> Space<'a> {
         let threats = names("threat", self.spec.threats.iter().map(|t| &t.id).collect());
         let zones = names("zone", self.spec.no_fly.iter().map(|z| &z.id).collect());
         let single = |worst: Worst, what: &str| worst.margin(id, what, "m");
+        // Nothing but a column up and down is no mission whose height is known to be good.
+        let clearance = single(found.clearance, "terrain clearance").or_else(|| {
+            let why = "the vehicle leaves the ground and flies nowhere";
+            (!flight.chords.is_empty()).then(|| Margin::unjudged(id, "terrain clearance", why))
+        });
         [
-            single(found.clearance, "terrain clearance"),
+            clearance,
             single(found.contact, "ground contact"),
             single(found.ceiling, "ceiling"),
         ]
@@ -112,13 +117,10 @@ impl<'a> Space<'a> {
         .collect()
     }
 
-    /// Height above ground: the minimum on the route, above 0 elsewhere; a takeoff
-    /// or landing is judged at its upper end.
+    /// Height above ground: the minimum wherever the vehicle flies; the column of a
+    /// takeoff or landing begins or ends on the ground and is judged at its upper end.
     fn judge_ground(&self, chord: &Chord, parts: &[Stretch], found: &mut Found) {
-        let (worst, limit_m) = match chord.phase {
-            Phase::Route => (&mut found.clearance, self.world.min_agl.0),
-            Phase::Join | Phase::Finish => (&mut found.contact, 0.0),
-        };
+        let (worst, limit_m) = (&mut found.clearance, self.world.min_agl.0);
         if chord.grounded {
             let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
             if let Some(part) = parts.first() {

@@ -32,7 +32,10 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
         return Err(root.get("fileType").bad("\"Plan\""));
     }
     root.get("version").expect_version(1)?;
-    let mut document = Document::default();
+    let mut document = Document {
+        fence_told: true,
+        ..Document::default()
+    };
     if plain.len() != text.len() {
         document
             .repairs

@@ -78,7 +78,7 @@ pub(super) struct Area {
     pub(super) south_west: Place,
     /// North-east corner.
     pub(super) north_east: Place,
-    /// Least height above ground from start to goal, metres.
+    /// Least height above ground but for the columns of takeoff and landing, metres.
     #[schemars(range(min = 0, max = 10000))]
     pub(super) min_agl_m: f64,
     /// Ceiling, metres above mean sea level.
