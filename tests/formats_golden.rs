@@ -273,6 +273,23 @@ fn any_item() -> impl Strategy<Value = Item> {
         })
 }
 
+#[test]
+fn a_plan_for_another_kind_of_vehicle_or_autopilot_is_read_and_says_so() {
+    let text = plan::write(&example(Autopilot::Px4));
+    let repairs = |text: &str| {
+        let repairs = plan::read(text).expect("a plan").repairs;
+        repairs.into_iter().map(|repair| repair.what).collect()
+    };
+    let none: Vec<String> = repairs(&text);
+    assert_eq!(none, [""; 0]);
+    let plane = text.replace("\"vehicleType\": 2", "\"vehicleType\": 1");
+    let told: Vec<String> = repairs(&plane);
+    assert!(told.len() == 1 && told[0].contains("vehicleType 1"));
+    let other = text.replace("\"firmwareType\": 12", "\"firmwareType\": 0");
+    let told: Vec<String> = repairs(&other);
+    assert!(told.len() == 1 && told[0].contains("firmwareType 0"));
+}
+
 fn any_mission() -> impl Strategy<Value = VehicleMission> {
     (
         prop::sample::select(vec![Autopilot::ArduPilot, Autopilot::Px4]),

@@ -11,6 +11,9 @@ use crate::spec::Autopilot;
 /// `MAV_AUTOPILOT` of `firmwareType`.
 const FIRMWARE: [(u64, Autopilot); 2] = [(3, Autopilot::ArduPilot), (12, Autopilot::Px4)];
 
+/// `MAV_TYPE` of `vehicleType`: quadrotor, coaxial, hexarotor, octorotor, tricopter, dodecarotor, decarotor.
+const MULTICOPTERS: [u64; 7] = [2, 3, 13, 14, 15, 29, 35];
+
 /// `AltitudeMode` of a simple item.
 mod altitude_mode {
     /// Mixed, or none.

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::{FIRMWARE, altitude_mode};
+use super::{FIRMWARE, MULTICOPTERS, altitude_mode};
 use crate::formats::number::{coordinate, float};
 use crate::formats::{Document, FormatError, Repair};
 use crate::mission::{Home, Item, command, frame};
@@ -175,6 +175,7 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
         .iter()
         .find(|(number, _)| Some(*number) == firmware)
         .map(|&(_, autopilot)| autopilot);
+    kind(node, document);
     let home = node.get("plannedHomePosition");
     if !home.value.is_null() {
         let (x, y, height) = home.place()?;
@@ -211,6 +212,25 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
         document.items.push(resolved(item, &ids, node)?);
     }
     Ok(())
+}
+
+/// Tells of an autopilot or a vehicle that the mission was drawn for and that is none of ours.
+fn kind(node: &Node<'_>, document: &mut Document) {
+    let firmware = node.get("firmwareType").value;
+    if !firmware.is_null() && document.autopilot.is_none() {
+        document.repairs.push(told(&format!(
+            "firmwareType {firmware} is neither ArduPilot (3) nor PX4 (12): read as for the vehicle of the spec"
+        )));
+    }
+    let vehicle = node.get("vehicleType").value;
+    let flies_up = vehicle
+        .as_u64()
+        .is_some_and(|kind| MULTICOPTERS.contains(&kind));
+    if !vehicle.is_null() && !flies_up {
+        document.repairs.push(told(&format!(
+            "vehicleType {vehicle} is no multicopter: read as a mission of one"
+        )));
+    }
 }
 
 /// DO_JUMP names a `doJumpId`; the document has rows.
