@@ -5,11 +5,11 @@ use std::fmt;
 use super::Link;
 
 impl Link {
-    /// What [`Link::parse`] takes, for messages.
-    pub const ALLOWED: &'static str =
-        "sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, serial:DEVICE:BAUD";
+    /// What a link may be, for messages. [`Link::parse`] takes `serial:DEVICE:BAUD`
+    /// besides, so that it can be refused for what it is.
+    pub const ALLOWED: &'static str = "sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT";
 
-    /// Reads a link; `None` when it is of no form in [`Self::ALLOWED`].
+    /// Reads a link; `None` when it is of no known form.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         if text == "sim" {

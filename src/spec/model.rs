@@ -212,7 +212,7 @@ pub enum Link {
     UdpIn(String),
     /// Connect to this address.
     Tcp(String),
-    /// A serial port.
+    /// A serial port. Nothing opens one yet, so a spec has none.
     Serial {
         /// Device.
         device: String,

@@ -58,7 +58,7 @@ vehicles:
   - id: bravo
     sysid: 2
     autopilot: px4
-    link: serial:/dev/ttyUSB0:57600
+    link: tcp:127.0.0.1:5760
     start: {lat: 36.39, lon: -84.39, agl_m: 80}
     goal: {lat: 36.21, lon: -84.12, agl_m: 80}
     finish: return

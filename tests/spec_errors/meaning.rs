@@ -222,7 +222,7 @@ fn a_link_is_one_of_the_known_kinds() {
     ] {
         let (path, message) = only("link: udpout:127.0.0.1:14550", &format!("link: {link}"));
         assert_eq!(path, "vehicles[0].link", "{link}");
-        assert!(message.contains("serial:DEVICE:BAUD"), "{message}");
+        assert!(message.contains("tcp:HOST:PORT"), "{message}");
     }
     for link in [
         "sim",
@@ -302,6 +302,41 @@ fn a_polygon_is_a_polygon() {
 }
 
 #[test]
+fn a_serial_link_is_refused_for_what_it_is() {
+    let serial = "link: serial:/dev/ttyUSB0:57600";
+    let (path, message) = only("link: udpout:127.0.0.1:14550", serial);
+    assert_eq!(path, "vehicles[0].link");
+    assert!(message.contains("serial links come with a later version"));
+    assert!(!message.contains("serial:DEVICE"), "{message}");
+}
+
+#[test]
+fn a_goal_at_the_start_leaves_nothing_to_plan() {
+    let goal = "goal: {lat: 36.39, lon: -84.12, amsl_m: 700}";
+    let (path, message) = only(goal, "goal: {lat: 36.21008, lon: -84.38, amsl_m: 700}");
+    assert_eq!(path, "vehicles[0].goal");
+    assert!(message.contains("8.9 m from start"), "{message}");
+    good(&with(
+        goal,
+        "goal: {lat: 36.2101, lon: -84.38, amsl_m: 700}",
+    ));
+}
+
+#[test]
+fn names_of_devices_are_no_names_of_files() {
+    for name in ["con", "NUL", "Prn", "aux", "com1", "LPT9"] {
+        let (path, message) = only("name: full", &format!("name: {name}"));
+        assert_eq!(path, "name");
+        assert!(message.contains("Windows"), "{message}");
+        let (path, _) = only("- id: alpha", &format!("- id: {name}"));
+        assert_eq!(path, "vehicles[0].id");
+    }
+    for name in ["cone", "com0", "com10", "lpt", "null"] {
+        good(&with("name: full", &format!("name: {name}")));
+    }
+}
+
+#[test]
 fn the_area_lies_between_its_corners() {
     assert_eq!(
         only("north_east: {lat: 36.40", "north_east: {lat: 36.10").0,
@@ -317,7 +352,7 @@ fn the_area_lies_between_its_corners() {
 fn one_pad_needs_staggered_departures() {
     let home = |text: &str| {
         text.replace(
-            "link: serial:/dev/ttyUSB0:57600",
+            "link: tcp:127.0.0.1:5760",
             "link: sim\n    home: {lat: 36.21, lon: -84.3901}",
         )
     };

@@ -26,13 +26,7 @@ fn every_key_arrives_in_si_units() {
     assert_eq!(alpha.max_climb_rad, Some(15_f64.to_radians()));
     assert_eq!(alpha.return_amsl, Some(Amsl(900.0)));
     let bravo = &spec.vehicles[1];
-    assert_eq!(
-        bravo.link,
-        Link::Serial {
-            device: "/dev/ttyUSB0".to_owned(),
-            baud: 57600
-        }
-    );
+    assert_eq!(bravo.link, Link::Tcp("127.0.0.1:5760".to_owned()));
     assert_eq!(
         bravo.home, bravo.start.place,
         "without a home it stands under its start"

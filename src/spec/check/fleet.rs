@@ -13,6 +13,9 @@ use crate::geodesy::{Agl, Amsl, LatLon};
 /// Load factor of a bank of 30 degrees, the lean limit that copters come with.
 const DEFAULT_LOAD_FACTOR: f64 = 1.15;
 
+/// Start and goal of a vehicle are at least this far apart, horizontally, metres.
+const LEAST_WAY_M: f64 = 10.0;
+
 /// Greatest `MAV_SYS_ID`.
 const PX4_LAST_SYSTEM_ID: i64 = 250;
 
@@ -113,6 +116,7 @@ impl Checker<'_> {
         };
         let own_home = home.filter(|_| raw.home.is_some());
         let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));
+        self.way(&at("goal"), from, to);
         self.all_clear(
             path,
             map,
@@ -154,6 +158,18 @@ impl Checker<'_> {
                 raw::Finish::Return => Finish::Return,
             },
         })
+    }
+
+    /// There must be a way to plan between start and goal.
+    fn way(&mut self, path: &str, start: Option<LatLon>, goal: Option<LatLon>) {
+        let (Some(start), Some(goal)) = (start, goal) else {
+            return;
+        };
+        let apart_m = (start.to_ecef(0.0) - goal.to_ecef(0.0)).norm();
+        if apart_m < LEAST_WAY_M {
+            let found = format!("{apart_m:.1} m from start");
+            self.report(path, found, format!("at least {LEAST_WAY_M} m from start"));
+        }
     }
 
     /// Reports those places of a vehicle at which nothing may stand.
@@ -213,12 +229,14 @@ impl Checker<'_> {
 
     fn link(&mut self, path: &str, text: &str) -> Option<Link> {
         let link = Link::parse(text);
-        if link.is_none() {
-            self.report(
-                path,
-                format!("link `{}`", text.escape_debug()),
-                Link::ALLOWED,
-            );
+        let named = format!("link `{}`", text.escape_debug());
+        match link {
+            None => self.report(path, named, Link::ALLOWED),
+            Some(Link::Serial { .. }) => {
+                let found = format!("{named}: serial links come with a later version");
+                self.report(path, found, Link::ALLOWED);
+            }
+            Some(_) => {}
         }
         link
     }

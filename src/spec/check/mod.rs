@@ -179,7 +179,7 @@ impl Checker<'_> {
                 raw::AltitudeReference::Relative => AltitudeReference::Relative,
                 raw::AltitudeReference::Terrain => AltitudeReference::Terrain,
             },
-            tolerance_m: self.number("mission.tolerance_m", raw.tolerance_m, 0.1..=1000.0),
+            tolerance_m: self.number("mission.tolerance_m", raw.tolerance_m, 0.1..=100.0),
             max_items: self.count("mission.max_items", raw.max_items, 5..=60_000),
             fence: raw.fence,
         }

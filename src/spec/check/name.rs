@@ -7,6 +7,16 @@ use super::Checker;
 /// Longest name, bytes: with its ending it still is a file name everywhere.
 const MAX_BYTES: usize = 64;
 
+/// Whether Windows takes a file of this name, with any ending, for a device.
+fn is_device(name: &str) -> bool {
+    let name = name.to_lowercase();
+    let port = |kind| {
+        let number = name.strip_prefix(kind).unwrap_or_default();
+        number.chars().count() == 1 && number.contains(|c| "123456789¹²³".contains(c))
+    };
+    ["con", "nul", "prn", "aux"].contains(&name.as_str()) || port("com") || port("lpt")
+}
+
 impl Checker<'_> {
     /// A name that becomes part of a file name. Without dots, so that the files
     /// of `a` (`a.*`) are never those of another vehicle `a.b`.
@@ -21,6 +31,9 @@ impl Checker<'_> {
                 "letters, digits, - and _, first a letter or digit, at most {MAX_BYTES} bytes"
             );
             self.report(path, format!("name `{}`", name.escape_debug()), allowed);
+        } else if is_device(name) {
+            let found = format!("name `{name}`, which is a device to Windows");
+            self.report(path, found, "another name");
         }
     }
 

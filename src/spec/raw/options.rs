@@ -143,7 +143,7 @@ pub(in crate::spec) struct MissionOptions {
     /// Reference of the altitudes in the items; terrain: not for px4.
     pub(in crate::spec) altitude: AltitudeReference,
     /// Furthest the waypoint legs may leave the planned path, metres.
-    #[schemars(range(min = 0.1, max = 1000))]
+    #[schemars(range(min = 0.1, max = 100))]
     pub(in crate::spec) tolerance_m: f64,
     /// Most items in one mission.
     #[schemars(range(min = 5, max = 60000))]
