@@ -355,16 +355,14 @@ fn legend(vehicles: &[VehicleShape]) -> String {
         let column = f64::from(u32::try_from(index % LEGEND_COLUMNS).unwrap_or(0));
         let line = f64::from(u32::try_from(index / LEGEND_COLUMNS).unwrap_or(0));
         let (x, y) = (column * 250.0, line * LEGEND_LINE);
-        let duration = vehicle
-            .track
-            .duration_s()
-            .map_or_else(String::new, |duration_s| {
-                format!(
-                    " {} km, {}",
-                    words::number(vehicle.length_m / 1000.0, 1),
-                    words::clock(duration_s)
-                )
-            });
+        let duration = vehicle.duration_s().map_or_else(String::new, |duration_s| {
+            format!(
+                " {} km, {}{}",
+                words::number(vehicle.length_m / 1000.0, 1),
+                words::clock(duration_s),
+                if vehicle.stays() { ", loiters" } else { "" }
+            )
+        });
         let _ = write!(
             svg,
             "<path d=\"M{} {}h26\" stroke=\"{}\" stroke-width=\"3.5\" stroke-linecap=\"round\"/>\

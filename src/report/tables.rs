@@ -142,11 +142,15 @@ fn flight(vehicle: &Vehicle, shape: &VehicleShape) -> String {
         "–".to_owned()
     };
     let duration = shape
-        .track
         .duration_s()
         .map_or_else(|| "–".to_owned(), words::clock);
+    let then = if shape.stays() {
+        "<small>then loiters</small>"
+    } else {
+        ""
+    };
     format!(
-        "<td class=\"num\">{length}</td><td class=\"num\">{}</td><td class=\"num\">{duration}</td>",
+        "<td class=\"num\">{length}</td><td class=\"num\">{}</td><td class=\"num\">{duration}{then}</td>",
         words::clock(vehicle.depart_s)
     )
 }
