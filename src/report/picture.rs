@@ -382,8 +382,11 @@ fn tenth(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
 
+/// Nothing farther out is ever seen.
+const FARTHEST: f64 = 1e6;
+
 /// With one digit at most, and no sign on a zero.
 fn one(value: f64) -> String {
-    let value = tenth(value) + 0.0;
+    let value = tenth(value.clamp(-FARTHEST, FARTHEST)) + 0.0;
     format!("{value}")
 }
