@@ -197,7 +197,7 @@ const scene3d = (() => {
   }
 
   function axes() {
-    const soft = themed("--soft"), step = roundStep((b.east - b.west) / 5), text = (m) => (step >= 1000 ? (m / 1000).toFixed(0) : (m / 1000).toFixed(1));
+    const soft = themed("--soft"), step = roundStep((b.east - b.west) / 5), text = (m) => (m / 1000).toFixed(digitsFor(step / 1000));
     const south = Math.cos(camera.az) > 0, west = Math.sin(camera.az) <= 0;
     const n0 = south ? b.south : b.north, e0 = west ? b.west : b.east, out = 0.018 * span;
     const ticks = (from, to, place, aside, unit) => {

@@ -56,6 +56,9 @@ function roundStep(least) {
   return [1, 2, 5, 10].map((step) => step * decade).find((step) => step >= least * 0.999999);
 }
 
+/** Digits behind the point that multiples of a round step need. */
+const digitsFor = (step) => clamp(Math.ceil(-Math.log10(step) - 1e-6), 0, 9);
+
 /** Metres with a unit that fits. */
 function lengthText(metres, digits = 1) {
   return metres >= 2000 ? (metres / 1000).toFixed(digits) + " km" : metres.toFixed(metres < 10 ? 1 : 0) + " m";
