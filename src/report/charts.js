@@ -22,10 +22,10 @@ function frame(host, { height, x, y, ticksX, ticksY, titleX, titleY }) {
   return { root, at, width, height, left, right, top, bottom };
 }
 
-/** Round ticks between two values, about so many. */
-function ticks(from, to, about, text) {
-  const step = roundStep(Math.max(to - from, 1e-6) / about), list = [];
-  for (let v = Math.ceil(from / step - 1e-9) * step; v <= to + 1e-9; v += step) list.push([v, text(v)]);
+/** Round ticks between two values, about so many, with the digits that tell them apart. */
+function ticks(from, to, about) {
+  const step = roundStep(Math.max(to - from, 1e-6) / about), digits = digitsFor(step), list = [];
+  for (let k = Math.ceil(from / step - 1e-9); k * step <= to + step * 1e-9 && list.length < 99; k++) list.push([k * step, (k * step).toFixed(digits)]);
   return list;
 }
 
@@ -66,14 +66,20 @@ const profiles = (() => {
   /** Which vehicles: the chosen one, or the first few. */
   const chosen = () => (state.focus >= 0 && scene.vehicles.length > MOST ? [state.focus] : [...scene.vehicles.keys()].slice(0, MOST));
 
-  /** The distance along a track nearest to a place. */
-  function nearest(track, [e, n, z]) {
+  /** The number of the fix nearest to a place, up to some fix. */
+  function nearest(track, [e, n, z], last) {
     let best = [Infinity, 0];
-    for (let i = 0; i < track.t.length; i++) {
+    for (let i = 0; i <= last; i++) {
       const off = Math.hypot(track.e[i] - e, track.n[i] - n, track.z[i] - z);
-      if (off < best[0]) best = [off, track.d[i]];
+      if (off < best[0]) best = [off, i];
     }
     return best[1];
+  }
+
+  /** Distances between which the clearance is asked for: the start is passed before the goal, whatever the way home passes. */
+  function planned({ track, start, goal, returns }) {
+    const last = track.t.length - 1, there = nearest(track, goal, last);
+    return [track.d[nearest(track, start, there)], track.d[returns ? last : there]];
   }
 
   function card(index) {
@@ -96,12 +102,12 @@ const profiles = (() => {
     const pad = Math.max(20, (most - least) * 0.12), narrow = host.clientWidth < 500;
     const chart = frame(figure, {
       height: narrow ? 210 : 240, x: [0, length], y: { from: least - pad, to: most + pad, map: (v) => v },
-      ticksX: ticks(0, length, narrow ? 4 : 9, (v) => (v / 1000).toFixed(length < 4000 ? 1 : 0)),
-      ticksY: ticks(least - pad, most + pad, 4, (v) => v.toFixed(0)),
+      ticksX: ticks(0, length / 1000, narrow ? 4 : 9).map(([v, text]) => [v * 1000, text]),
+      ticksY: ticks(least - pad, most + pad, 4),
       titleX: "km along the track", titleY: "m AMSL",
     });
     const { root, at } = chart, base = chart.height - chart.bottom;
-    const from = nearest(track, vehicle.start), to = vehicle.returns ? length : Math.max(nearest(track, vehicle.goal), from);
+    const [from, to] = planned(vehicle);
     const banded = to > from ? soil.filter(([d]) => d >= from && d <= to) : soil;
     for (const run of runs(banded)) {
       const upper = run.map(([d, z]) => [at.x(d), at.y(z + scene.min_agl_m)]), lower = run.map(([d, z]) => [at.x(d), at.y(z)]).reverse();
@@ -237,7 +243,7 @@ const separation = (() => {
     const narrow = host.clientWidth < 500;
     const chart = frame(host, {
       height: narrow ? 260 : 300, x: [state.first, state.last], y: { from: least, to: most, map: Math.log10 },
-      ticksX: ticks(state.first / 60, state.last / 60, narrow ? 5 : 10, (v) => v.toFixed(state.last < 300 ? 1 : 0)).map(([v, text]) => [v * 60, text]),
+      ticksX: ticks(state.first / 60, state.last / 60, narrow ? 5 : 10).map(([v, text]) => [v * 60, text]),
       ticksY: marks, titleX: "minutes after T0", titleY: vertical === null ? "distance (log)" : `distance (log), height × ${(limit / vertical).toFixed(1)}`,
     });
     const { root, at } = chart, y = (d) => (d === null ? null : at.y(Math.max(d, least))), base = chart.height - chart.bottom;

@@ -18,6 +18,11 @@ const map = (() => {
   const interval = element("interval"), hatch = element("hatch");
   const north = furniture.querySelectorAll(".ink-fill, .small:last-child");
 
+  const names = [...plan.querySelectorAll("text[data-at]")].map((text) => {
+    const [x, y] = text.dataset.at.split(" ").map(Number);
+    return { text, at: { x, y }, side: text.dataset.side };
+  });
+
   /** Map units in a CSS pixel. */
   const unit = () => {
     const box = figure.getBoundingClientRect();
@@ -46,6 +51,25 @@ const map = (() => {
     north[1].setAttribute("x", top.x);
     north[1].setAttribute("y", top.y + 34 * k);
     here.setAttribute("r", 15 * k);
+    writeNames({ left: seen.left + 4 * k, right: seen.right - 4 * k, top: high + 4 * k, bottom: low - 4 * k }, k,
+      [{ left: top.x - 12 * k, right: top.x + 12 * k, top: high, bottom: top.y + 40 * k }, { left: x0, right: x0 + Math.max(metres * perMetre, 190 * k), top: y0 - 18 * k, bottom: low }]);
+  }
+
+  /** Writes the names in view where they have room, away from the stations and from what else is taken. */
+  function writeNames(frame, k, taken) {
+    const few = scene.vehicles.length <= 40;
+    for (const vehicle of few ? scene.vehicles : []) for (const [e, n] of [vehicle.start, vehicle.goal]) {
+      taken.push({ left: x(e) - 6 * k, right: x(e) + 6 * k, top: y(n) - 6 * k, bottom: y(n) + 6 * k });
+    }
+    const place = placer(frame, taken);
+    for (const { text, at, side } of names) {
+      const seen = at.x >= frame.left && at.x <= frame.right && at.y >= frame.top && at.y <= frame.bottom;
+      const whole = { left: -Infinity, right: Infinity, top: -Infinity, bottom: Infinity };
+      const spot = (seen ? place : placer(whole, []))(at, side, textWidth(text.textContent, 13) * k, 13 * k);
+      text.setAttribute("x", spot.x);
+      text.setAttribute("y", spot.y);
+      text.style.fontSize = 13 * k * spot.share + "px";
+    }
   }
 
   function clampView() {

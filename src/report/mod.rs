@@ -2,6 +2,7 @@
 
 mod contour;
 mod documents;
+mod labels;
 mod page;
 mod picture;
 mod png;

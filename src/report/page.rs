@@ -9,13 +9,16 @@ use serde::Serialize;
 
 use super::documents::{finite, rounded, verdict};
 use super::picture::plan_view;
-use super::scene::{Scene, VehicleShape};
+use super::scene::{Ending, Scene, VehicleShape};
 use super::tables;
 use super::words::{self, Ranked, escaped};
 use super::{COLOURS, ReviewInput};
 
 /// Most rows of the table of margins; the rest is in `review.json`.
 const MOST_ROWS: usize = 600;
+
+/// More vehicles than this are counted instead of named.
+const MOST_NAMED: usize = 5;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -136,11 +139,6 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         1 => "1 vehicle".to_owned(),
         many => format!("{many} vehicles"),
     };
-    let last_s = scene
-        .vehicles
-        .iter()
-        .filter_map(|vehicle| vehicle.track.t.last().copied())
-        .fold(0.0, f64::max);
     let mut facts = vec![
         fleet,
         format!(
@@ -159,13 +157,43 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
             words::number(spec.separation.time_slack_s, 1)
         ),
     ];
-    if last_s > 0.0 {
-        facts.push(format!("all down after {}", words::clock(last_s)));
-    }
+    facts.extend(endings(&scene.vehicles));
     facts
         .iter()
         .map(|fact| format!("<li>{}</li>", escaped(fact)))
         .collect()
+}
+
+/// When who is down, and who stays in the air; none without a track.
+fn endings(vehicles: &[VehicleShape]) -> Option<String> {
+    let mut down = Vec::new();
+    let mut aloft = Vec::new();
+    let mut last_s = f64::NEG_INFINITY;
+    for vehicle in vehicles {
+        match vehicle.end {
+            Some(Ending::Down { t_s }) => {
+                down.push(vehicle.id.as_str());
+                last_s = last_s.max(t_s);
+            }
+            Some(Ending::Stays { .. }) => aloft.push(vehicle.id.as_str()),
+            None => {}
+        }
+    }
+    let named = |ids: &[&str]| {
+        if ids.len() == vehicles.len() && ids.len() > 1 {
+            "all".to_owned()
+        } else if ids.len() > MOST_NAMED {
+            format!("{} vehicles", ids.len())
+        } else {
+            ids.join(", ")
+        }
+    };
+    let landed =
+        (!down.is_empty()).then(|| format!("{} down after {}", named(&down), words::clock(last_s)));
+    let stays = if aloft.len() == 1 { "stays" } else { "stay" };
+    let hovering = (!aloft.is_empty()).then(|| format!("{} {stays} in the air", named(&aloft)));
+    let told: Vec<String> = landed.into_iter().chain(hovering).collect();
+    (!told.is_empty()).then(|| told.join("; "))
 }
 
 fn moment(entry: &Ranked<'_>) -> String {

@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 
 use super::contour::{Contours, Line};
+use super::labels::{Area, Labels, Side};
 use super::relief::{Bounds, round_step};
 use super::scene::{Scene, VehicleShape};
 use super::words::{self, escaped};
@@ -15,6 +16,10 @@ use super::{COLOURS, ReviewInput};
 const WIDTH: f64 = 1000.0;
 /// Above so many vehicles names would hide the paths.
 const MOST_NAMES: usize = 40;
+
+/// Size of names in the picture, and as the style of the page has them.
+const NAME_SIZE: f64 = 15.0;
+const PAGE_NAME_SIZE: f64 = 22.0;
 
 const PAPER: &str = "#eef0ea";
 const INK: &str = "#27313a";
@@ -97,7 +102,8 @@ pub(super) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inline: bool) ->
     for (index, vehicle) in scene.vehicles.iter().enumerate().filter(|_| names) {
         stations(&mut svg, &view, index, vehicle);
     }
-    names_of_places(&mut svg, &view, scene);
+    let size = if inline { PAGE_NAME_SIZE } else { NAME_SIZE };
+    write_names(&mut svg, &view, scene, size);
     if inline {
         svg.push_str("<g id=\"moving\"></g>");
     }
@@ -122,6 +128,11 @@ impl View {
 
     fn y(&self, north_m: f64) -> f64 {
         (self.bounds.north - north_m) * self.scale
+    }
+
+    /// The place of a station.
+    fn at(&self, point: &[f64; 3]) -> (f64, f64) {
+        (self.x(point[0]), self.y(point[1]))
     }
 
     /// Path data through places, each step relative to the last in tenths.
@@ -205,27 +216,91 @@ fn closed(svg: &mut String, view: &View, scene: &Scene) {
     }
 }
 
-fn names_of_places(svg: &mut String, view: &View, scene: &Scene) {
-    for zone in &scene.zones {
+/// A name and the place it belongs to, on the picture.
+struct Name<'a> {
+    class: &'a str,
+    at: (f64, f64),
+    side: Side,
+    colour: &'a str,
+    text: String,
+}
+
+/// Names of vehicles, threats and zones, in this order of who has the first choice.
+fn names(scene: &Scene, view: &View) -> Vec<Name<'static>> {
+    let few = scene.vehicles.len() <= MOST_NAMES;
+    let vehicles = scene.vehicles.iter().enumerate().filter(|_| few);
+    let of_vehicles = vehicles.map(|(index, vehicle)| {
+        let (start, goal) = (view.at(&vehicle.start), view.at(&vehicle.goal));
+        // Away from the goal, so that the name does not lie on the path.
+        let left = goal.0 > start.0 && start.0 > 190.0 || start.0 > WIDTH - 190.0;
+        Name {
+            class: "of-vehicle",
+            at: start,
+            side: if left { Side::Left } else { Side::Right },
+            colour: COLOURS[index % COLOURS.len()][0],
+            text: vehicle.id.clone(),
+        }
+    });
+    let of_threats = scene.threats.iter().map(|threat| Name {
+        class: "of-threat",
+        at: (view.x(threat.at[0]), view.y(threat.at[1])),
+        side: Side::Middle,
+        colour: THREAT,
+        text: threat.id.clone(),
+    });
+    let of_zones = scene.zones.iter().map(|zone| {
         let corners = &zone.ring[..zone.ring.len().saturating_sub(1)];
         let count = f64::from(u32::try_from(corners.len().max(1)).unwrap_or(u32::MAX));
         let middle = |axis: usize| corners.iter().map(|corner| corner[axis]).sum::<f64>() / count;
         let below = zone.below_m.map_or_else(String::new, |below_m| {
             format!(" below {} m", words::number(below_m, 0))
         });
-        let (x, y) = (view.x(middle(0)), view.y(middle(1)));
-        label(
-            svg,
-            "of-zone",
-            (x, y),
-            ZONE,
-            "middle",
-            &format!("{}{below}", zone.id),
-        );
+        Name {
+            class: "of-zone",
+            at: (view.x(middle(0)), view.y(middle(1))),
+            side: Side::Middle,
+            colour: ZONE,
+            text: format!("{}{below}", zone.id),
+        }
+    });
+    of_vehicles.chain(of_threats).chain(of_zones).collect()
+}
+
+/// Writes the names where they have room; the page does so again for its own size.
+fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
+    let frame = Area {
+        left: 4.0,
+        top: 4.0,
+        right: WIDTH - 4.0,
+        bottom: view.height - 4.0,
+    };
+    let mut labels = Labels::new(frame, size);
+    if scene.vehicles.len() <= MOST_NAMES {
+        for vehicle in &scene.vehicles {
+            labels.avoid(view.at(&vehicle.start), size);
+            labels.avoid(view.at(&vehicle.goal), size);
+        }
     }
-    for threat in &scene.threats {
-        let (x, y) = (view.x(threat.at[0]), view.y(threat.at[1]));
-        label(svg, "of-threat", (x, y), THREAT, "middle", &threat.id);
+    for name in names(scene, view) {
+        let spot = labels.place(name.at, name.side, &name.text);
+        let side = match name.side {
+            Side::Middle => "middle",
+            Side::Left => "left",
+            Side::Right => "right",
+        };
+        let _ = write!(
+            svg,
+            "<text class=\"{}\" data-at=\"{} {}\" data-side=\"{side}\" x=\"{}\" y=\"{}\" dy=\".35em\" text-anchor=\"middle\" font-size=\"{}\" font-weight=\"600\" \
+             fill=\"{}\" stroke=\"{PAPER}\" stroke-width=\"3.5\" stroke-linejoin=\"round\" paint-order=\"stroke\">{}</text>",
+            name.class,
+            one(name.at.0),
+            one(name.at.1),
+            one(spot.x),
+            one(spot.y),
+            one(spot.share * NAME_SIZE),
+            name.colour,
+            escaped(&name.text)
+        );
     }
 }
 
@@ -266,11 +341,11 @@ fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape, c
     svg.push_str("</g>");
 }
 
-/// Start (disc), goal (ring), home (square) where it is apart, and the name.
+/// Start (disc), goal (ring), and home (square) where it is apart.
 fn stations(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape) {
     let (class, colour) = (index % COLOURS.len(), COLOURS[index % COLOURS.len()][0]);
-    let at = |point: &[f64; 3]| (view.x(point[0]), view.y(point[1]));
-    let (start, goal, home) = (at(&vehicle.start), at(&vehicle.goal), at(&vehicle.home));
+    let (start, goal) = (view.at(&vehicle.start), view.at(&vehicle.goal));
+    let home = view.at(&vehicle.home);
     let mut dot = |(x, y): (f64, f64), name: &str, colour: &str, width: &str, cap: &str| {
         let _ = write!(
             svg,
@@ -285,33 +360,6 @@ fn stations(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape)
     dot(start, "start", colour, "13", "round");
     dot(goal, "goal", colour, "15", "round");
     dot(goal, "goal-eye", PAPER, "8", "round");
-    // Away from the goal, so that the name does not lie on the path.
-    let left = goal.0 > start.0 && start.0 > 190.0 || start.0 > WIDTH - 190.0;
-    let anchor = if left { "end" } else { "start" };
-    label(svg, "of-vehicle", start, colour, anchor, &vehicle.id);
-}
-
-fn label(
-    svg: &mut String,
-    class: &str,
-    (x, y): (f64, f64),
-    colour: &str,
-    anchor: &str,
-    text: &str,
-) {
-    let aside = match anchor {
-        "start" => ".85em",
-        "end" => "-.85em",
-        _ => "0",
-    };
-    let _ = write!(
-        svg,
-        "<text class=\"{class}\" x=\"{}\" y=\"{}\" dx=\"{aside}\" dy=\".35em\" text-anchor=\"{anchor}\" font-size=\"15\" font-weight=\"600\" \
-         fill=\"{colour}\" stroke=\"{PAPER}\" stroke-width=\"3.5\" stroke-linejoin=\"round\" paint-order=\"stroke\">{}</text>",
-        one(x),
-        one(y),
-        escaped(text)
-    );
 }
 
 /// Scale bar and north arrow; the page moves them when it zooms.
@@ -355,16 +403,14 @@ fn legend(vehicles: &[VehicleShape]) -> String {
         let column = f64::from(u32::try_from(index % LEGEND_COLUMNS).unwrap_or(0));
         let line = f64::from(u32::try_from(index / LEGEND_COLUMNS).unwrap_or(0));
         let (x, y) = (column * 250.0, line * LEGEND_LINE);
-        let duration = vehicle
-            .track
-            .duration_s()
-            .map_or_else(String::new, |duration_s| {
-                format!(
-                    " {} km, {}",
-                    words::number(vehicle.length_m / 1000.0, 1),
-                    words::clock(duration_s)
-                )
-            });
+        let duration = vehicle.duration_s().map_or_else(String::new, |duration_s| {
+            format!(
+                " {} km, {}{}",
+                words::number(vehicle.length_m / 1000.0, 1),
+                words::clock(duration_s),
+                if vehicle.stays() { ", loiters" } else { "" }
+            )
+        });
         let _ = write!(
             svg,
             "<path d=\"M{} {}h26\" stroke=\"{}\" stroke-width=\"3.5\" stroke-linecap=\"round\"/>\
@@ -384,8 +430,11 @@ fn tenth(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
 
+/// Nothing farther out is ever seen.
+const FARTHEST: f64 = 1e6;
+
 /// With one digit at most, and no sign on a zero.
 fn one(value: f64) -> String {
-    let value = tenth(value) + 0.0;
+    let value = tenth(value.clamp(-FARTHEST, FARTHEST)) + 0.0;
     format!("{value}")
 }

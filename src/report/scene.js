@@ -176,9 +176,9 @@ const scene3d = (() => {
   }
 
   // Over the model: axes, names, and the vehicles.
-  function name(text, at, colour, align = "center", bold = true) {
+  function name(text, at, colour, align = "center", bold = true, size = 12) {
     if (!at) return;
-    pen.font = (bold ? "600 " : "") + "12px system-ui, sans-serif";
+    pen.font = (bold ? "600 " : "") + size + "px system-ui, sans-serif";
     pen.textAlign = align;
     pen.lineWidth = 3.5;
     pen.strokeStyle = themed("--sky");
@@ -197,7 +197,7 @@ const scene3d = (() => {
   }
 
   function axes() {
-    const soft = themed("--soft"), step = roundStep((b.east - b.west) / 5), text = (m) => (step >= 1000 ? (m / 1000).toFixed(0) : (m / 1000).toFixed(1));
+    const soft = themed("--soft"), step = roundStep((b.east - b.west) / 5), text = (m) => (m / 1000).toFixed(digitsFor(step / 1000));
     const south = Math.cos(camera.az) > 0, west = Math.sin(camera.az) <= 0;
     const n0 = south ? b.south : b.north, e0 = west ? b.west : b.east, out = 0.018 * span;
     const ticks = (from, to, place, aside, unit) => {
@@ -230,10 +230,17 @@ const scene3d = (() => {
 
   function markers() {
     const few = scene.vehicles.length <= 40, halo = themed("--halo");
-    for (const threat of scene.threats) name(threat.id, project(...threat.at, top), themed("--threat"));
+    const place = placer({ left: 4, top: 4, right: width - 4, bottom: height - 4 }, []);
+    /** A name where it has room; one whose place is out of view is not written. */
+    const written = (text, at, colour, side = "middle") => {
+      if (!at || at.x < 0 || at.x > width || at.y < 0 || at.y > height) return;
+      const spot = place(at, side, textWidth(text, 12), 12);
+      name(text, { x: spot.x, y: spot.y + 4 }, colour, "center", true, 12 * spot.share);
+    };
+    for (const threat of scene.threats) written(threat.id, project(...threat.at, top), themed("--threat"));
     for (const zone of scene.zones) {
       const count = zone.ring.length - 1, sum = (axis) => zone.ring.slice(0, count).reduce((a, c) => a + c[axis], 0) / count;
-      name(zone.id, project(sum(0), sum(1), zone.below_m === null ? top : Math.min(zone.below_m, top)), themed("--zone"));
+      written(zone.id, project(sum(0), sum(1), zone.below_m === null ? top : Math.min(zone.below_m, top)), themed("--zone"));
     }
     scene.vehicles.forEach((vehicle, index) => {
       const colour = themed("--v" + (index % data.colours.length));
@@ -267,7 +274,7 @@ const scene3d = (() => {
           pen.lineWidth = 2;
           pen.fill();
           pen.stroke();
-          if (few || state.focus === index) name(vehicle.id, { x: p.x + 11, y: p.y - 8 }, themed("--ink"), "left");
+          if (few || state.focus === index) written(vehicle.id, { x: p.x + 2, y: p.y - 8 }, themed("--ink"), "right");
         }
       }
       pen.globalAlpha = 1;

@@ -74,9 +74,21 @@ pub(super) struct VehicleShape {
     pub(super) waypoints: Vec<(f64, f64, f64, usize)>,
     /// How far the thinned track is from the whole one at most, metres.
     pub(super) drawn_within_m: f64,
+    /// How its motion ends; none without a track.
+    #[serde(skip)]
+    pub(super) end: Option<Ending>,
     /// Length of the whole track, metres, not of the thinned one.
     #[serde(skip)]
     pub(super) length_m: f64,
+}
+
+/// How the motion of a vehicle ends, seconds after T0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ending {
+    /// On the ground.
+    Down { t_s: f64 },
+    /// It reaches its last place then, and stays there in the air.
+    Stays { from_s: f64 },
 }
 
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -149,12 +161,24 @@ impl Scene {
     }
 }
 
-impl TrackShape {
-    /// Seconds from the first fix to the last; none without a track.
+impl VehicleShape {
+    /// Seconds from the first fix until it is down, or where it stays; none
+    /// without a track.
     pub(super) fn duration_s(&self) -> Option<f64> {
-        Some(self.t.last()? - self.t.first()?)
+        let end_s = match self.end? {
+            Ending::Down { t_s } => t_s,
+            Ending::Stays { from_s } => from_s,
+        };
+        Some(end_s - self.track.t.first()?)
     }
 
+    /// Whether it is still in the air when all others are down.
+    pub(super) fn stays(&self) -> bool {
+        matches!(self.end, Some(Ending::Stays { .. }))
+    }
+}
+
+impl TrackShape {
     fn new(fixes: &[Fix]) -> Self {
         let column = |value: fn(&Fix) -> f64| fixes.iter().map(|fix| metres(value(fix))).collect();
         Self {
@@ -226,6 +250,7 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         track,
         waypoints: if too_many { Vec::new() } else { waypoints },
         drawn_within_m: metres(drawn_within_m),
+        end: ending(&whole, world, vehicle),
         length_m: whole
             .windows(2)
             .map(|pair| {
@@ -273,6 +298,32 @@ fn fixes(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Vec<Fix> {
             .all(|value| value.is_finite())
     };
     found.into_iter().filter(known).collect()
+}
+
+/// Above ground by more than this at the end is in the air, metres.
+const ON_GROUND_M: f64 = 2.0;
+/// Nearer than this to the last place is there, metres.
+const THERE_M: f64 = 0.5;
+
+/// What the end of the track shows; over unknown ground, what the spec says.
+fn ending(fixes: &[Fix], world: &World, vehicle: &Vehicle) -> Option<Ending> {
+    let last = fixes.last()?;
+    let at = |fix: &Fix| EastNorth {
+        east_m: fix.east_m,
+        north_m: fix.north_m,
+    };
+    let stays = match ground_m(world, at(last)) {
+        Some(ground_m) => last.amsl_m - ground_m > ON_GROUND_M,
+        None => vehicle.finish == Finish::Loiter,
+    };
+    if !stays {
+        return Some(Ending::Down { t_s: last.t_s });
+    }
+    let there = |fix: &&Fix| at(fix).distance_m(at(last)).hypot(fix.amsl_m - last.amsl_m) < THERE_M;
+    let arrival = fixes.iter().rev().take_while(there).last()?;
+    Some(Ending::Stays {
+        from_s: arrival.t_s,
+    })
 }
 
 /// The true ground along the drawn track.

@@ -22,7 +22,8 @@ const SHADERS = {
     float light = dot(n, normalize(vec3(-0.55, 0.5, 0.8)));
     float sky = 0.5 + 0.5 * n.z;
     tint *= 0.34 + 0.30 * sky + 0.50 * max(light, 0.0);
-    float line = z / max(range.z, 1.0), width = fwidth(line);
+    // Half a decimetre aside, as in the map: heights are whole decimetres, so that no plain lies on a line.
+    float line = (z - 0.05) / (range.z > 0.0 ? range.z : 1.0), width = fwidth(line);
     float near = abs(fract(line - 0.5) - 0.5) / max(width, 1e-6);
     float index = abs(fract(line / 5.0 - 0.5) - 0.5) * 5.0 / max(width, 1e-6);
     float drawn = max((1.0 - smoothstep(0.4, 1.3, near)) * 0.16, (1.0 - smoothstep(0.6, 1.7, index)) * 0.26);

@@ -39,8 +39,8 @@ fn margin_row(row: usize, entry: &Ranked<'_>) -> String {
         "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\
          <td class=\"mark\" data-sort=\"{row}\"><span>{word}</span></td>\
          <td class=\"who\">{who}</td><td class=\"what\">{what}{note}</td>\
-         <td class=\"num\" data-sort=\"{value_order}\">{value}</td><td class=\"limit\">{limit}</td>\
-         <td class=\"slack\" data-sort=\"{tight:.6}\">{bar}</td>{at}</tr>\n",
+         <td class=\"num\" data-sort=\"{value_order:e}\">{value}</td><td class=\"limit\">{limit}</td>\
+         <td class=\"slack\" data-sort=\"{tight:.6e}\">{bar}</td>{at}</tr>\n",
         class = class(margin.ok),
         word = word(margin.ok),
         who = escaped(&words::who(margin)),
@@ -56,7 +56,7 @@ fn margin_row(row: usize, entry: &Ranked<'_>) -> String {
 /// The slack to the right of the limit, or how far it is missed to the left.
 fn bar(slack: f64) -> String {
     // Half a side is one limit's worth; no slack is too large for the bar.
-    let width = slack.abs() / (1.0 + slack.abs()) * 50.0;
+    let width = (1.0 - 1.0 / (1.0 + slack.abs())) * 50.0;
     let left = if slack < 0.0 { 50.0 - width } else { 50.0 };
     format!("<span class=\"bar\"><i style=\"left:{left:.1}%;width:{width:.1}%\"></i></span>")
 }
@@ -68,7 +68,7 @@ fn when_and_where(at: Option<&Moment>) -> String {
         );
     };
     format!(
-        "<td class=\"num\" data-sort=\"{:.2}\">{}</td><td class=\"num\" data-sort=\"{}\">{}</td><td class=\"place\">{}</td>",
+        "<td class=\"num\" data-sort=\"{:.7e}\">{}</td><td class=\"num\" data-sort=\"{}\">{}</td><td class=\"place\">{}</td>",
         finite(at.t_s).unwrap_or(LAST),
         words::clock(at.t_s),
         at.item,
@@ -142,11 +142,15 @@ fn flight(vehicle: &Vehicle, shape: &VehicleShape) -> String {
         "–".to_owned()
     };
     let duration = shape
-        .track
         .duration_s()
         .map_or_else(|| "–".to_owned(), words::clock);
+    let then = if shape.stays() {
+        "<small>then loiters</small>"
+    } else {
+        ""
+    };
     format!(
-        "<td class=\"num\">{length}</td><td class=\"num\">{}</td><td class=\"num\">{duration}</td>",
+        "<td class=\"num\">{length}</td><td class=\"num\">{}</td><td class=\"num\">{duration}{then}</td>",
         words::clock(vehicle.depart_s)
     )
 }

@@ -163,8 +163,17 @@ fn number_beside(value: f64, limit: f64) -> String {
         .map_or_else(|| format!("{value:e}"), |(digits, _)| number(value, digits))
 }
 
+/// No length, time or count on Earth is as large: it is written with a power of ten.
+const ABSURD: f64 = 1e12;
+
 /// A whole number without digits, any other with so many; thousands set apart.
 pub(super) fn number(value: f64, digits: usize) -> String {
+    if value.abs() >= ABSURD {
+        let text = format!("{value:.3e}").replace('-', "−");
+        let (mantissa, power) = text.split_at(text.find('e').unwrap_or(text.len()));
+        let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
+        return format!("{mantissa}{power}");
+    }
     let whole = (value - value.round()).abs() < 1e-9;
     let digits = if whole { 0 } else { digits };
     let text = format!("{:.*}", digits, value.abs());
@@ -289,6 +298,11 @@ mod tests {
         assert_eq!(limit(&margin("", 59.0, 60.0, "m", false)), "at least 60 m");
         assert_eq!(limit(&margin("", 9.0, 15.0, "deg", true)), "at most 15°");
         assert_eq!(limit(&margin("", 16.0, 15.0, "deg", false)), "at most 15°");
+        let none = Margin {
+            sense: Sense::AtMost,
+            ..margin("acceptance", 0.0, 0.0, "problems", true)
+        };
+        assert_eq!(limit(&none), "at most 0 problems");
     }
 
     #[test]
@@ -297,6 +311,9 @@ mod tests {
         assert_eq!(number(-12.34, 1), "−12.3");
         assert_eq!(number(9999.0, 1), "9999");
         assert_eq!(number(1_234_567.0, 1), "1\u{202f}234\u{202f}567");
+        assert_eq!(number(1e308, 1), "1e308");
+        assert_eq!(number(-f64::MAX, 1), "−1.798e308");
+        assert_eq!(value(&margin("", 1e300, 60.0, "m", true)), "1e300 m");
         assert_eq!(clock(59.6), "1:00");
         assert_eq!(clock(3671.2), "1:01:11");
         assert_eq!(clock(-0.2), "0:00");

@@ -4,8 +4,8 @@ use std::fs;
 use std::process::Command;
 
 use sortie::geodesy::Amsl;
-use sortie::spec::TerrainSource;
-use sortie::verify::{Margin, Review};
+use sortie::spec::{Finish, TerrainSource};
+use sortie::verify::{Margin, Moment, Review};
 
 use crate::facts::{HOSTILE, IDS, data_of, facts, hilly_spec, output, passing};
 
@@ -110,6 +110,38 @@ fn the_page_draws_without_an_error_and_shows_the_relief() {
     assert!(told["colours"].as_u64().expect("a count") > 500, "{told}");
     assert_eq!(told["fault"], 0);
     assert_eq!(told["charts"], 4, "three profiles and the separation");
+}
+
+#[test]
+fn a_profile_out_and_home_has_its_band_throughout_and_numbers_that_differ() {
+    let mut spec = hilly_spec(IDS);
+    spec.vehicles[0].finish = Finish::Return;
+    spec.vehicles[0].home = spec.vehicles[0].start.place;
+    let mut facts = facts(spec);
+    // Home on the way it came, and nearer to the start than before.
+    let moments = &mut facts.review.tracks[0].moments;
+    moments.pop();
+    let turn = moments[moments.len() - 1];
+    let home: Vec<_> = moments.iter().rev().skip(1).copied().collect();
+    moments.extend(home.into_iter().map(|moment| Moment {
+        t_s: 2.0 * turn.t_s - moment.t_s,
+        item: turn.item + 1,
+        ..moment
+    }));
+    let html = with_script(
+        &facts.html(),
+        &format!(
+            "{TELL} const profile = document.querySelector('.profile'), wide = (kind) => profile.querySelector(kind).getBBox().width;
+            const numbers = [...profile.querySelectorAll('text[text-anchor=middle]')].map((text) => text.textContent).slice(0, 5);
+            tell({{ band: wide('.band') / wide('.line'), distinct: new Set(numbers).size }});"
+        ),
+    );
+    let Some(dom) = in_chromium("home.html", &html, &[]) else {
+        return;
+    };
+    let told = told(&dom);
+    assert!(told["band"].as_f64().expect("a share") > 0.95, "{told}");
+    assert_eq!(told["distinct"], 5, "{told}");
 }
 
 #[test]

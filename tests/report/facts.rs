@@ -206,7 +206,10 @@ fn track(world: &World, id: &str, index: usize, path: &[TimedPoint]) -> Track {
             .enumerate()
             .map(|(at, timed)| moment(world, timed, 2 + at / 12)),
     );
-    let down = Amsl(last.point.amsl.0 - 80.0);
+    let down = world
+        .terrain
+        .height(world.frame.from_plan(last.point.at))
+        .expect("ground everywhere");
     let landed = PlanPoint {
         at: last.point.at,
         amsl: down,

@@ -131,6 +131,31 @@ fn ground_without_data_is_a_hole_and_not_a_plain_at_sea_level() {
 }
 
 #[test]
+fn a_vehicle_that_loiters_is_not_said_to_be_down() {
+    let mut facts = facts(hilly_spec(IDS));
+    assert!(facts.html().contains("<li>all down after "));
+    // Bravo stays where its path ends until long after the others are down.
+    let moments = &mut facts.review.tracks[1].moments;
+    moments.pop();
+    let mut last = *moments.last().expect("a track");
+    let flown_s = last.t_s - moments[0].t_s;
+    last.t_s = 9000.0;
+    moments.push(last);
+    let html = facts.html();
+    assert!(html.contains("<li>alpha, charlie down after "));
+    assert!(html.contains("; bravo stays in the air</li>"));
+    let (before, _) = html
+        .split_once("<small>then loiters</small>")
+        .expect("the row of bravo");
+    let (minutes, seconds) = before[before.len() - 5..].split_once(':').expect("a clock");
+    let told_s =
+        60.0 * minutes.parse::<f64>().expect("minutes") + seconds.parse::<f64>().expect("seconds");
+    assert!((told_s - flown_s).abs() < 1.0, "{told_s} {flown_s}");
+    assert_eq!(html.matches("<small>then loiters</small>").count(), 1);
+    assert!(!html.contains("2:30:00</td>"));
+}
+
+#[test]
 fn the_page_of_a_thousand_vehicles_stays_under_3_mb() {
     let ids: Vec<String> = (0..1000).map(|number| format!("uav-{number:04}")).collect();
     let mut spec = hilly_spec(IDS);

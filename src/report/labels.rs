@@ -1,0 +1,190 @@
+//! Where names go on a plan view: inside of its frame and, where there is
+//! room, not on each other.
+
+/// Height of a line, and width of a letter on average, as shares of the size.
+const LINE: f64 = 1.2;
+const LETTER: f64 = 0.58;
+/// How much smaller a name is written that finds no room.
+const SMALLER: f64 = 0.8;
+
+/// A rectangle of the picture, y downwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Area {
+    pub(super) left: f64,
+    pub(super) top: f64,
+    pub(super) right: f64,
+    pub(super) bottom: f64,
+}
+
+/// Which side of its place a name takes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    /// On the place itself.
+    Middle,
+    /// To the left of it.
+    Left,
+    /// To the right of it.
+    Right,
+}
+
+/// Where a name is written: its middle, and the share of the common size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Spot {
+    pub(super) x: f64,
+    pub(super) y: f64,
+    pub(super) share: f64,
+}
+
+/// Names placed one after the other.
+pub(super) struct Labels {
+    frame: Area,
+    /// Size of the letters.
+    size: f64,
+    taken: Vec<Area>,
+}
+
+impl Area {
+    fn around((x, y): (f64, f64), width: f64, height: f64) -> Self {
+        Self {
+            left: x - width / 2.0,
+            top: y - height / 2.0,
+            right: x + width / 2.0,
+            bottom: y + height / 2.0,
+        }
+    }
+
+    /// The area that two have in common.
+    fn shared(&self, other: &Self) -> f64 {
+        let width = self.right.min(other.right) - self.left.max(other.left);
+        let height = self.bottom.min(other.bottom) - self.top.max(other.top);
+        width.max(0.0) * height.max(0.0)
+    }
+}
+
+impl Labels {
+    pub(super) fn new(frame: Area, size: f64) -> Self {
+        Self {
+            frame,
+            size,
+            taken: Vec::new(),
+        }
+    }
+
+    /// Keeps names away from a mark.
+    pub(super) fn avoid(&mut self, at: (f64, f64), size: f64) {
+        self.taken.push(Area::around(at, size, size));
+    }
+
+    /// The first way around the place that is free, in small letters if need
+    /// be; where none is, the one that covers least.
+    pub(super) fn place(&mut self, at: (f64, f64), side: Side, text: &str) -> Spot {
+        let mut best: Option<(f64, Spot, Area)> = None;
+        for share in [1.0, SMALLER] {
+            for way in ways(side) {
+                let (spot, area) = self.spot(at, way, text, share);
+                let covers: f64 = self.taken.iter().map(|taken| taken.shared(&area)).sum();
+                if best.is_none_or(|(least, ..)| covers < least) {
+                    best = Some((covers, spot, area));
+                }
+            }
+        }
+        let (_, spot, area) = best.expect("every side has ways");
+        self.taken.push(area);
+        spot
+    }
+
+    /// A name at its way from a place, pushed into the frame.
+    fn spot(
+        &self,
+        (x, y): (f64, f64),
+        (aside, dx, dy): (f64, f64, f64),
+        text: &str,
+        share: f64,
+    ) -> (Spot, Area) {
+        let size = self.size * share;
+        let (width, height) = (width(text) * size, LINE * size);
+        let inside = |value: f64, from: f64, to: f64, length: f64| {
+            value.min(to - length / 2.0).max(from + length / 2.0)
+        };
+        let x = x + dx * self.size + aside * width / 2.0;
+        let spot = Spot {
+            x: inside(x, self.frame.left, self.frame.right, width),
+            y: inside(
+                y + dy * self.size,
+                self.frame.top,
+                self.frame.bottom,
+                height,
+            ),
+            share,
+        };
+        (spot, Area::around((spot.x, spot.y), width, height))
+    }
+}
+
+/// Ways around a place: the side on which the text lies, and the offset in sizes.
+fn ways(side: Side) -> [(f64, f64, f64); 7] {
+    let (left, right) = ((-1.0, -0.85, 0.0), (1.0, 0.85, 0.0));
+    let (below, above) = ((0.0, 0.0, 1.3), (0.0, 0.0, -1.3));
+    let (far_below, far_above) = ((0.0, 0.0, 2.5), (0.0, 0.0, -2.5));
+    match side {
+        Side::Middle => [
+            (0.0, 0.0, 0.0),
+            below,
+            above,
+            right,
+            left,
+            far_below,
+            far_above,
+        ],
+        Side::Left => [left, right, above, below, far_above, far_below, left],
+        Side::Right => [right, left, above, below, far_above, far_below, right],
+    }
+}
+
+/// Width of a text of size 1: letters beyond ASCII may be wide.
+fn width(text: &str) -> f64 {
+    text.chars()
+        .map(|c| if c.is_ascii() { LETTER } else { 1.0 })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Area, Labels, Side};
+
+    const FRAME: Area = Area {
+        left: 0.0,
+        top: 0.0,
+        right: 1000.0,
+        bottom: 600.0,
+    };
+
+    #[test]
+    fn names_stay_inside_of_the_frame() {
+        let mut labels = Labels::new(FRAME, 15.0);
+        let wide = 0.58 * 15.0 * 20.0;
+        for (at, side) in [
+            ((3.0, 2.0), Side::Middle),
+            ((998.0, 300.0), Side::Right),
+            ((1.0, 599.0), Side::Left),
+        ] {
+            let spot = labels.place(at, side, "a-name-of-20-letters");
+            assert!(spot.x - wide / 2.0 >= -1e-9 && spot.x + wide / 2.0 <= 1000.0 + 1e-9);
+            assert!(spot.y >= 9.0 - 1e-9 && spot.y <= 591.0 + 1e-9);
+        }
+    }
+
+    #[test]
+    fn names_of_one_place_are_written_apart() {
+        let mut labels = Labels::new(FRAME, 15.0);
+        let spots: Vec<_> = (0..5)
+            .map(|_| labels.place((500.0, 300.0), Side::Middle, "watch-post"))
+            .collect();
+        for (number, a) in spots.iter().enumerate() {
+            for b in &spots[number + 1..] {
+                let wide = 0.58 * 15.0 * 10.0;
+                assert!((a.x - b.x).abs() >= wide - 1e-9 || (a.y - b.y).abs() >= 18.0 - 1e-9);
+            }
+        }
+    }
+}
