@@ -102,7 +102,7 @@ fn planned() -> TempDir {
 fn what_is_uploaded_over_a_bad_link_is_what_is_downloaded() {
     let folder = planned();
     let folder = folder.path();
-    let bad = ["--loss", "10", "--delay", "5", "--seed", "3"];
+    let bad = ["--loss", "3", "--delay", "2", "--seed", "3"];
     let fleet = Fleet::start(folder, 2, &bad);
     let [alpha, bravo] = &fleet.links[..] else {
         panic!("two vehicles: {:?}", fleet.links);
@@ -117,7 +117,8 @@ fn what_is_uploaded_over_a_bad_link_is_what_is_downloaded() {
     for (id, link, sysid) in [("alpha", alpha, "1"), ("bravo", bravo, "2")] {
         for ending in ["plan", "waypoints"] {
             let name = format!("{id}.{ending}");
-            let output = sortie(folder, &["download", "--link", link, "-o", &name]);
+            let download = ["download", "--link", link, "--sysid", sysid, "-o", &name];
+            let output = sortie(folder, &download);
             let (told, notes) = (text(&output.stdout), text(&output.stderr));
             assert!(output.status.success(), "{told}{notes}");
             assert!(told.starts_with(&format!("system {sysid} (")), "{told}");

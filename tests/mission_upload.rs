@@ -396,6 +396,17 @@ fn the_last_requested_item_is_sent_again_after_250_ms_but_never_the_final_one() 
 }
 
 #[test]
+fn a_vehicle_whose_own_request_each_item_puts_off_is_left_room_for_it() {
+    let mut upload = upload(3).leaving_room(800);
+    hear(&mut upload, 0, Body::RequestInt { seq: 0 });
+    sent(&mut upload);
+    assert_eq!(wait(&mut upload), 250);
+    assert_eq!(sent(&mut upload), ["item 0"]);
+    assert_eq!(wait(&mut upload), 1050);
+    assert_eq!(sent(&mut upload), ["item 0"]);
+}
+
+#[test]
 fn any_item_is_given_again_also_after_the_final_one() {
     let mut machine = upload(3);
     sent(&mut machine);

@@ -230,6 +230,18 @@ fn px4_answers_duplicates_late_items_and_a_second_count_as_measured() {
 }
 
 #[test]
+fn a_generic_one_waits_anew_after_any_item() {
+    let mut bench = Bench::new(Profile::Generic);
+    bench.count(3);
+    assert_eq!(bench.item(0, waypoint(0)), ["request_int 1"]);
+    for _ in 0..10 {
+        assert_eq!(bench.wait(400), [""; 0]);
+        assert_eq!(bench.item(0, waypoint(0)), [""; 0]);
+    }
+    assert_eq!(bench.wait(500), ["request_int 1"]);
+}
+
+#[test]
 fn each_refuses_what_it_refuses() {
     let refused = |profile, item: Item| {
         let mut bench = Bench::new(profile);

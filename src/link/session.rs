@@ -362,13 +362,14 @@ impl<'a> Session<'a> {
         } else {
             // How long this vehicle may be silent before it has given up or lost us:
             // several times its own re-request period (1 s, 250 ms, MAVSDK 500 ms).
-            let silence_ms = match (self.wanted().autopilot, self.vehicle) {
-                (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => 4000,
-                (Autopilot::ArduPilot, _) => 5000,
-                (Autopilot::Px4, _) => 3000,
+            let (silence_ms, room_ms) = match (self.wanted().autopilot, self.vehicle) {
+                (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => (4000, 800),
+                (Autopilot::ArduPilot, _) => (5000, 0),
+                (Autopilot::Px4, _) => (3000, 0),
             };
             let rows = self.wanted().rows(route.list);
             let upload = Upload::new(route, rows, silence_ms, self.deadline, now);
+            let upload = upload.leaving_room(room_ms);
             self.work(Task::Upload(upload));
         }
     }

@@ -30,6 +30,7 @@ pub struct Upload {
     route: Route,
     items: Vec<(Item, u8)>,
     silence_ms: u64,
+    room_ms: u64,
     deadline: Time,
     outbox: VecDeque<Body>,
     phase: Phase,
@@ -153,6 +154,7 @@ impl Upload {
             route,
             sent: vec![false; items.len()],
             silence_ms,
+            room_ms: 0,
             deadline,
             outbox: VecDeque::new(),
             phase: Phase::Counting { again: now },
@@ -173,6 +175,15 @@ impl Upload {
             upload.start(now, false);
         }
         upload
+    }
+
+    /// Leaves the vehicle so long between two repetitions of one item, milliseconds.
+    /// Each item that reaches MAVSDK, also one that it has, puts off its own request
+    /// by 500 ms: repeated every 250 ms, it would never ask again for what was lost.
+    #[must_use]
+    pub fn leaving_room(mut self, room_ms: u64) -> Self {
+        self.room_ms = room_ms;
+        self
     }
 
     /// Takes in a message, whoever sent it.
@@ -240,8 +251,11 @@ impl Upload {
             Phase::Counting { again } => again,
             Phase::Denied { until } => until,
             Phase::Sending { seq, heard, .. } if self.is_final(seq) => heard + ACK_MS,
-            Phase::Sending { sent, heard, .. } => {
-                (sent + self.pace.wait_ms()).min(heard + self.silence_ms)
+            Phase::Sending {
+                asked, sent, heard, ..
+            } => {
+                let room_ms = if sent > asked { self.room_ms } else { 0 };
+                (sent + self.pace.wait_ms().max(room_ms)).min(heard + self.silence_ms)
             }
         };
         Some(due.min(self.deadline))

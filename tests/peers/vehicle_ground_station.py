@@ -15,7 +15,7 @@ import time
 os.environ["MAVLINK20"] = "1"
 
 # How long pymavlink, which has no mission protocol of its own, is let try, seconds.
-PATIENCE_S = 20
+PATIENCE_S = 8
 
 
 def rows(count):

@@ -97,7 +97,7 @@ impl Air {
             let heard = [0, 1].map(|side| self.hear(side));
             self.deliver();
             if heard == [false, false] {
-                std::thread::sleep(Duration::from_micros(200));
+                std::thread::sleep(Duration::from_micros(500));
             }
         }
     }

@@ -59,6 +59,18 @@ impl Peer {
     }
 }
 
+impl Peer {
+    /// The next list that it took whole; transfers that it gave up do not count.
+    pub fn whole_list(&self) -> Value {
+        loop {
+            match serde_json::from_str::<Value>(&self.line()) {
+                Ok(list) if list["result"] == 1 => return list["items"].clone(),
+                _ => {}
+            }
+        }
+    }
+}
+
 impl Drop for Peer {
     fn drop(&mut self) {
         // Already gone is as good.

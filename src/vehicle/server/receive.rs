@@ -106,7 +106,8 @@ impl Vehicle {
                     self.acknowledge(from, list, MissionResult::INVALID_SEQUENCE);
                 }
                 Profile::Px4 if seq < next => self.ask(now),
-                Profile::Px4 | Profile::Generic => {}
+                Profile::Px4 => {}
+                Profile::Generic => self.put_off(now),
             }
             return;
         }
@@ -124,6 +125,13 @@ impl Vehicle {
             self.complete();
         } else {
             self.ask(now);
+        }
+    }
+
+    /// MAVSDK waits anew after any item, also one that it has.
+    fn put_off(&mut self, now: Time) {
+        if let Transfer::Receiving { asked, heard, .. } = &mut self.transfer {
+            (*asked, *heard) = (now, now);
         }
     }
 
