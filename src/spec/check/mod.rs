@@ -4,7 +4,10 @@
 mod fleet;
 mod map;
 mod name;
+mod scenario;
 mod shapes;
+
+pub(super) use scenario::scenario;
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
