@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use sortie::numeric::Seed;
 use sortie::optimize::{
-    Algorithm, LiteralParameters, MsfoaParameters, Outcome, Problem, Start, minimise,
+    AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, LiteralParameters,
+    MfoaParameters, MsfoaParameters, Outcome, Problem, PsoParameters, Start, minimise,
 };
 
 #[derive(Clone, Copy)]
@@ -76,12 +77,43 @@ fn default_parameters() -> Algorithm {
     })
 }
 
-fn all_algorithms() -> [Algorithm; 3] {
+fn three_msfoa() -> [Algorithm; 3] {
     [
         default_parameters(),
         Algorithm::MsfoaLiteral(LiteralParameters::literal()),
         Algorithm::MsfoaLiteral(LiteralParameters::dwindle()),
     ]
+}
+
+fn rivals() -> [Algorithm; 6] {
+    [
+        Algorithm::Foa(FoaParameters::default()),
+        Algorithm::Pso(PsoParameters::default()),
+        Algorithm::De(DeParameters::default()),
+        Algorithm::Abc(AbcParameters::default()),
+        Algorithm::Iffo(IffoParameters::default()),
+        Algorithm::Mfoa(MfoaParameters::default()),
+    ]
+}
+
+fn all_algorithms() -> Vec<Algorithm> {
+    let without_offspring = Algorithm::MsfoaLiteral(LiteralParameters {
+        offspring: false,
+        ..LiteralParameters::literal()
+    });
+    let reciprocal = Algorithm::Foa(FoaParameters {
+        reciprocal: true,
+        ..FoaParameters::default()
+    });
+    let midpoint = Algorithm::De(DeParameters {
+        midpoint: true,
+        ..DeParameters::default()
+    });
+    three_msfoa()
+        .into_iter()
+        .chain(rivals())
+        .chain([without_offspring, reciprocal, midpoint])
+        .collect()
 }
 
 fn run(problem: &Analytic, algorithm: &Algorithm, budget: usize, seed: u64) -> Outcome {
@@ -200,7 +232,33 @@ fn the_default_beats_the_letter_and_dwindling_beats_a_constant_step() {
         costs.sort_by(f64::total_cmp);
         costs[4]
     };
-    let [default, literal, dwindle] = all_algorithms().map(|algorithm| median(&algorithm));
+    let [default, literal, dwindle] = three_msfoa().map(|algorithm| median(&algorithm));
     assert!(dwindle < literal, "{dwindle} {literal}");
     assert!(default < dwindle, "{default} {dwindle}");
+}
+
+#[test]
+fn the_rivals_approach_the_bottom_as_far_as_their_steps_allow() {
+    // FOA steps over the whole map for ever; of 16 variables it hits few.
+    let limits = [0.3, 1e-3, 1e-6, 1e-4, 1e-3, 1e-5];
+    for (algorithm, limit) in rivals().into_iter().zip(limits) {
+        let problem = Analytic::new(Function::Sphere, 6);
+        let first = run(&problem, &algorithm, 100, 4).finalists[0].cost;
+        let cost = run(&problem, &algorithm, 20_000, 4).finalists[0].cost;
+        assert!(
+            cost < limit && cost < first,
+            "{algorithm:?}: {first} to {cost}"
+        );
+    }
+}
+
+#[test]
+fn an_iteration_of_msfoa_costs_two_evaluations_a_fly_or_one_without_offspring() {
+    let printed = LiteralParameters::literal();
+    assert_eq!(printed.evaluations(200), 5 + 200 * 200);
+    let barren = LiteralParameters {
+        offspring: false,
+        ..printed
+    };
+    assert_eq!(barren.evaluations(200), 5 + 200 * 100);
 }

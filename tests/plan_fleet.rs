@@ -279,6 +279,12 @@ fn every_algorithm_and_objective_plans() {
         Algorithm::Msfoa,
         Algorithm::MsfoaLiteral,
         Algorithm::MsfoaDwindle,
+        Algorithm::Foa,
+        Algorithm::Pso,
+        Algorithm::De,
+        Algorithm::Abc,
+        Algorithm::Iffo,
+        Algorithm::Mfoa,
     ] {
         for objective in [Objective::Operational, Objective::Paper] {
             let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);

@@ -29,6 +29,9 @@ pub(super) enum Command {
     Download(Download),
     /// Run the simulated vehicles of a spec, for any ground station, until Ctrl-C
     Vehicles(Vehicles),
+    /// Run the paper's experiment
+    #[command(subcommand)]
+    Study(Study),
     /// Print the JSON Schema of the spec
     Schema,
     /// Print a completion script
@@ -159,4 +162,56 @@ fn percent(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|percent| (0.0..=100.0).contains(percent))
         .ok_or_else(|| "not a number from 0 to 100".to_owned())
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Study {
+    /// Seven algorithms on three maps, many times
+    Paper(Paper),
+    /// Make one study of its shards
+    Merge(Merge),
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Paper {
+    /// Maps (YAML with `frame: local`) instead of the three that come with the program
+    #[arg(value_name = "MAPS")]
+    pub(super) maps: Vec<PathBuf>,
+    /// Output folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Runs of each algorithm on each map
+    #[arg(long, value_name = "N", default_value_t = 40)]
+    pub(super) runs: usize,
+    /// Iterations
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub(super) iterations: usize,
+    /// Population size
+    #[arg(long, value_name = "M", default_value_t = 100)]
+    pub(super) population: usize,
+    /// Free control points instead of the maps' own
+    #[arg(long, value_name = "D")]
+    pub(super) control_points: Option<usize>,
+    /// Seed of the first run; each later run has the next
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Also run MSFOA without its parts
+    #[arg(long)]
+    pub(super) ablations: bool,
+    /// Make only part I of N, for `study merge`
+    #[arg(long, value_name = "I/N", value_parser = super::study::parse_shard)]
+    pub(super) shard: Option<(usize, usize)>,
+    /// Go on with what is in the folder
+    #[arg(long)]
+    pub(super) resume: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Merge {
+    /// Folders of all shards
+    #[arg(required = true, value_name = "DIRS")]
+    pub(super) shards: Vec<PathBuf>,
+    /// Output folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
 }

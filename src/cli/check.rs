@@ -3,13 +3,22 @@
 use super::args;
 use super::console::out;
 use super::failure::Failure;
-use crate::spec::SpecFile;
+use crate::spec::Document;
 use crate::world;
 
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
-    let file = SpecFile::read(&arguments.spec)?;
-    world::load(&file)?;
-    let spec = &file.spec;
+    let (kind, vehicles, threats, zones) = match Document::read(&arguments.spec)? {
+        Document::Mission(file) => {
+            world::load(&file)?;
+            let spec = &file.spec;
+            let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
+            ("", vehicles, threats, spec.no_fly.len())
+        }
+        Document::Scenario(scenario) => {
+            let (vehicles, threats) = (scenario.vehicles.len(), scenario.threats.len());
+            (" scenario of the study", vehicles, threats, 0)
+        }
+    };
     let count = |number: usize, one: &str, many: &str| {
         if number == 1 {
             format!("1 {one}")
@@ -18,11 +27,11 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         }
     };
     out(&format!(
-        "{}: good: {}, {}, {}",
+        "{}: good{kind}: {}, {}, {}",
         arguments.spec.display(),
-        count(spec.vehicles.len(), "vehicle", "vehicles"),
-        count(spec.threats.len(), "threat", "threats"),
-        count(spec.no_fly.len(), "no-fly zone", "no-fly zones"),
+        count(vehicles, "vehicle", "vehicles"),
+        count(threats, "threat", "threats"),
+        count(zones, "no-fly zone", "no-fly zones"),
     ))?;
     Ok(())
 }

@@ -10,6 +10,7 @@ mod output;
 mod plan;
 mod progress;
 mod review;
+mod study;
 mod table;
 mod upload;
 mod vehicles;
@@ -43,6 +44,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Upload(arguments) => upload::run(arguments),
         Command::Download(arguments) => download::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
+        Command::Study(arguments) => study::run_study(arguments),
         Command::Schema => console::out(crate::spec::json_schema().trim_end()),
         Command::Completions { shell } => {
             let mut script = Vec::new();

@@ -95,7 +95,7 @@ impl PaperOptions {
 pub(super) struct Paper {
     pub(super) options: PaperOptions,
     goal_m: [f64; 2],
-    /// Points of earlier flights: east, north, altitude (m), time (s), weight (101 / points).
+    /// Points of earlier flights from west to east: east, north, altitude (m), time (s), weight (101 / points).
     others: Vec<[f64; 5]>,
 }
 
@@ -108,10 +108,12 @@ impl Paper {
                 [at.east_m, at.north_m, timed.point.amsl.0, timed.t_s, weight]
             })
         });
+        let mut others: Vec<[f64; 5]> = points.collect();
+        others.sort_by(|a, b| a[0].total_cmp(&b[0]));
         Self {
             options,
             goal_m: [leg.to.at.east_m, leg.to.at.north_m],
-            others: points.collect(),
+            others,
         }
     }
 
@@ -126,7 +128,7 @@ impl Paper {
             terrain += deep_km;
         }
         let (mut length, mut threat, mut climb) = (0.0, 0.0, 0.0);
-        let mut turns = 0;
+        let mut turns = 0.0;
         let mut before: Option<Step> = None;
         scratch.along_m[0] = 0.0;
         for k in 0..model.path.samples - 1 {
@@ -136,7 +138,7 @@ impl Paper {
             threat += self.exposure_per_km(model, scratch, k) * step.length_km;
             climb += slope_excess(model, &step, scratch.amsl_m[k]);
             if before.is_some_and(|before| model.turn_excess(&before, &step) > 0.0) {
-                turns = (turns + 1).min(30);
+                turns += 1.0;
             }
             before = Some(step);
         }
@@ -147,7 +149,7 @@ impl Paper {
             threat: weights.threat * (threat * options.threat_per_km),
             terrain: weights.terrain * (terrain * options.terrain_per_km * scale),
             // CT doubles at each violation: c0 (2^m - 1).
-            turn: weights.turn * (options.turn_start * (2.0_f64.powi(turns) - 1.0)),
+            turn: weights.turn * (options.turn_start * (doublings(turns * scale).exp2() - 1.0)),
             climb: weights.climb * (climb * options.climb_factor * scale),
             collision: weights.collision * (self.collision(model, scratch) * scale),
         }
@@ -224,12 +226,26 @@ impl Paper {
             if to_goal_m < self.options.goal_km * 1e3 {
                 continue;
             }
+            let near = self.near(own[0]);
+            if near.is_empty() {
+                continue;
+            }
             let own_s = model.timing.start_s + profile.time_at_s(scratch.along_m[index]);
-            for other in &self.others {
+            for other in near {
                 sum += other[4] * self.risk(own, own_s, other);
             }
         }
         sum
+    }
+
+    /// The points of earlier flights that are not too far east or west.
+    fn near(&self, east_m: f64) -> &[[f64; 5]] {
+        let limit_m = self.options.collision_km * 1e3;
+        let from = self
+            .others
+            .partition_point(|other| other[0] <= east_m - limit_m);
+        let rest = &self.others[from..];
+        &rest[..rest.partition_point(|other| other[0] < east_m + limit_m)]
     }
 
     /// Eq. 29 and 30 for two points.
@@ -263,6 +279,11 @@ fn slope_excess(model: &CostModel, step: &Step, amsl_m: f64) -> f64 {
     };
     let slope = step.rise_m.abs() / step.run_m.max(1e-3);
     (slope - limit * model.slope_share).max(0.0)
+}
+
+/// How often CT doubles: for every violating point, of which finer sampling has more.
+fn doublings(points_of_101: f64) -> f64 {
+    points_of_101.ceil().min(30.0)
 }
 
 fn per_101(count: usize) -> f64 {

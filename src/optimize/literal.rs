@@ -27,14 +27,9 @@
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use std::f64::consts::FRAC_PI_2;
 
+use super::fly::{Fly, big_step, keenest, smells};
 use super::{Candidate, Evaluator, Problem};
-
-/// Weight of the best fly in its offspring, coe1 of Eq. 15 (Table 1); coe2 is the rest.
-const PARENT_WEIGHT: f64 = 0.8;
-/// Draws before a variable keeps its swarm's value.
-const MAX_DRAWS: usize = 100;
 
 /// The local searching step R of Eq. 9 and 10.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +51,8 @@ pub struct LiteralParameters {
     pub threshold: f64,
     /// The local step.
     pub step: Step,
+    /// Whether flies have offspring (Eq. 14 to 19); without, an iteration evaluates M.
+    pub offspring: bool,
 }
 
 impl LiteralParameters {
@@ -67,7 +64,21 @@ impl LiteralParameters {
             swarms: 5,
             threshold: 1000.0,
             step: Step::Constant(0.1),
+            offspring: true,
         }
+    }
+
+    /// Evaluations of one iteration of so many flies.
+    fn evaluations_each(&self, flies: usize) -> usize {
+        if self.offspring { 2 * flies } else { flies }
+    }
+
+    /// Evaluations of so many iterations, those of the first locations included.
+    #[must_use]
+    pub fn evaluations(&self, iterations: usize) -> usize {
+        let swarms = self.swarms.max(1);
+        let flies = swarms * (self.population / swarms).max(1);
+        swarms + iterations * self.evaluations_each(flies)
     }
 
     /// The same with R shrinking from 0.3.
@@ -80,82 +91,10 @@ impl LiteralParameters {
     }
 }
 
-/// One pair (X, Y) for each decision variable.
-#[derive(Clone)]
-struct Fly {
-    pairs: Vec<(f64, f64)>,
-}
-
 /// A swarm's location and smell.
 struct Swarm {
     location: Fly,
     smell: f64,
-}
-
-impl Fly {
-    /// Uniform in the unit disc, by rejection.
-    fn random(dimension: usize, rng: &mut ChaCha8Rng) -> Self {
-        let pair = |rng: &mut ChaCha8Rng| loop {
-            let (x, y) = (rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0));
-            if x * x + y * y <= 1.0 {
-                break (x, y);
-            }
-        };
-        Self {
-            pairs: (0..dimension).map(|_| pair(rng)).collect(),
-        }
-    }
-
-    /// Eq. 7 to 10 around this location: `step` maps a number of (-1, 1) to a step.
-    fn olfactory(&self, step: impl Fn(f64) -> f64, rng: &mut ChaCha8Rng) -> Self {
-        let mut draw = |(x0, y0): (f64, f64)| {
-            for _ in 0..MAX_DRAWS {
-                let x = x0 + step(rng.random_range(-1.0..1.0));
-                let y = y0 + step(rng.random_range(-1.0..1.0));
-                if x * x + y * y <= 1.0 {
-                    return (x, y);
-                }
-            }
-            (x0, y0)
-        };
-        Self {
-            pairs: self.pairs.iter().map(|&pair| draw(pair)).collect(),
-        }
-    }
-
-    /// Eq. 14 and 15: mostly `self`, partly `other`.
-    fn cross(&self, other: &Self) -> Self {
-        let mix = |a: f64, b: f64| PARENT_WEIGHT * a + (1.0 - PARENT_WEIGHT) * b;
-        Self {
-            pairs: self
-                .pairs
-                .iter()
-                .zip(&other.pairs)
-                .map(|(a, b)| (mix(a.0, b.0), mix(a.1, b.1)))
-                .collect(),
-        }
-    }
-
-    /// Eq. 11. A mixture may pass 1 by rounding.
-    fn position(&self) -> Vec<f64> {
-        self.pairs
-            .iter()
-            .map(|(x, y)| (x * x + y * y).sqrt().min(1.0))
-            .collect()
-    }
-}
-
-/// Smells of flies, in order.
-fn smells<P: Problem + ?Sized>(evaluator: &mut Evaluator<'_, P>, flies: &[Fly]) -> Vec<f64> {
-    let rows: Vec<f64> = flies.iter().flat_map(Fly::position).collect();
-    evaluator.evaluate(&rows)
-}
-
-/// Index of the first least smell of one swarm (Eq. 12 and 17).
-fn keenest(smells: &[f64]) -> usize {
-    (0..smells.len())
-        .min_by(|&a, &b| smells[a].total_cmp(&smells[b]))
-        .unwrap_or(0)
 }
 
 /// Runs until the budget is spent; returns the swarms' locations.
@@ -167,7 +106,7 @@ pub(super) fn search<P: Problem + ?Sized>(
     let count = parameters.swarms.max(1);
     let flies_each = (parameters.population / count).max(1);
     let iterations = (evaluator.budget().saturating_sub(count))
-        .div_ceil(2 * count * flies_each)
+        .div_ceil(parameters.evaluations_each(count * flies_each))
         .max(1);
     let locations: Vec<Fly> = (0..count)
         .map(|_| Fly::random(evaluator.dimension(), rng))
@@ -188,7 +127,7 @@ pub(super) fn search<P: Problem + ?Sized>(
             .flat_map(|swarm| std::iter::repeat_n(swarm, flies_each))
             .map(|swarm| {
                 if swarm.smell > parameters.threshold {
-                    swarm.location.olfactory(|u| (FRAC_PI_2 * u).sin(), rng)
+                    swarm.location.olfactory(big_step, rng)
                 } else {
                     swarm.location.olfactory(|u| radius * u, rng)
                 }
@@ -200,6 +139,7 @@ pub(super) fn search<P: Problem + ?Sized>(
         };
         let new: Vec<Fly> = old
             .iter()
+            .filter(|_| parameters.offspring)
             .map(|fly| {
                 let parent = rng.random_range(0..count);
                 old[best_of(parent, &old_smells)].cross(fly)
@@ -207,12 +147,14 @@ pub(super) fn search<P: Problem + ?Sized>(
             .collect();
         let new_smells = smells(evaluator, &new);
         for (g, swarm) in swarms.iter_mut().enumerate() {
-            let (a, b) = (best_of(g, &old_smells), best_of(g, &new_smells));
-            let (fly, smell) = if new_smells[b] < old_smells[a] {
-                (&new[b], new_smells[b])
-            } else {
-                (&old[a], old_smells[a])
-            };
+            let a = best_of(g, &old_smells);
+            let (mut fly, mut smell) = (&old[a], old_smells[a]);
+            if parameters.offspring {
+                let b = best_of(g, &new_smells);
+                if new_smells[b] < smell {
+                    (fly, smell) = (&new[b], new_smells[b]);
+                }
+            }
             if smell < swarm.smell {
                 *swarm = Swarm {
                     location: fly.clone(),
@@ -246,26 +188,11 @@ fn local_step(step: Step, iteration: usize, iterations: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numeric::Seed;
 
     #[test]
     fn the_local_step_dwindles_from_its_start_to_almost_nothing() {
         assert!((local_step(Step::Dwindling(0.3), 0, 200) - 0.3).abs() < 1e-15);
         assert!((local_step(Step::Dwindling(0.3), 100, 200) - 0.075).abs() < 1e-15);
         assert!(local_step(Step::Dwindling(0.3), 199, 200) < 1e-5);
-    }
-
-    #[test]
-    fn flies_and_their_offspring_stay_in_the_unit_disc() {
-        let mut rng = Seed(3).stream("test", 0);
-        let (a, b) = (Fly::random(50, &mut rng), Fly::random(50, &mut rng));
-        for fly in [
-            a.olfactory(|u| (FRAC_PI_2 * u).sin(), &mut rng),
-            a.olfactory(|u| 0.1 * u, &mut rng),
-            a.cross(&b),
-        ] {
-            assert!(fly.pairs.iter().all(|(x, y)| x * x + y * y <= 1.0 + 1e-12));
-            assert!(fly.position().iter().all(|s| (0.0..=1.0).contains(s)));
-        }
     }
 }

@@ -1,13 +1,27 @@
 //! Search, and nothing but search: it must not know what is optimised.
 
+mod abc;
 mod adapted;
+mod de;
 mod evaluator;
+mod fly;
+mod foa;
+mod iffo;
 mod literal;
+mod mfoa;
 mod msfoa;
+mod population;
+mod pso;
 
+pub use abc::AbcParameters;
+pub use de::DeParameters;
 pub use evaluator::{Evaluator, TracePoint};
+pub use foa::FoaParameters;
+pub use iffo::IffoParameters;
 pub use literal::{LiteralParameters, Step};
+pub use mfoa::MfoaParameters;
 pub use msfoa::{MsfoaParameters, Start};
+pub use pso::PsoParameters;
 
 use rand_chacha::ChaCha8Rng;
 
@@ -34,6 +48,18 @@ pub enum Algorithm {
     Msfoa(MsfoaParameters),
     /// Algorithm 2 of the paper, with a constant or a shrinking local step.
     MsfoaLiteral(LiteralParameters),
+    /// Fruit fly optimisation, one swarm.
+    Foa(FoaParameters),
+    /// Particle swarm optimisation.
+    Pso(PsoParameters),
+    /// Differential evolution.
+    De(DeParameters),
+    /// Artificial bee colony.
+    Abc(AbcParameters),
+    /// Improved fruit fly optimisation.
+    Iffo(IffoParameters),
+    /// Multi-swarm fruit fly optimisation.
+    Mfoa(MfoaParameters),
 }
 
 /// A point and its cost.
@@ -62,7 +88,7 @@ pub struct Outcome {
 /// All numbers are drawn on the calling thread from `rng`; only evaluations run
 /// in parallel, so the outcome does not depend on the number of threads.
 /// `starts` are where the sub-swarms of [`Algorithm::Msfoa`] begin, the most
-/// promising first; the literal algorithm starts at random, as printed.
+/// promising first; all others start at random, as printed.
 #[must_use]
 pub fn minimise<P: Problem + ?Sized>(
     problem: &P,
@@ -73,10 +99,18 @@ pub fn minimise<P: Problem + ?Sized>(
     watch: &(dyn Fn(TracePoint) + Sync),
 ) -> Outcome {
     let mut evaluator = Evaluator::new(problem, budget, watch);
-    let mut finalists = match algorithm {
-        Algorithm::Msfoa(parameters) => msfoa::search(&mut evaluator, parameters, starts, rng),
-        Algorithm::MsfoaLiteral(parameters) => literal::search(&mut evaluator, parameters, rng),
-    };
+    let evaluating = &mut evaluator;
+    let mut finalists = Vec::new();
+    match algorithm {
+        Algorithm::Msfoa(of) => finalists = msfoa::search(evaluating, of, starts, rng),
+        Algorithm::MsfoaLiteral(of) => finalists = literal::search(evaluating, of, rng),
+        Algorithm::Foa(of) => foa::search(evaluating, of, rng),
+        Algorithm::Pso(of) => pso::search(evaluating, of, rng),
+        Algorithm::De(of) => de::search(evaluating, of, rng),
+        Algorithm::Abc(of) => abc::search(evaluating, of, rng),
+        Algorithm::Iffo(of) => iffo::search(evaluating, of, rng),
+        Algorithm::Mfoa(of) => finalists = mfoa::search(evaluating, of, rng),
+    }
     finalists.extend(evaluator.best().cloned());
     finalists.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     finalists.dedup_by(|a, b| a.position == b.position);

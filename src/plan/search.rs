@@ -7,7 +7,8 @@ use super::starts::starts;
 use crate::cost::{CostTerms, Margins};
 use crate::numeric::Seed;
 use crate::optimize::{
-    Algorithm, Candidate, Evaluator, LiteralParameters, MsfoaParameters, Step, TracePoint, minimise,
+    AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
+    LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Step, TracePoint, minimise,
 };
 use crate::spec;
 
@@ -37,17 +38,9 @@ pub(super) fn search(
 ) -> Found {
     let (splines, evaluations) = match course.spec.planner.algorithm {
         spec::Algorithm::Msfoa => swarms(course, budget, seed, stream, watch),
-        spec::Algorithm::MsfoaLiteral => letter(
+        printed => letter(
             course,
-            LiteralParameters::literal(),
-            budget,
-            seed,
-            stream,
-            watch,
-        ),
-        spec::Algorithm::MsfoaDwindle => letter(
-            course,
-            LiteralParameters::dwindle(),
+            &as_printed(printed, course),
             budget,
             seed,
             stream,
@@ -140,16 +133,76 @@ fn default_swarms(budget: usize) -> usize {
     }
 }
 
-/// The paper's algorithm: all three coordinates searched, as printed.
+/// An algorithm of the paper, with what the spec says otherwise.
+fn as_printed(algorithm: spec::Algorithm, course: &Course<'_>) -> Algorithm {
+    let planner = &course.spec.planner;
+    let flies = |printed: usize| planner.population.unwrap_or(printed);
+    let msfoa = |printed: LiteralParameters| {
+        Algorithm::MsfoaLiteral(LiteralParameters {
+            swarms: planner.swarms.unwrap_or(printed.swarms),
+            population: flies(printed.population),
+            threshold: planner.threshold.unwrap_or(printed.threshold),
+            step: match (printed.step, planner.step) {
+                (Step::Constant(_), Some(step)) => Step::Constant(step),
+                (Step::Dwindling(_), Some(step)) => Step::Dwindling(step),
+                (step, None) => step,
+            },
+            offspring: printed.offspring,
+        })
+    };
+    let (foa, pso, de) = (
+        FoaParameters::default(),
+        PsoParameters::default(),
+        DeParameters::default(),
+    );
+    let (abc, iffo, mfoa) = (
+        AbcParameters::default(),
+        IffoParameters::default(),
+        MfoaParameters::default(),
+    );
+    match algorithm {
+        spec::Algorithm::Msfoa | spec::Algorithm::MsfoaLiteral => {
+            msfoa(LiteralParameters::literal())
+        }
+        spec::Algorithm::MsfoaDwindle => msfoa(LiteralParameters::dwindle()),
+        spec::Algorithm::Foa => Algorithm::Foa(FoaParameters {
+            population: flies(foa.population),
+            ..foa
+        }),
+        spec::Algorithm::Pso => Algorithm::Pso(PsoParameters {
+            population: flies(pso.population),
+            ..pso
+        }),
+        spec::Algorithm::De => Algorithm::De(DeParameters {
+            population: flies(de.population),
+            ..de
+        }),
+        spec::Algorithm::Abc => Algorithm::Abc(AbcParameters {
+            sources: flies(2 * abc.sources) / 2,
+            onlookers: flies(2 * abc.onlookers) / 2,
+            ..abc
+        }),
+        spec::Algorithm::Iffo => Algorithm::Iffo(IffoParameters {
+            population: flies(iffo.population),
+            ..iffo
+        }),
+        spec::Algorithm::Mfoa => Algorithm::Mfoa(MfoaParameters {
+            population: flies(mfoa.population),
+            swarms: planner.swarms.unwrap_or(mfoa.swarms),
+            ..mfoa
+        }),
+    }
+}
+
+/// The paper's problem: all three coordinates searched.
 fn letter(
     course: &Course<'_>,
-    printed: LiteralParameters,
+    algorithm: &Algorithm,
     budget: usize,
     seed: Seed,
     stream: u64,
     watch: &(dyn Fn(TracePoint) + Sync),
 ) -> (Vec<Spline>, usize) {
-    let planner = &course.spec.planner;
     let ground_m = course
         .world
         .ground
@@ -164,18 +217,8 @@ fn letter(
         frame: course.frame(),
         amsl_m: (f64::from(ground_m).min(top_m), top_m),
     };
-    let algorithm = Algorithm::MsfoaLiteral(LiteralParameters {
-        swarms: planner.swarms.unwrap_or(printed.swarms),
-        population: planner.population.unwrap_or(printed.population),
-        threshold: planner.threshold.unwrap_or(printed.threshold),
-        step: match (printed.step, planner.step) {
-            (Step::Constant(_), Some(step)) => Step::Constant(step),
-            (Step::Dwindling(_), Some(step)) => Step::Dwindling(step),
-            (step, None) => step,
-        },
-    });
     let mut rng = seed.stream("plan", stream);
-    let outcome = minimise(&problem, &algorithm, &[], budget, &mut rng, watch);
+    let outcome = minimise(&problem, algorithm, &[], budget, &mut rng, watch);
     let splines = most_promising(outcome.finalists)
         .iter()
         .map(|candidate| {

@@ -31,31 +31,7 @@ impl SpecFile {
     /// # Errors
     /// A file that cannot be read or is not text, and all that [`Self::parse`] finds.
     pub fn read(path: &Path) -> Result<Self, SpecError> {
-        let whole = |found: String, allowed: &str| SpecError {
-            file: path.display().to_string(),
-            issues: vec![Issue {
-                path: String::new(),
-                position: None,
-                found,
-                allowed: allowed.to_owned(),
-            }],
-        };
-        let mut bytes = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
-            .map_err(|error| whole(format!("cannot be read: {error}"), ""))?;
-        if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {
-            let allowed = format!("at most {} MiB", MAX_BYTES >> 20);
-            return Err(whole("too large for a mission spec".to_owned(), &allowed));
-        }
-        let text = String::from_utf8(bytes).map_err(|error| {
-            let good = error.utf8_error().valid_up_to();
-            whole(
-                format!("not text: byte {good} is not UTF-8"),
-                "YAML in UTF-8",
-            )
-        })?;
-        Self::parse(path, text)
+        Self::parse(path, read_text(path)?)
     }
 
     /// Checks a spec that is already in memory; `path` is where it would be.
@@ -72,6 +48,16 @@ impl SpecFile {
         // Editors on Windows begin a file with a byte order mark.
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let places = Places::read(yaml).map_err(one)?;
+        if places.has("frame") {
+            return Err(one(Issue {
+                path: "frame".to_owned(),
+                position: places.find("frame"),
+                found:
+                    "a scenario of the study, in Cartesian coordinates that are nowhere on earth"
+                        .to_owned(),
+                allowed: "a mission in latitude and longitude, without this key".to_owned(),
+            }));
+        }
         let raw: raw::Spec = serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
         let spec = check::check(&raw, &places).map_err(|issues| SpecError {
             file: file(),
@@ -119,9 +105,40 @@ impl SpecFile {
     }
 }
 
+/// The text of a spec.
+///
+/// # Errors
+/// A file that cannot be read, is too large, or is not text.
+pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
+    let whole = |found: String, allowed: &str| SpecError {
+        file: path.display().to_string(),
+        issues: vec![Issue {
+            path: String::new(),
+            position: None,
+            found,
+            allowed: allowed.to_owned(),
+        }],
+    };
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(|error| whole(format!("cannot be read: {error}"), ""))?;
+    if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {
+        let allowed = format!("at most {} MiB", MAX_BYTES >> 20);
+        return Err(whole("too large for a mission spec".to_owned(), &allowed));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let good = error.utf8_error().valid_up_to();
+        whole(
+            format!("not text: byte {good} is not UTF-8"),
+            "YAML in UTF-8",
+        )
+    })
+}
+
 /// Takes apart a message such as
 /// `vehicles[0]: invalid type: string "fast", expected f64 at line 3 column 5`.
-fn structural(error: &serde_yaml::Error) -> Issue {
+pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
     let position = error.location().map(|place| (place.line(), place.column()));
     let mut message = error.to_string();
     if let Some((line, column)) = position {

@@ -7,6 +7,7 @@ mod link;
 mod model;
 mod places;
 mod raw;
+mod scenario;
 
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
@@ -15,3 +16,4 @@ pub use model::{
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Placement, Planner, Rally, Separation,
     TerrainSource, Threat, Vehicle, Weights, Wind, Zone,
 };
+pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};

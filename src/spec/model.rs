@@ -291,6 +291,18 @@ pub enum Algorithm {
     MsfoaLiteral,
     /// The same with a shrinking local step.
     MsfoaDwindle,
+    /// Fruit fly optimisation.
+    Foa,
+    /// Particle swarm optimisation.
+    Pso,
+    /// Differential evolution.
+    De,
+    /// Artificial bee colony.
+    Abc,
+    /// Improved fruit fly optimisation.
+    Iffo,
+    /// Multi-swarm fruit fly optimisation.
+    Mfoa,
 }
 
 /// Which objective is minimised.

@@ -41,6 +41,11 @@ impl Places {
         Ok(Self { of: walk.places })
     }
 
+    /// Whether there is a value of exactly this path.
+    pub(super) fn has(&self, path: &str) -> bool {
+        self.of.contains_key(path)
+    }
+
     /// The place of a path; of the nearest thing around it where the path itself
     /// is absent (a missing key, the inside of an alias).
     pub(super) fn find(&self, path: &str) -> Option<Position> {

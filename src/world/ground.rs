@@ -32,6 +32,19 @@ impl Ground {
     /// Samples the terrain over the bounding box of the area.
     #[must_use]
     pub fn sample(terrain: &Terrain, frame: &LocalFrame, area: &Polygon<f64>) -> Self {
+        Self::sample_by(area, source_spacing_m(terrain), |at| {
+            node_m(terrain, frame, at)
+        })
+    }
+
+    /// Samples a height (metres) over the bounding box of an area, at about a spacing
+    /// as far as the grid allows.
+    #[must_use]
+    pub fn sample_by(
+        area: &Polygon<f64>,
+        spacing_m: f64,
+        node_m: impl Fn(EastNorth) -> f32 + Sync,
+    ) -> Self {
         let (min, max) = area
             .bounding_rect()
             .map_or(((0.0, 0.0), (1.0, 1.0)), |rect| {
@@ -39,10 +52,7 @@ impl Ground {
             });
         let (width_m, height_m) = (max.0 - min.0, max.1 - min.1);
         let finest_m = width_m.max(height_m) / (MAX_NODES - 1.0);
-        let spacing_m = source_spacing_m(terrain)
-            .min(width_m.max(height_m))
-            .max(finest_m)
-            .max(1.0);
+        let spacing_m = spacing_m.min(width_m.max(height_m)).max(finest_m).max(1.0);
         let nodes = |length_m: f64| {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -67,7 +77,7 @@ impl Ground {
                             east_m: south_west.east_m + count(column) * spacing_m,
                             north_m: south_west.north_m + count(row) * spacing_m,
                         };
-                        node_m(terrain, frame, at)
+                        node_m(at)
                     })
                     .collect()
             })

@@ -4,7 +4,10 @@
 mod fleet;
 mod map;
 mod name;
+mod scenario;
 mod shapes;
+
+pub(super) use scenario::scenario;
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
@@ -151,6 +154,12 @@ impl Checker<'_> {
                 raw::Algorithm::Msfoa => Algorithm::Msfoa,
                 raw::Algorithm::MsfoaLiteral => Algorithm::MsfoaLiteral,
                 raw::Algorithm::MsfoaDwindle => Algorithm::MsfoaDwindle,
+                raw::Algorithm::Foa => Algorithm::Foa,
+                raw::Algorithm::Pso => Algorithm::Pso,
+                raw::Algorithm::De => Algorithm::De,
+                raw::Algorithm::Abc => Algorithm::Abc,
+                raw::Algorithm::Iffo => Algorithm::Iffo,
+                raw::Algorithm::Mfoa => Algorithm::Mfoa,
             },
             objective: match raw.objective {
                 raw::Objective::Operational => Objective::Operational,

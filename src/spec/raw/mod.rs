@@ -3,11 +3,13 @@
 //! comments are its descriptions.
 
 mod options;
+mod scenario;
 mod vehicle;
 
 pub(super) use options::{
     Algorithm, AltitudeReference, MissionOptions, Objective, OnLinkLoss, Planner, Separation, Wind,
 };
+pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub(super) use vehicle::{Airframe, Autopilot, EndPoint, Finish, Vehicle};
 
 use schemars::JsonSchema;

@@ -127,6 +127,12 @@ pub(in crate::spec) enum Algorithm {
     Msfoa,
     MsfoaLiteral,
     MsfoaDwindle,
+    Foa,
+    Pso,
+    De,
+    Abc,
+    Iffo,
+    Mfoa,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]

@@ -1,0 +1,124 @@
+//! What a study is: everything its results depend on, under one hash.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::contest::{Contestant, ablations, contestants};
+use super::setting::Setting;
+use crate::spec::{Scenario, SpecError};
+
+/// A study; as JSON it is the file `study.json`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// Version of the program.
+    pub version: String,
+    /// Runs of each algorithm on each map.
+    pub runs: usize,
+    /// Population size M.
+    pub population: usize,
+    /// Iterations NC.
+    pub iterations: usize,
+    /// Seed of the first run; each later run has the next.
+    pub seed: u64,
+    /// Whether the variations of MSFOA take part.
+    pub ablations: bool,
+    /// Free control points instead of the maps' own.
+    pub control_points: Option<usize>,
+    /// The maps.
+    pub maps: Vec<MapText>,
+}
+
+/// A map as it was given.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapText {
+    /// File name, for messages.
+    pub file: String,
+    /// The scenario, YAML.
+    pub text: String,
+}
+
+/// What is wrong with a study.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ConfigError {
+    /// A map is broken.
+    #[error(transparent)]
+    Map(#[from] SpecError),
+    /// Two maps have one name.
+    #[error("two maps are named `{0}`")]
+    SameName(String),
+    /// A number is out of range.
+    #[error("{name} is {found} (allowed: {allowed})")]
+    Number {
+        /// Which.
+        name: &'static str,
+        /// What was given.
+        found: usize,
+        /// What may be given.
+        allowed: &'static str,
+    },
+}
+
+impl Config {
+    /// The hash that every record carries: SHA-256 of the JSON, hexadecimal.
+    #[must_use]
+    pub fn hash(&self) -> String {
+        let json = serde_json::to_vec(self).unwrap_or_default();
+        Sha256::digest(&json)
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect()
+    }
+
+    /// All that take part, in the order of the tables.
+    #[must_use]
+    pub fn contestants(&self) -> Vec<Contestant> {
+        let mut all = contestants(self.population);
+        if self.ablations {
+            all.extend(ablations(self.population));
+        }
+        all
+    }
+
+    /// The maps, ready to be searched.
+    ///
+    /// # Errors
+    /// Broken maps, two of one name, and numbers that make no study.
+    pub fn settings(&self) -> Result<Vec<Setting>, ConfigError> {
+        let number = |name, found, range: std::ops::RangeInclusive<usize>, allowed| {
+            if range.contains(&found) {
+                Ok(())
+            } else {
+                Err(ConfigError::Number {
+                    name,
+                    found,
+                    allowed,
+                })
+            }
+        };
+        number("runs", self.runs, 1..=10_000, "1 to 10000")?;
+        number("population", self.population, 10..=10_000, "10 to 10000")?;
+        number("iterations", self.iterations, 5..=100_000, "5 to 100000")?;
+        if let Some(points) = self.control_points {
+            number("control points", points, 2..=30, "2 to 30")?;
+        }
+        let mut settings: Vec<Setting> = Vec::new();
+        for map in &self.maps {
+            let mut scenario = Scenario::parse(Path::new(&map.file), &map.text)?;
+            if let Some(points) = self.control_points {
+                scenario.planner.control_points = points;
+            }
+            if settings
+                .iter()
+                .any(|other| other.scenario.name == scenario.name)
+            {
+                return Err(ConfigError::SameName(scenario.name));
+            }
+            settings.push(Setting::new(scenario));
+        }
+        Ok(settings)
+    }
+}

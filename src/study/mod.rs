@@ -1,0 +1,38 @@
+//! The paper's experiment (Shi, Zhang, Xia 2020, section 4), so that anyone can run it:
+//! seven algorithms on three maps, every choice on record, judged finely afterwards.
+
+mod account;
+mod config;
+mod contest;
+mod figures;
+mod output;
+mod page;
+mod printed;
+mod record;
+mod runner;
+mod setting;
+mod stats;
+mod store;
+mod svg;
+mod tables;
+
+pub use account::results_md;
+pub use config::{Config, ConfigError, MapText};
+pub use contest::{Contestant, Method, Protocol, ablations, contestants};
+pub use output::write_results;
+pub use record::{Record, Terms, VehicleRecord};
+pub use runner::{Job, run};
+pub use setting::Setting;
+pub use stats::{Summary, friedman, rank_sum_p};
+pub use store::{Store, StoreError, merge, write_whole};
+pub use tables::Results;
+
+/// The maps that come with the program: name and text.
+#[must_use]
+pub fn shipped_maps() -> [(&'static str, &'static str); 3] {
+    [
+        ("s1.yaml", include_str!("../../missions/paper/s1.yaml")),
+        ("s2.yaml", include_str!("../../missions/paper/s2.yaml")),
+        ("s3.yaml", include_str!("../../missions/paper/s3.yaml")),
+    ]
+}

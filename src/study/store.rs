@@ -1,0 +1,370 @@
+//! The folder of a study: what survives a kill, and how shards become one.
+//!
+//! `study.json` is the configuration. While runs are made, each finished one is
+//! appended to `journal.jsonl` in one write; a line that a kill cut short was never
+//! finished. When all are there, `runs.jsonl` has them in the order of the study, whole or
+//! not at all, and the journal goes. `times.jsonl` has the seconds.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::config::Config;
+use super::record::Record;
+use super::runner::Job;
+
+const CONFIG: &str = "study.json";
+const JOURNAL: &str = "journal.jsonl";
+const RUNS: &str = "runs.jsonl";
+const TIMES: &str = "times.jsonl";
+
+/// What is wrong with a study's folder.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreError {
+    /// The file system refuses.
+    #[error("cannot use {}: {source}", path.display())]
+    Io {
+        /// Which file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// A file is not what it should be.
+    #[error("{}:{line}: {what}", path.display())]
+    Content {
+        /// Which file.
+        path: PathBuf,
+        /// Which line, from 1.
+        line: usize,
+        /// What is wrong.
+        what: String,
+    },
+    /// There are results, and nothing says to go on with them.
+    #[error("{} holds a study already (allowed: --resume, or another folder)", .0.display())]
+    Occupied(PathBuf),
+    /// Results of another configuration.
+    #[error("{} is a study of another configuration ({theirs}, not {ours})", folder.display())]
+    Different {
+        /// Its folder.
+        folder: PathBuf,
+        /// Beginning of its hash.
+        theirs: String,
+        /// Beginning of the hash it should have.
+        ours: String,
+    },
+    /// A run is in two shards.
+    #[error("{}: {what} is in an earlier shard already", folder.display())]
+    Twice {
+        /// The later folder.
+        folder: PathBuf,
+        /// Which run.
+        what: String,
+    },
+    /// Shards that do not make a whole study.
+    #[error("{missing} of {all} runs are missing, the first is {first}")]
+    Missing {
+        /// How many.
+        missing: usize,
+        /// Of how many.
+        all: usize,
+        /// The first.
+        first: String,
+    },
+    /// No shard.
+    #[error("no shard to merge")]
+    Nothing,
+}
+
+/// Seconds of one run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Time {
+    algorithm: String,
+    protocol: String,
+    scenario: String,
+    run: usize,
+    seconds: f64,
+}
+
+/// Finished runs, by their place in the study.
+type Finished = BTreeMap<Job, Record>;
+
+/// An open folder.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    jobs: BTreeMap<String, Job>,
+    finished: Finished,
+    journal: File,
+    times: File,
+}
+
+impl Store {
+    /// Opens a folder for a study, with what was finished there before if `resume`.
+    ///
+    /// # Errors
+    /// A folder that cannot be used, holds another study, or holds this one without `resume`.
+    pub fn open(folder: &Path, config: &Config, resume: bool) -> Result<Self, StoreError> {
+        fs::create_dir_all(folder).map_err(io_at(folder))?;
+        let jobs = jobs(config);
+        let mut finished = Finished::new();
+        if folder.join(CONFIG).exists() {
+            if !resume {
+                return Err(StoreError::Occupied(folder.to_owned()));
+            }
+            same(folder, config)?;
+            for name in [RUNS, JOURNAL] {
+                finished.extend(records(&folder.join(name), config, &jobs)?);
+            }
+        } else {
+            write_whole(&folder.join(CONFIG), &json(config)?)?;
+        }
+        let path = folder.join(JOURNAL);
+        // Without the cut line, if there is one.
+        write_whole(&path, &lines(finished.values())?)?;
+        let append = |path: &Path| {
+            OpenOptions::new()
+                .append(true)
+                .create(true)
+                .open(path)
+                .map_err(io_at(path))
+        };
+        Ok(Self {
+            journal: append(&path)?,
+            times: append(&folder.join(TIMES))?,
+            folder: folder.to_owned(),
+            jobs,
+            finished,
+        })
+    }
+
+    /// Whether a run is finished.
+    #[must_use]
+    pub fn has(&self, job: &Job) -> bool {
+        self.finished.contains_key(job)
+    }
+
+    /// Keeps a finished run.
+    ///
+    /// # Errors
+    /// A journal that cannot be written.
+    pub fn keep(&mut self, record: Record, seconds: f64) -> Result<(), StoreError> {
+        let path = self.folder.join(JOURNAL);
+        let time = Time {
+            algorithm: record.algorithm.clone(),
+            protocol: record.protocol.clone(),
+            scenario: record.scenario.clone(),
+            run: record.run,
+            seconds,
+        };
+        let line = lines(std::iter::once(&record))?;
+        self.journal
+            .write_all(line.as_bytes())
+            .and_then(|()| self.journal.sync_data())
+            .map_err(io_at(&path))?;
+        let time = lines(std::iter::once(&time))?;
+        let path = self.folder.join(TIMES);
+        self.times
+            .write_all(time.as_bytes())
+            .map_err(io_at(&path))?;
+        if let Some(job) = self.jobs.get(&key(&record)) {
+            self.finished.insert(*job, record);
+        }
+        Ok(())
+    }
+
+    /// Writes `runs.jsonl` and removes the journal; returns the runs in order.
+    ///
+    /// # Errors
+    /// Files that cannot be written.
+    pub fn finish(self) -> Result<Vec<Record>, StoreError> {
+        write_whole(&self.folder.join(RUNS), &lines(self.finished.values())?)?;
+        let path = self.folder.join(JOURNAL);
+        fs::remove_file(&path).map_err(io_at(&path))?;
+        Ok(self.finished.into_values().collect())
+    }
+
+    /// Whether all runs of the study are finished, those of other shards too.
+    #[must_use]
+    pub fn is_whole(&self) -> bool {
+        self.finished.len() == self.jobs.len()
+    }
+}
+
+/// Makes one study of shards: `study.json`, `runs.jsonl` and `times.jsonl` in `out`, the
+/// first two byte for byte as one run without shards leaves them.
+///
+/// # Errors
+/// Shards of different configurations, with a run twice or with runs missing; files.
+pub fn merge(shards: &[PathBuf], out: &Path) -> Result<(Config, Vec<Record>), StoreError> {
+    let first = shards.first().ok_or(StoreError::Nothing)?;
+    let config = read_config(first)?;
+    let jobs = jobs(&config);
+    let mut finished = Finished::new();
+    let mut times = String::new();
+    for shard in shards {
+        same(shard, &config)?;
+        for (job, record) in records(&shard.join(RUNS), &config, &jobs)? {
+            let what = key(&record);
+            if finished.insert(job, record).is_some() {
+                let folder = shard.clone();
+                return Err(StoreError::Twice { folder, what });
+            }
+        }
+        times.push_str(&read(&shard.join(TIMES))?);
+    }
+    let mut missing = jobs.iter().filter(|(_, job)| !finished.contains_key(job));
+    if let Some((name, _)) = missing.next() {
+        return Err(StoreError::Missing {
+            missing: 1 + missing.count(),
+            all: jobs.len(),
+            first: name.clone(),
+        });
+    }
+    if out.join(CONFIG).exists() {
+        return Err(StoreError::Occupied(out.to_owned()));
+    }
+    fs::create_dir_all(out).map_err(io_at(out))?;
+    write_whole(&out.join(RUNS), &lines(finished.values())?)?;
+    write_whole(&out.join(TIMES), &times)?;
+    write_whole(&out.join(CONFIG), &json(&config)?)?;
+    Ok((config, finished.into_values().collect()))
+}
+
+/// Writes a file so that it appears whole or not at all.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_whole(path: &Path, text: &str) -> Result<(), StoreError> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".new");
+    let building = path.with_file_name(name);
+    fs::write(&building, text)
+        .and_then(|()| fs::rename(&building, path))
+        .map_err(io_at(path))
+}
+
+pub(super) fn io_at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
+    move |source| StoreError::Io {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// What tells a run from all others.
+fn key(record: &Record) -> String {
+    format!(
+        "{} ({}) on {}, run {}",
+        record.algorithm, record.protocol, record.scenario, record.run
+    )
+}
+
+/// All jobs of a study by the keys of their records.
+fn jobs(config: &Config) -> BTreeMap<String, Job> {
+    let contestants = config.contestants();
+    let maps: Vec<String> = config
+        .settings()
+        .unwrap_or_default()
+        .into_iter()
+        .map(|setting| setting.scenario.name)
+        .collect();
+    Job::all(config)
+        .into_iter()
+        .map(|job| {
+            let contestant = &contestants[job.contestant];
+            let name = format!(
+                "{} ({}) on {}, run {}",
+                contestant.name,
+                contestant.protocol.name(),
+                maps.get(job.map).map_or("", String::as_str),
+                job.run
+            );
+            (name, job)
+        })
+        .collect()
+}
+
+fn read(path: &Path) -> Result<String, StoreError> {
+    fs::read_to_string(path).map_err(io_at(path))
+}
+
+fn read_config(folder: &Path) -> Result<Config, StoreError> {
+    let path = folder.join(CONFIG);
+    serde_json::from_str(&read(&path)?).map_err(|error| StoreError::Content {
+        line: error.line(),
+        what: error.to_string(),
+        path,
+    })
+}
+
+/// Whether a folder has this very study.
+fn same(folder: &Path, config: &Config) -> Result<(), StoreError> {
+    let short = |config: &Config| config.hash().chars().take(12).collect();
+    let theirs = read_config(folder)?;
+    if theirs == *config {
+        return Ok(());
+    }
+    Err(StoreError::Different {
+        folder: folder.to_owned(),
+        theirs: short(&theirs),
+        ours: short(config),
+    })
+}
+
+/// The records of a file, if it is there, without a last line that was cut.
+fn records(
+    path: &Path,
+    config: &Config,
+    jobs: &BTreeMap<String, Job>,
+) -> Result<Vec<(Job, Record)>, StoreError> {
+    let text = match fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(io_at(path)(error)),
+    };
+    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+    let hash = config.hash();
+    let mut found = Vec::new();
+    for (line, text) in (1..).zip(whole.lines()) {
+        let bad = |what: String| StoreError::Content {
+            path: path.to_owned(),
+            line,
+            what,
+        };
+        let record: Record =
+            serde_json::from_str(text).map_err(|error| bad(format!("no record: {error}")))?;
+        if record.config != hash {
+            return Err(bad("a record of another configuration".to_owned()));
+        }
+        let job = jobs
+            .get(&key(&record))
+            .ok_or_else(|| bad("a run that the study does not have".to_owned()))?;
+        found.push((*job, record));
+    }
+    Ok(found)
+}
+
+fn lines<'a, T: Serialize + 'a>(all: impl Iterator<Item = &'a T>) -> Result<String, StoreError> {
+    let mut text = String::new();
+    for one in all {
+        text.push_str(&one_line(one)?);
+        text.push('\n');
+    }
+    Ok(text)
+}
+
+fn one_line(value: &impl Serialize) -> Result<String, StoreError> {
+    serde_json::to_string(value).map_err(|error| StoreError::Content {
+        path: PathBuf::new(),
+        line: 0,
+        what: error.to_string(),
+    })
+}
+
+fn json(config: &Config) -> Result<String, StoreError> {
+    let mut text = one_line(config)?;
+    text.push('\n');
+    Ok(text)
+}
