@@ -106,15 +106,15 @@ impl Reading {
             Message::Heartbeat(heartbeat) if identity::is_vehicle(heartbeat) => {
                 self.heartbeat(now, from, *heartbeat);
             }
-            &Message::HomePosition { x, y, amsl_mm } => {
-                if self.vehicle.is_some_and(|(vehicle, _)| vehicle == from) {
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        reason = "float32 is what missions have"
-                    )]
-                    let amsl_m = (f64::from(amsl_mm) / 1000.0) as f32;
-                    self.home = Some(Home { x, y, amsl_m });
-                }
+            &Message::HomePosition { x, y, amsl_mm }
+                if self.vehicle.is_some_and(|(vehicle, _)| vehicle == from) =>
+            {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "float32 is what missions have"
+                )]
+                let amsl_m = (f64::from(amsl_mm) / 1000.0) as f32;
+                self.home = Some(Home { x, y, amsl_m });
             }
             Message::Mission(_) => {
                 if let Stage::Reading(download) = &mut self.stage {
