@@ -10,7 +10,7 @@ use sortie::link::{
 };
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
 use sortie::spec::{Airframe, Autopilot, Link};
-use sortie::vehicle::{Profile, Running, Simulated, Vehicle, spawn};
+use sortie::vehicle::{Profile, Running, Simulated, Vehicle, Weather, spawn};
 
 const HOME: Home = Home {
     x: 363_000_000,
@@ -399,4 +399,54 @@ fn a_mavlink_1_vehicle_is_refused_fence_and_rally_and_takes_a_mission() {
     assert_eq!(report.items, 5);
     let said = "ArduPilot quadrotor, MAVLink 1: fence and rally cannot be asked";
     assert_eq!(report.autopilot, said);
+}
+
+#[test]
+fn a_vehicle_answers_however_many_ground_stations_were_there_before() {
+    let vehicle = start(Profile::Px4, 1);
+    let past: Vec<UdpSocket> = (0..20)
+        .map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"))
+        .collect();
+    for socket in &past {
+        socket.send_to(b"?", vehicle.address()).expect("sent");
+    }
+    let mission = mission(Autopilot::Px4, 5);
+    assert!(upload(1, &to(vehicle.address()), &mission, false).is_verified());
+}
+
+#[test]
+fn twelve_vehicles_are_loaded_at_once_at_5_percent_loss_each_way() {
+    let vehicles: Vec<Running> = (1..=12)
+        .map(|sysid| {
+            let profile = [Profile::ArduPilot, Profile::Px4][usize::from(sysid % 2)];
+            let loopback = Simulated::on_loopback(profile, sysid, Some(HOME));
+            let weather = Weather {
+                loss: 0.05,
+                delay_ms: 1,
+                seed: 1,
+            };
+            spawn(&Simulated {
+                weather,
+                ..loopback
+            })
+            .expect("a free port")
+        })
+        .collect();
+    let autopilot = |n: usize| [Autopilot::Px4, Autopilot::ArduPilot][n % 2];
+    let missions: Vec<VehicleMission> = (0..12).map(|n| mission(autopilot(n), 30)).collect();
+    let links: Vec<Link> = vehicles.iter().map(|v| to(v.address())).collect();
+    let jobs: Vec<Job<'_>> = (1..=12_u8)
+        .zip(missions.iter().zip(&links))
+        .map(|(sysid, (mission, link))| Job {
+            vehicle: "one of twelve",
+            sysid,
+            link,
+            mission,
+            force: false,
+        })
+        .collect();
+    for (report, vehicle) in upload_fleet(&jobs, &|_, _| {}).iter().zip(&vehicles) {
+        assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+        assert_eq!(vehicle.items(List::Mission).len(), 30);
+    }
 }

@@ -16,7 +16,8 @@ use crate::mission::{Home, Item};
 
 /// Longest wait on the socket, so that a stop is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(20);
-/// Most ground stations that are answered at once; beyond that the network is not one of ours.
+/// Most ground stations that are answered at once; one more takes the place of the
+/// one that was silent for longest.
 const MOST_PARTNERS: usize = 16;
 
 /// What a simulated vehicle is.
@@ -136,6 +137,7 @@ fn lock(vehicle: &Mutex<Vehicle>) -> MutexGuard<'_, Vehicle> {
 struct Partner {
     decoder: Decoder,
     names: Vec<Address>,
+    heard: Time,
 }
 
 struct Server {
@@ -193,9 +195,13 @@ impl Server {
 
     fn receive(&mut self, now: Time, from: SocketAddr, bytes: &[u8]) {
         if !self.partners.contains_key(&from) && self.partners.len() >= MOST_PARTNERS {
-            return;
+            let silent = self.partners.iter().min_by_key(|(_, other)| other.heard);
+            if let Some(silent) = silent.map(|(address, _)| *address) {
+                self.partners.remove(&silent);
+            }
         }
         let partner = self.partners.entry(from).or_default();
+        partner.heard = now;
         partner.decoder.push(bytes);
         while let Some((name, message)) = partner.decoder.next_message() {
             if !partner.names.contains(&name) {

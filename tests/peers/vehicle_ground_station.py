@@ -54,8 +54,10 @@ def with_pymavlink(port, count, result):
 
     def receive(kinds):
         """The next message of these kinds for us, or None after 1.5 s."""
-        link.mav.heartbeat_send(6, 8, 0, 0, 4)
-        return link.recv_match(type=kinds, blocking=True, timeout=1.5)
+        message = link.recv_match(type=kinds, blocking=True, timeout=1.5)
+        if message is None:
+            link.mav.heartbeat_send(6, 8, 0, 0, 4)
+        return message
 
     message = None
     while message is None:
