@@ -235,8 +235,8 @@ const separation = (() => {
       return reading;
     });
     const values = shown.flatMap(({ list }) => list.flatMap(([, d, w]) => [d, w])).filter((d) => d !== null);
-    const least = Math.max(1, Math.min(limit * 0.5, values.reduce((a, d) => Math.min(a, d), Infinity) * 0.8));
-    const most = Math.max(limit * 4, values.reduce((a, d) => Math.max(a, d), 0) * 1.15);
+    const least = Math.max(1, Math.min(1e9, limit * 0.5, values.reduce((a, d) => Math.min(a, d), Infinity) * 0.8));
+    const most = Math.min(1e12, Math.max(limit * 4, values.reduce((a, d) => Math.max(a, d), 0) * 1.15));
     host.append(key);
     const marks = [];
     for (let decade = 1; decade <= most; decade *= 10) for (const k of [1, 2, 5]) if (k * decade >= least && k * decade <= most) marks.push([k * decade, lengthText(k * decade, 0)]);

@@ -228,9 +228,15 @@ const scene3d = (() => {
     }
   }
 
+  /** What the discs of the vehicles cover, for names to stay off them. */
+  const vehiclesNow = () => scene.vehicles.slice(0, 40).flatMap(({ track }) => {
+    const fix = fixAt(track, state.t), p = fix && project(fix.e, fix.n, fix.z);
+    return p ? [{ left: p.x - 8, right: p.x + 8, top: p.y - 8, bottom: p.y + 8 }] : [];
+  });
+
   function markers() {
     const few = scene.vehicles.length <= 40, halo = themed("--halo");
-    const place = placer({ left: 4, top: 4, right: width - 4, bottom: height - 4 }, []);
+    const place = placer({ left: 4, top: 4, right: width - 4, bottom: height - 4 }, vehiclesNow());
     /** A name where it has room; one whose place is out of view is not written. */
     const written = (text, at, colour, side = "middle") => {
       if (!at || at.x < 0 || at.x > width || at.y < 0 || at.y > height) return;
@@ -274,7 +280,7 @@ const scene3d = (() => {
           pen.lineWidth = 2;
           pen.fill();
           pen.stroke();
-          if (few || state.focus === index) written(vehicle.id, { x: p.x + 2, y: p.y - 8 }, themed("--ink"), "right");
+          if (few || state.focus === index) written(vehicle.id, p, themed("--ink"), "right");
         }
       }
       pen.globalAlpha = 1;

@@ -272,7 +272,20 @@ fn pages_of_every_size_and_verdict_run_without_an_error() {
     alone.threats.clear();
     alone.no_fly.clear();
     alone.terrain = TerrainSource::Flat(Amsl(400.0));
+    let mut absurd = facts(hilly_spec(IDS));
+    absurd.spec.name = "absurd".to_owned();
+    absurd.review.margins[0].value = 1e308;
+    absurd.review.margins[1].limit = -1e308;
+    absurd.world.threats[0].radius_m = 1e300;
+    absurd.spec.separation.distance_m = 1e308;
+    let html = absurd.html();
+    let digits = |text: &str| text.len() > 40 && text.bytes().all(|b| b.is_ascii_digit());
+    assert!(
+        !html.split(|c: char| !c.is_ascii_alphanumeric()).any(digits),
+        "a number of hundreds of digits"
+    );
     let pages = [
+        ("absurd.html", absurd),
         ("fail.html", facts(hilly_spec(IDS))),
         ("pass.html", passing(whole)),
         ("empty.html", empty),
