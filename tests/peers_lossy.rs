@@ -1,10 +1,8 @@
 //! Transfers through a bad radio, over real sockets, with implementations that are
 //! not ours at the other end: whoever fails, nobody says "uploaded" wrongly.
 
-#[allow(unreachable_pub)]
 #[path = "support/lossy_proxy.rs"]
 mod lossy_proxy;
-#[allow(unreachable_pub)]
 #[path = "support/mavsdk.rs"]
 mod mavsdk;
 #[allow(unreachable_pub)]

@@ -5,7 +5,6 @@
 #[path = "support/peers.rs"]
 mod peers;
 
-#[allow(unreachable_pub)]
 #[path = "support/mavsdk.rs"]
 mod mavsdk;
 
