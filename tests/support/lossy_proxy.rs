@@ -1,6 +1,6 @@
 //! A bad radio between real sockets on loopback: it loses, doubles and delays
 //! datagrams both ways, from a seed.
-#![allow(dead_code, missing_docs)]
+#![allow(dead_code, unreachable_pub, missing_docs)]
 
 use std::collections::BTreeMap;
 use std::net::{SocketAddr, UdpSocket};

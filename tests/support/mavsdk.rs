@@ -1,5 +1,5 @@
 //! A vehicle by MAVSDK: its `MissionRawServer`.
-#![allow(dead_code, missing_docs)]
+#![allow(dead_code, unreachable_pub, missing_docs)]
 
 use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
