@@ -1,8 +1,8 @@
 //! Bytes to messages and back: the only file that knows the crate `mavlink`.
 //!
 //! The crate finds the frames (MAVLink 1 and 2, resynchronising over garbage) and
-//! knows every message's checksum seed. Payloads are read and written here field
-//! by field, because the crate's generated types refuse enum values they do not
+//! knows every message's checksum seed. Payloads are read and written in `payload`
+//! field by field, because the crate's generated types refuse enum values they do not
 //! know, and a transfer must not die of a command from a newer autopilot.
 
 use std::io::{self, Read};
@@ -10,24 +10,8 @@ use std::io::{self, Read};
 use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAV_STX, MAV_STX_V2, MAVLinkMessageRaw, MavlinkReader, Message as _, calculate_crc};
 
-use super::message::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult};
-use crate::mission::{Item, frame};
-
-/// Message ids of the common dialect.
-mod id {
-    pub(super) const HEARTBEAT: u32 = 0;
-    pub(super) const MISSION_ITEM: u32 = 39;
-    pub(super) const MISSION_REQUEST: u32 = 40;
-    pub(super) const MISSION_CURRENT: u32 = 42;
-    pub(super) const MISSION_REQUEST_LIST: u32 = 43;
-    pub(super) const MISSION_COUNT: u32 = 44;
-    pub(super) const MISSION_CLEAR_ALL: u32 = 45;
-    pub(super) const MISSION_ACK: u32 = 47;
-    pub(super) const MISSION_REQUEST_INT: u32 = 51;
-    pub(super) const MISSION_ITEM_INT: u32 = 73;
-    pub(super) const HOME_POSITION: u32 = 242;
-    pub(super) const STATUSTEXT: u32 = 253;
-}
+use super::message::{Address, Message};
+use super::payload::{id, read_payload, write_payload};
 
 /// Writes frames (MAVLink 2, unsigned) in the name of one component, counting its sequence.
 #[derive(Clone, Debug)]
@@ -188,276 +172,6 @@ impl Read for Feed {
     }
 }
 
-/// A payload from its beginning; bytes that were cut off are zeros.
-struct Payload<'a>(&'a [u8]);
-
-impl Payload<'_> {
-    fn take<const N: usize>(&mut self) -> [u8; N] {
-        let mut bytes = [0; N];
-        let have = self.0.len().min(N);
-        bytes[..have].copy_from_slice(&self.0[..have]);
-        self.0 = &self.0[have..];
-        bytes
-    }
-
-    fn u8(&mut self) -> u8 {
-        let [byte] = self.take();
-        byte
-    }
-
-    fn u16(&mut self) -> u16 {
-        u16::from_le_bytes(self.take())
-    }
-
-    fn u32(&mut self) -> u32 {
-        u32::from_le_bytes(self.take())
-    }
-
-    fn i32(&mut self) -> i32 {
-        i32::from_le_bytes(self.take())
-    }
-
-    fn f32(&mut self) -> f32 {
-        f32::from_le_bytes(self.take())
-    }
-
-    fn address(&mut self) -> Address {
-        Address {
-            system: self.u8(),
-            component: self.u8(),
-        }
-    }
-}
-
-fn read_payload(id: u32, payload: &[u8]) -> Option<Message> {
-    let mut read = Payload(payload);
-    let message = match id {
-        id::HEARTBEAT => {
-            let custom_mode = read.u32();
-            Message::Heartbeat(Heartbeat {
-                kind: read.u8(),
-                autopilot: read.u8(),
-                base_mode: read.u8(),
-                custom_mode,
-                system_status: read.u8(),
-            })
-        }
-        id::STATUSTEXT => {
-            let severity = read.u8();
-            let text: [u8; 50] = read.take();
-            let end = text.iter().position(|&byte| byte == 0).unwrap_or(50);
-            Message::StatusText {
-                severity,
-                text: String::from_utf8_lossy(&text[..end]).into_owned(),
-            }
-        }
-        id::MISSION_CURRENT => {
-            let (seq, total) = (read.u16(), read.u16());
-            let _state_and_mode: [u8; 2] = read.take();
-            Message::MissionCurrent {
-                seq,
-                total,
-                opaque_ids: [read.u32(), read.u32(), read.u32()],
-            }
-        }
-        id::HOME_POSITION => Message::HomePosition {
-            x: read.i32(),
-            y: read.i32(),
-            amsl_mm: read.i32(),
-        },
-        _ => Message::Mission(read_mission(id, read)?),
-    };
-    Some(message)
-}
-
-fn read_mission(id: u32, mut read: Payload<'_>) -> Option<MissionMessage> {
-    let (target, mission_type, body) = match id {
-        id::MISSION_ITEM | id::MISSION_ITEM_INT => return Some(read_item(id, read)),
-        id::MISSION_COUNT => {
-            let count = read.u16();
-            let (target, mission_type) = (read.address(), read.u8());
-            let opaque_id = read.u32();
-            (target, mission_type, Body::Count { count, opaque_id })
-        }
-        id::MISSION_ACK => {
-            let target = read.address();
-            let result = MissionResult(read.u8());
-            let mission_type = read.u8();
-            let opaque_id = read.u32();
-            (target, mission_type, Body::Ack { result, opaque_id })
-        }
-        id::MISSION_REQUEST | id::MISSION_REQUEST_INT => {
-            let seq = read.u16();
-            let body = if id == id::MISSION_REQUEST {
-                Body::Request { seq }
-            } else {
-                Body::RequestInt { seq }
-            };
-            (read.address(), read.u8(), body)
-        }
-        id::MISSION_REQUEST_LIST => (read.address(), read.u8(), Body::RequestList),
-        id::MISSION_CLEAR_ALL => (read.address(), read.u8(), Body::ClearAll),
-        _ => return None,
-    };
-    Some(MissionMessage {
-        target,
-        mission_type,
-        body,
-    })
-}
-
-/// `MISSION_ITEM` and `MISSION_ITEM_INT` differ only in the type of x and y.
-fn read_item(id: u32, mut read: Payload<'_>) -> MissionMessage {
-    let params = [read.f32(), read.f32(), read.f32(), read.f32()];
-    let (x, y): ([u8; 4], [u8; 4]) = (read.take(), read.take());
-    let z = read.f32();
-    let (seq, command) = (read.u16(), read.u16());
-    let target = read.address();
-    let frame = read.u8();
-    let current = read.u8();
-    let autocontinue = read.u8() != 0;
-    let mission_type = read.u8();
-    let integer = |bytes| match id {
-        id::MISSION_ITEM => from_float(frame, f32::from_le_bytes(bytes)),
-        _ => i32::from_le_bytes(bytes),
-    };
-    let item = Item {
-        command,
-        frame,
-        autocontinue,
-        params,
-        x: integer(x),
-        y: integer(y),
-        z,
-    };
-    let body = match id {
-        id::MISSION_ITEM => Body::Item { seq, current, item },
-        _ => Body::ItemInt { seq, current, item },
-    };
-    MissionMessage {
-        target,
-        mission_type,
-        body,
-    }
-}
-
-/// Integers per unit of the float: degrees are scaled, parameters of a command without a place are not.
-fn scale(frame: u8) -> f64 {
-    match frame::canonical(frame) {
-        frame::GLOBAL | frame::GLOBAL_RELATIVE_ALT | frame::GLOBAL_TERRAIN_ALT => 1e7,
-        _ => 1.0,
-    }
-}
-
-fn from_float(frame: u8, value: f32) -> i32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "`as` saturates, and NaN becomes 0, as a receiver in C would want"
-    )]
-    let integer = (f64::from(value) * scale(frame)).round() as i32;
-    integer
-}
-
-fn to_float(frame: u8, value: i32) -> f32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "MISSION_ITEM is float by definition"
-    )]
-    let float = (f64::from(value) / scale(frame)) as f32;
-    float
-}
-
-fn write_payload(message: &Message) -> (u32, Vec<u8>) {
-    match message {
-        Message::Heartbeat(heartbeat) => {
-            let mut bytes = heartbeat.custom_mode.to_le_bytes().to_vec();
-            bytes.extend([heartbeat.kind, heartbeat.autopilot, heartbeat.base_mode]);
-            bytes.extend([heartbeat.system_status, 3]);
-            (id::HEARTBEAT, bytes)
-        }
-        Message::StatusText { severity, text } => {
-            let mut bytes = vec![*severity];
-            bytes.extend(text.bytes().take(50));
-            (id::STATUSTEXT, bytes)
-        }
-        Message::MissionCurrent {
-            seq,
-            total,
-            opaque_ids,
-        } => {
-            let mut bytes = [seq.to_le_bytes(), total.to_le_bytes(), [0, 0]].concat();
-            bytes.extend(opaque_ids.iter().flat_map(|id| id.to_le_bytes()));
-            (id::MISSION_CURRENT, bytes)
-        }
-        Message::HomePosition { x, y, amsl_mm } => {
-            let mut bytes = [x, y, amsl_mm].map(|value| value.to_le_bytes()).concat();
-            // Local position and approach vector are 0; the attitude is "level".
-            bytes.resize(24, 0);
-            bytes.extend(1_f32.to_le_bytes());
-            bytes.resize(52, 0);
-            (id::HOME_POSITION, bytes)
-        }
-        Message::Mission(mission) => write_mission(mission),
-    }
-}
-
-fn write_mission(mission: &MissionMessage) -> (u32, Vec<u8>) {
-    let target = [mission.target.system, mission.target.component];
-    let kind = mission.mission_type;
-    match mission.body {
-        Body::Count { count, opaque_id } => {
-            let mut bytes = [count.to_le_bytes(), target].concat();
-            bytes.push(kind);
-            bytes.extend(opaque_id.to_le_bytes());
-            (id::MISSION_COUNT, bytes)
-        }
-        Body::Ack { result, opaque_id } => {
-            let mut bytes = vec![target[0], target[1], result.0, kind];
-            bytes.extend(opaque_id.to_le_bytes());
-            (id::MISSION_ACK, bytes)
-        }
-        Body::Request { seq } | Body::RequestInt { seq } => {
-            let mut bytes = [seq.to_le_bytes(), target].concat();
-            bytes.push(kind);
-            let id = match mission.body {
-                Body::Request { .. } => id::MISSION_REQUEST,
-                _ => id::MISSION_REQUEST_INT,
-            };
-            (id, bytes)
-        }
-        Body::RequestList => (id::MISSION_REQUEST_LIST, vec![target[0], target[1], kind]),
-        Body::ClearAll => (id::MISSION_CLEAR_ALL, vec![target[0], target[1], kind]),
-        Body::Item { seq, current, item } => {
-            let place = [item.x, item.y].map(|value| to_float(item.frame, value).to_le_bytes());
-            let bytes = write_item(mission, seq, current, &item, place);
-            (id::MISSION_ITEM, bytes)
-        }
-        Body::ItemInt { seq, current, item } => {
-            let place = [item.x, item.y].map(i32::to_le_bytes);
-            let bytes = write_item(mission, seq, current, &item, place);
-            (id::MISSION_ITEM_INT, bytes)
-        }
-    }
-}
-
-fn write_item(
-    mission: &MissionMessage,
-    seq: u16,
-    current: u8,
-    item: &Item,
-    place: [[u8; 4]; 2],
-) -> Vec<u8> {
-    let mut bytes: Vec<u8> = item.params.iter().flat_map(|p| p.to_le_bytes()).collect();
-    bytes.extend(place.concat());
-    bytes.extend(item.z.to_le_bytes());
-    bytes.extend(seq.to_le_bytes());
-    bytes.extend(item.command.to_le_bytes());
-    bytes.extend([mission.target.system, mission.target.component]);
-    bytes.extend([item.frame, current, u8::from(item.autocontinue)]);
-    bytes.push(mission.mission_type);
-    bytes
-}
-
 #[cfg(test)]
 mod tests {
     use mavlink::dialects::ardupilotmega as dialect;
@@ -465,6 +179,8 @@ mod tests {
 
     use super::*;
     use crate::link::List;
+    use crate::link::message::{Body, Heartbeat, MissionMessage, MissionResult};
+    use crate::mission::{Item, frame};
 
     const US: Address = Address {
         system: 245,

@@ -14,6 +14,7 @@ mod kept;
 mod meeting;
 mod message;
 mod pace;
+mod payload;
 mod radio;
 mod reading;
 mod report;
