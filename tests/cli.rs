@@ -1,10 +1,14 @@
 //! The command as a user meets it: exit codes, messages, and what is left on disk.
 
+#[allow(unreachable_pub)]
+#[path = "support/command.rs"]
+mod command;
+
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
+use command::{sortie, text};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -39,22 +43,10 @@ planner: {seed: 1, evaluations: 2000}
 mission: {altitude: amsl, tolerance_m: 5, max_items: 200, fence: true}
 ";
 
-fn sortie(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(cargo_bin("sortie"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("sortie runs")
-}
-
 fn folder_with(spec: &str) -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("hop.yaml"), spec).expect("the spec is written");
     folder
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// Runs `plan` on a changed spec, and asserts the exit code, the words of the

@@ -1,11 +1,16 @@
 //! `sortie vehicles`, `sortie download` and captures, as their user meets them.
 
+#[allow(unreachable_pub)]
+#[path = "support/command.rs"]
+mod command;
+
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Child, Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin;
+use command::{sortie, text};
 use tempfile::TempDir;
 
 /// Two copters 2 km apart over flat ground, one of each autopilot.
@@ -43,18 +48,6 @@ vehicles:
     max_descent_deg: 10
 planner: {seed: 1, evaluations: 2000}
 ";
-
-fn sortie(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(cargo_bin("sortie"))
-        .current_dir(folder)
-        .args(arguments)
-        .output()
-        .expect("sortie runs")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
 
 /// `sortie vehicles` and the links it printed; it ends when this is dropped.
 struct Fleet {
