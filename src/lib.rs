@@ -14,7 +14,7 @@
 //! | layer | folder | owns |
 //! |---|---|---|
 //! | 0 | [`numeric`] | seeds and streams, B-spline basis, plane and space-time geometry |
-//! | 1 | [`geodesy`] | WGS84, ECEF, local ENU frame, altitude references |
+//! | 1 | [`geodesy`] | WGS84, ECEF, local ENU frame, EGM96 geoid, altitude references |
 //! | 1 | [`optimize`] | the trait `Problem`, evaluation budgets, one file per algorithm |
 //! | 2 | [`spec`] | YAML as typed, then checked: an immutable [`spec::MissionSpec`] |
 //! | 3 | [`world`] | terrain and its readers, threats, zones, area |

@@ -57,14 +57,14 @@ fn features(of: &serde_json::Value, kind: &str) -> Vec<serde_json::Value> {
 }
 
 #[test]
-fn geojson_has_two_dimensions_and_the_altitudes_of_a_path_as_a_property() {
+fn geojson_has_heights_above_the_ellipsoid_and_altitudes_above_the_sea_as_a_property() {
     let json = written_geojson();
     assert_eq!(json["type"], "FeatureCollection");
     let path = &features(&json, "path")[0];
     assert_eq!(path["geometry"]["type"], "LineString");
     assert_eq!(
         path["geometry"]["coordinates"][0],
-        serde_json::json!([-84.3, 36.25])
+        serde_json::json!([-84.3, 36.25, 449.07])
     );
     assert_eq!(
         path["properties"]["amsl_m"],

@@ -1,10 +1,14 @@
-//! Geodesy against PROJ (the numbers and their origin are in `data/geodesy_truth.csv`), and its laws.
+//! Geodesy against PROJ (the numbers and their origin are in `data/geodesy_truth.csv` and
+//! `data/geoid_truth.csv`; where the peers are installed PROJ is asked too), and its laws.
+
+mod support;
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
-use sortie::geodesy::{EastNorth, LatLon, LocalFrame};
+use sortie::geodesy::{Amsl, EastNorth, Geoid, LatLon, LocalFrame};
 
 const TRUTH: &str = include_str!("data/geodesy_truth.csv");
+const GEOID_TRUTH: &str = include_str!("data/geoid_truth.csv");
 /// A millimetre is promised; PROJ prints micrometres, and those agree.
 const REACHED_M: f64 = 2e-6;
 
@@ -21,21 +25,25 @@ fn rows() -> Vec<Row> {
         .lines()
         .filter(|line| !line.starts_with('#') && !line.starts_with("origin"))
         .map(|line| {
-            let n: Vec<f64> = line
-                .split(',')
+            let numbers = line.split(',');
+            let numbers: Vec<f64> = numbers
                 .map(|number| number.parse().expect("a number"))
                 .collect();
-            Row {
-                frame: LocalFrame::new(LatLon::new(n[0], n[1]).expect("an origin")),
-                place: LatLon::new(n[2], n[3]).expect("a place"),
-                height_m: n[4],
-                ecef_m: Vector3::new(n[5], n[6], n[7]),
-                enu_m: Vector3::new(n[8], n[9], n[10]),
-            }
+            row(&numbers)
         })
         .collect();
     assert!(rows.len() >= 70, "{} rows", rows.len());
     rows
+}
+
+fn row(n: &[f64]) -> Row {
+    Row {
+        frame: LocalFrame::new(LatLon::new(n[0], n[1]).expect("an origin")),
+        place: LatLon::new(n[2], n[3]).expect("a place"),
+        height_m: n[4],
+        ecef_m: Vector3::new(n[5], n[6], n[7]),
+        enu_m: Vector3::new(n[8], n[9], n[10]),
+    }
 }
 
 fn within(what: &str, ours: Vector3<f64>, truth: Vector3<f64>) {
@@ -99,6 +107,79 @@ fn planning_coordinates_are_those_of_the_foot_of_the_vertical() {
             row.place
         );
     }
+}
+
+/// Asked anew, at places that the table does not hold.
+#[test]
+fn proj_itself_agrees_to_a_millimetre_in_both_directions() {
+    let Some(python) = support::peers::python() else {
+        return;
+    };
+    let answers = support::peers::run(&python, "proj.py", &["42", "300"]);
+    let answers: Vec<Vec<f64>> = serde_json::from_value(answers).expect("rows of numbers");
+    assert_eq!(answers.len(), 300);
+    for row in answers.iter().map(|numbers| row(numbers)) {
+        let near = |what: &str, ours: Vector3<f64>, truth: Vector3<f64>| {
+            let off_m = (ours - truth).norm();
+            assert!(off_m < 1e-3, "{what} of {:?}: {off_m} m off", row.place);
+        };
+        let ecef_m = row.place.to_ecef(row.height_m);
+        near("ECEF", ecef_m, row.ecef_m);
+        let enu_m = row.frame.to_enu(row.place, row.height_m);
+        near("ENU", enu_m, row.enu_m);
+        let (place, height_m) = LatLon::from_ecef(&row.ecef_m);
+        near("the place of ECEF", place.to_ecef(height_m), ecef_m);
+        let (place, height_m) = row.frame.from_enu(&row.enu_m);
+        near("the place of ENU", place.to_ecef(height_m), ecef_m);
+    }
+}
+
+#[test]
+fn the_geoid_agrees_with_proj_to_a_centimetre() {
+    let mut rows = 0;
+    for line in GEOID_TRUTH
+        .lines()
+        .filter(|line| !line.starts_with(['#', 'l']))
+    {
+        let numbers = line.split(',');
+        let numbers: Vec<f64> = numbers
+            .map(|number| number.parse().expect("a number"))
+            .collect();
+        let place = LatLon::new(numbers[0], numbers[1]).expect("a place");
+        let ours_m = Geoid::egm96().undulation_m(place);
+        assert!((ours_m - numbers[2]).abs() < 0.01, "{ours_m} m: {line}");
+        rows += 1;
+    }
+    assert!(rows > 1000, "{rows} rows");
+}
+
+/// NGA's own test output for EGM96 (`OUTINTPT.DAT` beside the grid): by splines over
+/// the grid of 15 arc-minutes, hence not quite what is bilinear in it.
+#[test]
+fn the_geoid_has_the_heights_that_nga_published() {
+    for (lat_deg, lon_deg, published_m) in [
+        (38.628_155, 269.779_155, -31.628),
+        (-14.621_217, 305.021_114, -2.969),
+        (46.874_319, 102.448_729, -43.575),
+        (-23.617_446, 133.874_712, 15.871),
+        (38.625_473, 359.999_5, 50.066),
+        (-0.466_744, 0.002_3, 17.329),
+    ] {
+        let ours_m = Geoid::egm96().undulation_m(LatLon { lat_deg, lon_deg });
+        assert!(
+            (ours_m - published_m).abs() < 0.06,
+            "{ours_m}, published {published_m}"
+        );
+    }
+}
+
+#[test]
+fn an_altitude_comes_back_from_the_ellipsoid() {
+    let everest = LatLon::new(27.988_1, 86.925).expect("a place");
+    let geoid = Geoid::egm96();
+    let above = Amsl(8848.86).above_ellipsoid(geoid, everest);
+    assert!((above.0 - (8848.86 - 28.86)).abs() < 0.2, "{above:?}");
+    assert!((above.above_sea(geoid, everest).0 - 8848.86).abs() < 1e-9);
 }
 
 fn any_origin() -> impl Strategy<Value = LatLon> {

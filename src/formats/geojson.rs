@@ -1,14 +1,14 @@
 //! `fleet.geojson`: area, threats, zones, stations and paths for any map (RFC 7946).
 //!
-//! Two-dimensional: a third coordinate would have to be a height above the ellipsoid
-//! (section 3.1.1), and ours are above mean sea level. They are in the property
-//! `amsl_m`, for a path a list along it.
+//! Stations and paths have a third coordinate, the height above the WGS84 ellipsoid
+//! (section 3.1.1), by EGM96. Altitudes above mean sea level, which the autopilots mean,
+//! are in the property `amsl_m`, for a path a list along it. Polygons lie in the plane.
 
 use ::geojson::{Feature, FeatureCollection, Geometry, GeometryValue, JsonObject, Position};
 use serde_json::{Value, json};
 
 use super::shape::{circle, ring, rounded};
-use crate::geodesy::{LatLon, PlanPoint};
+use crate::geodesy::{Geoid, LatLon, PlanPoint};
 use crate::path::TimedPoint;
 use crate::spec::MissionSpec;
 use crate::world::World;
@@ -45,7 +45,7 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
             ("start", stations.start),
             ("goal", stations.goal),
         ] {
-            let coordinates = position(world.frame.from_plan(station.at));
+            let coordinates = raised(world, station);
             features.push(feature(
                 GeometryValue::Point { coordinates },
                 &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(station) }),
@@ -91,13 +91,24 @@ fn line(world: &World, path: &[TimedPoint]) -> GeometryValue {
     GeometryValue::LineString {
         coordinates: path
             .iter()
-            .map(|sample| position(world.frame.from_plan(sample.point.at)))
+            .map(|sample| raised(world, sample.point))
             .collect(),
     }
 }
 
 fn position(place: LatLon) -> Position {
     Position::from([rounded(place.lon_deg, 1e7), rounded(place.lat_deg, 1e7)])
+}
+
+/// A position with its height above the ellipsoid.
+fn raised(world: &World, point: PlanPoint) -> Position {
+    let place = world.frame.from_plan(point.at);
+    let height = point.amsl.above_ellipsoid(Geoid::egm96(), place);
+    Position::from([
+        rounded(place.lon_deg, 1e7),
+        rounded(place.lat_deg, 1e7),
+        rounded(height.0, 1e2),
+    ])
 }
 
 fn metres(point: PlanPoint) -> f64 {

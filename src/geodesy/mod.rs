@@ -1,7 +1,9 @@
-//! The earth: WGS84, ECEF, the local frame, and what an altitude refers to.
+//! The earth: WGS84, ECEF, the local frame, the geoid, and what an altitude refers to.
 
 mod altitude;
 mod frame;
+mod geoid;
 
-pub use altitude::{AboveHome, Agl, Amsl};
+pub use altitude::{AboveHome, Agl, Amsl, Ellipsoid};
 pub use frame::{EastNorth, GeodesyError, LatLon, LocalFrame, PlanPoint};
+pub use geoid::Geoid;
