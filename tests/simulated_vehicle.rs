@@ -62,7 +62,8 @@ impl Bench {
                 Message::StatusText { text, .. } => Some(text),
                 Message::Heartbeat(_)
                 | Message::MissionCurrent { .. }
-                | Message::HomePosition { .. } => None,
+                | Message::HomePosition { .. }
+                | Message::Flight(_) => None,
             })
             .collect()
     }

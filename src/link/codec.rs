@@ -83,7 +83,7 @@ fn length_1(id: u32) -> u8 {
         id::MISSION_ITEM | id::MISSION_ITEM_INT => 37,
         id::MISSION_COUNT | id::MISSION_REQUEST | id::MISSION_REQUEST_INT => 4,
         id::MISSION_ACK => 3,
-        _ => 2,
+        other => super::flight_payload::length_1(other).unwrap_or(2),
     }
 }
 

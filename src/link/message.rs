@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use super::flight_message::FlightMessage;
 use crate::mission::Item;
 
 /// System and component id of a sender or receiver.
@@ -55,6 +56,8 @@ pub enum Message {
     },
     /// One of the messages of the mission protocol.
     Mission(MissionMessage),
+    /// A command, or what a vehicle says of its flight.
+    Flight(FlightMessage),
 }
 
 /// `HEARTBEAT` without its MAVLink version.

@@ -9,6 +9,8 @@ mod codec;
 mod compare;
 mod download;
 mod fleet;
+mod flight_message;
+mod flight_payload;
 mod identity;
 mod kept;
 mod meeting;
@@ -31,6 +33,9 @@ pub use codec::{Decoder, Encoder, Version};
 pub use compare::{Difference, differences};
 pub use download::{Download, DownloadError};
 pub use fleet::{Job, download, upload_fleet, upload_fleet_captured};
+pub use flight_message::{
+    Command, CommandResult, FlightMessage, LandedState, ParamValue, Position,
+};
 pub use kept::kept;
 pub use message::{
     AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Address, Body,

@@ -1,6 +1,7 @@
 //! Payloads of the messages a transfer needs, field by field as the dialect orders
 //! them on the wire: little endian, zeros at the end cut off.
 
+use super::flight_payload;
 use super::message::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult};
 use crate::mission::{Item, frame};
 
@@ -21,10 +22,10 @@ pub(super) mod id {
 }
 
 /// A payload from its beginning; bytes that were cut off are zeros.
-struct Payload<'a>(&'a [u8]);
+pub(super) struct Payload<'a>(&'a [u8]);
 
 impl Payload<'_> {
-    fn take<const N: usize>(&mut self) -> [u8; N] {
+    pub(super) fn take<const N: usize>(&mut self) -> [u8; N] {
         let mut bytes = [0; N];
         let have = self.0.len().min(N);
         bytes[..have].copy_from_slice(&self.0[..have]);
@@ -32,28 +33,28 @@ impl Payload<'_> {
         bytes
     }
 
-    fn u8(&mut self) -> u8 {
+    pub(super) fn u8(&mut self) -> u8 {
         let [byte] = self.take();
         byte
     }
 
-    fn u16(&mut self) -> u16 {
+    pub(super) fn u16(&mut self) -> u16 {
         u16::from_le_bytes(self.take())
     }
 
-    fn u32(&mut self) -> u32 {
+    pub(super) fn u32(&mut self) -> u32 {
         u32::from_le_bytes(self.take())
     }
 
-    fn i32(&mut self) -> i32 {
+    pub(super) fn i32(&mut self) -> i32 {
         i32::from_le_bytes(self.take())
     }
 
-    fn f32(&mut self) -> f32 {
+    pub(super) fn f32(&mut self) -> f32 {
         f32::from_le_bytes(self.take())
     }
 
-    fn address(&mut self) -> Address {
+    pub(super) fn address(&mut self) -> Address {
         Address {
             system: self.u8(),
             component: self.u8(),
@@ -97,7 +98,10 @@ pub(super) fn read_payload(id: u32, payload: &[u8]) -> Option<Message> {
             y: read.i32(),
             amsl_mm: read.i32(),
         },
-        _ => Message::Mission(read_mission(id, read)?),
+        _ => match flight_payload::read(id, Payload(payload)) {
+            Some(message) => Message::Flight(message),
+            None => Message::Mission(read_mission(id, read)?),
+        },
     };
     Some(message)
 }
@@ -230,6 +234,7 @@ pub(super) fn write_payload(message: &Message) -> (u32, Vec<u8>) {
             (id::HOME_POSITION, bytes)
         }
         Message::Mission(mission) => write_mission(mission),
+        Message::Flight(message) => flight_payload::write(message),
     }
 }
 

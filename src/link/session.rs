@@ -160,7 +160,7 @@ impl<'a> Session<'a> {
                     self.texts.push(text.clone());
                 }
             }
-            Message::MissionCurrent { .. } | Message::HomePosition { .. } => {}
+            Message::MissionCurrent { .. } | Message::HomePosition { .. } | Message::Flight(_) => {}
             Message::Mission(_) => {
                 if let Stage::Working(task) = &mut self.stage {
                     task.handle(now, from, message);
