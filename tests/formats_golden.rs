@@ -284,10 +284,10 @@ fn a_plan_for_another_kind_of_vehicle_or_autopilot_is_read_and_says_so() {
     assert_eq!(none, [""; 0]);
     let plane = text.replace("\"vehicleType\": 2", "\"vehicleType\": 1");
     let told: Vec<String> = repairs(&plane);
-    assert!(told.len() == 1 && told[0].contains("vehicleType 1"));
+    assert!(told.len() == 1 && told[0].contains("1 is no multicopter"));
     let other = text.replace("\"firmwareType\": 12", "\"firmwareType\": 0");
     let told: Vec<String> = repairs(&other);
-    assert!(told.len() == 1 && told[0].contains("firmwareType 0"));
+    assert!(told.len() == 1 && told[0].contains("0 is neither"));
 }
 
 fn any_mission() -> impl Strategy<Value = VehicleMission> {

@@ -574,10 +574,10 @@ fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
     };
     let cases: [(&str, usize, Change<'_>); 13] = [
         ("NAV_SPLINE_WAYPOINT", 4, &|m| m.items[3].command = 82),
-        ("DO_JUMP", 4, &|m| {
+        ("made for ever", 4, &|m| {
             m.items.insert(
                 3,
-                Item::without_place(command::DO_JUMP, [1.0, 3.0, 0.0, 0.0]),
+                Item::without_place(command::DO_JUMP, [3.0, -1.0, 0.0, 0.0]),
             )
         }),
         ("altitude is NaN", 3, &|m| m.items[2].z = f32::NAN),

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use super::failure::Failure;
 use super::output::NewFolder;
 use crate::dispatch::Dispatched;
-use crate::formats::{self, Document, FormatError};
+use crate::formats::{self, Document};
 use crate::mission::VehicleMission;
 use crate::path::TimedPoint;
 use crate::report::{self, ReviewInput};
@@ -143,22 +143,9 @@ pub(super) fn is_rejected(path: &Path) -> bool {
         .is_some_and(|stem| stem.to_string_lossy().ends_with(REJECTED))
 }
 
-/// Reads a mission file by its extension, `.waypoints` or `.plan`.
-pub(super) fn read_mission(
-    path: &Path,
-    file: &SpecFile,
-    vehicle: usize,
-) -> Result<VehicleMission, Failure> {
+/// What a mission file of any kind says.
+pub(super) fn read_document(path: &Path) -> Result<Document, Failure> {
     let bad = |what: String| Failure::new(Failure::INPUT, format!("{}: {what}", path.display()));
-    let read: fn(&str) -> Result<Document, FormatError> =
-        match path.extension().and_then(OsStr::to_str) {
-            Some("waypoints") => formats::waypoints::read,
-            Some("plan") => formats::plan::read,
-            _ => {
-                let message = format!("{}: neither .waypoints nor .plan", path.display());
-                return Err(Failure::new(Failure::USAGE, message));
-            }
-        };
     let mut bytes = Vec::new();
     fs::File::open(path)
         .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
@@ -169,11 +156,20 @@ pub(super) fn read_mission(
             MAX_BYTES >> 20
         )));
     }
-    let text = String::from_utf8(bytes).map_err(|error| bad(format!("not text: {error}")))?;
+    let (_, document) = formats::read(&bytes).map_err(|error| bad(error.to_string()))?;
+    Ok(document)
+}
+
+/// The mission of one vehicle in a file of any kind.
+pub(super) fn read_mission(
+    path: &Path,
+    file: &SpecFile,
+    vehicle: usize,
+) -> Result<VehicleMission, Failure> {
     let vehicle = &file.spec.vehicles[vehicle];
-    read(&text)
-        .and_then(|document| document.into_mission(vehicle.autopilot, vehicle.airframe))
-        .map_err(|error| bad(error.to_string()))
+    read_document(path)?
+        .into_mission(vehicle.autopilot, vehicle.airframe)
+        .map_err(|error| Failure::new(Failure::INPUT, format!("{}: {error}", path.display())))
 }
 
 /// Refuses a folder in which something was edited since `plan` wrote it: the spec,

@@ -1,5 +1,7 @@
 //! What a mission file says, whatever its format.
 
+use std::fmt;
+
 use super::FormatError;
 use crate::mission::{Home, Item, VehicleMission, command};
 use crate::spec::{Airframe, Autopilot};
@@ -29,12 +31,35 @@ pub struct Document {
 /// Something a reader understood although the format does not allow it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Repair {
-    /// Line, from 1; in a JSON document, whose lines mean nothing, 0.
-    pub line: usize,
-    /// Column in characters, from 1; 0 likewise.
-    pub column: usize,
+    /// Where.
+    pub at: Spot,
     /// What was understood as what.
     pub what: String,
+}
+
+/// A place in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Spot {
+    /// Of a text.
+    Text {
+        /// Line, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+    },
+    /// Of a JSON document: a path such as `mission.items[2].params[4]`; empty for the whole.
+    Json(String),
+}
+
+impl fmt::Display for Repair {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.at {
+            Spot::Text { line, column } => write!(f, "line {line}, column {column}: ")?,
+            Spot::Json(path) if path.is_empty() => {}
+            Spot::Json(path) => write!(f, "{path}: ")?,
+        }
+        f.write_str(&self.what)
+    }
 }
 
 impl Document {
@@ -69,10 +94,7 @@ impl Document {
         let notes = self
             .repairs
             .into_iter()
-            .map(|repair| match repair.line {
-                0 => repair.what,
-                line => format!("line {line}, column {}: {}", repair.column, repair.what),
-            })
+            .map(|repair| repair.to_string())
             .collect();
         Ok(VehicleMission {
             autopilot,

@@ -1,20 +1,26 @@
 //! Files: written, and read back exactly.
 //!
 //! [`waypoints`] and [`plan`] hold missions and are read as well as written; what
-//! each of them cannot keep is told by [`losses`]. [`params`], [`kml`] and
-//! [`geojson`] are written for others to read.
+//! each of them cannot keep is told by [`losses`]. Fence and rally [`lists`] are read
+//! only; [`read`] reads any of them, whatever the name of the file. [`params`],
+//! [`kml`] and [`geojson`] are written for others to read.
 
+mod any;
 mod document;
 mod error;
+mod field;
 pub mod geojson;
 pub mod kml;
+pub mod lists;
 mod losses;
 mod number;
 pub mod params;
 pub mod plan;
 mod shape;
+mod text;
 pub mod waypoints;
 
-pub use document::{Document, Repair};
+pub use any::{Kind, read};
+pub use document::{Document, Repair, Spot};
 pub use error::FormatError;
 pub use losses::{Format, known_losses, losses};

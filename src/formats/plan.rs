@@ -1,6 +1,7 @@
 //! QGroundControl's `.plan`: JSON with mission, fence and rally points.
 
 mod read;
+mod unambiguous;
 mod write;
 
 pub use read::read;

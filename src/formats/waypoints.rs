@@ -4,7 +4,6 @@
 //! no NaN. Read as it is found: other separators, line ends, comments, and the
 //! header 120, which has no home row.
 
-mod field;
 mod read;
 
 use super::document::rows;

@@ -54,28 +54,140 @@ pub(super) struct Unknown {
     pub(super) why: String,
 }
 
-/// The orders of a mission, up to the first that cannot be read.
+/// Most orders of a mission, jumps counted as often as they are made.
+const MOST_ORDERS: usize = 200_000;
+
+/// The orders of a mission as they are obeyed, jumps made, up to the first that
+/// cannot be read.
 pub(super) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option<Unknown>) {
     let mut steps = Vec::with_capacity(mission.items.len());
-    for (index, item) in mission.items.iter().enumerate() {
-        let row = index + 1;
+    let mut jumps = vec![Jumps::NotMet; mission.items.len()];
+    let mut next = 0;
+    // Whether commands wait for a condition while the vehicle flies on.
+    let mut waiting = false;
+    for _ in 0..MOST_ORDERS {
+        let Some(item) = mission.items.get(next) else {
+            return (steps, None);
+        };
+        let row = next + 1;
+        let unknown = |why: String| Some(Unknown { row, why });
+        if item.command == command::DO_JUMP {
+            match jump(item, next, mission, &mut jumps[next]) {
+                Ok(index) => next = index,
+                Err(why) => return (steps, unknown(why)),
+            }
+            continue;
+        }
+        match item.command {
+            112 | 114 | 115 => waiting = true,
+            command if command < FIRST_BESIDE => waiting = false,
+            command::DO_CHANGE_SPEED if waiting => {
+                let why = "a change of speed that waits for a condition comes at no known time";
+                return (steps, unknown(why.to_owned()));
+            }
+            _ => {}
+        }
         match read(item, mission.autopilot, home) {
             Ok(order) => steps.push(Step { row, order }),
-            Err(why) => return (steps, Some(Unknown { row, why })),
+            Err(why) => return (steps, unknown(why)),
         }
+        next += 1;
     }
-    (steps, None)
+    let why = format!("more than {MOST_ORDERS} orders, jumps included");
+    (steps, Some(Unknown { row: next + 1, why }))
+}
+
+/// Commands below fly somewhere; those from here on act beside the flight.
+const FIRST_BESIDE: u16 = 96;
+
+/// How often a jump is still made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Jumps {
+    /// The vehicle has not come to it yet.
+    NotMet,
+    /// So often.
+    Left(usize),
+    /// It was passed without a jump.
+    Spent,
+}
+
+/// The index of the item after a DO_JUMP.
+///
+/// `param1` is a number as the autopilot counts, `param2` how often. Neither
+/// autopilot counts a spent jump anew within a mission, as whoever puts a loop into a
+/// loop will expect: such a jump is not read.
+fn jump(
+    item: &Item,
+    index: usize,
+    mission: &VehicleMission,
+    jumps: &mut Jumps,
+) -> Result<usize, String> {
+    let [target, times, ..] = item.params.map(f64::from);
+    if times.to_bits() == (-1.0_f64).to_bits() {
+        return Err("a jump (DO_JUMP) that is made for ever".to_owned());
+    }
+    let first = match mission.autopilot {
+        Autopilot::ArduPilot => 1.0,
+        Autopilot::Px4 => 0.0,
+    };
+    let to = whole(target - first)
+        .filter(|&to| to < mission.items.len())
+        .ok_or_else(|| format!("a jump (DO_JUMP) to item {target}, which there is not"))?;
+    if to == index {
+        return Err("a jump (DO_JUMP) to itself".to_owned());
+    }
+    let left = match *jumps {
+        Jumps::Left(left) => left,
+        Jumps::Spent => return Err("a jump (DO_JUMP) within the loop of another".to_owned()),
+        Jumps::NotMet => whole(times)
+            .filter(|&times| times <= MOST_JUMPS)
+            .ok_or_else(|| format!("a jump (DO_JUMP) made {times} times"))?,
+    };
+    if left == 0 {
+        *jumps = Jumps::Spent;
+        return Ok(index + 1);
+    }
+    *jumps = Jumps::Left(left - 1);
+    Ok(to)
+}
+
+/// Most repetitions that both autopilots keep as such (`int16`).
+const MOST_JUMPS: usize = 32_767;
+
+/// A whole number that fits the parameter of a jump.
+fn whole(value: f64) -> Option<usize> {
+    if !(0.0..=65_535.0).contains(&value) || value.fract().abs() > 0.0 {
+        return None;
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "whole and in range"
+    )]
+    let whole = value as usize;
+    Some(whole)
 }
 
 /// Commands that point cameras, move servos or mark places: a copter flies on as if they were not there.
 const WITHOUT_MOTION: &[u16] = &[
-    115, // CONDITION_YAW
+    112, 114, 115, // conditions for the commands that follow
     181, 182, 183, 184, // relays and servos
     189, // DO_LAND_START
-    195, 197, 201, // regions of interest
+    195, 196, 197, 201, // regions of interest
     200, 202, 203, 204, 205, 206, // cameras, mounts
+    207, // DO_FENCE_ENABLE
+    211, // DO_GRIPPER
     530, 531, 532, 1000, // camera and gimbal of the camera protocol
     2000, 2001, 2500, 2501, // images and video
+];
+
+/// Why the motion after some commands is not known.
+const UNKNOWN_MOTION: &[(u16, &str)] = &[
+    (82, "the curve of NAV_SPLINE_WAYPOINT is not known"),
+    (92, "NAV_GUIDED_ENABLE hands over to another computer"),
+    (94, "NAV_PAYLOAD_PLACE descends until it feels the ground"),
+    (179, "DO_SET_HOME moves home, and altitudes above it"),
+    (208, "DO_PARACHUTE may end the flight"),
 ];
 
 fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
@@ -120,11 +232,16 @@ fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> 
         }),
         command::DO_CHANGE_SPEED => speed(item),
         other if WITHOUT_MOTION.contains(&other) => Ok(Order::Nothing),
-        command::DO_JUMP => Err("a jump (DO_JUMP)".to_owned()),
-        other => Err(format!(
-            "the motion of {} is not known",
-            command_name(other).map_or_else(|| format!("command {other}"), str::to_owned)
-        )),
+        other => Err(unknown_motion(other)),
+    }
+}
+
+fn unknown_motion(command: u16) -> String {
+    let told = UNKNOWN_MOTION.iter().find(|(known, _)| *known == command);
+    match (told, command_name(command)) {
+        (Some((_, why)), _) => (*why).to_owned(),
+        (None, Some(name)) => format!("the motion of {name} is not known"),
+        (None, None) => format!("the motion of command {command} is not known"),
     }
 }
 
@@ -259,5 +376,85 @@ fn seconds(param: f32) -> Result<f64, String> {
         Ok(f64::from(param))
     } else {
         Err(format!("a time of {param} s"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mission::Home;
+    use crate::spec::Airframe;
+
+    fn decoded(autopilot: Autopilot, items: Vec<Item>) -> (Vec<usize>, Option<String>) {
+        let mission = VehicleMission {
+            autopilot,
+            airframe: Airframe::Copter,
+            home: Home {
+                x: 363_000_000,
+                y: -842_500_000,
+                amsl_m: 400.0,
+            },
+            items,
+            fence: Vec::new(),
+            fence_told: false,
+            rally: Vec::new(),
+            params: Vec::new(),
+            notes: Vec::new(),
+        };
+        let (steps, unknown) = decode(&mission, Amsl(400.0));
+        let rows = steps.iter().map(|step| step.row).collect();
+        (rows, unknown.map(|unknown| unknown.why))
+    }
+
+    fn command(command: u16, param1: f32, param2: f32) -> Item {
+        Item::without_place(command, [param1, param2, 0.0, 0.0])
+    }
+
+    fn delay() -> Item {
+        command(command::NAV_DELAY, 1.0, 0.0)
+    }
+
+    #[test]
+    fn a_jump_is_made_as_often_as_it_says_and_counted_as_the_autopilot_counts() {
+        for (autopilot, second) in [(Autopilot::ArduPilot, 2.0), (Autopilot::Px4, 1.0)] {
+            let jump = command(command::DO_JUMP, second, 2.0);
+            let items = vec![delay(), delay(), jump, delay()];
+            let (rows, unknown) = decoded(autopilot, items);
+            assert_eq!((rows, unknown), (vec![1, 2, 2, 2, 4], None));
+        }
+    }
+
+    #[test]
+    fn jumps_without_end_or_target_and_loops_in_loops_are_not_known() {
+        let told = |jump: Item| {
+            let (_, unknown) = decoded(Autopilot::ArduPilot, vec![delay(), jump, delay()]);
+            unknown.expect("not known")
+        };
+        assert!(told(command(177, 1.0, -1.0)).contains("for ever"));
+        assert!(told(command(177, 9.0, 1.0)).contains("item 9, which there is not"));
+        assert!(told(command(177, 2.0, 1.0)).contains("to itself"));
+        assert!(told(command(177, 1.0, 0.5)).contains("made 0.5 times"));
+        assert!(told(command(177, f32::NAN, 1.0)).contains("which there is not"));
+        let inner = command(177, 1.0, 1.0);
+        let (rows, unknown) = decoded(Autopilot::ArduPilot, vec![delay(), inner, inner]);
+        assert_eq!(rows, [1, 1, 1]);
+        assert!(
+            unknown
+                .expect("a loop in a loop")
+                .contains("loop of another")
+        );
+    }
+
+    #[test]
+    fn a_speed_that_waits_for_a_condition_is_not_known() {
+        let speed = command(178, 1.0, 8.0);
+        let (_, none) = decoded(
+            Autopilot::ArduPilot,
+            vec![command(112, 5.0, 0.0), delay(), speed],
+        );
+        assert_eq!(none, None);
+        let (rows, told) = decoded(Autopilot::ArduPilot, vec![command(112, 5.0, 0.0), speed]);
+        assert_eq!(rows, [1]);
+        assert!(told.expect("not known").contains("waits for a condition"));
     }
 }

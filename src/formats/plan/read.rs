@@ -2,9 +2,10 @@
 
 use serde_json::Value;
 
+use super::unambiguous::Unambiguous;
 use super::{FIRMWARE, MULTICOPTERS, altitude_mode};
 use crate::formats::number::{coordinate, float};
-use crate::formats::{Document, FormatError, Repair};
+use crate::formats::{Document, FormatError, Repair, Spot};
 use crate::mission::{Home, Item, command, frame};
 
 /// Reads a mission with its fence and rally points. Unknown keys are ignored.
@@ -17,10 +18,10 @@ use crate::mission::{Home, Item, command, frame};
 /// the item from 1, for everything else.
 pub fn read(text: &str) -> Result<Document, FormatError> {
     let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let plan: Value = serde_json::from_str(plain).map_err(|error| FormatError::Text {
+    let Unambiguous(plan) = serde_json::from_str(plain).map_err(|error| FormatError::Text {
         line: error.line(),
         column: error.column(),
-        found: error.to_string(),
+        found: without_place(&error),
         allowed: "a JSON document".to_owned(),
     })?;
     let root = Node {
@@ -39,13 +40,13 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     if plain.len() != text.len() {
         document
             .repairs
-            .push(told("a byte order mark was left out"));
+            .push(told("", "a byte order mark was left out"));
     }
     mission(&root.get("mission"), &mut document)?;
     for part in ["geoFence", "rallyPoints"] {
         let node = root.get(part);
         if node.value.is_null() {
-            document.repairs.push(told(&format!("there is no {part}")));
+            document.repairs.push(told(part, "missing: taken as empty"));
         } else if part == "geoFence" {
             fence(&node, &mut document)?;
         } else {
@@ -55,12 +56,18 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     Ok(document)
 }
 
-fn told(what: &str) -> Repair {
+fn told(path: &str, what: &str) -> Repair {
     Repair {
-        line: 0,
-        column: 0,
+        at: Spot::Json(path.to_owned()),
         what: what.to_owned(),
     }
+}
+
+/// What a JSON error says, without the line and column that are told apart.
+fn without_place(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    let place = format!(" at line {} column {}", error.line(), error.column());
+    text.strip_suffix(&place).unwrap_or(&text).to_owned()
 }
 
 /// A value and where it is.
@@ -218,8 +225,8 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
 fn kind(node: &Node<'_>, document: &mut Document) {
     let firmware = node.get("firmwareType").value;
     if !firmware.is_null() && document.autopilot.is_none() {
-        document.repairs.push(told(&format!(
-            "firmwareType {firmware} is neither ArduPilot (3) nor PX4 (12): read as for the vehicle of the spec"
+        document.repairs.push(told("mission.firmwareType", &format!(
+            "{firmware} is neither ArduPilot (3) nor PX4 (12): read as for whatever it is judged for"
         )));
     }
     let vehicle = node.get("vehicleType").value;
@@ -227,9 +234,10 @@ fn kind(node: &Node<'_>, document: &mut Document) {
         .as_u64()
         .is_some_and(|kind| MULTICOPTERS.contains(&kind));
     if !vehicle.is_null() && !flies_up {
-        document.repairs.push(told(&format!(
-            "vehicleType {vehicle} is no multicopter: read as a mission of one"
-        )));
+        document.repairs.push(told(
+            "mission.vehicleType",
+            &format!("{vehicle} is no multicopter: read as a mission of one"),
+        ));
     }
 }
 
@@ -239,20 +247,24 @@ fn resolved(mut item: Item, ids: &[Option<u64>], node: &Node<'_>) -> Result<Item
         return Ok(item);
     }
     let target = f64::from(item.params[0]);
-    let row = ids
+    let named = |id: &Option<u64>| {
+        id.and_then(|id| u32::try_from(id).ok())
+            .is_some_and(|id| f64::from(id).to_bits() == target.to_bits())
+    };
+    let rows: Vec<u16> = ids
         .iter()
         .zip(1_u16..)
-        .find(|(id, _)| {
-            id.and_then(|id| u32::try_from(id).ok())
-                .is_some_and(|id| f64::from(id).to_bits() == target.to_bits())
-        })
+        .filter(|(id, _)| named(id))
         .map(|(_, row)| row)
-        .ok_or_else(|| FormatError::Json {
+        .collect();
+    let [row] = rows[..] else {
+        return Err(FormatError::Json {
             at: node.get("items").at,
             item: None,
-            found: format!("a jump to item {target}"),
+            found: format!("a jump to item {target}, of which there are {}", rows.len()),
             allowed: "a doJumpId of the file".to_owned(),
-        })?;
+        });
+    };
     item.params[0] = f32::from(row);
     Ok(item)
 }
@@ -307,10 +319,13 @@ fn check_altitude(
     }
     let shown = node.get("Altitude").float()?;
     if shown.is_finite() && shown.to_bits() != item.z.to_bits() {
-        document.repairs.push(told(&format!(
-            "{}: Altitude {shown} is shown but params[6] {} is flown",
-            node.at, item.z
-        )));
+        document.repairs.push(told(
+            &node.at,
+            &format!(
+                "Altitude {shown} is shown but params[6] {} is flown",
+                item.z
+            ),
+        ));
     }
     Ok(())
 }

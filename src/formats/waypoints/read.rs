@@ -1,18 +1,19 @@
 //! Reads `.waypoints` files of any origin, and says what it had to overlook.
 
-use super::field::{Field, byte, command_number, float, scaled, whole};
-use crate::formats::{Document, FormatError, Repair};
+use crate::formats::field::{Field, byte, command_number, float, scaled, whole};
+use crate::formats::text::Overlooked;
+use crate::formats::{Document, FormatError};
 use crate::mission::{Home, Item, command, frame};
 
 /// Reads a mission, or a fence or rally list in the same layout.
 ///
 /// # Errors
 /// [`FormatError::Text`] for a header other than 110 or 120, a row of fewer than
-/// eleven fields, a field that is no number, a place that does not fit, and a home
-/// row whose altitude is not above mean sea level.
+/// eleven fields, a field that is no number, a place that does not fit, a home row
+/// whose altitude is not above mean sea level, and a jump among misnumbered rows.
 pub fn read(text: &str) -> Result<Document, FormatError> {
     let mut reader = Reader::default();
-    let text = reader.plain(text);
+    let text = reader.overlooked.plain(text);
     let mut lines = text
         .lines()
         .enumerate()
@@ -21,16 +22,16 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
         let Some((number, line)) = lines.next() else {
             return Err(no_header(1, "an empty file"));
         };
-        if !reader.is_blank(number, line) {
+        if !reader.overlooked.is_blank(number, line) {
             break reader.header(number, line)?;
         }
     };
     for (number, line) in lines {
-        if !reader.is_blank(number, line) {
+        if !reader.overlooked.is_blank(number, line) {
             reader.row(number, line, has_home)?;
         }
     }
-    Ok(reader.finish())
+    reader.finish()
 }
 
 fn no_header(line: usize, found: &str) -> FormatError {
@@ -48,12 +49,25 @@ struct Reader {
     rows: usize,
     /// Row of the first item: 1 after a home row.
     first_item: Option<usize>,
-    told_separator: bool,
+    /// The first row whose number is not its place.
+    misnumbered: Option<usize>,
+    /// Line and column of the first jump.
+    jump: Option<(usize, usize)>,
+    overlooked: Overlooked,
 }
 
 impl Reader {
     /// Without a home row the file counts its items from 0: one less than a row.
-    fn finish(mut self) -> Document {
+    fn finish(mut self) -> Result<Document, FormatError> {
+        if let (Some(row), Some((line, column))) = (self.misnumbered, self.jump) {
+            return Err(FormatError::Text {
+                line,
+                column,
+                found: format!("a jump, and line {row} is misnumbered"),
+                allowed: "rows numbered one after the other, so that a jump has one target"
+                    .to_owned(),
+            });
+        }
         if self.first_item == Some(0) {
             for item in &mut self.document.items {
                 if item.command == command::DO_JUMP {
@@ -61,44 +75,12 @@ impl Reader {
                 }
             }
         }
-        self.document
+        self.document.repairs = self.overlooked.repairs;
+        Ok(self.document)
     }
 
     fn repair(&mut self, line: usize, column: usize, what: impl Into<String>) {
-        self.document.repairs.push(Repair {
-            line,
-            column,
-            what: what.into(),
-        });
-    }
-
-    /// The text without byte order mark and carriage returns.
-    fn plain(&mut self, text: &str) -> String {
-        let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-        if plain.len() != text.len() {
-            self.repair(1, 1, "a byte order mark was left out");
-        }
-        let unix = plain.replace("\r\n", "\n").replace('\r', "\n");
-        if let Some(at) = plain.find('\r') {
-            let line = plain[..at].matches('\n').count() + 1;
-            self.repair(line, 1, "carriage returns were taken as line ends");
-        }
-        if !unix.ends_with('\n') {
-            let line = unix.lines().count().max(1);
-            self.repair(line, 1, "the last line has no line end");
-        }
-        unix
-    }
-
-    /// Whether a line has nothing to read.
-    fn is_blank(&mut self, number: usize, line: &str) -> bool {
-        let text = line.trim();
-        if text.starts_with('#') {
-            self.repair(number, 1, "a comment was left out");
-        } else if text.is_empty() {
-            self.repair(number, 1, "an empty line was left out");
-        }
-        text.is_empty() || text.starts_with('#')
+        self.overlooked.repair(line, column, what);
     }
 
     /// Whether the file has a home row.
@@ -122,7 +104,7 @@ impl Reader {
     }
 
     fn row(&mut self, number: usize, line: &str, has_home: bool) -> Result<(), FormatError> {
-        let fields = self.fields(number, line)?;
+        let fields = self.overlooked.fields(number, line)?;
         let field = |index: usize| {
             fields.get(index).copied().ok_or_else(|| FormatError::Text {
                 line: number,
@@ -136,7 +118,13 @@ impl Reader {
         field(10)?;
         let row = field(0)?;
         let sequence = whole(row, u32::from(u16::MAX))?;
-        whole(field(1)?, 255)?;
+        let current = field(1)?;
+        if whole(current, 255)? > 0 && self.rows > 0 {
+            let what = format!(
+                "row {sequence} is marked as current: the mission is read from its first item"
+            );
+            self.repair(number, current.column, what);
+        }
         let frame = byte(field(2)?)?;
         let item = Item {
             command: command_number(field(3)?)?,
@@ -202,6 +190,10 @@ impl Reader {
         if usize::try_from(sequence) != Ok(self.rows) {
             let what = format!("row {sequence} was taken as row {}", self.rows);
             self.repair(line, column, what);
+            self.misnumbered.get_or_insert(line);
+        }
+        if item.command == command::DO_JUMP {
+            self.jump.get_or_insert((line, column));
         }
         self.rows += 1;
         self.document.add(item);
@@ -237,59 +229,12 @@ impl Reader {
         });
         Ok(())
     }
-
-    /// Splits at tabs, or at commas if there is no tab, or at spaces if neither.
-    fn fields<'a>(&mut self, number: usize, line: &'a str) -> Result<Vec<Field<'a>>, FormatError> {
-        let (data, comment) = match line.split_once('#') {
-            Some((data, _)) => (data, true),
-            None => (line, false),
-        };
-        if comment {
-            let column = data.chars().count() + 1;
-            self.repair(number, column, "a comment was left out");
-        }
-        let data = data.trim_end();
-        let separator = if data.contains('\t') {
-            '\t'
-        } else if data.contains(',') {
-            ','
-        } else {
-            ' '
-        };
-        let mut fields = Vec::new();
-        let mut column = 1;
-        let mut untidy = separator != '\t';
-        for part in data.split(separator) {
-            let text = part.trim();
-            let lead = part.chars().take_while(|c| c.is_whitespace()).count();
-            untidy |= text.len() != part.len();
-            if !text.is_empty() {
-                fields.push(Field {
-                    text,
-                    line: number,
-                    column: column + lead,
-                });
-            } else if separator != ' ' {
-                return Err(FormatError::Text {
-                    line: number,
-                    column,
-                    found: "an empty field".to_owned(),
-                    allowed: "a number".to_owned(),
-                });
-            }
-            column += part.chars().count() + 1;
-        }
-        if untidy && !self.told_separator {
-            self.told_separator = true;
-            self.repair(number, 1, "fields are not separated by single tabs");
-        }
-        Ok(fields)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::read;
+    use crate::formats::Spot;
     use proptest::prelude::*;
 
     #[test]
@@ -343,7 +288,10 @@ mod tests {
         let told: Vec<(usize, &str)> = document
             .repairs
             .iter()
-            .map(|r| (r.line, r.what.as_str()))
+            .map(|r| match r.at {
+                Spot::Text { line, .. } => (line, r.what.as_str()),
+                Spot::Json(_) => (0, r.what.as_str()),
+            })
             .collect();
         assert_eq!(
             told,

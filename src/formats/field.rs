@@ -1,7 +1,7 @@
 //! The fields of a row as numbers.
 
-use crate::formats::FormatError;
-use crate::formats::number::coordinate;
+use super::FormatError;
+use super::number::coordinate;
 use crate::mission::command_named;
 
 /// A field and where it is.
@@ -65,7 +65,16 @@ pub(super) fn float(field: Field<'_>) -> Result<f32, FormatError> {
         .parse::<f32>()
         .ok()
         .filter(|value| !value.is_infinite())
-        .ok_or_else(|| bad(field, "a number"))
+        .ok_or_else(|| bad(field, number_like(field.text)))
+}
+
+/// What would do instead; half of Europe writes a comma.
+fn number_like(text: &str) -> &'static str {
+    if text.contains(',') {
+        "a number, with a point before its decimals"
+    } else {
+        "a number"
+    }
 }
 
 pub(super) fn scaled(field: Field<'_>, frame: u8) -> Result<i32, FormatError> {
@@ -74,5 +83,11 @@ pub(super) fn scaled(field: Field<'_>, frame: u8) -> Result<i32, FormatError> {
         .parse()
         .ok()
         .and_then(|value| coordinate(frame, value))
-        .ok_or_else(|| bad(field, "a number that fits"))
+        .ok_or_else(|| {
+            let allowed = match number_like(field.text) {
+                "a number" => "a number that fits",
+                other => other,
+            };
+            bad(field, allowed)
+        })
 }
