@@ -35,6 +35,7 @@ holes = HEIGHTS.astype(float)
 holes[2, 3], holes[4, 5], holes[0, 0] = -9999, np.nan, 20000
 
 write("area.tif", compress="deflate")
+write("east.tif", HEIGHTS + 8, transform=EDGES * Affine.translation(8, 0))
 write("point.tif", point=True)
 write("float.tif", holes, "float32", nodata=-9999, compress="lzw")
 write("double.tif", HEIGHTS, "float64", compress="deflate", predictor=3)

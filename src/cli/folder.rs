@@ -17,7 +17,7 @@ use crate::path::TimedPoint;
 use crate::report::{self, ReviewInput};
 use crate::spec::{SpecFile, TerrainSource};
 use crate::verify::Review;
-use crate::world::World;
+use crate::world::{self, World};
 
 /// SHA-256 of a text, in hexadecimal.
 pub(super) fn sha256(text: &str) -> String {
@@ -45,15 +45,7 @@ pub(super) fn write(
 ) -> Result<(), Failure> {
     let (spec, review) = (&file.spec, &dispatched.review);
     let folder = NewFolder::beside(out, in_the_way)?;
-    if let (Some(path), TerrainSource::File(name)) = (file.terrain_path(), &spec.terrain) {
-        let bytes = fs::read(&path).map_err(|error| {
-            Failure::new(
-                Failure::INPUT,
-                format!("cannot read {}: {error}", path.display()),
-            )
-        })?;
-        folder.write(&name.to_string_lossy(), &bytes)?;
-    }
+    copy_terrain(&folder, file)?;
     folder.write("spec.yaml", file.text.as_bytes())?;
     for (vehicle, mission) in &dispatched.missions {
         let id = &spec.vehicles[*vehicle].id;
@@ -103,6 +95,17 @@ pub(super) fn write(
     folder.write("review.html", page.as_bytes())?;
     folder.write("timing.json", report::json_text(timing).as_bytes())?;
     folder.publish()?;
+    Ok(())
+}
+
+/// Copies the elevation files that a spec uses to the same place beside its copy.
+fn copy_terrain(folder: &NewFolder, file: &SpecFile) -> Result<(), Failure> {
+    let unusable = |error| Failure::new(Failure::INPUT, format!("the terrain: {error}"));
+    let home = file.path.parent().unwrap_or(Path::new(""));
+    for path in world::files(file).map_err(unusable)? {
+        let name = path.strip_prefix(home).unwrap_or(&path);
+        folder.copy(&path, &name.to_string_lossy())?;
+    }
     Ok(())
 }
 
@@ -270,7 +273,7 @@ fn is_written(name: &str) -> bool {
 /// The first part of the path of the terrain that a spec names: a file or folder that was copied with it.
 fn terrain_folder(spec: &str) -> Option<String> {
     let file = SpecFile::parse(Path::new("spec.yaml"), spec.to_owned()).ok()?;
-    let TerrainSource::File(path) = file.spec.terrain else {
+    let (TerrainSource::File(path) | TerrainSource::Folder(path)) = file.spec.terrain else {
         return None;
     };
     let first = path

@@ -70,6 +70,18 @@ impl NewFolder {
         fs::write(&path, bytes).map_err(at(&path))
     }
 
+    /// Copies a file of any size; `name` may contain folders.
+    pub(super) fn copy(&self, from: &Path, name: &str) -> Result<(), OutputError> {
+        let path = self.building.join(name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(at(parent))?;
+        }
+        let mut source = fs::File::open(from).map_err(at(from))?;
+        let mut target = fs::File::create(&path).map_err(at(&path))?;
+        io::copy(&mut source, &mut target).map_err(at(&path))?;
+        Ok(())
+    }
+
     /// Puts the folder in its place: old aside, new in, old removed.
     pub(super) fn publish(mut self) -> Result<(), OutputError> {
         let old = sibling(&self.target, "old");

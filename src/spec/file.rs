@@ -92,13 +92,13 @@ impl SpecFile {
         }
     }
 
-    /// Where the elevation file is, if the spec names one.
+    /// Where the elevation file or folder is, if the spec names one.
     #[must_use]
     pub fn terrain_path(&self) -> Option<PathBuf> {
         match &self.spec.terrain {
-            TerrainSource::File(file) => {
+            TerrainSource::File(name) | TerrainSource::Folder(name) => {
                 let folder = self.path.parent().unwrap_or(Path::new(""));
-                Some(folder.join(file))
+                Some(folder.join(name))
             }
             TerrainSource::Flat(_) | TerrainSource::Analytic { .. } => None,
         }

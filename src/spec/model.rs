@@ -71,6 +71,8 @@ impl Area {
 pub enum TerrainSource {
     /// An elevation file, its path relative to the spec.
     File(PathBuf),
+    /// A folder of elevation files, its path relative to the spec.
+    Folder(PathBuf),
     /// The same height everywhere.
     Flat(Amsl),
     /// Gaussian hills over a base, for examples and tests.

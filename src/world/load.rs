@@ -1,6 +1,8 @@
 //! From a spec file to its world: reads the terrain, then checks what needs ground.
 
-use super::{Bounds, NoData, Terrain, TerrainError, World, read_terrain};
+use std::path::PathBuf;
+
+use super::{Bounds, NoData, Terrain, TerrainError, World, read_terrain, terrain_files};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{
     EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
@@ -15,7 +17,11 @@ use crate::spec::{
 /// goals at which vehicles loiter within each other's separation.
 pub fn load(file: &SpecFile) -> Result<World, SpecError> {
     let terrain = terrain(file).map_err(|error| {
-        let issue = file.issue("terrain.file", error.to_string(), String::new());
+        let path = match file.spec.terrain {
+            TerrainSource::Folder(_) => "terrain.folder",
+            _ => "terrain.file",
+        };
+        let issue = file.issue(path, error.to_string(), String::new());
         file.error(vec![issue])
     })?;
     let mut check = Check {
@@ -47,11 +53,27 @@ fn terrain(file: &SpecFile) -> Result<Terrain, TerrainError> {
             base: *base,
             hills: hills.clone(),
         }),
-        TerrainSource::File(name) => {
+        TerrainSource::File(name) | TerrainSource::Folder(name) => {
             let path = file.terrain_path().unwrap_or_else(|| name.clone());
+            let is_folder = matches!(file.spec.terrain, TerrainSource::Folder(_));
+            if path.is_dir() != is_folder {
+                // Says what the system says of it.
+                std::fs::read_dir(&path)?;
+                return Err(TerrainError::UnknownKind);
+            }
             read_terrain(&path, Some(Bounds::around(&file.spec.area))).map(Terrain::Grid)
         }
     }
+}
+
+/// The elevation files that a spec uses; none if its ground comes from no file.
+///
+/// # Errors
+/// A folder of which the files do not fit together or are of elsewhere.
+pub fn files(file: &SpecFile) -> Result<Vec<PathBuf>, TerrainError> {
+    file.terrain_path().map_or(Ok(Vec::new()), |path| {
+        terrain_files(&path, Some(Bounds::around(&file.spec.area)))
+    })
 }
 
 struct Check<'a> {

@@ -6,8 +6,11 @@ mod reader;
 mod terrain;
 
 pub use ground::Ground;
-pub use load::load;
-pub use reader::{Bounds, TerrainError, read_terrain};
+pub use load::{files, load};
+pub use reader::{
+    Bounds, TerrainError, TerrainInfo, elevation_files, inspect, is_elevation, read_terrain,
+    terrain_files,
+};
 pub use terrain::{NoData, Terrain, TerrainGrid};
 
 use geo::{Contains, Intersects, Point, Polygon};

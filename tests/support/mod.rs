@@ -92,7 +92,9 @@ pub fn world(spec: &MissionSpec) -> World {
             base: *base,
             hills: hills.clone(),
         },
-        TerrainSource::File(file) => panic!("{} is not for this fixture", file.display()),
+        TerrainSource::File(file) | TerrainSource::Folder(file) => {
+            panic!("{} is not for this fixture", file.display())
+        }
     };
     World::new(spec, terrain).expect("ground everywhere")
 }

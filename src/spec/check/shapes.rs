@@ -20,13 +20,16 @@ const MAX_CORNERS: usize = 1000;
 
 impl Checker<'_> {
     pub(super) fn terrain(&mut self, raw: &raw::Terrain) -> Option<TerrainSource> {
-        match (&raw.file, &raw.flat, &raw.analytic) {
-            (Some(file), None, None) => self.terrain_file(file).map(TerrainSource::File),
-            (None, Some(flat), None) => {
+        match (&raw.file, &raw.folder, &raw.flat, &raw.analytic) {
+            (Some(file), None, None, None) => self.terrain_file(file).map(TerrainSource::File),
+            (None, Some(folder), None, None) => self
+                .beside("terrain.folder", folder)
+                .map(TerrainSource::Folder),
+            (None, None, Some(flat), None) => {
                 let amsl = self.number("terrain.flat.amsl_m", flat.amsl_m, -500.0..=20_000.0);
                 Some(TerrainSource::Flat(Amsl(amsl)))
             }
-            (None, None, Some(analytic)) => {
+            (None, None, None, Some(analytic)) => {
                 let path = "terrain.analytic";
                 let base = self.number(
                     &format!("{path}.base_amsl_m"),
@@ -55,7 +58,7 @@ impl Checker<'_> {
             _ => {
                 self.report(
                     "terrain",
-                    "none or several of file, flat and analytic",
+                    "none or several of file, folder, flat and analytic",
                     "exactly one",
                 );
                 None
@@ -63,11 +66,23 @@ impl Checker<'_> {
         }
     }
 
-    /// A path that stays beside the spec wherever both are copied.
     fn terrain_file(&mut self, file: &str) -> Option<PathBuf> {
+        let path = self.beside("terrain.file", file)?;
+        let name = file.to_ascii_lowercase();
+        let endings = [".hgt", ".hgt.gz", ".hgt.zip", ".tif", ".tiff"];
+        if !endings.iter().any(|ending| name.ends_with(ending)) {
+            let allowed = "a file named .hgt, .hgt.gz, .hgt.zip, .tif or .tiff";
+            self.report("terrain.file", format!("`{file}`"), allowed);
+            return None;
+        }
+        Some(path)
+    }
+
+    /// A path that stays beside the spec wherever both are copied.
+    fn beside(&mut self, key: &str, name: &str) -> Option<PathBuf> {
         let mut path = PathBuf::new();
-        let mut inside = !file.contains(['\\', ':']) && !file.chars().any(char::is_control);
-        for part in Path::new(file).components() {
+        let mut inside = !name.contains(['\\', ':']) && !name.chars().any(char::is_control);
+        for part in Path::new(name).components() {
             match part {
                 Component::Normal(name) => path.push(name),
                 Component::CurDir => {}
@@ -76,20 +91,8 @@ impl Checker<'_> {
         }
         if !inside || path.as_os_str().is_empty() {
             let allowed = "a path relative to the spec, with /, without .. and drive letters";
-            let found = format!("`{}`", file.escape_debug());
-            self.report("terrain.file", found, allowed);
-            return None;
-        }
-        let extension = path
-            .extension()
-            .and_then(|ending| ending.to_str())
-            .unwrap_or("");
-        if !["hgt", "tif", "tiff"].contains(&extension.to_ascii_lowercase().as_str()) {
-            self.report(
-                "terrain.file",
-                format!("`{file}`"),
-                "a file named .hgt, .tif or .tiff",
-            );
+            let found = format!("`{}`", name.escape_debug());
+            self.report(key, found, allowed);
             return None;
         }
         Some(path)

@@ -93,8 +93,10 @@ pub(super) struct Area {
 #[serde(deny_unknown_fields)]
 #[schemars(extend("minProperties" = 1, "maxProperties" = 1))]
 pub(super) struct Terrain {
-    /// An elevation file beside this one: SRTM .hgt, or GeoTIFF in EPSG:4326.
+    /// An elevation file beside this one: SRTM .hgt, .hgt.gz or .hgt.zip, or GeoTIFF in EPSG:4326.
     pub(super) file: Option<String>,
+    /// A folder of such files beside this one, used as one.
+    pub(super) folder: Option<String>,
     /// The same height everywhere.
     pub(super) flat: Option<Flat>,
     /// Gaussian hills over a base.

@@ -6,9 +6,8 @@ use geotiff_reader::GeoTiffFile;
 use geotiff_reader::crs::{CrsInfo, ModelType, VerticalCrs};
 use geotiff_reader::geokeys;
 
-use super::{Bounds, Lattice, TerrainError, Window, ground_m};
+use super::{Lattice, TerrainError, Window, ground_m};
 use crate::geodesy::LatLon;
-use crate::world::TerrainGrid;
 
 const EPSG_WGS84: u16 = 4326;
 /// `GeogAngularUnitsGeoKey`: degree.
@@ -18,37 +17,66 @@ const METRE: u16 = 9001;
 /// Least nodes in each direction.
 const MIN_NODES: u32 = 2;
 
-pub(super) fn read(path: &Path, bounds: Option<Bounds>) -> Result<TerrainGrid, TerrainError> {
-    // The reader's own message for a missing file names it twice.
-    std::fs::File::open(path)?;
-    let file = GeoTiffFile::open(path).map_err(|error| TerrainError::Decode(error.to_string()))?;
-    check_coordinates(&file)?;
-    if let Some(vertical) = file.crs().vertical() {
-        check_heights(vertical)?;
-    }
-    let lattice = lattice(&file)?;
-    let window = lattice.window(bounds)?;
-    let no_data = match file.nodata() {
-        None => None,
-        Some(text) => {
-            let text = text.trim_matches(['\0', ' ']);
-            let value = text.parse::<f64>();
-            Some(value.map_err(|_| TerrainError::Decode(format!("no-data value `{text}`")))?)
+/// A GeoTIFF of which no height was read yet.
+pub(super) struct GeoTiff {
+    file: GeoTiffFile,
+    pub(super) lattice: Lattice,
+    no_data: Option<f64>,
+}
+
+impl GeoTiff {
+    pub(super) fn open(path: &Path) -> Result<Self, TerrainError> {
+        // The reader's own message for a missing file names it twice.
+        std::fs::File::open(path)?;
+        let file =
+            GeoTiffFile::open(path).map_err(|error| TerrainError::Decode(error.to_string()))?;
+        check_coordinates(&file)?;
+        if let Some(vertical) = file.crs().vertical() {
+            check_heights(vertical)?;
         }
-    };
-    let heights_m = samples(&file, window)?
-        .into_iter()
+        let no_data = match file.nodata() {
+            None => None,
+            Some(text) => {
+                let text = text.trim_matches(['\0', ' ']);
+                let value = text.parse::<f64>();
+                Some(value.map_err(|_| TerrainError::Decode(format!("no-data value `{text}`")))?)
+            }
+        };
+        Ok(Self {
+            lattice: lattice(&file)?,
+            file,
+            no_data,
+        })
+    }
+
+    pub(super) fn read(&self, window: Window) -> Result<Vec<f32>, TerrainError> {
         // A no-data value is stored exactly as the samples are.
-        .map(|sample| {
-            if no_data.is_some_and(|no_data| is_same(sample, no_data)) {
-                f64::NAN
-            } else {
-                sample
+        samples(&self.file, window, |sample| {
+            match self.no_data.filter(|no_data| is_same(sample, *no_data)) {
+                Some(_) => f32::NAN,
+                None => ground_m(sample),
             }
         })
-        .map(ground_m)
-        .collect();
-    Ok(lattice.grid(window, heights_m))
+    }
+
+    /// What the heights are measured from, as far as the file says it.
+    pub(super) fn datum(&self) -> String {
+        let vertical = self.file.crs().vertical();
+        let citation = vertical.and_then(|vertical| vertical.citation.clone());
+        match (vertical.and_then(|vertical| vertical.epsg), citation) {
+            (Some(5773), _) => "WGS84, metres above EGM96 (EPSG:5773)".to_owned(),
+            (Some(3855), _) => {
+                "WGS84, metres above EGM2008 (EPSG:3855), mostly within 1 m of EGM96".to_owned()
+            }
+            (Some(code), _) if code != 0 && code != 32767 => {
+                format!("WGS84, metres above EPSG:{code}, taken for mean sea level")
+            }
+            (_, Some(citation)) => {
+                format!("WGS84, metres above `{citation}`, taken for mean sea level")
+            }
+            _ => "WGS84, metres taken for above mean sea level: the file does not say".to_owned(),
+        }
+    }
 }
 
 /// Equal as far as `f32` samples can tell.
@@ -154,8 +182,12 @@ fn lattice(file: &GeoTiffFile) -> Result<Lattice, TerrainError> {
     })
 }
 
-/// The samples of a window, row by row, whatever their type.
-fn samples(file: &GeoTiffFile, window: Window) -> Result<Vec<f64>, TerrainError> {
+/// The heights of a window, row by row, from samples of whatever type.
+fn samples(
+    file: &GeoTiffFile,
+    window: Window,
+    height_m: impl Fn(f64) -> f32,
+) -> Result<Vec<f32>, TerrainError> {
     let decode = |error: &dyn std::fmt::Display| TerrainError::Decode(error.to_string());
     let ifd = file
         .tiff()
@@ -179,12 +211,12 @@ fn samples(file: &GeoTiffFile, window: Window) -> Result<Vec<f64>, TerrainError>
             )
             .map_err(|error| decode(&error))?
             .iter()
-            .map(|sample| f64::from(*sample))
+            .map(|sample| height_m(f64::from(*sample)))
             .collect()
         };
     }
     // SampleFormat of TIFF 6.0: 1 unsigned, 2 signed, 3 float.
-    let heights: Vec<f64> = match (formats.first(), bits.first()) {
+    let heights: Vec<f32> = match (formats.first(), bits.first()) {
         (Some(1), Some(8)) => read!(u8),
         (Some(1), Some(16)) => read!(u16),
         (Some(1), Some(32)) => read!(u32),

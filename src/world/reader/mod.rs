@@ -1,10 +1,21 @@
-//! Elevation files: SRTM `.hgt` and GeoTIFF, cut to the part a mission needs.
+//! Elevation files: SRTM tiles and GeoTIFF, one or a folder of them, cut to the part a
+//! mission needs. Only that part is ever in memory.
 
 mod geotiff;
 mod hgt;
+mod info;
+mod lattice;
+mod mosaic;
+
+pub use info::{TerrainInfo, inspect};
 
 use std::ops::RangeInclusive;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use geotiff::GeoTiff;
+use hgt::{Hgt, Packing};
+use lattice::{Lattice, Window};
+use mosaic::Mosaic;
 
 use super::TerrainGrid;
 use crate::geodesy::LatLon;
@@ -23,9 +34,44 @@ pub enum TerrainError {
     /// It cannot be opened or read.
     #[error("cannot be read: {0}")]
     Unreadable(#[from] std::io::Error),
-    /// The ending says neither `.hgt` nor `.tif`.
-    #[error("unknown kind of elevation file (allowed: .hgt, .tif, .tiff)")]
+    /// The ending is of no elevation file.
+    #[error("unknown kind of elevation file (allowed: .hgt, .hgt.gz, .hgt.zip, .tif, .tiff)")]
     UnknownKind,
+    /// A packed tile is damaged, or not what it says.
+    #[error("cannot be unpacked: {0}")]
+    Packed(String),
+    /// An archive does not hold the one tile that its name promises.
+    #[error("holds {0} (allowed: one .hgt named as the archive is)")]
+    Archive(String),
+    /// One file of a folder cannot be used.
+    #[error("{name}: {error}")]
+    InFile {
+        /// Its name.
+        name: String,
+        /// Why not.
+        error: Box<TerrainError>,
+    },
+    /// Two files of a folder hold the same nodes.
+    #[error("{first} and {second} hold the same tile (allowed: one of them)")]
+    Twice {
+        /// Name of the first.
+        first: String,
+        /// Name of the second.
+        second: String,
+    },
+    /// Two files of a folder do not fit together.
+    #[error(
+        "{first} and {second} have different rows or columns (allowed: one spacing in a folder)"
+    )]
+    Mixed {
+        /// Name of the first.
+        first: String,
+        /// Name of the second.
+        second: String,
+    },
+    /// No file of a folder is of the right part of the earth.
+    #[error("none of the {0} elevation files in it holds anything of the area")]
+    NoneHere(usize),
     /// The name of an `.hgt` file gives its south-west corner.
     #[error("`{0}` does not name a corner (allowed: such as N36W085.hgt)")]
     Name(String),
@@ -99,122 +145,106 @@ impl Bounds {
     }
 }
 
-/// Reads what an elevation file holds within `bounds`; all of it without.
+/// Reads what an elevation file, or a folder of them, holds within `bounds`; all of it without.
+///
+/// In a folder the files must share rows and columns; neighbours meet at the nodes that
+/// both have, or at nodes next to each other. Nodes that no file has are without data.
 ///
 /// # Errors
 /// [`TerrainError`], which says what is wrong and what is allowed.
 pub fn read_terrain(path: &Path, bounds: Option<Bounds>) -> Result<TerrainGrid, TerrainError> {
-    let ending = path.extension().and_then(|ending| ending.to_str());
-    match ending.map(str::to_ascii_lowercase).as_deref() {
-        Some("hgt") => hgt::read(path, bounds),
-        Some("tif" | "tiff") => geotiff::read(path, bounds),
-        _ => Err(TerrainError::UnknownKind),
+    if path.is_dir() {
+        return Mosaic::open(path, bounds)?.read(bounds);
     }
+    let source = Source::open(path)?;
+    let lattice = source.lattice();
+    let window = lattice.window(bounds)?;
+    Ok(lattice.grid(window, source.read(window)?))
 }
 
-/// The nodes of a file: where they are, before any height is read.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Lattice {
-    north_west: LatLon,
-    row_step_deg: f64,
-    column_step_deg: f64,
-    rows: usize,
-    columns: usize,
+/// The files that [`read_terrain`] would read, in the order of their names.
+///
+/// # Errors
+/// A folder that cannot be used.
+pub fn terrain_files(path: &Path, bounds: Option<Bounds>) -> Result<Vec<PathBuf>, TerrainError> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let mosaic = Mosaic::open(path, bounds)?;
+    Ok(mosaic.names().map(|name| path.join(name)).collect())
 }
 
-/// A part of a [`Lattice`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Window {
-    first_row: usize,
-    rows: usize,
-    first_column: usize,
-    columns: usize,
+/// Whether a file holds elevation by its name.
+#[must_use]
+pub fn is_elevation(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    hgt::is_tile(&name) || name.ends_with(".tif") || name.ends_with(".tiff")
 }
 
-impl Lattice {
-    /// The nodes within `bounds` and the next one outside on each side.
-    fn window(&self, bounds: Option<Bounds>) -> Result<Window, TerrainError> {
-        let (mut rows, mut columns) = ((0, self.rows), (0, self.columns));
-        if let Some(Bounds {
-            south_west,
-            north_east,
-        }) = bounds
-        {
-            let row = |lat_deg: f64| (self.north_west.lat_deg - lat_deg) / self.row_step_deg;
-            let column = |lon_deg: f64| (lon_deg - self.north_west.lon_deg) / self.column_step_deg;
-            let elsewhere = || self.elsewhere();
-            rows = cut(row(north_east.lat_deg), row(south_west.lat_deg), self.rows)
-                .ok_or_else(elsewhere)?;
-            columns = cut(
-                column(south_west.lon_deg),
-                column(north_east.lon_deg),
-                self.columns,
-            )
-            .ok_or_else(elsewhere)?;
-        }
-        let window = Window {
-            first_row: rows.0,
-            rows: rows.1 - rows.0,
-            first_column: columns.0,
-            columns: columns.1 - columns.0,
-        };
-        match window.rows.saturating_mul(window.columns) {
-            nodes if nodes > MAX_NODES => Err(TerrainError::TooLarge(nodes)),
-            _ => Ok(window),
-        }
-    }
-
-    fn elsewhere(&self) -> TerrainError {
-        let LatLon { lat_deg, lon_deg } = self.node(self.rows - 1, self.columns - 1);
-        TerrainError::Elsewhere {
-            south: lat_deg,
-            north: self.north_west.lat_deg,
-            west: self.north_west.lon_deg,
-            east: lon_deg,
-        }
-    }
-
-    #[expect(
-        clippy::cast_precision_loss,
-        reason = "grids have far fewer than 2^52 rows"
-    )]
-    fn node(&self, row: usize, column: usize) -> LatLon {
-        LatLon {
-            lat_deg: self.north_west.lat_deg - row as f64 * self.row_step_deg,
-            lon_deg: self.north_west.lon_deg + column as f64 * self.column_step_deg,
-        }
-    }
-
-    /// The grid of a window of which the heights were read, row by row.
-    fn grid(&self, window: Window, heights_m: Vec<f32>) -> TerrainGrid {
-        TerrainGrid {
-            north_west: self.node(window.first_row, window.first_column),
-            row_step_deg: self.row_step_deg,
-            column_step_deg: self.column_step_deg,
-            rows: window.rows,
-            columns: window.columns,
-            heights_m,
-        }
-    }
+/// The elevation files within a folder, in the order of their names.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn elevation_files(folder: &Path) -> Result<Vec<PathBuf>, TerrainError> {
+    let names = mosaic::names(folder)?;
+    Ok(names.into_iter().map(|name| folder.join(name)).collect())
 }
 
-/// First and one past the last of `nodes` around `from..to`; `None` if there are not two.
-fn cut(from: f64, to: f64, nodes: usize) -> Option<(usize, usize)> {
-    let last = f64::from(u32::try_from(nodes.checked_sub(1)?).ok()?);
-    if from > last || to < 0.0 || nodes < 2 {
-        return None;
+fn name_of(path: &Path) -> String {
+    path.file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default()
+}
+
+/// One elevation file, of which no height was read yet.
+enum Source {
+    Hgt(Hgt),
+    GeoTiff(Box<GeoTiff>),
+}
+
+impl Source {
+    fn open(path: &Path) -> Result<Self, TerrainError> {
+        let name = name_of(path);
+        if hgt::is_tile(&name.to_ascii_lowercase()) {
+            Hgt::open(path).map(Self::Hgt)
+        } else if is_elevation(&name) {
+            GeoTiff::open(path).map(|file| Self::GeoTiff(Box::new(file)))
+        } else {
+            Err(TerrainError::UnknownKind)
+        }
     }
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped"
-    )]
-    let (from, to) = (
-        from.floor().clamp(0.0, last) as usize,
-        to.ceil().clamp(0.0, last) as usize,
-    );
-    let from = from.min(nodes - 2);
-    Some((from, to.max(from + 1) + 1))
+
+    fn lattice(&self) -> Lattice {
+        match self {
+            Self::Hgt(file) => file.lattice,
+            Self::GeoTiff(file) => file.lattice,
+        }
+    }
+
+    fn read(&self, window: Window) -> Result<Vec<f32>, TerrainError> {
+        match self {
+            Self::Hgt(file) => file.read(window),
+            Self::GeoTiff(file) => file.read(window),
+        }
+    }
+
+    fn format(&self) -> &'static str {
+        match self {
+            Self::Hgt(file) => match file.packing {
+                Packing::Plain => "SRTM tile",
+                Packing::Gzip => "SRTM tile, gzip",
+                Packing::Zip(_) => "SRTM tile, zip",
+            },
+            Self::GeoTiff(_) => "GeoTIFF",
+        }
+    }
+
+    fn datum(&self) -> String {
+        match self {
+            Self::Hgt(_) => "WGS84, metres above EGM96, as every SRTM tile".to_owned(),
+            Self::GeoTiff(file) => file.datum(),
+        }
+    }
 }
 
 /// A height as the grid keeps it: NaN for what is no ground.
