@@ -198,6 +198,12 @@ pub(super) struct Paper {
     /// Also run MSFOA without its parts
     #[arg(long)]
     pub(super) ablations: bool,
+    /// Also read what the paper leaves open in other ways
+    #[arg(long)]
+    pub(super) readings: bool,
+    /// Search the objective as printed, gaps and all; the default planner then stays away
+    #[arg(long)]
+    pub(super) printed_objective: bool,
     /// Make only part I of N, for `study merge`
     #[arg(long, value_name = "I/N", value_parser = super::study::parse_shard)]
     pub(super) shard: Option<(usize, usize)>,

@@ -43,6 +43,8 @@ fn paper(arguments: &args::Paper) -> Result<(), Failure> {
         iterations: arguments.iterations,
         seed: arguments.seed,
         ablations: arguments.ablations,
+        readings: arguments.readings,
+        printed_objective: arguments.printed_objective,
         control_points: arguments.control_points,
         maps: maps(&arguments.maps)?,
     };
@@ -160,7 +162,7 @@ impl From<ConfigError> for Failure {
 impl From<StoreError> for Failure {
     fn from(error: StoreError) -> Self {
         let code = match error {
-            StoreError::Io { .. } => Self::OUTPUT,
+            StoreError::Io { .. } | StoreError::Busy(_) => Self::OUTPUT,
             StoreError::Occupied(_) | StoreError::Nothing => Self::USAGE,
             StoreError::Content { .. }
             | StoreError::Different { .. }

@@ -1,4 +1,4 @@
-//! Fruit flies as the paper encodes them: one pair (X, Y) for each decision variable.
+//! Fruit flies as the paper encodes them: pairs (X, Y) in the unit disc.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,7 +12,28 @@ const PARENT_WEIGHT: f64 = 0.8;
 /// Draws before a variable keeps its swarm's value.
 const MAX_DRAWS: usize = 100;
 
-/// One pair (X, Y) for each decision variable.
+/// What a pair (X, Y) stands for: Eq. 31 to 33 can be read in two ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mapping {
+    /// One decision variable, `S = sqrt(X^2 + Y^2)`.
+    Variable,
+    /// Three of them, a control point: `|X|`, `|Y|` and `S`. The variables are then all
+    /// first coordinates, all second and all third. The far corner, `|X| = |Y| = 1`, is
+    /// out of reach, and altitude is tied to the distance from the origin.
+    Point,
+}
+
+impl Mapping {
+    /// Pairs of a fly for so many variables.
+    pub(super) fn pairs(self, dimension: usize) -> usize {
+        match self {
+            Self::Variable => dimension,
+            Self::Point => dimension / 3,
+        }
+    }
+}
+
+/// Pairs (X, Y) in the unit disc.
 #[derive(Clone)]
 pub(super) struct Fly {
     pairs: Vec<(f64, f64)>,
@@ -20,7 +41,7 @@ pub(super) struct Fly {
 
 impl Fly {
     /// Uniform in the unit disc, by rejection.
-    pub(super) fn random(dimension: usize, rng: &mut ChaCha8Rng) -> Self {
+    pub(super) fn random(pairs: usize, rng: &mut ChaCha8Rng) -> Self {
         let pair = |rng: &mut ChaCha8Rng| loop {
             let (x, y) = (rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0));
             if x * x + y * y <= 1.0 {
@@ -28,7 +49,7 @@ impl Fly {
             }
         };
         Self {
-            pairs: (0..dimension).map(|_| pair(rng)).collect(),
+            pairs: (0..pairs).map(|_| pair(rng)).collect(),
         }
     }
 
@@ -49,25 +70,33 @@ impl Fly {
         }
     }
 
-    /// Eq. 14 and 15: mostly `self`, partly `other`.
-    pub(super) fn cross(&self, other: &Self) -> Self {
+    /// Eq. 14 and 15: mostly the parent that is given for each pair, partly `self`.
+    pub(super) fn offspring<'a>(&self, mut parent: impl FnMut() -> &'a Self) -> Self {
         let mix = |a: f64, b: f64| PARENT_WEIGHT * a + (1.0 - PARENT_WEIGHT) * b;
         Self {
             pairs: self
                 .pairs
                 .iter()
-                .zip(&other.pairs)
-                .map(|(a, b)| (mix(a.0, b.0), mix(a.1, b.1)))
+                .enumerate()
+                .map(|(j, b)| {
+                    let a = parent().pairs[j];
+                    (mix(a.0, b.0), mix(a.1, b.1))
+                })
                 .collect(),
         }
     }
 
-    /// Eq. 11. A mixture may pass 1 by rounding.
-    pub(super) fn position(&self) -> Vec<f64> {
-        self.pairs
-            .iter()
-            .map(|(x, y)| (x * x + y * y).sqrt().min(1.0))
-            .collect()
+    /// Eq. 11 and 32. A mixture may pass 1 by rounding.
+    pub(super) fn position(&self, mapping: Mapping) -> Vec<f64> {
+        let smell = |(x, y): &(f64, f64)| (x * x + y * y).sqrt().min(1.0);
+        match mapping {
+            Mapping::Variable => self.pairs.iter().map(smell).collect(),
+            Mapping::Point => {
+                let x = self.pairs.iter().map(|(x, _)| x.abs().min(1.0));
+                let y = self.pairs.iter().map(|(_, y)| y.abs().min(1.0));
+                x.chain(y).chain(self.pairs.iter().map(smell)).collect()
+            }
+        }
     }
 }
 
@@ -80,8 +109,9 @@ pub(super) fn big_step(u: f64) -> f64 {
 pub(super) fn smells<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     flies: &[Fly],
+    mapping: Mapping,
 ) -> Vec<f64> {
-    let rows: Vec<f64> = flies.iter().flat_map(Fly::position).collect();
+    let rows: Vec<f64> = flies.iter().flat_map(|fly| fly.position(mapping)).collect();
     evaluator.evaluate(&rows)
 }
 
@@ -104,10 +134,30 @@ mod tests {
         for fly in [
             a.olfactory(big_step, &mut rng),
             a.olfactory(|u| 0.1 * u, &mut rng),
-            a.cross(&b),
+            a.offspring(|| &b),
         ] {
             assert!(fly.pairs.iter().all(|(x, y)| x * x + y * y <= 1.0 + 1e-12));
-            assert!(fly.position().iter().all(|s| (0.0..=1.0).contains(s)));
+            for mapping in [Mapping::Variable, Mapping::Point] {
+                let position = fly.position(mapping);
+                assert!(position.iter().all(|s| (0.0..=1.0).contains(s)));
+                assert_eq!(mapping.pairs(position.len()), 50);
+            }
         }
+    }
+
+    #[test]
+    fn a_pair_is_one_variable_or_one_control_point() {
+        let fly = Fly {
+            pairs: vec![(-0.6, 0.8), (0.3, -0.4)],
+        };
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert_eq!(found.len(), wanted.len());
+            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12));
+        };
+        near(fly.position(Mapping::Variable), &[1.0, 0.5]);
+        near(
+            fly.position(Mapping::Point),
+            &[0.6, 0.3, 0.8, 0.4, 1.0, 0.5],
+        );
     }
 }

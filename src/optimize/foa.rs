@@ -15,7 +15,7 @@
 
 use rand_chacha::ChaCha8Rng;
 
-use super::fly::{Fly, keenest, smells};
+use super::fly::{Fly, Mapping, keenest, smells};
 use super::{Evaluator, Problem};
 use rand::RngExt;
 
@@ -69,7 +69,7 @@ fn direct<P: Problem + ?Sized>(
     let mut smell = f64::INFINITY;
     while !evaluator.is_exhausted() {
         let swarm: Vec<Fly> = (0..flies).map(|_| location.olfactory(|u| u, rng)).collect();
-        let found = smells(evaluator, &swarm);
+        let found = smells(evaluator, &swarm, Mapping::Variable);
         let best = keenest(&found);
         if found[best] < smell {
             location = swarm[best].clone();

@@ -5,6 +5,7 @@
 //! - Mapping (Eq. 31 to 33): each decision variable has its own pair (X, Y) in the
 //!   unit disc and is `S = sqrt(X^2 + Y^2)`, Eq. 11. Step 8 tests only S <= 1, which
 //!   keeps a path in the map only if each coordinate is a scalar of its own.
+//!   [`Mapping::Point`] is the other reading, a pair for each control point.
 //! - Swarm locations start uniform in the disc by rejection; each is evaluated once,
 //!   so that `smell_best` is defined before the first test against the threshold.
 //! - Above the threshold a fly steps by Eq. 7 and 8, else by Eq. 9 and 10; the text
@@ -15,8 +16,9 @@
 //! - `oldbest` is the best fly of this iteration, not the swarm's location (Eq. 12, 13).
 //! - Offspring (Eq. 14) are made after all swarms have searched (Algorithm 2 has
 //!   separate loops): `0.8 oldbest_q + 0.2 X_i` with q uniform over the swarms, drawn
-//!   once for each fly, own swarm allowed. Two points of the disc mix to a point of
-//!   the disc, so the jump of step 14 is never taken.
+//!   once for each fly, own swarm allowed; with [`Parents::EachPair`], as Eq. 38 could be
+//!   read, anew for each pair. Two points of the disc mix to a point of the disc, so the
+//!   jump of step 14 is never taken.
 //! - A swarm moves only to something strictly better than its location (the sentence
 //!   after Eq. 19); between equal old and new the old one wins.
 //! - R, "searching step dwindled parameter", is printed without an index: constant
@@ -28,7 +30,7 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::fly::{Fly, big_step, keenest, smells};
+use super::fly::{Fly, Mapping, big_step, keenest, smells};
 use super::{Candidate, Evaluator, Problem};
 
 /// The local searching step R of Eq. 9 and 10.
@@ -38,6 +40,15 @@ pub enum Step {
     Constant(f64),
     /// From this value to 0, with the square of the iterations left.
     Dwindling(f64),
+}
+
+/// For what a parent of offspring is drawn, q of Eq. 14.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parents {
+    /// Once for a fly.
+    EachFly,
+    /// For every pair of it.
+    EachPair,
 }
 
 /// Parameters of Table 1, and those it lacks.
@@ -53,6 +64,10 @@ pub struct LiteralParameters {
     pub step: Step,
     /// Whether flies have offspring (Eq. 14 to 19); without, an iteration evaluates M.
     pub offspring: bool,
+    /// For what their parents are drawn.
+    pub parents: Parents,
+    /// What a pair (X, Y) stands for; [`Mapping::Point`] needs a problem of points in space.
+    pub mapping: Mapping,
 }
 
 impl LiteralParameters {
@@ -65,6 +80,8 @@ impl LiteralParameters {
             threshold: 1000.0,
             step: Step::Constant(0.1),
             offspring: true,
+            parents: Parents::EachFly,
+            mapping: Mapping::Variable,
         }
     }
 
@@ -109,9 +126,9 @@ pub(super) fn search<P: Problem + ?Sized>(
         .div_ceil(parameters.evaluations_each(count * flies_each))
         .max(1);
     let locations: Vec<Fly> = (0..count)
-        .map(|_| Fly::random(evaluator.dimension(), rng))
+        .map(|_| Fly::random(parameters.mapping.pairs(evaluator.dimension()), rng))
         .collect();
-    let first = smells(evaluator, &locations);
+    let first = smells(evaluator, &locations, parameters.mapping);
     let mut swarms: Vec<Swarm> = locations
         .into_iter()
         .zip(first)
@@ -133,21 +150,28 @@ pub(super) fn search<P: Problem + ?Sized>(
                 }
             })
             .collect();
-        let old_smells = smells(evaluator, &old);
+        let old_smells = smells(evaluator, &old, parameters.mapping);
         let best_of = |swarm: usize, smells: &[f64]| {
             swarm * flies_each + keenest(&smells[swarm * flies_each..][..flies_each])
         };
+        let best: Vec<usize> = (0..count).map(|g| best_of(g, &old_smells)).collect();
         let new: Vec<Fly> = old
             .iter()
             .filter(|_| parameters.offspring)
             .map(|fly| {
-                let parent = rng.random_range(0..count);
-                old[best_of(parent, &old_smells)].cross(fly)
+                let mut draw = || &old[best[rng.random_range(0..count)]];
+                match parameters.parents {
+                    Parents::EachPair => fly.offspring(draw),
+                    Parents::EachFly => {
+                        let parent = draw();
+                        fly.offspring(|| parent)
+                    }
+                }
             })
             .collect();
-        let new_smells = smells(evaluator, &new);
+        let new_smells = smells(evaluator, &new, parameters.mapping);
         for (g, swarm) in swarms.iter_mut().enumerate() {
-            let a = best_of(g, &old_smells);
+            let a = best[g];
             let (mut fly, mut smell) = (&old[a], old_smells[a]);
             if parameters.offspring {
                 let b = best_of(g, &new_smells);
@@ -167,7 +191,7 @@ pub(super) fn search<P: Problem + ?Sized>(
         .iter()
         .filter(|swarm| swarm.smell.is_finite())
         .map(|swarm| Candidate {
-            position: swarm.location.position(),
+            position: swarm.location.position(parameters.mapping),
             cost: swarm.smell,
         })
         .collect()

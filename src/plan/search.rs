@@ -147,7 +147,7 @@ fn as_printed(algorithm: spec::Algorithm, course: &Course<'_>) -> Algorithm {
                 (Step::Dwindling(_), Some(step)) => Step::Dwindling(step),
                 (step, None) => step,
             },
-            offspring: printed.offspring,
+            ..printed
         })
     };
     let (foa, pso, de) = (

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::contest::Contestant;
+use super::contest::{Contestant, Role};
 use super::printed::{PRINTED, Printed};
 use super::stats::number;
 use super::tables::{OTHERS, READINGS, Results};
@@ -299,7 +299,7 @@ fn parts(text: &mut String, results: &Results<'_>) {
     let ablations: Vec<&Contestant> = results
         .contestants
         .iter()
-        .filter(|contestant| contestant.is_ablation())
+        .filter(|contestant| contestant.role == Role::Ablation)
         .collect();
     if ablations.is_empty() {
         return;

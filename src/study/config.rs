@@ -5,11 +5,12 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::contest::{Contestant, ablations, contestants};
+use super::contest::{Contestant, Role, ablations, contestants, readings};
 use super::setting::Setting;
+use crate::cost::PaperOptions;
 use crate::spec::{Scenario, SpecError};
 
-/// A study; as JSON it is the file `study.json`.
+/// A study; with [`Config::choices`] it is the file `study.json`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
@@ -23,8 +24,13 @@ pub struct Config {
     pub iterations: usize,
     /// Seed of the first run; each later run has the next.
     pub seed: u64,
-    /// Whether the variations of MSFOA take part.
+    /// Whether MSFOA without its parts takes part.
     pub ablations: bool,
+    /// Whether other readings of what the paper leaves open take part.
+    pub readings: bool,
+    /// Whether the objective is searched as printed, gaps and all. Judged is always the
+    /// objective whose gaps are closed.
+    pub printed_objective: bool,
     /// Free control points instead of the maps' own.
     pub control_points: Option<usize>,
     /// The maps.
@@ -63,14 +69,39 @@ pub enum ConfigError {
 }
 
 impl Config {
-    /// The hash that every record carries: SHA-256 of the JSON, hexadecimal.
+    /// The hash that every record carries: SHA-256 of configuration and choices,
+    /// hexadecimal.
     #[must_use]
     pub fn hash(&self) -> String {
-        let json = serde_json::to_vec(self).unwrap_or_default();
+        let json = serde_json::to_vec(&(self, self.choices())).unwrap_or_default();
         Sha256::digest(&json)
             .iter()
             .map(|byte| format!("{byte:02x}"))
             .collect()
+    }
+
+    /// What the program brings of its own: the parameters of each contestant, and of the
+    /// objective, a line each.
+    #[must_use]
+    pub fn choices(&self) -> Vec<String> {
+        let contestants = self.contestants();
+        let contestants = contestants.iter().map(|of| {
+            let protocol = of.protocol.name();
+            format!("{} (equal {protocol}): {:?}", of.name, of.method)
+        });
+        std::iter::once(format!("objective: {:?}", self.objective()))
+            .chain(contestants)
+            .collect()
+    }
+
+    /// What is searched.
+    #[must_use]
+    pub fn objective(&self) -> PaperOptions {
+        if self.printed_objective {
+            PaperOptions::literal()
+        } else {
+            PaperOptions::default()
+        }
     }
 
     /// All that take part, in the order of the tables.
@@ -80,14 +111,30 @@ impl Config {
         if self.ablations {
             all.extend(ablations(self.population));
         }
+        if self.readings {
+            all.extend(readings(self.population));
+        }
+        // The planner knows the closed objective alone.
+        all.retain(|of| of.role != Role::Own || !self.printed_objective);
         all
     }
 
     /// The maps, ready to be searched.
     ///
     /// # Errors
-    /// Broken maps, two of one name, and numbers that make no study.
+    /// As [`Self::scenarios`].
     pub fn settings(&self) -> Result<Vec<Setting>, ConfigError> {
+        let scenarios = self.scenarios()?.into_iter();
+        Ok(scenarios
+            .map(|scenario| Setting::new(scenario, self.objective()))
+            .collect())
+    }
+
+    /// The maps, checked.
+    ///
+    /// # Errors
+    /// Broken maps, two of one name, and numbers that make no study.
+    pub fn scenarios(&self) -> Result<Vec<Scenario>, ConfigError> {
         let number = |name, found, range: std::ops::RangeInclusive<usize>, allowed| {
             if range.contains(&found) {
                 Ok(())
@@ -105,20 +152,17 @@ impl Config {
         if let Some(points) = self.control_points {
             number("control points", points, 2..=30, "2 to 30")?;
         }
-        let mut settings: Vec<Setting> = Vec::new();
+        let mut scenarios: Vec<Scenario> = Vec::new();
         for map in &self.maps {
             let mut scenario = Scenario::parse(Path::new(&map.file), &map.text)?;
             if let Some(points) = self.control_points {
                 scenario.planner.control_points = points;
             }
-            if settings
-                .iter()
-                .any(|other| other.scenario.name == scenario.name)
-            {
+            if scenarios.iter().any(|other| other.name == scenario.name) {
                 return Err(ConfigError::SameName(scenario.name));
             }
-            settings.push(Setting::new(scenario));
+            scenarios.push(scenario);
         }
-        Ok(settings)
+        Ok(scenarios)
     }
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::optimize::{
     AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, LiteralParameters,
-    MfoaParameters, PsoParameters, Step,
+    Mapping, MfoaParameters, Parents, PsoParameters, Step,
 };
 
 /// What an algorithm is given for each vehicle.
@@ -50,6 +50,21 @@ pub struct Contestant {
     pub protocol: Protocol,
     /// How it searches.
     pub method: Method,
+    /// Why it takes part.
+    pub role: Role,
+}
+
+/// Why a contestant takes part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It is one of the paper's seven.
+    Paper,
+    /// It is this program's own.
+    Own,
+    /// It is MSFOA without one of its parts, or with another threshold.
+    Ablation,
+    /// It reads what the paper leaves open in another way.
+    Reading,
 }
 
 impl Contestant {
@@ -73,12 +88,6 @@ impl Contestant {
             Method::Planner => runs.div_ceil(4),
         }
     }
-
-    /// Whether it is a variation of MSFOA that the paper does not have.
-    #[must_use]
-    pub fn is_ablation(&self) -> bool {
-        self.name.contains('-') && !matches!(self.name, "msfoa-literal" | "msfoa-dwindle")
-    }
 }
 
 /// MSFOA with both readings of R and under both protocols, the six others, and the
@@ -93,12 +102,14 @@ pub fn contestants(population: usize) -> Vec<Contestant> {
             population,
             ..of
         })),
+        role: Role::Paper,
     };
     let other = |name, label, algorithm| Contestant {
         name,
         label,
         protocol: Protocol::Evaluations,
         method: Method::Printed(algorithm),
+        role: Role::Paper,
     };
     let (literal, dwindle) = (LiteralParameters::literal(), LiteralParameters::dwindle());
     let (iterations, evaluations) = (Protocol::Iterations, Protocol::Evaluations);
@@ -161,55 +172,155 @@ pub fn contestants(population: usize) -> Vec<Contestant> {
             label: "the default planner",
             protocol: Protocol::Evaluations,
             method: Method::Planner,
+            role: Role::Own,
         },
     ]
 }
 
-/// MSFOA without one of its parts, at equal evaluations.
+/// A variation at equal evaluations.
+fn variation(role: Role) -> impl Fn((&'static str, &'static str, Algorithm)) -> Contestant {
+    move |(name, label, algorithm)| Contestant {
+        name,
+        label,
+        protocol: Protocol::Evaluations,
+        method: Method::Printed(algorithm),
+        role,
+    }
+}
+
+/// MSFOA without one of its parts, and with other thresholds.
 #[must_use]
 pub fn ablations(population: usize) -> Vec<Contestant> {
-    let base = LiteralParameters {
+    let dwindle = LiteralParameters {
         population,
         ..LiteralParameters::dwindle()
     };
     let constant = LiteralParameters {
         step: Step::Constant(0.1),
-        ..base
+        ..dwindle
     };
-    let threshold = |threshold| LiteralParameters { threshold, ..base };
+    let threshold = |of, threshold| LiteralParameters { threshold, ..of };
     let barren = |of| LiteralParameters {
         offspring: false,
         ..of
     };
     let lonely = |of| LiteralParameters { swarms: 1, ..of };
+    let never = f64::INFINITY;
     [
-        ("dwindle-no-offspring", "no offspring", barren(base)),
         (
             "literal-no-offspring",
             "no offspring, R = 0.1",
             barren(constant),
         ),
-        ("dwindle-one-swarm", "one swarm", lonely(base)),
+        (
+            "dwindle-no-offspring",
+            "no offspring, R from 0.3",
+            barren(dwindle),
+        ),
         ("literal-one-swarm", "one swarm, R = 0.1", lonely(constant)),
         (
-            "dwindle-no-threshold",
-            "no threshold: local steps only",
-            threshold(f64::INFINITY),
+            "dwindle-one-swarm",
+            "one swarm, R from 0.3",
+            lonely(dwindle),
         ),
-        ("dwindle-threshold-500", "threshold 500", threshold(500.0)),
-        ("dwindle-threshold-250", "threshold 250", threshold(250.0)),
+        (
+            "literal-no-threshold",
+            "no threshold: local steps only, R = 0.1",
+            threshold(constant, never),
+        ),
+        (
+            "dwindle-no-threshold",
+            "no threshold: local steps only, R from 0.3",
+            threshold(dwindle, never),
+        ),
+        (
+            "literal-threshold-500",
+            "threshold 500, R = 0.1",
+            threshold(constant, 500.0),
+        ),
+        (
+            "dwindle-threshold-500",
+            "threshold 500, R from 0.3",
+            threshold(dwindle, 500.0),
+        ),
+        (
+            "dwindle-threshold-250",
+            "threshold 250, R from 0.3",
+            threshold(dwindle, 250.0),
+        ),
         (
             "dwindle-threshold-0",
             "threshold 0: global steps only",
-            threshold(0.0),
+            threshold(dwindle, 0.0),
         ),
     ]
-    .into_iter()
-    .map(|(name, label, of)| Contestant {
-        name,
-        label,
-        protocol: Protocol::Evaluations,
-        method: Method::Printed(Algorithm::MsfoaLiteral(of)),
-    })
-    .collect()
+    .map(|(name, label, of)| (name, label, Algorithm::MsfoaLiteral(of)))
+    .map(variation(Role::Ablation))
+    .into()
+}
+
+/// What the paper leaves open, read in the other way.
+#[must_use]
+pub fn readings(population: usize) -> Vec<Contestant> {
+    let (literal, dwindle) = (LiteralParameters::literal(), LiteralParameters::dwindle());
+    let msfoa =
+        |of: LiteralParameters| Algorithm::MsfoaLiteral(LiteralParameters { population, ..of });
+    let by_point = |of| LiteralParameters {
+        mapping: Mapping::Point,
+        ..of
+    };
+    let each_pair = |of| LiteralParameters {
+        parents: Parents::EachPair,
+        ..of
+    };
+    [
+        (
+            "literal-by-point",
+            "MSFOA, R = 0.1, a pair (X, Y) for each control point",
+            msfoa(by_point(literal)),
+        ),
+        (
+            "dwindle-by-point",
+            "MSFOA, R from 0.3, a pair (X, Y) for each control point",
+            msfoa(by_point(dwindle)),
+        ),
+        (
+            "literal-each-pair",
+            "MSFOA, R = 0.1, a parent for each variable",
+            msfoa(each_pair(literal)),
+        ),
+        (
+            "dwindle-each-pair",
+            "MSFOA, R from 0.3, a parent for each variable",
+            msfoa(each_pair(dwindle)),
+        ),
+        (
+            "foa-reciprocal",
+            "FOA, S = 1/D",
+            Algorithm::Foa(FoaParameters {
+                population,
+                reciprocal: true,
+            }),
+        ),
+        (
+            "pso-unlimited",
+            "PSO, no speed limit",
+            Algorithm::Pso(PsoParameters {
+                population,
+                max_speed: f64::INFINITY,
+                ..PsoParameters::default()
+            }),
+        ),
+        (
+            "de-midpoint",
+            "DE, put back halfway to the map's edge",
+            Algorithm::De(DeParameters {
+                population,
+                midpoint: true,
+                ..DeParameters::default()
+            }),
+        ),
+    ]
+    .map(variation(Role::Reading))
+    .into()
 }

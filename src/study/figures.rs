@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::contest::Contestant;
+use super::contest::{Contestant, Role};
 use super::record::Record;
 use super::setting::Setting;
 use super::stats::{Summary, number};
@@ -238,7 +238,7 @@ fn paths(results: &Results<'_>, setting: &Setting) -> String {
     let shown: Vec<(&Contestant, &Record)> = results
         .contestants
         .iter()
-        .filter(|contestant| !contestant.is_ablation())
+        .filter(|contestant| matches!(contestant.role, Role::Paper | Role::Own))
         .filter_map(|contestant| Some((contestant, results.best(contestant, &scenario.name)?)))
         .collect();
     let columns = 4;

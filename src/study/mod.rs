@@ -18,7 +18,7 @@ mod tables;
 
 pub use account::results_md;
 pub use config::{Config, ConfigError, MapText};
-pub use contest::{Contestant, Method, Protocol, ablations, contestants};
+pub use contest::{Contestant, Method, Protocol, Role, ablations, contestants, readings};
 pub use output::write_results;
 pub use record::{Record, Terms, VehicleRecord};
 pub use runner::{Job, run};

@@ -1,5 +1,6 @@
 //! The runs: one vehicle after the other, many runs at once.
 
+use std::cmp::Reverse;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -52,8 +53,9 @@ impl Job {
     }
 }
 
-/// Runs jobs on as many threads as rayon would use, each job on one, and hands each
-/// record to `done` with the seconds it took, in no certain order.
+/// Runs jobs on as many threads as rayon would use, each job on one and the longest
+/// first, so that all threads end together, and hands each record to `done` with the
+/// seconds it took, in no certain order.
 ///
 /// Runs end early once `done` returns false.
 pub fn run(
@@ -63,6 +65,8 @@ pub fn run(
     done: &(dyn Fn(Record, f64) -> bool + Sync),
 ) {
     let (contestants, hash) = (config.contestants(), config.hash());
+    let mut jobs = jobs.to_vec();
+    jobs.sort_by_key(|job| Reverse(effort(config, &contestants[job.contestant])));
     let next = AtomicUsize::new(0);
     let work = || {
         // The evaluations of one run stay on its thread.
@@ -89,6 +93,17 @@ pub fn run(
             scope.spawn(work);
         }
     });
+}
+
+/// How long a run takes, in evaluations.
+fn effort(config: &Config, contestant: &Contestant) -> usize {
+    /// The planner decodes an altitude for every evaluation.
+    const DECODING: usize = 3;
+    let budget = contestant.budget(config.population, config.iterations);
+    match contestant.method {
+        Method::Printed(_) => budget,
+        Method::Planner => DECODING * budget,
+    }
 }
 
 /// One run.

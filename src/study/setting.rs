@@ -30,12 +30,13 @@ pub struct Setting {
     pub scenario: Scenario,
     pub(super) spec: MissionSpec,
     pub(super) world: World,
+    objective: PaperOptions,
 }
 
 impl Setting {
-    /// Lays out a scenario.
+    /// Lays out a scenario that is searched with some reading of the objective.
     #[must_use]
-    pub fn new(scenario: Scenario) -> Self {
+    pub fn new(scenario: Scenario, objective: PaperOptions) -> Self {
         let frame = LocalFrame::new(LatLon {
             lat_deg: 0.0,
             lon_deg: 0.0,
@@ -46,6 +47,7 @@ impl Setting {
             scenario,
             spec,
             world,
+            objective,
         }
     }
 
@@ -70,6 +72,7 @@ impl Setting {
             Margins::default(),
             &uniform_parameters(samples),
         )
+        .with_paper(self.objective)
     }
 
     /// The same, finely, for the question whether a path is safe: with the ground itself as

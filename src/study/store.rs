@@ -3,10 +3,11 @@
 //! `study.json` is the configuration. While runs are made, each finished one is
 //! appended to `journal.jsonl` in one write; a line that a kill cut short was never
 //! finished. When all are there, `runs.jsonl` has them in the order of the study, whole or
-//! not at all, and the journal goes. `times.jsonl` has the seconds.
+//! not at all, and the journal goes. `times.jsonl` has the seconds; `.lock` is locked
+//! while a process writes.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -20,6 +21,7 @@ const CONFIG: &str = "study.json";
 const JOURNAL: &str = "journal.jsonl";
 const RUNS: &str = "runs.jsonl";
 const TIMES: &str = "times.jsonl";
+const LOCK: &str = ".lock";
 
 /// What is wrong with a study's folder.
 #[derive(Debug, thiserror::Error)]
@@ -42,6 +44,9 @@ pub enum StoreError {
         /// What is wrong.
         what: String,
     },
+    /// Another process writes there.
+    #[error("{} is being written by another process", .0.display())]
+    Busy(PathBuf),
     /// There are results, and nothing says to go on with them.
     #[error("{} holds a study already (allowed: --resume, or another folder)", .0.display())]
     Occupied(PathBuf),
@@ -88,6 +93,15 @@ struct Time {
     seconds: f64,
 }
 
+/// The file `study.json`.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Study {
+    hash: String,
+    config: Config,
+    choices: Vec<String>,
+}
+
 /// Finished runs, by their place in the study.
 type Finished = BTreeMap<Job, Record>;
 
@@ -99,6 +113,8 @@ pub struct Store {
     finished: Finished,
     journal: File,
     times: File,
+    /// Held while the folder is written; the system lets go of it when a process ends.
+    _lock: File,
 }
 
 impl Store {
@@ -108,6 +124,7 @@ impl Store {
     /// A folder that cannot be used, holds another study, or holds this one without `resume`.
     pub fn open(folder: &Path, config: &Config, resume: bool) -> Result<Self, StoreError> {
         fs::create_dir_all(folder).map_err(io_at(folder))?;
+        let lock = locked(folder)?;
         let jobs = jobs(config);
         let mut finished = Finished::new();
         if folder.join(CONFIG).exists() {
@@ -132,6 +149,7 @@ impl Store {
                 .map_err(io_at(path))
         };
         Ok(Self {
+            _lock: lock,
             journal: append(&path)?,
             times: append(&folder.join(TIMES))?,
             folder: folder.to_owned(),
@@ -200,7 +218,7 @@ impl Store {
 /// Shards of different configurations, with a run twice or with runs missing; files.
 pub fn merge(shards: &[PathBuf], out: &Path) -> Result<(Config, Vec<Record>), StoreError> {
     let first = shards.first().ok_or(StoreError::Nothing)?;
-    let config = read_config(first)?;
+    let config = read_study(first)?.config;
     let jobs = jobs(&config);
     let mut finished = Finished::new();
     let mut times = String::new();
@@ -241,9 +259,24 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), StoreError> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".new");
     let building = path.with_file_name(name);
-    fs::write(&building, text)
-        .and_then(|()| fs::rename(&building, path))
-        .map_err(io_at(path))
+    let write = || {
+        let mut file = File::create(&building)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_data()?;
+        fs::rename(&building, path)
+    };
+    write().map_err(io_at(path))
+}
+
+/// Takes the folder for this process alone.
+fn locked(folder: &Path) -> Result<File, StoreError> {
+    let path = folder.join(LOCK);
+    let file = File::create(&path).map_err(io_at(&path))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => Err(StoreError::Busy(folder.to_owned())),
+        Err(TryLockError::Error(source)) => Err(io_at(&path)(source)),
+    }
 }
 
 pub(super) fn io_at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
@@ -265,10 +298,10 @@ fn key(record: &Record) -> String {
 fn jobs(config: &Config) -> BTreeMap<String, Job> {
     let contestants = config.contestants();
     let maps: Vec<String> = config
-        .settings()
+        .scenarios()
         .unwrap_or_default()
         .into_iter()
-        .map(|setting| setting.scenario.name)
+        .map(|scenario| scenario.name)
         .collect();
     Job::all(config)
         .into_iter()
@@ -290,26 +323,26 @@ fn read(path: &Path) -> Result<String, StoreError> {
     fs::read_to_string(path).map_err(io_at(path))
 }
 
-fn read_config(folder: &Path) -> Result<Config, StoreError> {
+fn read_study(folder: &Path) -> Result<Study, StoreError> {
     let path = folder.join(CONFIG);
-    serde_json::from_str(&read(&path)?).map_err(|error| StoreError::Content {
-        line: error.line(),
-        what: error.to_string(),
-        path,
-    })
+    let study: Study = serde_json::from_str(&read(&path)?).map_err(|error| {
+        let (line, what) = (error.line(), error.to_string());
+        StoreError::Content { path, line, what }
+    })?;
+    Ok(study)
 }
 
 /// Whether a folder has this very study.
 fn same(folder: &Path, config: &Config) -> Result<(), StoreError> {
-    let short = |config: &Config| config.hash().chars().take(12).collect();
-    let theirs = read_config(folder)?;
-    if theirs == *config {
+    let short = |hash: &str| hash.chars().take(12).collect();
+    let (theirs, ours) = (read_study(folder)?.hash, config.hash());
+    if theirs == ours {
         return Ok(());
     }
     Err(StoreError::Different {
         folder: folder.to_owned(),
         theirs: short(&theirs),
-        ours: short(config),
+        ours: short(&ours),
     })
 }
 
@@ -364,7 +397,10 @@ fn one_line(value: &impl Serialize) -> Result<String, StoreError> {
 }
 
 fn json(config: &Config) -> Result<String, StoreError> {
-    let mut text = one_line(config)?;
-    text.push('\n');
-    Ok(text)
+    let study = Study {
+        hash: config.hash(),
+        choices: config.choices(),
+        config: config.clone(),
+    };
+    Ok(one_line(&study)? + "\n")
 }

@@ -34,10 +34,10 @@ impl<'a> Results<'a> {
     /// # Errors
     /// A configuration that makes no study.
     pub fn new(config: &'a Config, records: &'a [Record]) -> Result<Self, ConfigError> {
-        let maps = config.settings()?;
+        let maps = config.scenarios()?;
         Ok(Self {
             config,
-            maps: maps.into_iter().map(|map| map.scenario.name).collect(),
+            maps: maps.into_iter().map(|map| map.name).collect(),
             contestants: config.contestants(),
             records,
         })
