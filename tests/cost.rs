@@ -2,15 +2,18 @@
 
 mod support;
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
-use sortie::cost::{Controls, CostModel, CostTerms, Leg, Margins, Scratch};
+use sortie::cost::{
+    Batch, Controls, CostModel, CostTerms, Dispatch, Leg, Margins, PaperOptions, Scratch,
+    ThreatForm,
+};
 use sortie::geodesy::{Agl, Amsl, LatLon, PlanPoint};
 use sortie::numeric::bspline::uniform_parameters;
 use sortie::path::{Flight, flight, route_start_s};
 use sortie::spec::{
-    EndPoint, Finish, Hill, MissionSpec, Objective, Placement, TerrainSource, Threat, Zone,
+    EndPoint, Finish, Hill, MissionSpec, Objective, Placement, TerrainSource, Threat, Weights, Zone,
 };
 use sortie::world::World;
 use support::{copter, empty_spec, place, world};
@@ -254,6 +257,41 @@ fn rough(objective: Objective, samples: usize) -> (CostModel, Leg) {
     model(&spec, world, earlier, samples)
 }
 
+fn paper_options() -> impl Strategy<Value = PaperOptions> {
+    (
+        prop::bool::ANY,
+        prop::bool::ANY,
+        prop_oneof![Just(ThreatForm::Quartic), Just(ThreatForm::Linear)],
+        0.1..5.0_f64,
+    )
+        .prop_map(|(literal, over_ground, threat_form, collision_km)| {
+            let options = if literal {
+                PaperOptions::literal()
+            } else {
+                PaperOptions::default()
+            };
+            PaperOptions {
+                altitude_over_ground: over_ground,
+                threat_form,
+                collision_km,
+                collision_min: 5.0,
+                ..options
+            }
+        })
+}
+
+fn weighted(by: [f64; 7]) -> Weights {
+    Weights {
+        length: by[0],
+        altitude: by[1],
+        threat: by[2],
+        terrain: by[3],
+        turn: by[4],
+        climb: by[5],
+        collision: by[6],
+    }
+}
+
 fn objective() -> impl Strategy<Value = Objective> {
     prop_oneof![2 => Just(Objective::Operational), 1 => Just(Objective::Paper)]
 }
@@ -262,31 +300,44 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn the_fast_total_is_the_reference_to_the_bit_and_a_cutoff_decides_alike(
-        moves in prop_oneof![moves(300.0), moves(6000.0)], share in 0.01..1.5_f64,
-        samples in 2_usize..160, objective in objective(), vertical_m in prop::option::of(10.0..300.0_f64)
+    fn the_fast_totals_are_the_reference_to_the_bit_and_a_cutoff_decides_alike(
+        many in prop::collection::vec(prop_oneof![moves(300.0), moves(6000.0), moves(40_000.0)], 1..20),
+        near in moves(200.0), spread in prop::bool::ANY, share in 0.01..1.5_f64,
+        samples in 2_usize..160, objective in objective(), weights in prop::array::uniform7(0.0..3.0_f64),
+        vertical_m in prop::option::of(10.0..300.0_f64), options in paper_options(),
     ) {
         let (spec, world, earlier) = &*ROUGH;
         let mut spec = spec.clone();
         spec.planner.objective = objective;
+        spec.planner.weights = weighted(weights);
         spec.separation.vertical_m = vertical_m;
         let (model, leg) = model(&spec, world, earlier, samples);
-        let path = Path::moved(&leg, &moves);
-        let mut scratch = Scratch::default();
-        let terms = model.terms(&path.controls());
-        prop_assert_eq!(model.judge(&path.controls()), terms);
-        let exact = terms.total();
-        prop_assert!(exact.is_finite() && exact > 0.0);
-        let fast = model.total(&path.controls(), f64::INFINITY, &mut scratch);
-        prop_assert_eq!(fast.to_bits(), exact.to_bits());
-        let cutoff = share * exact;
-        let cut = model.total(&path.controls(), cutoff, &mut scratch);
-        prop_assert_eq!(cut > cutoff, exact > cutoff);
-        if exact <= cutoff {
-            prop_assert_eq!(cut.to_bits(), exact.to_bits());
+        let model = model.with_paper(options);
+        let mut batch = Batch::new(FREE + 2);
+        let mut expected = Vec::new();
+        for moves in &many {
+            let moves = if spread { moves } else { &near };
+            let path = Path::moved(&leg, moves);
+            batch.push(&path.controls());
+            expected.push(model.terms(&path.controls()));
         }
-        let at_itself = model.total(&path.controls(), exact, &mut scratch);
-        prop_assert_eq!(at_itself.to_bits(), exact.to_bits());
+        let cutoff = share * expected[0].total();
+        for dispatch in Dispatch::all() {
+            let model = model.clone().with_dispatch(dispatch);
+            let terms = model.judge(&batch);
+            let mut cut = vec![0.0; batch.len()];
+            model.totals(&batch, cutoff, &mut Scratch::default(), &mut cut);
+            for ((terms, expected), cut) in terms.iter().zip(&expected).zip(cut) {
+                prop_assert_eq!(terms, expected, "{}", dispatch.name());
+                let (total, exact) = (terms.total(), expected.total());
+                prop_assert_eq!(total.to_bits(), exact.to_bits());
+                prop_assert!(exact.is_finite());
+                prop_assert_eq!(cut > cutoff, exact > cutoff);
+                if exact <= cutoff {
+                    prop_assert_eq!(cut.to_bits(), exact.to_bits());
+                }
+            }
+        }
     }
 
     #[test]
@@ -426,7 +477,7 @@ fn ground_without_data_is_a_wall_at_every_altitude() {
         let clean = whole.terms(&over(0.0).controls());
         assert!(clean.is_clean(), "{clean:?}");
         let intact = world.ground.clone();
-        world.ground.heights_m.fill(f32::NAN);
+        Arc::make_mut(&mut world.ground).heights_m.fill(f32::NAN);
         let (void, _) = model(&spec, &world, &[], 101);
         for height_m in [-400.0, 0.0, 500.0, 1020.0, 2000.0, 9000.0] {
             let terms = void.terms(&over(height_m).controls());
@@ -434,12 +485,9 @@ fn ground_without_data_is_a_wall_at_every_altitude() {
                 terms.terrain > 0.0 && terms.total().is_finite(),
                 "{height_m}: {terms:?}"
             );
-            let total = void.total(
-                &over(height_m).controls(),
-                f64::INFINITY,
-                &mut Scratch::default(),
-            );
-            assert_eq!(total.to_bits(), terms.total().to_bits());
+            let mut batch = Batch::new(FREE + 2);
+            batch.push(&over(height_m).controls());
+            assert_eq!(void.judge(&batch), [terms]);
         }
         world.ground = intact;
     }

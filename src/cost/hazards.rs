@@ -8,7 +8,7 @@ use crate::numeric::geometry::{Point, Ring, disc_chord};
 use crate::world::{Disc, PlanZone, World};
 
 /// Lengths outside the area and inside zones count this often (design, section 4).
-const FORBIDDEN: f64 = 1.1;
+pub(super) const FORBIDDEN: f64 = 1.1;
 
 /// A threat, widened by its margin.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +29,8 @@ pub(super) struct ClosedZone {
 pub(super) struct Bounds {
     ring: Ring,
     /// A box inside the area: a segment that stays in it needs no closer look.
-    low: Point,
-    high: Point,
+    pub(super) low: Point,
+    pub(super) high: Point,
 }
 
 /// Everything forbidden that does not move.
@@ -87,6 +87,21 @@ impl Hazards {
     }
 }
 
+impl Hazards {
+    /// An exposure and what one kilometre of a segment costs for zones and area.
+    pub(super) fn add_polygons(
+        &self,
+        segment: &Segment,
+        mut exposure: f64,
+        crossings: &mut Vec<(f64, i32)>,
+    ) -> f64 {
+        for zone in &self.zones {
+            exposure += zone.exposure(segment, crossings);
+        }
+        exposure + self.bounds.exposure(segment, crossings)
+    }
+}
+
 impl Threat {
     /// What one kilometre of a segment costs for this threat: exact share of it
     /// inside the disc times (1.1 - closest distance / R).
@@ -95,19 +110,6 @@ impl Threat {
         disc_chord(segment.a, segment.b, self.center, self.radius_m).map_or(0.0, |chord| {
             chord.fraction * (FORBIDDEN - chord.closest / self.radius_m)
         })
-    }
-
-    /// Whether no point of a box lies in the disc (a hair of tolerance, so that
-    /// rounding never hides a chord).
-    #[inline]
-    pub(super) fn misses_box(&self, low: Point, high: Point) -> bool {
-        let beyond = |axis: usize| {
-            (low[axis] - self.center[axis])
-                .max(self.center[axis] - high[axis])
-                .max(0.0)
-        };
-        let (east_m, north_m) = (beyond(0), beyond(1));
-        east_m * east_m + north_m * north_m > self.radius_m * self.radius_m * (1.0 + 1e-9)
     }
 }
 
@@ -126,9 +128,9 @@ impl ClosedZone {
                 .inside_fraction((segment.a, segment.b), closed, crossings)
     }
 
-    /// Whether no point of a box lies in the zone.
-    pub(super) fn misses_box(&self, low: Point, high: Point) -> bool {
-        self.ring.is_far_from(low, high)
+    /// Least and greatest coordinates.
+    pub(super) fn bounds(&self) -> (Point, Point) {
+        self.ring.bounds()
     }
 }
 

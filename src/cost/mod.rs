@@ -1,18 +1,25 @@
 //! The objective: seven named terms of one path, all at least 0.
 //!
 //! [`CostModel`] holds what one vehicle's search needs, laid out for speed.
-//! [`CostModel::terms`] is the plain reference, [`CostModel::total`] the fast
-//! form with the same operations in the same order, so that both agree to the bit.
+//! [`CostModel::terms`] is the plain reference, [`CostModel::totals`] the fast
+//! form: many candidates side by side, with the same operations in the same order, so
+//! that both agree to the bit whatever the processor ([`Dispatch`]).
 
+mod batch;
 mod hazards;
+mod lanes;
 mod model;
 mod operational;
+mod operational_lanes;
 mod paper;
+mod paper_lanes;
 mod reference;
 mod relief;
 mod traffic;
 
-pub use model::{CostModel, Scratch};
+pub use batch::{Batch, Dispatch};
+pub use lanes::Scratch;
+pub use model::CostModel;
 pub use paper::{PaperOptions, ThreatForm};
 
 use crate::geodesy::PlanPoint;

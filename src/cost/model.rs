@@ -1,11 +1,16 @@
 //! What the objective of one route needs, owned and laid out for its loops.
 
+use super::batch::{Batch, Dispatch};
 use super::hazards::{Hazards, Segment};
+use super::lanes::{BLOCK, BlockBox, MOST_LANES, Scratch, V};
 use super::operational::Sums;
 use super::paper::{Paper, PaperOptions};
+use super::reference::{self, Curve};
 use super::relief::Relief;
 use super::traffic::Traffic;
-use super::{Controls, CostTerms, Leg, Margins, operational, reference};
+use super::{Controls, CostTerms, Leg, Margins, operational_lanes, paper_lanes};
+use fearless_simd::{dispatch, prelude::*};
+
 use crate::numeric::approach::Motion;
 use crate::numeric::{Basis, SpeedProfile};
 use crate::path::{Flight, VehicleLimits, ramp_stops_m};
@@ -37,8 +42,10 @@ pub struct CostModel {
     pub(super) timing: Timing,
     pub(super) paper: Paper,
     pub(super) limits: VehicleLimits,
-    /// Turn radius with its margin, metres.
-    pub(super) turn_radius_m: f64,
+    /// One over the turn radius with its margin, 1/m.
+    pub(super) per_turn_radius: f64,
+    /// One over the ground readings of each piece.
+    pub(super) per_substep: f64,
     /// What is left of slope limits after their margin.
     pub(super) slope_share: f64,
     pub(super) min_agl_m: f64,
@@ -48,6 +55,7 @@ pub struct CostModel {
     /// 1 / max(h_min, 10 m).
     pub(super) per_depth: f64,
     pub(super) straight_km: f64,
+    dispatch: Dispatch,
 }
 
 /// Most ground readings for each piece between two samples.
@@ -58,6 +66,8 @@ const MOST_SUBSTEPS: usize = 4;
 pub(super) struct Sampling {
     /// Samples, with `substeps - 1` more between each two.
     pub(super) fine: Basis,
+    /// The same, sample by sample.
+    pub(super) rows: Vec<(usize, [f64; 4])>,
     pub(super) substeps: usize,
     /// Number of samples proper, k.
     pub(super) samples: usize,
@@ -80,26 +90,6 @@ pub(super) enum After {
     Nothing,
     Loiter,
     Land { ground_m: f64, descent_mps: f64 },
-}
-
-/// Buffers of an evaluation; they grow on first use and are then reused.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    /// Coordinates at the fine samples, metres.
-    pub(super) east_m: Vec<f64>,
-    pub(super) north_m: Vec<f64>,
-    pub(super) amsl_m: Vec<f64>,
-    /// What counts as altitude (km) and what is missing in height (depths) at
-    /// the fine samples.
-    pub(super) high_km: Vec<f64>,
-    pub(super) deficit: Vec<f64>,
-    /// Horizontal distance along the route at the samples, metres.
-    pub(super) along_m: Vec<f64>,
-    /// Times at the samples, seconds after T0.
-    pub(super) times_s: Vec<f64>,
-    /// Threats near the block at hand.
-    pub(super) near: Vec<usize>,
-    pub(super) crossings: Vec<(f64, i32)>,
 }
 
 impl CostModel {
@@ -132,7 +122,8 @@ impl CostModel {
             traffic: Traffic::new(&spec.separation, &margins, earlier),
             timing: Timing::new(world, spec, vehicle, &leg),
             paper: Paper::new(PaperOptions::default(), &leg, earlier),
-            turn_radius_m: limits.turn_radius_m * (1.0 + margins.turn_fraction),
+            per_turn_radius: 1.0 / (limits.turn_radius_m * (1.0 + margins.turn_fraction)),
+            per_substep: path.per_substep(),
             slope_share: 1.0 - margins.climb_fraction,
             limits,
             min_agl_m: world.min_agl.0,
@@ -142,7 +133,15 @@ impl CostModel {
             straight_km: (straight_m / 1000.0).max(0.1),
             path,
             relief,
+            dispatch: Dispatch::best(),
         }
+    }
+
+    /// The same model worked off with other instructions: the same bits, at another speed.
+    #[must_use]
+    pub fn with_dispatch(mut self, dispatch: Dispatch) -> Self {
+        self.dispatch = dispatch;
+        self
     }
 
     /// The same model with other options for the paper's objective.
@@ -171,60 +170,78 @@ impl CostModel {
     /// When a coordinate has fewer than [`Self::control_points`] numbers.
     #[must_use]
     pub fn terms(&self, controls: &Controls<'_>) -> CostTerms {
-        let mut scratch = Scratch::default();
-        self.sample(controls, &mut scratch);
+        let curve = Curve::new(self, controls);
         match self.objective {
-            Objective::Operational => self.weigh(&reference::sums(self, &mut scratch)),
-            Objective::Paper => self.paper.terms(self, &mut scratch),
+            Objective::Operational => self.weigh(&reference::sums(self, &curve)),
+            Objective::Paper => self.paper.terms(self, &curve),
         }
     }
 
-    /// The total of a candidate: equal to `terms(controls).total()` to the bit,
-    /// or, if that is above `cutoff`, some number above `cutoff`.
+    /// The totals of a batch: each equal to `terms(controls).total()` to the bit, or, if
+    /// that is above `cutoff`, some number above `cutoff`.
     ///
     /// Allocates nothing once the scratch has grown.
     ///
     /// # Panics
-    /// When a coordinate has fewer than [`Self::control_points`] numbers.
-    #[must_use]
-    pub fn total(&self, controls: &Controls<'_>, cutoff: f64, scratch: &mut Scratch) -> f64 {
-        self.sample(controls, scratch);
-        match self.objective {
-            Objective::Operational => operational::terms(self, cutoff, scratch).total(),
-            Objective::Paper => self.paper.terms(self, scratch).total(),
+    /// When the batch has control points in another number than [`Self::control_points`].
+    pub fn totals(&self, batch: &Batch, cutoff: f64, scratch: &mut Scratch, totals: &mut [f64]) {
+        let mut terms = [CostTerms::default(); MOST_LANES];
+        for (group, totals) in totals.chunks_mut(MOST_LANES).enumerate() {
+            let terms = &mut terms[..totals.len()];
+            self.evaluate(batch, group * MOST_LANES, cutoff, scratch, terms);
+            for (total, terms) in totals.iter_mut().zip(terms) {
+                *total = terms.total();
+            }
         }
     }
 
-    /// The same terms as [`Self::terms`], to the bit, by the fast way: for judging at
-    /// many samples.
+    /// The terms of a batch: the same as those of [`Self::terms`], to the bit, by the
+    /// fast way.
     ///
     /// # Panics
-    /// When a coordinate has fewer than [`Self::control_points`] numbers.
+    /// When the batch has control points in another number than [`Self::control_points`].
     #[must_use]
-    pub fn judge(&self, controls: &Controls<'_>) -> CostTerms {
-        let mut scratch = Scratch::default();
-        self.sample(controls, &mut scratch);
-        match self.objective {
-            Objective::Operational => operational::terms(self, f64::INFINITY, &mut scratch),
-            Objective::Paper => self.paper.terms(self, &mut scratch),
-        }
+    pub fn judge(&self, batch: &Batch) -> Vec<CostTerms> {
+        let mut terms = vec![CostTerms::default(); batch.len()];
+        self.evaluate(batch, 0, f64::INFINITY, &mut Scratch::default(), &mut terms);
+        terms
     }
 
-    /// Spline coordinates at the fine samples.
-    fn sample(&self, controls: &Controls<'_>, scratch: &mut Scratch) {
-        let count = self.path.fine.samples();
-        for (values, out) in [
-            (controls.east_m, &mut scratch.east_m),
-            (controls.north_m, &mut scratch.north_m),
-            (controls.amsl_m, &mut scratch.amsl_m),
-        ] {
-            out.resize(count, 0.0);
-            self.path.fine.apply(values, out);
+    /// The terms of the candidates from number `first` on, as many as `out` has, as many
+    /// at once as the vectors have lanes.
+    fn evaluate(
+        &self,
+        batch: &Batch,
+        first: usize,
+        cutoff: f64,
+        scratch: &mut Scratch,
+        out: &mut [CostTerms],
+    ) {
+        assert_eq!(batch.controls(), self.control_points(), "control points");
+        scratch.grow(&self.path);
+        dispatch!(self.dispatch.0, simd => self.evaluate_by(simd, batch, first, cutoff, scratch, out));
+    }
+
+    #[inline(always)]
+    fn evaluate_by<S: Simd>(
+        &self,
+        simd: S,
+        batch: &Batch,
+        first: usize,
+        cutoff: f64,
+        scratch: &mut Scratch,
+        out: &mut [CostTerms],
+    ) {
+        let lanes = V::<S>::LEN;
+        for (group, out) in out.chunks_mut(lanes).enumerate() {
+            scratch.load(batch, first + group * lanes, out.len(), lanes);
+            match self.objective {
+                Objective::Operational => {
+                    operational_lanes::terms(simd, self, cutoff, scratch, out);
+                }
+                Objective::Paper => paper_lanes::terms(simd, self, scratch, out),
+            }
         }
-        scratch.high_km.resize(count, 0.0);
-        scratch.deficit.resize(count, 0.0);
-        scratch.along_m.resize(self.path.samples, 0.0);
-        scratch.times_s.resize(self.path.samples, 0.0);
     }
 
     /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).
@@ -258,11 +275,19 @@ impl Sampling {
             fine.extend((0..substeps).map(|step| pair[0] + (pair[1] - pair[0]) * share(step)));
         }
         fine.extend(parameters.last());
+        let fine = Basis::new(spec.planner.control_points + 2, &fine);
         Self {
-            fine: Basis::new(spec.planner.control_points + 2, &fine),
+            rows: (0..fine.samples()).map(|k| fine.row(k)).collect(),
+            fine,
             substeps,
             samples,
         }
+    }
+
+    fn per_substep(&self) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "few steps")]
+        let substeps = self.substeps as f64;
+        1.0 / substeps
     }
 }
 
@@ -384,15 +409,27 @@ impl Timing {
 }
 
 impl Scratch {
-    /// The piece from sample `k` to the next, `substeps` fine samples on.
-    #[inline]
-    pub(super) fn segment(&self, k: usize, substeps: usize) -> Segment {
-        let (from, to) = (k * substeps, (k + 1) * substeps);
-        Segment {
-            a: [self.east_m[from], self.north_m[from]],
-            b: [self.east_m[to], self.north_m[to]],
-            amsl_a_m: self.amsl_m[from],
-            amsl_b_m: self.amsl_m[to],
+    /// Makes room for candidates of a sampling.
+    fn grow(&mut self, path: &Sampling) {
+        let blocks = (path.samples - 1).div_ceil(BLOCK);
+        self.controls
+            .resize(path.fine.control_points(), Default::default());
+        self.curve.resize(path.fine.samples(), Default::default());
+        self.along_m.resize(path.samples, Default::default());
+        self.boxes.resize(blocks, BlockBox::default());
+    }
+
+    /// Puts `used` candidates from number `first` on into the lanes; the last of them also
+    /// fills the lanes that are left.
+    fn load(&mut self, batch: &Batch, first: usize, used: usize, lanes: usize) {
+        let controls = batch.controls();
+        for lane in 0..lanes {
+            let candidate = batch.candidate(first + lane.min(used - 1));
+            for (axis, values) in candidate.chunks_exact(controls).enumerate() {
+                for (wide, value) in self.controls.iter_mut().zip(values) {
+                    wide[axis][lane] = *value;
+                }
+            }
         }
     }
 }

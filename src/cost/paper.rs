@@ -6,8 +6,9 @@
 //! belong to: lengths outside the area and inside zones (threat), height above
 //! the ceiling and ground without data (terrain).
 
-use super::model::{CostModel, Scratch};
+use super::model::CostModel;
 use super::operational::Step;
+use super::reference::Curve;
 use super::{CostTerms, Leg};
 use crate::geodesy::Amsl;
 use crate::path::Flight;
@@ -95,72 +96,114 @@ impl PaperOptions {
 pub(super) struct Paper {
     pub(super) options: PaperOptions,
     goal_m: [f64; 2],
-    /// Points of earlier flights from west to east: east, north, altitude (m), time (s), weight (101 / points).
-    others: Vec<[f64; 5]>,
+    /// Points of earlier flights from west to east.
+    others: Vec<Other>,
+    /// Boxes around runs of points that follow each other: east and north, from and to.
+    boxes: Vec<[[f64; 2]; 2]>,
+}
+
+/// A point of an earlier flight.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Other {
+    place: [f64; 3],
+    t_s: f64,
+    /// 101 over the points of its flight.
+    weight: f64,
+}
+
+/// Points of an earlier flight that share a box.
+const RUN: usize = 8;
+
+/// The sums before factors and weights.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PaperSums<T = f64> {
+    pub(super) length_km: T,
+    pub(super) altitude: T,
+    pub(super) threat: T,
+    pub(super) terrain: T,
+    pub(super) turns: T,
+    pub(super) climb: T,
+    pub(super) collision: T,
 }
 
 impl Paper {
     pub(super) fn new(options: PaperOptions, leg: &Leg, earlier: &[Flight]) -> Self {
-        let points = earlier.iter().flat_map(|flight| {
-            let weight = per_101(flight.points.len());
-            flight.points.iter().map(move |timed| {
-                let at = timed.point.at;
-                [at.east_m, at.north_m, timed.point.amsl.0, timed.t_s, weight]
-            })
-        });
-        let mut others: Vec<[f64; 5]> = points.collect();
-        others.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut all: Vec<Other> = earlier.iter().flat_map(others).collect();
+        all.sort_by(|a, b| a.place[0].total_cmp(&b.place[0]));
         Self {
             options,
             goal_m: [leg.to.at.east_m, leg.to.at.north_m],
-            others,
+            others: all,
+            boxes: earlier.iter().flat_map(boxes).collect(),
         }
     }
 
-    /// The weighted terms of the sampled candidate in `scratch`.
-    pub(super) fn terms(&self, model: &CostModel, scratch: &mut Scratch) -> CostTerms {
-        let scale = per_101(model.path.samples);
-        let options = &self.options;
-        let (mut altitude, mut terrain) = (0.0, 0.0);
+    /// Boxes outside of which no own point collides: east and north, from and to.
+    pub(super) fn wide_boxes(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
+        // A hair more than the limit, so that rounding never hides a point.
+        let widen_m = self.options.collision_km * 1e3 * (1.0 + 1e-9) + 1e-6;
+        let widen = move |[low_m, high_m]: [f64; 2]| [low_m - widen_m, high_m + widen_m];
+        self.boxes.iter().map(move |sides| sides.map(widen))
+    }
+
+    /// The weighted terms of a candidate: the plain reference.
+    pub(super) fn terms(&self, model: &CostModel, curve: &Curve) -> CostTerms {
+        let mut sums = PaperSums::default();
         for index in 0..model.path.samples {
-            let (high_km, deep_km) = self.heights(model, scratch, index);
-            altitude += high_km;
-            terrain += deep_km;
+            let (high_km, deep_km) = self.heights(model, curve, index);
+            sums.altitude += high_km;
+            sums.terrain += deep_km;
         }
-        let (mut length, mut threat, mut climb) = (0.0, 0.0, 0.0);
-        let mut turns = 0.0;
         let mut before: Option<Step> = None;
-        scratch.along_m[0] = 0.0;
+        let mut steps = Vec::new();
         for k in 0..model.path.samples - 1 {
-            let step = Step::of(&scratch.segment(k, 1));
-            scratch.along_m[k + 1] = scratch.along_m[k] + step.run_m;
-            length += step.length_km;
-            threat += self.exposure_per_km(model, scratch, k) * step.length_km;
-            climb += slope_excess(model, &step, scratch.amsl_m[k]);
-            if before.is_some_and(|before| model.turn_excess(&before, &step) > 0.0) {
-                turns += 1.0;
+            let step = Step::of(&curve.segment(k, 1));
+            steps.push(step);
+            sums.length_km += step.length_km;
+            sums.threat += self.exposure_per_km(model, curve, k) * step.length_km;
+            sums.climb += slope_excess(model, &step, curve.amsl_m[k]);
+            if before.is_some_and(|before| model.is_too_tight(&before, &step)) {
+                sums.turns += 1.0;
             }
             before = Some(step);
         }
-        let weights = &model.weights;
+        let along_m = Curve::along_m(&steps);
+        let profile = model.timing.profile(along_m[steps.len()]);
+        for (index, along_m) in along_m.iter().enumerate() {
+            let own = [
+                curve.east_m[index],
+                curve.north_m[index],
+                curve.amsl_m[index],
+            ];
+            let own_s = model.timing.start_s + profile.time_at_s(*along_m);
+            sums.collision += self.collision(own, own_s, &self.others);
+        }
+        self.weigh(model, &sums)
+    }
+
+    /// Raw sums to weighted terms.
+    pub(super) fn weigh(&self, model: &CostModel, sums: &PaperSums) -> CostTerms {
+        let (options, weights) = (&self.options, &model.weights);
+        let scale = per_101(model.path.samples);
+        // CT doubles at each violation: c0 (2^m - 1).
+        let doubled = doublings(sums.turns * scale).exp2() - 1.0;
         CostTerms {
-            length: weights.length * length,
-            altitude: weights.altitude * (altitude * scale),
-            threat: weights.threat * (threat * options.threat_per_km),
-            terrain: weights.terrain * (terrain * options.terrain_per_km * scale),
-            // CT doubles at each violation: c0 (2^m - 1).
-            turn: weights.turn * (options.turn_start * (doublings(turns * scale).exp2() - 1.0)),
-            climb: weights.climb * (climb * options.climb_factor * scale),
-            collision: weights.collision * (self.collision(model, scratch) * scale),
+            length: weights.length * sums.length_km,
+            altitude: weights.altitude * (sums.altitude * scale),
+            threat: weights.threat * (sums.threat * options.threat_per_km),
+            terrain: weights.terrain * (sums.terrain * options.terrain_per_km * scale),
+            turn: weights.turn * (options.turn_start * doubled),
+            climb: weights.climb * (sums.climb * options.climb_factor * scale),
+            collision: weights.collision * (sums.collision * scale),
         }
     }
 
     /// Terms of Eq. 21 and 23 at one sample, km.
-    fn heights(&self, model: &CostModel, scratch: &Scratch, index: usize) -> (f64, f64) {
-        let amsl_m = scratch.amsl_m[index];
+    fn heights(&self, model: &CostModel, curve: &Curve, index: usize) -> (f64, f64) {
+        let amsl_m = curve.amsl_m[index];
         let ground_m = model
             .relief
-            .height_m(scratch.east_m[index], scratch.north_m[index]);
+            .height_m(curve.east_m[index], curve.north_m[index]);
         let over_m = if self.options.altitude_over_ground {
             amsl_m - ground_m
         } else {
@@ -172,18 +215,23 @@ impl Paper {
         } else {
             high_m.max(0.0)
         };
-        let wanted_m = if self.options.terrain_from_min_agl {
-            model.wanted_agl_m[index]
-        } else {
-            0.0
-        };
+        let wanted_m = self.wanted_m(model, index);
         let deep_m = (ground_m + wanted_m - amsl_m).max(0.0) + (amsl_m - model.max_amsl_m).max(0.0);
         (high_m * 1e-3, deep_m * 1e-3)
     }
 
+    /// Height above ground from which Eq. 23 counts at a sample, metres.
+    pub(super) fn wanted_m(&self, model: &CostModel, index: usize) -> f64 {
+        if self.options.terrain_from_min_agl {
+            model.wanted_agl_m[index]
+        } else {
+            0.0
+        }
+    }
+
     /// Sum of `T_de` at the middle of a piece (Eq. 24), with zones and area.
-    fn exposure_per_km(&self, model: &CostModel, scratch: &mut Scratch, k: usize) -> f64 {
-        let segment = scratch.segment(k, 1);
+    fn exposure_per_km(&self, model: &CostModel, curve: &Curve, k: usize) -> f64 {
+        let segment = curve.segment(k, 1);
         let middle = [
             0.5 * (segment.a[0] + segment.b[0]),
             0.5 * (segment.a[1] + segment.b[1]),
@@ -201,63 +249,47 @@ impl Paper {
                 };
             }
         }
-        for zone in &hazards.zones {
-            exposure += zone.exposure(&segment, &mut scratch.crossings);
-        }
-        exposure + hazards.bounds.exposure(&segment, &mut scratch.crossings)
+        hazards.add_polygons(&segment, exposure, &mut Vec::new())
     }
 
-    /// Eq. 28 to 30 over every own point and every point of earlier flights.
-    fn collision(&self, model: &CostModel, scratch: &Scratch) -> f64 {
-        if self.others.is_empty() {
+    /// Whether there are earlier flights.
+    pub(super) fn has_others(&self) -> bool {
+        !self.others.is_empty()
+    }
+
+    /// Eq. 28 to 30 for one own point and points of earlier flights.
+    pub(super) fn collision(&self, own: [f64; 3], own_s: f64, others: &[Other]) -> f64 {
+        let to_goal = [own[0] - self.goal_m[0], own[1] - self.goal_m[1]];
+        let goal_m = self.options.goal_km * 1e3;
+        if to_goal[0] * to_goal[0] + to_goal[1] * to_goal[1] < goal_m * goal_m {
             return 0.0;
         }
-        let profile = model
-            .timing
-            .profile(scratch.along_m[model.path.samples - 1]);
-        let mut sum = 0.0;
-        for index in 0..model.path.samples {
-            let own = [
-                scratch.east_m[index],
-                scratch.north_m[index],
-                scratch.amsl_m[index],
-            ];
-            let to_goal_m = (own[0] - self.goal_m[0]).hypot(own[1] - self.goal_m[1]);
-            if to_goal_m < self.options.goal_km * 1e3 {
-                continue;
-            }
-            let near = self.near(own[0]);
-            if near.is_empty() {
-                continue;
-            }
-            let own_s = model.timing.start_s + profile.time_at_s(scratch.along_m[index]);
-            for other in near {
-                sum += other[4] * self.risk(own, own_s, other);
-            }
-        }
-        sum
+        others.iter().fold(0.0, |sum, other| {
+            sum + other.weight * self.risk(own, own_s, other)
+        })
     }
 
     /// The points of earlier flights that are not too far east or west.
-    fn near(&self, east_m: f64) -> &[[f64; 5]] {
+    pub(super) fn near(&self, east_m: f64) -> &[Other] {
         let limit_m = self.options.collision_km * 1e3;
         let from = self
             .others
-            .partition_point(|other| other[0] <= east_m - limit_m);
+            .partition_point(|other| other.place[0] <= east_m - limit_m);
         let rest = &self.others[from..];
-        &rest[..rest.partition_point(|other| other[0] < east_m + limit_m)]
+        &rest[..rest.partition_point(|other| other.place[0] < east_m + limit_m)]
     }
 
     /// Eq. 29 and 30 for two points.
-    fn risk(&self, own: [f64; 3], own_s: f64, other: &[f64; 5]) -> f64 {
+    fn risk(&self, own: [f64; 3], own_s: f64, other: &Other) -> f64 {
         let options = &self.options;
-        let apart = [own[0] - other[0], own[1] - other[1], own[2] - other[2]];
+        let place = other.place;
+        let apart = [own[0] - place[0], own[1] - place[1], own[2] - place[2]];
         let apart_sq = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
         let limit_m = options.collision_km * 1e3;
         if apart_sq >= limit_m * limit_m {
             return 0.0;
         }
-        let gap_min = (own_s - other[3]).abs() / 60.0;
+        let gap_min = (own_s - other.t_s).abs() / 60.0;
         let cubed = if options.collision_literal {
             // v / |dis1 - dis2| is one over the gap in minutes.
             let t = 1.0 / gap_min;
@@ -277,8 +309,39 @@ fn slope_excess(model: &CostModel, step: &Step, amsl_m: f64) -> f64 {
     } else {
         model.limits.descent.by_shape(Amsl(amsl_m))
     };
-    let slope = step.rise_m.abs() / step.run_m.max(1e-3);
-    (slope - limit * model.slope_share).max(0.0)
+    let excess_m = step.rise_m.abs() - limit * model.slope_share * step.run_m;
+    if excess_m > 0.0 {
+        excess_m / step.run_m.max(1e-3)
+    } else {
+        0.0
+    }
+}
+
+/// The points of a flight.
+fn others(flight: &Flight) -> impl Iterator<Item = Other> + '_ {
+    let weight = per_101(flight.points.len());
+    flight.points.iter().map(move |timed| {
+        let at = timed.point.at;
+        Other {
+            place: [at.east_m, at.north_m, timed.point.amsl.0],
+            t_s: timed.t_s,
+            weight,
+        }
+    })
+}
+
+/// Boxes around the points of a flight, several in each.
+fn boxes(flight: &Flight) -> Vec<[[f64; 2]; 2]> {
+    let points: Vec<Other> = others(flight).collect();
+    let around = |run: &[Other], axis: usize| {
+        let values = run.iter().map(|other| other.place[axis]);
+        let low_m = values.clone().fold(f64::INFINITY, f64::min);
+        [low_m, values.fold(f64::NEG_INFINITY, f64::max)]
+    };
+    points
+        .chunks(RUN)
+        .map(|run| [around(run, 0), around(run, 1)])
+        .collect()
 }
 
 /// How often CT doubles: for every violating point, of which finer sampling has more.

@@ -1,33 +1,81 @@
-//! The operational objective once more, plainly: term after term, nothing
+//! The operational objective plainly: one candidate, term after term, nothing
 //! culled, nothing cut short. Sums run in the same order as in the fast form.
 
-use super::model::{CostModel, Scratch};
+use super::Controls;
+use super::hazards::Segment;
+use super::model::CostModel;
 use super::operational::{Step, Sums};
 
-/// All sums of the sampled candidate in `scratch`.
-pub(super) fn sums(model: &CostModel, scratch: &mut Scratch) -> Sums {
+/// One candidate at the fine samples.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Curve {
+    pub(super) east_m: Vec<f64>,
+    pub(super) north_m: Vec<f64>,
+    pub(super) amsl_m: Vec<f64>,
+}
+
+impl Curve {
+    /// Reads a candidate's spline.
+    pub(super) fn new(model: &CostModel, controls: &Controls<'_>) -> Self {
+        let read = |values: &[f64]| {
+            let mut out = vec![0.0; model.path.fine.samples()];
+            model.path.fine.apply(values, &mut out);
+            out
+        };
+        Self {
+            east_m: read(controls.east_m),
+            north_m: read(controls.north_m),
+            amsl_m: read(controls.amsl_m),
+        }
+    }
+
+    /// The piece from sample `k` to the next, `substeps` fine samples on.
+    pub(super) fn segment(&self, k: usize, substeps: usize) -> Segment {
+        let (from, to) = (k * substeps, (k + 1) * substeps);
+        Segment {
+            a: [self.east_m[from], self.north_m[from]],
+            b: [self.east_m[to], self.north_m[to]],
+            amsl_a_m: self.amsl_m[from],
+            amsl_b_m: self.amsl_m[to],
+        }
+    }
+
+    /// Horizontal distances along it at the samples, metres.
+    pub(super) fn along_m(steps: &[Step]) -> Vec<f64> {
+        let mut along_m = vec![0.0];
+        let mut sum_m = 0.0;
+        for step in steps {
+            sum_m += step.run_m;
+            along_m.push(sum_m);
+        }
+        along_m
+    }
+}
+
+/// All sums of a candidate.
+pub(super) fn sums(model: &CostModel, curve: &Curve) -> Sums {
     let segments = model.path.samples - 1;
     let steps: Vec<Step> = (0..segments)
-        .map(|k| Step::of(&scratch.segment(k, model.path.substeps)))
+        .map(|k| Step::of(&curve.segment(k, model.path.substeps)))
         .collect();
-    let (altitude, terrain) = ground(model, scratch, &steps);
+    let (altitude, terrain) = ground(model, curve, &steps);
     Sums {
         length_km: steps.iter().fold(0.0, |sum, step| sum + step.length_km),
         altitude,
-        threat: threat(model, scratch, &steps),
+        threat: threat(model, curve, &steps),
         terrain,
         turn: steps
             .windows(2)
             .fold(0.0, |sum, pair| sum + model.turn_excess(&pair[0], &pair[1])),
         climb: steps.iter().enumerate().fold(0.0, |sum, (k, step)| {
-            let segment = scratch.segment(k, model.path.substeps);
+            let segment = curve.segment(k, model.path.substeps);
             sum + model.slope_excess(step, segment) * step.length_km
         }),
-        collision: collision(model, scratch, &steps),
+        collision: collision(model, curve, &steps),
     }
 }
 
-fn ground(model: &CostModel, scratch: &Scratch, steps: &[Step]) -> (f64, f64) {
+fn ground(model: &CostModel, curve: &Curve, steps: &[Step]) -> (f64, f64) {
     let substeps = model.path.substeps;
     let (mut altitude, mut terrain) = (0.0, 0.0);
     for (k, step) in steps.iter().enumerate() {
@@ -37,48 +85,46 @@ fn ground(model: &CostModel, scratch: &Scratch, steps: &[Step]) -> (f64, f64) {
             let share = if is_end { 0.5 } else { 1.0 };
             let ground_m = model
                 .relief
-                .height_m(scratch.east_m[index], scratch.north_m[index]);
+                .height_m(curve.east_m[index], curve.north_m[index]);
             let clearance =
-                model.clearance(scratch.amsl_m[index], ground_m, model.wanted_agl_m[index]);
+                model.clearance(curve.amsl_m[index], ground_m, model.wanted_agl_m[index]);
             high += share * clearance.altitude_km;
             deficit += share * clearance.deficit;
         }
-        let piece_km = step.length_km * model.per_substep();
+        let piece_km = step.length_km * model.per_substep;
         altitude += high * piece_km;
         terrain += deficit * piece_km;
     }
     (altitude, terrain)
 }
 
-fn threat(model: &CostModel, scratch: &mut Scratch, steps: &[Step]) -> f64 {
+fn threat(model: &CostModel, curve: &Curve, steps: &[Step]) -> f64 {
     let hazards = &model.hazards;
+    let mut crossings = Vec::new();
     let mut sum = 0.0;
     for (k, step) in steps.iter().enumerate() {
-        let segment = scratch.segment(k, model.path.substeps);
+        let segment = curve.segment(k, model.path.substeps);
         let mut exposure = 0.0;
         for threat in &hazards.threats {
             exposure += threat.exposure(&segment);
         }
         for zone in &hazards.zones {
-            exposure += zone.exposure(&segment, &mut scratch.crossings);
+            exposure += zone.exposure(&segment, &mut crossings);
         }
-        exposure += hazards.bounds.exposure(&segment, &mut scratch.crossings);
+        exposure += hazards.bounds.exposure(&segment, &mut crossings);
         sum += exposure * step.length_km;
     }
     sum
 }
 
-fn collision(model: &CostModel, scratch: &mut Scratch, steps: &[Step]) -> f64 {
-    scratch.along_m[0] = 0.0;
-    for (k, step) in steps.iter().enumerate() {
-        scratch.along_m[k + 1] = scratch.along_m[k] + step.run_m;
-    }
-    let length_m = scratch.along_m[steps.len()];
+fn collision(model: &CostModel, curve: &Curve, steps: &[Step]) -> f64 {
+    let along_m = Curve::along_m(steps);
+    let length_m = along_m[steps.len()];
     let profile = model.timing.profile(length_m);
     let mut sum = 0.0;
     for (k, step) in steps.iter().enumerate() {
-        let segment = scratch.segment(k, model.path.substeps);
-        let reach_m = (scratch.along_m[k], scratch.along_m[k + 1]);
+        let segment = curve.segment(k, model.path.substeps);
+        let reach_m = (along_m[k], along_m[k + 1]);
         let mut mean = 0.0;
         model
             .timing
@@ -87,7 +133,7 @@ fn collision(model: &CostModel, scratch: &mut Scratch, steps: &[Step]) -> f64 {
             });
         sum += mean * step.length_km;
     }
-    let end = scratch.segment(steps.len() - 1, model.path.substeps);
+    let end = curve.segment(steps.len() - 1, model.path.substeps);
     let place = [end.b[0], end.b[1], end.amsl_b_m];
     if let Some(motion) = model.timing.motion_after(place, length_m) {
         sum += model.traffic.mean_severity_by_all(&motion) * model.timing.after_km;

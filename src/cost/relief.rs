@@ -1,8 +1,13 @@
 //! The ground as the objective reads it.
 
+use std::sync::Arc;
+
+use fearless_simd::prelude::*;
+
+use super::lanes::{V, splat};
 use crate::world::Ground;
 
-/// A copy of the ground grid with what a lookup needs at hand.
+/// The ground grid with what a lookup needs at hand.
 #[derive(Clone, Debug)]
 pub(super) struct Relief {
     west_m: f64,
@@ -10,8 +15,8 @@ pub(super) struct Relief {
     per_metre: f64,
     last_column: f64,
     last_row: f64,
-    columns: usize,
-    heights_m: Vec<f32>,
+    columns: u32,
+    ground: Arc<Ground>,
     /// Taken for the height where there is no data.
     wall_m: f64,
 }
@@ -20,7 +25,7 @@ pub(super) struct Relief {
 const WALL_OVER_CEILING_M: f64 = 1000.0;
 
 impl Relief {
-    pub(super) fn new(ground: &Ground, max_amsl_m: f64) -> Self {
+    pub(super) fn new(ground: &Arc<Ground>, max_amsl_m: f64) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a grid has few rows")]
         let last = |nodes: usize| nodes.saturating_sub(1) as f64;
         Self {
@@ -29,8 +34,9 @@ impl Relief {
             per_metre: 1.0 / ground.spacing_m,
             last_column: last(ground.columns),
             last_row: last(ground.rows),
-            columns: ground.columns,
-            heights_m: ground.heights_m.clone(),
+            // A grid has far fewer than 2^32 columns.
+            columns: u32::try_from(ground.columns).unwrap_or(u32::MAX),
+            ground: Arc::clone(ground),
             wall_m: max_amsl_m + WALL_OVER_CEILING_M,
         }
     }
@@ -41,11 +47,11 @@ impl Relief {
     pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (column, right) = cell((east_m - self.west_m) * self.per_metre, self.last_column);
         let (row, up) = cell((north_m - self.south_m) * self.per_metre, self.last_row);
-        let corner = row * self.columns + column;
-        let node = |index: usize| f64::from(self.heights_m[index]);
+        let columns = self.columns as usize;
+        let corner = row * columns + column;
+        let node = |index: usize| f64::from(self.ground.heights_m[index]);
         let (south_west, south_east) = (node(corner), node(corner + 1));
-        let (north_west, north_east) =
-            (node(corner + self.columns), node(corner + self.columns + 1));
+        let (north_west, north_east) = (node(corner + columns), node(corner + columns + 1));
         let south = south_west + (south_east - south_west) * right;
         let north = north_west + (north_east - north_west) * right;
         let height_m = south + (north - south) * up;
@@ -55,6 +61,66 @@ impl Relief {
             height_m
         }
     }
+}
+
+impl Relief {
+    /// [`Self::height_m`] in every lane.
+    #[inline(always)]
+    pub(super) fn heights_m<S: Simd>(&self, simd: S, east_m: V<S>, north_m: V<S>) -> V<S> {
+        let (column, right) = cells(
+            simd,
+            (east_m - self.west_m) * self.per_metre,
+            self.last_column,
+        );
+        let (row, up) = cells(
+            simd,
+            (north_m - self.south_m) * self.per_metre,
+            self.last_row,
+        );
+        // Whole numbers far below 2^52: exact, and the low bits are the index.
+        let corner = (row - ROUND) * f64::from(self.columns) + column;
+        let heights_m = &self.ground.heights_m[..];
+        let (south_west, south_east) = neighbours(simd, heights_m, corner);
+        let north = &heights_m[self.columns as usize..];
+        let (north_west, north_east) = neighbours(simd, north, corner);
+        let south = south_west + (south_east - south_west) * right;
+        let north = north_west + (north_east - north_west) * right;
+        let height_m = south + (north - south) * up;
+        height_m.is_nan().select(splat(simd, self.wall_m), height_m)
+    }
+}
+
+/// [`cell`] in every lane, the index with [`ROUND`] added.
+#[inline(always)]
+fn cells<S: Simd>(simd: S, at: V<S>, last: f64) -> (V<S>, V<S>) {
+    let at = at.max(0.0).min(last);
+    let shifted = (at - 0.5).min(splat(simd, last - 1.0)) + ROUND;
+    (shifted, at - (shifted - ROUND))
+}
+
+/// The heights at the nodes with these indices, to which [`ROUND`] is added, and at the
+/// next ones.
+#[inline(always)]
+fn neighbours<S: Simd>(simd: S, heights_m: &[f32], nodes: V<S>) -> (V<S>, V<S>) {
+    let nodes = nodes.as_slice();
+    let lanes = V::<S>::LEN;
+    S::f32s::from_fn(
+        simd,
+        #[inline(always)]
+        |i| heights_m[low_bits(nodes[i % lanes]) + i / lanes],
+    )
+    .widen()
+}
+
+/// The whole number that was added to [`ROUND`].
+#[inline(always)]
+fn low_bits(shifted: f64) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the low bits are the index, far below 2^32"
+    )]
+    let index = shifted.to_bits() as u32;
+    index as usize
 }
 
 /// 1.5 * 2^52. Added to a number between -1/2 and 2^32, it leaves the nearest
@@ -69,12 +135,7 @@ const ROUND: f64 = 6_755_399_441_055_744.0;
 fn cell(at: f64, last: f64) -> (usize, f64) {
     let at = smaller(larger(at, 0.0), last);
     let shifted = smaller(at - 0.5, last - 1.0) + ROUND;
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "the low bits are the index, far below 2^32"
-    )]
-    let index = shifted.to_bits() as u32;
-    (index as usize, at - (shifted - ROUND))
+    (low_bits(shifted), at - (shifted - ROUND))
 }
 
 /// The greater of two numbers; `b` if `a` is none. One instruction, unlike `f64::max`.
@@ -91,13 +152,15 @@ fn smaller(a: f64, b: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::Relief;
     use crate::geodesy::EastNorth;
     use crate::world::Ground;
     use proptest::prelude::*;
 
-    fn ground(heights_m: Vec<f32>) -> Ground {
-        Ground {
+    fn ground(heights_m: Vec<f32>) -> Arc<Ground> {
+        Arc::new(Ground {
             south_west: EastNorth {
                 east_m: -100.0,
                 north_m: 50.0,
@@ -106,7 +169,7 @@ mod tests {
             columns: 5,
             rows: 4,
             heights_m,
-        }
+        })
     }
 
     proptest! {

@@ -43,7 +43,7 @@ const CLIMB: [f64; 3] = [-1.5377e-10, -2.6997e-5, 0.4211];
 /// Eq. 27, beta with its sign turned: greatest slope of a descent.
 const DESCENT: [f64; 3] = [-2.5063e-9, 6.3014e-6, 0.3257];
 /// The polynomials of Eq. 27 make sense up to here, metres.
-const POLYNOMIAL_TOP_M: f64 = 12_000.0;
+pub const POLYNOMIAL_TOP_M: f64 = 12_000.0;
 
 impl VehicleLimits {
     /// The limits of a vehicle of the spec.
@@ -69,7 +69,33 @@ impl VehicleLimits {
     }
 }
 
+impl VehicleLimits {
+    /// Whether the slope limits are the same at every altitude.
+    #[must_use]
+    pub fn are_even(&self) -> bool {
+        [self.climb, self.descent]
+            .iter()
+            .all(|limit| matches!(limit.shape, Shape::Angle(_)))
+    }
+}
+
 impl SlopeLimit {
+    /// The limit by angle or polynomial: coefficients of z^2, z and 1, z in metres
+    /// between 0 and [`POLYNOMIAL_TOP_M`].
+    #[must_use]
+    pub fn polynomial(&self) -> [f64; 3] {
+        match self.shape {
+            Shape::Angle(slope) => [0.0, 0.0, slope],
+            Shape::Polynomial(coefficients) => coefficients,
+        }
+    }
+
+    /// The limit by vertical speed.
+    #[must_use]
+    pub fn by_speed(&self) -> f64 {
+        self.by_speed
+    }
+
     /// The limit at an altitude, rise over run: by angle and by vertical speed.
     #[must_use]
     pub fn at(&self, amsl: Amsl) -> f64 {

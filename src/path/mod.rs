@@ -5,7 +5,7 @@ mod limits;
 mod timeline;
 
 pub use landing::{SLOW_LANDING_M, slow_landing_mps};
-pub use limits::{GRAVITY_MPS2, SlopeLimit, VehicleLimits};
+pub use limits::{GRAVITY_MPS2, POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route};
 
 use crate::geodesy::PlanPoint;

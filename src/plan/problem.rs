@@ -3,7 +3,7 @@
 use super::course::Course;
 use super::floor::FloorMaker;
 use super::lowest::{Demand, LowestSpline, Row, Workspace};
-use crate::cost::{Controls, CostModel, Margins, Scratch};
+use crate::cost::{Batch, Controls, CostModel, Margins, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::Basis;
 use crate::optimize::Problem;
@@ -116,6 +116,7 @@ pub(super) struct Room {
     demand: Demand,
     lengths_m: Vec<f64>,
     lowest: Workspace,
+    batch: Batch,
     scratch: Scratch,
 }
 
@@ -209,14 +210,14 @@ impl Problem for Horizontal<'_> {
 
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
         let mut room = Room::default();
-        let rows = candidates.chunks_exact(self.dimension());
-        for (candidate, cost) in rows.zip(costs) {
+        room.batch.clear(self.sampled.controls);
+        for candidate in candidates.chunks_exact(self.dimension()) {
             self.sampled.decode(self.free(candidate), &mut room);
-            *cost = self
-                .sampled
-                .model
-                .total(&room.spline.controls(), cutoff, &mut room.scratch);
+            room.batch.push(&room.spline.controls());
         }
+        self.sampled
+            .model
+            .totals(&room.batch, cutoff, &mut room.scratch, costs);
     }
 }
 
@@ -252,13 +253,13 @@ impl Problem for Spatial<'_> {
 
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
         let mut room = Room::default();
-        let rows = candidates.chunks_exact(self.dimension());
-        for (candidate, cost) in rows.zip(costs) {
+        room.batch.clear(self.sampled.controls);
+        for candidate in candidates.chunks_exact(self.dimension()) {
             self.spline(candidate, &mut room.spline);
-            *cost = self
-                .sampled
-                .model
-                .total(&room.spline.controls(), cutoff, &mut room.scratch);
+            room.batch.push(&room.spline.controls());
         }
+        self.sampled
+            .model
+            .totals(&room.batch, cutoff, &mut room.scratch, costs);
     }
 }

@@ -4,7 +4,7 @@ use super::course::Course;
 use super::fit::Fitter;
 use super::problem::{Horizontal, Sampled, Spatial, Spline};
 use super::starts::starts;
-use crate::cost::{CostTerms, Margins};
+use crate::cost::{Batch, CostTerms, Margins};
 use crate::numeric::Seed;
 use crate::optimize::{
     AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
@@ -242,13 +242,18 @@ fn most_promising(mut finalists: Vec<Candidate>) -> Vec<Candidate> {
 /// asked for, reported without.
 fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
     let parameters = course.parameters(JUDGED_SAMPLES);
-    let strict = course.model(course.margins, &parameters);
+    let mut batch = Batch::new(course.controls());
+    for spline in &splines {
+        batch.push(&spline.controls());
+    }
+    let strict = course.model(course.margins, &parameters).judge(&batch);
     let best = splines
         .into_iter()
-        .map(|spline| (strict.judge(&spline.controls()).total(), spline))
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map_or_else(|| course.straight(), |(_, spline)| spline);
-    let plain = course.model(Margins::default(), &parameters);
-    let terms = plain.judge(&best.controls());
-    (best, terms)
+        .zip(&strict)
+        .min_by(|a, b| a.1.total().total_cmp(&b.1.total()))
+        .map_or_else(|| course.straight(), |(spline, _)| spline);
+    batch.clear(course.controls());
+    batch.push(&best.controls());
+    let plain = course.model(Margins::default(), &parameters).judge(&batch);
+    (best, plain.first().copied().unwrap_or_default())
 }

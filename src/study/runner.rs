@@ -9,7 +9,7 @@ use super::config::Config;
 use super::contest::{Contestant, Method};
 use super::record::{Record, VehicleRecord};
 use super::setting::Setting;
-use crate::cost::{Controls, CostModel, Scratch};
+use crate::cost::{Batch, Controls, CostModel, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
 use crate::optimize::{Algorithm, Problem, TracePoint, minimise};
@@ -223,11 +223,14 @@ impl Problem for Encoded {
     }
 
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
-        let (mut found, mut scratch) = (Found::default(), Scratch::default());
-        for (candidate, cost) in candidates.chunks_exact(self.dimension()).zip(costs) {
+        let mut found = Found::default();
+        let mut batch = Batch::new(self.model.control_points());
+        for candidate in candidates.chunks_exact(self.dimension()) {
             self.decode(candidate, &mut found);
-            *cost = self.model.total(&found.controls(), cutoff, &mut scratch);
+            batch.push(&found.controls());
         }
+        self.model
+            .totals(&batch, cutoff, &mut Scratch::default(), costs);
     }
 }
 

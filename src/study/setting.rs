@@ -1,5 +1,7 @@
 //! A scenario as the objective and the planner read it.
 
+use std::sync::Arc;
+
 use geo::Polygon;
 
 use crate::cost::{CostModel, Leg, Margins, PaperOptions};
@@ -116,7 +118,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         // For verdicts on missions, of which there are none here; searches read the grid.
         terrain: Terrain::Flat(Amsl(0.0)),
         // As fine as a grid may be: 98 m on a map of 100 km.
-        ground: Ground::sample_by(&area, 1.0, height),
+        ground: Arc::new(Ground::sample_by(&area, 1.0, height)),
         threats: scenario
             .threats
             .iter()

@@ -13,6 +13,8 @@ pub use reader::{
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
 
+use std::sync::Arc;
+
 use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
@@ -57,7 +59,7 @@ pub struct World {
     /// The ground as its source has it: what the verdict is judged on.
     pub terrain: Terrain,
     /// The same ground on a grid in planning coordinates: what the search reads.
-    pub ground: Ground,
+    pub ground: Arc<Ground>,
     /// Threats.
     pub threats: Vec<Disc>,
     /// No-fly zones.
@@ -133,7 +135,7 @@ impl World {
                 })
             })
             .collect::<Result<_, NoData>>()?;
-        let ground = Ground::sample(&terrain, &frame, &area);
+        let ground = Arc::new(Ground::sample(&terrain, &frame, &area));
         Ok(Self {
             frame,
             terrain,
