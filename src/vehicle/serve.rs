@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 use super::air::{Air, Weather};
 use super::profile::Profile;
 use super::server::Vehicle;
-use crate::link::{Address, Decoder, Encoder, List, Message, Time};
+use super::surroundings::Surroundings;
+use crate::link::{Address, Decoder, Encoder, FlightMessage, List, Message, Time};
 use crate::mission::{Home, Item};
 
 /// Longest wait on the socket, so that a stop is noticed.
@@ -66,12 +67,26 @@ pub struct Running {
 /// # Errors
 /// When the address cannot be bound.
 pub fn spawn(simulated: &Simulated) -> io::Result<Running> {
+    spawn_in(simulated, Surroundings::default(), 1.0)
+}
+
+/// Starts a simulated vehicle in given surroundings, with a clock of its own that goes
+/// `speedup` times as fast as the wall's: flight and timers alike, as in ArduPilot's simulator.
+///
+/// # Errors
+/// When the address cannot be bound.
+pub fn spawn_in(
+    simulated: &Simulated,
+    surroundings: Surroundings,
+    speedup: f64,
+) -> io::Result<Running> {
     let socket = UdpSocket::bind(simulated.listen)?;
     let address = socket.local_addr()?;
-    let vehicle = Vehicle::new(
+    let vehicle = Vehicle::within(
         simulated.profile,
         simulated.sysid,
         simulated.home,
+        surroundings,
         Time::default(),
     );
     let vehicle = Arc::new(Mutex::new(vehicle));
@@ -87,6 +102,7 @@ pub fn spawn(simulated: &Simulated) -> io::Result<Running> {
         down: Air::new(simulated.weather, simulated.sysid, "down"),
         vehicle: Arc::clone(&vehicle),
         stop: Arc::clone(&stop),
+        speedup,
     };
     let thread = std::thread::Builder::new()
         .name(format!("vehicle {}", simulated.sysid))
@@ -149,6 +165,7 @@ struct Server {
     down: Air,
     vehicle: Arc<Mutex<Vehicle>>,
     stop: Arc<AtomicBool>,
+    speedup: f64,
 }
 
 impl Server {
@@ -158,7 +175,13 @@ impl Server {
             reason = "a vehicle on a real socket lives in real time"
         )]
         let began = Instant::now();
-        let now = || Time(u64::try_from(began.elapsed().as_millis()).unwrap_or(u64::MAX));
+        let speedup = self.speedup;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "milliseconds of one run"
+        )]
+        let now = || Time((began.elapsed().as_secs_f64() * 1000.0 * speedup) as u64);
         let mut encoder = Encoder::new(lock(&self.vehicle).address());
         let mut buffer = [0; 2048];
         while !self.stop.load(Ordering::Relaxed) {
@@ -167,7 +190,8 @@ impl Server {
                 .into_iter()
                 .flatten()
                 .fold(due, Time::min);
-            let wait = Duration::from_millis(due - now());
+            #[expect(clippy::cast_precision_loss, reason = "milliseconds of one run")]
+            let wait = Duration::from_secs_f64((due - now()) as f64 / 1000.0 / speedup);
             // A read timeout of zero would mean "for ever".
             let wait = wait.clamp(Duration::from_millis(1), LONGEST_WAIT);
             if self.socket.set_read_timeout(Some(wait)).is_err() {
@@ -217,6 +241,9 @@ impl Server {
         for (address, partner) in &self.partners {
             let is_meant = match message {
                 Message::Mission(mission) => partner.names.contains(&mission.target),
+                Message::Flight(FlightMessage::CommandAck { target, .. }) => {
+                    partner.names.contains(target)
+                }
                 _ => true,
             };
             if is_meant {

@@ -1,15 +1,18 @@
-//! The mission server of a simulated vehicle, sans-IO.
+//! A simulated vehicle as its radio hears it, sans-IO: missions, commands, telemetry.
 
+mod command;
 mod give;
 mod receive;
+mod telemetry;
 
 use std::collections::{BTreeMap, VecDeque};
 
+use super::mode::Mode;
+use super::pilot::Pilot;
 use super::profile::Profile;
-use super::rules;
+use super::surroundings::Surroundings;
 use crate::link::{
-    Address, Body, Heartbeat, List, MISSION_TYPE_ALL, MODE_ARMED, Message, MissionMessage,
-    MissionResult, STATE_ACTIVE, STATE_STANDBY, Time,
+    Address, Body, List, MISSION_TYPE_ALL, Message, MissionMessage, MissionResult, Time,
 };
 use crate::mission::{Home, Item};
 
@@ -19,6 +22,8 @@ const HEARTBEAT_MS: u64 = 1000;
 const DARK_MS: u64 = 800;
 /// After a start: heartbeats say BOOT, milliseconds.
 const BOOT_MS: u64 = 3000;
+/// Between two positions in flight, milliseconds.
+const POSITION_MS: u64 = 250;
 /// `MAV_STATE_BOOT`.
 const STATE_BOOT: u8 = 1;
 
@@ -35,6 +40,13 @@ pub struct Vehicle {
     outbox: VecDeque<Message>,
     heartbeat_due: Time,
     started: Time,
+    /// Who flies it; a generic one, and one without a home, does not fly.
+    pilot: Option<Pilot>,
+    position_due: Time,
+    /// Between two positions in flight; the greatest number for none.
+    position_ms: u64,
+    /// An item that is still being said to be reached, and how often.
+    reached: Option<(u16, u8)>,
     armed: bool,
 }
 
@@ -65,6 +77,24 @@ impl Vehicle {
     /// A vehicle with component id 1 that has been running for a while.
     #[must_use]
     pub fn new(profile: Profile, sysid: u8, home: Option<Home>, now: Time) -> Self {
+        Self::within(profile, sysid, home, Surroundings::default(), now)
+    }
+
+    /// The same in other surroundings.
+    #[must_use]
+    pub fn within(
+        profile: Profile,
+        sysid: u8,
+        home: Option<Home>,
+        surroundings: Surroundings,
+        now: Time,
+    ) -> Self {
+        let pilot = match profile {
+            Profile::ArduPilot | Profile::Px4 => {
+                home.map(|home| Pilot::new(profile, sysid, home, surroundings, now))
+            }
+            Profile::Generic => None,
+        };
         Self {
             profile,
             us: Address {
@@ -78,6 +108,10 @@ impl Vehicle {
             outbox: VecDeque::new(),
             heartbeat_due: now,
             started: Time(0),
+            pilot,
+            position_due: now,
+            position_ms: POSITION_MS,
+            reached: None,
             armed: false,
         }
     }
@@ -98,7 +132,13 @@ impl Vehicle {
         }
     }
 
-    /// Starts the motors, or stops them.
+    /// Whether its motors run.
+    #[must_use]
+    pub fn is_armed(&self) -> bool {
+        self.armed || self.pilot.as_ref().is_some_and(|pilot| pilot.armed)
+    }
+
+    /// Starts the motors, or stops them, without asking the autopilot.
     pub fn set_armed(&mut self, armed: bool) {
         self.armed = armed;
     }
@@ -114,8 +154,12 @@ impl Vehicle {
 
     /// Takes in a message, whoever sent it.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
-        let Message::Mission(mission) = message else {
-            return;
+        let mission = match message {
+            Message::Mission(mission) => mission,
+            Message::Flight(message) if !self.is_dark(now) => {
+                return self.flight(now, from, message);
+            }
+            _ => return,
         };
         if self.is_dark(now) || ![self.us.system, 0].contains(&mission.target.system) {
             return;
@@ -141,9 +185,13 @@ impl Vehicle {
 
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Time) {
+        self.fly(now);
         if now >= self.heartbeat_due && !self.is_dark(now) {
             self.heartbeat_due = now + HEARTBEAT_MS;
             self.beat(now);
+        }
+        if now >= self.position_due && !self.is_dark(now) {
+            self.position_is_due(now);
         }
         match self.transfer {
             Transfer::Receiving {
@@ -177,7 +225,35 @@ impl Vehicle {
             }
             Transfer::Giving { heard, .. } => heard + self.profile.give_up_ms(),
         };
-        transfer.min(self.heartbeat_due)
+        let flight = self.pilot.as_ref().and_then(Pilot::due);
+        transfer
+            .min(self.heartbeat_due)
+            .min(self.position_due)
+            .min(flight.unwrap_or(self.heartbeat_due))
+    }
+
+    /// Flies up to now by the mission on board.
+    fn fly(&mut self, now: Time) {
+        let Some(mut pilot) = self.pilot.take() else {
+            return;
+        };
+        pilot.advance(now, self.items(List::Mission));
+        self.pilot = Some(pilot);
+        self.report();
+    }
+
+    /// Whether it is armed in the mode that flies the mission.
+    fn is_flying_mission(&self) -> bool {
+        let pilot = self.pilot.as_ref();
+        pilot.is_some_and(|pilot| pilot.armed && pilot.mode() == Mode::Mission)
+    }
+
+    /// The mission on board is another one.
+    fn mission_replaced(&mut self) {
+        let items = self.items(List::Mission).to_vec();
+        if let Some(pilot) = &mut self.pilot {
+            pilot.mission_replaced(&items);
+        }
     }
 
     fn rows(&self, list: List) -> &[Item] {
@@ -190,48 +266,6 @@ impl Vehicle {
 
     fn is_booting(&self, now: Time) -> bool {
         now < self.started
-    }
-
-    fn beat(&mut self, now: Time) {
-        let system_status = match (self.profile, self.armed) {
-            (Profile::Generic, _) => 0,
-            _ if self.is_booting(now) => STATE_BOOT,
-            (_, true) => STATE_ACTIVE,
-            (_, false) => STATE_STANDBY,
-        };
-        self.outbox.push_back(Message::Heartbeat(Heartbeat {
-            kind: self.profile.kind(),
-            autopilot: self.profile.autopilot(),
-            base_mode: if self.armed { MODE_ARMED } else { 0 },
-            custom_mode: 0,
-            system_status,
-        }));
-        let total = u16::try_from(self.items(List::Mission).len()).unwrap_or(u16::MAX);
-        self.outbox.push_back(Message::MissionCurrent {
-            seq: 0,
-            total,
-            opaque_ids: List::ALL.map(|list| self.opaque_id(list)),
-        });
-        // A generic one, as MAVSDK's mission server, says nothing about its place.
-        if let (Some(home), Profile::ArduPilot | Profile::Px4) = (self.home, self.profile) {
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "`as` saturates, two thousand kilometres up"
-            )]
-            let amsl_mm = (f64::from(home.amsl_m) * 1000.0).round() as i32;
-            self.outbox.push_back(Message::HomePosition {
-                x: home.x,
-                y: home.y,
-                amsl_mm,
-            });
-        }
-    }
-
-    fn opaque_id(&self, list: List) -> u32 {
-        match self.profile {
-            Profile::Px4 => rules::opaque_id(self.rows(list)),
-            Profile::ArduPilot | Profile::Generic => 0,
-        }
     }
 
     fn say(&mut self, to: Address, mission_type: u8, body: Body) {

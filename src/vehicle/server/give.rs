@@ -121,7 +121,13 @@ impl Vehicle {
             (Profile::Generic, Transfer::Receiving { .. }) => return,
             _ => {}
         }
+        if self.profile == Profile::ArduPilot && list == List::Mission && self.is_flying_mission() {
+            return self.acknowledge(from, list, MissionResult::ERROR);
+        }
         self.lists.insert(list, Vec::new());
+        if list == List::Mission {
+            self.mission_replaced();
+        }
         self.acknowledge(from, list, MissionResult::ACCEPTED);
     }
 
@@ -130,6 +136,7 @@ impl Vehicle {
             (Profile::ArduPilot, _) => MissionResult::UNSUPPORTED,
             (Profile::Px4 | Profile::Generic, Transfer::Idle) => {
                 self.lists.values_mut().for_each(Vec::clear);
+                self.mission_replaced();
                 MissionResult::ACCEPTED
             }
             _ => return,

@@ -183,6 +183,9 @@ impl Vehicle {
             }
             self.lists.insert(list, staged);
         }
+        if list == List::Mission {
+            self.mission_replaced();
+        }
         self.last = count.checked_sub(1).map(|seq| (partner, list, seq));
         self.acknowledge(partner, list, MissionResult::ACCEPTED);
     }

@@ -1,0 +1,67 @@
+//! Flight modes as the autopilots number them.
+
+use super::profile::Profile;
+
+/// What a mode makes the vehicle do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Mode {
+    /// Flies its mission.
+    Mission,
+    /// Stays where it is.
+    Hold,
+    /// Lands where it is.
+    Land,
+    /// Returns to launch.
+    Return,
+}
+
+/// ArduCopter's `AUTO`.
+const ARDUPILOT_AUTO: u32 = 3;
+/// ArduCopter's `LOITER`.
+const ARDUPILOT_LOITER: u32 = 5;
+/// ArduCopter's `RTL`.
+const ARDUPILOT_RTL: u32 = 6;
+/// ArduCopter's `LAND`.
+const ARDUPILOT_LAND: u32 = 9;
+
+/// PX4's main mode `AUTO`, with a sub mode.
+const fn px4_auto(sub: u32) -> u32 {
+    4 << 16 | sub << 24
+}
+
+impl Mode {
+    /// What the number of a mode means. A mode that a pilot with sticks would fly is a hold.
+    pub(super) fn of(profile: Profile, custom_mode: u32) -> Self {
+        match (profile, custom_mode) {
+            (Profile::ArduPilot, ARDUPILOT_AUTO) => Self::Mission,
+            (Profile::ArduPilot, ARDUPILOT_LAND) => Self::Land,
+            (Profile::ArduPilot, ARDUPILOT_RTL) => Self::Return,
+            (Profile::Px4, mode) if mode == px4_auto(4) => Self::Mission,
+            (Profile::Px4, mode) if mode == px4_auto(5) => Self::Return,
+            (Profile::Px4, mode) if mode == px4_auto(6) => Self::Land,
+            _ => Self::Hold,
+        }
+    }
+
+    /// The number of a mode.
+    pub(super) fn number(self, profile: Profile) -> u32 {
+        match (profile, self) {
+            (Profile::Px4, Self::Mission) => px4_auto(4),
+            (Profile::Px4, Self::Hold) => px4_auto(3),
+            (Profile::Px4, Self::Return) => px4_auto(5),
+            (Profile::Px4, Self::Land) => px4_auto(6),
+            (_, Self::Mission) => ARDUPILOT_AUTO,
+            (_, Self::Hold) => ARDUPILOT_LOITER,
+            (_, Self::Return) => ARDUPILOT_RTL,
+            (_, Self::Land) => ARDUPILOT_LAND,
+        }
+    }
+
+    /// The mode after a start: ArduCopter's `STABILIZE`, PX4's `AUTO.LOITER`.
+    pub(super) fn first(profile: Profile) -> u32 {
+        match profile {
+            Profile::Px4 => Self::Hold.number(profile),
+            Profile::ArduPilot | Profile::Generic => 0,
+        }
+    }
+}

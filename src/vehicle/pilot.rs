@@ -1,0 +1,412 @@
+//! The autopilot in flight: modes, the mission it holds, one step of time after the other.
+//!
+//! It reads its items itself, as integers, and shares nothing with the model of the
+//! verdict: what one of them has wrong, the other shows.
+
+mod mission;
+
+use super::body::{Body, Weathering};
+use super::mode::Mode;
+use super::profile::Profile;
+use super::settings::{Limits, Settings};
+use super::steer::{self, Leg};
+use super::surroundings::Surroundings;
+use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame};
+use crate::link::{LandedState, Time};
+use crate::mission::{Home, Item};
+
+/// One step, milliseconds.
+pub(super) const STEP_MS: u64 = 50;
+/// The same, seconds.
+const STEP_S: f64 = 0.05;
+/// From touchdown until the motors stop, milliseconds.
+const DISARM_MS: u64 = 1500;
+/// A place is reached this near, metres.
+const REACHED_M: f64 = 0.7;
+
+/// What the vehicle is doing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Doing {
+    /// Stands on the ground.
+    Standing,
+    /// Waits, on the ground or where it is in the air.
+    Waiting { until: Time },
+    /// Climbs straight up to an altitude.
+    Rising { amsl_m: f64 },
+    /// Flies a leg; the time it stays at its end, or for ever.
+    Flying { leg: Leg, hold: Hold },
+    /// Stays at a point.
+    Holding { at_m: [f64; 3], until: Option<Time> },
+    /// Goes down to the ground below a point.
+    Sinking { at_m: [f64; 3] },
+    /// Has touched down.
+    Landed { at: Time },
+}
+
+/// What happens at the end of a leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Hold {
+    /// The next item.
+    Pass,
+    /// It stays for a time, milliseconds.
+    For(u64),
+    /// It stays.
+    Ever,
+    /// It lands.
+    Land,
+}
+
+/// What the pilot tells, for the ground station.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Event {
+    /// An item was done: its index without home.
+    Reached(usize),
+    /// A text.
+    Says(&'static str),
+}
+
+/// The autopilot and its vehicle.
+#[derive(Clone, Debug)]
+pub(super) struct Pilot {
+    profile: Profile,
+    pub(super) settings: Settings,
+    surroundings: Surroundings,
+    weathering: Weathering,
+    frame: LocalFrame,
+    home_m: f64,
+    body: Body,
+    pub(super) custom_mode: u32,
+    pub(super) armed: bool,
+    armed_at: Time,
+    airborne: bool,
+    doing: Doing,
+    /// The mission item at work, without home.
+    at: usize,
+    /// Whether the mission was begun and is not ended.
+    under_way: bool,
+    /// Speed that the mission asked for.
+    speed_mps: Option<f64>,
+    clock: Time,
+    events: Vec<Event>,
+}
+
+impl Pilot {
+    /// A vehicle that stands at its home.
+    pub(super) fn new(
+        profile: Profile,
+        sysid: u8,
+        home: Home,
+        surroundings: Surroundings,
+        now: Time,
+    ) -> Self {
+        let home_m = f64::from(home.amsl_m);
+        let mut settings = Settings::of(profile);
+        for (name, value) in &surroundings.params {
+            settings.set(name, *value);
+        }
+        Self {
+            profile,
+            settings,
+            weathering: Weathering::new(
+                surroundings.wind,
+                surroundings.noise_m,
+                surroundings.seed,
+                sysid,
+            ),
+            surroundings,
+            frame: LocalFrame::new(LatLon {
+                lat_deg: f64::from(home.x) / 1e7,
+                lon_deg: f64::from(home.y) / 1e7,
+            }),
+            home_m,
+            body: Body {
+                at_m: [0.0, 0.0, home_m],
+                velocity_mps: [0.0; 3],
+            },
+            custom_mode: Mode::first(profile),
+            armed: false,
+            armed_at: now,
+            airborne: false,
+            doing: Doing::Standing,
+            at: 0,
+            under_way: false,
+            speed_mps: None,
+            clock: now,
+            events: Vec::new(),
+        }
+    }
+
+    /// What it does in its mode.
+    pub(super) fn mode(&self) -> Mode {
+        Mode::of(self.profile, self.custom_mode)
+    }
+
+    /// The item at work, without home.
+    pub(super) fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Where it thinks it is, how high above the sea, metres, and its velocity east, north, up.
+    pub(super) fn position(&self) -> (LatLon, f64, [f64; 3]) {
+        let [east_m, north_m, amsl_m] = self.sensed();
+        let place = self.frame.from_plan(EastNorth { east_m, north_m });
+        (place, amsl_m, self.body.velocity_mps)
+    }
+
+    /// `MAV_LANDED_STATE`.
+    pub(super) fn landed_state(&self) -> LandedState {
+        match self.doing {
+            Doing::Rising { .. } => LandedState::TAKEOFF,
+            Doing::Sinking { .. } => LandedState::LANDING,
+            _ if self.airborne => LandedState::IN_AIR,
+            _ => LandedState::ON_GROUND,
+        }
+    }
+
+    /// What it has to tell since the last time.
+    pub(super) fn events(&mut self) -> Vec<Event> {
+        std::mem::take(&mut self.events)
+    }
+
+    /// When [`Self::advance`] has something to do; none on the ground with motors off.
+    pub(super) fn due(&self) -> Option<Time> {
+        self.armed.then_some(self.clock + STEP_MS)
+    }
+
+    /// Starts the motors, or says why not.
+    pub(super) fn arm(&mut self, now: Time) -> Result<(), &'static str> {
+        if self.armed {
+            return Ok(());
+        }
+        if self.profile == Profile::ArduPilot && self.mode() == Mode::Mission {
+            return Err("Arm: Mode not armable");
+        }
+        self.armed = true;
+        (self.clock, self.armed_at) = (now, now);
+        self.doing = Doing::Standing;
+        Ok(())
+    }
+
+    /// Stops the motors, or says why not.
+    pub(super) fn disarm(&mut self) -> Result<(), &'static str> {
+        if self.airborne {
+            return Err("Disarm: not landed");
+        }
+        self.armed = false;
+        self.stand();
+        Ok(())
+    }
+
+    /// Changes the mode. A mission must be there to be flown.
+    pub(super) fn set_mode(&mut self, custom_mode: u32, items: &[Item]) -> bool {
+        let mode = Mode::of(self.profile, custom_mode);
+        if mode == Mode::Mission && items.is_empty() {
+            return false;
+        }
+        let was = self.mode();
+        self.custom_mode = custom_mode;
+        if self.armed && (mode != was || mode == Mode::Mission && !self.under_way) {
+            self.enter(mode, items);
+        }
+        true
+    }
+
+    /// Takes the mission up where it is, or from its beginning.
+    pub(super) fn start_mission(&mut self, items: &[Item]) -> bool {
+        self.set_mode(Mode::Mission.number(self.profile), items)
+    }
+
+    /// Goes on with another item.
+    pub(super) fn set_current(&mut self, index: usize, items: &[Item]) -> bool {
+        if index >= items.len() {
+            return false;
+        }
+        self.at = index;
+        if self.armed && self.under_way && self.mode() == Mode::Mission {
+            self.begin(items, None);
+        }
+        true
+    }
+
+    /// A new mission is on board. PX4 begins it at once; ArduPilot goes on with its leg
+    /// and takes up the new items after it.
+    pub(super) fn mission_replaced(&mut self, items: &[Item]) {
+        let in_flight = self.airborne && self.under_way;
+        if self.profile != Profile::ArduPilot || !in_flight {
+            self.at = 0;
+            if in_flight && self.mode() == Mode::Mission {
+                self.begin(items, None);
+            }
+        }
+    }
+
+    fn enter(&mut self, mode: Mode, items: &[Item]) {
+        let here = self.sensed();
+        match mode {
+            Mode::Mission => {
+                if !self.under_way {
+                    self.at = if self.at < items.len() { self.at } else { 0 };
+                    self.under_way = true;
+                    self.speed_mps = None;
+                }
+                self.begin(items, None);
+            }
+            _ if !self.airborne => self.doing = Doing::Standing,
+            Mode::Hold => {
+                let at_m = self.stopping_point();
+                self.doing = Doing::Holding { at_m, until: None };
+            }
+            Mode::Land => {
+                let at_m = self.stopping_point();
+                self.doing = Doing::Sinking { at_m };
+            }
+            Mode::Return => self.return_home(here),
+        }
+    }
+
+    /// Where the vehicle comes to rest if it brakes now.
+    fn stopping_point(&self) -> [f64; 3] {
+        let (limits, [east, north, up]) = (self.settings.limits(), self.body.velocity_mps);
+        let speed = east.hypot(north);
+        let brake_s = 0.5 * speed / (0.7 * limits.accel_mps2) + 0.3;
+        let rise_s = 0.5 * up.abs() / limits.accel_z_mps2;
+        let here = self.sensed();
+        [
+            here[0] + east * brake_s,
+            here[1] + north * brake_s,
+            here[2] + up * rise_s,
+        ]
+    }
+
+    /// Home at the altitude of a return, or at the present one if that is higher.
+    fn return_home(&mut self, here: [f64; 3]) {
+        let amsl_m = here[2].max(self.home_m + self.settings.limits().return_m);
+        let leg = Leg {
+            from_m: [here[0], here[1], amsl_m],
+            to_m: [0.0, 0.0, amsl_m],
+        };
+        let hold = Hold::Land;
+        self.doing = Doing::Flying { leg, hold };
+    }
+
+    /// Flies up to a time.
+    pub(super) fn advance(&mut self, now: Time, items: &[Item]) {
+        while self.armed && self.clock + STEP_MS <= now {
+            self.clock = self.clock + STEP_MS;
+            self.weathering.step(STEP_S);
+            self.step(items);
+        }
+        if !self.armed {
+            self.clock = now;
+        }
+    }
+
+    fn step(&mut self, items: &[Item]) {
+        let limits = self.settings.limits();
+        let at_m = self.sensed();
+        let wanted = match self.doing {
+            Doing::Standing => return self.idle(&limits),
+            Doing::Landed { at } => {
+                if self.clock >= at + DISARM_MS {
+                    self.armed = false;
+                    self.stand();
+                }
+                return;
+            }
+            Doing::Waiting { until } => {
+                if self.clock >= until {
+                    self.complete(items);
+                }
+                if !self.airborne {
+                    return;
+                }
+                steer::hold_mps(at_m, at_m, &limits)
+            }
+            Doing::Rising { amsl_m } => {
+                self.airborne = true;
+                if amsl_m - at_m[2] < REACHED_M {
+                    self.complete(items);
+                }
+                let climb = steer::closing_mps(amsl_m - at_m[2], 0.7 * limits.accel_z_mps2);
+                [0.0, 0.0, climb.clamp(0.0, limits.takeoff_mps)]
+            }
+            Doing::Flying { leg, hold } => {
+                let wanted = self.along(leg, hold, at_m, items, &limits);
+                self.arrive(leg, hold, at_m, items, &limits);
+                wanted
+            }
+            Doing::Holding { at_m: place, until } => {
+                if until.is_some_and(|until| self.clock >= until) {
+                    self.complete(items);
+                }
+                steer::hold_mps(at_m, place, &limits)
+            }
+            Doing::Sinking { at_m: place } => self.sink(place, at_m, &limits),
+        };
+        if matches!(self.doing, Doing::Landed { .. }) {
+            return;
+        }
+        self.body
+            .step(wanted, &limits, self.weathering.gust(), STEP_S);
+    }
+
+    /// Motors that run for nothing are stopped.
+    fn idle(&mut self, limits: &Limits) {
+        let idle_s = limits.idle_s.unwrap_or(f64::INFINITY);
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+        let since_s = (self.clock - self.armed_at) as f64 / 1000.0;
+        if since_s >= idle_s {
+            self.armed = false;
+            self.events.push(Event::Says("Disarmed: no takeoff"));
+        }
+    }
+
+    fn sink(&mut self, place: [f64; 3], at_m: [f64; 3], limits: &Limits) -> [f64; 3] {
+        let over_m = at_m[2] - self.ground_m(at_m);
+        if over_m <= 0.05 {
+            self.airborne = false;
+            self.under_way = false;
+            self.body.velocity_mps = [0.0; 3];
+            self.doing = Doing::Landed { at: self.clock };
+            if self.mode() == Mode::Mission {
+                self.events.push(Event::Reached(self.at));
+            }
+            return [0.0; 3];
+        }
+        // It begins to slow down before, so that it is slow there.
+        let fast = limits.descent_mps.max(limits.slow_landing_mps);
+        let slow = limits.slow_landing_mps;
+        let spare_m = (over_m - limits.slow_landing_m).max(0.0);
+        let descent = (slow * slow + 2.0 * limits.accel_z_mps2 * spare_m)
+            .sqrt()
+            .min(fast);
+        let [east, north, _] = steer::hold_mps(at_m, [place[0], place[1], at_m[2]], limits);
+        [east, north, -descent]
+    }
+
+    /// The ground below; that of home where it is not known.
+    fn ground_m(&self, at_m: [f64; 3]) -> f64 {
+        let place = self.frame.from_plan(EastNorth {
+            east_m: at_m[0],
+            north_m: at_m[1],
+        });
+        let known = self.surroundings.terrain.as_ref();
+        known
+            .and_then(|terrain| terrain.height(place).ok())
+            .map_or(self.home_m, |Amsl(amsl_m)| amsl_m)
+    }
+
+    fn stand(&mut self) {
+        self.doing = Doing::Standing;
+        self.under_way = false;
+        self.at = 0;
+    }
+
+    fn sensed(&self) -> [f64; 3] {
+        if self.airborne {
+            self.weathering.sensed(self.body.at_m)
+        } else {
+            self.body.at_m
+        }
+    }
+}
