@@ -1,4 +1,9 @@
 //! The simulated vehicles fly the mission they hold, in virtual time.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss
+)]
 
 use sortie::geodesy::{LatLon, LocalFrame};
 use sortie::link::*;

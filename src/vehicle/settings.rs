@@ -111,7 +111,7 @@ impl Settings {
     }
 
     /// Takes one from the wire, if the vehicle has it.
-    pub(super) fn from_wire(&mut self, name: &str, value: ParamValue) {
+    pub(super) fn take_wire(&mut self, name: &str, value: ParamValue) {
         let bytewise = self.is_bytewise();
         if let Some(held) = self.values.get_mut(name) {
             *held = value.value(bytewise);

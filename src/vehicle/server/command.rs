@@ -44,7 +44,7 @@ impl Vehicle {
                 value,
             } if is_ours(target) => {
                 if let Some(pilot) = &mut self.pilot {
-                    pilot.settings.from_wire(name, *value);
+                    pilot.settings.take_wire(name, *value);
                 }
                 self.tell_param(name);
             }
