@@ -191,6 +191,17 @@ fn zero_zero_is_no_place() {
 }
 
 #[test]
+fn a_takeoff_or_landing_at_zero_zero_is_where_ardupilot_stands() {
+    for index in [0, 2] {
+        let here = |mission: &mut VehicleMission| {
+            (mission.items[index].x, mission.items[index].y) = (0, 0);
+        };
+        fine(ArduPilot, here);
+        assert_eq!(one(Px4, here), (index + 1, "a real place"));
+    }
+}
+
+#[test]
 fn an_altitude_is_a_number_that_fits() {
     for autopilot in [ArduPilot, Px4] {
         for z in [f32::NAN, f32::INFINITY, 83_000.0, -83_000.0] {

@@ -21,8 +21,8 @@ pub(super) enum Command {
     Plan(Plan),
     /// Check a spec without planning
     Check(Check),
-    /// Judge mission files against a spec
-    Review(Review),
+    /// Judge mission files, against a spec or against limits given as flags
+    Review(Box<Review>),
     /// Verify again, transfer to the vehicles, read back and compare
     Upload(Upload),
     /// Read mission, fence and rally points from a vehicle into a file
@@ -67,7 +67,8 @@ pub(super) struct Check {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Review {
-    /// The spec (*.yaml) and mission files (.waypoints, .plan); <id>.* belongs to vehicle <id>
+    /// Mission files (QGC WPL, .plan, fence and rally lists), and the spec (*.yaml) if there is
+    /// one; <id>.* belongs to vehicle <id>, a file with a fence or rally points only to all
     #[arg(required = true, value_name = "SPEC and FILES")]
     pub(super) files: Vec<PathBuf>,
     /// The mission file of one vehicle, whatever its name
@@ -79,6 +80,118 @@ pub(super) struct Review {
     /// Write the review page to this file
     #[arg(long, value_name = "FILE")]
     pub(super) html: Option<PathBuf>,
+    /// Write a picture of the review to this file
+    #[arg(long, value_name = "FILE")]
+    pub(super) svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) limits: Limits,
+}
+
+/// What a spec would say. A limit that is not given is not judged.
+#[derive(Debug, Default, PartialEq, clap::Args)]
+#[command(next_help_heading = "Without a spec (a limit that is not given is not judged)")]
+pub(super) struct Limits {
+    /// Elevation file; without it nothing passes unless --no-terrain is stated
+    #[arg(long, value_name = "FILE", conflicts_with = "no_terrain")]
+    pub(super) terrain: Option<PathBuf>,
+    /// Leave the ground out of the verdict
+    #[arg(long)]
+    pub(super) no_terrain: bool,
+    /// Minimum height above ground, metres [default: 0]
+    #[arg(long, value_name = "M", value_parser = finite, requires = "terrain")]
+    pub(super) min_agl: Option<f64>,
+    /// Ceiling, metres above mean sea level
+    #[arg(long, value_name = "M", value_parser = finite, allow_negative_numbers = true)]
+    pub(super) max_amsl: Option<f64>,
+    /// Least distance between vehicles, metres
+    #[arg(long, value_name = "M", value_parser = finite)]
+    pub(super) separation: Option<f64>,
+    /// With this much in height they may be nearer, metres
+    #[arg(long, value_name = "M", value_parser = finite, requires = "separation")]
+    pub(super) vertical_separation: Option<f64>,
+    /// The separation holds for every shift of departure up to this, seconds [default: 0]
+    #[arg(long, value_name = "S", value_parser = finite, requires = "separation")]
+    pub(super) time_slack: Option<f64>,
+    /// Who reads the missions [default: as the file says, else ardupilot]
+    #[arg(long, value_enum, value_name = "AUTOPILOT")]
+    pub(super) autopilot: Option<AutopilotName>,
+    /// What flies them [default: copter]
+    #[arg(long, value_enum, value_name = "AIRFRAME")]
+    pub(super) airframe: Option<AirframeName>,
+    /// Ground speed where the mission says none, m/s [default: the autopilot's]
+    #[arg(long, value_name = "MPS", value_parser = finite)]
+    pub(super) speed: Option<f64>,
+    /// Horizontal acceleration, m/s^2 [default: the autopilot's]
+    #[arg(long, value_name = "MPS2", value_parser = finite)]
+    pub(super) accel: Option<f64>,
+    /// Vertical speed up, and the limit of it, m/s
+    #[arg(long, value_name = "MPS", value_parser = finite)]
+    pub(super) climb: Option<f64>,
+    /// Vertical speed down, and the limit of it, m/s
+    #[arg(long, value_name = "MPS", value_parser = finite)]
+    pub(super) descent: Option<f64>,
+    /// Steepest climb, degrees
+    #[arg(long, value_name = "DEG", value_parser = finite)]
+    pub(super) max_climb: Option<f64>,
+    /// Steepest descent, degrees
+    #[arg(long, value_name = "DEG", value_parser = finite)]
+    pub(super) max_descent: Option<f64>,
+    /// Load factor in turns, which gives their radius
+    #[arg(long, value_name = "N", value_parser = finite)]
+    pub(super) load_factor: Option<f64>,
+    /// Altitude at which a vehicle returns to launch, metres above mean sea level
+    #[arg(long, value_name = "M", value_parser = finite, allow_negative_numbers = true)]
+    pub(super) return_amsl: Option<f64>,
+    /// Home of missions that have none: latitude, longitude, metres above mean sea level
+    #[arg(long, value_name = "LAT,LON,AMSL", value_parser = place, allow_hyphen_values = true)]
+    pub(super) home: Option<Place>,
+}
+
+/// An autopilot by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum AutopilotName {
+    /// ArduPilot
+    Ardupilot,
+    /// PX4
+    Px4,
+}
+
+/// An airframe by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum AirframeName {
+    /// Multicopter
+    Copter,
+}
+
+/// Latitude and longitude in degrees, metres above mean sea level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub(super) lat_deg: f64,
+    pub(super) lon_deg: f64,
+    pub(super) amsl_m: f64,
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite())
+        .ok_or_else(|| "not a number".to_owned())
+}
+
+fn place(text: &str) -> Result<Place, String> {
+    let numbers: Result<Vec<f64>, String> = text.split(',').map(finite).collect();
+    match numbers?[..] {
+        [lat_deg, lon_deg, amsl_m]
+            if lat_deg.abs() <= 90.0 && lon_deg.abs() <= 180.0 && amsl_m.abs() <= 20_000.0 =>
+        {
+            Ok(Place {
+                lat_deg,
+                lon_deg,
+                amsl_m,
+            })
+        }
+        _ => Err("not LAT,LON,AMSL".to_owned()),
+    }
 }
 
 #[derive(Debug, clap::Args)]

@@ -16,7 +16,6 @@ use crate::mission::VehicleMission;
 use crate::path::TimedPoint;
 use crate::report::{self, ReviewInput};
 use crate::spec::{SpecFile, TerrainSource};
-use crate::verify::Review;
 use crate::world::{self, World};
 
 /// SHA-256 of a text, in hexadecimal.
@@ -91,7 +90,16 @@ pub(super) fn write(
         .iter()
         .map(|(vehicle, mission)| (*vehicle, mission))
         .collect();
-    let page = page(file, world, Some(dispatched), &missions, review);
+    let page = report::review_html(&ReviewInput {
+        spec,
+        world,
+        plan: Some(&dispatched.plan),
+        missions: &missions,
+        review,
+        seed: Some(dispatched.plan.seed),
+        spec_sha256: &hash,
+        version: env!("CARGO_PKG_VERSION"),
+    });
     folder.write("review.html", page.as_bytes())?;
     folder.write("timing.json", report::json_text(timing).as_bytes())?;
     folder.publish()?;
@@ -107,26 +115,6 @@ fn copy_terrain(folder: &NewFolder, file: &SpecFile) -> Result<(), Failure> {
         folder.copy(&path, &name.to_string_lossy())?;
     }
     Ok(())
-}
-
-/// The review page.
-pub(super) fn page(
-    file: &SpecFile,
-    world: &World,
-    dispatched: Option<&Dispatched>,
-    missions: &[(usize, &VehicleMission)],
-    review: &Review,
-) -> String {
-    report::review_html(&ReviewInput {
-        spec: &file.spec,
-        world,
-        plan: dispatched.map(|dispatched| &dispatched.plan),
-        missions,
-        review,
-        seed: dispatched.map(|dispatched| dispatched.plan.seed),
-        spec_sha256: &sha256(&file.text),
-        version: env!("CARGO_PKG_VERSION"),
-    })
 }
 
 /// Marks the name of a mission that fails verification.
@@ -282,10 +270,15 @@ fn terrain_folder(spec: &str) -> Option<String> {
     Some(first.as_os_str().to_string_lossy().into_owned())
 }
 
+/// The name of a mission file without its ending, and without the mark of a rejected one.
+pub(super) fn stem(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    stem.strip_suffix(REJECTED).unwrap_or(&stem).to_owned()
+}
+
 /// The vehicle whose name a mission file has, such as `alpha.waypoints` or `alpha.REJECTED.plan`.
 pub(super) fn vehicle_of(path: &Path, file: &SpecFile) -> Option<usize> {
-    let stem = path.file_stem()?.to_str()?;
-    let stem = stem.strip_suffix(REJECTED).unwrap_or(stem);
+    let stem = stem(path);
     file.spec
         .vehicles
         .iter()

@@ -1,6 +1,7 @@
 //! The command line: arguments, progress, exit codes.
 
 mod args;
+mod bare;
 mod check;
 mod console;
 mod download;

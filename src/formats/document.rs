@@ -109,6 +109,13 @@ impl Document {
         })
     }
 
+    /// Whether it is a fence or rally points and no mission.
+    #[must_use]
+    pub fn is_list(&self) -> bool {
+        let lists = !self.fence.is_empty() || !self.rally.is_empty();
+        lists && self.items.is_empty()
+    }
+
     /// Puts an item into the list that its command belongs to.
     pub(super) fn add(&mut self, item: Item) {
         match item.command {

@@ -78,6 +78,9 @@ pub struct Limits {
 struct Profile {
     limits: Limits,
     commands: &'static [CommandRule],
+    /// Commands to which latitude 0, longitude 0 means where the vehicle is: Mission
+    /// Planner writes takeoffs so.
+    here: &'static [u16],
     /// Frames of items with a place.
     place_frames: &'static [u8],
     /// Frames of items without one; any if absent.
@@ -104,6 +107,7 @@ static ARDUPILOT_PROFILE: Profile = Profile {
         rally: 46,
     },
     commands: ARDUPILOT,
+    here: &[command::NAV_TAKEOFF, command::NAV_LAND],
     place_frames: &[0, 3, 5, 6, 10, 11],
     command_frames: None,
     any_nan: false,
@@ -122,6 +126,7 @@ static PX4_PROFILE: Profile = Profile {
         rally: 32,
     },
     commands: PX4,
+    here: &[],
     place_frames: &[0, 3, 5, 6],
     command_frames: Some(&[frame::MISSION]),
     any_nan: true,
@@ -293,7 +298,8 @@ fn longitude(profile: &Profile, item: &Item) -> Option<Finding> {
 
 /// ArduPilot takes 0, 0 for "here"; PX4 flies to the Gulf of Guinea.
 fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.has_place(item) && (item.x, item.y) == (0, 0)).then(|| {
+    let goes = profile.has_place(item) && !profile.here.contains(&item.command);
+    (goes && (item.x, item.y) == (0, 0)).then(|| {
         (
             "latitude 0, longitude 0".to_owned(),
             "a place on purpose".to_owned(),

@@ -4,7 +4,7 @@ use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::VehicleMission;
 use crate::path::{SLOW_LANDING_M, slow_landing_mps};
 use crate::spec::{Autopilot, Vehicle};
-use crate::world::{Stations, World};
+use crate::world::{Stations, Terrain, World};
 
 use super::chord::Phase;
 use super::decode::{self, Height, Order, Step, Unknown};
@@ -240,7 +240,9 @@ impl Pilot<'_> {
             })
         };
         let Some(Amsl(return_m)) = self.vehicle.return_amsl else {
-            return refuse("NAV_RETURN_TO_LAUNCH, and the spec has no return_amsl_m");
+            return refuse(
+                "NAV_RETURN_TO_LAUNCH, and no return altitude is given (return_amsl_m, --return-amsl)",
+            );
         };
         if !mission.rally.is_empty() {
             return refuse("NAV_RETURN_TO_LAUNCH with rally points may end at one of them");
@@ -259,7 +261,11 @@ impl Pilot<'_> {
     /// Descends to the ground.
     fn touch_down(&mut self, row: usize) -> Result<(), Unknown> {
         let at = self.last().at;
-        let ground_m = self.ribbon.ground_m(row, self.world.frame.from_plan(at))?;
+        let ground_m = match self.world.terrain {
+            // Where it touches down is then not judged; when, well enough.
+            Terrain::Unknown => self.home.amsl.0,
+            _ => self.ribbon.ground_m(row, self.world.frame.from_plan(at))?,
+        };
         let slow_mps = slow_landing_mps(self.vehicle.autopilot);
         let descent_mps = self.vehicle.descent_mps;
         let slow_m = ground_m + SLOW_LANDING_M;

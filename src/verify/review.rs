@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, VehicleMission, command};
 use crate::spec::{Autopilot, MissionSpec, Vehicle};
-use crate::world::{Stations, World};
+use crate::world::{Stations, Terrain, World};
 
 use super::contract::Contract;
 use super::fence::Fence;
@@ -75,7 +75,7 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
     Review {
         margins,
         tracks: sorties.iter().map(|sortie| sortie.track(world)).collect(),
-        assumptions: assumptions(spec, &sorties),
+        assumptions: assumptions(spec, world, &sorties),
     }
 }
 
@@ -218,7 +218,7 @@ fn standing(world: &World, place: LatLon, row: &Home) -> Amsl {
 }
 
 /// What the flight model takes for granted, as far as it was used.
-fn assumptions(spec: &MissionSpec, sorties: &[Sortie<'_>]) -> Vec<String> {
+fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec<String> {
     let any = |test: fn(&Sortie<'_>) -> bool| sorties.iter().any(test);
     let mut list: Vec<String> = [
         "legs are straight in the local frame, altitude linear with distance",
@@ -266,6 +266,10 @@ fn assumptions(spec: &MissionSpec, sorties: &[Sortie<'_>]) -> Vec<String> {
     add(
         any(|s| matches!(s.flight.end, Some(End::Stays(_)))),
         "a vehicle that loiters, or whose mission ends in the air, hovers there for ever",
+    );
+    add(
+        world.terrain == Terrain::Unknown,
+        "the ground is not known: landings end at the altitude of home",
     );
     add(spec.wind.is_some(), "the ground speed is kept in the wind");
     list.extend(separation::assumption(sorties.len(), &spec.separation));

@@ -58,7 +58,7 @@ impl Patch {
 impl<'a> Surface<'a> {
     pub(super) fn new(terrain: &'a Terrain) -> Self {
         let third_derivative = match terrain {
-            Terrain::Flat(_) | Terrain::Grid(_) => 0.0,
+            Terrain::Flat(_) | Terrain::Grid(_) | Terrain::Unknown => 0.0,
             // |d^3/dx^3 exp(-x^2)| stays below 4.
             Terrain::Analytic { hills, .. } => hills
                 .iter()
@@ -82,7 +82,7 @@ impl<'a> Surface<'a> {
     /// bilinear cell the ground under it is exactly a parabola.
     pub(super) fn under(&self, from: LatLon, to: LatLon) -> Result<Vec<Patch>, NoData> {
         let (cuts, error_m) = match self.terrain {
-            Terrain::Flat(_) => (vec![0.0, 1.0], 0.0),
+            Terrain::Flat(_) | Terrain::Unknown => (vec![0.0, 1.0], 0.0),
             Terrain::Grid(grid) => (grid_cuts(grid, from, to), 0.0),
             Terrain::Analytic { .. } => self.even_cuts(from, to),
         };

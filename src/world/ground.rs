@@ -145,7 +145,7 @@ fn cell(at: f64, nodes: usize) -> (usize, f64) {
 fn source_spacing_m(terrain: &Terrain) -> f64 {
     const METRES_PER_DEGREE: f64 = 111_195.08;
     match terrain {
-        Terrain::Flat(_) => f64::INFINITY,
+        Terrain::Flat(_) | Terrain::Unknown => f64::INFINITY,
         Terrain::Analytic { hills, .. } => hills
             .iter()
             .map(|hill| hill.radius_m / 16.0)

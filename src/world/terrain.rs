@@ -25,6 +25,8 @@ pub enum Terrain {
     },
     /// A grid of latitude and longitude.
     Grid(TerrainGrid),
+    /// No elevation at all: whatever needs the ground cannot be known.
+    Unknown,
 }
 
 /// Heights at the nodes of a regular grid of latitude and longitude.
@@ -60,6 +62,7 @@ impl Terrain {
                         .sum::<f64>(),
             )),
             Self::Grid(grid) => grid.height_m(place).map(Amsl).ok_or(NoData { place }),
+            Self::Unknown => Err(NoData { place }),
         }
     }
 }
