@@ -28,6 +28,8 @@ pub(super) struct Chord {
     pub(super) to: PlanPoint,
     /// The vehicle is never further than this from where the chord has it at the same time, metres.
     pub(super) error_m: f64,
+    /// The path is never further than this beside the line of the chord, metres; 0 unless it is curved.
+    pub(super) bow_m: f64,
     /// Height above ground at both ends where the vehicle follows the terrain, metres.
     pub(super) agl_m: Option<(f64, f64)>,
     /// Whether the vehicle is on the ground at the lower end.

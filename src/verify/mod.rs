@@ -7,6 +7,60 @@
 //!
 //! It judges missions from anywhere, knows nothing of the search that may have
 //! made them, and reads the ground from its source. What it cannot judge fails.
+//!
+//! # The flight model
+//!
+//! Complete, so that it can be written a second time from this text and the spec alone:
+//! `tools/check_missions.py` is that second one, and the two are held against each other.
+//!
+//! **Items.** Latitude and longitude are 1e-7 degrees, altitudes float32. ArduPilot keeps
+//! whole centimetres (cut off toward zero) and whole seconds of a waypoint's hold. Frames
+//! 0 and 5 are above the sea, 3 and 6 above the ground at the place of the home row, 10
+//! and 11 above the ground below. A delay before the takeoff is the departure; without
+//! one ArduPilot leaves at 0 and PX4 at the vehicle's `depart_s`.
+//!
+//! **Lines.** A leg is straight between its two places in the tangent plane at the origin
+//! (at most `d L^2 / 8 R^2` from the geodesic: 2 cm for 20 km, 15 km from the origin).
+//! Lengths and distances are those of the places on the ellipsoid: what is flown at a
+//! height is longer by its share of the earth's radius, 0.016 % at 1000 m. Altitude is
+//! linear in distance; to an item above ground, the height above ground is, from whatever
+//! it was at the beginning of the leg. The ground is bilinear between the heights of its
+//! source.
+//!
+//! **From stop to stop.** The vehicle rests after the takeoff, at a waypoint with a hold,
+//! at `NAV_LOITER_TIME` and `NAV_LOITER_UNLIM`, before a landing, before a return, and
+//! where two items in a row are at one place (within 0.025 m) at different altitudes:
+//! there it goes straight up with `climb_mps` or down with `descent_mps`. In between:
+//!
+//! - A leg's cruise speed is that of the last `DO_CHANGE_SPEED` before the item that it
+//!   leads to, else that of the parameters, else the spec's.
+//! - A corner with a change of course `phi` is flown as an arc. Its radius is `R =
+//!   max(v^2 / (g sqrt(n^2 - 1)), v^2 / accel_mps2)`, `v` the faster of the two legs'
+//!   speeds, `n` the load factor; it takes `R tan(phi / 2)` of each leg (`phi / 2` at
+//!   most 89.9 degrees). Where the two ends of a leg want more than 99 % of it, both are
+//!   scaled down to that; a corner takes what the tighter of its two legs leaves it.
+//!   Altitude along an arc is linear between its ends (above ground if both legs follow
+//!   the ground).
+//! - Speed along an arc is constant: the slower of its two legs' speeds, or less where
+//!   the straight parts on either side, flown with `accel_mps2` from or to rest at a
+//!   stop, do not allow it. On the straight parts the vehicle speeds up, cruises and
+//!   slows down with `accel_mps2`.
+//!
+//! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
+//! row; PX4 then goes on to the item's place where that is more than `tolerance_m` away,
+//! and rests. A landing flies to its place at the altitude that the vehicle has, rests,
+//! and descends with `descent_mps`, from 10 m above the ground on with no more than 0.5
+//! m/s (ArduPilot) or 0.7 m/s (PX4). A return climbs to `return_amsl_m` unless it is
+//! above, flies straight to home, and lands. A vehicle that loiters, or whose mission
+//! ends in the air, stays for ever.
+//!
+//! **Margins.** Clearance is taken along whole legs as far as their corners, and along
+//! the arcs, the columns of takeoff and landing aside; threats everywhere, as the
+//! horizontal distance to the axis less the radius. Separation is the distance, by
+//! horizontal distance and difference of altitude, of one vehicle at `t` and the other at
+//! `u`, both in the air, for every `|t - u| <= time_slack_s`. Curved and accelerated
+//! motion is judged in chords within 0.02 m, ground that is followed within 0.1 m:
+//! clearance over arcs and separation come out short by that, never long.
 
 mod chord;
 mod contract;

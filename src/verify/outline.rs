@@ -10,7 +10,7 @@ use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 use super::chord::Stretch;
 
 /// Metres in a degree of latitude and of longitude, WGS84 (series in the NGA handbook, to a centimetre).
-fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
+pub(super) fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
     let lat = lat_deg.to_radians();
     let north = 111_132.92 - 559.82 * (2.0 * lat).cos() + 1.175 * (4.0 * lat).cos()
         - 0.0023 * (6.0 * lat).cos();

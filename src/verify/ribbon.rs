@@ -68,6 +68,7 @@ impl<'a> Ribbon<'a> {
             from,
             to,
             error_m: 0.0,
+            bow_m: 0.0,
             agl_m: None,
             grounded,
             flown: true,
@@ -113,6 +114,7 @@ impl<'a> Ribbon<'a> {
         )]
         let count = wanted.ceil().clamp(1.0, 1e5) as u32;
         let step_s = duration_s / f64::from(count);
+        let error_m = acceleration_mps2 * step_s * step_s / 8.0;
         let base = Chord {
             row,
             phase,
@@ -120,7 +122,11 @@ impl<'a> Ribbon<'a> {
             to_s: self.t_s,
             from: here_at(start),
             to: here_at(end),
-            error_m: acceleration_mps2 * step_s * step_s / 8.0,
+            error_m,
+            bow_m: match piece.shape {
+                Shape::Line { .. } => 0.0,
+                Shape::Arc { .. } => error_m,
+            },
             agl_m: None,
             grounded: false,
             flown: true,
@@ -167,6 +173,7 @@ impl<'a> Ribbon<'a> {
                 from: here_at(from),
                 to: here_at(to),
                 error_m: 0.0,
+                bow_m: 0.0,
                 agl_m: None,
                 grounded: false,
                 flown: false,

@@ -160,7 +160,12 @@ impl<'a> Space<'a> {
                     above_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                worst.at_least(least_m, limit_m, || moment(chord, part, w));
+                let beside_m = if chord.bow_m > 0.0 {
+                    chord.bow_m * self.surface.steepest(part.place(w))
+                } else {
+                    0.0
+                };
+                worst.at_least(least_m - beside_m, limit_m, || moment(chord, part, w));
             }
         }
     }

@@ -4,6 +4,8 @@ use crate::geodesy::LatLon;
 use crate::spec::Hill;
 use crate::world::{NoData, Terrain, TerrainGrid};
 
+use super::outline::metres_per_degree;
+
 /// Metres in a degree on the sphere that analytic hills are drawn on.
 const METRES_PER_DEGREE: f64 = 111_195.08;
 
@@ -76,6 +78,20 @@ impl<'a> Surface<'a> {
         Ok(self.terrain.height(place)?.0)
     }
 
+    /// A bound of the slope of the ground around a place, rise over run: on a grid,
+    /// as far as the cells beside its own.
+    pub(super) fn steepest(&self, place: LatLon) -> f64 {
+        match self.terrain {
+            Terrain::Flat(_) => 0.0,
+            // |d/dx exp(-x^2)| stays below 0.858.
+            Terrain::Analytic { hills, .. } => hills
+                .iter()
+                .map(|hill: &Hill| 0.87 * hill.height_m.abs() / hill.radius_m)
+                .sum(),
+            Terrain::Grid(grid) => steepest_cell(grid, place),
+        }
+    }
+
     /// The ground under the line between two places, straight in latitude and longitude.
     ///
     /// On a grid the line is cut where it crosses rows and columns; within one
@@ -132,6 +148,35 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// The steepest slope in the cell of a place and those beside it: in a bilinear cell
+/// no slope east or north exceeds that of the steeper of two opposite edges.
+fn steepest_cell(grid: &TerrainGrid, place: LatLon) -> f64 {
+    let (row, column) = grid.row_column(place);
+    let (north, east) = metres_per_degree(place.lat_deg);
+    let (down_m, across_m) = (grid.row_step_deg * north, grid.column_step_deg * east);
+    let around = |at: f64| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "negative numbers become 0"
+        )]
+        let index = at as usize;
+        index.saturating_sub(1)..=index.saturating_add(1)
+    };
+    around(row)
+        .flat_map(|row| around(column).filter_map(move |column| grid.cell_m(row, column)))
+        .map(|[north_west, north_east, south_west, south_east]| {
+            let across = (north_east - north_west)
+                .abs()
+                .max((south_east - south_west).abs());
+            let down = (south_west - north_west)
+                .abs()
+                .max((south_east - north_east).abs());
+            (across / across_m).hypot(down / down_m)
+        })
+        .fold(0.0, f64::max)
+}
+
 /// Fractions of the line at its ends and where it crosses rows and columns of the grid.
 fn grid_cuts(grid: &TerrainGrid, from: LatLon, to: LatLon) -> Vec<f64> {
     let row = |place: LatLon| (grid.north_west.lat_deg - place.lat_deg) / grid.row_step_deg;
@@ -153,4 +198,91 @@ fn grid_cuts(grid: &TerrainGrid, from: LatLon, to: LatLon) -> Vec<f64> {
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
     cuts
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::Surface;
+    use crate::geodesy::LatLon;
+    use crate::verify::outline::metres_per_degree;
+    use crate::world::{Terrain, TerrainGrid};
+
+    fn grid(heights_m: &[f32]) -> Terrain {
+        Terrain::Grid(TerrainGrid {
+            north_west: LatLon {
+                lat_deg: 47.0,
+                lon_deg: 8.0,
+            },
+            row_step_deg: 1.0 / 1200.0,
+            column_step_deg: 1.0 / 1200.0,
+            rows: 4,
+            columns: 5,
+            heights_m: heights_m.to_vec(),
+        })
+    }
+
+    fn place((row, column): (f64, f64)) -> LatLon {
+        LatLon {
+            lat_deg: 47.0 - row / 1200.0,
+            lon_deg: 8.0 + column / 1200.0,
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn the_ground_near_a_place_is_no_steeper_than_the_bound(
+            heights_m in prop::collection::vec(0.0..200.0_f32, 20),
+            from in (0.0..3.0, 0.0..4.0),
+            way in (-0.01..0.01, -0.01..0.01),
+        ) {
+            let terrain = grid(&heights_m);
+            let surface = Surface::new(&terrain);
+            let to: (f64, f64) = (from.0 + way.0, from.1 + way.1);
+            let to = (to.0.clamp(0.0, 3.0), to.1.clamp(0.0, 4.0));
+            let (a, b) = (place(from), place(to));
+            let (north, east) = metres_per_degree(a.lat_deg);
+            let away_m = ((b.lat_deg - a.lat_deg) * north).hypot((b.lon_deg - a.lon_deg) * east);
+            let rise_m = (surface.height_m(b).unwrap() - surface.height_m(a).unwrap()).abs();
+            prop_assert!(rise_m <= surface.steepest(a) * away_m * 1.0001 + 1e-7);
+        }
+
+        /// No sample lies below what the parabolas give, and the least is nearly reached.
+        #[test]
+        fn the_least_clearance_over_a_grid_is_that_of_dense_samples(
+            heights_m in prop::collection::vec(0.0..200.0_f32, 20),
+            from in (0.0..3.0, 0.0..4.0),
+            to in (0.0..3.0, 0.0..4.0),
+            rise_m in -50.0..50.0_f64,
+        ) {
+            const SAMPLES: u32 = 4000;
+            let terrain = grid(&heights_m);
+            let surface = Surface::new(&terrain);
+            let (a, b) = (place(from), place(to));
+            let line_m = |w: f64| 300.0 + rise_m * w;
+            let exact_m = surface
+                .under(a, b)
+                .unwrap()
+                .iter()
+                .map(|patch| {
+                    let ends = (line_m(patch.w.0), line_m(patch.w.1));
+                    patch.least_clearance_m(ends.0 - patch.height_m.0, ends.1 - patch.height_m.1).0
+                })
+                .fold(f64::INFINITY, f64::min);
+            let sampled_m = (0..=SAMPLES)
+                .map(|index| {
+                    let w = f64::from(index) / f64::from(SAMPLES);
+                    let at = LatLon {
+                        lat_deg: a.lat_deg + (b.lat_deg - a.lat_deg) * w,
+                        lon_deg: a.lon_deg + (b.lon_deg - a.lon_deg) * w,
+                    };
+                    line_m(w) - surface.height_m(at).unwrap()
+                })
+                .fold(f64::INFINITY, f64::min);
+            prop_assert!(exact_m <= sampled_m + 1e-6, "{exact_m} {sampled_m}");
+            // 500 m in 4000 steps over slopes of at most 4, and half a step to a sample.
+            prop_assert!(exact_m >= sampled_m - 0.5, "{exact_m} {sampled_m}");
+        }
+    }
 }

@@ -1,0 +1,341 @@
+"""One vehicle's flight, by the flight model in the text of src/verify/mod.rs."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from .earth import A, axes, distance, ecef, geodetic
+
+G = 9.80665
+SAME_M = 0.025
+SLOW_M = 10.0
+WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 93, 178
+
+
+def read_items(path):
+    """The rows of a `.waypoints` file."""
+    items = []
+    for line in Path(path).read_text().splitlines()[1:]:
+        field = line.split("\t")
+        at = round(float(field[8]) * 1e7) / 1e7, round(float(field[9]) * 1e7) / 1e7
+        items.append(
+            {"frame": int(field[2]), "command": int(field[3]), "param1": float(np.float32(field[4])),
+             "param2": float(np.float32(field[5])), "at": at, "z": float(field[10])}
+        )
+    return items
+
+
+@dataclass
+class Height:
+    """Altitude along a shape: linear above the sea, or above the ground."""
+
+    follows: bool
+    start: float
+    end: float
+
+    def amsl(self, ground, lat, lon, s):
+        value = self.start + (self.end - self.start) * s
+        return value + ground.height(lat, lon) if self.follows else value
+
+
+class Line:
+    """From one place to another: the chord through the earth, seen from above."""
+
+    def __init__(self, start, end, height):
+        self.start, self.end, self.height = ecef(*start), ecef(*end), height
+        chord = float(np.linalg.norm(self.end - self.start))
+        self.length = 2 * A * math.asin(chord / (2 * A))
+
+    def xyz(self, s):
+        return self.start + (self.end - self.start) * np.asarray(s)[..., None]
+
+    def place(self, s):
+        return geodetic(self.xyz(s))
+
+
+class Arc:
+    """Part of a circle in the plane that touches the earth at a corner."""
+
+    def __init__(self, corner, before, after, radius, taken, height):
+        self.corner, self.height = ecef(*corner), height
+        self.east, self.north = axes(*corner)
+        into, out = (self.flat(self.corner - ecef(*before)), self.flat(ecef(*after) - self.corner))
+        into, out = into / np.hypot(*into), out / np.hypot(*out)
+        self.sweep = math.atan2(into[0] * out[1] - into[1] * out[0], into @ out)
+        side = math.copysign(1, self.sweep)
+        self.radius, self.length = radius, radius * abs(self.sweep)
+        self.center = -taken * into + side * radius * np.array([-into[1], into[0]])
+        self.angle = math.atan2(*(-taken * into - self.center)[::-1])
+
+    def flat(self, xyz):
+        return np.array([xyz @ self.east, xyz @ self.north])
+
+    def place(self, s):
+        angle = self.angle + self.sweep * np.asarray(s)
+        east = self.center[0] + self.radius * np.cos(angle)
+        north = self.center[1] + self.radius * np.sin(angle)
+        return geodetic(self.corner + east[..., None] * self.east + north[..., None] * self.north)
+
+
+class Point:
+    """One place; `height` may change."""
+
+    length = 0.0
+
+    def __init__(self, at, height):
+        self.at, self.height = at, height
+
+    def place(self, s):
+        return tuple(np.full(np.shape(s), value) for value in self.at)
+
+
+@dataclass
+class Motion:
+    """A part of a shape flown with constant acceleration along it."""
+
+    shape: object
+    part: tuple  # fractions of the shape at the ends
+    speed: tuple  # at the ends, along the shape
+    start: float
+    end: float
+    fastest: tuple  # greatest speeds across and up
+
+    def fraction(self, t):
+        if self.end <= self.start or math.isinf(self.end):
+            return np.full(np.shape(t), self.part[0])
+        tau = np.clip((t - self.start) / (self.end - self.start), 0, 1)
+        a, b = self.speed
+        covered = tau * (2 * a + (b - a) * tau) / (a + b) if a + b > 0 else tau
+        return self.part[0] + (self.part[1] - self.part[0]) * covered
+
+
+@dataclass
+class Knot:
+    at: tuple
+    amsl: float
+    agl: float = None
+    speed: float = 0.0
+
+
+class Flight:
+    """One vehicle's flight, from its `.waypoints` file and its part of the spec."""
+
+    def __init__(self, vehicle, items, ground, tolerance):
+        self.vehicle, self.ground, self.tolerance = vehicle, ground, tolerance
+        self.ardupilot = vehicle["autopilot"] == "ardupilot"
+        self.motions, self.judged, self.follows = [], [], False
+        self.speed, self.t, self.knots, self.turned = vehicle["speed_mps"], 0.0, [], 0.0
+        home = items[0]["at"]
+        self.home = Knot(home, float(ground.height(*home)))
+        self.fly(items[1:])
+
+    def fly(self, items):
+        delay = None
+        for item in items:
+            command, p1 = item["command"], item["param1"]
+            if command == SPEED:
+                self.speed = item["param2"]
+            elif command == DELAY and not self.knots:
+                delay = (delay or 0.0) + p1
+            elif command == DELAY:
+                self.stop()
+                self.hold(p1)
+            elif command == TAKEOFF:
+                self.t = delay if delay is not None else 0.0 if self.ardupilot else self.vehicle.get("depart_s", 0.0)
+                self.takeoff(item)
+            elif command in (WAYPOINT, HOLD, STAY):
+                self.head(item)
+                hold = math.inf if command == STAY else math.trunc(p1) if self.ardupilot and command == WAYPOINT else p1
+                if hold > 0:
+                    self.stop()
+                    self.hold(hold)
+                if command == STAY:
+                    return
+            elif command == LAND:
+                self.append(Knot(item["at"], self.knots[-1].amsl, None, self.speed))
+                self.stop()
+                return self.touch_down()
+            elif command == RETURN:
+                self.stop()
+                if self.knots[-1].amsl < self.vehicle["return_amsl_m"]:
+                    self.lift(self.vehicle["return_amsl_m"], judged=True)
+                self.append(Knot(self.home.at, self.knots[-1].amsl, None, self.speed))
+                self.stop()
+                return self.touch_down()
+            else:
+                raise ValueError(f"command {command}")
+        self.stop()
+        self.hold(math.inf)
+
+    def resolve(self, item, at):
+        z = float(np.float32(item["z"]))
+        if self.ardupilot:
+            z = math.trunc(z * 100) / 100
+        frame = item["frame"]
+        if frame in (10, 11):
+            return float(self.ground.height(*at)) + z, z
+        return (z if frame in (0, 5) else z + self.home.amsl), None
+
+    def takeoff(self, item):
+        amsl, _ = self.resolve(item, self.home.at)
+        self.knots = [self.home]
+        self.lift(amsl)
+        if not self.ardupilot and distance(item["at"], self.home.at) > self.tolerance:
+            self.append(Knot(item["at"], amsl, None, self.speed))
+            self.stop()
+
+    def head(self, item):
+        amsl, agl = self.resolve(item, item["at"])
+        self.append(Knot(item["at"], amsl, agl, self.speed))
+
+    def append(self, knot):
+        last = self.knots[-1]
+        if distance(knot.at, last.at) > SAME_M:
+            self.knots.append(knot)
+        elif abs(knot.amsl - last.amsl) > SAME_M:
+            self.stop()
+            self.lift(knot.amsl, judged=True)
+
+    def lift(self, amsl, judged=False, rate=None):
+        last = self.knots[-1]
+        up = amsl > last.amsl
+        rate = rate or self.vehicle["climb_mps" if up else "descent_mps"]
+        shape = Point(last.at, Height(False, last.amsl, amsl))
+        self.add(shape, (0, 1), (1, 1), abs(amsl - last.amsl) / rate, (0.0, rate))
+        if judged:
+            self.judged.append(shape)
+        self.knots = [Knot(last.at, amsl)]
+
+    def hold(self, lasts):
+        last = self.knots[-1]
+        shape = Point(last.at, Height(False, last.amsl, last.amsl))
+        self.add(shape, (0, 0), (0, 0), lasts, (0.0, 0.0))
+        self.judged.append(shape)
+
+    def touch_down(self):
+        ground = float(self.ground.height(*self.knots[-1].at))
+        if self.knots[-1].amsl > ground + SLOW_M:
+            self.lift(ground + SLOW_M, rate=self.vehicle["descent_mps"])
+        self.lift(ground, rate=min(self.vehicle["descent_mps"], 0.5 if self.ardupilot else 0.7))
+
+    def add(self, shape, part, speed, lasts, fastest):
+        self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest))
+        self.t += lasts
+
+    def stop(self):
+        """Flies the legs so far, to rest at the last knot."""
+        knots, self.knots = self.knots, self.knots[-1:]
+        if len(knots) < 2:
+            return
+        legs = []
+        for a, b in zip(knots, knots[1:]):
+            follows = b.agl is not None
+            self.follows |= follows
+            above = a.amsl - float(self.ground.height(*a.at)) if follows else a.amsl
+            legs.append(Line(a.at, b.at, Height(follows, above, b.agl if follows else b.amsl)))
+        self.judged += legs
+        lengths = [leg.length for leg in legs]
+        half, taken = self.corners(knots, legs)
+        passing = self.passing(knots, lengths, taken)
+        for i, leg in enumerate(legs):
+            self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], knots[i + 1].speed)
+            if i + 1 < len(legs) and taken[i + 1] > 0:
+                self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
+
+    def corners(self, knots, legs):
+        """Half the change of course at each knot, and what its arc takes of both legs."""
+        v = self.vehicle
+        half, wanted = [0.0] * len(knots), [0.0] * len(knots)
+        for i in range(1, len(knots) - 1):
+            arc = Arc(knots[i].at, knots[i - 1].at, knots[i + 1].at, 1.0, 0.0, None)
+            half[i] = min(abs(arc.sweep) / 2, math.radians(89.9))
+            speed = max(knots[i].speed, knots[i + 1].speed)
+            tightest = min(G * math.sqrt(v["max_load_factor"] ** 2 - 1), v["accel_mps2"])
+            wanted[i] = speed**2 / tightest * math.tan(half[i])
+        taken = list(wanted)
+        for i, leg in enumerate(legs):
+            both = wanted[i] + wanted[i + 1]
+            if both > 0.99 * leg.length:
+                for k in (i, i + 1):
+                    taken[k] = min(taken[k], wanted[k] * 0.99 * leg.length / both)
+        return half, taken
+
+    def passing(self, knots, lengths, taken):
+        """Speeds at the knots."""
+        accel = self.vehicle["accel_mps2"]
+        speeds = [0.0] + [min(a.speed, b.speed) for a, b in zip(knots[1:], knots[2:])] + [0.0]
+        room = [length - taken[i] - taken[i + 1] for i, length in enumerate(lengths)]
+        for i in range(len(room)):
+            speeds[i + 1] = min(speeds[i + 1], math.sqrt(speeds[i] ** 2 + 2 * accel * room[i]))
+        for i in reversed(range(len(room))):
+            speeds[i] = min(speeds[i], math.sqrt(speeds[i + 1] ** 2 + 2 * accel * room[i]))
+        return speeds
+
+    def straight(self, leg, start, end, a, b, cruise):
+        accel, room = self.vehicle["accel_mps2"], end - start
+        peak = max(a, b, min(cruise, math.sqrt(accel * room + (a * a + b * b) / 2)))
+        up = min(start + (peak**2 - a**2) / (2 * accel), end)
+        down = max(end - (peak**2 - b**2) / (2 * accel), up)
+        for x, y, speeds in [(start, up, (a, peak)), (up, down, (peak, peak)), (down, end, (peak, b))]:
+            if y - x > 1e-9:
+                self.move(leg, (x / leg.length, y / leg.length), speeds, y - x)
+
+    def arc(self, knots, legs, half, taken, speed):
+        before, corner, after = (knot.at for knot in knots)
+        leave, join = 1 - taken / legs[0].length, taken / legs[1].length
+        ends = []
+        both = legs[0].height.follows and legs[1].height.follows
+        for leg, s in ((legs[0], leave), (legs[1], join)):
+            value = leg.height.start + (leg.height.end - leg.height.start) * s
+            if leg.height.follows and not both:
+                value += float(self.ground.height(*leg.place(s)))
+            ends.append(value)
+        shape = Arc(corner, before, after, taken / math.tan(half), taken, Height(both, *ends))
+        if shape.length > 1e-6:
+            self.judged.append(shape)
+            self.turned += shape.length
+            self.move(shape, (0.0, 1.0), (speed, speed), shape.length)
+
+    def move(self, shape, part, speeds, length):
+        height = shape.height
+        slope = abs(height.end - height.start) / shape.length + (self.ground.steepest if height.follows else 0)
+        self.add(shape, part, speeds, 2 * length / sum(speeds), (max(speeds), max(speeds) * slope))
+
+    def where(self, t):
+        """Feet in ECEF and altitudes at times."""
+        starts = np.array([motion.start for motion in self.motions])
+        index = np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)
+        feet, amsl = np.empty((len(t), 3)), np.empty(len(t))
+        for i in np.unique(index):
+            here = index == i
+            motion = self.motions[i]
+            s = motion.fraction(t[here])
+            lat, lon = motion.shape.place(s)
+            feet[here] = ecef(lat, lon)
+            amsl[here] = motion.shape.height.amsl(self.ground, lat, lon, s)
+        return feet, amsl
+
+    def beside(self, origin):
+        """How far the verdict's legs may lie beside these: straight lines of a plane that
+        touches the earth at a distance d leave a chord of length L by at most d L^2 / 8 R^2."""
+        return self.furthest(origin) * max((s.length for s in self.judged), default=0) ** 2 / (8 * A * A)
+
+    def along(self, origin):
+        """How far along its path the vehicle may be off: lengths of that plane are short by (d / R)^2 / 2."""
+        return (self.furthest(origin) / A) ** 2 / 2 * sum(motion.shape.length for motion in self.motions)
+
+    def furthest(self, origin):
+        ends = np.array([0.0, 1.0])
+        return max(
+            float(np.linalg.norm(ecef(*shape.place(ends)) - ecef(*origin), axis=-1).max()) for shape in self.judged
+        )
+
+    def horizon(self):
+        return max(m.end if math.isfinite(m.end) else m.start for m in self.motions)
+
+    def stay_until(self, t):
+        for motion in self.motions:
+            if math.isinf(motion.end):
+                motion.end = max(t, motion.start)

@@ -1,0 +1,176 @@
+"""Least clearances and distances of flights, by sampling: finer wherever it can matter."""
+
+import math
+
+import numpy as np
+
+from .earth import ecef
+from .flight import Point
+
+EPS_M = 0.01
+
+
+def along(shapes, value, slope):
+    """The least value along shapes and how far below it the true one may be."""
+    best, low = math.inf, math.inf
+    for shape in shapes:
+        ends = value(shape, np.array([0.0, 1.0]))
+        best = min(best, float(ends.min()))
+    for shape in shapes:
+        steep = slope(shape)
+        count = max(1, math.ceil(shape.length / 4))
+        cells, half = (np.arange(count) + 0.5) / count, 0.5 / count
+        while len(cells) and shape.length > 0:
+            values = value(shape, cells)
+            best = min(best, float(values.min()))
+            reach = steep * half * shape.length
+            keep = values - reach < best - EPS_M
+            if half * shape.length < 0.002:
+                low = min(low, float((values - reach)[keep].min(initial=math.inf)))
+                break
+            half /= 4
+            cells = (cells[keep][:, None] + half * np.array([-3, -1, 1, 3])).ravel()
+    return best, best - min(low, best - EPS_M)
+
+
+def clearance(flight):
+    ground = flight.ground
+
+    def value(shape, s):
+        if shape.height.follows:
+            return shape.height.start + (shape.height.end - shape.height.start) * s
+        lat, lon = shape.place(s)
+        return shape.height.amsl(ground, lat, lon, s) - ground.height(lat, lon)
+
+    def slope(shape):
+        own = abs(shape.height.end - shape.height.start) / shape.length if shape.length else 0
+        return own if shape.height.follows else own + ground.steepest
+
+    return along(flight.judged, value, slope)
+
+
+def to_threat(flight, threat):
+    axis = ecef(threat["lat"], threat["lon"])
+    shapes = flight.judged + [m.shape for m in flight.motions if isinstance(m.shape, Point)]
+
+    def value(shape, s):
+        return np.linalg.norm(ecef(*shape.place(s)) - axis, axis=-1) - threat["radius_m"]
+
+    return along(shapes, value, lambda shape: 1.0)
+
+
+class Fastest:
+    """The greatest speeds across and up in any interval of time."""
+
+    def __init__(self, flight):
+        self.starts = np.array([motion.start for motion in flight.motions])
+        self.levels = [np.array([motion.fastest for motion in flight.motions])]
+        while 2 ** len(self.levels) <= len(self.starts):
+            last, step = self.levels[-1], 2 ** (len(self.levels) - 1)
+            self.levels.append(np.maximum(last[:-step], last[step:]))
+
+    def within(self, start, end):
+        last = len(self.starts) - 1
+        i = np.clip(np.searchsorted(self.starts, start, side="right") - 1, 0, last)
+        j = np.clip(np.searchsorted(self.starts, end, side="right") - 1, 0, last)
+        depth = np.log2(j - i + 1).astype(int)
+        found = np.empty((len(i), 2))
+        for d in np.unique(depth):
+            here, level = depth == d, self.levels[d]
+            found[here] = np.maximum(level[i[here]], level[j[here] - (1 << d) + 1])
+        return found
+
+
+def separation(a, b, slack, vertical, loose):
+    """What is measured, the least distance of two flights, how far below the true one may be, and how far
+    below that the verdict may see it; or the seconds between them. With `vertical` the distance is horizontal
+    where the altitudes differ by less (for the verdict, by less than `loose` more), else vertical."""
+    spans = [(f.motions[0].start, f.motions[-1].end) for f in (a, b)]
+    (a0, a1), (b0, b1) = spans
+    gap = max(a0 - b1, b0 - a1)
+    if gap > slack:
+        return "gap", gap, 0.0, 0.0
+    if vertical is None:
+        return "m", *search(a, b, slack, spans, "space"), loose
+    best, _ = search(a, b, slack, spans, "horizontal", vertical)
+    if math.isfinite(best):
+        wide, error = search(a, b, slack, spans, "horizontal", vertical + loose)
+        return "m", best, error, best - wide + loose
+    return "vertical", *search(a, b, slack, spans, "vertical"), loose
+
+
+class Pair:
+    """The distance of one vehicle at `t` and another at `t + s`."""
+
+    def __init__(self, a, b, slack, spans, kind, level):
+        self.a, self.b, self.slack, self.kind, self.level = a, b, slack, kind, level
+        (self.a0, self.a1), (self.b0, self.b1) = spans
+        self.fast_a, self.fast_b = Fastest(a), Fastest(b)
+
+    def values(self, t, s):
+        """The distance, the difference in altitude, and whether both count there."""
+        t, u = np.clip(t, self.a0, self.a1), np.clip(t + s, self.b0, self.b1)
+        (p, p_amsl), (q, q_amsl) = self.a.where(t), self.b.where(u)
+        across, up = np.linalg.norm(p - q, axis=-1), np.abs(p_amsl - q_amsl)
+        counts = np.abs(t - u) <= self.slack + 1e-9
+        if self.kind == "horizontal":
+            return across, up, counts & (up < self.level)
+        return (np.hypot(across, up) if self.kind == "space" else up), up, counts
+
+    def reach(self, t, s, ht, hs):
+        """By how much the distance and the difference in altitude can change in cells of these half widths."""
+        u = np.clip(t + s, self.b0, self.b1)
+        change = self.fast_a.within(t - ht, t + ht) * ht + self.fast_b.within(u - ht - hs, u + ht + hs) * (ht + hs)
+        across, up = change[:, 0], change[:, 1]
+        return {"space": np.hypot(across, up), "horizontal": across, "vertical": up}[self.kind], up
+
+    def descend(self, t, s, step):
+        """A low value near some places: the compass, with smaller and smaller steps."""
+        east, north = (x.ravel() for x in np.meshgrid([-1, 0, 1], [-1, 0, 1] if self.slack > 0 else [0]))
+        best = math.inf
+        while step > 1e-5 and len(t):
+            grid_t, grid_s = t[:, None] + step * east, np.clip(s[:, None] + step * north, -self.slack, self.slack)
+            values, _, counts = (x.reshape(grid_t.shape) for x in self.values(grid_t.ravel(), grid_s.ravel()))
+            values = np.where(counts, values, math.inf)
+            pick, rows = values.argmin(axis=1), np.arange(len(t))
+            t, s, low = grid_t[rows, pick], grid_s[rows, pick], values[rows, pick]
+            best, step = min(best, float(low.min())), step * 0.7
+        return best
+
+
+def search(a, b, slack, spans, kind, level=0.0):
+    """Cells of time and shift, halved wherever they may hold something lower than the best sample."""
+    pair = Pair(a, b, slack, spans, kind, level)
+    start, end = max(pair.a0, pair.b0 - slack), min(pair.a1, pair.b1 + slack)
+    n, m = max(1, math.ceil((end - start) / 2)), max(1, math.ceil(slack))
+    ht, hs = (end - start) / n / 2, slack / m
+    t = start + (2 * np.arange(n) + 1) * ht
+    s = -slack + (2 * np.arange(m) + 1) * hs
+    t, s = (grid.ravel() for grid in np.meshgrid(t, s, indexing="ij"))
+    best, low = math.inf, math.inf
+    while len(t):
+        near = np.abs(t + s - np.clip(t + s, pair.b0, pair.b1)) <= ht + hs
+        t, s = t[near], s[near]
+        values, up, counts = pair.values(t, s)
+        best = min(best, float(values[counts].min(initial=math.inf)))
+        lowest = np.argsort(np.where(counts, values, math.inf))[:30]
+        best = min(best, pair.descend(t[lowest], s[lowest], max(ht, hs)))
+        reach, reach_up = pair.reach(t, s, ht, hs)
+        keep = values - reach < best - slip(best)
+        if kind == "horizontal":
+            keep &= up - reach_up < level
+        if max(ht, hs) < 1e-4 or keep.sum() > 300_000:
+            low = float((values - reach)[keep].min(initial=math.inf))
+            break
+        ht /= 2
+        t, s = t[keep], s[keep]
+        t, s = np.concatenate([t - ht, t + ht]), np.concatenate([s, s])
+        if slack > 0:
+            hs /= 2
+            t, s = np.concatenate([t, t]), np.concatenate([s - hs, s + hs])
+    return best, best - min(low, best - slip(best)) if math.isfinite(best) else 0.0
+
+
+def slip(best):
+    """Cells that cannot hold anything lower than this below the best are let go."""
+    return EPS_M + 1e-4 * best if math.isfinite(best) else 0.0
