@@ -2,6 +2,7 @@
 //! but the flight model as the documentation of `verify` has it.
 
 #[path = "support/peers.rs"]
+#[allow(dead_code, unreachable_pub)]
 mod peers;
 
 use std::path::Path;

@@ -1,5 +1,4 @@
 //! The Python interpreter that has the independent peers, and what it prints.
-#![allow(dead_code, unreachable_pub, missing_docs)]
 #![allow(clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};
