@@ -82,7 +82,8 @@ impl<'a> Surface<'a> {
     /// as far as the cells beside its own.
     pub(super) fn steepest(&self, place: LatLon) -> f64 {
         match self.terrain {
-            Terrain::Flat(_) => 0.0,
+            // Where the ground is not known, its height is not either.
+            Terrain::Flat(_) | Terrain::Unknown => 0.0,
             // |d/dx exp(-x^2)| stays below 0.858.
             Terrain::Analytic { hills, .. } => hills
                 .iter()
