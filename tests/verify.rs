@@ -871,3 +871,121 @@ fn what_the_builder_writes_for_a_good_path_passes_in_every_reference_and_finish(
         }
     }
 }
+
+#[test]
+fn a_rally_point_is_clear_of_the_ground_threats_and_zones_and_inside_the_area() {
+    let (mut spec, mut mission) = one();
+    spec.area.min_agl = Agl(40.0);
+    spec.threats.push(Threat {
+        id: "mast".to_owned(),
+        kind: String::new(),
+        place: place(36.31, -84.25),
+        radius_m: 300.0,
+    });
+    // A low zone: whoever lands there comes through it.
+    spec.no_fly.push(Zone {
+        id: "town".to_owned(),
+        polygon: vec![
+            place(36.28, -84.28),
+            place(36.28, -84.27),
+            place(36.29, -84.27),
+        ],
+        below: Some(Amsl(420.0)),
+    });
+    let mut rally = |at_place, z| {
+        mission.rally = vec![at(
+            command::RALLY_POINT,
+            frame::GLOBAL_RELATIVE_ALT,
+            at_place,
+            z,
+            0.0,
+        )];
+        judge(&spec, &[&mission])
+    };
+    let good = rally(place(36.305, -84.26), 40.9);
+    assert!(good.passes(), "{:#?}", failures(&good));
+    // ArduPilot keeps whole metres.
+    assert!((find(&good, "rally 1").value - 40.0).abs() < 1e-6);
+    assert!(
+        find(&good, "rally 1 to threats and zones")
+            .note
+            .contains("mast")
+    );
+    let told = good
+        .assumptions
+        .iter()
+        .find(|text| text.contains("RALLY_LIMIT_KM"));
+    // 0.04 degrees of longitude and 0.005 of latitude from home at 36.3 N, 84.3 W (WGS84).
+    assert!(told.expect("a limit").contains("3.64"), "{told:?}");
+    assert!(
+        (only_failure(&rally(place(36.305, -84.26), 39.0), "rally 1").limit - 40.0).abs() < 1e-9
+    );
+    let masked = rally(place(36.31, -84.252), 60.0);
+    let margin = only_failure(&masked, "rally 1 to threats and zones");
+    assert!((margin.value - (179.7 - 300.0)).abs() < 0.5, "{margin:?}");
+    let low = rally(place(36.282, -84.272), 100.0);
+    assert!(
+        only_failure(&low, "rally 1 to threats and zones")
+            .note
+            .contains("town")
+    );
+    only_failure(&rally(place(36.10, -84.26), 60.0), "rally 1 in the area");
+}
+
+#[test]
+fn a_wind_asks_a_copter_for_airspeed_and_says_how_much() {
+    let (mut spec, mission) = one();
+    spec.wind = Some(Wind {
+        from_rad: 1.0,
+        speed_mps: 6.5,
+    });
+    let review = judge(&spec, &[&mission]);
+    assert!(review.passes(), "{:#?}", failures(&review));
+    let told = |text: &str| review.assumptions.iter().any(|line| line.contains(text));
+    assert!(told(
+        "against it alpha must fly at 21.5 m/s through the air"
+    ));
+}
+
+#[test]
+fn long_legs_and_followed_terrain_say_how_far_the_autopilot_may_differ() {
+    let (mut spec, _) = one();
+    let vehicle = spec.vehicles[0].clone();
+    let direct = level(&vehicle, GROUND_M + 80.0, &[west(), east()]);
+    let review = judge(&spec, &[&direct]);
+    // 8985 m: 8985^2 tan(36.3) / 8 R is 1.16 m.
+    let told =
+        |review: &Review, text: &str| review.assumptions.iter().any(|line| line.contains(text));
+    assert!(
+        told(&review, "bends the longest, 9.0 km, by up to 1.2 m"),
+        "{:?}",
+        review.assumptions
+    );
+    spec.vehicles[0].autopilot = Autopilot::Px4;
+    let mut px4 = direct.clone();
+    px4.autopilot = Autopilot::Px4;
+    assert!(!told(&judge(&spec, &[&px4]), "bends the longest"));
+    spec.vehicles[0].autopilot = Autopilot::ArduPilot;
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(GROUND_M),
+        hills: vec![Hill {
+            place: middle(),
+            height_m: 60.0,
+            radius_m: 200.0,
+        }],
+    };
+    let mut following = direct;
+    for item in &mut following.items {
+        if item.command == command::NAV_WAYPOINT {
+            item.frame = frame::GLOBAL_TERRAIN_ALT;
+            item.z = 80.0;
+        }
+    }
+    let review = judge(&spec, &[&following]);
+    // In the middle of four posts around the summit all are 70.7 m away: 60 (1 - exp(-1/8)) is 7.05 m.
+    assert!(
+        told(&review, "off by up to 7.0 m") || told(&review, "off by up to 7.1 m"),
+        "{:?}",
+        review.assumptions
+    );
+}

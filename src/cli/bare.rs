@@ -417,7 +417,9 @@ pub(super) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limit
         }
     }
     review.margins.retain(|margin| {
-        let itself = OF_ITSELF.contains(&margin.what.as_str());
+        let itself = OF_ITSELF.contains(&margin.what.as_str())
+            // Of a rally point as well.
+            || margin.what.ends_with(" in the area");
         // A home of which there is none still fails.
         let home = margin.what == "home position" && margin.ok;
         !itself && !home

@@ -95,6 +95,10 @@ fn ardupilot(
             (amsl.0 - home_amsl_m) * 100.0,
             "altitude of a return to launch above home, cm: return_amsl_m",
         );
+        list.add("RTL_CONE_SLOPE", 0.0, "climb so high however near home");
+        list.add("RTL_CLIMB_MIN", 0.0, "and no higher");
+        list.add("RTL_LOIT_TIME", 0.0, "do not wait over home");
+        list.add("RTL_ALT_FINAL", 0.0, "land there");
     }
     if has_fence {
         list.add("FENCE_ENABLE", 1.0, "the fence that was written is watched");
@@ -170,6 +174,8 @@ fn px4(
             amsl.0 - home_amsl_m,
             "altitude of a return above home: return_amsl_m",
         );
+        list.add("RTL_CONE_ANG", 0.0, "climb so high however near home");
+        list.add("RTL_LAND_DELAY", 0.0, "do not wait over home, land there");
     }
     if has_fence {
         list.add(

@@ -65,11 +65,13 @@
 mod chord;
 mod contract;
 mod decode;
+mod doubt;
 mod fence;
 mod flight;
 mod legs;
 mod outline;
 mod pilot;
+mod rally;
 mod review;
 mod ribbon;
 mod separation;

@@ -3,16 +3,17 @@
 use rayon::prelude::*;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::{Home, VehicleMission, command};
+use crate::mission::{Home, Item, VehicleMission, command};
 use crate::spec::{Autopilot, MissionSpec, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
 use super::contract::Contract;
+use super::doubt;
 use super::fence::Fence;
 use super::flight::{End, Flight};
 use super::pilot;
 use super::separation::{self, Timeline};
-use super::space::{self, Space};
+use super::space::Space;
 use super::{Margin, Moment, Review, Track};
 
 /// Most points of one track.
@@ -150,13 +151,7 @@ impl<'a> Sortie<'a> {
         if let Err(why) = &self.fence {
             margins.push(Margin::unjudged(id, "fence", why.clone()));
         }
-        margins.extend(space::rally_margins(
-            id,
-            self.mission,
-            self.stands.amsl,
-            fence,
-            world,
-        ));
+        margins.extend(space.rally_margins(id, self.mission, self.stands.amsl, fence));
         margins
     }
 
@@ -217,6 +212,19 @@ fn standing(world: &World, place: LatLon, row: &Home) -> Amsl {
         .unwrap_or(Amsl(f64::from(row.amsl_m)))
 }
 
+/// How far from home the furthest rally point of a vehicle with ArduPilot lies, metres.
+fn furthest_rally_m(sorties: &[Sortie<'_>]) -> f64 {
+    sorties
+        .iter()
+        .filter(|s| s.mission.autopilot == Autopilot::ArduPilot)
+        .flat_map(|s| {
+            let home = s.home.unwrap_or(s.vehicle.home);
+            let places = s.mission.rally.iter().filter_map(Item::place);
+            places.map(move |place| place.chord_m(home))
+        })
+        .fold(0.0, f64::max)
+}
+
 /// What the flight model takes for granted, as far as it was used.
 fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec<String> {
     let any = |test: fn(&Sortie<'_>) -> bool| sorties.iter().any(test);
@@ -253,7 +261,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     );
     add(
         any(|s| s.holds(command::NAV_RETURN_TO_LAUNCH)),
-        "a return to launch climbs to return_amsl_m: RTL_ALT (PX4: RTL_RETURN_ALT) as in the .params file of the vehicle",
+        "a return to launch climbs to return_amsl_m however near home it begins, flies straight home and lands at once: RTL_ALT, RTL_CONE_SLOPE and RTL_LOIT_TIME (PX4: RTL_RETURN_ALT, RTL_CONE_ANG and RTL_LAND_DELAY) as in the .params file of the vehicle",
     );
     add(
         any(|s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED)),
@@ -271,7 +279,11 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         world.terrain == Terrain::Unknown,
         "the ground is not known: landings end at the altitude of home",
     );
-    add(spec.wind.is_some(), "the ground speed is kept in the wind");
+    let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
+    list.extend(doubt::windy_copters(flown(), spec.wind));
+    list.extend(doubt::bent_map(flown(), world));
+    list.extend(doubt::other_posts(sorties.iter().map(|s| &s.flight), world));
+    list.extend(doubt::rally_limit(furthest_rally_m(sorties)));
     list.extend(separation::assumption(sorties.len(), &spec.separation));
     list
 }

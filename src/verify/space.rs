@@ -1,7 +1,6 @@
 //! Limits on where a flight goes: ground, ceiling, threats, zones, area, fence.
 
 use crate::geodesy::{Amsl, EastNorth, LatLon};
-use crate::mission::VehicleMission;
 use crate::spec::MissionSpec;
 use crate::world::{NoData, World};
 
@@ -15,12 +14,12 @@ use super::{Margin, Moment};
 
 /// Everything that stands still, ready to be measured against.
 pub(super) struct Space<'a> {
-    spec: &'a MissionSpec,
-    world: &'a World,
+    pub(super) spec: &'a MissionSpec,
+    pub(super) world: &'a World,
     surface: Surface<'a>,
-    threats: Vec<Cylinder>,
-    zones: Vec<Outline>,
-    area: Outline,
+    pub(super) threats: Vec<Cylinder>,
+    pub(super) zones: Vec<Outline>,
+    pub(super) area: Outline,
 }
 
 /// The worst values of one flight so far.
@@ -254,38 +253,4 @@ fn no_data(worst: &mut Worst, limit_m: f64, chord: &Chord, gap: NoData) {
         item: chord.row,
     };
     worst.unknown(limit_m, gap.to_string(), at);
-}
-
-/// The margins of rally points: above the ground, inside the fence.
-pub(super) fn rally_margins(
-    id: &str,
-    mission: &VehicleMission,
-    home: Amsl,
-    fence: &Fence,
-    world: &World,
-) -> Vec<Margin> {
-    let mut margins = Vec::new();
-    for (index, item) in mission.rally.iter().enumerate() {
-        let number = index + 1;
-        let mut above = Worst::default();
-        let mut inside = Worst::default();
-        match super::decode::rally(item, mission.autopilot, home, world) {
-            Ok((place, amsl, agl_m)) => {
-                let at = Moment {
-                    place,
-                    amsl,
-                    t_s: 0.0,
-                    item: 0,
-                };
-                above.at_least(agl_m, 0.0, || at);
-                if !fence.is_empty() {
-                    inside.at_least(fence.place_margin_m(place), 0.0, || at);
-                }
-                margins.extend(above.margin(id, format!("rally {number}"), "m"));
-                margins.extend(inside.margin(id, format!("rally {number} in the fence"), "m"));
-            }
-            Err(why) => margins.push(Margin::unjudged(id, format!("rally {number}"), why)),
-        }
-    }
-    margins
 }
