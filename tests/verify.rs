@@ -100,6 +100,38 @@ fn a_clean_straight_mission_passes_and_says_by_how_much() {
     assert!((last.t_s - flown_s).abs() < 0.1, "{} {flown_s}", last.t_s);
 }
 
+/// Flying 80 m above home over ground that is 60 m at least below: 20 m of error may be made.
+#[test]
+fn a_mission_above_home_says_which_home_it_assumes_and_what_an_error_costs() {
+    let (mut spec, mission) = one();
+    assert!(
+        find(&judge(&spec, &[&mission]), "terrain clearance")
+            .note
+            .is_empty()
+    );
+    spec.mission.altitude = AltitudeReference::Relative;
+    let mut above_home = mission;
+    for item in &mut above_home.items {
+        if frame::canonical(item.frame) == frame::GLOBAL {
+            item.frame = frame::GLOBAL_RELATIVE_ALT;
+            item.z -= GROUND_M as f32;
+        }
+    }
+    let review = judge(&spec, &[&above_home]);
+    let clearance = find(&review, "terrain clearance");
+    let spare_m = clearance.value - clearance.limit;
+    assert_eq!(
+        clearance.note,
+        format!(
+            "altitudes are above home, assumed at 400.0 m: 80.0 m minus as much as it lies lower than that, {spare_m:.1} m to spare"
+        )
+    );
+    let assumed = |words: &str| review.assumptions.iter().any(|line| line.contains(words));
+    assert!(assumed(
+        "altitudes above home count from the ground under the home row"
+    ));
+}
+
 #[test]
 fn a_leg_through_a_threat_fails_and_names_item_place_and_time() {
     let (mut spec, mission) = one();

@@ -29,6 +29,9 @@ pub(super) enum Command {
     Download(Download),
     /// Run the simulated vehicles of a spec, for any ground station, until Ctrl-C
     Vehicles(Vehicles),
+    /// Look at elevation files, get them from a server, or make them for a vehicle
+    #[command(subcommand)]
+    Terrain(Terrain),
     /// Run the paper's experiment
     #[command(subcommand)]
     Study(Study),
@@ -275,6 +278,48 @@ fn percent(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|percent| (0.0..=100.0).contains(percent))
         .ok_or_else(|| "not a number from 0 to 100".to_owned())
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Terrain {
+    /// What elevation files hold: place, posts, voids, heights and their datum
+    Info(TerrainInfo),
+    /// Get the tiles that a spec needs into its terrain folder, over http
+    Fetch(TerrainFetch),
+    /// Write the ground of a spec as ArduPilot's terrain database (.DAT)
+    Export(TerrainExport),
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct TerrainInfo {
+    /// Elevation files (.hgt, .hgt.gz, .hgt.zip, .tif), or folders of them
+    #[arg(required = true, value_name = "FILES")]
+    pub(super) files: Vec<PathBuf>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct TerrainFetch {
+    /// The mission spec (YAML), with `terrain: {folder: ...}`
+    pub(super) spec: PathBuf,
+    /// Where the tiles are, such as http://host/{ns}{lat}/{tile}.hgt.gz: {tile} is N36W085,
+    /// {ns} {lat} {ew} {lon} its parts N 36 W 085
+    #[arg(long, value_name = "TEMPLATE")]
+    pub(super) url: String,
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct TerrainExport {
+    /// The mission spec (YAML)
+    pub(super) spec: PathBuf,
+    /// Output folder, replaced as a whole [default: out/<name>.terrain]
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Metres between heights: the TERRAIN_SPACING of the vehicle
+    #[arg(long, value_name = "M", default_value_t = 100, value_parser = clap::value_parser!(u16).range(10..=1000))]
+    pub(super) spacing: u16,
 }
 
 #[derive(Debug, Subcommand)]

@@ -13,6 +13,10 @@ mod progress;
 mod review;
 mod study;
 mod table;
+mod terrain;
+mod terrain_export;
+mod terrain_fetch;
+mod terrain_transfer;
 mod upload;
 mod vehicles;
 
@@ -45,6 +49,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Upload(arguments) => upload::run(arguments),
         Command::Download(arguments) => download::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
+        Command::Terrain(command) => terrain::run(command),
         Command::Study(arguments) => study::run_study(arguments),
         Command::Schema => console::out(crate::spec::json_schema().trim_end()),
         Command::Completions { shell } => {

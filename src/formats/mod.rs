@@ -6,6 +6,7 @@
 //! [`kml`] and [`geojson`] are written for others to read.
 
 mod any;
+pub mod dat;
 mod document;
 mod error;
 mod field;

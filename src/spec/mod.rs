@@ -12,8 +12,8 @@ mod scenario;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
-    Airframe, Algorithm, AltitudeReference, Area, Autopilot, EndPoint, Finish, Hill, Link,
-    MissionOptions, MissionSpec, Objective, OnLinkLoss, Placement, Planner, Rally, Separation,
-    TerrainSource, Threat, Vehicle, Weights, Wind, Zone,
+    Airframe, Algorithm, AltitudeReference, Area, Autopilot, ELEVATION_ENDINGS, EndPoint, Finish,
+    Hill, Link, MissionOptions, MissionSpec, Objective, OnLinkLoss, Placement, Planner, Rally,
+    Separation, TerrainSource, Threat, Vehicle, Weights, Wind, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};

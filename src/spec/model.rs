@@ -84,6 +84,9 @@ pub enum TerrainSource {
     },
 }
 
+/// How the names of elevation files end, in lower case.
+pub const ELEVATION_ENDINGS: [&str; 5] = [".hgt", ".hgt.gz", ".hgt.zip", ".tif", ".tiff"];
+
 /// A Gaussian hill of an analytic terrain: `height * exp(-(d/radius)^2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hill {

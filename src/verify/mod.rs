@@ -68,6 +68,7 @@ mod decode;
 mod doubt;
 mod fence;
 mod flight;
+mod home;
 mod legs;
 mod outline;
 mod pilot;

@@ -11,6 +11,7 @@ use super::contract::Contract;
 use super::doubt;
 use super::fence::Fence;
 use super::flight::{End, Flight};
+use super::home;
 use super::pilot;
 use super::separation::{self, Timeline};
 use super::space::Space;
@@ -148,6 +149,9 @@ impl<'a> Sortie<'a> {
         };
         let mut margins = contract.margins(self.home, fence);
         margins.extend(space.margins(id, &self.flight, fence));
+        if home::counts_from_home(self.mission) {
+            home::tell_cost(&mut margins, self.stands.amsl);
+        }
         if let Err(why) = &self.fence {
             margins.push(Margin::unjudged(id, "fence", why.clone()));
         }
@@ -266,6 +270,10 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     add(
         any(|s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED)),
         "PX4 obeys DO_CHANGE_SPEED: a copter was seen to stick or to drift off with it, leave it out and set MPC_XY_CRUISE",
+    );
+    add(
+        any(|s| home::counts_from_home(s.mission)),
+        "altitudes above home count from the ground under the home row; a home that lies lower, or is measured too high, takes as much from every clearance",
     );
     add(
         any(|s| s.flight.follows_terrain),

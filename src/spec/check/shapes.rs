@@ -7,7 +7,7 @@ use geo::algorithm::line_intersection::{LineIntersection, line_intersection};
 use geo::{Area as _, Line};
 
 use super::super::raw;
-use super::super::{Hill, Rally, TerrainSource, Threat};
+use super::super::{ELEVATION_ENDINGS, Hill, Rally, TerrainSource, Threat};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
@@ -69,9 +69,9 @@ impl Checker<'_> {
     fn terrain_file(&mut self, file: &str) -> Option<PathBuf> {
         let path = self.beside("terrain.file", file)?;
         let name = file.to_ascii_lowercase();
-        let endings = [".hgt", ".hgt.gz", ".hgt.zip", ".tif", ".tiff"];
-        if !endings.iter().any(|ending| name.ends_with(ending)) {
-            let allowed = "a file named .hgt, .hgt.gz, .hgt.zip, .tif or .tiff";
+        let mut endings = ELEVATION_ENDINGS.iter();
+        if !endings.any(|ending| name.ends_with(ending)) {
+            let allowed = format!("a file named {}", ELEVATION_ENDINGS.join(", "));
             self.report("terrain.file", format!("`{file}`"), allowed);
             return None;
         }

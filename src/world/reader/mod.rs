@@ -19,7 +19,7 @@ use mosaic::Mosaic;
 
 use super::TerrainGrid;
 use crate::geodesy::LatLon;
-use crate::spec::Area;
+use crate::spec::{Area, ELEVATION_ENDINGS};
 
 /// Heights of ground that exist, metres above the sea: the shore of the Dead Sea
 /// lies at -430, Everest at 8849. Anything else in a file is a filler or the sea
@@ -178,7 +178,8 @@ pub fn terrain_files(path: &Path, bounds: Option<Bounds>) -> Result<Vec<PathBuf>
 #[must_use]
 pub fn is_elevation(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
-    hgt::is_tile(&name) || name.ends_with(".tif") || name.ends_with(".tiff")
+    let mut endings = ELEVATION_ENDINGS.iter();
+    endings.any(|ending| name.ends_with(ending))
 }
 
 /// The elevation files within a folder, in the order of their names.
