@@ -447,6 +447,57 @@ fn far_from_the_equator_the_vehicle_finds_its_blocks_too() {
     }
 }
 
+/// A spike of one post, 92 m from its neighbours: the database has a height every 100 m.
+#[test]
+fn export_says_how_far_the_ground_stands_above_what_the_vehicle_will_know() {
+    let folder = folder_with(SPEC);
+    let tiles = folder.path().join("tiles");
+    fs::create_dir(&tiles).expect("a folder");
+    let mut bytes: Vec<u8> = std::iter::repeat_n(400_i16, 1201 * 1201)
+        .flat_map(i16::to_be_bytes)
+        .collect();
+    // 36.965 N, 84.035 W.
+    let post = 2 * (42 * 1201 + 1158);
+    bytes[post..post + 2].copy_from_slice(&600_i16.to_be_bytes());
+    fs::write(tiles.join("N36W085.hgt"), bytes).expect("written");
+    let export = |spacing: &str| {
+        let arguments = [
+            "terrain",
+            "export",
+            "corner.yaml",
+            "--out",
+            "dat",
+            "--spacing",
+            spacing,
+        ];
+        let output = sortie(folder.path(), &arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        text(&output.stderr)
+    };
+    let told = export("100");
+    let (_, rest) = told.split_once("stands up to ").expect("it is told");
+    let (hidden_m, place) = rest.split_once(" m higher").expect("metres");
+    let hidden_m: f64 = hidden_m.parse().expect("metres");
+    assert!(place.contains("at 36.965000, -84.035000"), "{told}");
+    assert!(
+        !told.contains("left out"),
+        "no voids are within the area: {told}"
+    );
+    // What the vehicle reads at the spike, by a reader that shares no code.
+    if let Some(python) = peers::python() {
+        let at_spike = [[36.965, -84.035]];
+        let read_m = read_back(&python, &folder.path().join("dat"), &at_spike, "100")[0];
+        assert!(
+            (600.0 - read_m.expect("a height") - hidden_m).abs() < 0.1,
+            "{told} {read_m:?}"
+        );
+    }
+    let finer = export("10");
+    let (_, rest) = finer.split_once("stands up to ").expect("it is told");
+    let (finer_m, _) = rest.split_once(" m higher").expect("metres");
+    assert!(finer_m.parse::<f64>().expect("metres") < 30.0, "{finer}");
+}
+
 #[test]
 fn voids_are_left_out_of_the_database_and_told() {
     let folder = folder_with(SPEC);

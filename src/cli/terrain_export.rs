@@ -34,9 +34,16 @@ pub(super) fn run(arguments: &args::TerrainExport) -> Result<(), Failure> {
         database.blocks,
         arguments.spacing
     ))?;
+    let hidden = dat::hidden(&world.terrain, &file.spec.area, arguments.spacing);
+    if let Some(worst) = hidden.filter(|worst| worst.height_m >= 1.0) {
+        note(&format!(
+            "between its heights the ground stands up to {:.1} m higher than the vehicle will know, at {:.6}, {:.6}",
+            worst.height_m, worst.place.lat_deg, worst.place.lon_deg
+        ));
+    }
     if database.missing > 0 {
         note(&format!(
-            "{} patches of 4 x 4 heights have no elevation data and were left out: the vehicle asks its ground station for them",
+            "{} patches of 4 x 4 heights within the area have no elevation data and were left out: the vehicle asks its ground station for them",
             database.missing
         ));
     }

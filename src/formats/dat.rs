@@ -48,8 +48,9 @@ pub struct Database {
     pub files: Vec<DatFile>,
     /// Blocks written.
     pub blocks: usize,
-    /// Patches of 4 by 4 heights left out, since the terrain has no data there. The
-    /// vehicle asks its ground station for them, and has no height without an answer.
+    /// Patches of 4 by 4 heights of the area that were left out, since the terrain has
+    /// no data there. The vehicle asks its ground station for them, and has no height
+    /// without an answer.
     pub missing: usize,
 }
 
@@ -58,6 +59,15 @@ pub struct Database {
 struct Location {
     lat: i32,
     lon: i32,
+}
+
+impl Location {
+    fn is_in(self, area: &Area) -> bool {
+        let between = |from: f64, at: i32, to: f64| (e7(from)..=e7(to)).contains(&at);
+        let (south_west, north_east) = (area.south_west, area.north_east);
+        between(south_west.lat_deg, self.lat, north_east.lat_deg)
+            && between(south_west.lon_deg, self.lon, north_east.lon_deg)
+    }
 }
 
 /// One block of one degree square.
@@ -90,7 +100,7 @@ pub fn write(terrain: &Terrain, area: &Area, spacing_m: u16) -> Database {
         let Some(file) = database.files.last_mut() else {
             continue;
         };
-        let (block, missing) = block(terrain, key, spacing_m);
+        let (block, missing) = block(terrain, area, key, spacing_m);
         let stride = usize::from(east_blocks(key.lat_deg, key.lon_deg, spacing_m));
         let start = BLOCK_BYTES * (stride * usize::from(key.north) + usize::from(key.east));
         if file.bytes.len() < start + BLOCK_BYTES {
@@ -169,12 +179,12 @@ fn key(at: Location, spacing_m: u16) -> Option<Key> {
     })
 }
 
-/// A block, and how many of its patches lack a height.
+/// A block, and how many of its patches lack a height of the area.
 ///
 /// Each height is that of the place for which the vehicle reads it: the one so many
 /// metres from the corner of the *square* by its arithmetic. Counted from the corner of
 /// the block, as ground stations do, it would be up to 40 m away at 60 degrees north.
-fn block(terrain: &Terrain, key: Key, spacing_m: u16) -> ([u8; BLOCK_BYTES], usize) {
+fn block(terrain: &Terrain, area: &Area, key: Key, spacing_m: u16) -> ([u8; BLOCK_BYTES], usize) {
     let square = corner_of(key.lat_deg, key.lon_deg);
     let post = |north: u32, east: u32| {
         let metres = |posts: u32| i32::try_from(posts * u32::from(spacing_m)).unwrap_or(i32::MAX);
@@ -186,12 +196,16 @@ fn block(terrain: &Terrain, key: Key, spacing_m: u16) -> ([u8; BLOCK_BYTES], usi
     );
     let corner = post(first.0, first.1);
     let mut bitmap = (1_u64 << (NORTH / PATCH * (EAST / PATCH))) - 1;
+    let mut missing = 0_u64;
     let mut heights_m = Vec::with_capacity(NORTH * EAST);
     for (north, row) in (0..NORTH).zip(first.0..) {
         for (east, column) in (0..EAST).zip(first.1..) {
-            let height_m = height_m(terrain, post(row, column));
+            let place = post(row, column);
+            let height_m = height_m(terrain, place);
             if height_m.is_none() {
-                bitmap &= !(1 << (north / PATCH * (EAST / PATCH) + east / PATCH));
+                let patch = 1 << (north / PATCH * (EAST / PATCH) + east / PATCH);
+                bitmap &= !patch;
+                missing |= if place.is_in(area) { patch } else { 0 };
             }
             heights_m.push(height_m.unwrap_or(0));
         }
@@ -213,8 +227,87 @@ fn block(terrain: &Terrain, key: Key, spacing_m: u16) -> ([u8; BLOCK_BYTES], usi
     bytes.push(1); // version_minor
     let mut block = [0; BLOCK_BYTES];
     block[..bytes.len()].copy_from_slice(&bytes);
-    let missing = NORTH / PATCH * (EAST / PATCH) - bitmap.count_ones() as usize;
-    (block, missing)
+    (block, missing.count_ones() as usize)
+}
+
+/// Where the ground stands highest above what the vehicle reads from a database.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hidden {
+    /// Where.
+    pub place: LatLon,
+    /// By how much, metres.
+    pub height_m: f64,
+}
+
+/// Most places that [`hidden`] looks at.
+const MOST_PLACES: usize = 1 << 20;
+
+/// The worst that lies between the heights of a database: at the posts of the elevation
+/// file within the area (evenly thinned if there are more than a million), by how much
+/// the ground is above the bilinear height that the vehicle has. `None` for ground that
+/// comes from no file, and without any.
+#[must_use]
+pub fn hidden(terrain: &Terrain, area: &Area, spacing_m: u16) -> Option<Hidden> {
+    let Terrain::Grid(grid) = terrain else {
+        return None;
+    };
+    let inside = |from: f64, at: f64, to: f64| (from..=to).contains(&at);
+    let rows: Vec<usize> = (0..grid.rows)
+        .filter(|row| {
+            let (south, north) = (area.south_west.lat_deg, area.north_east.lat_deg);
+            inside(south, grid.row_lat_deg(*row), north)
+        })
+        .collect();
+    let columns: Vec<usize> = (0..grid.columns)
+        .filter(|column| {
+            let (west, east) = (area.south_west.lon_deg, area.north_east.lon_deg);
+            inside(west, grid.column_lon_deg(*column), east)
+        })
+        .collect();
+    let step = (rows.len() * columns.len()).div_ceil(MOST_PLACES).max(1);
+    let places = rows
+        .iter()
+        .flat_map(|row| columns.iter().map(move |column| (*row, *column)))
+        .step_by(step);
+    let mut worst: Option<Hidden> = None;
+    for (row, column) in places {
+        let place = LatLon {
+            lat_deg: grid.row_lat_deg(row),
+            lon_deg: grid.column_lon_deg(column),
+        };
+        let known = grid
+            .node_m(row, column)
+            .zip(read_m(terrain, place, spacing_m));
+        if let Some((ground_m, read_m)) = known {
+            let height_m = ground_m - read_m;
+            if worst.is_none_or(|worst| height_m > worst.height_m) {
+                worst = Some(Hidden { place, height_m });
+            }
+        }
+    }
+    worst
+}
+
+/// The height that the vehicle has for a place (`AP_Terrain::height_amsl`).
+fn read_m(terrain: &Terrain, place: LatLon, spacing_m: u16) -> Option<f64> {
+    let at = Location {
+        lat: e7(place.lat_deg),
+        lon: e7(place.lon_deg),
+    };
+    let square = corner_of(at.lat.div_euclid(PER_DEGREE), at.lon.div_euclid(PER_DEGREE));
+    let (north_m, east_m) = distance_m(square, at);
+    let posts = |along_m: f32| f64::from(along_m / f32::from(spacing_m));
+    let (north, east) = (posts(north_m), posts(east_m));
+    let post_m = |up: i32, right: i32| {
+        #[expect(clippy::cast_possible_truncation, reason = "posts within a degree")]
+        let (row, column) = (north.floor() as i32 + up, east.floor() as i32 + right);
+        let spacing = i32::from(spacing_m);
+        height_m(terrain, offset(square, row * spacing, column * spacing)).map(f64::from)
+    };
+    let (up, right) = (north - north.floor(), east - east.floor());
+    let south_m = post_m(0, 0)? * (1.0 - right) + post_m(0, 1)? * right;
+    let north_m = post_m(1, 0)? * (1.0 - right) + post_m(1, 1)? * right;
+    Some(south_m * (1.0 - up) + north_m * up)
 }
 
 /// The ground at a place, to the nearest metre.
