@@ -45,14 +45,11 @@ pub(super) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<Bare, Fa
     }
     let mut assumed = Vec::new();
     let places: Vec<LatLon> = subjects.iter().flat_map(|s| places(&s.document)).collect();
-    let Some(&middle) = places.first() else {
-        let names: Vec<String> = subjects
-            .iter()
-            .map(|s| s.path.display().to_string())
-            .collect();
-        let message = format!("{}: no place in any item", names.join(", "));
-        return Err(Failure::new(Failure::VERDICT, message));
-    };
+    // Without any place there is nothing to fly, which the verdict says wherever that is.
+    let middle = places.first().copied().unwrap_or(LatLon {
+        lat_deg: 0.0,
+        lon_deg: 0.0,
+    });
     let corners = corners(middle, &places);
     let mut whole: Option<(MissionSpec, String)> = None;
     let mut vehicles = Vec::new();

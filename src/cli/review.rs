@@ -163,7 +163,10 @@ fn without_spec(
         subjects.extend(lists.drain(..).map(|(path, document)| Subject {
             id: folder::stem(&path),
             path,
-            document,
+            document: Document {
+                repairs: Vec::new(),
+                ..document
+            },
         }));
     }
     let mut paths = Vec::new();

@@ -89,10 +89,10 @@ impl Contract<'_> {
             },
             ok: self.flight.unknown.is_none() && total > 0.0,
             note: match &self.flight.unknown {
+                _ if total <= 0.0 => "the mission is empty".to_owned(),
                 Some(unknown) => {
                     format!("cannot judge from item {} on: {}", unknown.row, unknown.why)
                 }
-                None if total <= 0.0 => "the mission is empty".to_owned(),
                 None => String::new(),
             },
         }]

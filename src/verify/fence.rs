@@ -132,5 +132,33 @@ fn polygon(items: &[Item], first: usize) -> Result<Vec<LatLon>, String> {
             corners.len()
         ));
     }
+    if crosses_itself(&corners) {
+        return Err(format!("fence item {first}: the polygon crosses itself"));
+    }
     Ok(corners)
+}
+
+/// Whether two sides that do not meet at a corner cross. More corners than any autopilot
+/// holds are not looked at: such a fence is refused for their number.
+fn crosses_itself(corners: &[LatLon]) -> bool {
+    const MOST_CORNERS: usize = 1000;
+    let count = corners.len();
+    if count > MOST_CORNERS {
+        return false;
+    }
+    let side = |index: usize| (corners[index], corners[(index + 1) % count]);
+    (0..count).any(|first| {
+        (first + 2..count)
+            .filter(|&second| (second + 1) % count != first)
+            .any(|second| cross(side(first), side(second)))
+    })
+}
+
+/// Whether two sides cross within both.
+fn cross((a, b): (LatLon, LatLon), (c, d): (LatLon, LatLon)) -> bool {
+    let left_of = |from: LatLon, to: LatLon, at: LatLon| {
+        (to.lon_deg - from.lon_deg) * (at.lat_deg - from.lat_deg)
+            - (to.lat_deg - from.lat_deg) * (at.lon_deg - from.lon_deg)
+    };
+    left_of(a, b, c) * left_of(a, b, d) < 0.0 && left_of(c, d, a) * left_of(c, d, b) < 0.0
 }
