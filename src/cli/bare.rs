@@ -15,7 +15,7 @@ use crate::world::{Bounds, Terrain, World, read_terrain};
 /// Places further than this from the first one are not part of the area, degrees.
 const NEAR_DEG: f64 = 2.0;
 /// The area reaches this far beyond the items, degrees of latitude.
-const AROUND_DEG: f64 = 0.02;
+const AROUND_DEG: f64 = 0.006;
 /// Vehicles without a spec are numbered as systems from 1.
 const MOST_VEHICLES: usize = 250;
 
@@ -286,9 +286,14 @@ fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
     if let Some(place) = place(home.x, home.y).filter(|_| (home.x, home.y) != (0, 0)) {
         vehicle.home = place;
     }
-    let lands = |item: &&Item| item.command == command::NAV_LAND;
-    if subject.document.items.iter().any(|item| lands(&item)) {
+    let holds = |command: u16| {
+        let mut items = subject.document.items.iter();
+        items.any(|item| item.command == command)
+    };
+    if holds(command::NAV_LAND) {
         vehicle.finish = Finish::Land;
+    } else if holds(command::NAV_RETURN_TO_LAUNCH) {
+        vehicle.finish = Finish::Return;
     }
 }
 

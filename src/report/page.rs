@@ -146,17 +146,32 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
             words::number(scene.bounds.width_m() / 1000.0, 1),
             words::number(scene.bounds.height_m() / 1000.0, 1)
         ),
-        format!(
-            "{} m or more above ground, up to {} m AMSL",
-            words::number(spec.area.min_agl.0, 1),
-            words::number(spec.area.max_amsl.0, 1)
-        ),
-        format!(
+    ];
+    // A limit that nothing was held against is no fact.
+    let held = |what: &str| {
+        input
+            .review
+            .margins
+            .iter()
+            .any(|margin| margin.what == what)
+    };
+    let clearance = held("terrain clearance").then(|| {
+        let least_m = words::number(spec.area.min_agl.0, 1);
+        format!("{least_m} m or more above ground")
+    });
+    let ceiling =
+        held("ceiling").then(|| format!("up to {} m AMSL", words::number(spec.area.max_amsl.0, 1)));
+    let heights: Vec<String> = clearance.into_iter().chain(ceiling).collect();
+    if !heights.is_empty() {
+        facts.push(heights.join(", "));
+    }
+    if held("separation") {
+        facts.push(format!(
             "{} m apart, departures ± {} s",
             words::number(spec.separation.distance_m, 1),
             words::number(spec.separation.time_slack_s, 1)
-        ),
-    ];
+        ));
+    }
     facts.extend(endings(&scene.vehicles));
     facts
         .iter()
