@@ -32,7 +32,10 @@ pub(super) enum Command {
     /// Look at elevation files, get them from a server, or make them for a vehicle
     #[command(subcommand)]
     Terrain(Terrain),
-    /// Run the paper's experiment
+    /// Costs of candidate paths from stdin to stdout, for any optimiser
+    #[command(after_help = EVALUATE)]
+    Evaluate(Evaluate),
+    /// Run the paper's experiment and other studies
     #[command(subcommand)]
     Study(Study),
     /// Print the JSON Schema of the spec
@@ -60,6 +63,38 @@ pub(super) struct Plan {
     /// Print one JSON document instead of the table
     #[arg(long)]
     pub(super) json: bool,
+}
+
+const EVALUATE: &str = "A candidate is 3 x control_points numbers, in the unit cube for a path within the area: first \
+                        the east of every free control point in parts of the area's box, then the north, then the \
+                        altitude in parts of the range from the lowest ground to the ceiling. One line in, one line \
+                        with its cost out; with --binary 8 bytes little-endian for each number and each cost. \
+                        Whatever has come in whole is answered at once: write a batch, read as many costs. \
+                        Vehicles before this one in the spec are planned first and kept apart from.";
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Evaluate {
+    /// The mission spec (YAML)
+    pub(super) spec: PathBuf,
+    /// The vehicle whose path it is
+    #[arg(long, value_name = "ID")]
+    pub(super) vehicle: String,
+    /// Little-endian f64 instead of lines
+    #[arg(long)]
+    pub(super) binary: bool,
+    /// Samples of the path instead of the spec's; results are judged at 2001
+    #[arg(long, value_name = "K", value_parser = samples)]
+    pub(super) samples: Option<usize>,
+    /// Print how many numbers a candidate has, and end
+    #[arg(long)]
+    pub(super) dimension: bool,
+}
+
+fn samples(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|samples| (2..=100_000).contains(samples))
+        .ok_or_else(|| "not a whole number from 2 to 100000".to_owned())
 }
 
 #[derive(Debug, clap::Args)]
@@ -328,6 +363,40 @@ pub(super) enum Study {
     Paper(Paper),
     /// Make one study of its shards
     Merge(Merge),
+    /// How many costs a second the objective gives on this machine
+    Speed(Speed),
+    /// Write a mission spec made of a seed: ridges, belts of threats, dead ends, narrow passes
+    Scenario(Scenario),
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Speed {
+    /// Time for each number
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.3, value_parser = seconds)]
+    pub(super) seconds: f64,
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|seconds| (0.001..=60.0).contains(seconds))
+        .ok_or_else(|| "not a number from 0.001 to 60".to_owned())
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Scenario {
+    /// Which one of this difficulty
+    #[arg(long, value_name = "N")]
+    pub(super) seed: u64,
+    /// From 1 (5 threats, some kilometres) to 10 (40 threats, up to 200 km)
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=10))]
+    pub(super) difficulty: u8,
+    /// The file to write instead of stdout
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
 }
 
 #[derive(Debug, clap::Args)]

@@ -5,6 +5,7 @@ mod bare;
 mod check;
 mod console;
 mod download;
+mod evaluate;
 mod failure;
 mod folder;
 mod output;
@@ -50,6 +51,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Download(arguments) => download::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
         Command::Terrain(command) => terrain::run(command),
+        Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
         Command::Schema => console::out(crate::spec::json_schema().trim_end()),
         Command::Completions { shell } => {

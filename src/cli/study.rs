@@ -8,15 +8,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::args;
 use super::console::out;
 use super::failure::Failure;
+use crate::report::json_text;
 use crate::spec::SpecError;
 use crate::study::{
-    Config, ConfigError, Job, MapText, Results, Store, StoreError, merge, run, shipped_maps,
-    write_results,
+    Config, ConfigError, Job, MapText, Results, Store, StoreError, merge, run, scenario,
+    shipped_maps, speed, write_results,
 };
 
 pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
     match arguments {
         args::Study::Paper(arguments) => paper(arguments),
+        args::Study::Speed(arguments) => measured(arguments),
+        args::Study::Scenario(arguments) => made(arguments),
         args::Study::Merge(arguments) => {
             let (config, records) = merge(&arguments.shards, &arguments.out)?;
             write_results(
@@ -33,6 +36,45 @@ pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
             Ok(())
         }
     }
+}
+
+fn measured(arguments: &args::Speed) -> Result<(), Failure> {
+    let of = speed(arguments.seconds)?;
+    if arguments.json {
+        let document = serde_json::to_value(&of).unwrap_or_default();
+        return out(json_text(&document).trim_end());
+    }
+    out(&format!(
+        "{}, {}, costs a second:\n\
+         one thread, local candidates {:.0}, global {:.0}; plain reference {:.0}\n\
+         {} threads {:.0}; with a cutoff {:.0}; among two earlier vehicles {:.0}\n\
+         by the paper's objective: local {:.0}, global {:.0}, among two earlier vehicles {:.0}; \
+         plain reference {:.0}",
+        of.cpu,
+        of.dispatch,
+        of.fast_one_thread,
+        of.fast_global_one_thread,
+        of.reference_one_thread,
+        of.threads,
+        of.fast_all_threads,
+        of.fast_cutoff_one_thread,
+        of.fast_traffic_one_thread,
+        of.paper.fast_one_thread,
+        of.paper.fast_global_one_thread,
+        of.paper.fast_traffic_one_thread,
+        of.paper.reference_one_thread,
+    ))
+}
+
+fn made(arguments: &args::Scenario) -> Result<(), Failure> {
+    let text = scenario(arguments.seed, arguments.difficulty);
+    let Some(path) = &arguments.output else {
+        return out(text.trim_end());
+    };
+    std::fs::write(path, text).map_err(|error| {
+        let message = format!("{}: cannot be written: {error}", path.display());
+        Failure::new(Failure::OUTPUT, message)
+    })
 }
 
 fn paper(arguments: &args::Paper) -> Result<(), Failure> {

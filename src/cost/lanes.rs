@@ -5,11 +5,13 @@
 //! is rare is left to the scalar code, lane by lane. All functions are inlined into
 //! one caller that is compiled for the instructions at hand.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use fearless_simd::prelude::*;
 
 use super::hazards::{FORBIDDEN, Hazards, Segment, Threat};
 use super::model::CostModel;
-use super::operational::Step;
+use crate::numeric::angle::{ATAN, TAN_PI_8};
 
 /// Lanes of the widest vectors.
 pub(super) const MOST_LANES: usize = 8;
@@ -46,7 +48,7 @@ pub(super) struct BlockBox {
     pub(super) high: [Wide; 2],
 }
 
-/// A step of every lane; see [`Step`].
+/// A step of every lane; see [`super::operational::Step`].
 #[derive(Clone, Copy)]
 pub(super) struct Steps<S: Simd> {
     pub(super) east_m: V<S>,
@@ -127,17 +129,22 @@ pub(super) fn steps<S: Simd>(a: &Place<S>, b: &Place<S>) -> Steps<S> {
     }
 }
 
-impl<S: Simd> Steps<S> {
-    /// The step of one lane.
-    pub(super) fn lane(&self, lane: usize) -> Step {
-        Step {
-            east_m: self.east_m[lane],
-            north_m: self.north_m[lane],
-            rise_m: self.rise_m[lane],
-            run_m: self.run_m[lane],
-            length_km: self.length_km[lane],
-        }
+/// [`quadrant_angle`](crate::numeric::angle::quadrant_angle) in every lane.
+#[inline(always)]
+pub(super) fn quadrant_angles<S: Simd>(simd: S, opposite: V<S>, adjacent: V<S>) -> V<S> {
+    let is_steep = opposite.simd_gt(adjacent);
+    let low = is_steep.select(adjacent, opposite);
+    let high = is_steep.select(opposite, adjacent);
+    let is_far = low.simd_gt(high * TAN_PI_8);
+    let z = is_far.select(low - high, low) / is_far.select(low + high, high);
+    let w = z * z;
+    let mut sum = splat(simd, ATAN[10]);
+    for coefficient in ATAN[..10].iter().rev() {
+        sum = sum * w + *coefficient;
     }
+    let angle = z + z * (w * sum);
+    let angle = is_far.select(splat(simd, FRAC_PI_4) + angle, angle);
+    is_steep.select(splat(simd, FRAC_PI_2) - angle, angle)
 }
 
 /// The piece of one lane between two fine samples.

@@ -21,6 +21,7 @@ pub use batch::{Batch, Dispatch};
 pub use lanes::Scratch;
 pub use model::CostModel;
 pub use paper::{PaperOptions, ThreatForm};
+pub use relief::Relief;
 
 use crate::geodesy::PlanPoint;
 

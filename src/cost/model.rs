@@ -58,6 +58,9 @@ pub struct CostModel {
     dispatch: Dispatch,
 }
 
+/// How far above the ceiling a void reaches, metres: no altitude is allowed over it.
+const WALL_OVER_CEILING_M: f64 = 1000.0;
+
 /// Most ground readings for each piece between two samples.
 const MOST_SUBSTEPS: usize = 4;
 
@@ -113,7 +116,7 @@ impl CostModel {
         let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
         let straight_m = leg.from.distance_m(leg.to);
         let path = Sampling::new(spec, parameters, straight_m, world.ground.spacing_m);
-        let relief = Relief::new(&world.ground, world.max_amsl.0);
+        let relief = Relief::new(&world.ground, world.max_amsl.0 + WALL_OVER_CEILING_M);
         let wanted_agl_m = wanted_agl_m(world, &relief, &leg, &margins, path.fine.samples());
         Self {
             objective: spec.planner.objective,
@@ -148,6 +151,18 @@ impl CostModel {
     #[must_use]
     pub fn with_paper(mut self, options: PaperOptions) -> Self {
         self.paper.options = options;
+        self
+    }
+
+    /// The same model with the ground read at the samples alone, however fine its grid is.
+    #[must_use]
+    pub fn with_one_reading(mut self) -> Self {
+        let substeps = self.path.substeps;
+        self.wanted_agl_m = self.wanted_agl_m.into_iter().step_by(substeps).collect();
+        self.path.fine = self.path.fine.every(substeps);
+        self.path.rows = self.path.rows.into_iter().step_by(substeps).collect();
+        self.path.substeps = 1;
+        self.per_substep = 1.0;
         self
     }
 

@@ -1,8 +1,11 @@
 //! The pieces of the operational objective (design, section 4).
 
+use std::f64::consts::PI;
+
 use super::hazards::Segment;
 use super::model::CostModel;
 use crate::geodesy::Amsl;
+use crate::numeric::angle::quadrant_angle;
 
 /// The terms before weights: lengths in km, the rest in km times something
 /// without dimension, turns a plain sum over samples.
@@ -119,8 +122,10 @@ impl CostModel {
         let ratio = into.run_m.min(out.run_m) * self.per_turn_radius;
         let dot = into.east_m * out.east_m + into.north_m * out.north_m;
         let cross = into.east_m * out.north_m - into.north_m * out.east_m;
-        let turn_rad = cross.abs().atan2(dot);
-        let limit_rad = 2.0 * (0.5 * ratio).min(1.0).asin();
+        let sharp_rad = quadrant_angle(cross.abs(), dot.abs());
+        let turn_rad = if dot < 0.0 { PI - sharp_rad } else { sharp_rad };
+        let sine = (0.5 * ratio).min(1.0);
+        let limit_rad = 2.0 * quadrant_angle(sine, ((1.0 - sine) * (1.0 + sine)).sqrt());
         (turn_rad / limit_rad - 1.0).max(0.0)
     }
 }

@@ -1,11 +1,13 @@
 //! The operational objective, lane by lane, in one pass over the candidates.
 
+use std::f64::consts::PI;
+
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
 use super::lanes::{
     BLOCK, BlockBox, MOST_LANES, Place, Scratch, Steps, V, Wide, load_place, near_hazards, point,
-    segment, splat, steps, store, store_place,
+    quadrant_angles, segment, splat, steps, store, store_place,
 };
 use super::model::CostModel;
 use super::operational::Sums;
@@ -180,14 +182,22 @@ impl CostModel {
     /// [`CostModel::turn_excess`].
     #[inline(always)]
     fn turn_excesses<S: Simd>(&self, simd: S, into: &Steps<S>, out: &Steps<S>) -> V<S> {
-        let mut excess = splat(simd, 0.0);
-        let mut tight = self.too_tight(simd, into, out).to_bitmask();
-        while tight != 0 {
-            let lane = tight.trailing_zeros() as usize;
-            excess[lane] = self.turn_excess(&into.lane(lane), &out.lane(lane));
-            tight &= tight - 1;
+        let tight = self.too_tight(simd, into, out);
+        if !tight.any_true() {
+            return splat(simd, 0.0);
         }
-        excess
+        let ratio = into.run_m.min(out.run_m) * self.per_turn_radius;
+        let dot = into.east_m * out.east_m + into.north_m * out.north_m;
+        let cross = into.east_m * out.north_m - into.north_m * out.east_m;
+        let sharp_rad = quadrant_angles(simd, cross.abs(), dot.abs());
+        let turn_rad = dot
+            .simd_lt(0.0)
+            .select(splat(simd, PI) - sharp_rad, sharp_rad);
+        let one = splat(simd, 1.0);
+        let sine = (ratio * 0.5).min(one);
+        let limit_rad = quadrant_angles(simd, sine, ((one - sine) * (one + sine)).sqrt()) * 2.0;
+        let excess = (turn_rad / limit_rad - 1.0).max(0.0);
+        tight.select(excess, splat(simd, 0.0))
     }
 }
 

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::lanes::{V, splat};
 use crate::world::Ground;
 
 /// The ground grid with what a lookup needs at hand.
 #[derive(Clone, Debug)]
-pub(super) struct Relief {
+pub struct Relief {
     west_m: f64,
     south_m: f64,
     per_metre: f64,
@@ -21,11 +21,10 @@ pub(super) struct Relief {
     wall_m: f64,
 }
 
-/// How far above the ceiling a void reaches, metres: no altitude is allowed over it.
-const WALL_OVER_CEILING_M: f64 = 1000.0;
-
 impl Relief {
-    pub(super) fn new(ground: &Arc<Ground>, max_amsl_m: f64) -> Self {
+    /// The ground with a height that stands for missing data.
+    #[must_use]
+    pub fn new(ground: &Arc<Ground>, wall_m: f64) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "a grid has few rows")]
         let last = |nodes: usize| nodes.saturating_sub(1) as f64;
         Self {
@@ -37,12 +36,39 @@ impl Relief {
             // A grid has far fewer than 2^32 columns.
             columns: u32::try_from(ground.columns).unwrap_or(u32::MAX),
             ground: Arc::clone(ground),
-            wall_m: max_amsl_m + WALL_OVER_CEILING_M,
+            wall_m,
+        }
+    }
+
+    /// Heights above mean sea level at many places, metres: as [`Ground::height_m`] but
+    /// for voids.
+    pub fn read(&self, east_m: &[f64], north_m: &[f64], heights_m: &mut Vec<f64>) {
+        heights_m.resize(east_m.len().min(north_m.len()), 0.0);
+        dispatch!(Level::new(), simd => self.read_by(simd, east_m, north_m, heights_m));
+    }
+
+    #[inline(always)]
+    fn read_by<S: Simd>(&self, simd: S, east_m: &[f64], north_m: &[f64], heights_m: &mut [f64]) {
+        let lanes = V::<S>::LEN;
+        let places = east_m.chunks(lanes).zip(north_m.chunks(lanes));
+        for ((east_m, north_m), heights_m) in places.zip(heights_m.chunks_mut(lanes)) {
+            if heights_m.len() == lanes {
+                let (east_m, north_m) = (
+                    V::<S>::from_slice(simd, east_m),
+                    V::<S>::from_slice(simd, north_m),
+                );
+                self.heights_m(simd, east_m, north_m).store_slice(heights_m);
+            } else {
+                let places = east_m.iter().zip(north_m);
+                for (height_m, (east_m, north_m)) in heights_m.iter_mut().zip(places) {
+                    *height_m = self.height_m(*east_m, *north_m);
+                }
+            }
         }
     }
 
     /// Bilinear height above mean sea level, metres, as [`Ground::height_m`],
-    /// but a wall beyond the ceiling beside voids.
+    /// but the wall beside voids.
     #[inline]
     pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (column, right) = cell((east_m - self.west_m) * self.per_metre, self.last_column);
@@ -180,7 +206,7 @@ mod tests {
             north_m in prop_oneof![-100.0..400.0_f64, (0..5_i32).prop_map(|i| f64::from(i) * 80.0 + 50.0)],
         ) {
             let ground = ground(heights);
-            let relief = Relief::new(&ground, 5000.0);
+            let relief = Relief::new(&ground, 6000.0);
             let expected = ground.height_m(EastNorth { east_m, north_m });
             prop_assert!((relief.height_m(east_m, north_m) - expected).abs() < 1e-6);
         }
@@ -190,7 +216,7 @@ mod tests {
     fn beside_a_void_stands_a_wall() {
         let mut heights = vec![10.0; 20];
         heights[6] = f32::NAN;
-        let relief = Relief::new(&ground(heights), 5000.0);
+        let relief = Relief::new(&ground(heights), 6000.0);
         assert!(relief.height_m(-60.0, 90.0) > 5000.0);
         assert!((relief.height_m(200.0, 280.0) - 10.0).abs() < 1e-9);
     }

@@ -56,6 +56,17 @@ impl Basis {
         Self::new(control_points, &uniform_parameters(samples))
     }
 
+    /// The basis at every so many of the parameters, the first included.
+    #[must_use]
+    pub fn every(&self, step: usize) -> Self {
+        let weights = [0, 1, 2, 3].map(|i| self.weights[i].iter().copied().step_by(step).collect());
+        Self {
+            control_points: self.control_points,
+            first: self.first.iter().copied().step_by(step).collect(),
+            weights,
+        }
+    }
+
     /// Number of parameters.
     #[must_use]
     pub fn samples(&self) -> usize {

@@ -1,5 +1,6 @@
 //! Numbers that know nothing of drones: seeds, speed profiles, splines, geometry.
 
+pub mod angle;
 pub mod approach;
 pub mod bspline;
 pub mod geometry;

@@ -32,8 +32,10 @@ pub(super) fn estimate(course: &Course<'_>, budget: usize) -> f64 {
         arrival(&relief.field(f64::INFINITY, &prices), start, goal)
     };
     let nodes = if budget >= 20_000 { 101 } else { 51 };
-    let near = solve(nodes, true) <= 2.0 * course.bound().max(1e-3);
-    let (coarse, fine) = rayon::join(|| solve(nodes, near), || solve(2 * nodes - 1, near));
+    let (mut coarse, mut fine) = rayon::join(|| solve(nodes, true), || solve(2 * nodes - 1, true));
+    if coarse > 2.0 * course.bound().max(1e-3) {
+        (coarse, fine) = rayon::join(|| solve(nodes, false), || solve(2 * nodes - 1, false));
+    }
     (fine - 2.0 * (coarse - fine).max(0.0)).max(course.bound())
 }
 

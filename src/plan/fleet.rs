@@ -23,7 +23,7 @@ pub struct Request<'a> {
     /// Parameters in `[0, 1]` at which a vehicle's path is sampled besides the even
     /// ones, because verification failed there; none for vehicles that are not listed.
     pub extra_parameters: Vec<Vec<f64>>,
-    /// Told while the search goes on, from the thread that called.
+    /// Told while the search goes on, from any one thread at a time.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -169,9 +169,12 @@ fn plan_vehicle(
                 best: point.best,
             });
         };
-        let found = search(&course, budget, Seed(request.seed), stream, &watch);
+        let (found, estimate) = rayon::join(
+            || search(&course, budget, Seed(request.seed), stream, &watch),
+            || estimate(&course, budget),
+        );
         plan.bound += course.bound();
-        plan.estimate += estimate(&course, budget);
+        plan.estimate += estimate;
         plan.terms = sum(&plan.terms, &found.terms);
         plan.evaluations += found.evaluations;
         let route = route(&course, &found);

@@ -4,7 +4,8 @@
 use geo::{BoundingRect, Contains, Point, Polygon, Rect};
 
 use super::lowest::Demand;
-use crate::geodesy::{Amsl, EastNorth};
+use crate::cost::Relief;
+use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
 use crate::world::World;
 
@@ -31,14 +32,22 @@ impl Slopes {
     }
 }
 
+/// A zone that can be flown over.
+struct LowZone<'a> {
+    rect: Rect<f64>,
+    outline: &'a Polygon<f64>,
+    below_m: f64,
+}
+
 /// What the floor is made of.
 pub(super) struct FloorMaker<'a> {
     world: &'a World,
     /// Kept above ground beyond the minimum, metres.
     over_m: f64,
-    /// Zones that can be flown over: box, outline, and what is closed below.
-    zones: Vec<(Rect<f64>, &'a Polygon<f64>, f64)>,
+    zones: Vec<LowZone<'a>>,
     slopes: Slopes,
+    /// The ground, not a number where there are no data.
+    relief: Relief,
 }
 
 impl<'a> FloorMaker<'a> {
@@ -50,10 +59,15 @@ impl<'a> FloorMaker<'a> {
             .filter_map(|zone| {
                 let below_m = zone.below?.0 + over_m;
                 let rect = zone.outline.bounding_rect()?;
-                (below_m <= world.max_amsl.0).then_some((rect, &zone.outline, below_m))
+                (below_m <= world.max_amsl.0).then_some(LowZone {
+                    rect,
+                    outline: &zone.outline,
+                    below_m,
+                })
             })
             .collect();
         Self {
+            relief: Relief::new(&world.ground, f64::NAN),
             world,
             over_m,
             zones,
@@ -72,44 +86,52 @@ impl<'a> FloorMaker<'a> {
         demand: &mut Demand,
         lengths_m: &mut Vec<f64>,
     ) {
-        demand.floor_m.clear();
-        lengths_m.clear();
+        let Demand {
+            floor_m, ground_m, ..
+        } = demand;
+        self.relief.read(east_m, north_m, ground_m);
+        floor_m.clear();
         let mut known_m = ends_m.0;
         let mut highest_m = ends_m.0.max(ends_m.1);
+        let least_m = self.world.min_agl.0;
         let last = east_m.len() - 1;
-        let kept_m = |k: usize, end_m: f64| {
-            let kept_m = end_m - self.least_m(east_m[k], north_m[k]);
-            kept_m.clamp(0.0, self.over_m.max(0.0))
+        let kept_m = |ground_m: f64, end_m: f64| {
+            (end_m - (ground_m + least_m)).clamp(0.0, self.over_m.max(0.0))
         };
-        let (from_m, to_m) = (kept_m(0, ends_m.0), kept_m(last, ends_m.1));
-        for (k, (&east, &north)) in east_m.iter().zip(north_m).enumerate() {
-            let over_m = self
-                .ramp(from_m, k, last)
-                .min(self.ramp(to_m, last - k, last));
-            let raw_m = self.raw_m(east, north, over_m);
+        let (from_m, to_m) = (
+            kept_m(ground_m[0], ends_m.0),
+            kept_m(ground_m[last], ends_m.1),
+        );
+        for (k, ground_m) in ground_m.iter().enumerate() {
+            let mut raw_m = ground_m + least_m;
+            if 20 * k.min(last - k) < last {
+                let ramps = (self.ramp(from_m, k, last), self.ramp(to_m, last - k, last));
+                raw_m += ramps.0.min(ramps.1);
+            } else {
+                raw_m += self.over_m;
+            }
+            for zone in &self.zones {
+                raw_m = zone.raised(raw_m, east_m[k], north_m[k]);
+            }
             // Over a void the objective judges; the floor just goes on.
             if !raw_m.is_nan() {
                 known_m = raw_m;
             }
             highest_m = highest_m.max(known_m);
-            demand.floor_m.push(known_m);
-            if k > 0 {
-                let (run_e, run_n) = (east - east_m[k - 1], north - north_m[k - 1]);
-                lengths_m.push((run_e * run_e + run_n * run_n).sqrt());
-            }
+            floor_m.push(known_m);
         }
+        lengths_m.clear();
+        let pairs = east_m.windows(2).zip(north_m.windows(2));
+        lengths_m.extend(pairs.map(|(east, north)| {
+            let (run_e, run_n) = (east[1] - east[0], north[1] - north[0]);
+            (run_e * run_e + run_n * run_n).sqrt()
+        }));
         let (climb, descent) = self.slopes.at(Amsl(highest_m));
         demand.up_m.clear();
         demand.up_m.extend(lengths_m.iter().map(|l| climb * l));
         demand.down_m.clear();
         demand.down_m.extend(lengths_m.iter().map(|l| descent * l));
         raise(ends_m, demand);
-    }
-
-    /// The least altitude over the ground.
-    fn least_m(&self, east_m: f64, north_m: f64) -> f64 {
-        let at = EastNorth { east_m, north_m };
-        self.world.ground.height_m(at) + self.world.min_agl.0
     }
 
     /// What is kept beyond the minimum, so many samples from an end that keeps `end_m`: it
@@ -120,16 +142,18 @@ impl<'a> FloorMaker<'a> {
         let share = (20.0 * samples as f64 / all.max(1) as f64).min(1.0);
         end_m + (self.over_m - end_m) * share
     }
+}
 
-    fn raw_m(&self, east_m: f64, north_m: f64, over_m: f64) -> f64 {
-        let mut floor_m = self.least_m(east_m, north_m) + over_m;
-        for (rect, outline, below_m) in &self.zones {
-            let at = Point::new(east_m, north_m);
-            if rect.contains(&at) && outline.contains(&at) {
-                floor_m = floor_m.max(*below_m);
-            }
+impl LowZone<'_> {
+    /// A floor, raised to the top of the zone where it is in it.
+    fn raised(&self, floor_m: f64, east_m: f64, north_m: f64) -> f64 {
+        let (min, max) = (self.rect.min(), self.rect.max());
+        let near = min.x <= east_m && east_m <= max.x && min.y <= north_m && north_m <= max.y;
+        if near && self.outline.contains(&Point::new(east_m, north_m)) {
+            floor_m.max(self.below_m)
+        } else {
+            floor_m
         }
-        floor_m
     }
 }
 
@@ -142,10 +166,11 @@ fn raise(ends_m: (f64, f64), demand: &mut Demand) {
         floor_m,
         up_m,
         down_m,
+        ground_m: raw_m,
         ..
     } = demand;
     let mut to_go_m: f64 = down_m.iter().sum();
-    let raw_m = floor_m.clone();
+    raw_m.clone_from(floor_m);
     for k in (0..up_m.len()).rev() {
         floor_m[k] = floor_m[k].max(floor_m[k + 1] - up_m[k]);
     }

@@ -17,7 +17,10 @@
 //! candidates give equal bytes whatever was solved before. Where slopes and floor
 //! cannot be met together the slopes are given up: the objective will tell.
 
+use fearless_simd::{Level, dispatch, prelude::*};
 use nalgebra::DMatrix;
+
+use super::pivot::{Basis, Constraint, PAD, greatest};
 
 /// The weights of one sample: index of the first of four control points, and the
 /// weight of each.
@@ -28,17 +31,21 @@ pub(super) type Row = (usize, [f64; 4]);
 const END_WEIGHT: f64 = 0.85;
 /// Violation that counts as none, metres.
 const TOLERANCE_M: f64 = 1e-6;
-/// Entries of a row in terms of the basis below this are no pivots.
-const PIVOT: f64 = 1e-9;
 
 /// Finds the lowest spline over a floor, for one fixed parametrisation.
 #[derive(Clone, Debug)]
 pub(super) struct LowestSpline {
     rows: Vec<Row>,
+    /// The weights once more, one column for each of the four.
+    columns: [Vec<f64>; 4],
+    /// First control point, and first and last sample but one, of the samples that share
+    /// their control points.
+    spans: Vec<(usize, usize, usize)>,
     /// Whether the floor at a sample constrains.
     binding: Vec<bool>,
     controls: usize,
     first: Option<Basis>,
+    level: Level,
 }
 
 /// What a path has to keep, sample by sample.
@@ -52,6 +59,8 @@ pub(super) struct Demand {
     pub down_m: Vec<f64>,
     /// What altitude costs at each sample, not negative.
     pub weights: Vec<f64>,
+    /// Ground under each sample, metres above the sea: what the floor is made of.
+    pub ground_m: Vec<f64>,
 }
 
 /// What [`LowestSpline::solve`] works in, kept between calls to save allocations.
@@ -62,30 +71,14 @@ pub(super) struct Workspace {
     z: Vec<f64>,
     /// Altitudes of the samples, over base.
     samples: Vec<f64>,
+    /// Floor over base; nothing where it does not bind.
+    floor: Vec<f64>,
+    /// By how much each constraint is violated: floors, rises, drops.
+    gaps: Vec<f64>,
     dual: Vec<f64>,
     pivot_row: Vec<f64>,
+    bounds: Vec<f64>,
     basis: Basis,
-}
-
-/// A constraint that may be active.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Constraint {
-    /// The floor at a sample.
-    Floor(usize),
-    /// The rise after a sample.
-    Up(usize),
-    /// The drop after a sample.
-    Down(usize),
-    /// The base of a control point.
-    Base(usize),
-}
-
-/// Active constraints and the inverse of their matrix.
-#[derive(Clone, Debug, Default)]
-struct Basis {
-    active: Vec<Constraint>,
-    /// Column `i` belongs to `active[i]`.
-    inverse: Vec<f64>,
 }
 
 impl LowestSpline {
@@ -102,11 +95,21 @@ impl LowestSpline {
             .iter()
             .map(|row| end_weight(row) <= END_WEIGHT)
             .collect();
+        let mut spans: Vec<(usize, usize, usize)> = Vec::new();
+        for (k, (first, _)) in rows.iter().enumerate() {
+            match spans.last_mut() {
+                Some(span) if span.0 == *first => span.2 = k + 1,
+                _ => spans.push((*first, k, k + 1)),
+            }
+        }
         let mut lowest = Self {
+            columns: [0, 1, 2, 3].map(|i| rows.iter().map(|row| row.1[i]).collect()),
+            spans,
             rows,
             binding,
             controls,
             first: None,
+            level: Level::new(),
         };
         lowest.first = lowest.interpolation();
         lowest
@@ -129,7 +132,8 @@ impl LowestSpline {
         let inverse = matrix.try_inverse()?;
         Some(Basis {
             active: active.into_iter().map(Constraint::Floor).collect(),
-            inverse: inverse.as_slice().to_vec(),
+            // nalgebra stores columns, the basis rows.
+            inverse: inverse.transpose().as_slice().to_vec(),
         })
     }
 
@@ -154,6 +158,17 @@ impl LowestSpline {
 
     /// Fills the free altitudes of `amsl_m`, whose first and last are given.
     pub(super) fn solve(&self, demand: &Demand, amsl_m: &mut [f64], work: &mut Workspace) {
+        dispatch!(self.level, simd => self.solve_by(simd, demand, amsl_m, work));
+    }
+
+    #[inline(always)]
+    fn solve_by<S: Simd>(
+        &self,
+        simd: S,
+        demand: &Demand,
+        amsl_m: &mut [f64],
+        work: &mut Workspace,
+    ) {
         let (low, high) = demand
             .floor_m
             .iter()
@@ -162,9 +177,18 @@ impl LowestSpline {
             });
         let base = low - (high - low) - 100.0;
         self.price_controls(&demand.weights, work);
+        work.floor.clear();
+        let floors = demand.floor_m.iter().zip(&self.binding);
+        work.floor.extend(floors.map(|(floor_m, binding)| {
+            if *binding {
+                floor_m - base
+            } else {
+                f64::NEG_INFINITY
+            }
+        }));
         for with_slopes in [true, false] {
             self.start(demand, amsl_m, base, work);
-            if self.pivot_until_feasible(demand, base, with_slopes, work) {
+            if self.pivot_until_feasible(simd, demand, with_slopes, work) {
                 let last = self.controls - 1;
                 for (altitude, z) in amsl_m[1..last].iter_mut().zip(&work.z[1..last]) {
                     *altitude = base + z;
@@ -215,107 +239,119 @@ impl LowestSpline {
 
     /// Altitudes in the first basis.
     fn touch_floor(&self, first: &Basis, demand: &Demand, base: f64, work: &mut Workspace) {
-        let (free, last) = (self.controls - 2, self.controls - 1);
-        for (active, column) in first.active.iter().zip(first.inverse.chunks_exact(free)) {
-            if let Constraint::Floor(k) = *active {
-                let ends = self.weight(k, 0) * work.z[0] + self.weight(k, last) * work.z[last];
-                let bound = demand.floor_m[k] - base - ends;
-                for (z, m) in work.z[1..last].iter_mut().zip(column) {
-                    *z += bound * m;
+        let last = self.controls - 1;
+        work.bounds.clear();
+        for active in &first.active {
+            work.bounds.push(match *active {
+                Constraint::Floor(k) => {
+                    let ends = self.weight(k, 0) * work.z[0] + self.weight(k, last) * work.z[last];
+                    demand.floor_m[k] - base - ends
                 }
-            }
+                _ => 0.0,
+            });
         }
+        first.add_times(&work.bounds, &mut work.z[1..last]);
     }
 
     /// Dual values of the basis.
     fn price(&self, work: &mut Workspace) {
-        let (free, last) = (self.controls - 2, self.controls - 1);
-        work.dual.clear();
-        for column in work.basis.inverse.chunks_exact(free) {
-            let prices = work.cost[1..last].iter().zip(column);
-            work.dual.push(prices.map(|(c, m)| c * m).sum());
-        }
+        let prices = &work.cost[1..self.controls - 1];
+        work.basis
+            .times(prices.iter().copied().enumerate(), &mut work.dual);
     }
 
     /// The most violated constraint and by how much, metres.
-    fn most_violated(
+    #[inline(always)]
+    fn most_violated<S: Simd>(
         &self,
+        simd: S,
         demand: &Demand,
-        base: f64,
         with_slopes: bool,
         work: &mut Workspace,
     ) -> Option<(Constraint, f64)> {
-        work.samples.clear();
-        work.samples.extend(self.rows.iter().map(|(first, w)| {
-            let z = &work.z[*first..first + 4];
-            w[0] * z[0] + w[1] * z[1] + w[2] * z[2] + w[3] * z[3]
-        }));
-        let mut worst = (None, TOLERANCE_M);
-        let mut consider = |constraint, violation: f64| {
-            if violation > worst.1 {
-                worst = (Some(constraint), violation);
-            }
-        };
-        for (k, (altitude, floor)) in work.samples.iter().zip(&demand.floor_m).enumerate() {
-            if self.binding[k] {
-                consider(Constraint::Floor(k), floor - base - altitude);
+        let count = self.rows.len();
+        work.samples.resize(count, 0.0);
+        for &(first, from, to) in &self.spans {
+            let z = &work.z[first..first + 4];
+            let [a, b, c, d] = [0, 1, 2, 3].map(|i| &self.columns[i][from..to]);
+            let weights = a.iter().zip(b).zip(c).zip(d);
+            for (altitude, (((a, b), c), d)) in work.samples[from..to].iter_mut().zip(weights) {
+                *altitude = a * z[0] + b * z[1] + c * z[2] + d * z[3];
             }
         }
-        if with_slopes {
-            let limits = demand.up_m.iter().zip(&demand.down_m);
-            for (k, (pair, (up, down))) in work.samples.windows(2).zip(limits).enumerate() {
-                let rise = pair[1] - pair[0];
-                consider(Constraint::Up(k), rise - up);
-                consider(Constraint::Down(k), -rise - down);
-            }
+        let pieces = if with_slopes { count - 1 } else { 0 };
+        let padded = (count + 2 * pieces).next_multiple_of(PAD);
+        work.gaps.resize(padded, f64::NEG_INFINITY);
+        work.gaps[count + 2 * pieces..].fill(f64::NEG_INFINITY);
+        let (floors, slopes) = work.gaps.split_at_mut(count);
+        for ((gap, floor), altitude) in floors.iter_mut().zip(&work.floor).zip(&work.samples) {
+            *gap = floor - altitude;
+        }
+        let (ups, downs) = slopes.split_at_mut(pieces);
+        let rises = work.samples[1..].iter().zip(&work.samples);
+        let limits = demand.up_m.iter().zip(&demand.down_m);
+        for (((up, down), (b, a)), (up_m, down_m)) in
+            ups.iter_mut().zip(downs).zip(rises).zip(limits)
+        {
+            *up = b - a - up_m;
+            *down = a - b - down_m;
+        }
+        let (index, violation) = greatest(simd, &work.gaps);
+        let mut worst = (None, TOLERANCE_M);
+        if violation > TOLERANCE_M {
+            let constraint = match index.checked_sub(count) {
+                None => Constraint::Floor(index),
+                Some(piece) if piece < pieces => Constraint::Up(piece),
+                Some(piece) => Constraint::Down(piece - pieces),
+            };
+            worst = (Some(constraint), violation);
         }
         for (control, z) in work.z.iter().enumerate().take(self.controls - 1).skip(1) {
-            consider(Constraint::Base(control), -z);
+            if -z > worst.1 {
+                worst = (Some(Constraint::Base(control)), -z);
+            }
         }
         worst.0.map(|constraint| (constraint, worst.1))
     }
 
-    /// A constraint's row times a column of the inverse.
-    fn times(&self, constraint: Constraint, column: &[f64]) -> f64 {
-        let row = |k: usize| -> f64 { self.free_weights(k).map(|(j, w)| w * column[j]).sum() };
-        match constraint {
-            Constraint::Floor(k) => row(k),
-            Constraint::Up(k) => row(k) - row(k + 1),
-            Constraint::Down(k) => row(k + 1) - row(k),
-            Constraint::Base(control) => column[control - 1],
-        }
-    }
-
     /// Dual simplex; false if the constraints contradict one another, or if it does not
     /// end within a bound far above what it needs.
-    fn pivot_until_feasible(
+    #[inline(always)]
+    fn pivot_until_feasible<S: Simd>(
         &self,
+        simd: S,
         demand: &Demand,
-        base: f64,
         with_slopes: bool,
         work: &mut Workspace,
     ) -> bool {
-        let free = self.controls - 2;
+        let (free, last) = (self.controls - 2, self.controls - 1);
         for _ in 0..10 * free + 50 {
-            let Some((entering, violation)) = self.most_violated(demand, base, with_slopes, work)
+            let Some((entering, violation)) = self.most_violated(simd, demand, with_slopes, work)
             else {
                 return true;
             };
             // The entering row in terms of the basis.
-            work.pivot_row.clear();
-            for column in work.basis.inverse.chunks_exact(free) {
-                work.pivot_row.push(self.times(entering, column));
+            let (basis, row) = (&mut work.basis, &mut work.pivot_row);
+            let minus = |entry: (usize, f64)| (entry.0, -entry.1);
+            match entering {
+                Constraint::Floor(k) => basis.times(self.free_weights(k), row),
+                Constraint::Up(k) => {
+                    let next = self.free_weights(k + 1).map(minus);
+                    basis.times(self.free_weights(k).chain(next), row);
+                }
+                Constraint::Down(k) => {
+                    let this = self.free_weights(k).map(minus);
+                    basis.times(this.chain(self.free_weights(k + 1)), row);
+                }
+                Constraint::Base(control) => {
+                    basis.times(std::iter::once((control - 1, 1.0)), row);
+                }
             }
-            let leaving = (0..free)
-                .filter(|&i| work.pivot_row[i] > PIVOT)
-                .min_by(|&a, &b| {
-                    let ratio = |i: usize| work.dual[i] / work.pivot_row[i];
-                    ratio(a).total_cmp(&ratio(b))
-                });
-            let Some(leaving) = leaving else {
+            let Some(leaving) = Basis::leaving(row, &work.dual) else {
                 return false;
             };
-            exchange(work, leaving, entering, violation);
+            let z = &mut work.z[1..last];
+            basis.exchange(leaving, (entering, violation), row, &mut work.dual, z);
         }
         false
     }
@@ -333,35 +369,6 @@ impl LowestSpline {
             }
         }
     }
-}
-
-/// One pivot: constraint `entering`, violated by so much, replaces the active one at
-/// `leaving`.
-fn exchange(work: &mut Workspace, leaving: usize, entering: Constraint, violation: f64) {
-    let free = work.dual.len();
-    let pivot = work.pivot_row[leaving];
-    let ratio = work.dual[leaving] / pivot;
-    let (before, rest) = work.basis.inverse.split_at_mut(leaving * free);
-    let (column, after) = rest.split_at_mut(free);
-    column.iter_mut().for_each(|m| *m /= pivot);
-    for (z, m) in work.z[1..].iter_mut().zip(column.iter()) {
-        *z += violation * m;
-    }
-    let others = before.chunks_exact_mut(free).enumerate().chain(
-        after
-            .chunks_exact_mut(free)
-            .enumerate()
-            .map(|(i, other)| (leaving + 1 + i, other)),
-    );
-    for (i, other) in others {
-        let share = work.pivot_row[i];
-        work.dual[i] = (work.dual[i] - ratio * share).max(0.0);
-        for (m, p) in other.iter_mut().zip(column.iter()) {
-            *m -= share * p;
-        }
-    }
-    work.dual[leaving] = ratio;
-    work.basis.active[leaving] = entering;
 }
 
 #[cfg(test)]
@@ -391,6 +398,7 @@ mod tests {
             up_m: vec![step_m; 100],
             down_m: vec![step_m; 100],
             weights: weights.to_vec(),
+            ground_m: Vec::new(),
         };
         LowestSpline::new(rows, 10).solve(&demand, &mut z, &mut Workspace::default());
         z

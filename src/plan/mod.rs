@@ -9,13 +9,16 @@ mod fit;
 mod fleet;
 mod floor;
 mod lowest;
+mod objective;
 mod obstacles;
+mod pivot;
 mod problem;
 mod search;
 mod starts;
 
 pub use columns::ColumnConflict;
 pub use fleet::{Progress, Request, plan_fleet, replan_from};
+pub use objective::objective;
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;

@@ -1,5 +1,7 @@
 //! One vehicle's path as something to minimise.
 
+use std::sync::Mutex;
+
 use super::course::Course;
 use super::floor::FloorMaker;
 use super::lowest::{Demand, LowestSpline, Row, Workspace};
@@ -105,6 +107,8 @@ pub(super) struct Sampled<'a> {
     from: PlanPoint,
     to: PlanPoint,
     controls: usize,
+    /// Rooms that are not in use.
+    rooms: Mutex<Vec<Room>>,
 }
 
 /// What one thread decodes and evaluates in.
@@ -136,6 +140,17 @@ impl<'a> Sampled<'a> {
             to: course.leg.to,
             controls,
             basis,
+            rooms: Mutex::default(),
+        }
+    }
+
+    /// Works in a room that was used before, if there is one.
+    fn in_room(&self, act: impl FnOnce(&mut Room)) {
+        let kept = self.rooms.lock().ok().and_then(|mut rooms| rooms.pop());
+        let mut room = kept.unwrap_or_default();
+        act(&mut room);
+        if let Ok(mut rooms) = self.rooms.lock() {
+            rooms.push(room);
         }
     }
 
@@ -209,15 +224,16 @@ impl Problem for Horizontal<'_> {
     }
 
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
-        let mut room = Room::default();
-        room.batch.clear(self.sampled.controls);
-        for candidate in candidates.chunks_exact(self.dimension()) {
-            self.sampled.decode(self.free(candidate), &mut room);
-            room.batch.push(&room.spline.controls());
-        }
-        self.sampled
-            .model
-            .totals(&room.batch, cutoff, &mut room.scratch, costs);
+        self.sampled.in_room(|room| {
+            room.batch.clear(self.sampled.controls);
+            for candidate in candidates.chunks_exact(self.dimension()) {
+                self.sampled.decode(self.free(candidate), room);
+                room.batch.push(&room.spline.controls());
+            }
+            self.sampled
+                .model
+                .totals(&room.batch, cutoff, &mut room.scratch, costs);
+        });
     }
 }
 
@@ -252,14 +268,15 @@ impl Problem for Spatial<'_> {
     }
 
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
-        let mut room = Room::default();
-        room.batch.clear(self.sampled.controls);
-        for candidate in candidates.chunks_exact(self.dimension()) {
-            self.spline(candidate, &mut room.spline);
-            room.batch.push(&room.spline.controls());
-        }
-        self.sampled
-            .model
-            .totals(&room.batch, cutoff, &mut room.scratch, costs);
+        self.sampled.in_room(|room| {
+            room.batch.clear(self.sampled.controls);
+            for candidate in candidates.chunks_exact(self.dimension()) {
+                self.spline(candidate, &mut room.spline);
+                room.batch.push(&room.spline.controls());
+            }
+            self.sampled
+                .model
+                .totals(&room.batch, cutoff, &mut room.scratch, costs);
+        });
     }
 }

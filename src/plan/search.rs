@@ -2,7 +2,8 @@
 
 use super::course::Course;
 use super::fit::Fitter;
-use super::problem::{Horizontal, Sampled, Spatial, Spline};
+use super::objective::spatial;
+use super::problem::{Horizontal, Sampled, Spline};
 use super::starts::starts;
 use crate::cost::{Batch, CostTerms, Margins};
 use crate::numeric::Seed;
@@ -203,20 +204,7 @@ fn letter(
     stream: u64,
     watch: &(dyn Fn(TracePoint) + Sync),
 ) -> (Vec<Spline>, usize) {
-    let ground_m = course
-        .world
-        .ground
-        .heights_m
-        .iter()
-        .copied()
-        .filter(|height| height.is_finite())
-        .fold(f32::INFINITY, f32::min);
-    let top_m = course.world.max_amsl.0;
-    let problem = Spatial {
-        sampled: Sampled::new(course, course.margins, &course.parameters(course.samples())),
-        frame: course.frame(),
-        amsl_m: (f64::from(ground_m).min(top_m), top_m),
-    };
+    let problem = spatial(course, &course.parameters(course.samples()));
     let mut rng = seed.stream("plan", stream);
     let outcome = minimise(&problem, algorithm, &[], budget, &mut rng, watch);
     let splines = most_promising(outcome.finalists)

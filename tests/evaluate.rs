@@ -1,0 +1,120 @@
+//! `sortie evaluate` and `sortie study scenario`, from outside.
+
+use assert_cmd::Command;
+
+/// The real binary, run in the folder of the project.
+fn sortie(arguments: &[&str]) -> Command {
+    let mut command = Command::new(assert_cmd::cargo::cargo_bin("sortie"));
+    command.args(arguments);
+    command
+}
+
+/// Candidates of numbers that follow no pattern.
+fn rows(count: usize, dimension: usize) -> Vec<f64> {
+    (0..count * dimension)
+        .map(|i| (f64::from(u32::try_from(i).unwrap()) * 0.618_033_988_75).fract())
+        .collect()
+}
+
+fn dimension() -> usize {
+    let output = sortie(&[
+        "evaluate",
+        "missions/first.yaml",
+        "--vehicle",
+        "alpha",
+        "--dimension",
+    ])
+    .output()
+    .unwrap();
+    String::from_utf8(output.stdout)
+        .unwrap()
+        .trim()
+        .parse()
+        .unwrap()
+}
+
+#[test]
+fn costs_are_the_same_as_text_and_as_bytes_in_one_batch_and_in_many() {
+    let dimension = dimension();
+    let rows = rows(300, dimension);
+    let lines: String = rows
+        .chunks(dimension)
+        .map(|row| {
+            let words: Vec<String> = row.iter().map(f64::to_string).collect();
+            words.join(" ") + "\n"
+        })
+        .collect();
+    let evaluate = ["evaluate", "missions/first.yaml", "--vehicle", "alpha"];
+    let text = sortie(&evaluate).write_stdin(lines).output().unwrap();
+    assert!(text.status.success(), "{text:?}");
+    let costs: Vec<f64> = String::from_utf8(text.stdout)
+        .unwrap()
+        .lines()
+        .map(|line| line.parse().unwrap())
+        .collect();
+    assert_eq!(costs.len(), 300);
+    assert!(costs.iter().all(|cost| cost.is_finite() && *cost > 0.0));
+
+    let bytes: Vec<u8> = rows.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let binary = sortie(&evaluate)
+        .arg("--binary")
+        .write_stdin(bytes)
+        .output()
+        .unwrap();
+    let expected: Vec<u8> = costs.iter().flat_map(|cost| cost.to_le_bytes()).collect();
+    assert!(binary.stdout == expected, "bytes differ from text");
+}
+
+#[test]
+fn what_is_no_candidate_is_refused_with_its_row() {
+    let evaluate = ["evaluate", "missions/first.yaml", "--vehicle", "alpha"];
+    let good = vec!["0.5"; dimension()].join(",");
+    for (input, complaint) in [
+        (format!("{good}\n0.5 0.5\n"), "row 2: 2 numbers"),
+        (
+            format!("{good}\n\n{}\n", good.replacen("0.5", "x", 1)),
+            "row 2: x is no number",
+        ),
+        (good.replacen("0.5", "inf", 1), "row 1: number 1 is inf"),
+    ] {
+        let output = sortie(&evaluate).write_stdin(input).output().unwrap();
+        assert_eq!(output.status.code(), Some(3));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(complaint), "{said}");
+    }
+    let nobody = sortie(&["evaluate", "missions/first.yaml", "--vehicle", "zulu"])
+        .output()
+        .unwrap();
+    assert_eq!(nobody.status.code(), Some(2));
+    assert!(
+        String::from_utf8(nobody.stderr)
+            .unwrap()
+            .contains("there are: alpha")
+    );
+}
+
+#[test]
+fn a_generated_scenario_is_a_spec_that_checks() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("made.yaml");
+    let path = file.to_str().unwrap();
+    let made = sortie(&[
+        "study",
+        "scenario",
+        "--seed",
+        "3",
+        "--difficulty",
+        "6",
+        "-o",
+        path,
+    ])
+    .output()
+    .unwrap();
+    assert!(made.status.success(), "{made:?}");
+    let checked = sortie(&["check", path]).output().unwrap();
+    assert!(checked.status.success(), "{checked:?}");
+    let printed = sortie(&["study", "scenario", "--seed", "3", "--difficulty", "6"])
+        .output()
+        .unwrap();
+    assert_eq!(printed.stdout, std::fs::read(&file).unwrap());
+}
