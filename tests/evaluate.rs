@@ -11,26 +11,26 @@ fn sortie(arguments: &[&str]) -> Command {
 
 /// Candidates of numbers that follow no pattern.
 fn rows(count: usize, dimension: usize) -> Vec<f64> {
+    let mut value: f64 = 0.0;
     (0..count * dimension)
-        .map(|i| (f64::from(u32::try_from(i).unwrap()) * 0.618_033_988_75).fract())
+        .map(|_| {
+            value = (value + 0.618_033_988_75).fract();
+            value
+        })
         .collect()
 }
 
 fn dimension() -> usize {
-    let output = sortie(&[
+    let arguments = [
         "evaluate",
         "missions/first.yaml",
         "--vehicle",
         "alpha",
         "--dimension",
-    ])
-    .output()
-    .unwrap();
-    String::from_utf8(output.stdout)
-        .unwrap()
-        .trim()
-        .parse()
-        .unwrap()
+    ];
+    let output = sortie(&arguments).output().expect("sortie runs");
+    let text = String::from_utf8(output.stdout).expect("text");
+    text.trim().parse().expect("a number")
 }
 
 #[test]
