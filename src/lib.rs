@@ -28,6 +28,7 @@
 //! | 9 | [`link`] | sans-IO upload and download, codec, sockets |
 //! | 10 | [`vehicle`] | the simulated vehicle |
 //! | 10 | [`report`] | HTML and JSON from facts handed to it |
+//! | 11 | [`flight`] | launch, monitor, record, flown against planned |
 //! | 11 | [`study`] | the paper's experiment: contestants, runs, tables, figures |
 //! | 12 | [`cli`] | arguments, progress, exit codes |
 //!
@@ -63,6 +64,7 @@ pub mod link;
 pub mod report;
 pub mod vehicle;
 
+pub mod flight;
 pub mod study;
 
 pub mod cli;

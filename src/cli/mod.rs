@@ -7,10 +7,12 @@ mod console;
 mod download;
 mod evaluate;
 mod failure;
+mod fly;
 mod folder;
 mod output;
 mod plan;
 mod progress;
+mod replan;
 mod review;
 mod study;
 mod table;
@@ -48,6 +50,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Check(arguments) => check::run(arguments),
         Command::Review(arguments) => review::run(arguments),
         Command::Upload(arguments) => upload::run(arguments),
+        Command::Fly(arguments) => fly::run(arguments),
+        Command::Replan(arguments) => replan::run(arguments),
         Command::Download(arguments) => download::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
         Command::Terrain(command) => terrain::run(command),

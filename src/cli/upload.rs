@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &args::Upload) -> Result<(), Failure> {
 }
 
 /// The spec and the missions of a folder that `plan` wrote.
-fn from_folder(
+pub(super) fn from_folder(
     paths: &[PathBuf],
     force: bool,
 ) -> Result<(SpecFile, review::Files, PathBuf), Failure> {
@@ -145,7 +145,7 @@ fn refuse_rejected<'a>(mut files: impl Iterator<Item = &'a PathBuf>) -> Result<(
 }
 
 /// Links from the command line, by the index of their vehicle.
-fn links(file: &SpecFile, arguments: &[String]) -> Result<Vec<(usize, Link)>, Failure> {
+pub(super) fn links(file: &SpecFile, arguments: &[String]) -> Result<Vec<(usize, Link)>, Failure> {
     let usage = |message: String| Failure::new(Failure::USAGE, message);
     arguments
         .iter()
@@ -192,7 +192,11 @@ fn say_what_would_be_sent(
     out("nothing was sent (--dry-run)")
 }
 
-fn link_of<'a>(file: &'a SpecFile, vehicle: usize, links: &'a [(usize, Link)]) -> &'a Link {
+pub(super) fn link_of<'a>(
+    file: &'a SpecFile,
+    vehicle: usize,
+    links: &'a [(usize, Link)],
+) -> &'a Link {
     let told = links.iter().rev().find(|(of, _)| *of == vehicle);
     told.map_or(&file.spec.vehicles[vehicle].link, |(_, link)| link)
 }
@@ -263,7 +267,7 @@ fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
     clippy::disallowed_methods,
     reason = "records carry the time they were made"
 )]
-fn seconds_since_1970() -> u64 {
+pub(super) fn seconds_since_1970() -> u64 {
     SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or(0, |since| since.as_secs())

@@ -1,6 +1,6 @@
 //! Parameter files as ground stations load them.
 
-use crate::mission::VehicleMission;
+use crate::mission::{Parameter, VehicleMission};
 use crate::spec::Autopilot;
 
 /// The parameters that the verdict assumes.
@@ -27,6 +27,56 @@ pub fn write(mission: &VehicleMission) -> String {
         });
     }
     text
+}
+
+/// A line of a parameter file that cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {text:?} is neither NAME,VALUE nor vehicle, component, name, value, type")]
+pub struct ParamsError {
+    /// From 1.
+    pub line: usize,
+    /// What stands there.
+    pub text: String,
+}
+
+/// Reads either of the two forms; the comment before a parameter is why it matters.
+///
+/// # Errors
+/// The first line that is of no known form.
+pub fn read(text: &str) -> Result<Vec<Parameter>, ParamsError> {
+    let mut params = Vec::new();
+    let mut why = "";
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if let Some(comment) = line.strip_prefix('#') {
+            why = comment.trim();
+            continue;
+        }
+        if line.is_empty() {
+            continue;
+        }
+        let fields: Vec<&str> = line
+            .split(['\t', ',', ' '])
+            .filter(|f| !f.is_empty())
+            .collect();
+        let found = match fields[..] {
+            [name, value] | [_, _, name, value, _] => value
+                .parse()
+                .ok()
+                .filter(|value: &f32| value.is_finite())
+                .map(|value| Parameter {
+                    name: name.to_owned(),
+                    value,
+                    why: why.to_owned(),
+                }),
+            _ => None,
+        };
+        params.push(found.ok_or_else(|| ParamsError {
+            line: index + 1,
+            text: line.chars().take(80).collect(),
+        })?);
+    }
+    Ok(params)
 }
 
 /// PX4 parameters that are whole numbers; a loader refuses the other type.

@@ -132,7 +132,7 @@ pub fn download(
 }
 
 /// A system id for us that no vehicle has.
-fn ground_station(vehicles: &[u8]) -> Address {
+pub(super) fn ground_station(vehicles: &[u8]) -> Address {
     let system = (1..=GROUND_STATION)
         .rev()
         .find(|system| !vehicles.contains(system))

@@ -13,6 +13,7 @@ mod flight_message;
 mod flight_payload;
 mod identity;
 mod kept;
+mod links;
 mod meeting;
 mod message;
 mod pace;
@@ -37,6 +38,7 @@ pub use flight_message::{
     Command, CommandResult, FlightMessage, LandedState, ParamValue, Position,
 };
 pub use kept::kept;
+pub use links::{Arrival, Links};
 pub use message::{
     AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Address, Body,
     Heartbeat, List, MISSION_TYPE_ALL, MODE_ARMED, Message, MissionMessage, MissionResult, Route,

@@ -1,0 +1,177 @@
+//! What an operator sees of a flight.
+
+use std::io::IsTerminal;
+
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
+
+use super::sentence;
+use crate::cli::console::{Paint, note, out};
+use crate::cli::failure::Failure;
+use crate::cli::table::{self, Rows};
+use crate::flight::{Event, Fleet, FlightReport, Spread, Status};
+use crate::link::Time;
+use crate::verify::Sense;
+
+/// Between two pictures of the table, milliseconds.
+const PICTURE_MS: u64 = 250;
+
+/// A live table on a terminal, plain lines elsewhere.
+pub(super) struct Show {
+    rows: Vec<ProgressBar>,
+    all: MultiProgress,
+    is_live: bool,
+    /// Whether stdout belongs to a document.
+    json: bool,
+    due: Time,
+}
+
+impl Show {
+    pub(super) fn new(json: bool) -> Self {
+        Self {
+            rows: Vec::new(),
+            all: MultiProgress::new(),
+            is_live: std::io::stderr().is_terminal(),
+            json,
+            due: Time(0),
+        }
+    }
+
+    /// One line for what happened.
+    pub(super) fn event(&self, event: &Event) -> Result<(), Failure> {
+        let line = sentence(event);
+        if self.is_live {
+            // A terminal that is gone shows nothing.
+            let _ = self.all.println(line);
+            return Ok(());
+        }
+        if self.json {
+            note(&line);
+            return Ok(());
+        }
+        out(&line)
+    }
+
+    /// One row for each vehicle.
+    pub(super) fn fleet(&mut self, fleet: &Fleet<'_>, now: Time) {
+        if !self.is_live || now < self.due {
+            return;
+        }
+        self.due = now + PICTURE_MS;
+        for (index, status) in fleet.status(now).iter().enumerate() {
+            if self.rows.len() <= index {
+                let bar = self.all.add(ProgressBar::new(100));
+                if let Ok(style) = ProgressStyle::with_template("{wide_msg}") {
+                    bar.set_style(style);
+                }
+                self.rows.push(bar);
+            }
+            if let Some(row) = self.rows.get(index) {
+                row.set_message(line(status));
+            }
+        }
+    }
+}
+
+impl Drop for Show {
+    fn drop(&mut self) {
+        self.rows.iter().for_each(ProgressBar::finish_and_clear);
+    }
+}
+
+fn line(status: &Status) -> String {
+    let (item, of) = status.item;
+    let time = match status.behind_s {
+        Some(late) if late >= 0.0 => format!("{late:.0} s behind"),
+        Some(late) => format!("{:.0} s ahead", -late),
+        None => String::new(),
+    };
+    let closest = status
+        .closest
+        .as_ref()
+        .map_or_else(String::new, |(other, m)| format!("{other} {m:.0} m"));
+    let lost = status
+        .lost_s
+        .map_or_else(String::new, |s| format!("LINK LOST {s:.0} s"));
+    format!(
+        "{:>10}  {:<11}  item {item:>3} of {of:<3}  {:>3.0} %  {time:>12}  {closest:<18} {lost}",
+        status.vehicle,
+        status.stage,
+        100.0 * status.progress,
+    )
+}
+
+/// The table of a flight that is over, and what was not kept.
+pub(super) fn report(judged: &FlightReport) -> Result<(), Failure> {
+    let paint = Paint::for_stdout();
+    let mut rows = Rows::new(&[
+        "vehicle",
+        "end",
+        "beside the way",
+        "over or under it",
+        "late",
+        "clearance",
+        "",
+    ]);
+    let spread = |spread: Option<Spread>| {
+        spread.map_or_else(
+            || "-".to_owned(),
+            |s| format!("{:.1} / {:.1} / {:.1} m", s.median, s.p95, s.worst),
+        )
+    };
+    for vehicle in &judged.vehicles {
+        let latest = vehicle.passages.iter().map(crate::flight::Passage::late_s);
+        let latest = latest.max_by(|a, b| a.abs().total_cmp(&b.abs()));
+        let own = |what: &str| {
+            let mut margins = judged.margins.iter();
+            margins.find(|m| m.vehicle == vehicle.vehicle && m.what == what)
+        };
+        let kept = judged
+            .margins
+            .iter()
+            .all(|margin| margin.ok || !margin.concerns(&vehicle.vehicle));
+        rows.add([
+            vehicle.vehicle.clone(),
+            vehicle.end.clone(),
+            spread(vehicle.cross_track_m),
+            spread(vehicle.altitude_error_m),
+            latest.map_or_else(|| "-".to_owned(), |s| format!("{s:.0} s at most")),
+            own("terrain clearance")
+                .map_or_else(|| "-".to_owned(), |m| format!("{:.0} m", m.value)),
+            if kept && vehicle.ended_as_planned {
+                paint.good("ok")
+            } else {
+                paint.bad("FAIL")
+            },
+        ]);
+    }
+    out(&rows.to_string())?;
+    for margin in judged.margins.iter().filter(|m| m.other.is_some() || !m.ok) {
+        let whom = margin
+            .other
+            .as_ref()
+            .map_or_else(String::new, |other| format!(" and {other}"));
+        let sign = if margin.sense == Sense::AtLeast {
+            ">="
+        } else {
+            "<="
+        };
+        let at = margin
+            .at
+            .map_or_else(String::new, |at| format!(" at T0+{}", table::clock(at.t_s)));
+        let mark = if margin.ok {
+            paint.good("ok")
+        } else {
+            paint.bad("FAIL")
+        };
+        out(&format!(
+            "{mark} {}{whom}: {} {} {} flown ({sign} {}){at} {}",
+            margin.vehicle,
+            margin.what,
+            table::number(margin.value, 1),
+            margin.unit,
+            table::number(margin.limit, 0),
+            margin.note
+        ))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,642 @@
+//! One vehicle of the fleet, from the first heartbeat to the end of its flight.
+
+use std::collections::VecDeque;
+
+use super::asking::{Answer, Asking};
+use super::clock::Offset;
+use super::modes;
+use super::readiness::{self, STANDS_M};
+use super::record::{Fix, Flown};
+use super::reference::Reference;
+use super::settings::SettingsCheck;
+use crate::geodesy::{Amsl, LatLon};
+use crate::link::{
+    Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order, Position, Reading,
+    Session, Time,
+};
+use crate::mission::{Home, VehicleMission};
+use crate::spec::Autopilot;
+
+/// How long position and home are waited for, milliseconds.
+const TELLING_MS: u64 = 60_000;
+/// How long arming is tried, milliseconds: position estimates settle after a start.
+const ARMING_MS: u64 = 20_000;
+/// Between two tries, milliseconds.
+const AGAIN_MS: u64 = 1000;
+/// Between two requests for what a vehicle does not tell by itself, milliseconds.
+const REQUEST_MS: u64 = 1000;
+/// Above home by this much a vehicle is in the air, metres.
+const AIRBORNE_M: f64 = 1.5;
+/// A vehicle that stays for ever has come to its place this near, metres.
+const ARRIVED_M: f64 = 5.0;
+/// Slower than this a vehicle stays where it is, m/s.
+const STILL_MPS: f64 = 0.5;
+/// Most of its texts that are kept while it is armed.
+const MOST_WARNINGS: usize = 5;
+/// Messages that are asked for: positions, current item.
+const WANTED: [f32; 2] = [33.0, 42.0];
+
+/// What one vehicle shall do.
+#[derive(Clone, Debug)]
+pub struct Assignment<'a> {
+    /// Id in the spec.
+    pub vehicle: &'a str,
+    /// Its system id.
+    pub sysid: u8,
+    /// What it shall hold.
+    pub mission: &'a VehicleMission,
+    /// The planned flight.
+    pub reference: Reference,
+    /// When its mission is started, seconds after T0; a delay that is encoded in the
+    /// mission is none of it.
+    pub start_s: f64,
+    /// Whether its mission is transferred first, instead of only read.
+    pub upload: bool,
+}
+
+/// How the flight of one vehicle ended.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum End {
+    /// It never flew.
+    #[default]
+    NotFlown,
+    /// It landed and stopped its motors, at the end of its mission.
+    Landed,
+    /// It stays in the air at the end of its mission, as planned.
+    Loitering,
+    /// It stays in the air because it was told to.
+    Held,
+    /// It was told to land, and did.
+    LandedEarly,
+    /// It was left flying.
+    LeftFlying,
+    /// Something else; what, in words.
+    Failed(String),
+}
+
+/// Where it is on the way to its flight, and in it.
+#[derive(Debug)]
+pub(super) enum Stage<'a> {
+    /// Its mission is sent.
+    Sending(Box<Session<'a>>),
+    /// Its mission is read.
+    Reading(Box<Reading>),
+    /// Home, position and parameters.
+    Checking { until: Time },
+    /// All is as planned.
+    Ready,
+    /// It is not; in sentences.
+    Refused(Vec<String>),
+    /// Commands until the motors run.
+    Arming,
+    /// The motors run.
+    Armed,
+    /// The mission was told to start.
+    Starting,
+    /// The mission is flown.
+    Flying,
+    /// It is over.
+    Ended,
+}
+
+/// What the fleet told it to do in flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Told {
+    Hold,
+    Land,
+}
+
+#[derive(Debug)]
+pub(super) struct Craft<'a> {
+    pub(super) of: Assignment<'a>,
+    pub(super) stage: Stage<'a>,
+    pub(super) vehicle: Option<(Address, Heartbeat)>,
+    /// When anything was heard of it.
+    pub(super) heard: Time,
+    pub(super) home: Option<Home>,
+    settings: Option<SettingsCheck<'a>>,
+    problems: Vec<String>,
+    /// What it said while it was to be armed.
+    warnings: Vec<String>,
+    asking: Option<Asking>,
+    orders: VecDeque<Command>,
+    /// Until when arming is tried, and when again.
+    arming: Option<(Time, Time)>,
+    requested: Time,
+    offset: Offset,
+    /// The last position on the fleet's clock, milliseconds of flight time.
+    pub(super) latest: Option<(f64, Fix)>,
+    pub(super) item: usize,
+    /// Items on board without home, as the vehicle says.
+    total: Option<usize>,
+    airborne: bool,
+    pub(super) told: Option<Told>,
+    pub(super) in_mission: bool,
+    pub(super) flown: Flown,
+    outbox: VecDeque<Message>,
+    said: VecDeque<String>,
+    set_params: bool,
+    force: bool,
+}
+
+impl<'a> Craft<'a> {
+    pub(super) fn new(
+        of: Assignment<'a>,
+        others: Vec<u8>,
+        us: Address,
+        (set_params, force): (bool, bool),
+        now: Time,
+    ) -> Self {
+        let stage = if of.upload {
+            let order = Order {
+                vehicle: of.vehicle,
+                sysid: of.sysid,
+                mission: of.mission,
+                force: false,
+                others,
+            };
+            Stage::Sending(Box::new(Session::new(order, us, now)))
+        } else {
+            Stage::Reading(Box::new(Reading::new(Some(of.sysid), us, now)))
+        };
+        Self {
+            of,
+            stage,
+            vehicle: None,
+            heard: now,
+            home: None,
+            settings: None,
+            problems: Vec::new(),
+            warnings: Vec::new(),
+            asking: None,
+            orders: VecDeque::new(),
+            arming: None,
+            requested: Time(0),
+            offset: Offset::default(),
+            latest: None,
+            item: 0,
+            total: None,
+            airborne: false,
+            told: None,
+            in_mission: false,
+            flown: Flown::default(),
+            outbox: VecDeque::new(),
+            said: VecDeque::new(),
+            set_params,
+            force,
+        }
+    }
+
+    fn autopilot(&self) -> Autopilot {
+        self.of.mission.autopilot
+    }
+
+    /// Takes in a message of this vehicle. `flight_ms` is the fleet's clock, `t0_ms` its T0.
+    pub(super) fn handle(
+        &mut self,
+        (now, flight_ms, t0_ms): (Time, f64, Option<f64>),
+        from: Address,
+        message: &Message,
+    ) {
+        match &mut self.stage {
+            Stage::Sending(session) => session.handle(now, from, message),
+            Stage::Reading(reading) => reading.handle(now, from, message),
+            _ => {}
+        }
+        if from.system != self.of.sysid {
+            return;
+        }
+        self.heard = now;
+        let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
+        match message {
+            Message::Heartbeat(beat) if from.component == 1 || self.vehicle.is_none() => {
+                self.vehicle = Some((from, *beat));
+                self.heartbeat(*beat);
+            }
+            Message::HomePosition { x, y, amsl_mm } => {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "float32 is what missions have"
+                )]
+                let amsl_m = (f64::from(*amsl_mm) / 1000.0) as f32;
+                let (x, y) = (*x, *y);
+                self.home = Some(Home { x, y, amsl_m });
+            }
+            Message::MissionCurrent { seq, total, .. } => {
+                self.item = self.row(*seq);
+                let told = (1..u16::MAX).contains(total);
+                self.total = told.then_some(usize::from(*total));
+            }
+            Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
+                self.warn(text);
+            }
+            Message::StatusText { text, .. } if t0_ms.is_some() => {
+                self.said.push_back(format!("says: {text}"));
+            }
+            Message::Flight(message) => self.flight_message(now, flight_ms, t0_ms, t_s, message),
+            _ => {}
+        }
+    }
+
+    fn flight_message(
+        &mut self,
+        now: Time,
+        flight_ms: f64,
+        t0_ms: Option<f64>,
+        t_s: f64,
+        message: &FlightMessage,
+    ) {
+        match message {
+            FlightMessage::Position(position) => self.position(flight_ms, t0_ms, position),
+            FlightMessage::ItemReached { seq } => {
+                let row = self.row(*seq);
+                let is_new = self.flown.reached.iter().all(|(known, _)| *known != row);
+                if is_new && matches!(self.stage, Stage::Flying | Stage::Starting) {
+                    self.flown.reached.push((row, t_s));
+                    self.said.push_back(format!("item {row} reached"));
+                }
+            }
+            FlightMessage::CommandAck {
+                command, result, ..
+            } => {
+                if let Some(asking) = &mut self.asking {
+                    asking.answered(now, *command, *result);
+                }
+            }
+            FlightMessage::Param { name, value } => {
+                if let Some(settings) = &mut self.settings {
+                    settings.heard(now, name, *value);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The row of a sequence number: PX4 has no home row.
+    fn row(&self, seq: u16) -> usize {
+        let first = match self.autopilot() {
+            Autopilot::ArduPilot => 0,
+            Autopilot::Px4 => 1,
+        };
+        usize::from(seq) + first
+    }
+
+    fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
+        if (position.x, position.y) == (0, 0) {
+            // It does not know yet.
+            return;
+        }
+        let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
+        let [north, east, _] = position.velocity_cmps.map(f64::from);
+        let fix = Fix {
+            t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
+            place: LatLon {
+                lat_deg: f64::from(position.x) / 1e7,
+                lon_deg: f64::from(position.y) / 1e7,
+            },
+            amsl: Amsl(f64::from(position.amsl_mm) / 1000.0),
+            speed_mps: north.hypot(east) / 100.0,
+            item: self.item,
+        };
+        let is_later = self.latest.is_none_or(|(before, _)| at_ms > before);
+        if !is_later {
+            return;
+        }
+        self.latest = Some((at_ms, fix));
+        let is_up = f64::from(position.above_home_mm) / 1000.0 > AIRBORNE_M;
+        if matches!(self.stage, Stage::Flying | Stage::Starting) {
+            if is_up && !self.airborne {
+                self.airborne = true;
+                self.said.push_back("took off".to_owned());
+            }
+            if fix.t_s >= 0.0 {
+                self.flown.fixes.push(fix);
+            }
+        }
+    }
+
+    fn heartbeat(&mut self, beat: Heartbeat) {
+        let was = self.in_mission;
+        self.in_mission = modes::is_mission(self.autopilot(), beat.custom_mode);
+        match self.stage {
+            Stage::Flying if !beat.is_armed() => {
+                let end = match (self.airborne, self.told) {
+                    (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
+                    (true, Some(_)) => End::LandedEarly,
+                    (true, None) => self.landing(),
+                };
+                self.end(end);
+            }
+            Stage::Flying if was && !self.in_mission && self.told.is_none() => {
+                self.said
+                    .push_back("left its mission: somebody else changed the mode".to_owned());
+            }
+            Stage::Flying if !was && self.in_mission && self.airborne => {
+                self.said.push_back("is on its mission again".to_owned());
+            }
+            _ => {}
+        }
+    }
+
+    /// It stopped its motors by itself: where it should, or elsewhere.
+    fn landing(&self) -> End {
+        let planned = self.of.mission.items.iter().rev();
+        let place = planned.filter_map(crate::mission::Item::place).next();
+        let away_m = match (place, self.latest) {
+            (Some(place), Some((_, fix))) => place.chord_m(fix.place),
+            _ => f64::INFINITY,
+        };
+        if self.of.reference.lands && away_m <= STANDS_M {
+            End::Landed
+        } else {
+            End::Failed(format!(
+                "stopped its motors {away_m:.0} m from the end of its mission"
+            ))
+        }
+    }
+
+    /// Does what is due. `interval_us` is how often positions are wanted.
+    pub(super) fn tick(&mut self, now: Time, interval_us: f32) {
+        self.work(now);
+        if let (Stage::Arming, Some((until, again))) = (&self.stage, self.arming)
+            && now >= again
+            && self.asking.is_none()
+        {
+            self.arming = Some((until, Time(u64::MAX)));
+            self.command(modes::arm(self.autopilot()));
+        }
+        if let Some((address, _)) = self.vehicle {
+            self.request(now, address, interval_us);
+            if let Some(settings) = &mut self.settings {
+                let message = settings.poll(now, address);
+                self.outbox.extend(message);
+            }
+            if self.asking.is_none()
+                && let Some(order) = self.orders.pop_front()
+            {
+                self.asking = Some(Asking::new(address, order, now));
+            }
+        }
+        if let Some(asking) = &mut self.asking {
+            let message = asking.poll(now);
+            self.outbox.extend(message);
+            match asking.answer(now) {
+                Answer::None => {}
+                Answer::Result(CommandResult::ACCEPTED) => {
+                    self.asking = None;
+                    self.obeyed();
+                }
+                Answer::Result(result) => {
+                    let command = asking.command();
+                    self.disobeyed(now, &format!("refused command {command} with {result}"));
+                }
+                Answer::Silence => {
+                    let command = asking.command();
+                    self.disobeyed(now, &format!("did not answer command {command}"));
+                }
+            }
+        }
+    }
+
+    /// Goes on with the transfer or the checks.
+    fn work(&mut self, now: Time) {
+        match &mut self.stage {
+            Stage::Sending(session) => {
+                session.handle_timeout(now);
+                self.outbox
+                    .extend(std::iter::from_fn(|| session.poll_transmit()));
+                let Some(report) = session.report() else {
+                    return;
+                };
+                if !report.is_verified() {
+                    let why = match &report.verdict {
+                        crate::link::Verdict::Refused(refusal) => refusal.to_string(),
+                        crate::link::Verdict::Failed(failure) => failure.to_string(),
+                        crate::link::Verdict::Verified => String::new(),
+                    };
+                    self.problems.push(why);
+                }
+                self.check(now);
+            }
+            Stage::Reading(reading) => {
+                reading.handle_timeout(now);
+                self.outbox
+                    .extend(std::iter::from_fn(|| reading.poll_transmit()));
+                let Some(outcome) = reading.outcome() else {
+                    return;
+                };
+                match outcome {
+                    Ok(onboard) => {
+                        self.problems
+                            .extend(readiness::list_problems(self.of.mission, onboard));
+                        self.home = self.home.or(onboard.home);
+                    }
+                    Err(failure) => self.problems.push(failure.to_string()),
+                }
+                self.check(now);
+            }
+            Stage::Checking { until } => {
+                let until = *until;
+                let settled = self.settings.as_ref().and_then(SettingsCheck::outcome);
+                let told = self.home.is_some() && self.latest.is_some();
+                if let Some(differences) = settled
+                    && (told || now >= until)
+                {
+                    let differences = differences.to_vec();
+                    self.settle(differences);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn check(&mut self, now: Time) {
+        if !self.problems.is_empty() {
+            self.stage = Stage::Refused(std::mem::take(&mut self.problems));
+            return;
+        }
+        let bytewise = self.autopilot() == Autopilot::Px4;
+        let wanted = &self.of.mission.params;
+        self.settings = Some(SettingsCheck::new(wanted, self.set_params, bytewise, now));
+        self.stage = Stage::Checking {
+            until: now + TELLING_MS,
+        };
+    }
+
+    /// All was told that will be.
+    fn settle(&mut self, differences: Vec<String>) {
+        let mut soft = differences;
+        match &self.home {
+            None => soft.push("it does not say where its home is".to_owned()),
+            Some(home) => soft.extend(readiness::home_problem(&self.of.mission.home, home)),
+        }
+        let mut hard = Vec::new();
+        match self.latest {
+            None => hard.push("it does not say where it is".to_owned()),
+            Some((_, fix)) => {
+                let away_m = readiness::place(&self.of.mission.home).chord_m(fix.place);
+                if away_m > STANDS_M {
+                    soft.push(format!(
+                        "it stands {away_m:.0} m from its home (allowed: {STANDS_M:.0} m)"
+                    ));
+                }
+            }
+        }
+        if self.vehicle.is_some_and(|(_, beat)| beat.is_armed()) {
+            hard.push("it is armed".to_owned());
+        }
+        if self.force {
+            self.said.extend(
+                soft.drain(..)
+                    .map(|text| format!("flies all the same: {text}")),
+            );
+        }
+        hard.extend(soft);
+        self.stage = if hard.is_empty() {
+            Stage::Ready
+        } else {
+            Stage::Refused(hard)
+        };
+    }
+
+    /// Asks for what it does not tell by itself.
+    fn request(&mut self, now: Time, target: Address, interval_us: f32) {
+        if now - self.requested < REQUEST_MS || matches!(self.stage, Stage::Ended) {
+            return;
+        }
+        self.requested = now;
+        let mut ask = |order| {
+            self.outbox
+                .push_back(Message::Flight(FlightMessage::Command { target, order }));
+        };
+        if self.home.is_none() {
+            ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
+        }
+        if self.latest.is_none() || matches!(self.stage, Stage::Ready) {
+            for id in WANTED {
+                ask(Command::new(
+                    Command::SET_MESSAGE_INTERVAL,
+                    [id, interval_us],
+                ));
+            }
+        }
+    }
+
+    /// Gives commands, one after the other, each when the one before it was accepted.
+    fn command(&mut self, orders: impl IntoIterator<Item = Command>) {
+        self.asking = None;
+        self.orders = orders.into_iter().collect();
+    }
+
+    pub(super) fn arm(&mut self, now: Time) {
+        self.stage = Stage::Arming;
+        self.arming = Some((now + ARMING_MS, Time(u64::MAX)));
+        self.command(modes::arm(self.autopilot()));
+    }
+
+    pub(super) fn start(&mut self) {
+        self.stage = Stage::Starting;
+        self.command([modes::start(self.autopilot())]);
+    }
+
+    pub(super) fn disarm(&mut self) {
+        self.stage = Stage::Ended;
+        self.command([modes::disarm()]);
+    }
+
+    /// Tells it to hold or to land, if it flies.
+    pub(super) fn tell(&mut self, told: Told) {
+        if !matches!(self.stage, Stage::Flying | Stage::Starting) {
+            return;
+        }
+        self.told = Some(told);
+        self.command([match told {
+            Told::Hold => modes::hold(self.autopilot()),
+            Told::Land => modes::land(self.autopilot()),
+        }]);
+    }
+
+    fn obeyed(&mut self) {
+        if !self.orders.is_empty() {
+            return;
+        }
+        match self.stage {
+            Stage::Arming => self.stage = Stage::Armed,
+            Stage::Starting => self.stage = Stage::Flying,
+            _ => {}
+        }
+    }
+
+    fn disobeyed(&mut self, now: Time, what: &str) {
+        self.asking = None;
+        self.orders.clear();
+        match self.stage {
+            Stage::Arming => match &mut self.arming {
+                Some((until, again)) if now < *until => *again = now + AGAIN_MS,
+                _ => self.refuse_to_arm(what),
+            },
+            Stage::Starting => self.end(End::Failed(what.to_owned())),
+            _ => self.said.push_back(what.to_owned()),
+        }
+    }
+
+    /// Keeps what it said while it was to be armed.
+    fn warn(&mut self, text: &str) {
+        let is_known = self.warnings.iter().any(|known| known == text);
+        if !is_known && self.warnings.len() < MOST_WARNINGS {
+            self.warnings.push(text.to_owned());
+        }
+    }
+
+    /// What it says of it stands beside the answer.
+    fn refuse_to_arm(&mut self, what: &str) {
+        let said = std::mem::take(&mut self.warnings);
+        let why = std::iter::once(what.to_owned()).chain(said);
+        self.stage = Stage::Refused(vec![why.collect::<Vec<_>>().join("; ")]);
+    }
+
+    /// Whether it stays at the end of its mission, or where it was told to.
+    pub(super) fn look_whether_it_stays(&mut self) {
+        let Some((_, fix)) = self.latest else { return };
+        if !matches!(self.stage, Stage::Flying) || !self.airborne || fix.speed_mps > STILL_MPS {
+            return;
+        }
+        if self.told == Some(Told::Hold) && self.asking.is_none() {
+            return self.end(End::Held);
+        }
+        // Another mission may have been given to it meanwhile.
+        let rows = self.total.unwrap_or(self.of.mission.items.len());
+        let place = self
+            .of
+            .mission
+            .items
+            .last()
+            .and_then(crate::mission::Item::place);
+        let is_there = place.is_some_and(|place| place.chord_m(fix.place) < ARRIVED_M);
+        if !self.of.reference.lands && self.in_mission && self.item >= rows && is_there {
+            self.end(End::Loitering);
+        }
+    }
+
+    pub(super) fn end(&mut self, end: End) {
+        self.said.push_back(match &end {
+            End::Landed => "landed, motors stopped".to_owned(),
+            End::Loitering => "loiters at the end of its mission".to_owned(),
+            End::Held => "holds".to_owned(),
+            End::LandedEarly => "landed where it was told to".to_owned(),
+            End::LeftFlying => "is left flying".to_owned(),
+            End::NotFlown => "was not flown".to_owned(),
+            End::Failed(why) => why.clone(),
+        });
+        self.flown.end = end;
+        self.stage = Stage::Ended;
+    }
+
+    pub(super) fn poll_transmit(&mut self) -> Option<Message> {
+        self.outbox.pop_front()
+    }
+
+    pub(super) fn poll_said(&mut self) -> Option<String> {
+        self.said.pop_front()
+    }
+}

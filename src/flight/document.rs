@@ -1,0 +1,157 @@
+//! `flight.json`, and the lines of `flight.jsonl`.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::fleet::Event;
+use super::record::Fix;
+use super::report::{FlightReport, Passage, Spread, VehicleReport};
+use crate::report::{MarginEntry, review_json};
+use crate::verify::Review;
+
+/// How well a flight went: `flight.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlightDocument {
+    /// Version of Sortie.
+    pub sortie: &'static str,
+    /// SHA-256 of the spec file, hexadecimal.
+    pub spec_sha256: String,
+    /// `pass` when every limit was kept in flight and every vehicle ended as planned.
+    pub verdict: &'static str,
+    /// Seconds since 1970 at T0.
+    pub t0_unix_s: u64,
+    /// How much faster than the wall's clock the vehicles' time went.
+    pub speedup: f64,
+    /// In the order of the spec.
+    pub vehicles: Vec<FlownVehicle>,
+    /// The limits, as in `review.json`.
+    pub margins: Vec<MarginEntry>,
+}
+
+/// One vehicle of `flight.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FlownVehicle {
+    /// Name in the spec.
+    pub id: String,
+    /// How its flight ended.
+    pub end: String,
+    /// Positions recorded.
+    pub fixes: usize,
+    /// Beside the planned legs, metres.
+    pub cross_track_m: Option<SpreadEntry>,
+    /// Over or under them, without sign, metres.
+    pub altitude_error_m: Option<SpreadEntry>,
+    /// Later than planned at the waypoints, without sign, seconds.
+    pub time_error_s: Option<SpreadEntry>,
+    /// Each waypoint that was passed.
+    pub waypoints: Vec<PassageEntry>,
+}
+
+/// Median, 95 % and worst.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SpreadEntry {
+    /// As in [`Spread`].
+    pub median: f64,
+    /// As in [`Spread`].
+    pub p95: f64,
+    /// As in [`Spread`].
+    pub worst: f64,
+}
+
+/// A waypoint that was passed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PassageEntry {
+    /// Row of the `.waypoints` file.
+    pub item: usize,
+    /// Seconds after T0 as planned.
+    pub planned_s: f64,
+    /// Seconds after T0 as flown.
+    pub flown_s: f64,
+    /// Seconds later than planned; negative earlier.
+    pub late_s: f64,
+    /// How near it came, metres.
+    pub distance_m: f64,
+}
+
+/// The document of a flight.
+#[must_use]
+pub fn flight_json(
+    spec_sha256: &str,
+    (t0_unix_s, speedup): (u64, f64),
+    report: &FlightReport,
+) -> FlightDocument {
+    let margins = Review {
+        margins: report.margins.clone(),
+        tracks: Vec::new(),
+        assumptions: Vec::new(),
+    };
+    FlightDocument {
+        sortie: env!("CARGO_PKG_VERSION"),
+        spec_sha256: spec_sha256.to_owned(),
+        verdict: if report.passes() { "pass" } else { "fail" },
+        t0_unix_s,
+        speedup,
+        vehicles: report.vehicles.iter().map(vehicle).collect(),
+        margins: review_json(&margins).margins,
+    }
+}
+
+fn vehicle(report: &VehicleReport) -> FlownVehicle {
+    let late = report.passages.iter().map(|passage| passage.late_s().abs());
+    FlownVehicle {
+        id: report.vehicle.clone(),
+        end: report.end.clone(),
+        fixes: report.fixes,
+        cross_track_m: report.cross_track_m.map(spread),
+        altitude_error_m: report.altitude_error_m.map(spread),
+        time_error_s: Spread::of(late.collect()).map(spread),
+        waypoints: report.passages.iter().map(passage).collect(),
+    }
+}
+
+fn spread(of: Spread) -> SpreadEntry {
+    SpreadEntry {
+        median: rounded(of.median),
+        p95: rounded(of.p95),
+        worst: rounded(of.worst),
+    }
+}
+
+fn passage(of: &Passage) -> PassageEntry {
+    PassageEntry {
+        item: of.item,
+        planned_s: rounded(of.planned_s),
+        flown_s: rounded(of.flown_s),
+        late_s: rounded(of.late_s()),
+        distance_m: rounded(of.distance_m),
+    }
+}
+
+/// To thousandths: millimetres and milliseconds.
+fn rounded(value: f64) -> f64 {
+    (value * 1000.0).round() / 1000.0
+}
+
+/// One position as a line of `flight.jsonl`.
+#[must_use]
+pub fn fix_line(vehicle: &str, fix: &Fix) -> Value {
+    json!({
+        "t_s": rounded(fix.t_s),
+        "vehicle": vehicle,
+        "lat_deg": fix.place.lat_deg,
+        "lon_deg": fix.place.lon_deg,
+        "amsl_m": fix.amsl.0,
+        "speed_mps": fix.speed_mps,
+        "item": fix.item,
+    })
+}
+
+/// Something that happened as a line of `flight.jsonl`.
+#[must_use]
+pub fn event_line(event: &Event) -> Value {
+    json!({
+        "t_s": event.t_s.map(rounded),
+        "vehicle": event.vehicle,
+        "event": event.text,
+    })
+}

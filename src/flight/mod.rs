@@ -1,0 +1,28 @@
+//! Launch, monitor, record, and compare what was flown with what was planned.
+//!
+//! [`Fleet`] knows neither sockets nor clocks, as the machines of [`crate::link`]: its
+//! driver hands in messages and the time, sends what `poll_transmit` gives, and comes
+//! back at `poll_timeout`.
+
+mod asking;
+mod clock;
+mod craft;
+mod diversion;
+mod document;
+mod fleet;
+mod judge;
+mod modes;
+mod readiness;
+mod record;
+mod reference;
+mod report;
+mod settings;
+
+pub use craft::{Assignment, End};
+pub use diversion::Diversion;
+pub use document::{FlightDocument, event_line, fix_line, flight_json};
+pub use fleet::{Event, Fleet, Intervention, Options, Outcome, Status};
+pub use judge::judge;
+pub use record::{Fix, Flown};
+pub use reference::{Deviation, Reference, Waypoint};
+pub use report::{FlightReport, Passage, Spread, VehicleReport};

@@ -1,0 +1,106 @@
+//! The parameters that the verdict assumes, against those of the vehicle.
+
+use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
+use crate::mission::Parameter;
+
+/// Between two requests for one parameter, milliseconds.
+const REPEAT_MS: u64 = 400;
+/// Requests before a parameter counts as unknown to the vehicle.
+const MOST: u8 = 6;
+
+/// One parameter after the other, read and, if asked for, set.
+#[derive(Clone, Debug)]
+pub(super) struct SettingsCheck<'a> {
+    wanted: &'a [Parameter],
+    at: usize,
+    due: Time,
+    asked: u8,
+    /// Whether a difference is set right.
+    set: bool,
+    /// What is being set.
+    setting: Option<ParamValue>,
+    bytewise: bool,
+    differences: Vec<String>,
+}
+
+impl<'a> SettingsCheck<'a> {
+    /// Begins with the first. PX4 sends whole numbers byte by byte (`bytewise`).
+    pub(super) fn new(wanted: &'a [Parameter], set: bool, bytewise: bool, now: Time) -> Self {
+        Self {
+            wanted,
+            at: 0,
+            due: now,
+            asked: 0,
+            set,
+            setting: None,
+            bytewise,
+            differences: Vec::new(),
+        }
+    }
+
+    /// Every difference in a sentence, once all were read.
+    pub(super) fn outcome(&self) -> Option<&[String]> {
+        (self.at >= self.wanted.len()).then_some(&self.differences)
+    }
+
+    /// Takes in a parameter of the vehicle.
+    pub(super) fn heard(&mut self, now: Time, name: &str, held: ParamValue) {
+        let Some(wanted) = self.wanted.get(self.at).filter(|w| w.name == name) else {
+            return;
+        };
+        let value = held.value(self.bytewise);
+        if is_same(value, wanted.value) {
+            return self.next(now);
+        }
+        if self.set && self.setting.is_none() {
+            self.setting = Some(held.with(wanted.value, self.bytewise));
+            (self.due, self.asked) = (now, 0);
+        } else if !self.set {
+            self.differences.push(format!(
+                "parameter {name} is {value}, the verdict assumes {} ({})",
+                wanted.value, wanted.why
+            ));
+            self.next(now);
+        }
+    }
+
+    /// What is to be sent now.
+    pub(super) fn poll(&mut self, now: Time, target: Address) -> Option<Message> {
+        let wanted = self.wanted.get(self.at)?;
+        if now < self.due {
+            return None;
+        }
+        if self.asked >= MOST {
+            self.differences.push(match self.setting {
+                Some(_) => format!("parameter {} does not take {}", wanted.name, wanted.value),
+                None => format!(
+                    "parameter {} is not told by the vehicle, the verdict assumes {} ({})",
+                    wanted.name, wanted.value, wanted.why
+                ),
+            });
+            self.next(now);
+            return self.poll(now, target);
+        }
+        self.asked += 1;
+        self.due = now + REPEAT_MS;
+        let name = wanted.name.clone();
+        Some(Message::Flight(match self.setting {
+            Some(value) => FlightMessage::ParamSet {
+                target,
+                name,
+                value,
+            },
+            None => FlightMessage::ParamRead { target, name },
+        }))
+    }
+
+    fn next(&mut self, now: Time) {
+        self.at += 1;
+        (self.asked, self.due, self.setting) = (0, now, None);
+    }
+}
+
+/// Equal as far as a float32 that went through centimetres can be.
+fn is_same(a: f32, b: f32) -> bool {
+    (a - b).abs() <= 1e-4 * a.abs().max(b.abs()).max(1.0)
+}

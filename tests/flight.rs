@@ -1,0 +1,471 @@
+//! A fleet launched, watched and judged, in virtual time against simulated vehicles.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss
+)]
+
+mod support;
+
+use std::sync::Arc;
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::flight::*;
+use sortie::link::*;
+use sortie::mission::{Item, VehicleMission, command};
+use sortie::spec::{Autopilot, MissionSpec, OnLinkLoss, Vehicle as Spec};
+use sortie::vehicle::{Surroundings, Vehicle};
+use sortie::world::World;
+use support::{copter, empty_spec, place, world};
+
+const US: Address = Address {
+    system: 245,
+    component: 190,
+};
+
+/// A fleet that is planned, and its vehicles.
+struct Plan {
+    spec: MissionSpec,
+    world: World,
+    dispatched: Dispatched,
+}
+
+/// Three side by side, a kilometre each; the second is a PX4, the third starts later.
+fn three() -> Vec<Spec> {
+    let lane = |id: &str, sysid: u8, lat: f64| {
+        copter(id, sysid, place(lat, -84.26), place(lat + 0.002, -84.248))
+    };
+    let mut fleet = vec![
+        lane("alpha", 1, 36.300),
+        lane("bravo", 2, 36.304),
+        lane("charlie", 3, 36.308),
+    ];
+    fleet[1].autopilot = Autopilot::Px4;
+    fleet[2].depart_s = 30.0;
+    fleet
+}
+
+fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Plan {
+    let mut spec = empty_spec(vehicles);
+    spec.on_link_loss = on_link_loss;
+    spec.planner.evaluations = 1000;
+    let world = world(&spec);
+    let dispatched = dispatch(&spec, &world, 1, &|_| {});
+    assert!(
+        dispatched.review.passes(),
+        "{:?}",
+        dispatched.review.margins
+    );
+    Plan {
+        spec,
+        world,
+        dispatched,
+    }
+}
+
+impl Plan {
+    fn references(&self) -> Vec<Reference> {
+        let missions = self.dispatched.missions.iter();
+        missions
+            .zip(&self.dispatched.review.tracks)
+            .map(|((_, mission), track)| Reference::new(mission, track, &self.world))
+            .collect()
+    }
+
+    /// Vehicles that stand at home with the parameters of the plan.
+    fn vehicles(&self) -> Vec<Vehicle> {
+        let terrain = Arc::new(self.world.terrain.clone());
+        let missions = self.dispatched.missions.iter();
+        missions
+            .map(|(index, mission)| {
+                let this = &self.spec.vehicles[*index];
+                let surroundings = Surroundings {
+                    terrain: Some(Arc::clone(&terrain)),
+                    params: parameters(mission),
+                    ..Surroundings::default()
+                };
+                let profile = this.autopilot.into();
+                Vehicle::within(
+                    profile,
+                    this.sysid,
+                    Some(mission.home),
+                    surroundings,
+                    Time(0),
+                )
+            })
+            .collect()
+    }
+
+    fn fleet(&self, set_params: bool, upload: bool) -> Fleet<'_> {
+        let missions = self.dispatched.missions.iter().zip(self.references());
+        let assignments = missions
+            .map(|((index, mission), reference)| Assignment {
+                vehicle: &self.spec.vehicles[*index].id,
+                sysid: self.spec.vehicles[*index].sysid,
+                mission,
+                reference,
+                start_s: 0.0,
+                upload,
+            })
+            .collect();
+        let options = Options {
+            speedup: 1.0,
+            set_params,
+            force: false,
+            on_link_loss: self.spec.on_link_loss,
+            position_s: 0.2,
+        };
+        Fleet::new(assignments, options, US, Time(0))
+    }
+
+    fn judge(&self, sky: &Sky<'_>) -> FlightReport {
+        let references = self.references();
+        let flights: Vec<(&str, &Reference, &Flown)> = sky
+            .fleet
+            .flown()
+            .zip(&references)
+            .map(|((id, flown), reference)| (id, reference, flown))
+            .collect();
+        judge(&self.spec, &self.world, &flights)
+    }
+}
+
+fn parameters(mission: &VehicleMission) -> Vec<(String, f32)> {
+    let params = mission.params.iter();
+    params.map(|p| (p.name.clone(), p.value)).collect()
+}
+
+/// Vehicles and the ground station that watches them, under one clock.
+struct Sky<'a> {
+    fleet: Fleet<'a>,
+    vehicles: Vec<Vehicle>,
+    now: Time,
+    /// System ids that cannot be heard and do not hear.
+    cut: Vec<u8>,
+    events: Vec<Event>,
+}
+
+impl<'a> Sky<'a> {
+    fn new(fleet: Fleet<'a>, vehicles: Vec<Vehicle>) -> Self {
+        Self {
+            fleet,
+            vehicles,
+            now: Time(0),
+            cut: Vec::new(),
+            events: Vec::new(),
+        }
+    }
+
+    fn step(&mut self) {
+        self.now = self.now + 20;
+        self.fleet.handle_timeout(self.now);
+        while let Some((system, message)) = self.fleet.poll_transmit() {
+            for vehicle in &mut self.vehicles {
+                if vehicle.address().system == system && !self.cut.contains(&system) {
+                    vehicle.handle(self.now, US, &message);
+                }
+            }
+        }
+        for vehicle in &mut self.vehicles {
+            vehicle.handle_timeout(self.now);
+            let from = vehicle.address();
+            while let Some(message) = vehicle.poll_transmit() {
+                if !self.cut.contains(&from.system) {
+                    self.fleet.handle(self.now, from, &message);
+                }
+            }
+        }
+        self.events
+            .extend(std::iter::from_fn(|| self.fleet.poll_event()));
+    }
+
+    /// Until so many seconds after T0.
+    fn fly_to(&mut self, t_s: f64) {
+        while self.fleet.t_s(self.now).unwrap_or(-1.0) < t_s {
+            assert!(self.fleet.outcome().is_none(), "{:?}", self.events);
+            assert!(self.now.0 < 3_600_000, "no T0 within an hour");
+            self.step();
+        }
+    }
+
+    fn fly_out(&mut self) -> Outcome {
+        while self.fleet.outcome().is_none() {
+            assert!(self.now.0 < 3_600_000, "still flying after an hour");
+            self.step();
+        }
+        self.fleet.outcome().expect("it is over").clone()
+    }
+
+    fn says(&self, vehicle: &str, text: &str) -> bool {
+        let of = |event: &&Event| event.vehicle.as_deref() == Some(vehicle);
+        self.events
+            .iter()
+            .filter(of)
+            .any(|event| event.text.contains(text))
+    }
+
+    fn order(&mut self, index: usize, command: u16) {
+        let target = self.vehicles[index].address();
+        let order = Command::new(command, []);
+        let message = Message::Flight(FlightMessage::Command { target, order });
+        let other = Address {
+            system: 255,
+            component: 190,
+        };
+        self.vehicles[index].handle(self.now, other, &message);
+    }
+
+    fn end(&self, index: usize) -> End {
+        self.fleet
+            .flown()
+            .nth(index)
+            .expect("a vehicle")
+            .1
+            .end
+            .clone()
+    }
+}
+
+#[test]
+fn three_fly_their_plan_and_the_limits_hold() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    assert_eq!(report.vehicles.len(), 3);
+    for vehicle in &report.vehicles {
+        assert_eq!(vehicle.end, "landed");
+        let cross = vehicle.cross_track_m.expect("positions");
+        let high = vehicle.altitude_error_m.expect("positions");
+        assert!(cross.worst < 6.0 && cross.median < 1.5, "{cross:?}");
+        assert!(high.worst < 3.0 && high.median < 1.0, "{high:?}");
+        assert!(vehicle.passages.len() >= 2, "{vehicle:?}");
+        for passage in &vehicle.passages {
+            assert!(passage.late_s().abs() < 15.0, "{passage:?}");
+        }
+    }
+    let separations = report.margins.iter().filter(|m| m.what == "separation");
+    assert_eq!(separations.count(), 3, "each pair");
+    // The delay is in the mission, and waited for once.
+    let charlie = sky.fleet.flown().nth(2).expect("charlie").1;
+    let up = charlie
+        .fixes
+        .iter()
+        .find(|fix| fix.amsl.0 > 402.0)
+        .expect("it flew");
+    assert!((30.0..36.0).contains(&up.t_s), "{up:?}");
+}
+
+#[test]
+fn a_reading_suffices_when_the_missions_are_on_board_and_none_starts_otherwise() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, false), plan.vehicles());
+    let Outcome::NotStarted(why) = sky.fly_out() else {
+        panic!("nothing was on board");
+    };
+    assert_eq!(why.len(), 6, "mission and fence of three: {why:?}");
+    assert!(
+        why[0].1.contains("what is on board is not the plan"),
+        "{why:?}"
+    );
+    // Loaded by one fleet, flown by the next.
+    let mut loading = Sky::new(plan.fleet(false, true), plan.vehicles());
+    while loading
+        .events
+        .iter()
+        .all(|event| event.text != "all are ready")
+    {
+        loading.step();
+    }
+    loading.fleet.intervene(loading.now, Intervention::Leave);
+    for _ in 0..200 {
+        loading.step();
+    }
+    assert!(loading.vehicles.iter().all(|vehicle| !vehicle.is_armed()));
+    let mut sky = Sky::new(plan.fleet(false, false), loading.vehicles);
+    sky.now = loading.now;
+    sky.fly_to(5.0);
+    assert!(sky.vehicles.iter().all(Vehicle::is_armed));
+}
+
+#[test]
+fn none_is_started_when_one_is_not_as_assumed_and_what_differs_is_named() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut vehicles = plan.vehicles();
+    let (index, mission) = &plan.dispatched.missions[2];
+    let this = &plan.spec.vehicles[*index];
+    let mut params = parameters(mission);
+    params
+        .iter_mut()
+        .filter(|p| p.0 == "WPNAV_SPEED")
+        .for_each(|p| p.1 = 500.0);
+    let home = sortie::mission::Home {
+        amsl_m: mission.home.amsl_m + 30.0,
+        ..mission.home
+    };
+    let profile = this.autopilot.into();
+    let surroundings = |params| Surroundings {
+        params,
+        ..Surroundings::default()
+    };
+    let at = |home, params| Vehicle::within(profile, 3, Some(home), surroundings(params), Time(0));
+    vehicles[2] = at(home, params.clone());
+    let mut sky = Sky::new(plan.fleet(false, true), vehicles);
+    let Outcome::NotStarted(why) = sky.fly_out() else {
+        panic!("it was started");
+    };
+    let text = format!("{why:?}");
+    assert!(
+        text.contains("parameter WPNAV_SPEED is 500, the verdict assumes 1500"),
+        "{text}"
+    );
+    assert!(text.contains("home is at 430.0 m above the sea"), "{text}");
+    assert!(
+        why.iter().all(|(vehicle, _)| vehicle == "charlie"),
+        "{text}"
+    );
+    for _ in 0..100 {
+        sky.step();
+    }
+    assert!(sky.vehicles.iter().all(|vehicle| !vehicle.is_armed()));
+    // The parameter can be set.
+    let mut vehicles = plan.vehicles();
+    vehicles[2] = at(mission.home, params);
+    let mut sky = Sky::new(plan.fleet(true, true), vehicles);
+    sky.fly_to(1.0);
+}
+
+#[test]
+fn a_lost_link_is_shown_and_all_hold_if_the_spec_says_so() {
+    let plan = plan(three(), OnLinkLoss::HoldAll);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(60.0);
+    sky.cut.push(2);
+    sky.fly_to(70.0);
+    assert!(sky.says("bravo", "link lost"), "{:?}", sky.events);
+    let status = sky.fleet.status(sky.now);
+    assert!(status[1].lost_s.is_some_and(|s| s > 5.0), "{status:?}");
+    sky.fly_out();
+    assert_eq!((sky.end(0), sky.end(2)), (End::Held, End::Held));
+    assert!(matches!(sky.end(1), End::Failed(_)));
+    let report = plan.judge(&sky);
+    assert!(!report.passes());
+}
+
+#[test]
+fn with_continue_the_others_fly_on_and_the_time_in_the_dark_is_in_the_report() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(60.0);
+    sky.cut.push(1);
+    sky.fly_to(72.0);
+    sky.cut.clear();
+    sky.fly_to(74.0);
+    assert!(sky.says("alpha", "link lost") && sky.says("alpha", "link is back"));
+    sky.fly_out();
+    for index in 0..3 {
+        assert_eq!(sky.end(index), End::Landed);
+    }
+    let report = plan.judge(&sky);
+    let failed: Vec<_> = report.margins.iter().filter(|margin| !margin.ok).collect();
+    assert_eq!(failed.len(), 1, "{failed:?}");
+    assert_eq!(failed[0].what, "longest time without a position");
+    assert!((11.0..14.0).contains(&failed[0].value), "{failed:?}");
+}
+
+#[test]
+fn a_vehicle_that_somebody_else_holds_is_told_of_and_the_flight_fails() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(50.0);
+    sky.order(0, Command::LOITER);
+    sky.fly_out();
+    assert!(
+        sky.says("alpha", "somebody else changed the mode"),
+        "{:?}",
+        sky.events
+    );
+    assert!(matches!(sky.end(0), End::Failed(_)), "{:?}", sky.end(0));
+    assert_eq!(sky.end(1), End::Landed);
+    let report = plan.judge(&sky);
+    assert!(!report.passes());
+    assert!(
+        report.vehicles[0].end.contains("has not ended"),
+        "{report:?}"
+    );
+}
+
+#[test]
+fn an_operator_who_wants_all_to_land_has_them_land() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(45.0);
+    sky.fleet.intervene(sky.now, Intervention::Land);
+    sky.fly_out();
+    for index in 0..3 {
+        assert_eq!(sky.end(index), End::LandedEarly);
+        assert!(!sky.vehicles[index].is_armed());
+    }
+}
+
+#[test]
+fn a_vehicle_that_flies_another_way_breaks_limits_and_the_verdict_says_where() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(50.0);
+    // Somebody uploads another mission to alpha: low, and over to where bravo flies.
+    let low = |lat: f64, lon: f64, amsl_m: f32, command| Item {
+        command,
+        frame: 0,
+        autocontinue: true,
+        params: [0.0; 4],
+        x: (lat * 1e7) as i32,
+        y: (lon * 1e7) as i32,
+        z: amsl_m,
+    };
+    let rows = [
+        low(36.3, -84.26, 400.0, command::NAV_WAYPOINT),
+        low(36.305, -84.252, 430.0, command::NAV_WAYPOINT),
+        low(36.302, -84.248, 430.0, command::NAV_WAYPOINT),
+        low(36.302, -84.248, 0.0, command::NAV_LAND),
+    ];
+    let target = sky.vehicles[0].address();
+    let mut say = |body| {
+        let mission_type = 0;
+        let message = Message::Mission(MissionMessage {
+            target,
+            mission_type,
+            body,
+        });
+        sky.vehicles[0].handle(sky.now, US, &message);
+    };
+    let (count, opaque_id) = (4, 0);
+    say(Body::Count { count, opaque_id });
+    for (seq, item) in (0..).zip(rows) {
+        let current = 0;
+        say(Body::ItemInt { seq, current, item });
+    }
+    let set = Message::Flight(FlightMessage::SetCurrent { target, seq: 1 });
+    sky.vehicles[0].handle(sky.now, US, &set);
+    sky.fly_out();
+    let report = plan.judge(&sky);
+    let failed: Vec<&str> = report
+        .margins
+        .iter()
+        .filter(|margin| !margin.ok)
+        .map(|margin| margin.what.as_str())
+        .collect();
+    assert!(failed.contains(&"terrain clearance"), "{failed:?}");
+    let worst = report.vehicles[0].cross_track_m.expect("positions").worst;
+    assert!(worst > 100.0, "{worst}");
+    let low = report
+        .margins
+        .iter()
+        .find(|m| m.what == "terrain clearance")
+        .expect("judged");
+    assert!(
+        (28.0..32.0).contains(&low.value) && low.at.is_some(),
+        "{low:?}"
+    );
+}
