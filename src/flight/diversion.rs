@@ -1,6 +1,8 @@
 //! A vehicle in flight is given another mission and goes on with it, without a stop.
 
 use super::asking::{Answer, Asking};
+use super::reference::to_segment;
+use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::link::{
     Address, Command, CommandResult, FlightMessage, Message, Order, Session, Time, Verdict,
 };
@@ -8,7 +10,7 @@ use crate::mission::VehicleMission;
 use crate::spec::Autopilot;
 
 /// The transfer of a new mission to a vehicle in flight, and the command to go on with
-/// its first item. Same driver contract as [`Session`].
+/// it where the vehicle is. Same driver contract as [`Session`].
 ///
 /// ArduPilot replaces items under way and keeps its place in the list; PX4 takes the new
 /// mission as a whole and begins it. Both are told where to go on.
@@ -16,7 +18,9 @@ use crate::spec::Autopilot;
 pub struct Diversion<'a> {
     session: Session<'a>,
     vehicle: Address,
-    autopilot: Autopilot,
+    mission: &'a VehicleMission,
+    /// Where the vehicle was last heard to be.
+    here: Option<LatLon>,
     asking: Option<Asking>,
     outcome: Option<Result<(), String>>,
 }
@@ -42,7 +46,8 @@ impl<'a> Diversion<'a> {
         Self {
             session: Session::new(order, us, now),
             vehicle,
-            autopilot: mission.autopilot,
+            mission,
+            here: None,
             asking: None,
             outcome: None,
         }
@@ -51,6 +56,14 @@ impl<'a> Diversion<'a> {
     /// Takes in a message, whoever sent it.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         self.session.handle(now, from, message);
+        if let Message::Flight(FlightMessage::Position(position)) = message
+            && from.system == self.vehicle.system
+        {
+            self.here = Some(LatLon {
+                lat_deg: f64::from(position.x) / 1e7,
+                lon_deg: f64::from(position.y) / 1e7,
+            });
+        }
         if let (
             Some(asking),
             Message::Flight(FlightMessage::CommandAck {
@@ -76,7 +89,7 @@ impl<'a> Diversion<'a> {
                     Answer::None => None,
                     Answer::Result(CommandResult::ACCEPTED) => Some(Ok(())),
                     Answer::Result(result) => Some(Err(format!(
-                        "holds the new mission, and refused to go on with its first item: {result}"
+                        "holds the new mission, and refused to go on with it: {result}"
                     ))),
                     Answer::Silence => Some(Err(
                         "holds the new mission, and did not say that it goes on with it".to_owned(),
@@ -92,16 +105,45 @@ impl<'a> Diversion<'a> {
         };
         match &report.verdict {
             Verdict::Verified => {
-                let first = match self.autopilot {
-                    Autopilot::ArduPilot => 1.0,
-                    Autopilot::Px4 => 0.0,
-                };
-                let order = Command::new(Command::SET_MISSION_CURRENT, [first]);
+                let order = Command::new(Command::SET_MISSION_CURRENT, [self.next_seq()]);
                 self.asking = Some(Asking::new(self.vehicle, order, now));
             }
             Verdict::Failed(failure) => self.outcome = Some(Err(failure.to_string())),
             Verdict::Refused(refusal) => self.outcome = Some(Err(refusal.to_string())),
         }
+    }
+
+    /// The item to go on with: the end of the leg that the vehicle is nearest to, so that
+    /// it never turns back to a place that it has passed meanwhile.
+    fn next_seq(&self) -> f32 {
+        let first = match self.mission.autopilot {
+            Autopilot::ArduPilot => 1,
+            Autopilot::Px4 => 0,
+        };
+        let index = self.here.map_or(0, |here| self.next_item(here));
+        f32::from(u16::try_from(index + first).unwrap_or(first))
+    }
+
+    fn next_item(&self, here: LatLon) -> usize {
+        let frame = LocalFrame::new(here);
+        let at = |place| PlanPoint {
+            at: frame.to_plan(place),
+            amsl: Amsl(0.0),
+        };
+        let items = self.mission.items.iter().enumerate();
+        let places: Vec<(usize, PlanPoint)> = items
+            .filter_map(|(index, item)| Some((index, at(item.place()?))))
+            .collect();
+        let nearest = places
+            .windows(2)
+            .map(|pair| {
+                let (distance_m, share) = to_segment(at(here), pair[0].1, pair[1].1);
+                // Before the first place the vehicle goes there.
+                let next = if share > 0.0 { pair[1].0 } else { pair[0].0 };
+                (distance_m, next)
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map_or(0, |(_, next)| next)
     }
 
     /// The next message to send at a time, if there is one.

@@ -5,7 +5,7 @@
 //! that time: from there on everything is as it will be flown.
 
 use crate::cli::fly::Sorties;
-use crate::cost::CostTerms;
+use crate::cost::{CostTerms, Margins};
 use crate::flight::Reference;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::link::Onboard;
@@ -159,12 +159,34 @@ struct Present {
     plan: FleetPlan,
 }
 
+/// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
+/// leave the path by one. What fails is planned again with more.
+const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
+
 /// Plans the concerned around the threat and around everyone else, and judges all of it.
 pub(super) fn replan(
     sorties: &Sorties,
     threat: &Threat,
     courses: &[Course],
     seed: Option<u64>,
+) -> Replanned {
+    let mut hands = HANDS.into_iter();
+    let mut found = replan_with(sorties, threat, courses, seed, hands.next().unwrap_or(1.0));
+    for hand in hands {
+        if found.review.passes() {
+            break;
+        }
+        found = replan_with(sorties, threat, courses, seed, hand);
+    }
+    found
+}
+
+fn replan_with(
+    sorties: &Sorties,
+    threat: &Threat,
+    courses: &[Course],
+    seed: Option<u64>,
+    hand: f64,
 ) -> Replanned {
     let (spec, world) = (&sorties.file.spec, &sorties.world);
     let mut present = Present {
@@ -196,7 +218,7 @@ pub(super) fn replan(
         present.keep(sorties, course, &path, now_s);
     }
     for course in &concerned {
-        let path = present.search(sorties, course, now_s);
+        let path = present.search(sorties, course, now_s, hand);
         present.keep(sorties, course, &path, now_s);
     }
     present.judge(&others, &concerned)
@@ -279,7 +301,21 @@ impl Present {
     }
 
     /// A new path for the next vehicle, around those that are in the fleet already.
-    fn search(&mut self, sorties: &Sorties, course: &Course, now_s: f64) -> Vec<PlanPoint> {
+    fn search(
+        &mut self,
+        sorties: &Sorties,
+        course: &Course,
+        now_s: f64,
+        hand: f64,
+    ) -> Vec<PlanPoint> {
+        let hand_m = hand * self.spec.mission.tolerance_m;
+        let margins = Margins {
+            clearance_m: hand_m,
+            threat_m: hand_m,
+            separation_m: 2.0 * hand_m,
+            turn_fraction: 0.1,
+            climb_fraction: 0.05,
+        };
         let vehicle = &sorties.file.spec.vehicles[course.vehicle];
         let mut path: Vec<PlanPoint> = Vec::new();
         let mut at_s = now_s;
@@ -294,7 +330,7 @@ impl Present {
             self.add(vehicle, *leg, finish, at_s);
             let request = Request {
                 seed: self.plan.seed,
-                margins: Vec::new(),
+                margins: vec![margins; self.spec.vehicles.len()],
                 extra_parameters: Vec::new(),
                 progress: &|_| {},
             };
