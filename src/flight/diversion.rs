@@ -121,7 +121,7 @@ impl<'a> Diversion<'a> {
             Autopilot::Px4 => 0,
         };
         let index = self.here.map_or(0, |here| self.next_item(here));
-        f32::from(u16::try_from(index + first).unwrap_or(first))
+        f32::from(u16::try_from(index + first).unwrap_or(0))
     }
 
     fn next_item(&self, here: LatLon) -> usize {
