@@ -17,7 +17,10 @@ use super::table::{self, Rows};
 use super::upload;
 use crate::flight::Diversion;
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
-use crate::link::{Address, Arrival, Heartbeat, Links, Message, Onboard, Position, Reading, Time};
+use crate::link::{
+    Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message, Onboard, Position,
+    Reading, Time,
+};
 use crate::report;
 use crate::spec::{Link, Threat};
 
@@ -25,6 +28,11 @@ use course::{Course, Replanned};
 
 /// How long the vehicles are listened to before it is given up, milliseconds.
 const LISTENING_MS: u64 = 10_000;
+/// Between two requests for positions and the item at work, milliseconds.
+const REQUEST_MS: u64 = 1000;
+/// Messages that are asked for, `GLOBAL_POSITION_INT` and `MISSION_CURRENT`, and how often, microseconds.
+const WANTED: [f32; 2] = [33.0, 42.0];
+const INTERVAL_US: f32 = 200_000.0;
 /// How long planning and transfer may take on the wall's clock, seconds: the new path
 /// begins where the vehicle is after that, and a little more of its own time.
 const PLANNING_S: f64 = 1.2;
@@ -183,8 +191,15 @@ fn look(open: &Links, clock: &Clock, sorties: &Sorties) -> Result<BTreeMap<usize
             (*index, found)
         })
         .collect();
+    let mut requested: Option<Time> = None;
     loop {
         let now = clock.now();
+        if requested.is_none_or(|at| now - at >= REQUEST_MS) {
+            requested = Some(now);
+            for index in looking.keys() {
+                request(open, fleet[*index].sysid);
+            }
+        }
         for (index, of) in &mut looking {
             of.reading.handle_timeout(now);
             while let Some(message) = of.reading.poll_transmit() {
@@ -204,7 +219,7 @@ fn look(open: &Links, clock: &Clock, sorties: &Sorties) -> Result<BTreeMap<usize
                 match &message {
                     Message::Heartbeat(beat) => of.beat = Some((from, *beat)),
                     Message::MissionCurrent { seq, .. } => of.seq = Some(*seq),
-                    Message::Flight(crate::link::FlightMessage::Position(position)) => {
+                    Message::Flight(FlightMessage::Position(position)) => {
                         of.position = Some(*position);
                     }
                     _ => {}
@@ -244,6 +259,19 @@ fn look(open: &Links, clock: &Clock, sorties: &Sorties) -> Result<BTreeMap<usize
         seen.insert(index, found);
     }
     Ok(seen)
+}
+
+/// Asks for what an autopilot does not tell everybody by itself.
+fn request(open: &Links, system: u8) {
+    let target = Address {
+        system,
+        component: 1,
+    };
+    for id in WANTED {
+        let order = Command::new(Command::SET_MESSAGE_INTERVAL, [id, INTERVAL_US]);
+        let message = FlightMessage::Command { target, order };
+        open.send(system, Message::Flight(message));
+    }
 }
 
 /// What each vehicle in flight has before it.
