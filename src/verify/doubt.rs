@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::geodesy::{EastNorth, LatLon};
-use crate::spec::{Autopilot, Vehicle, Wind};
+use crate::spec::{Airframe, Autopilot, Vehicle, Wind};
 use crate::world::World;
 
 use super::flight::Flight;
@@ -113,6 +113,7 @@ pub(super) fn windy_copters<'a>(
 ) -> Option<String> {
     let wind = wind.filter(|wind| wind.speed_mps > 0.0)?;
     let (id, fastest_mps) = flown
+        .filter(|(vehicle, _)| vehicle.airframe == Airframe::Copter)
         .map(|(vehicle, flight)| {
             let commanded = flight.cruises.iter().filter_map(|cruise| cruise.speed_mps);
             (&vehicle.id, commanded.fold(vehicle.speed_mps, f64::max))

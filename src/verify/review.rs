@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command};
-use crate::spec::{Autopilot, MissionSpec, Vehicle};
+use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
 use super::contract::Contract;
@@ -154,6 +154,11 @@ impl<'a> Sortie<'a> {
         }
         if let Err(why) = &self.fence {
             margins.push(Margin::unjudged(id, "fence", why.clone()));
+        }
+        let is_windy = spec.wind.is_some_and(|wind| wind.speed_mps > 0.0);
+        if is_windy && self.vehicle.airframe != Airframe::Copter {
+            let why = "a wing holds its airspeed, and how the wind moves it is not judged";
+            margins.push(Margin::unjudged(id, "wind", why));
         }
         margins.extend(space.rally_margins(id, self.mission, self.stands.amsl, fence));
         margins

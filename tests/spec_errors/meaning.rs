@@ -127,6 +127,17 @@ fn a_home_or_rally_point_in_a_zone_is_an_error() {
 }
 
 #[test]
+fn a_rally_point_below_the_minimum_height_is_an_error() {
+    let rally = |agl_m: u32| format!("rally:\n  - {{lat: 36.22, lon: -84.38, agl_m: {agl_m}}}");
+    let (path, message) = only(&rally(80), &rally(59));
+    assert_eq!(path, "rally[0].agl_m");
+    assert!(
+        message.contains("59 (allowed: at least area.min_agl_m, 60)"),
+        "{message}"
+    );
+}
+
+#[test]
 fn two_vehicles_with_one_system_id_are_an_error() {
     let (path, message) = only("sysid: 2", "sysid: 1");
     assert_eq!(path, "vehicles[1].sysid");

@@ -63,6 +63,11 @@ impl Checker<'_> {
         };
         for (index, point) in rally.into_iter().enumerate() {
             let Some(point) = point else { continue };
+            let Agl(least_m) = map.area.min_agl;
+            if point.agl.0 < least_m {
+                let allowed = format!("at least area.min_agl_m, {least_m}");
+                self.report(&format!("rally[{index}].agl_m"), point.agl.0, allowed);
+            }
             self.clear(
                 &format!("rally[{index}]"),
                 "the rally point",
