@@ -3,12 +3,16 @@
 //! Driver contract: hand in one message or timeout, send everything that
 //! `poll_transmit` gives, wait until `poll_timeout` or the next message.
 
+mod error;
+
 use std::collections::VecDeque;
 
 use super::message::{Body, Message, MissionResult, Route};
 use super::pace::Pace;
 use super::time::Time;
 use crate::mission::Item;
+
+pub use error::UploadError;
 
 /// Wait for the answer to `MISSION_COUNT`, milliseconds (mission service guide).
 const COUNT_MS: u64 = 1500;
@@ -60,6 +64,8 @@ enum Phase {
         asked: Time,
         sent: Time,
         heard: Time,
+        /// Sent before the vehicle asked for it.
+        ahead: bool,
     },
 }
 
@@ -72,71 +78,6 @@ pub struct Sent {
     pub opaque_id: u32,
     /// The last code from the vehicle that was neither acceptance nor fatal.
     pub complaint: Option<MissionResult>,
-}
-
-/// Why an upload ended without every item sent.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum UploadError {
-    /// Nothing came back.
-    #[error("no answer to {counts} MISSION_COUNT messages")]
-    Silent {
-        /// How many were sent.
-        counts: u32,
-    },
-    /// The vehicle refused.
-    #[error("{}", refusal(*.result, *.seq, .item.as_ref()))]
-    Rejected {
-        /// Its code.
-        result: MissionResult,
-        /// The item last requested, if items were moving.
-        seq: Option<u16>,
-        /// That item.
-        item: Option<Item>,
-    },
-    /// Another ground station is transferring.
-    #[error("the vehicle said DENIED {denials} times: another ground station is using it")]
-    Denied {
-        /// How often.
-        denials: u32,
-    },
-    /// Time ran out.
-    #[error("not finished in time, item {seq} was the last requested, after {runs} starts{}", last_word(*.complaint))]
-    OutOfTime {
-        /// The item last requested.
-        seq: u16,
-        /// How often the transfer was started.
-        runs: u32,
-        /// The last code from the vehicle.
-        complaint: Option<MissionResult>,
-    },
-    /// More items than `MISSION_COUNT` can say.
-    #[error("{items} items are more than a transfer can count (65535)")]
-    TooMany {
-        /// How many.
-        items: usize,
-    },
-}
-
-fn refusal(result: MissionResult, seq: Option<u16>, item: Option<&Item>) -> String {
-    let (Some(seq), Some(item)) = (seq, item) else {
-        return format!("refused with {result}");
-    };
-    let [p1, p2, p3, p4] = item.params;
-    let parameter = match result.parameter() {
-        Some(n @ 1..=4) => format!(", param{n} = {}", [p1, p2, p3, p4][usize::from(n) - 1]),
-        Some(5) => format!(", x = {}", item.x),
-        Some(6) => format!(", y = {}", item.y),
-        Some(_) => format!(", z = {}", item.z),
-        None => format!(", frame {}", item.frame),
-    };
-    let command = item.command;
-    format!("refused with {result} at sequence number {seq} (command {command}{parameter})")
-}
-
-fn last_word(complaint: Option<MissionResult>) -> String {
-    complaint.map_or(String::new(), |result| {
-        format!(", last code from the vehicle {result}")
-    })
 }
 
 impl Upload {
@@ -365,19 +306,20 @@ impl Upload {
             Phase::Sending { asked, .. } => {
                 let after_ms = now - *asked;
                 self.pace.answered(after_ms);
-                self.begin(now, seq);
+                self.begin(now, seq, false);
             }
-            _ => self.begin(now, seq),
+            _ => self.begin(now, seq, false),
         }
         self.send(now, seq);
     }
 
-    fn begin(&mut self, now: Time, seq: u16) {
+    fn begin(&mut self, now: Time, seq: u16, ahead: bool) {
         self.phase = Phase::Sending {
             seq,
             asked: now,
             sent: now,
             heard: now,
+            ahead,
         };
     }
 
@@ -403,8 +345,7 @@ impl Upload {
                     self.finish(true, opaque_id);
                 }
             }
-            // ArduPilot says this for every duplicate and goes on.
-            MissionResult::INVALID_SEQUENCE => self.complaint = Some(result),
+            MissionResult::INVALID_SEQUENCE => self.out_of_step(now),
             MissionResult::DENIED => self.denied(now),
             // The vehicle gave up. While counting this is news of an earlier run.
             MissionResult::OPERATION_CANCELLED => {
@@ -415,6 +356,27 @@ impl Upload {
             }
             MissionResult::ERROR => self.error(now),
             fatal => self.reject(fatal),
+        }
+    }
+
+    /// ArduPilot says this for every item that it does not expect, and goes on. As the
+    /// answer to a repetition it means that the item was there already and the request
+    /// for the next one was lost. ArduPilot repeats that only after a second, so the next
+    /// one goes out unasked: once, because a second guess could run away from the vehicle.
+    fn out_of_step(&mut self, now: Time) {
+        self.complaint = Some(MissionResult::INVALID_SEQUENCE);
+        match self.phase {
+            Phase::Sending {
+                seq,
+                asked,
+                sent,
+                ahead: false,
+                ..
+            } if sent > asked && !self.is_final(seq) => {
+                self.begin(now, seq + 1, true);
+                self.send(now, seq + 1);
+            }
+            _ => {}
         }
     }
 
