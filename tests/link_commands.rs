@@ -189,6 +189,40 @@ fn several_vehicles_on_a_link_must_be_told_apart_and_a_failure_leaves_no_file() 
 }
 
 #[test]
+fn an_interrupt_ends_the_vehicles_cleanly_and_they_say_what_they_hold() {
+    let folder = planned();
+    let folder = folder.path();
+    let mut process = Command::new(cargo_bin("sortie"))
+        .current_dir(folder)
+        .args(["vehicles", "pair.yaml", "--port", "0"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("sortie runs");
+    let mut lines = BufReader::new(process.stdout.take().expect("piped")).lines();
+    let alpha = lines
+        .by_ref()
+        .map_while(Result::ok)
+        .filter_map(|line| line.split_whitespace().last().map(str::to_owned))
+        .find(|word| word.starts_with("udp"))
+        .expect("a link");
+    let link = format!("alpha={alpha}");
+    let upload = ["upload", "out", "--link", &link, "--json"];
+    let output = sortie(folder, &upload);
+    let told: serde_json::Value = serde_json::from_slice(&output.stdout).expect("a document");
+    assert_eq!(told["vehicles"][0]["version"], "4.6.3", "{told}");
+    let interrupt = Command::new("kill")
+        .args(["-INT", &process.id().to_string()])
+        .status();
+    assert!(interrupt.expect("kill runs").success());
+    let last = lines.map_while(Result::ok).last().expect("a summary");
+    assert!(
+        last.starts_with("ended: 1 of 2 vehicles were loaded"),
+        "{last}"
+    );
+    assert_eq!(process.wait().expect("it ends").code(), Some(0));
+}
+
+#[test]
 fn wrong_usage_of_the_link_commands_is_exit_2() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("pair.yaml"), SPEC).expect("the spec is written");

@@ -2,60 +2,28 @@
 
 #[path = "support/lossy_link.rs"]
 mod lossy_link;
+#[path = "support/transfers.rs"]
+mod transfers;
 
 use lossy_link::{CLEAR, Ether, Weather};
 use rand::RngExt;
 use sortie::link::*;
-use sortie::mission::{Home, Item, VehicleMission, command, frame};
+use sortie::mission::{Item, VehicleMission, command, frame};
 use sortie::numeric::Seed;
-use sortie::spec::{Airframe, Autopilot};
+use sortie::spec::Autopilot;
 use sortie::vehicle::{Profile, Vehicle};
+use transfers::{HOME, STRANGER, US, corner, rally};
 
-const US: Address = Address {
-    system: 245,
-    component: 190,
-};
 const VEHICLE: Address = Address {
     system: 1,
     component: 1,
 };
-const STRANGER: Address = Address {
-    system: 255,
-    component: 190,
-};
 const PROFILES: [Profile; 3] = [Profile::ArduPilot, Profile::Px4, Profile::Generic];
-const HOME: Home = Home {
-    x: 363_000_000,
-    y: -842_500_000,
-    amsl_m: 400.5,
-};
-
+/// Each has an altitude of its own.
 fn waypoint(n: u16) -> Item {
     Item {
-        command: command::NAV_WAYPOINT,
-        frame: frame::GLOBAL,
-        autocontinue: true,
-        params: [0.0; 4],
-        x: HOME.x + 1000 * i32::from(n),
-        y: HOME.y - 777 * i32::from(n),
         z: 480.0 + 0.37 * f32::from(n),
-    }
-}
-
-fn corner(n: u16) -> Item {
-    Item {
-        command: command::FENCE_POLYGON_INCLUSION,
-        params: [4.0, 0.0, 0.0, 0.0],
-        z: 0.0,
-        ..waypoint(n)
-    }
-}
-
-fn rally(n: u16) -> Item {
-    Item {
-        command: command::RALLY_POINT,
-        frame: frame::GLOBAL_RELATIVE_ALT,
-        ..waypoint(n)
+        ..transfers::waypoint(10 * i32::from(n))
     }
 }
 
@@ -78,15 +46,9 @@ fn mission(profile: Profile, waypoints: u16) -> VehicleMission {
         ..waypoint(waypoints)
     });
     VehicleMission {
-        autopilot,
-        airframe: Airframe::Copter,
-        home: HOME,
-        items,
-        fence: [1, 300, 600, 900].map(corner).to_vec(),
+        fence: [1, 300, 600, 900].map(|n| corner(10 * n, 4)).to_vec(),
         rally: [5, 6].map(rally).to_vec(),
-        params: Vec::new(),
-        fence_told: true,
-        notes: Vec::new(),
+        ..transfers::mission(autopilot, items)
     }
 }
 
@@ -201,6 +163,7 @@ impl<'a> Scene<'a> {
                 .into_iter()
                 .flatten()
                 .chain(self.ether.next_arrival())
+                .chain(self.stranger.first().map(|(at, ..)| *at))
                 .min();
             let next = next.expect("a vehicle always has its next heartbeat");
             self.ether.now = next.max(now + 1);
@@ -907,6 +870,33 @@ fn a_foreign_upload_in_progress_is_waited_for() {
         assert_eq!(report.verdict, Verdict::Verified, "{profile:?} {report:?}");
         assert!(holds(&scene.vehicle, profile, &mission), "{profile:?}");
         assert!(report.seconds > 4.0, "{profile:?} {report:?}");
+    }
+}
+
+#[test]
+fn a_fence_that_another_station_clears_after_it_was_verified_is_put_back() {
+    let mission = mission(Profile::Px4, 20);
+    let mut scene = Scene::new(11, CLEAR, vehicle(Profile::Px4), &mission);
+    // By then the read-backs are over and PX4 is listened to.
+    let clear = say(VEHICLE, List::Fence, Body::ClearAll);
+    scene.stranger.push((Time(600), STRANGER, clear));
+    let report = scene.run();
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert!(report.attempts > 3, "{report:?}");
+    assert!(holds(&scene.vehicle, Profile::Px4, &mission));
+}
+
+#[test]
+fn a_vehicle_says_which_software_it_runs_and_px4_what_it_calls_its_lists() {
+    for (profile, version, has_ids) in [
+        (Profile::ArduPilot, "4.6.3", false),
+        (Profile::Px4, "1.18.0-dev", true),
+        (Profile::Generic, "", false),
+    ] {
+        let mission = mission(profile, 5);
+        let report = Scene::new(1, CLEAR, vehicle(profile), &mission).run();
+        assert_eq!(report.version, version);
+        assert_eq!(report.plan_ids.map(|id| id != 0), [has_ids; 3]);
     }
 }
 

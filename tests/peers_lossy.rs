@@ -8,49 +8,19 @@ mod mavsdk;
 #[allow(unreachable_pub)]
 #[path = "support/peers.rs"]
 mod peers;
+#[path = "support/transfers.rs"]
+mod transfers;
 
 use std::net::SocketAddr;
 use std::path::Path;
 
 use lossy_proxy::{LossyProxy, Radio};
 use mavsdk::{Peer, free_port};
-use sortie::link::{Job, List, TransferReport, Verdict, upload_fleet};
-use sortie::mission::{Home, Item, VehicleMission, command, frame};
-use sortie::spec::{Airframe, Autopilot, Link};
+use sortie::link::{List, TransferReport, Verdict};
+use sortie::mission::Item;
+use sortie::spec::{Autopilot, Link};
 use sortie::vehicle::{Profile, Simulated, spawn};
-
-const HOME: Home = Home {
-    x: 363_000_000,
-    y: -842_500_000,
-    amsl_m: 400.5,
-};
-
-/// As `tests/peers/vehicle_ground_station.py` numbers them.
-fn waypoint(n: i32) -> Item {
-    Item {
-        command: command::NAV_WAYPOINT,
-        frame: frame::GLOBAL,
-        autocontinue: true,
-        params: [0.0; 4],
-        x: HOME.x + 100 * n,
-        y: HOME.y - 70 * n,
-        z: 480.25,
-    }
-}
-
-fn mission(items: i32) -> VehicleMission {
-    VehicleMission {
-        autopilot: Autopilot::Px4,
-        airframe: Airframe::Copter,
-        home: HOME,
-        items: (0..items).map(waypoint).collect(),
-        fence: Vec::new(),
-        fence_told: true,
-        rally: Vec::new(),
-        params: Vec::new(),
-        notes: Vec::new(),
-    }
-}
+use transfers::{HOME, mission, upload, waypoint};
 
 /// Uploads to MAVSDK at that loss, and holds the verdict against what MAVSDK got.
 fn upload_to_mavsdk(python: &Path, items: i32, percent: u32, seed: u64) -> TransferReport {
@@ -58,16 +28,9 @@ fn upload_to_mavsdk(python: &Path, items: i32, percent: u32, seed: u64) -> Trans
     let ground = SocketAddr::from(([127, 0, 0, 1], port));
     let proxy = LossyProxy::to(ground, Radio::losing(percent, seed));
     let peer = Peer::start(python, proxy.near.port(), 1);
-    let mission = mission(items);
+    let mission = mission(Autopilot::Px4, (0..items).map(waypoint).collect());
     let link = Link::UdpIn(ground.to_string());
-    let job = Job {
-        vehicle: "alpha",
-        sysid: 1,
-        link: &link,
-        mission: &mission,
-        force: false,
-    };
-    let report = upload_fleet(&[job], &|_, _| {}).remove(0);
+    let report = upload(1, &link, &mission, false);
     if report.is_verified() {
         let got = peer.whole_list();
         let got: Vec<(i64, i64)> = got

@@ -8,28 +8,24 @@ mod peers;
 #[path = "support/mavsdk.rs"]
 mod mavsdk;
 
+#[path = "support/transfers.rs"]
+mod transfers;
+
 use mavsdk::{Peer, free_port};
 use serde_json::Value;
-use sortie::link::{Job, List, TransferReport, Verdict, upload_fleet};
-use sortie::mission::{Home, Item, VehicleMission, command, frame};
-use sortie::spec::{Airframe, Autopilot, Link};
+use sortie::link::{List, TransferReport, Verdict};
+use sortie::mission::{Item, VehicleMission, command, frame};
+use sortie::spec::{Autopilot, Link};
 use sortie::vehicle::{Profile, Simulated, spawn};
-
-const HOME: Home = Home {
-    x: 363_000_000,
-    y: -842_500_000,
-    amsl_m: 400.5,
-};
+use transfers::{HOME, corner};
 
 fn waypoint(n: i32) -> Item {
     Item {
-        command: command::NAV_WAYPOINT,
-        frame: frame::GLOBAL,
-        autocontinue: true,
         params: [0.0, 2.5, 0.0, f32::NAN],
         x: HOME.x + 1003 * n,
         y: HOME.y - 771 * n,
         z: 480.37,
+        ..transfers::waypoint(n)
     }
 }
 
@@ -41,35 +37,15 @@ fn mission(autopilot: Autopilot) -> VehicleMission {
         command: command::NAV_LAND,
         ..waypoint(39)
     });
-    let corner = |n| Item {
-        command: command::FENCE_POLYGON_INCLUSION,
-        params: [3.0, 0.0, 0.0, 0.0],
-        z: 0.0,
-        ..waypoint(n)
-    };
     VehicleMission {
-        autopilot,
-        airframe: Airframe::Copter,
-        home: HOME,
-        items,
-        fence: [-200, 300, 800].map(corner).to_vec(),
-        rally: Vec::new(),
-        params: Vec::new(),
-        fence_told: true,
-        notes: Vec::new(),
+        fence: [-200, 300, 800].map(|n| corner(n, 3)).to_vec(),
+        ..transfers::mission(autopilot, items)
     }
 }
 
 fn upload(port: u16, sysid: u8, mission: &VehicleMission) -> TransferReport {
     let link = Link::UdpIn(format!("127.0.0.1:{port}"));
-    let job = Job {
-        vehicle: "alpha",
-        sysid,
-        link: &link,
-        mission,
-        force: false,
-    };
-    upload_fleet(&[job], &|_, _| {}).remove(0)
+    transfers::upload(sysid, &link, mission, false)
 }
 
 /// What the peer says it got, against what was sent.
@@ -175,6 +151,9 @@ fn mavsdk_and_pymavlink_load_the_simulated_vehicles() {
                     60
                 }
             );
+            let result = peers::run(&python, script, &[tool, &port, "3", "clear"]);
+            assert!(result["error"].is_null(), "{profile:?} {tool}: {result}");
+            assert_eq!(vehicle.items(List::Mission), [], "{profile:?} {tool}");
         }
     }
 }

@@ -1,33 +1,21 @@
 //! The simulated vehicles do what real autopilots were measured to do: ArduCopter 4.6.3
 //! and PX4 1.18 in software-in-the-loop simulation, November 2026.
 
-use sortie::link::*;
-use sortie::mission::{Home, Item, command, frame};
-use sortie::vehicle::{Profile, Vehicle};
+#[path = "support/transfers.rs"]
+mod transfers;
 
-const US: Address = Address {
-    system: 245,
-    component: 190,
-};
-const OTHER: Address = Address {
-    system: 255,
-    component: 190,
-};
-const HOME: Home = Home {
-    x: 363_000_000,
-    y: -842_500_000,
-    amsl_m: 400.5,
-};
+use sortie::link::*;
+use sortie::mission::{Item, command, frame};
+use sortie::vehicle::{Profile, Vehicle};
+use transfers::{HOME, STRANGER as OTHER, US};
 
 fn waypoint(n: u16) -> Item {
     Item {
-        command: command::NAV_WAYPOINT,
         frame: frame::GLOBAL_RELATIVE_ALT,
-        autocontinue: true,
-        params: [0.0; 4],
         x: HOME.x + i32::from(n),
         y: HOME.y - i32::from(n),
         z: 80.0,
+        ..transfers::waypoint(0)
     }
 }
 
@@ -63,6 +51,7 @@ impl Bench {
                 Message::Heartbeat(_)
                 | Message::MissionCurrent { .. }
                 | Message::HomePosition { .. }
+                | Message::AutopilotVersion { .. }
                 | Message::Flight(_) => None,
             })
             .collect()

@@ -1,60 +1,28 @@
 //! Transfers over real sockets on loopback, to simulated vehicles.
 
+#[path = "support/transfers.rs"]
+mod transfers;
+
 use std::io::{Read, Write};
-use std::net::{SocketAddr, TcpListener, UdpSocket};
+use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
 use std::time::Duration;
 
+use serialport::{SerialPort, TTYPort};
+
 use sortie::link::{
-    Decoder, Encoder, Failure, Job, List, Refusal, Time, TransferReport, Verdict, Version,
-    upload_fleet,
+    Decoder, Encoder, Failure, Job, List, Refusal, Time, Verdict, Version, upload_fleet,
 };
-use sortie::mission::{Home, Item, VehicleMission, command, frame};
-use sortie::spec::{Airframe, Autopilot, Link};
+use sortie::mission::VehicleMission;
+use sortie::spec::{Autopilot, Link};
 use sortie::vehicle::{Profile, Running, Simulated, Vehicle, Weather, spawn};
+use transfers::{HOME, corner, rally, upload, waypoint};
 
-const HOME: Home = Home {
-    x: 363_000_000,
-    y: -842_500_000,
-    amsl_m: 400.5,
-};
-
-fn waypoint(n: i32) -> Item {
-    Item {
-        command: command::NAV_WAYPOINT,
-        frame: frame::GLOBAL,
-        autocontinue: true,
-        params: [0.0; 4],
-        x: HOME.x + 1000 * n,
-        y: HOME.y - 777 * n,
-        z: 480.25,
-    }
-}
-
-fn corner(n: i32) -> Item {
-    Item {
-        command: command::FENCE_POLYGON_INCLUSION,
-        params: [3.0, 0.0, 0.0, 0.0],
-        z: 0.0,
-        ..waypoint(n)
-    }
-}
-
+/// Waypoints, a fence of three corners and a rally point.
 fn mission(autopilot: Autopilot, items: i32) -> VehicleMission {
     VehicleMission {
-        autopilot,
-        airframe: Airframe::Copter,
-        home: HOME,
-        items: (1..=items).map(waypoint).collect(),
-        fence: [10, 500, -300].map(corner).to_vec(),
-        rally: vec![Item {
-            command: command::RALLY_POINT,
-            frame: frame::GLOBAL_RELATIVE_ALT,
-            z: 80.0,
-            ..waypoint(3)
-        }],
-        params: Vec::new(),
-        fence_told: true,
-        notes: Vec::new(),
+        fence: [100, 5000, -3000].map(|n| corner(n, 3)).to_vec(),
+        rally: vec![rally(30)],
+        ..transfers::mission(autopilot, (1..=items).map(waypoint).collect())
     }
 }
 
@@ -64,17 +32,6 @@ fn start(profile: Profile, sysid: u8) -> Running {
 
 fn to(address: SocketAddr) -> Link {
     Link::UdpOut(address.to_string())
-}
-
-fn upload(sysid: u8, link: &Link, mission: &VehicleMission, force: bool) -> TransferReport {
-    let job = Job {
-        vehicle: "alpha",
-        sysid,
-        link,
-        mission,
-        force,
-    };
-    upload_fleet(&[job], &|_, _| {}).remove(0)
 }
 
 #[test]
@@ -232,8 +189,9 @@ fn a_link_that_cannot_be_opened_says_why() {
         Link::UdpOut("127.0.0.1".to_owned()),
         Link::Tcp("127.0.0.1:1".to_owned()),
         Link::Sim,
+        Link::TcpIn("192.0.2.1:5760".to_owned()),
         Link::Serial {
-            device: "/dev/ttyS0".to_owned(),
+            device: "/dev/no-such-line".to_owned(),
             baud: 57600,
         },
     ] {
@@ -245,33 +203,55 @@ fn a_link_that_cannot_be_opened_says_why() {
     }
 }
 
+/// Between a stream and a vehicle that speaks UDP, until the stream ends.
+fn bridge(mut stream: impl Stream, vehicle: SocketAddr) {
+    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    socket.connect(vehicle).expect("an address");
+    let pause = Duration::from_millis(1);
+    stream.wait_at_most(pause);
+    socket.set_read_timeout(Some(pause)).expect("a socket");
+    let mut buffer = [0; 512];
+    loop {
+        match stream.read(&mut buffer) {
+            Ok(0) => return,
+            // Pieces of 7 bytes: a stream knows no frames.
+            Ok(length) => buffer[..length].chunks(7).for_each(|piece| {
+                let _ = socket.send(piece);
+            }),
+            Err(_) => {}
+        }
+        if let Ok(length) = socket.recv(&mut buffer)
+            && stream.write_all(&buffer[..length]).is_err()
+        {
+            return;
+        }
+    }
+}
+
+/// A TCP connection or a terminal.
+trait Stream: Read + Write {
+    fn wait_at_most(&mut self, pause: Duration);
+}
+
+impl Stream for TcpStream {
+    fn wait_at_most(&mut self, pause: Duration) {
+        self.set_read_timeout(Some(pause)).expect("a socket");
+    }
+}
+
+impl Stream for TTYPort {
+    fn wait_at_most(&mut self, pause: Duration) {
+        self.set_timeout(pause).expect("a terminal");
+    }
+}
+
 /// A TCP port in front of a vehicle that speaks UDP, for one connection.
 fn tcp_bridge(vehicle: SocketAddr) -> SocketAddr {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let address = listener.local_addr().expect("bound");
     std::thread::spawn(move || {
-        let (mut stream, _) = listener.accept().expect("a connection");
-        let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        socket.connect(vehicle).expect("an address");
-        let pause = Some(Duration::from_millis(1));
-        stream.set_read_timeout(pause).expect("a socket");
-        socket.set_read_timeout(pause).expect("a socket");
-        let mut buffer = [0; 512];
-        loop {
-            match stream.read(&mut buffer) {
-                Ok(0) => return,
-                // Pieces of 7 bytes: a stream knows no frames.
-                Ok(length) => buffer[..length].chunks(7).for_each(|piece| {
-                    let _ = socket.send(piece);
-                }),
-                Err(_) => {}
-            }
-            if let Ok(length) = socket.recv(&mut buffer)
-                && stream.write_all(&buffer[..length]).is_err()
-            {
-                return;
-            }
-        }
+        let (stream, _) = listener.accept().expect("a connection");
+        bridge(stream, vehicle);
     });
     address
 }
@@ -281,6 +261,44 @@ fn a_vehicle_behind_tcp_is_loaded_too() {
     let vehicle = start(Profile::Px4, 1);
     let mission = mission(Autopilot::Px4, 12);
     let link = Link::Tcp(tcp_bridge(vehicle.address()).to_string());
+    let report = upload(1, &link, &mission, false);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert_eq!(vehicle.items(List::Mission).len(), 12);
+}
+
+#[test]
+fn a_vehicle_that_connects_to_us_is_loaded_too() {
+    let vehicle = start(Profile::ArduPilot, 1);
+    let free = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let ground = free.local_addr().expect("bound");
+    drop(free);
+    let address = vehicle.address();
+    std::thread::spawn(move || {
+        let stream = std::iter::repeat_with(|| {
+            std::thread::sleep(Duration::from_millis(10));
+            TcpStream::connect(ground)
+        });
+        bridge(stream.flatten().next().expect("a connection"), address);
+    });
+    let mission = mission(Autopilot::ArduPilot, 12);
+    let report = upload(1, &Link::TcpIn(ground.to_string()), &mission, false);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert_eq!(vehicle.items(List::Mission).len(), 12);
+}
+
+#[test]
+fn a_vehicle_behind_a_serial_line_is_loaded_too() {
+    let vehicle = start(Profile::Px4, 1);
+    let (theirs, ours) = TTYPort::pair().expect("a pair of terminals");
+    let device = ours.name().expect("a name");
+    let address = vehicle.address();
+    std::thread::spawn(move || bridge(theirs, address));
+    let mission = mission(Autopilot::Px4, 12);
+    let link = Link::Serial {
+        device,
+        baud: 57600,
+    };
+    drop(ours);
     let report = upload(1, &link, &mission, false);
     assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
     assert_eq!(vehicle.items(List::Mission).len(), 12);

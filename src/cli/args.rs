@@ -244,7 +244,8 @@ pub(super) struct Upload {
     /// Judge and transfer the given files against this spec
     #[arg(long, value_name = "SPEC")]
     pub(super) spec: Option<PathBuf>,
-    /// Reach a vehicle elsewhere: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    /// Reach a vehicle elsewhere: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
+    /// tcpin:HOST:PORT, serial:DEVICE:BAUD
     #[arg(long, value_name = "ID=ADDR")]
     pub(super) link: Vec<String>,
     /// Say what would be sent, and send nothing
@@ -321,7 +322,8 @@ fn metres(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Download {
-    /// How the vehicle is reached: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    /// How the vehicle is reached: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
+    /// tcpin:HOST:PORT, serial:DEVICE:BAUD
     #[arg(long, value_name = "ADDR")]
     pub(super) link: String,
     /// Its system id [default: the only one on the link]

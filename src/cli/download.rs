@@ -17,7 +17,7 @@ pub(super) fn run(arguments: &args::Download) -> Result<(), Failure> {
     let link = match Link::parse(&arguments.link) {
         None | Some(Link::Sim) => {
             let message = format!(
-                "--link {}: no such link (allowed: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT)",
+                "--link {}: no such link (allowed: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT, serial:DEVICE:BAUD)",
                 arguments.link
             );
             return Err(Failure::new(Failure::USAGE, message));

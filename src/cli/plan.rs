@@ -8,11 +8,12 @@ use serde_json::{Value, json};
 
 use super::args;
 use super::console::{Paint, out};
+use super::delivery::{self, Delivery};
 use super::failure::Failure;
 use super::folder;
 use super::progress::Progress;
 use super::table::{self, Rows};
-use super::upload::{self, Delivery};
+use super::upload;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::report;
@@ -225,7 +226,7 @@ fn tell(
         out(&format!(
             "{} {}",
             paint.bad("FAIL"),
-            upload::sentence(report)
+            delivery::sentence(report)
         ))?;
     }
     for (note, ids) in notes(file, dispatched) {
@@ -282,7 +283,7 @@ fn notes<'a>(file: &'a SpecFile, dispatched: &'a Dispatched) -> Vec<(&'a str, Ve
 
 fn on_board(accepted: bool, report: Option<&TransferReport>) -> String {
     match report {
-        Some(report) => upload::state(report),
+        Some(report) => delivery::state(report),
         None if accepted => "not sent".to_owned(),
         None => "rejected".to_owned(),
     }

@@ -12,6 +12,7 @@ use crate::verify::{Margin, Review, Sense};
 pub(super) struct Rows {
     header: Vec<&'static str>,
     rows: Vec<Vec<String>>,
+    spare: Vec<&'static str>,
 }
 
 impl Rows {
@@ -19,7 +20,13 @@ impl Rows {
         Self {
             header: header.to_vec(),
             rows: Vec::new(),
+            spare: Vec::new(),
         }
+    }
+
+    /// Columns that a narrow terminal does without, the first one first.
+    pub(super) fn spare(&mut self, heads: &[&'static str]) {
+        self.spare = heads.to_vec();
     }
 
     /// Adds a row with a cell for each head.
@@ -28,20 +35,35 @@ impl Rows {
     }
 }
 
-impl fmt::Display for Rows {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Rows {
+    /// The table without some columns.
+    fn table(&self, without: &[&str]) -> Table {
+        let keeps = |column: usize| {
+            let head = self.header.get(column);
+            head.is_none_or(|head| !without.contains(head))
+        };
         let mut table = Table::new();
         table.load_style(presets::UTF8_HORIZONTAL_ONLY);
         table.set_content_arrangement(ContentArrangement::Disabled);
-        table.set_header(self.header.iter().copied());
+        table.set_header(self.header.iter().filter(|head| !without.contains(head)));
         for row in &self.rows {
-            table.add_row(row.iter().map(String::as_str));
+            let cells = row.iter().enumerate();
+            table.add_row(cells.filter_map(|(n, cell)| keeps(n).then_some(cell)));
         }
-        let text = table.to_string();
-        let needed = text.lines().map(|line| line.chars().count()).max();
-        let fits = |columns: u16| needed.is_none_or(|needed| needed <= usize::from(columns));
-        if table.width().is_none_or(fits) {
-            return f.write_str(&text);
+        table
+    }
+}
+
+impl fmt::Display for Rows {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for spared in 0..=self.spare.len() {
+            let table = self.table(self.spare.get(..spared).unwrap_or_default());
+            let text = table.to_string();
+            let needed = text.lines().map(|line| line.chars().count()).max();
+            let fits = |columns: u16| needed.is_none_or(|needed| needed <= usize::from(columns));
+            if table.width().is_none_or(fits) {
+                return f.write_str(&text);
+            }
         }
         for (index, row) in self.rows.iter().enumerate() {
             if index > 0 {

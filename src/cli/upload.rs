@@ -2,29 +2,22 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::time::{SystemTime, UNIX_EPOCH};
-
-use serde_json::{Value, json};
 
 use super::args;
 use super::console::{Paint, note, out};
+use super::delivery::{Delivery, report_text, seconds_since_1970};
 use super::failure::Failure;
 use super::folder;
-use super::output;
+use super::overview::Overview;
 use super::progress::Progress;
 use super::review;
 use super::table::{self, Rows};
-use crate::link::{self, Job, Tlog, TransferReport, Verdict};
+use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
 use crate::spec::{Autopilot, Link, SpecFile};
 use crate::vehicle::{self, Profile, Running, Simulated};
 use crate::verify;
 use crate::world;
-
-/// What came of a transfer to a fleet.
-pub(super) struct Delivery {
-    pub(super) reports: Vec<TransferReport>,
-}
 
 pub(super) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let (file, files, target) = match &arguments.spec {
@@ -238,12 +231,15 @@ pub(super) fn deliver(
             }
         })
         .collect();
-    let progress = Mutex::new(Progress::start());
+    let shown = Mutex::new((Progress::start(), Overview::of(jobs.len())));
     let reports = link::upload_fleet_captured(&jobs, capture.as_ref(), &|id, at| {
-        if let Ok(progress) = progress.lock() {
-            progress.say(format!("{id}: {} {} of {}", at.stage, at.done, at.total));
+        if let Ok(mut shown) = shown.lock() {
+            let (progress, overview) = &mut *shown;
+            overview.note(id, at);
+            progress.say(overview.to_string());
         }
     });
+    drop(shown);
     if let Some(Err(error)) = capture.map(Tlog::finish) {
         note(&format!("the capture is not complete: {error}"));
     }
@@ -263,16 +259,6 @@ fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
     })
 }
 
-#[expect(
-    clippy::disallowed_methods,
-    reason = "records carry the time they were made"
-)]
-pub(super) fn seconds_since_1970() -> u64 {
-    SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_secs())
-}
-
 fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result<Running, Failure> {
     let this = &file.spec.vehicles[vehicle];
     let profile = match this.autopilot {
@@ -290,146 +276,4 @@ fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result
             format!("{}: the simulated vehicle does not start: {error}", this.id),
         )
     })
-}
-
-/// `on board` as one word and the figures behind it.
-pub(super) fn state(report: &TransferReport) -> String {
-    match &report.verdict {
-        Verdict::Verified => format!("verified, {:.1} s", report.seconds),
-        Verdict::Failed(_) => "FAILED".to_owned(),
-        Verdict::Refused(_) => "refused".to_owned(),
-    }
-}
-
-/// What came of one transfer, in words.
-pub(super) fn sentence(report: &TransferReport) -> String {
-    let why = match &report.verdict {
-        Verdict::Verified => "holds exactly its mission".to_owned(),
-        Verdict::Failed(failure) => failure.to_string(),
-        Verdict::Refused(refusal) => format!("refused: {refusal} (--force overrides)"),
-    };
-    let mut text = format!("{}: {why}", report.vehicle);
-    for difference in report.differences.iter().take(5) {
-        text += &format!("\n  {difference}");
-    }
-    for said in &report.statustexts {
-        text += &format!("\n  the vehicle says: {said}");
-    }
-    text
-}
-
-fn report_text(document: &Value) -> String {
-    crate::report::json_text(document)
-}
-
-impl Delivery {
-    /// The document of a transfer that never began.
-    fn nothing(reason: &str) -> Value {
-        json!({
-            "sortie": env!("CARGO_PKG_VERSION"),
-            "verdict": "refused",
-            "reason": reason,
-            "vehicles": [],
-        })
-    }
-
-    pub(super) fn json(&self) -> Value {
-        let vehicles: Vec<Value> = self
-            .reports
-            .iter()
-            .map(|report| {
-                let (verdict, reason) = match &report.verdict {
-                    Verdict::Verified => ("verified", None),
-                    Verdict::Failed(failure) => ("failed", Some(failure.to_string())),
-                    Verdict::Refused(refusal) => ("refused", Some(refusal.to_string())),
-                };
-                json!({
-                    "vehicle": report.vehicle,
-                    "sysid": report.sysid,
-                    "autopilot": report.autopilot,
-                    "items": report.items,
-                    "fence": report.fence,
-                    "rally": report.rally,
-                    "attempts": report.attempts,
-                    "retries": report.retries,
-                    "seconds": report.seconds,
-                    "hash": report.hash,
-                    "verdict": verdict,
-                    "reason": reason,
-                    "differences": report.differences.iter().map(ToString::to_string).collect::<Vec<_>>(),
-                    "statustexts": report.statustexts,
-                })
-            })
-            .collect();
-        let verdict = if self.is_verified() {
-            "verified"
-        } else {
-            "failed"
-        };
-        json!({"sortie": env!("CARGO_PKG_VERSION"), "verdict": verdict, "vehicles": vehicles})
-    }
-
-    fn is_verified(&self) -> bool {
-        !self.reports.is_empty() && self.reports.iter().all(TransferReport::is_verified)
-    }
-
-    /// Writes the record to `DIR.runs/`, under its time and as the newest.
-    pub(super) fn record(&self, target: &Path) -> Result<(), Failure> {
-        let text = report_text(&self.json());
-        let folder = folder::runs_folder(target);
-        let seconds = seconds_since_1970();
-        output::write_file(
-            &folder.join(format!("upload-{seconds}.json")),
-            text.as_bytes(),
-        )?;
-        output::write_file(&folder.join("upload.json"), text.as_bytes())?;
-        Ok(())
-    }
-
-    fn tell(&self) -> Result<(), Failure> {
-        let paint = Paint::for_stdout();
-        let mut rows = Rows::new(&[
-            "vehicle",
-            "system",
-            "says it is",
-            "items",
-            "fence",
-            "rally",
-            "on board",
-            "hash",
-        ]);
-        for report in &self.reports {
-            rows.add([
-                report.vehicle.clone(),
-                report.sysid.to_string(),
-                report.autopilot.clone(),
-                report.items.to_string(),
-                report.fence.to_string(),
-                report.rally.to_string(),
-                state(report),
-                report.hash.chars().take(12).collect(),
-            ]);
-        }
-        out(&rows.to_string())?;
-        for report in self.reports.iter().filter(|report| !report.is_verified()) {
-            out(&format!("{} {}", paint.bad("FAIL"), sentence(report)))?;
-        }
-        Ok(())
-    }
-
-    pub(super) fn verdict(&self) -> Result<(), Failure> {
-        if self.is_verified() {
-            return Ok(());
-        }
-        let failed = self
-            .reports
-            .iter()
-            .filter(|report| !report.is_verified())
-            .count();
-        let message = format!(
-            "{failed} of {} vehicles do not hold their mission for certain",
-            self.reports.len()
-        );
-        Err(Failure::new(Failure::TRANSFER, message))
-    }
 }

@@ -1,12 +1,14 @@
 //! `sortie vehicles`: the simulated vehicles of a spec, in the foreground.
 
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
+use std::sync::mpsc;
 use std::time::Duration;
 
 use super::args::{self, ProfileName};
 use super::console::out;
 use super::failure::Failure;
 use super::table::Rows;
+use crate::link::List;
 use crate::mission;
 use crate::spec::SpecFile;
 use crate::vehicle::{self, Profile, Running, Simulated, Weather};
@@ -58,16 +60,33 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
         ]);
         running.push(vehicle);
     }
+    let (stop, stopped) = mpsc::channel();
+    ctrlc::set_handler(move || {
+        // Nobody listens any more when it is ending anyway.
+        let _ = stop.send(());
+    })
+    .map_err(|error| Failure::new(Failure::OUTPUT, format!("no Ctrl-C: {error}")))?;
     out(&rows.to_string())?;
     match arguments.for_s {
-        Some(seconds) => std::thread::sleep(Duration::from_secs(seconds)),
-        // Ctrl-C ends the process, and the vehicles with it.
-        None => loop {
-            std::thread::park();
-        },
+        // A timeout is the time that was told.
+        Some(seconds) => drop(stopped.recv_timeout(Duration::from_secs(seconds))),
+        None => drop(stopped.recv()),
     }
-    drop(running);
-    Ok(())
+    out(&farewell(&running))
+}
+
+/// What the vehicles hold in the end.
+fn farewell(running: &[Running]) -> String {
+    let items = |vehicle: &Running, list| vehicle.items(list).len();
+    let holds = |vehicle: &&Running| List::ALL.iter().any(|list| items(vehicle, *list) > 0);
+    let loaded: Vec<&Running> = running.iter().filter(holds).collect();
+    let [mission, fence, rally] =
+        List::ALL.map(|list| loaded.iter().map(|one| items(one, list)).sum::<usize>());
+    format!(
+        "ended: {} of {} vehicles were loaded, with {mission} mission items, {fence} fence items, {rally} rally points",
+        loaded.len(),
+        running.len()
+    )
 }
 
 /// The port of a vehicle, or any if the first is.

@@ -25,6 +25,7 @@ pub struct Download {
     outbox: VecDeque<Body>,
     phase: Phase,
     items: Vec<Item>,
+    opaque_id: u32,
     pace: Pace,
     lists: u32,
     complaint: Option<MissionResult>,
@@ -78,6 +79,7 @@ impl Download {
             outbox: VecDeque::new(),
             phase: Phase::Listing { again: now },
             items: Vec::new(),
+            opaque_id: 0,
             pace: Pace::default(),
             lists: 0,
             complaint: None,
@@ -94,7 +96,7 @@ impl Download {
             return;
         }
         match self.route.accept(from, message) {
-            Some(Body::Count { count, .. }) => self.counted(now, count),
+            Some(Body::Count { count, opaque_id }) => self.counted(now, count, opaque_id),
             Some(Body::ItemInt { seq, item, .. }) => self.received(now, seq, item),
             Some(Body::Ack { result, .. }) => self.answered(now, result),
             _ => {}
@@ -160,6 +162,12 @@ impl Download {
         self.outcome.as_ref()
     }
 
+    /// The vehicle's own id of the list; 0 if it gives none.
+    #[must_use]
+    pub fn opaque_id(&self) -> u32 {
+        self.opaque_id
+    }
+
     /// Items read so far.
     #[must_use]
     pub fn progress(&self) -> usize {
@@ -181,12 +189,17 @@ impl Download {
         };
     }
 
-    fn counted(&mut self, now: Time, count: u16) {
+    fn counted(&mut self, now: Time, count: u16, opaque_id: u32) {
         match self.phase {
             // The echo of a repeated MISSION_REQUEST_LIST.
-            Phase::Reading { count: known, .. } if known == count => return,
+            Phase::Reading { count: known, .. }
+                if (known, self.opaque_id) == (count, opaque_id) =>
+            {
+                return;
+            }
             _ => self.items.clear(),
         }
+        self.opaque_id = opaque_id;
         self.lists = 0;
         self.complaint = None;
         self.phase = Phase::Reading {

@@ -113,6 +113,12 @@ impl Command {
     /// `MAV_CMD_REQUEST_MESSAGE`.
     pub const REQUEST_MESSAGE: u16 = 512;
 
+    /// Asks for `AUTOPILOT_VERSION`.
+    #[must_use]
+    pub fn request_version() -> Self {
+        Self::new(Self::REQUEST_MESSAGE, [148.0])
+    }
+
     /// A command with its first parameters; the others are 0.
     #[must_use]
     pub fn new<const N: usize>(command: u16, first: [f32; N]) -> Self {

@@ -58,6 +58,24 @@ pub(super) fn named(autopilot: u8) -> Option<Autopilot> {
     }
 }
 
+/// `AUTOPILOT_VERSION.flight_sw_version` in words, such as `4.6.3` or `1.18.0-beta`;
+/// empty if the vehicle does not tell.
+pub(super) fn version(flight_software: u32) -> String {
+    let [major, minor, patch, kind] = flight_software.to_be_bytes();
+    if flight_software == 0 {
+        return String::new();
+    }
+    // FIRMWARE_VERSION_TYPE, whose values are the least of each kind.
+    let kind = match kind {
+        255 => "",
+        192.. => "-rc",
+        128.. => "-beta",
+        64.. => "-alpha",
+        _ => "-dev",
+    };
+    format!("{major}.{minor}.{patch}{kind}")
+}
+
 /// Autopilot and type in words.
 pub(super) fn describe(heartbeat: &Heartbeat) -> String {
     format!(
@@ -115,6 +133,15 @@ mod tests {
             custom_mode: 0,
             system_status: 3,
         }
+    }
+
+    #[test]
+    fn a_version_is_written_as_its_people_write_it() {
+        assert_eq!(version(0), "");
+        assert_eq!(version(0x0406_03ff), "4.6.3");
+        assert_eq!(version(0x0406_0000), "4.6.0-dev");
+        assert_eq!(version(0x0112_0080), "1.18.0-beta");
+        assert_eq!(version(0x0112_00c1), "1.18.0-rc");
     }
 
     #[test]

@@ -54,6 +54,11 @@ pub enum Message {
         /// Altitude above mean sea level, millimetres.
         amsl_mm: i32,
     },
+    /// `AUTOPILOT_VERSION` (148), the flight software alone.
+    AutopilotVersion {
+        /// Major, minor, patch and `FIRMWARE_VERSION_TYPE`, from the highest byte down; 0 if not told.
+        flight_software: u32,
+    },
     /// One of the messages of the mission protocol.
     Mission(MissionMessage),
     /// A command, or what a vehicle says of its flight.

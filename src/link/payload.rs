@@ -17,6 +17,7 @@ pub(super) mod id {
     pub(in crate::link) const MISSION_ACK: u32 = 47;
     pub(in crate::link) const MISSION_REQUEST_INT: u32 = 51;
     pub(in crate::link) const MISSION_ITEM_INT: u32 = 73;
+    pub(in crate::link) const AUTOPILOT_VERSION: u32 = 148;
     pub(in crate::link) const HOME_POSITION: u32 = 242;
     pub(in crate::link) const STATUSTEXT: u32 = 253;
 }
@@ -98,6 +99,12 @@ pub(super) fn read_payload(id: u32, payload: &[u8]) -> Option<Message> {
             y: read.i32(),
             amsl_mm: read.i32(),
         },
+        id::AUTOPILOT_VERSION => {
+            let _capabilities_and_uid: [u8; 16] = read.take();
+            Message::AutopilotVersion {
+                flight_software: read.u32(),
+            }
+        }
         _ => match flight_payload::read(id, Payload(payload)) {
             Some(message) => Message::Flight(message),
             None => Message::Mission(read_mission(id, read)?),
@@ -232,6 +239,12 @@ pub(super) fn write_payload(message: &Message) -> (u32, Vec<u8>) {
             bytes.extend(1_f32.to_le_bytes());
             bytes.resize(52, 0);
             (id::HOME_POSITION, bytes)
+        }
+        Message::AutopilotVersion { flight_software } => {
+            let mut bytes = vec![0; 16];
+            bytes.extend(flight_software.to_le_bytes());
+            bytes.resize(60, 0);
+            (id::AUTOPILOT_VERSION, bytes)
         }
         Message::Mission(mission) => write_mission(mission),
         Message::Flight(message) => flight_payload::write(message),

@@ -19,6 +19,10 @@ pub struct TransferReport {
     pub sysid: u8,
     /// Autopilot and type as the vehicle says; empty if it never spoke.
     pub autopilot: String,
+    /// Version of its software as it says, such as `4.6.3`; empty if it does not tell.
+    pub version: String,
+    /// The vehicle's own ids of mission, fence and rally as they were read back; 0 where it has none.
+    pub plan_ids: [u32; 3],
     /// Items that the vehicle was read to hold, without home: mission, fence, rally.
     pub items: usize,
     /// Fence items.
@@ -217,6 +221,8 @@ impl TransferReport {
             vehicle: vehicle.to_owned(),
             sysid,
             autopilot: String::new(),
+            version: String::new(),
+            plan_ids: [0; 3],
             items: 0,
             fence: 0,
             rally: 0,

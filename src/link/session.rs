@@ -5,24 +5,21 @@
 //! A list that is to be empty is read first and cleared if it is not: an old
 //! fence must not stay silently.
 
+mod ending;
+mod lists;
+
 use std::collections::VecDeque;
 
-use super::clear::Clear;
 use super::codec::Version;
 use super::compare::Difference;
-use super::download::{Download, DownloadError};
+use super::flight_message::{Command, FlightMessage};
 use super::identity;
 use super::meeting::{Encounter, Meeting, is_ready};
-use super::message::{
-    AUTOPILOT_GENERIC, Address, Body, Heartbeat, List, Message, MissionResult, Route,
-};
-use super::report::{Failure, TransferReport, Verdict, hash};
-use super::task::{Ended, Task};
+use super::message::{Address, Heartbeat, List, Message, MissionResult};
+use super::report::{Failure, TransferReport, Verdict};
+use super::task::Task;
 use super::time::Time;
-use super::upload::{Sent, Upload, UploadError};
-use super::wanted::Wanted;
 use crate::mission::{Item, VehicleMission};
-use crate::spec::Autopilot;
 
 /// Between two of our heartbeats, milliseconds. MAVSDK forgets us after 3 s without.
 const HEARTBEAT_MS: u64 = 1000;
@@ -30,12 +27,8 @@ const HEARTBEAT_MS: u64 = 1000;
 const TRANSFER_MS: u64 = 120_000;
 /// What each item adds to the time allowed, milliseconds.
 const ITEM_MS: u64 = 5000;
-/// Pause before a list is sent again that had no space while the vehicle was starting, milliseconds.
-const PAUSE_MS: u64 = 2000;
-/// Confirmed uploads of one list that read back otherwise before it is given up.
-const MOST_ROUNDS: u32 = 3;
-/// How long PX4 is listened to after the last read-back, milliseconds: it judges a mission after accepting it.
-const LISTEN_MS: u64 = 1000;
+/// How often the vehicle is asked for its version, a heartbeat apart.
+const MOST_VERSION_REQUESTS: u32 = 5;
 /// Answers in MAVLink 1 for so long, milliseconds, mean that the vehicle speaks no other:
 /// two of our heartbeats, in MAVLink 2, have gone out by then.
 const OLD_MS: u64 = 2500;
@@ -93,6 +86,12 @@ pub struct Session<'a> {
     attempts: u32,
     retries: u32,
     held: [Vec<Item>; 3],
+    /// The vehicle's own ids of the lists read back, in the order of their numbers.
+    plan_ids: [u32; 3],
+    /// Whether the lists were read once more because their ids had changed.
+    reread: bool,
+    software: String,
+    version_requests: u32,
     differences: Vec<Difference>,
     texts: Vec<String>,
     /// Since when the vehicle has been answering our MAVLink 2 in MAVLink 1.
@@ -137,6 +136,10 @@ impl<'a> Session<'a> {
             attempts: 0,
             retries: 0,
             held: [Vec::new(), Vec::new(), Vec::new()],
+            plan_ids: [0; 3],
+            reread: false,
+            software: String::new(),
+            version_requests: 0,
             differences: Vec::new(),
             texts: Vec::new(),
             old_since: None,
@@ -153,14 +156,24 @@ impl<'a> Session<'a> {
         match message {
             Message::Heartbeat(heartbeat) => self.heartbeat(now, from, *heartbeat),
             Message::StatusText { text, .. } => {
-                let is_ours = self
-                    .vehicle
-                    .is_some_and(|(vehicle, _)| vehicle.system == from.system);
-                if is_ours && self.texts.last() != Some(text) && self.texts.len() < MOST_TEXTS {
+                if self.is_of_vehicle(from)
+                    && self.texts.last() != Some(text)
+                    && self.texts.len() < MOST_TEXTS
+                {
                     self.texts.push(text.clone());
                 }
             }
-            Message::MissionCurrent { .. } | Message::HomePosition { .. } | Message::Flight(_) => {}
+            Message::AutopilotVersion { flight_software } if self.is_of_vehicle(from) => {
+                self.software = identity::version(*flight_software);
+                self.version_requests = MOST_VERSION_REQUESTS;
+            }
+            Message::MissionCurrent { opaque_ids, .. } if self.is_of_vehicle(from) => {
+                self.compare_ids(now, *opaque_ids);
+            }
+            Message::AutopilotVersion { .. }
+            | Message::MissionCurrent { .. }
+            | Message::HomePosition { .. }
+            | Message::Flight(_) => {}
             Message::Mission(_) => {
                 if let Stage::Working(task) = &mut self.stage {
                     task.handle(now, from, message);
@@ -205,6 +218,7 @@ impl<'a> Session<'a> {
         if now >= self.heartbeat_due {
             self.heartbeat_due = now + HEARTBEAT_MS;
             self.outbox.push_back(Message::Heartbeat(Heartbeat::OURS));
+            self.request_version();
         }
         match &mut self.stage {
             Stage::Working(task) => task.handle_timeout(now),
@@ -283,6 +297,23 @@ impl<'a> Session<'a> {
         }
     }
 
+    fn is_of_vehicle(&self, from: Address) -> bool {
+        self.vehicle
+            .is_some_and(|(vehicle, _)| vehicle.system == from.system)
+    }
+
+    /// Asks which software the vehicle runs. Nothing waits for the answer.
+    fn request_version(&mut self) {
+        if let (Some((target, _)), true) =
+            (self.vehicle, self.version_requests < MOST_VERSION_REQUESTS)
+        {
+            self.version_requests += 1;
+            let order = Command::request_version();
+            let request = FlightMessage::Command { target, order };
+            self.outbox.push_back(Message::Flight(request));
+        }
+    }
+
     fn heartbeat(&mut self, now: Time, from: Address, heartbeat: Heartbeat) {
         if !identity::is_vehicle(&heartbeat) {
             return;
@@ -317,6 +348,7 @@ impl<'a> Session<'a> {
             Encounter::Met(address, heartbeat) => {
                 self.vehicle = Some((address, heartbeat));
                 (self.at, self.rounds, self.pauses) = (0, 0, 0);
+                self.request_version();
                 if self.version == Version::One {
                     let (fence, rally) = (
                         self.order.mission.fence.len(),
@@ -332,223 +364,5 @@ impl<'a> Session<'a> {
             }
             Encounter::Over(verdict) => self.end(now, verdict),
         }
-    }
-
-    /// What is wanted, by the rules of the autopilot that answers, if it says which it is.
-    fn wanted(&self) -> Wanted<'a> {
-        let mission = self.order.mission;
-        let autopilot = self
-            .vehicle
-            .and_then(|(_, heartbeat)| identity::named(heartbeat.autopilot))
-            .unwrap_or(mission.autopilot);
-        Wanted { mission, autopilot }
-    }
-
-    fn route(&self) -> Option<Route> {
-        let (vehicle, _) = self.vehicle?;
-        Some(Route {
-            us: self.us,
-            vehicle,
-            list: ORDER[self.at],
-        })
-    }
-
-    /// Begins the list at `self.at`: sends it, or looks whether it is empty.
-    fn begin_list(&mut self, now: Time) {
-        let Some(route) = self.route() else { return };
-        self.complaint = None;
-        if self.wanted().items(route.list).is_empty() {
-            self.work(Task::Download(Download::new(route, self.deadline, now)));
-        } else {
-            // How long this vehicle may be silent before it has given up or lost us:
-            // several times its own re-request period (1 s, 250 ms, MAVSDK 500 ms).
-            let (silence_ms, room_ms) = match (self.wanted().autopilot, self.vehicle) {
-                (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => (4000, 800),
-                (Autopilot::ArduPilot, _) => (5000, 0),
-                (Autopilot::Px4, _) => (3000, 0),
-            };
-            let rows = self.wanted().rows(route.list);
-            let upload = Upload::new(route, rows, silence_ms, self.deadline, now);
-            let upload = upload.leaving_room(room_ms);
-            self.work(Task::Upload(upload));
-        }
-    }
-
-    fn work(&mut self, task: Task) {
-        self.stage = Stage::Working(task);
-    }
-
-    /// Goes on when the machine at work has ended.
-    fn advance(&mut self, now: Time) {
-        let Stage::Working(task) = &mut self.stage else {
-            return;
-        };
-        let Some(ended) = task.ended() else { return };
-        if self.report.is_some() {
-            return;
-        }
-        let (attempts, repeats) = task.effort();
-        self.attempts += attempts;
-        self.retries += repeats;
-        // The closing ACK of a download is still in there.
-        while let Some(message) = task.poll_transmit() {
-            self.outbox.push_back(message);
-        }
-        let list = ORDER[self.at];
-        match ended {
-            Ended::Sent(outcome) => self.sent(now, outcome),
-            Ended::Read(outcome) => self.read(now, outcome),
-            Ended::Cleared(Ok(cleared)) => {
-                self.acknowledged = cleared.acknowledged;
-                self.read_back(now);
-            }
-            Ended::Cleared(Err(result)) => {
-                self.end(now, Verdict::Failed(Failure::Clear { list, result }));
-            }
-        }
-    }
-
-    fn read_back(&mut self, now: Time) {
-        if let Some(route) = self.route() {
-            self.work(Task::Download(Download::new(route, self.deadline, now)));
-        }
-    }
-
-    fn sent(&mut self, now: Time, outcome: Result<Sent, UploadError>) {
-        match outcome {
-            Ok(sent) => {
-                self.acknowledged = sent.acknowledged;
-                self.complaint = sent.complaint;
-                self.read_back(now);
-            }
-            // ArduPilot says NO_SPACE for a moment after its start.
-            Err(UploadError::Rejected {
-                result: MissionResult::NO_SPACE,
-                ..
-            }) if self.pauses < 2 => {
-                self.pauses += 1;
-                self.stage = Stage::Pausing {
-                    until: now + PAUSE_MS,
-                };
-            }
-            Err(error) => {
-                let list = ORDER[self.at];
-                self.end(now, Verdict::Failed(Failure::Upload { list, error }));
-            }
-        }
-    }
-
-    fn read(&mut self, now: Time, outcome: Result<Vec<Item>, DownloadError>) {
-        let list = ORDER[self.at];
-        let wanted = self.wanted();
-        let shall_be_empty = wanted.items(list).is_empty();
-        let mut read = match outcome {
-            Ok(read) => read,
-            // A vehicle that knows no fence or rally holds none.
-            Err(DownloadError::Refused {
-                result: MissionResult::UNSUPPORTED,
-            }) if list != List::Mission && shall_be_empty => Vec::new(),
-            Err(error) => {
-                self.end(now, Verdict::Failed(Failure::ReadBack { list, error }));
-                return;
-            }
-        };
-        let found = wanted.compare(list, &mut read);
-        if found.is_empty() {
-            self.held[usize::from(list.mission_type())] = read;
-            self.next_list(now);
-        } else if self.rounds >= MOST_ROUNDS {
-            let count = found.len();
-            self.differences = found;
-            let complaint = self.complaint;
-            let failure = Failure::Different {
-                list,
-                count,
-                complaint,
-            };
-            self.end(now, Verdict::Failed(failure));
-        } else {
-            self.again(now, shall_be_empty);
-        }
-    }
-
-    /// The read-back was not what it should be: once more.
-    fn again(&mut self, now: Time, shall_be_empty: bool) {
-        // Without the vehicle's confirmation it was to be expected; the deadline bounds that.
-        let spoke = self.acknowledged || self.complaint == Some(MissionResult::ERROR);
-        self.rounds += u32::from(spoke);
-        self.acknowledged = false;
-        match self.route() {
-            Some(route) if shall_be_empty => {
-                self.work(Task::Clear(Clear::new(route, self.deadline, now)));
-            }
-            _ => self.begin_list(now),
-        }
-    }
-
-    fn next_list(&mut self, now: Time) {
-        (self.rounds, self.pauses, self.acknowledged) = (0, 0, false);
-        if self.at + 1 < ORDER.len() {
-            self.at += 1;
-            self.begin_list(now);
-        } else {
-            let listen_ms = match self.wanted().autopilot {
-                Autopilot::Px4 => LISTEN_MS,
-                Autopilot::ArduPilot => 0,
-            };
-            self.stage = Stage::Listening {
-                until: now + listen_ms,
-            };
-        }
-    }
-
-    fn description(&self) -> String {
-        let Some((_, beat)) = self.vehicle else {
-            return String::new();
-        };
-        let description = identity::describe(&beat);
-        match self.version {
-            Version::One => format!("{description}, MAVLink 1: fence and rally cannot be asked"),
-            Version::Two => description,
-        }
-    }
-
-    fn end(&mut self, now: Time, verdict: Verdict) {
-        if let (Stage::Working(Task::Upload(_)), Some(route)) = (&self.stage, self.route()) {
-            // Lets PX4 go, instead of leaving it waiting for 5 s.
-            self.outbox.push_back(route.message(Body::Ack {
-                result: MissionResult::OPERATION_CANCELLED,
-                opaque_id: 0,
-            }));
-        }
-        let [mission, fence, rally] = &self.held;
-        let verified = verdict == Verdict::Verified;
-        #[expect(
-            clippy::cast_precision_loss,
-            reason = "milliseconds of one transfer fit into f64"
-        )]
-        let seconds = (now - self.began) as f64 / 1000.0;
-        self.report = Some(TransferReport {
-            autopilot: self.description(),
-            items: mission.len(),
-            fence: fence.len(),
-            rally: rally.len(),
-            attempts: self.attempts,
-            retries: self.retries,
-            seconds,
-            hash: if verified {
-                hash(mission, fence, rally)
-            } else {
-                String::new()
-            },
-            differences: std::mem::take(&mut self.differences),
-            statustexts: std::mem::take(&mut self.texts),
-            ..TransferReport::nothing(
-                self.order.vehicle,
-                self.vehicle
-                    .map_or(self.order.sysid, |(address, _)| address.system),
-                verdict,
-            )
-        });
     }
 }

@@ -20,7 +20,8 @@ pub(super) enum Task {
 pub(super) enum Ended {
     Sent(Result<Sent, UploadError>),
     Cleared(Result<Cleared, MissionResult>),
-    Read(Result<Vec<Item>, DownloadError>),
+    /// With the vehicle's own id of the list.
+    Read(Result<Vec<Item>, DownloadError>, u32),
 }
 
 impl Task {
@@ -61,7 +62,10 @@ impl Task {
         match self {
             Self::Upload(upload) => upload.outcome().map(Ended::Sent),
             Self::Clear(clear) => clear.outcome().map(Ended::Cleared),
-            Self::Download(download) => download.outcome().cloned().map(Ended::Read),
+            Self::Download(download) => {
+                let outcome = download.outcome().cloned();
+                outcome.map(|outcome| Ended::Read(outcome, download.opaque_id()))
+            }
         }
     }
 

@@ -5,9 +5,9 @@ use std::fmt;
 use super::Link;
 
 impl Link {
-    /// What a link may be, for messages. [`Link::parse`] takes `serial:DEVICE:BAUD`
-    /// besides, so that it can be refused for what it is.
-    pub const ALLOWED: &'static str = "sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT";
+    /// What a link may be, for messages.
+    pub const ALLOWED: &'static str = "sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, \
+         tcpin:HOST:PORT, serial:DEVICE:BAUD";
 
     /// Reads a link; `None` when it is of no known form.
     #[must_use]
@@ -41,6 +41,7 @@ impl Link {
             "udpout" => Some(Self::UdpOut(rest.to_owned())),
             "udpin" => Some(Self::UdpIn(rest.to_owned())),
             "tcp" => Some(Self::Tcp(rest.to_owned())),
+            "tcpin" => Some(Self::TcpIn(rest.to_owned())),
             _ => None,
         }
     }
@@ -53,6 +54,7 @@ impl fmt::Display for Link {
             Self::UdpOut(address) => write!(f, "udpout:{address}"),
             Self::UdpIn(address) => write!(f, "udpin:{address}"),
             Self::Tcp(address) => write!(f, "tcp:{address}"),
+            Self::TcpIn(address) => write!(f, "tcpin:{address}"),
             Self::Serial { device, baud } => write!(f, "serial:{device}:{baud}"),
         }
     }
@@ -69,6 +71,7 @@ mod tests {
             "udpout:127.0.0.1:14550",
             "udpin:[::1]:14540",
             "tcp:host:5760",
+            "tcpin:0.0.0.0:5760",
             "serial:/dev/ttyUSB0:57600",
         ] {
             assert_eq!(

@@ -217,7 +217,9 @@ pub enum Link {
     UdpIn(String),
     /// Connect to this address.
     Tcp(String),
-    /// A serial port. Nothing opens one yet, so a spec has none.
+    /// Bind this address, wait for one connection.
+    TcpIn(String),
+    /// A serial port.
     Serial {
         /// Device.
         device: String,

@@ -43,6 +43,15 @@ impl Profile {
         }
     }
 
+    /// `AUTOPILOT_VERSION.flight_sw_version`: the one whose behaviour was measured.
+    pub(super) fn flight_software(self) -> u32 {
+        match self {
+            Self::ArduPilot => u32::from_be_bytes([4, 6, 3, 255]),
+            Self::Px4 => u32::from_be_bytes([1, 18, 0, 0]),
+            Self::Generic => 0,
+        }
+    }
+
     /// By which rules it stores items; none means bit by bit.
     pub(super) fn keeps(self) -> Option<Autopilot> {
         match self {

@@ -1,10 +1,10 @@
 """A ground station that is not ours: loads a mission into a vehicle and reads it back.
 
-usage: vehicle_ground_station.py mavsdk|pymavlink PORT ITEMS
+usage: vehicle_ground_station.py mavsdk|pymavlink PORT ITEMS [clear]
 
 The vehicle listens on a UDP port of this machine. Prints one JSON line: the
 seconds that the upload took (null if it failed), what was read back (likewise),
-and what went wrong.
+and what went wrong. With `clear` the mission is cleared in the end.
 """
 
 import json
@@ -16,6 +16,8 @@ os.environ["MAVLINK20"] = "1"
 
 # How long pymavlink, which has no mission protocol of its own, is let try, seconds.
 PATIENCE_S = 8
+# Whether the mission is cleared in the end.
+CLEAR = sys.argv[4:] == ["clear"]
 
 
 def rows(count):
@@ -39,6 +41,8 @@ def with_mavsdk(port, count, result):
     mission.upload_mission(items)
     result["seconds"] = time.monotonic() - began
     result["items"] = [(item.seq, item.x, item.y, item.z) for item in mission.download_mission()]
+    if CLEAR:
+        mission.clear_mission()
 
 
 def with_pymavlink(port, count, result):
@@ -87,6 +91,10 @@ def with_pymavlink(port, count, result):
         assert time.monotonic() < began + 2 * PATIENCE_S, "the download does not end"
     link.mav.mission_ack_send(*target, 0, 0)
     result["items"] = read
+    if CLEAR:
+        link.mav.mission_clear_all_send(*target, 0)
+        answer = receive("MISSION_ACK")
+        assert answer is not None and answer.type == 0, answer
 
 
 def main():

@@ -313,15 +313,6 @@ fn a_polygon_is_a_polygon() {
 }
 
 #[test]
-fn a_serial_link_is_refused_for_what_it_is() {
-    let serial = "link: serial:/dev/ttyUSB0:57600";
-    let (path, message) = only("link: udpout:127.0.0.1:14550", serial);
-    assert_eq!(path, "vehicles[0].link");
-    assert!(message.contains("serial links come with a later version"));
-    assert!(!message.contains("serial:DEVICE"), "{message}");
-}
-
-#[test]
 fn a_goal_at_the_start_leaves_nothing_to_plan() {
     let goal = "goal: {lat: 36.39, lon: -84.12, amsl_m: 700}";
     let (path, message) = only(goal, "goal: {lat: 36.21008, lon: -84.38, amsl_m: 700}");

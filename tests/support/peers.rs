@@ -1,5 +1,5 @@
 //! The Python interpreter that has the independent peers, and what it prints.
-#![allow(clippy::print_stdout)]
+#![allow(clippy::print_stdout, dead_code)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,6 +19,21 @@ pub fn python() -> Option<PathBuf> {
         "the peers are not installed: run tools/test"
     );
     println!("skipped: the peers are not installed (tools/test does it)");
+    None
+}
+
+/// The interpreter and MAVProxy; `None` as with [`python`].
+pub fn mavproxy() -> Option<(PathBuf, PathBuf)> {
+    let python = python()?;
+    let script = python.with_file_name("mavproxy.py");
+    if script.exists() {
+        return Some((python, script));
+    }
+    assert!(
+        std::env::var("SORTIE_REQUIRE_PEERS").as_deref() != Ok("1"),
+        "MAVProxy is not installed: run tools/test"
+    );
+    println!("skipped: MAVProxy is not installed (tools/test does it)");
     None
 }
 

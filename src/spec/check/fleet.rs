@@ -229,14 +229,9 @@ impl Checker<'_> {
 
     fn link(&mut self, path: &str, text: &str) -> Option<Link> {
         let link = Link::parse(text);
-        let named = format!("link `{}`", text.escape_debug());
-        match link {
-            None => self.report(path, named, Link::ALLOWED),
-            Some(Link::Serial { .. }) => {
-                let found = format!("{named}: serial links come with a later version");
-                self.report(path, found, Link::ALLOWED);
-            }
-            Some(_) => {}
+        if link.is_none() {
+            let found = format!("link `{}`", text.escape_debug());
+            self.report(path, found, Link::ALLOWED);
         }
         link
     }

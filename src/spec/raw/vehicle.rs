@@ -39,7 +39,7 @@ pub(in crate::spec) struct Vehicle {
     /// What flies; absent: copter.
     #[serde(default)]
     pub(in crate::spec) airframe: Airframe,
-    /// How to reach it: sim, udpout:HOST:PORT, udpin:HOST:PORT or tcp:HOST:PORT; serial links come later.
+    /// How to reach it: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD.
     pub(in crate::spec) link: String,
     /// Where it stands, on the ground; absent: under start.
     pub(in crate::spec) home: Option<Place>,

@@ -10,6 +10,7 @@ const CUSTOM_MODE_ENABLED: u8 = 1;
 /// Message ids that are sent on request.
 const HOME_POSITION: f32 = 242.0;
 const GLOBAL_POSITION_INT: f32 = 33.0;
+const AUTOPILOT_VERSION: f32 = 148.0;
 
 impl Vehicle {
     /// A command, or a request about parameters or the mission's current item.
@@ -148,6 +149,10 @@ impl Vehicle {
             self.tell_home();
         } else if id.to_bits() == GLOBAL_POSITION_INT.to_bits() && self.pilot.is_some() {
             self.tell_position(now);
+        } else if id.to_bits() == AUTOPILOT_VERSION.to_bits() {
+            let flight_software = self.profile.flight_software();
+            self.outbox
+                .push_back(Message::AutopilotVersion { flight_software });
         } else {
             return CommandResult::UNSUPPORTED;
         }
