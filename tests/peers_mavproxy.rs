@@ -1,6 +1,6 @@
 //! MAVProxy as the ground station of a simulated vehicle, by its own command line.
 
-#[allow(unreachable_pub)]
+#[allow(dead_code, unreachable_pub)]
 #[path = "support/peers.rs"]
 mod peers;
 #[path = "support/transfers.rs"]

@@ -1,5 +1,5 @@
 //! The Python interpreter that has the independent peers, and what it prints.
-#![allow(clippy::print_stdout, dead_code)]
+#![allow(clippy::print_stdout)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -23,6 +23,7 @@ pub fn python() -> Option<PathBuf> {
 }
 
 /// The interpreter and MAVProxy; `None` as with [`python`].
+#[allow(dead_code, reason = "one test alone speaks with MAVProxy")]
 pub fn mavproxy() -> Option<(PathBuf, PathBuf)> {
     let python = python()?;
     let script = python.with_file_name("mavproxy.py");

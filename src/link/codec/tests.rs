@@ -1,7 +1,7 @@
 //! Against the generated types of the crate `mavlink`, and against damage.
 
 use mavlink::dialects::ardupilotmega as dialect;
-use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader, Message as _};
+use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader};
 
 use super::*;
 use crate::link::List;
