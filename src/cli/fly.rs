@@ -259,7 +259,7 @@ impl<'a> Flying<'a> {
         arguments: &args::Fly,
         are_simulated: bool,
     ) -> Result<Self, Failure> {
-        let t0_unix_s = upload::seconds_since_1970();
+        let t0_unix_s = super::delivery::seconds_since_1970();
         let path = runs.join(format!("flight-{t0_unix_s}.jsonl"));
         let record = std::fs::File::create(&path).map_err(|error| unwritable(&path, &error))?;
         let interrupts = Arc::new(AtomicUsize::new(0));
@@ -342,7 +342,7 @@ impl<'a> Flying<'a> {
         let mut lines: Vec<String> = Vec::new();
         while let Some(event) = fleet.poll_event() {
             if event.text.ends_with(": T0") {
-                self.t0_unix_s = upload::seconds_since_1970();
+                self.t0_unix_s = super::delivery::seconds_since_1970();
             }
             lines.push(flight::event_line(&event).to_string());
             self.show.event(&event)?;

@@ -413,7 +413,7 @@ fn record(
     });
     let runs = folder::runs_folder(&sorties.folder);
     let text = report::json_text(&document);
-    let named = format!("replan-{}.json", upload::seconds_since_1970());
+    let named = format!("replan-{}.json", super::delivery::seconds_since_1970());
     output::write_file(&runs.join(named), text.as_bytes())?;
     output::write_file(&runs.join("replan.json"), text.as_bytes())?;
     Ok(())
