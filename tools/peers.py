@@ -40,9 +40,14 @@ class Objective:
 
     def __call__(self, rows):
         rows = np.ascontiguousarray(np.clip(rows, 0.0, 1.0), dtype="<f8")
-        self.process.stdin.write(rows.tobytes())
-        self.process.stdin.flush()
-        return np.frombuffer(self.process.stdout.read(8 * len(rows)), dtype="<f8")
+        costs = np.empty(len(rows))
+        # No more at once than answers fit into a pipe, or both sides wait for ever.
+        for first in range(0, len(rows), 1000):
+            part = rows[first : first + 1000]
+            self.process.stdin.write(part.tobytes())
+            self.process.stdin.flush()
+            costs[first : first + 1000] = np.frombuffer(self.process.stdout.read(8 * len(part)), dtype="<f8")
+        return costs
 
     def close(self):
         self.process.stdin.close()
