@@ -54,8 +54,10 @@ pub enum Message {
         /// Altitude above mean sea level, millimetres.
         amsl_mm: i32,
     },
-    /// `AUTOPILOT_VERSION` (148), the flight software alone.
+    /// `AUTOPILOT_VERSION` (148): capabilities and flight software.
     AutopilotVersion {
+        /// `MAV_PROTOCOL_CAPABILITY` flags. Ground stations send nothing to a vehicle without `MISSION_INT`.
+        capabilities: u64,
         /// Major, minor, patch and `FIRMWARE_VERSION_TYPE`, from the highest byte down; 0 if not told.
         flight_software: u32,
     },

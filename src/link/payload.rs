@@ -100,8 +100,10 @@ pub(super) fn read_payload(id: u32, payload: &[u8]) -> Option<Message> {
             amsl_mm: read.i32(),
         },
         id::AUTOPILOT_VERSION => {
-            let _capabilities_and_uid: [u8; 16] = read.take();
+            let capabilities = u64::from_le_bytes(read.take());
+            let _uid: [u8; 8] = read.take();
             Message::AutopilotVersion {
+                capabilities,
                 flight_software: read.u32(),
             }
         }
@@ -240,8 +242,12 @@ pub(super) fn write_payload(message: &Message) -> (u32, Vec<u8>) {
             bytes.resize(52, 0);
             (id::HOME_POSITION, bytes)
         }
-        Message::AutopilotVersion { flight_software } => {
-            let mut bytes = vec![0; 16];
+        Message::AutopilotVersion {
+            capabilities,
+            flight_software,
+        } => {
+            let mut bytes = capabilities.to_le_bytes().to_vec();
+            bytes.resize(16, 0);
             bytes.extend(flight_software.to_le_bytes());
             bytes.resize(60, 0);
             (id::AUTOPILOT_VERSION, bytes)

@@ -163,7 +163,9 @@ impl<'a> Session<'a> {
                     self.texts.push(text.clone());
                 }
             }
-            Message::AutopilotVersion { flight_software } if self.is_of_vehicle(from) => {
+            Message::AutopilotVersion {
+                flight_software, ..
+            } if self.is_of_vehicle(from) => {
                 self.software = identity::version(*flight_software);
                 self.version_requests = MOST_VERSION_REQUESTS;
             }

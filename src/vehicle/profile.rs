@@ -52,6 +52,17 @@ impl Profile {
         }
     }
 
+    /// `AUTOPILOT_VERSION.capabilities`: what the simulated vehicle can do.
+    pub(super) fn capabilities(self) -> u64 {
+        // MISSION_INT, COMMAND_INT, MAVLINK2, MISSION_FENCE, MISSION_RALLY.
+        let all = 4 | 8 | 8192 | 16384 | 32768;
+        match self {
+            // PARAM_ENCODE_BYTEWISE.
+            Self::Px4 => all | 16,
+            Self::ArduPilot | Self::Generic => all,
+        }
+    }
+
     /// By which rules it stores items; none means bit by bit.
     pub(super) fn keeps(self) -> Option<Autopilot> {
         match self {

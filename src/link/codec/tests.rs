@@ -81,6 +81,7 @@ fn all() -> Vec<Message> {
             amsl_mm: -1500,
         },
         Message::AutopilotVersion {
+            capabilities: 4 | 8192,
             flight_software: 0x0406_03ff,
         },
     ];
@@ -171,6 +172,11 @@ fn the_fields_are_where_the_dialect_has_them() {
         panic!("another message");
     };
     assert_eq!(version.flight_sw_version, 0x0406_03ff);
+    assert_eq!(
+        version.capabilities,
+        dialect::MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MISSION_INT
+            | dialect::MavProtocolCapability::MAV_PROTOCOL_CAPABILITY_MAVLINK2
+    );
     assert_eq!(
         [data.mission_id, data.fence_id, data.rally_points_id],
         [1, 0xdead_beef, 3]

@@ -151,8 +151,10 @@ impl Vehicle {
             self.tell_position(now);
         } else if id.to_bits() == AUTOPILOT_VERSION.to_bits() {
             let flight_software = self.profile.flight_software();
-            self.outbox
-                .push_back(Message::AutopilotVersion { flight_software });
+            self.outbox.push_back(Message::AutopilotVersion {
+                capabilities: self.profile.capabilities(),
+                flight_software,
+            });
         } else {
             return CommandResult::UNSUPPORTED;
         }
