@@ -4,10 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
-use sortie::cost::PaperOptions;
 use sortie::geodesy::EastNorth;
 use sortie::spec::{Document, Scenario, SpecFile};
-use sortie::study::{self, Config, Job, MapText, Record, Results, Setting, results_md};
+use sortie::study::{self, Config, Job, MapText, Record, Results, results_md};
 
 fn map(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -62,7 +61,15 @@ fn small(folder: &Path, more: &[&str]) -> assert_cmd::assert::Assert {
 
 #[test]
 fn the_maps_are_good_scenarios_and_no_missions() {
-    for name in ["s1.yaml", "s2.yaml", "s3.yaml", "stress.yaml"] {
+    for name in [
+        "s1.yaml",
+        "s2.yaml",
+        "s3.yaml",
+        "s1-8.yaml",
+        "s2-8.yaml",
+        "s3-8.yaml",
+        "stress.yaml",
+    ] {
         let path = map(name);
         assert!(matches!(
             Document::read(&path).expect(name),
@@ -236,6 +243,158 @@ fn a_killed_study_goes_on_where_it_was() {
     assert!(again.get_output().stdout.starts_with(b"0 runs made"));
 }
 
+/// Names of the runs in a file of times, and lines of the journal.
+fn run_names(folder: &Path) -> Vec<String> {
+    let text = fs::read_to_string(folder.join("times.jsonl")).unwrap_or_default();
+    let names = text.lines().filter_map(|line| {
+        let (name, _) = line.split_once(",\"seconds\"")?;
+        Some(name.to_owned())
+    });
+    names.collect()
+}
+
+fn journal(folder: &Path) -> Vec<String> {
+    let text = fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
+    let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+    whole.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn a_study_killed_again_and_again_loses_no_run_and_repeats_none() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (whole, killed) = (home.path().join("whole"), home.path().join("killed"));
+    let options = ["--ablations", "--readings", "--iterations", "30"];
+    let arguments = |folder: &Path| -> Vec<String> {
+        let (map, out) = (map("s1.yaml"), folder.display().to_string());
+        let map = map.display().to_string();
+        ["study", "paper", &map, "--out", &out, "--runs", "2"]
+            .into_iter()
+            .chain(["--population", "10", "--resume"])
+            .chain(options)
+            .map(str::to_owned)
+            .collect()
+    };
+    let mut before: Vec<String> = Vec::new();
+    let mut kills = 0;
+    // Killed at the very beginning, then whenever so many runs more are finished.
+    for more in [0, 1, 2, 5, 1, 3, 8] {
+        let mut process = std::process::Command::new(assert_cmd::cargo::cargo_bin("sortie"))
+            .args(arguments(&killed))
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .expect("started");
+        while journal(&killed).len() < before.len() + more
+            && process.try_wait().expect("a state").is_none()
+        {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        // On Unix this is SIGKILL: nothing of the program runs after it.
+        process.kill().expect("killed");
+        let status = process.wait().expect("ended");
+        kills += usize::from(!status.success());
+        let after = journal(&killed);
+        let lost = before.iter().filter(|line| !after.contains(line)).count();
+        assert_eq!(lost, 0, "after {more} more");
+        before = after;
+    }
+    assert!(kills >= 5, "only {kills} kills came in time");
+    let rest: Vec<String> = arguments(&killed);
+    sortie(&rest.iter().map(String::as_str).collect::<Vec<_>>()).success();
+    let at_once = arguments(&whole);
+    sortie(&at_once.iter().map(String::as_str).collect::<Vec<_>>()).success();
+    for name in ["study.json", "runs.jsonl", "RESULTS.md", "study.html"] {
+        let read = |folder: &Path| fs::read(folder.join(name)).expect(name);
+        assert!(read(&whole) == read(&killed), "{name} differs");
+    }
+    let mut names = run_names(&killed);
+    let all = names.len();
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), all, "a finished run was made again");
+}
+
+#[test]
+fn two_processes_do_not_write_one_study() {
+    let home = tempfile::tempdir().expect("a folder");
+    let settled = config();
+    let store = study::Store::open(home.path(), &settled, false).expect("opened");
+    let second = study::Store::open(home.path(), &settled, true).expect_err("locked");
+    assert!(second.to_string().contains("another process"), "{second}");
+    drop(store);
+    study::Store::open(home.path(), &settled, true).expect("free again");
+}
+
+/// The study of `missions/paper/RESULTS.md`, by the command that it names.
+fn published() -> Config {
+    let text = fs::read_to_string(map("RESULTS.md")).expect("shipped");
+    let command = text.split('`').nth(1).expect("a command");
+    assert!(command.starts_with("sortie study paper --out DIR --runs "));
+    let words: Vec<&str> = command.split(' ').collect();
+    Config {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        runs: words[6].parse().expect("a number"),
+        population: 100,
+        iterations: 200,
+        seed: 1,
+        ablations: words.contains(&"--ablations"),
+        readings: words.contains(&"--readings"),
+        printed_objective: false,
+        control_points: None,
+        maps: study::shipped_maps()
+            .map(|(file, text)| MapText {
+                file: file.to_owned(),
+                text: text.to_owned(),
+            })
+            .into(),
+    }
+}
+
+/// Cells of a row of Table 2 in `RESULTS.md`.
+fn published_row(map_index: usize, row: &str) -> Vec<String> {
+    let text = fs::read_to_string(map("RESULTS.md")).expect("shipped");
+    let map = &text[text
+        .find(&format!("\n## s{}\n", map_index + 1))
+        .expect("a map")..];
+    let line = map
+        .lines()
+        .find(|line| line.starts_with(&format!("| {row} |")))
+        .expect(row);
+    line.split('|').map(|cell| cell.trim().to_owned()).collect()
+}
+
+#[test]
+fn the_published_results_are_those_of_this_program() {
+    let config = published();
+    let text = fs::read_to_string(map("RESULTS.md")).expect("shipped");
+    assert!(
+        text.contains(&config.hash()[..12]),
+        "RESULTS.md is of another configuration: make it again"
+    );
+    let settings = config.settings().expect("good maps");
+    for (contestant, map, row) in [
+        (4, 0, "FOA, equal evaluations"),
+        (3, 1, "MSFOA, R from 0.3, equal evaluations"),
+    ] {
+        let cells = published_row(map, row);
+        let run = cells[2].parse().expect("a run");
+        let job = Job {
+            contestant,
+            map,
+            run,
+        };
+        let found = std::sync::Mutex::new(None);
+        study::run(&config, &settings, &[job], &|record, _| {
+            *found.lock().expect("no panic") = Some(record);
+            true
+        });
+        let record = found.into_inner().expect("no panic").expect("a run");
+        let parts = record.vehicles.iter().map(|v| format!("{:.2}", v.total));
+        assert_eq!(parts.collect::<Vec<_>>(), cells[3..6], "{row}");
+        let sum = format!("{:.2} ({:.2})", record.total, record.fine_total);
+        assert_eq!(sum, cells[6], "{row}");
+    }
+}
+
 #[test]
 fn tables_and_account_are_made_of_the_runs() {
     let config = config();
@@ -249,38 +408,14 @@ fn tables_and_account_are_made_of_the_runs() {
     for wanted in [
         "## s1",
         "Friedman",
-        "one swarm, R = 0.1:",
+        "| one swarm, R = 0.1 |",
+        "| FOA, S = 1/D |",
         "What holds",
-        "the default planner",
+        "| the default planner |",
+        "| MSFOA, scenario 2 |",
+        "sortie study paper missions/paper/s1.yaml --out DIR --runs 2",
     ] {
         assert!(text.contains(wanted), "{wanted}");
     }
     assert!(!text.contains("NaN") && !text.contains("inf"));
-}
-
-#[test]
-fn in_the_stress_map_collisions_and_turns_cost_a_straight_flight() {
-    let text = fs::read_to_string(map("stress.yaml")).expect("shipped");
-    let study = Config {
-        maps: vec![MapText {
-            file: "stress.yaml".to_owned(),
-            text,
-        }],
-        ..config()
-    };
-    let records = records(&study);
-    let of = |term: fn(&study::Terms) -> f64| {
-        records
-            .iter()
-            .flat_map(|record| &record.vehicles)
-            .map(|vehicle| term(&vehicle.terms))
-            .fold(0.0, f64::max)
-    };
-    assert!(of(|terms| terms.turn) > 0.0);
-    assert!(of(|terms| terms.threat) > 0.0);
-    let setting = Setting::new(
-        Scenario::read(&map("stress.yaml")).expect("shipped"),
-        PaperOptions::default(),
-    );
-    assert_eq!(setting.scenario.vehicles.len(), 3);
 }

@@ -471,7 +471,7 @@ pub(super) struct Paper {
     /// Output folder
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
-    /// Runs of each algorithm on each map
+    /// Runs of each algorithm on each map; a quarter of them of the planner and of variations
     #[arg(long, value_name = "N", default_value_t = 40)]
     pub(super) runs: usize,
     /// Iterations

@@ -2,61 +2,123 @@
 
 use std::fmt::Write;
 
+use super::claims::claims;
+use super::config::Config;
 use super::contest::{Contestant, Role};
-use super::printed::{PRINTED, Printed};
+use super::parts::{parts, readings};
+use super::printed::{Printed, printed, sums};
+use super::record::{Record, Terms};
 use super::stats::number;
-use super::tables::{OTHERS, READINGS, Results};
-
-/// Below this p a difference counts as one.
-const SIGNIFICANT: f64 = 0.05;
+use super::tables::{READINGS, Results};
 
 /// The whole document. It depends on the runs alone.
 #[must_use]
 pub fn results_md(results: &Results<'_>) -> String {
     let mut text = String::new();
     head(&mut text, results);
-    let shipped = is_papers(results);
-    for (index, map) in results.maps.iter().enumerate() {
+    claims(&mut text, results);
+    for map in &results.maps {
         let _ = writeln!(text, "\n## {map}\n");
-        best(&mut text, results, map, shipped.then_some(index));
-        spread(&mut text, results, map, shipped.then_some(index));
+        best(&mut text, results, map);
+        spread(&mut text, results, map);
     }
     tests(&mut text, results);
-    account(&mut text, results, shipped);
+    parts(&mut text, results);
+    readings(&mut text, results);
+    if results
+        .maps
+        .iter()
+        .any(|map| results.scenario(map).is_some())
+    {
+        sums(&mut text);
+    }
     text
 }
 
-/// Whether the maps stand for the paper's three.
-fn is_papers(results: &Results<'_>) -> bool {
-    results.maps == ["s1", "s2", "s3"]
+/// The command that makes these results.
+fn command(config: &Config) -> String {
+    let mut command = "sortie study paper".to_owned();
+    let shipped = super::shipped_maps();
+    let is_default = shipped.len() == config.maps.len()
+        && shipped
+            .iter()
+            .zip(&config.maps)
+            .all(|((_, text), map)| map.text == *text);
+    for map in config.maps.iter().filter(|_| !is_default) {
+        let _ = write!(command, " missions/paper/{}", map.file);
+    }
+    let _ = write!(command, " --out DIR --runs {}", config.runs);
+    for (name, value, default) in [
+        ("population", config.population, 100),
+        ("iterations", config.iterations, 200),
+    ] {
+        if value != default {
+            let _ = write!(command, " --{name} {value}");
+        }
+    }
+    if let Some(points) = config.control_points {
+        let _ = write!(command, " --control-points {points}");
+    }
+    if config.seed != 1 {
+        let _ = write!(command, " --seed {}", config.seed);
+    }
+    for (name, is_set) in [
+        ("ablations", config.ablations),
+        ("readings", config.readings),
+        ("printed-objective", config.printed_objective),
+    ] {
+        if is_set {
+            let _ = write!(command, " --{name}");
+        }
+    }
+    command
 }
 
 fn head(text: &mut String, results: &Results<'_>) {
     let config = results.config;
+    let spent = config.population * config.iterations;
     let _ = writeln!(
         text,
         "# The paper's experiment, run again\n\n\
-         Written by `sortie study paper`; study {}, sortie {}.\n\n\
-         {} runs, population {}, {} iterations, seeds {} and up. Maps, weights and whatever \
-         else the paper does not print are ours (the headers of the files in `src/optimize` and \
-         `src/cost/paper.rs` say how each gap is read); costs compare with the paper's in ratio \
-         only.\n\n\
-         - Equal iterations: MSFOA evaluates each fly twice and spends {} evaluations on a \
-         vehicle, the others {}. Equal evaluations: {} for all. Only MSFOA differs between the \
-         two.\n\
-         - Safe: at 2001 samples no threat entered, no ground hit, no turn, slope or collision \
-         limit broken by any vehicle. J sums over 101 samples, between which a path can hop \
-         over a threat; J at 2001 shows it.",
-        config.hash().chars().take(12).collect::<String>(),
+         Made by `{}` (sortie {}, study {}): the same command gives the same bytes on any \
+         number of threads.\n\n\
+         {} runs, population {}, {} iterations, seeds from {}. The maps are ours, because the \
+         paper's are not printed; so is every choice where a formula is lost (the headers of the \
+         files in `src/optimize` and `src/cost/paper.rs` say how each gap is read). Costs \
+         therefore compare with the paper's in ratio only.\n\n\
+         - J is the paper's cost, a sum over 101 samples, in brackets or as \"finely\" the same \
+         path at 2001 samples. Between samples a path can hop over a threat: a J that grows when \
+         it is looked at closely was gamed.\n\
+         - Safe: at 2001 samples no vehicle enters a threat, hits the ground, or breaks a limit \
+         of turn, slope or collision.\n\
+         - Equal iterations, the paper's protocol: MSFOA evaluates each fly twice and spends {} \
+         evaluations on a vehicle, the others {spent}. Equal evaluations: {spent} for all. Only \
+         MSFOA differs between the two.\n\
+         - MSFOA is read in two ways: the local step R constant (0.1), as printed, and shrinking \
+         from 0.3, as its name \"dwindled\" suggests; the second was chosen for doing well.",
+        command(config),
         config.version,
+        config.hash().chars().take(12).collect::<String>(),
         config.runs,
         config.population,
         config.iterations,
         config.seed,
         results.contestants[0].budget(config.population, config.iterations),
-        config.population * config.iterations,
-        config.population * config.iterations,
     );
+    if results.contestants.iter().any(|of| of.role == Role::Own) {
+        let _ = writeln!(
+            text,
+            "- The default planner is this program's own search on the same objective and budget, \
+             with the first quarter of the seeds; it is no part of the paper."
+        );
+    }
+    if config.printed_objective {
+        let _ = writeln!(
+            text,
+            "- Searched is the objective as printed, gaps and all; \"finely\" and \"safe\" are of \
+             the objective whose gaps are closed."
+        );
+    }
     if config.runs < 40 {
         let _ = writeln!(
             text,
@@ -66,37 +128,36 @@ fn head(text: &mut String, results: &Results<'_>) {
     }
 }
 
-fn protocol(contestant: &Contestant) -> String {
-    format!("{}, equal {}", contestant.label, contestant.protocol.name())
+/// Name of a row, with its protocol.
+pub(super) fn row_name(contestant: &Contestant) -> String {
+    match contestant.role {
+        Role::Own => contestant.label.to_owned(),
+        _ => format!("{}, equal {}", contestant.label, contestant.protocol.name()),
+    }
 }
 
-fn printed(contestant: &Contestant) -> Option<&'static Printed> {
-    let name = if contestant.name == "msfoa-literal" || contestant.name == "msfoa-dwindle" {
-        "msfoa"
-    } else {
-        contestant.name
-    };
-    PRINTED
-        .iter()
-        .find(|printed| printed.label.eq_ignore_ascii_case(name))
+/// The contestants of the main tables.
+fn main_rows<'a>(results: &'a Results<'_>) -> impl Iterator<Item = &'a Contestant> {
+    let rows = results.contestants.iter();
+    rows.filter(|contestant| matches!(contestant.role, Role::Paper | Role::Own))
 }
 
 /// Table 2.
-fn best(text: &mut String, results: &Results<'_>, map: &str, index: Option<usize>) {
+fn best(text: &mut String, results: &Results<'_>, map: &str) {
     let vehicles = results
         .best(&results.contestants[0], map)
         .map_or(0, |record| record.vehicles.len());
     let names: Vec<String> = (1..=vehicles).map(|k| format!("J{k}")).collect();
     let _ = writeln!(
         text,
-        "Best run (Table 2), its vehicles and their sum; in brackets the sum at 2001 samples.\n\n\
-         | algorithm | {} | sum | safe | paper: {} | printed sum | sum of its parts |\n\
+        "Table 2: the best run, its vehicles and their sum.\n\n\
+         | algorithm | run | {} | sum (finely) | safe | paper: {} | printed sum | sum of its parts |\n\
          |---|{}",
         names.join(" | "),
         names.join(", "),
-        "---:|".repeat(vehicles + 5)
+        "---:|".repeat(vehicles + 6)
     );
-    for contestant in &results.contestants {
+    for contestant in main_rows(results) {
         let Some(record) = results.best(contestant, map) else {
             continue;
         };
@@ -105,83 +166,108 @@ fn best(text: &mut String, results: &Results<'_>, map: &str, index: Option<usize
             .iter()
             .map(|vehicle| format!("{:.2}", vehicle.total))
             .collect();
-        let theirs = index.and_then(|index| printed(contestant).map(|printed| printed.best[index]));
-        let theirs = theirs.map_or(" | | ".to_owned(), |[a, b, c, sum]| {
+        let theirs = theirs(results, contestant, map, |printed, index| {
+            let [a, b, c, sum] = printed.best[index];
             format!("{a:.2}, {b:.2}, {c:.2} | {sum:.2} | {:.2}", a + b + c)
         });
         let _ = writeln!(
             text,
-            "| {} | {} | {:.2} ({:.2}) | {} | {theirs} |",
-            protocol(contestant),
+            "| {} | {} | {} | {:.2} ({:.2}) | {} | {} |",
+            row_name(contestant),
+            record.run,
             parts.join(" | "),
             record.total,
             record.fine_total,
             if record.safe { "yes" } else { "no" },
+            theirs.unwrap_or_else(|| " | | ".to_owned()),
         );
     }
 }
 
+/// What the paper prints for a row of a map, if it is one of its own.
+fn theirs(
+    results: &Results<'_>,
+    contestant: &Contestant,
+    map: &str,
+    show: impl Fn(&Printed, usize) -> String,
+) -> Option<String> {
+    let index = results.scenario(map)?;
+    printed(contestant).map(|printed| show(printed, index))
+}
+
 /// Table 3.
-fn spread(text: &mut String, results: &Results<'_>, map: &str, index: Option<usize>) {
+fn spread(text: &mut String, results: &Results<'_>, map: &str) {
     let _ = writeln!(
         text,
-        "\nOver all runs (Table 3).\n\n\
-         | algorithm | best | average | median | deviation | worst | safe | unsafe | paper: best, \
-         average, median |\n|---|{}",
-        "---:|".repeat(8)
+        "\nTable 3: all runs, and the limits that unsafe ones break, with the number of runs.\n\n\
+         | algorithm | runs | best | average | median | deviation | worst | average, finely | \
+         safe | unsafe | because of | paper: best, average, median |\n|---|{}---|---:|",
+        "---:|".repeat(9)
     );
-    for contestant in &results.contestants {
+    for contestant in main_rows(results) {
         let Some(of) = results.summary(contestant, map) else {
             continue;
         };
         let safe = results.safe(contestant, map);
-        let theirs =
-            index.and_then(|index| printed(contestant).map(|printed| printed.spread[index]));
-        let theirs = theirs.map_or(String::new(), |[best, average, median]| {
+        let runs = results.totals(contestant, map).len();
+        let fine: f64 = results
+            .cell(contestant, map)
+            .map(|record| record.fine_total)
+            .sum();
+        let theirs = theirs(results, contestant, map, |printed, index| {
+            let [best, average, median] = printed.spread[index];
             format!("{best:.2}, {average:.2}, {median:.2}")
         });
         let _ = writeln!(
             text,
-            "| {} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {safe} | {} | {theirs} |",
-            protocol(contestant),
+            "| {} | {runs} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} | {safe} | {} | {} | {} |",
+            row_name(contestant),
             of.best,
             of.average,
             of.median,
             of.deviation,
             of.worst,
-            results.totals(contestant, map).len() - safe,
+            fine / number(runs.max(1)),
+            runs - safe,
+            causes(results, contestant, map),
+            theirs.unwrap_or_default(),
         );
     }
 }
 
-/// Mean total of each map over that of another contestant.
-fn ratios(results: &Results<'_>, one: &Contestant, other: &Contestant) -> Vec<f64> {
-    results
-        .maps
-        .iter()
-        .filter_map(|map| {
-            let average = |of| results.summary(of, map).map(|summary| summary.average);
-            Some(average(one)? / average(other)?)
-        })
-        .collect()
-}
+/// A limit by name, and the term that is above 0 where it is broken.
+type Limit = (&'static str, fn(&Terms) -> f64);
 
-fn geometric_mean(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value.ln()).sum::<f64>() / number(values.len().max(1))).exp()
-}
-
-fn two(values: &[f64]) -> String {
-    let texts: Vec<String> = values.iter().map(|value| format!("{value:.2}")).collect();
-    texts.join(", ")
+/// The limits that runs break at 2001 samples, with the number of runs.
+fn causes(results: &Results<'_>, contestant: &Contestant, map: &str) -> String {
+    let limits: [Limit; 5] = [
+        ("threat", |terms| terms.threat),
+        ("ground", |terms| terms.terrain),
+        ("turn", |terms| terms.turn),
+        ("slope", |terms| terms.climb),
+        ("collision", |terms| terms.collision),
+    ];
+    let broken = limits.into_iter().filter_map(|(name, term)| {
+        let breaks = |record: &&Record| {
+            record
+                .vehicles
+                .iter()
+                .any(|vehicle| term(&vehicle.fine) > 0.0)
+        };
+        let count = results.cell(contestant, map).filter(breaks).count();
+        (count > 0).then(|| format!("{name} {count}"))
+    });
+    broken.collect::<Vec<_>>().join(", ")
 }
 
 /// Ratios, rank-sum tests and Friedman ranks, reading by reading.
 fn tests(text: &mut String, results: &Results<'_>) {
     let _ = writeln!(
         text,
-        "\n## Tests\n\nRatio: average over MSFOA's, map by map. p: Wilcoxon's rank-sum test \
+        "\n## Tests\n\nRatio: average over MSFOA's, map by map ({}). p: Wilcoxon's rank-sum test \
          against MSFOA, map by map, both sides, not corrected for their number. Rank: Friedman's \
-         mean rank, blocks being runs of one number on one map."
+         mean rank, blocks being runs of one number on one map.",
+        results.maps.join(", ")
     );
     for reading in READINGS {
         let Some(msfoa) = results.find(reading.0, reading.1) else {
@@ -190,139 +276,68 @@ fn tests(text: &mut String, results: &Results<'_>) {
         let (ranks, p) = results.friedman(reading).unwrap_or((Vec::new(), f64::NAN));
         let _ = writeln!(
             text,
-            "\n{} (Friedman p = {p:.1e}):\n\n| algorithm | ratio | geometric mean | p | rank | \
-             paper's ratio |\n|---|---:|---:|---:|---:|---:|",
-            protocol(msfoa)
+            "\n{} (Friedman p = {}):\n\n| algorithm | ratio | geometric mean | p | rank | \
+             paper's ratio | its geometric mean |\n|---|---:|---:|---:|---:|---:|---:|",
+            row_name(msfoa),
+            probability(p)
         );
         for (index, one) in results.seven(reading).into_iter().enumerate() {
-            let ratios = ratios(results, one, msfoa);
-            let p: Vec<String> = results
+            let ratios = results.ratios(one, msfoa);
+            let theirs: Vec<f64> = results
                 .maps
                 .iter()
-                .map(|map| match results.p(one, msfoa, map) {
-                    Some(p) if one != msfoa => format!("{p:.1e}"),
-                    _ => "-".to_owned(),
+                .filter_map(|map| {
+                    let average = |of| Some(printed(of)?.spread[results.scenario(map)?][1]);
+                    Some(average(one)? / average(msfoa)?)
                 })
                 .collect();
-            let theirs = printed(one).map_or(Vec::new(), |printed| {
-                let averages = printed.spread.iter().zip(&PRINTED[0].spread);
-                averages.map(|(a, b)| a[1] / b[1]).collect()
-            });
             let _ = writeln!(
                 text,
-                "| {} | {} | {:.3} | {} | {:.2} | {} |",
+                "| {} | {} | {} | {} | {:.2} | {} | {} |",
                 one.label,
                 two(&ratios),
                 geometric_mean(&ratios),
-                p.join(", "),
+                probabilities(results, one, msfoa),
                 ranks.get(index).copied().unwrap_or(f64::NAN),
-                if is_papers(results) {
-                    two(&theirs)
-                } else {
-                    String::new()
-                },
+                two(&theirs),
+                geometric_mean(&theirs),
             );
         }
     }
 }
 
-/// Who beats MSFOA and whom it beats, in sentences.
-fn account(text: &mut String, results: &Results<'_>, shipped: bool) {
-    let _ = writeln!(text, "\n## What holds\n");
-    for reading in READINGS {
-        let Some(msfoa) = results.find(reading.0, reading.1) else {
-            continue;
-        };
-        for map in &results.maps {
-            sentence(text, results, msfoa, map);
-        }
-    }
-    parts(text, results);
-    if shipped {
-        let _ = writeln!(
-            text,
-            "\nThe paper's own Table 2 does not add up in five rows, all three of MSFOA among \
-             them, each printed lower than the sum of its parts; by those sums ABC is best on \
-             the first map and MFOA on the second. Its rows of PSO and FOA on the second map are \
-             the same in Table 3."
-        );
-    }
-}
-
-fn sentence(text: &mut String, results: &Results<'_>, msfoa: &Contestant, map: &str) {
-    let Some(own) = results.summary(msfoa, map) else {
-        return;
-    };
-    let (mut better, mut worse, mut even) = (Vec::new(), Vec::new(), Vec::new());
-    for name in OTHERS {
-        let other = results.find(name, super::contest::Protocol::Evaluations);
-        let Some((other, of)) = other.and_then(|of| Some((of, results.summary(of, map)?))) else {
-            continue;
-        };
-        let differs = results
-            .p(other, msfoa, map)
-            .is_some_and(|p| p < SIGNIFICANT);
-        match (differs, of.median < own.median) {
-            (false, _) => even.push(other.label),
-            (true, true) => better.push(other.label),
-            (true, false) => worse.push(other.label),
-        }
-    }
-    let list = |names: &[&str]| {
-        if names.is_empty() {
-            "none".to_owned()
-        } else {
-            names.join(", ")
-        }
-    };
-    let verdict = if better.is_empty() && even.is_empty() {
-        "best of the seven"
-    } else if better.is_empty() && worse.is_empty() {
-        "no difference found"
-    } else if better.is_empty() {
-        "beaten by none"
-    } else {
-        "not the best"
-    };
-    let _ = writeln!(
-        text,
-        "- {map}, {}: {verdict}. Better than MSFOA: {}; worse: {}; no difference at 5 %: {}.",
-        protocol(msfoa),
-        list(&better),
-        list(&worse),
-        list(&even)
-    );
-}
-
-/// What the parts of MSFOA are worth, by the ablations.
-fn parts(text: &mut String, results: &Results<'_>) {
-    let ablations: Vec<&Contestant> = results
-        .contestants
+/// p of one contestant against another, map by map.
+pub(super) fn probabilities(results: &Results<'_>, one: &Contestant, other: &Contestant) -> String {
+    let all = results
+        .maps
         .iter()
-        .filter(|contestant| contestant.role == Role::Ablation)
-        .collect();
-    if ablations.is_empty() {
-        return;
+        .map(|map| match results.p(one, other, map) {
+            Some(p) if one != other => probability(p),
+            _ => "-".to_owned(),
+        });
+    all.collect::<Vec<_>>().join(", ")
+}
+
+/// A probability, short.
+fn probability(p: f64) -> String {
+    if p >= 0.001 {
+        format!("{p:.3}")
+    } else {
+        format!("{p:.0e}")
     }
-    let _ = writeln!(
-        text,
-        "\nParts of MSFOA taken away, at equal evaluations: average over that of MSFOA with R \
-         from 0.3 (or with R = 0.1 where it is said), map by map; above 1 the part helps.\n"
-    );
-    for one in ablations {
-        let whole = if one.name.starts_with("literal") {
-            READINGS[2]
-        } else {
-            READINGS[3]
-        };
-        let Some(whole) = results.find(whole.0, whole.1) else {
-            continue;
-        };
-        let _ = writeln!(
-            text,
-            "- {}: {}",
-            one.label,
-            two(&ratios(results, one, whole))
-        );
+}
+
+/// Geometric mean; nothing of nothing, or where a cost below 0 has none.
+pub(super) fn geometric_mean(values: &[f64]) -> String {
+    if values.is_empty() || values.iter().any(|value| *value <= 0.0) {
+        return String::new();
     }
+    let logs: f64 = values.iter().map(|value| value.ln()).sum();
+    format!("{:.3}", (logs / number(values.len())).exp())
+}
+
+/// Numbers with two digits.
+pub(super) fn two(values: &[f64]) -> String {
+    let texts: Vec<String> = values.iter().map(|value| format!("{value:.2}")).collect();
+    texts.join(", ")
 }

@@ -79,13 +79,13 @@ impl Contestant {
         }
     }
 
-    /// How many of so many runs it makes: the planner, which takes far longer and varies
-    /// far less, every fourth.
+    /// How many of so many runs it makes: all if it is the paper's; the first quarter if it
+    /// is the planner, which takes longer and varies less, or one of the many variations.
     #[must_use]
     pub fn runs(&self, runs: usize) -> usize {
-        match self.method {
-            Method::Printed(_) => runs,
-            Method::Planner => runs.div_ceil(4),
+        match self.role {
+            Role::Paper => runs,
+            Role::Own | Role::Ablation | Role::Reading => runs.div_ceil(4),
         }
     }
 }

@@ -2,11 +2,15 @@
 //! seven algorithms on three maps, every choice on record, judged finely afterwards.
 
 mod account;
+mod claims;
 mod config;
 mod contest;
+mod convergence;
 mod figures;
+mod ground;
 mod output;
 mod page;
+mod parts;
 mod printed;
 mod record;
 mod runner;
@@ -39,4 +43,18 @@ pub fn shipped_maps() -> [(&'static str, &'static str); 3] {
         ("s2.yaml", include_str!("../../missions/paper/s2.yaml")),
         ("s3.yaml", include_str!("../../missions/paper/s3.yaml")),
     ]
+}
+
+/// Which of the paper's three scenarios a map stands for, from 0: one of the shipped, with
+/// either number of control points.
+fn paper_scenario(text: &str) -> Option<usize> {
+    let harder = [
+        include_str!("../../missions/paper/s1-8.yaml"),
+        include_str!("../../missions/paper/s2-8.yaml"),
+        include_str!("../../missions/paper/s3-8.yaml"),
+    ];
+    let shipped = shipped_maps().into_iter().zip(harder);
+    shipped
+        .into_iter()
+        .position(|((_, map), harder)| text == map || text == harder)
 }

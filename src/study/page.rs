@@ -7,7 +7,7 @@ use super::svg::escaped;
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:80rem;margin:2rem auto;padding:0 1rem;\
 color:#111;background:#fff}table{border-collapse:collapse;font-size:14px;display:block;overflow-x:auto}\
 th,td{border:1px solid #ccc;padding:.2rem .6rem;text-align:left}svg{max-width:100%;height:auto}\
-figure{margin:2rem 0}";
+figure{margin:2rem 0;overflow-x:auto}@media(max-width:60rem){svg{max-width:none}}";
 
 /// The page: `account` in Markdown, then figures with captions.
 pub(super) fn page(account: &str, figures: &[(String, String, String)]) -> String {

@@ -208,3 +208,75 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         return_amsl: None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::{Controls, CostTerms};
+    use crate::path::time_route;
+    use std::path::Path;
+
+    /// Seven control points from start to goal, each share of the way pushed aside and up.
+    fn controls(leg: &Leg, pushed: impl Fn(f64) -> [f64; 3]) -> [Vec<f64>; 3] {
+        let (from, to) = (leg.from, leg.to);
+        let axis = |axis: usize, a: f64, b: f64| -> Vec<f64> {
+            (0..7)
+                .map(|k| f64::from(k) / 6.0)
+                .map(|share| a + share * (b - a) + pushed(share)[axis])
+                .collect()
+        };
+        [
+            axis(0, from.at.east_m, to.at.east_m),
+            axis(1, from.at.north_m, to.at.north_m),
+            axis(2, from.amsl.0, to.amsl.0),
+        ]
+    }
+
+    fn terms(model: &CostModel, [east_m, north_m, amsl_m]: &[Vec<f64>; 3]) -> CostTerms {
+        model.terms(&Controls {
+            east_m,
+            north_m,
+            amsl_m,
+        })
+    }
+
+    #[test]
+    fn in_the_stress_map_straight_flights_collide_and_turns_and_climbs_are_limited() {
+        let text = include_str!("../../missions/paper/stress.yaml");
+        let scenario = Scenario::parse(Path::new("stress.yaml"), text).unwrap();
+        let setting = Setting::new(scenario, PaperOptions::default());
+        let leg = setting.leg(0);
+        let line = [leg.from, leg.to];
+        let straight = Flight {
+            points: time_route(&line, 0.0, 400.0, AT_ONCE_MPS2),
+            route_starts_s: vec![0.0],
+            loiters: false,
+        };
+        // Sampled as the study does.
+        let samples: Vec<PlanPoint> = (0..=100)
+            .map(|k| f64::from(k) / 100.0)
+            .map(|share| {
+                let mix = |a: f64, b: f64| a + share * (b - a);
+                PlanPoint::new(
+                    mix(leg.from.at.east_m, leg.to.at.east_m),
+                    mix(leg.from.at.north_m, leg.to.at.north_m),
+                    Amsl(mix(leg.from.amsl.0, leg.to.amsl.0)),
+                )
+            })
+            .collect();
+        let first = Flight {
+            points: time_route(&samples, 0.0, 400.0, AT_ONCE_MPS2),
+            ..straight
+        };
+        let second = setting.model(1, &[first], 101);
+        let flat = |_: f64| [0.0; 3];
+        let of_straight = terms(&second, &controls(&setting.leg(1), flat));
+        assert!(of_straight.collision > 0.0, "{of_straight:?}");
+        assert!(of_straight.turn <= 0.0 && of_straight.climb <= 0.0);
+        let alone = setting.model(0, &[], 101);
+        let zigzag = |share: f64| [0.0, 30_000.0 * (share * 9.425).sin(), 0.0];
+        assert!(terms(&alone, &controls(&leg, zigzag)).turn > 0.0);
+        let steep = |share: f64| [0.0, 0.0, 60_000.0 * share * (1.0 - share)];
+        assert!(terms(&alone, &controls(&leg, steep)).climb > 0.0);
+    }
+}

@@ -74,6 +74,21 @@ impl<'a> Results<'a> {
             .min_by(|a, b| a.total.total_cmp(&b.total))
     }
 
+    /// Which of the paper's three scenarios a map stands for, from 0.
+    pub(super) fn scenario(&self, map: &str) -> Option<usize> {
+        let index = self.maps.iter().position(|name| name == map)?;
+        super::paper_scenario(&self.config.maps.get(index)?.text)
+    }
+
+    /// Averages of one contestant over those of another, map by map.
+    pub(super) fn ratios(&self, one: &Contestant, other: &Contestant) -> Vec<f64> {
+        let average = |of, map: &str| self.summary(of, map).map(|summary| summary.average);
+        self.maps
+            .iter()
+            .filter_map(|map| Some(average(one, map)? / average(other, map)?))
+            .collect()
+    }
+
     /// How many of the runs are safe at 2001 samples.
     pub(super) fn safe(&self, contestant: &Contestant, map: &str) -> usize {
         self.cell(contestant, map)
