@@ -10,6 +10,12 @@ use crate::spec::{Airframe, Autopilot};
 /// hexarotor, octorotor, tricopter, dodecarotor, decarotor, generic multirotor.
 const COPTER_TYPES: [u8; 9] = [2, 3, 4, 13, 14, 15, 29, 35, 43];
 
+/// `MAV_TYPE_FIXED_WING`.
+const PLANE_TYPES: [u8; 1] = [1];
+
+/// `MAV_TYPE`s of VTOL, and the fixed wing that ArduPlane says a QuadPlane is (`Q_MAV_TYPE` 0).
+const VTOL_TYPES: [u8; 8] = [1, 19, 20, 21, 22, 23, 24, 25];
+
 /// `MAV_TYPE`s that fly nothing: ground station, antenna tracker, onboard controller,
 /// gimbal, ADS-B receiver, camera, charging station, FLARM, servo, remote id.
 const PAYLOAD_TYPES: [u8; 10] = [6, 5, 18, 26, 27, 30, 31, 32, 33, 34];
@@ -39,6 +45,9 @@ pub(super) fn check(
     }
     let (expected, types) = match airframe {
         Airframe::Copter => ("copter", COPTER_TYPES.as_slice()),
+        Airframe::Plane => ("plane", PLANE_TYPES.as_slice()),
+        Airframe::Vtol if autopilot == Autopilot::Px4 => ("VTOL", &VTOL_TYPES[1..]),
+        Airframe::Vtol => ("VTOL", VTOL_TYPES.as_slice()),
     };
     if heartbeat.kind != 0 && !types.contains(&heartbeat.kind) {
         return Err(Refusal::Type {

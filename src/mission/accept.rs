@@ -1,17 +1,19 @@
-//! What an autopilot takes: rules as one table of data per autopilot, and one check for each.
+//! What an autopilot takes: rules as one table of data per autopilot and airframe, and one
+//! check for each.
 //!
 //! An upload that is acknowledged is not yet a mission that is accepted, and PX4
 //! takes latitude 95 without a word; so everything is held against this table before
 //! it is sent. Sources: ArduPilot `AP_Mission::mavlink_int_to_mission_cmd` and
 //! `sanity_check_params`; PX4 `mavlink_mission.cpp` and `FeasibilityChecker`; and what
-//! ArduCopter 4.6.3 and PX4 1.18 did in simulation.
+//! ArduCopter 4.6.3, ArduPlane 4.6.3 and PX4 1.18 did in simulation.
 
 use std::fmt;
 
+use super::accept_wing as wing;
 use super::commands::{ARDUPILOT, CommandRule, PX4, Place};
 use super::item::{Item, VehicleMission, command, frame};
 use super::params::ACCEPTANCE_RADIUS;
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
 
 /// One of the three lists of items that a vehicle holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,9 +76,9 @@ pub struct Limits {
     pub rally: usize,
 }
 
-/// What one autopilot takes.
-struct Profile {
-    limits: Limits,
+/// What one autopilot takes on one kind of airframe.
+pub(super) struct Profile {
+    pub(super) limits: Limits,
     commands: &'static [CommandRule],
     /// Commands to which latitude 0, longitude 0 means where the vehicle is: Mission
     /// Planner writes takeoffs so.
@@ -97,7 +99,34 @@ struct Profile {
     lands_by_beacon: bool,
     /// A takeoff must end this far above the acceptance radius.
     takeoff_over_radius_m: Option<f32>,
+    /// The command that takes this airframe off.
+    takeoff: u16,
+    /// The command that lands it.
+    pub(super) landing: u16,
+    /// What is refused or misread on a wing alone.
+    pub(super) wing: Wing,
 }
+
+/// What an autopilot refuses or misreads on a wing.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wing {
+    /// NAV_DELAY is over at once.
+    pub(super) never_waits: bool,
+    /// NAV_WAYPOINT and circles keep whole numbers, and no hold.
+    pub(super) whole_numbers: bool,
+    /// The altitude of a takeoff is a height above where the vehicle stands, whatever the frame.
+    pub(super) takeoff_above_home: bool,
+    /// A landing without an approach on a glide is refused.
+    pub(super) needs_approach: bool,
+}
+
+/// A copter has none.
+const NO_WING: Wing = Wing {
+    never_waits: false,
+    whole_numbers: false,
+    takeoff_above_home: false,
+    needs_approach: false,
+};
 
 /// ArduCopter: 650 with home; altitudes are 24 bit centimetres.
 static ARDUPILOT_PROFILE: Profile = Profile {
@@ -116,6 +145,36 @@ static ARDUPILOT_PROFILE: Profile = Profile {
     max_hold_s: 65_535.0,
     lands_by_beacon: false,
     takeoff_over_radius_m: None,
+    takeoff: command::NAV_TAKEOFF,
+    landing: command::NAV_LAND,
+    wing: NO_WING,
+};
+
+/// ArduPlane: 655 with home. Its NAV_DELAY ends at once when armed
+/// (`ModeAuto::verify_nav_delay`).
+static ARDUPLANE_PROFILE: Profile = Profile {
+    limits: Limits {
+        items: 654,
+        ..ARDUPILOT_PROFILE.limits
+    },
+    wing: Wing {
+        never_waits: true,
+        whole_numbers: true,
+        ..NO_WING
+    },
+    ..ARDUPILOT_PROFILE
+};
+
+/// ArduPlane on a QuadPlane: unless `Q_OPTIONS` says otherwise, a takeoff climbs by its
+/// altitude (`QuadPlane::do_vtol_takeoff`).
+static QUADPLANE_PROFILE: Profile = Profile {
+    takeoff: command::NAV_VTOL_TAKEOFF,
+    landing: command::NAV_VTOL_LAND,
+    wing: Wing {
+        takeoff_above_home: true,
+        ..ARDUPLANE_PROFILE.wing
+    },
+    ..ARDUPLANE_PROFILE
 };
 
 /// PX4: `dataman.h` holds 64 fence and 32 rally points.
@@ -135,26 +194,49 @@ static PX4_PROFILE: Profile = Profile {
     max_hold_s: 65_535.0,
     lands_by_beacon: true,
     takeoff_over_radius_m: Some(1.0),
+    takeoff: command::NAV_TAKEOFF,
+    landing: command::NAV_LAND,
+    wing: NO_WING,
+};
+
+/// PX4 on a fixed wing (`FeasibilityChecker::checkFixedWindLandApproach`).
+static PX4_PLANE_PROFILE: Profile = Profile {
+    wing: Wing {
+        needs_approach: true,
+        ..NO_WING
+    },
+    ..PX4_PROFILE
+};
+
+/// PX4 on a VTOL.
+static PX4_VTOL_PROFILE: Profile = Profile {
+    takeoff: command::NAV_VTOL_TAKEOFF,
+    landing: command::NAV_VTOL_LAND,
+    ..PX4_PROFILE
 };
 
 /// PX4's acceptance radius where the mission's parameters do not state it, metres.
 const DEFAULT_ACCEPTANCE_RADIUS_M: f32 = 10.0;
 
-fn profile(autopilot: Autopilot) -> &'static Profile {
-    match autopilot {
-        Autopilot::ArduPilot => &ARDUPILOT_PROFILE,
-        Autopilot::Px4 => &PX4_PROFILE,
+fn profile(autopilot: Autopilot, airframe: Airframe) -> &'static Profile {
+    match (autopilot, airframe) {
+        (Autopilot::ArduPilot, Airframe::Copter) => &ARDUPILOT_PROFILE,
+        (Autopilot::ArduPilot, Airframe::Plane) => &ARDUPLANE_PROFILE,
+        (Autopilot::ArduPilot, Airframe::Vtol) => &QUADPLANE_PROFILE,
+        (Autopilot::Px4, Airframe::Copter) => &PX4_PROFILE,
+        (Autopilot::Px4, Airframe::Plane) => &PX4_PLANE_PROFILE,
+        (Autopilot::Px4, Airframe::Vtol) => &PX4_VTOL_PROFILE,
     }
 }
 
-/// How many items an autopilot holds.
+/// How many items an autopilot holds, on any airframe.
 #[must_use]
 pub fn limits(autopilot: Autopilot) -> Limits {
-    profile(autopilot).limits
+    profile(autopilot, Airframe::Copter).limits
 }
 
 /// What was found and what is allowed.
-type Finding = (String, String);
+pub(super) type Finding = (String, String);
 
 /// One rule, for every item or for the mission as a whole.
 enum Check {
@@ -178,13 +260,18 @@ static RULES: &[(&str, Check)] = &[
     ("jump target", Check::Mission(jump_target)),
     ("takeoff first", Check::Mission(takeoff_first)),
     ("takeoff altitude", Check::Mission(takeoff_altitude)),
+    ("takeoff frame", Check::Item(wing::takeoff_frame)),
+    ("kind of landing", Check::Item(wing::kind_of_landing)),
+    ("departure delay", Check::Item(wing::departure_delay)),
+    ("whole numbers", Check::Item(wing::whole_numbers)),
+    ("landing approach", Check::Mission(wing::landing_approach)),
 ];
 
 /// Everything in a mission, its fence and its rally points that the autopilot
 /// would refuse or misread.
 #[must_use]
 pub fn problems(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
-    let profile = profile(mission.autopilot);
+    let profile = profile(mission.autopilot, mission.airframe);
     let mut found = Vec::new();
     for (rule, check) in RULES {
         let mut tell = |item, (found_text, allowed): Finding| {
@@ -361,12 +448,12 @@ fn takeoff_first(profile: &Profile, mission: &VehicleMission) -> Option<(usize, 
         profile.has_place(item) || item.command == command::NAV_RETURN_TO_LAUNCH
     })?;
     let found = mission.items[first].command;
-    (found != command::NAV_TAKEOFF).then(|| {
+    (found != profile.takeoff).then(|| {
         (
             first + 1,
             (
                 format!("command {found} before any takeoff"),
-                format!("command {} (takeoff)", command::NAV_TAKEOFF),
+                format!("command {} (takeoff)", profile.takeoff),
             ),
         )
     })
@@ -376,7 +463,7 @@ fn takeoff_altitude(profile: &Profile, mission: &VehicleMission) -> Option<(usiz
     let index = mission
         .items
         .iter()
-        .position(|item| item.command == command::NAV_TAKEOFF)?;
+        .position(|item| item.command == profile.takeoff)?;
     let item = &mission.items[index];
     let climb_m = match frame::canonical(item.frame) {
         frame::GLOBAL => item.z - mission.home.amsl_m,

@@ -81,7 +81,8 @@ const HOLD_S: f32 = 1.0;
 /// `routes` are start to goal and, with [`Finish::Return`], goal to over home,
 /// each at least two points. Waypoints keep `mission.tolerance_m` to them in three
 /// dimensions, the arcs at corners included; where corners are too tight for the
-/// turn radius the mission misses them least, and the verdict will say so.
+/// turn radius the mission misses them least, and the verdict will say so. Waypoints
+/// of turns join the routes of a plane or vtol to its takeoff and landing.
 /// Altitudes are whole quarters of a metre, rounded up.
 ///
 /// # Errors
@@ -114,7 +115,12 @@ pub fn build(
         vehicle: vehicle.id.clone(),
         source,
     };
-    let items = author.items(stations.home, routes).map_err(no_ground)?;
+    let items = if vehicle.airframe.has_wing() {
+        author.winged_items(stations, routes)
+    } else {
+        author.items(stations.home, routes)
+    };
+    let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
     let (fence, notes) = if spec.mission.fence {
         (fence::fence(spec), fence::not_encoded(spec))
@@ -229,10 +235,10 @@ fn count(
 }
 
 /// Writes the items of one mission.
-struct Author<'a> {
-    spec: &'a MissionSpec,
-    vehicle: &'a Vehicle,
-    encoder: &'a Encoder<'a>,
+pub(super) struct Author<'a> {
+    pub(super) spec: &'a MissionSpec,
+    pub(super) vehicle: &'a Vehicle,
+    pub(super) encoder: &'a Encoder<'a>,
 }
 
 impl Author<'_> {
@@ -276,7 +282,7 @@ impl Author<'_> {
     }
 
     /// Waits on the ground. The other parameters would be a time of day; -1 means none.
-    fn departure(&self) -> Vec<Item> {
+    pub(super) fn departure(&self) -> Vec<Item> {
         if self.vehicle.depart_s > 0.0 {
             let delay_s = float(self.vehicle.depart_s);
             vec![Item::without_place(
@@ -297,7 +303,7 @@ impl Author<'_> {
     }
 
     /// An item whose `param4` is a heading: PX4 keeps its own with NaN, ArduPilot drops it.
-    fn at(&self, command: u16, hold_s: f32, point: PlanPoint) -> Result<Item, NoData> {
+    pub(super) fn at(&self, command: u16, hold_s: f32, point: PlanPoint) -> Result<Item, NoData> {
         let heading = match self.vehicle.autopilot {
             Autopilot::ArduPilot => 0.0,
             Autopilot::Px4 => f32::NAN,
@@ -310,7 +316,7 @@ impl Author<'_> {
     ///
     /// Between waypoints an autopilot interpolates the altitude in the frame of the
     /// items, so the tolerance is kept in the reference of the mission.
-    fn route(&self, route: &[TimedPoint]) -> Result<Vec<PlanPoint>, NoData> {
+    pub(super) fn route(&self, route: &[TimedPoint]) -> Result<Vec<PlanPoint>, NoData> {
         let path = route
             .iter()
             .map(|sample| {
@@ -335,7 +341,7 @@ impl Author<'_> {
     }
 }
 
-fn float(value: f64) -> f32 {
+pub(super) fn float(value: f64) -> f32 {
     #[expect(
         clippy::cast_possible_truncation,
         reason = "parameters are float32 on the wire"

@@ -102,10 +102,20 @@ impl<'a> Encoder<'a> {
             x,
             y,
             z: match quarter_up(self.height_m(point)?) {
-                0.0 if command != command::NAV_LAND => 0.25,
+                0.0 if ![command::NAV_LAND, command::NAV_VTOL_LAND].contains(&command) => 0.25,
                 z => z,
             },
         })
+    }
+
+    /// The same item with its altitude above home, whatever the reference of the mission:
+    /// a QuadPlane takes the altitude of its takeoff for a height above where it stands.
+    pub(super) fn above_home(&self, item: Item, amsl: Amsl) -> Item {
+        Item {
+            frame: frame::GLOBAL_RELATIVE_ALT,
+            z: quarter_up(amsl.above_home(self.home_amsl()).0),
+            ..item
+        }
     }
 
     /// The point on the ground below.
@@ -121,7 +131,7 @@ impl<'a> Encoder<'a> {
         Amsl(f64::from(self.home.amsl_m))
     }
 
-    fn ground(&self, point: PlanPoint) -> Result<Amsl, NoData> {
+    pub(super) fn ground(&self, point: PlanPoint) -> Result<Amsl, NoData> {
         self.world
             .terrain
             .height(self.world.frame.from_plan(point.at))

@@ -19,6 +19,10 @@ pub mod command {
     pub const NAV_LAND: u16 = 21;
     /// Take off.
     pub const NAV_TAKEOFF: u16 = 22;
+    /// Climb vertically, then fly on the wing.
+    pub const NAV_VTOL_TAKEOFF: u16 = 84;
+    /// Stop flying on the wing, and land vertically.
+    pub const NAV_VTOL_LAND: u16 = 85;
     /// Wait, on the ground or in the air.
     pub const NAV_DELAY: u16 = 93;
     /// Jump to another item.

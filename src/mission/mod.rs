@@ -2,6 +2,7 @@
 
 mod accept;
 mod accept_fence;
+mod accept_wing;
 mod build;
 mod commands;
 mod encode;
@@ -10,6 +11,7 @@ mod item;
 mod legs;
 mod params;
 mod simplify;
+mod wing;
 
 pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
 pub use build::{MissionError, build};

@@ -1,10 +1,10 @@
 //! Autopilot parameters that the verdict assumes.
 //!
-//! Names as in ArduCopter 4.6 (centimetres) and PX4 1.16 to 1.18 (metres).
+//! Names as in ArduCopter 4.6 (centimetres), ArduPlane 4.6 (metres) and PX4 1.16 to 1.18 (metres).
 
 use super::item::Parameter;
 use crate::path::{SLOW_LANDING_M, VehicleLimits, slow_landing_mps};
-use crate::spec::{Autopilot, MissionOptions, Vehicle};
+use crate::spec::{Airframe, Autopilot, MissionOptions, Vehicle, Wing};
 
 /// Turn radius of a vehicle at its planned speed, metres.
 #[must_use]
@@ -24,11 +24,170 @@ pub(super) fn parameters(
     home_amsl_m: f64,
     has_fence: bool,
 ) -> Vec<Parameter> {
-    match vehicle.autopilot {
-        Autopilot::ArduPilot => ardupilot(vehicle, options, home_amsl_m, has_fence),
-        Autopilot::Px4 => px4(vehicle, options, home_amsl_m, has_fence),
+    match (vehicle.autopilot, vehicle.wing) {
+        (Autopilot::ArduPilot, None) => ardupilot(vehicle, options, home_amsl_m, has_fence),
+        (Autopilot::Px4, None) => px4(vehicle, options, home_amsl_m, has_fence),
+        (Autopilot::ArduPilot, Some(wing)) => arduplane(vehicle, &wing, has_fence),
+        (Autopilot::Px4, Some(wing)) => px4_wing(vehicle, &wing, options, has_fence),
     }
 }
+
+/// Bank at which the planned load factor is reached, degrees.
+fn bank_deg(vehicle: &Vehicle) -> f64 {
+    (1.0 / vehicle.max_load_factor).acos().to_degrees()
+}
+
+/// ArduPlane 4.6, and its QuadPlane.
+fn arduplane(vehicle: &Vehicle, wing: &Wing, has_fence: bool) -> Vec<Parameter> {
+    let mut list = List::default();
+    let (climb, descent) = ("planned climb, m/s", "planned descent, m/s");
+    list.add(
+        "AIRSPEED_CRUISE",
+        vehicle.speed_mps,
+        "planned speed, m/s: ground speed without wind",
+    );
+    list.add(
+        "ROLL_LIMIT_DEG",
+        bank_deg(vehicle),
+        "bank of max_load_factor",
+    );
+    list.add("TECS_CLMB_MAX", vehicle.climb_mps, climb);
+    list.add("TECS_SINK_MAX", vehicle.descent_mps, descent);
+    list.add(
+        "WP_RADIUS",
+        turn_radius_m(vehicle).ceil(),
+        "turns onto the next leg begin no further before a waypoint than this",
+    );
+    list.add(
+        "WP_LOITER_RAD",
+        wing.loiter_radius_m,
+        "radius of circles where no item states one",
+    );
+    if vehicle.airframe == Airframe::Vtol {
+        list.add(
+            "Q_WP_SPEED_UP",
+            vehicle.climb_mps * 100.0,
+            "planned climb on rotors, cm/s",
+        );
+        list.add(
+            "Q_WP_SPEED_DN",
+            vehicle.descent_mps * 100.0,
+            "planned descent on rotors, cm/s",
+        );
+        list.add(
+            "Q_LAND_FINAL_ALT",
+            SLOW_LANDING_M,
+            "height of the slow end of a landing, m",
+        );
+        list.add(
+            "Q_LAND_FINAL_SPD",
+            slow_landing_mps(vehicle.autopilot),
+            "speed of the slow end of a landing, m/s",
+        );
+    }
+    if has_fence {
+        list.add("FENCE_ENABLE", 1.0, "the fence that was written is watched");
+        list.add(
+            "FENCE_TYPE",
+            4.0,
+            "polygons and circles; altitudes are judged beforehand",
+        );
+        list.add(
+            "FENCE_ACTION",
+            0.0,
+            "report only: a return would fly a leg nobody judged",
+        );
+    }
+    list.parameters
+}
+
+/// PX4 fixed wing and VTOL.
+fn px4_wing(
+    vehicle: &Vehicle,
+    wing: &Wing,
+    options: &MissionOptions,
+    has_fence: bool,
+) -> Vec<Parameter> {
+    let mut list = List::default();
+    let (climb, descent) = ("planned climb, m/s", "planned descent, m/s");
+    list.add(
+        "FW_AIRSPD_TRIM",
+        vehicle.speed_mps,
+        "planned speed, m/s: ground speed without wind",
+    );
+    list.add("FW_R_LIM", bank_deg(vehicle), "bank of max_load_factor");
+    list.add("FW_T_CLMB_MAX", vehicle.climb_mps, climb);
+    list.add("FW_T_CLMB_R_SP", vehicle.climb_mps, climb);
+    list.add("FW_T_SINK_MAX", vehicle.descent_mps, descent);
+    list.add("FW_T_SINK_R_SP", vehicle.descent_mps, descent);
+    list.add(
+        "NAV_LOITER_RAD",
+        wing.loiter_radius_m,
+        "radius of circles where no item states one",
+    );
+    list.add(
+        ACCEPTANCE_RADIUS,
+        corner_cut_m(options),
+        "a waypoint is reached within this: mission.tolerance_m",
+    );
+    if let (Airframe::Plane, Some(landing)) = (vehicle.airframe, wing.landing) {
+        list.add(
+            STEEPEST_GLIDE,
+            landing.glide_rad.to_degrees(),
+            "steepest glide that is not refused: landing.glide_deg",
+        );
+    }
+    if vehicle.airframe == Airframe::Vtol {
+        list.add(
+            "MPC_Z_V_AUTO_UP",
+            vehicle.climb_mps,
+            "planned climb on rotors",
+        );
+        list.add(
+            "MPC_Z_V_AUTO_DN",
+            vehicle.descent_mps,
+            "planned descent on rotors",
+        );
+        list.add(
+            "MPC_Z_VEL_MAX_UP",
+            vehicle.climb_mps.max(3.0),
+            "must not be below MPC_Z_V_AUTO_UP",
+        );
+        list.add(
+            "MPC_Z_VEL_MAX_DN",
+            vehicle.descent_mps.max(1.5),
+            "must not be below MPC_Z_V_AUTO_DN",
+        );
+        list.add(
+            "MPC_TKO_SPEED",
+            vehicle.climb_mps,
+            "planned climb at takeoff",
+        );
+        list.add(
+            "MPC_LAND_SPEED",
+            slow_landing_mps(vehicle.autopilot),
+            "speed of the slow end of a landing",
+        );
+        if vehicle.depart_s > 0.0 {
+            list.add(
+                "COM_DISARM_PRFLT",
+                -1.0,
+                "stay armed on the ground until the departure",
+            );
+        }
+    }
+    if has_fence {
+        list.add(
+            "GF_ACTION",
+            2.0,
+            "hold at the fence: a return would fly a leg nobody judged",
+        );
+    }
+    list.parameters
+}
+
+/// PX4's steepest glide, degrees; a landing on a steeper one is refused.
+pub(super) const STEEPEST_GLIDE: &str = "FW_LND_ANG";
 
 fn ardupilot(
     vehicle: &Vehicle,

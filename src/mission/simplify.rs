@@ -131,6 +131,7 @@ mod tests {
             accel_mps2: 2.5,
             depart_s: 0.0,
             return_amsl: None,
+            wing: None,
         }
     }
 

@@ -1,10 +1,7 @@
 //! How tightly a vehicle may turn and how steeply it may climb.
 
 use crate::geodesy::Amsl;
-use crate::spec::{Airframe, Vehicle};
-
-/// Standard gravity, m/s^2.
-pub const GRAVITY_MPS2: f64 = 9.806_65;
+use crate::spec::{Airframe, Vehicle, turn_radius_by_load_m};
 
 /// What one vehicle can fly at its planned ground speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +47,10 @@ impl VehicleLimits {
     #[must_use]
     pub fn of(vehicle: &Vehicle) -> Self {
         let speed_mps = vehicle.speed_mps;
-        let by_load_m = speed_mps * speed_mps
-            / (GRAVITY_MPS2 * (vehicle.max_load_factor * vehicle.max_load_factor - 1.0).sqrt());
+        let by_load_m = turn_radius_by_load_m(speed_mps, vehicle.max_load_factor);
         let turn_radius_m = match vehicle.airframe {
             Airframe::Copter => by_load_m.max(speed_mps * speed_mps / vehicle.accel_mps2),
+            Airframe::Plane | Airframe::Vtol => by_load_m,
         };
         let slope = |angle_rad: Option<f64>, polynomial, vertical_mps: f64| SlopeLimit {
             shape: angle_rad.map_or(Shape::Polynomial(polynomial), |rad| Shape::Angle(rad.tan())),

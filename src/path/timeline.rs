@@ -6,7 +6,7 @@
 
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
-use crate::path::{SLOW_LANDING_M, TimedPoint, slow_landing_mps};
+use crate::path::{SLOW_LANDING_M, TimedPoint, slow_landing_mps, wing};
 use crate::spec::{Finish, Vehicle};
 use crate::world::Stations;
 
@@ -55,6 +55,16 @@ pub fn time_route(
 /// departure, its climb over home, and its way from there to the start.
 #[must_use]
 pub fn route_start_s(vehicle: &Vehicle, stations: &Stations) -> f64 {
+    if vehicle.airframe.has_wing() {
+        // The turn onto the route is that onto a straight one.
+        let straight = vec![stations.start, stations.goal];
+        let flown = flight(vehicle, stations, &[straight]);
+        return flown
+            .route_starts_s
+            .first()
+            .copied()
+            .unwrap_or(vehicle.depart_s);
+    }
     let mut points = Vec::new();
     take_off(&mut points, vehicle, stations);
     points.last().map_or(vehicle.depart_s, |last| last.t_s)
@@ -64,6 +74,9 @@ pub fn route_start_s(vehicle: &Vehicle, stations: &Stations) -> f64 {
 /// [`Finish::Return`] a second one from the goal to over home.
 #[must_use]
 pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Flight {
+    if vehicle.airframe.has_wing() {
+        return winged(vehicle, stations, routes);
+    }
     let mut points = Vec::new();
     take_off(&mut points, vehicle, stations);
     let mut route_starts_s = Vec::with_capacity(routes.len());
@@ -87,6 +100,65 @@ pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>])
         points,
         route_starts_s,
         loiters,
+    }
+}
+
+/// The flight of a plane or vtol: turns join the routes to takeoff, approach and each
+/// other, here along the tangents of their arcs. Circling for ever is staying at the middle.
+fn winged(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Flight {
+    let mut points = vec![TimedPoint {
+        point: stations.home,
+        t_s: vehicle.depart_s,
+    }];
+    let way = wing::way(vehicle, stations, routes);
+    let loiters = vehicle.finish == Finish::Loiter;
+    match &way.climb {
+        Some(climb) => {
+            points.push(TimedPoint {
+                point: PlanPoint {
+                    at: climb.lift_off,
+                    ..stations.home
+                },
+                t_s: vehicle.depart_s + climb.run_s,
+            });
+            append_at_speed(&mut points, &way.points, vehicle.speed_mps);
+        }
+        None => {
+            lift(&mut points, stations.start.amsl, vehicle.climb_mps);
+            append_route(&mut points, &way.points, vehicle);
+        }
+    }
+    let route_starts_s = routes
+        .iter()
+        .filter_map(|route| {
+            let at_start = |timed: &&TimedPoint| Some(&timed.point) == route.first();
+            points.iter().find(at_start).map(|timed| timed.t_s)
+        })
+        .collect();
+    if let Some(&last) = points.last() {
+        if loiters {
+            points.push(TimedPoint {
+                t_s: f64::INFINITY,
+                ..last
+            });
+        } else if way.climb.is_none() {
+            land(&mut points, way.touchdown.amsl, vehicle);
+        }
+    }
+    Flight {
+        points,
+        route_starts_s,
+        loiters,
+    }
+}
+
+/// A polyline at constant ground speed, begun where the last point is.
+fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], speed_mps: f64) {
+    for &point in way {
+        if let Some(&last) = points.last() {
+            let t_s = last.t_s + last.point.at.distance_m(point.at) / speed_mps;
+            points.push(TimedPoint { point, t_s });
+        }
     }
 }
 
@@ -259,6 +331,7 @@ mod tests {
             accel_mps2: 2.0,
             depart_s: 30.0,
             return_amsl: None,
+            wing: None,
         }
     }
 
@@ -272,6 +345,7 @@ mod tests {
             home: at(-100.0, 100.0),
             start: at(0.0, 180.0),
             goal: at(1000.0, 200.0),
+            landing: at(1000.0, 200.0).at,
             goal_ground: Amsl(120.0),
         }
     }

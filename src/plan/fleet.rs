@@ -7,8 +7,8 @@ use super::{FleetPlan, Route, VehiclePlan};
 use crate::cost::{CostTerms, Leg, Margins};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::{Basis, Seed};
-use crate::path::{Flight, flight, route_start_s, time_route};
-use crate::spec::{Finish, MissionSpec};
+use crate::path::{Flight, flight, homeward_end, route_start_s, time_route};
+use crate::spec::{Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
 
 /// Points of a planned path, spread evenly over the spline's parameter.
@@ -114,15 +114,11 @@ fn extend(
 }
 
 /// Where the routes of a vehicle begin and end.
-fn legs(finish: Finish, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
-    let over_home = PlanPoint {
-        at: stations.home.at,
-        amsl: stations.start.amsl,
-    };
+fn legs(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
     let out = (stations.start, stations.goal);
-    match finish {
+    match vehicle.finish {
         Finish::Land | Finish::Loiter => vec![out],
-        Finish::Return => vec![out, (stations.goal, over_home)],
+        Finish::Return => vec![out, (stations.goal, homeward_end(vehicle, stations))],
     }
 }
 
@@ -135,7 +131,7 @@ fn plan_vehicle(
     earlier: &[Flight],
 ) -> VehiclePlan {
     let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
-    let legs = legs(vehicle.finish, stations);
+    let legs = legs(vehicle, stations);
     let mut start_s = route_start_s(vehicle, stations);
     let mut plan = VehiclePlan {
         routes: Vec::new(),

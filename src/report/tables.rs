@@ -162,6 +162,8 @@ fn autopilot(vehicle: &Vehicle) -> String {
     };
     let airframe = match vehicle.airframe {
         Airframe::Copter => "copter",
+        Airframe::Plane => "plane",
+        Airframe::Vtol => "VTOL",
     };
     format!(
         "{autopilot} {airframe}<small>system {}, {} m/s</small>",

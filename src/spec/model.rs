@@ -148,7 +148,8 @@ pub struct Vehicle {
     pub home: LatLon,
     /// Where the planned path begins, airborne.
     pub start: EndPoint,
-    /// Where the planned path ends, airborne.
+    /// Where the planned path ends, airborne. A plane that lands touches down at this place,
+    /// and its glide begins at this height.
     pub goal: EndPoint,
     /// What happens at the goal.
     pub finish: Finish,
@@ -170,6 +171,67 @@ pub struct Vehicle {
     pub depart_s: f64,
     /// Only with it may NAV_RETURN_TO_LAUNCH be written.
     pub return_amsl: Option<Amsl>,
+    /// What only planes and vtol have; none for a copter.
+    pub wing: Option<Wing>,
+}
+
+/// How a plane or vtol takes off, circles and lands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wing {
+    /// Course of the takeoff run and climb, radians clockwise from north. Every plane has
+    /// one; a vtol without one leaves its vertical climb in whichever direction is best.
+    pub takeoff_heading_rad: Option<f64>,
+    /// Every plane that lands has one; a vtol without one lands from whichever direction it comes.
+    pub landing: Option<Landing>,
+    /// Radius of circling, metres, not below the turn radius.
+    pub loiter_radius_m: f64,
+}
+
+/// The straight approach to a landing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    /// Course of the approach, radians clockwise from north.
+    pub heading_rad: f64,
+    /// Angle of a plane's glide, radians, positive.
+    pub glide_rad: f64,
+}
+
+/// The last way to a landing, both lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ApproachLengths {
+    /// The straight way on the course of the landing: a plane's glide, or the stretch on
+    /// which a vtol slows down.
+    pub straight_m: f64,
+    /// Before it, for the turn onto that course: here the planned path ends.
+    pub gate_m: f64,
+}
+
+impl Vehicle {
+    /// How long the approach from a height above touchdown is; none for a copter, and for a
+    /// vtol that may come from any direction.
+    #[must_use]
+    pub fn approach_lengths(&self, height_m: f64) -> Option<ApproachLengths> {
+        let wing = self.wing?;
+        let landing = wing.landing?;
+        let straight_m = match self.airframe {
+            Airframe::Copter => return None,
+            Airframe::Plane => height_m.max(0.0) / landing.glide_rad.tan(),
+            Airframe::Vtol => self.speed_mps * self.speed_mps / (2.0 * self.accel_mps2),
+        };
+        Some(ApproachLengths {
+            straight_m,
+            gate_m: 3.0 * wing.loiter_radius_m,
+        })
+    }
+}
+
+/// Standard gravity, m/s^2.
+pub const GRAVITY_MPS2: f64 = 9.806_65;
+
+/// Turn radius at a speed and load factor, `v^2 / (g sqrt(n^2 - 1))`, metres.
+#[must_use]
+pub fn turn_radius_by_load_m(speed_mps: f64, load_factor: f64) -> f64 {
+    speed_mps * speed_mps / (GRAVITY_MPS2 * (load_factor * load_factor - 1.0).sqrt())
 }
 
 /// A point of the path, with its altitude as the spec states it.
@@ -204,6 +266,21 @@ pub enum Autopilot {
 pub enum Airframe {
     /// Multicopter.
     Copter,
+    /// Fixed wing: takes off along a course and lands on a glide.
+    Plane,
+    /// Takes off and lands vertically, flies on its wing between.
+    Vtol,
+}
+
+impl Airframe {
+    /// Whether it flies on a wing on its way: it cannot stop, and circles where a copter hovers.
+    #[must_use]
+    pub fn has_wing(self) -> bool {
+        match self {
+            Self::Copter => false,
+            Self::Plane | Self::Vtol => true,
+        }
+    }
 }
 
 /// How a vehicle is reached.

@@ -138,6 +138,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
                 home: on_ground(mover.start.at),
                 start: mover.start,
                 goal: mover.goal,
+                landing: mover.goal.at,
                 goal_ground: on_ground(mover.goal.at).amsl,
             })
             .collect(),
@@ -206,6 +207,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         accel_mps2: AT_ONCE_MPS2,
         depart_s: 0.0,
         return_amsl: None,
+        wing: None,
     }
 }
 

@@ -32,6 +32,9 @@ pub(super) struct Chord {
     pub(super) bow_m: f64,
     /// Height above ground at both ends where the vehicle follows the terrain, metres.
     pub(super) agl_m: Option<(f64, f64)>,
+    /// Altitude of the ground from which this chord climbs out, or to which it glides, if it
+    /// does, metres: height above ground is judged against that on the way.
+    pub(super) slope_from_m: Option<f64>,
     /// Whether the vehicle is on the ground at the lower end.
     pub(super) grounded: bool,
     /// Whether it is flown: the ends of a leg beside a fillet are judged in space, not in time.

@@ -4,7 +4,7 @@
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};
 use crate::path::VehicleLimits;
-use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
+use crate::spec::{Airframe, Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
 
 use super::chord::{Chord, Phase};
@@ -45,12 +45,13 @@ impl Contract<'_> {
         margins.extend(self.speed());
         margins.extend(self.slopes());
         margins.extend(self.turns());
+        margins.extend(self.wing());
         margins.extend(self.acceptance_radius());
         margins.extend(self.fence_complete());
         margins
     }
 
-    fn id(&self) -> &str {
+    pub(super) fn id(&self) -> &str {
         &self.vehicle.id
     }
 
@@ -228,19 +229,42 @@ impl Contract<'_> {
             }
         };
         let route = &self.flight.route;
+        // Turns lead a wing onto its route and off it again.
+        let has_wing = self.vehicle.airframe.has_wing();
         let ends = match self.vehicle.finish {
             // The goal is on the way.
             Finish::Return => route.as_slice(),
+            Finish::Land | Finish::Loiter if has_wing => route.as_slice(),
             Finish::Land | Finish::Loiter => &route[route.len().saturating_sub(1)..],
         };
-        let first = &route[..route.len().min(1)];
+        let first = if has_wing {
+            route.as_slice()
+        } else {
+            &route[..route.len().min(1)]
+        };
         let mut margins: Vec<Margin> = near(first, self.stations.start, "start")
             .into_iter()
             .collect();
         if self.flight.unknown.is_none() {
-            margins.extend(near(ends, self.stations.goal, "goal"));
+            margins.extend(near(ends, self.goal(), "goal"));
         }
         margins
+    }
+
+    /// Where the route ends: a vtol that lands from any direction flies its last stretch at
+    /// the height that it has.
+    fn goal(&self) -> PlanPoint {
+        let goal = self.stations.goal;
+        let levels = self.vehicle.airframe == Airframe::Vtol
+            && self.vehicle.finish == Finish::Land
+            && self.vehicle.wing.is_some_and(|wing| wing.landing.is_none());
+        match self.flight.route.last() {
+            Some(last) if levels => PlanPoint {
+                amsl: last.point.amsl,
+                ..goal
+            },
+            _ => goal,
+        }
     }
 
     /// Lands, or stays, where the spec says.
@@ -248,7 +272,7 @@ impl Contract<'_> {
         let end = self.flight.end?;
         let last = self.flight.chords.last()?;
         let (wanted, lands) = match self.vehicle.finish {
-            Finish::Land => (self.stations.goal.at, true),
+            Finish::Land => (self.stations.landing, true),
             Finish::Return => (self.stations.home.at, true),
             Finish::Loiter => (self.stations.goal.at, false),
         };
@@ -279,7 +303,9 @@ impl Contract<'_> {
     /// The delay before takeoff against `depart_s`, where the autopilot keeps one.
     fn departure(&self) -> Option<Margin> {
         let first = self.flight.chords.first()?;
-        if self.flight.delay_s.is_none() && self.mission.autopilot == Autopilot::Px4 {
+        let waits_elsewhere =
+            self.mission.autopilot == Autopilot::Px4 || self.vehicle.airframe.has_wing();
+        if self.flight.delay_s.is_none() && waits_elsewhere {
             return None;
         }
         let encoded_s = self.flight.delay_s.unwrap_or(0.0);
@@ -306,16 +332,14 @@ impl Contract<'_> {
             };
             let at = || chord.moment(&self.world.frame, 0.0);
             match (cruise.speed_mps, self.mission.autopilot) {
-                (Some(speed_mps), _) => worst.at_most(
-                    (speed_mps - self.vehicle.speed_mps).abs(),
-                    SPEED_MPS,
-                    at,
-                ),
+                (Some(speed_mps), _) => {
+                    worst.at_most((speed_mps - self.vehicle.speed_mps).abs(), SPEED_MPS, at)
+                }
                 // Its cruise parameter is assumed: PX4 misbehaved with speed items.
                 (None, Autopilot::Px4) => worst.at_most(0.0, SPEED_MPS, at),
                 (None, Autopilot::ArduPilot) => worst.unknown(
                     SPEED_MPS,
-                    "no DO_CHANGE_SPEED before it and no WPNAV_SPEED: the speed is the vehicle's own"
+                    "no DO_CHANGE_SPEED before it and no parameter: the speed is the vehicle's own"
                         .to_owned(),
                     at(),
                 ),

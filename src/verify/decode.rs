@@ -1,5 +1,6 @@
 //! What the items tell the vehicle to do, read as the autopilot reads them.
 
+use super::wing;
 use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
 use crate::mission::{Item, VehicleMission, command, command_name, frame};
 use crate::spec::Autopilot;
@@ -17,7 +18,8 @@ pub(super) enum Height {
 /// What one item makes the vehicle do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Order {
-    /// Climb straight up; PX4 then moves to the item's place.
+    /// Climb: straight up, or a plane along its course. PX4 then moves to the item's place,
+    /// a plane towards it.
     Takeoff { at: Option<LatLon>, height: Height },
     /// Fly to a place and stay there for a time; 0 means pass by.
     Fly {
@@ -25,8 +27,13 @@ pub(super) enum Order {
         height: Height,
         hold_s: f64,
     },
-    /// Fly to a place and stay for ever.
-    Stay { at: LatLon, height: Height },
+    /// Fly to a place and stay for ever; on a wing, circle around it, clockwise where the
+    /// radius (metres) is positive.
+    Stay {
+        at: LatLon,
+        height: Height,
+        radius_m: Option<f64>,
+    },
     /// Wait where the vehicle is.
     Wait { hold_s: f64 },
     /// Land there, or where the vehicle is.
@@ -87,7 +94,12 @@ pub(super) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
             }
             _ => {}
         }
-        match read(item, mission.autopilot, home) {
+        let order = if mission.airframe.has_wing() {
+            wing::read(item, mission, home)
+        } else {
+            read(item, mission.autopilot, home)
+        };
+        match order {
             Ok(order) => steps.push(Step { row, order }),
             Err(why) => return (steps, unknown(why)),
         }
@@ -181,6 +193,7 @@ const WITHOUT_MOTION: &[u16] = &[
     2000, 2001, 2500, 2501, // images and video
 ];
 
+<<<<<<< HEAD
 /// Why the motion after some commands is not known.
 const UNKNOWN_MOTION: &[(u16, &str)] = &[
     (82, "the curve of NAV_SPLINE_WAYPOINT is not known"),
@@ -191,6 +204,9 @@ const UNKNOWN_MOTION: &[(u16, &str)] = &[
 ];
 
 fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
+=======
+pub(super) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
+>>>>>>> a3002ec (A plane: takeoff along a course, turns onto the route, a glide to the ground, from spec to verdict)
     // PX4 holds at such an item until told otherwise; ArduPilot keeps no such flag.
     if autopilot == Autopilot::Px4 && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
@@ -218,6 +234,7 @@ fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> 
         command::NAV_LOITER_UNLIM => Ok(Order::Stay {
             at: place(item)?,
             height: own_height(item, autopilot, home)?,
+            radius_m: None,
         }),
         command::NAV_LAND if here => Ok(Order::Land { at: None }),
         command::NAV_LAND => {
@@ -309,7 +326,7 @@ pub(super) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<He
 ///
 /// To ArduPilot an altitude of 0 cm there is no altitude: the vehicle keeps the one
 /// it has (ArduCopter `ModeAuto::loc_from_cmd`), whatever the frame.
-fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
+pub(super) fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
     let height = height(item, autopilot, home)?;
     if autopilot == Autopilot::ArduPilot && (f64::from(item.z) * 100.0).abs() < 1.0 {
         return Err(format!(

@@ -48,6 +48,14 @@ pub(super) struct Mark {
     pub(super) t_s: f64,
 }
 
+/// The circle that a wing keeps for ever.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Circle {
+    pub(super) radius_m: f64,
+    /// Index of the chord that stands for it.
+    pub(super) chord: usize,
+}
+
 /// How the flight ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum End {
@@ -80,6 +88,11 @@ pub(super) struct Flight {
     /// Delay before takeoff in the items, seconds.
     pub(super) delay_s: Option<f64>,
     pub(super) end: Option<End>,
+    /// Course of a plane's takeoff, radians clockwise from north.
+    pub(super) takeoff_rad: Option<f64>,
+    /// Course and angle of a plane's glide to its landing, radians.
+    pub(super) landing: Option<(f64, f64)>,
+    pub(super) circle: Option<Circle>,
     /// From where on the flight is not known.
     pub(super) unknown: Option<Unknown>,
     /// Whether the altitude above ground is the vehicle's own doing somewhere.

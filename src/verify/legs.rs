@@ -24,6 +24,8 @@ pub(super) struct Knot {
     pub(super) speed_is_known: bool,
     /// Part of the flight of the leg that leads here.
     pub(super) phase: Phase,
+    /// Altitude of the ground that the leg that leads here climbs from or glides to, metres.
+    pub(super) slope_from_m: Option<f64>,
 }
 
 /// A corner between two legs and the circle that rounds it.
@@ -153,15 +155,16 @@ impl Piece {
     }
 }
 
-/// The flight along knots, at rest at the first and the last; legs are longer than 0.
-pub(super) fn run(knots: &[Knot], vehicle: &Vehicle) -> Run {
+/// The flight along knots, with given speeds at the first and the last (0 at rest); legs
+/// are longer than 0.
+pub(super) fn run(knots: &[Knot], vehicle: &Vehicle, ends_mps: (f64, f64)) -> Run {
     let legs: Vec<f64> = knots
         .windows(2)
         .map(|pair| pair[0].at.distance_m(pair[1].at))
         .collect();
     let mut corners = corners(knots, vehicle);
     let rooms = fit(&mut corners, &legs);
-    let passing = passing_speeds(knots, &legs, &corners, vehicle.accel_mps2);
+    let passing = passing_speeds(knots, &legs, &corners, vehicle.accel_mps2, ends_mps);
     let mut found = Run {
         pieces: Vec::new(),
         rooms,
@@ -255,12 +258,20 @@ fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
 }
 
 /// The speed at each knot: no faster than either leg, and what the acceleration allows.
-fn passing_speeds(knots: &[Knot], legs: &[f64], corners: &[Corner], accel_mps2: f64) -> Vec<f64> {
+fn passing_speeds(
+    knots: &[Knot],
+    legs: &[f64],
+    corners: &[Corner],
+    accel_mps2: f64,
+    ends_mps: (f64, f64),
+) -> Vec<f64> {
     let last = knots.len() - 1;
     let mut speeds: Vec<f64> = (0..=last)
         .map(|index| {
-            if index == 0 || index == last {
-                0.0
+            if index == 0 {
+                ends_mps.0
+            } else if index == last {
+                ends_mps.1
             } else {
                 knots[index].speed_mps.min(knots[index + 1].speed_mps)
             }

@@ -64,6 +64,7 @@
 
 mod chord;
 mod contract;
+mod contract_wing;
 mod decode;
 mod doubt;
 mod fence;
@@ -78,6 +79,8 @@ mod ribbon;
 mod separation;
 mod space;
 mod surface;
+mod wing;
+mod winged;
 mod worst;
 
 pub use review::review;

@@ -3,7 +3,7 @@
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::VehicleMission;
 use crate::path::{SLOW_LANDING_M, slow_landing_mps};
-use crate::spec::{Autopilot, Vehicle};
+use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
 use super::chord::Phase;
@@ -40,6 +40,7 @@ pub(super) fn fly(
         phase: Phase::Join,
         speed_mps: known_speed_mps(mission),
         knots: Vec::new(),
+        moving_mps: 0.0,
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.ribbon.chords;
@@ -52,29 +53,33 @@ fn known_speed_mps(mission: &VehicleMission) -> Option<f64> {
         let found = mission.params.iter().find(|param| param.name == name)?;
         Some(f64::from(found.value))
     };
-    match mission.autopilot {
-        Autopilot::ArduPilot => of("WPNAV_SPEED").map(|cm| cm / 100.0),
-        Autopilot::Px4 => of("MPC_XY_CRUISE"),
+    match (mission.autopilot, mission.airframe.has_wing()) {
+        (Autopilot::ArduPilot, false) => of("WPNAV_SPEED").map(|cm| cm / 100.0),
+        (Autopilot::Px4, false) => of("MPC_XY_CRUISE"),
+        (Autopilot::ArduPilot, true) => of("AIRSPEED_CRUISE"),
+        (Autopilot::Px4, true) => of("FW_AIRSPD_TRIM"),
     }
     .filter(|speed| speed.is_finite() && *speed > 0.0)
 }
 
-struct Pilot<'a> {
-    vehicle: &'a Vehicle,
-    world: &'a World,
-    ribbon: Ribbon<'a>,
-    stations: &'a Stations,
+pub(super) struct Pilot<'a> {
+    pub(super) vehicle: &'a Vehicle,
+    pub(super) world: &'a World,
+    pub(super) ribbon: Ribbon<'a>,
+    pub(super) stations: &'a Stations,
     tolerance_m: f64,
-    flight: Flight,
-    home: PlanPoint,
-    airborne: bool,
+    pub(super) flight: Flight,
+    pub(super) home: PlanPoint,
+    pub(super) airborne: bool,
     /// Landed or staying: nothing follows.
-    ended: bool,
-    phase: Phase,
+    pub(super) ended: bool,
+    pub(super) phase: Phase,
     /// Commanded ground speed, if known.
     speed_mps: Option<f64>,
-    /// Where the vehicle last stopped, and where it goes from there.
-    knots: Vec<Knot>,
+    /// Where the vehicle last stopped, or left the ground, and where it goes from there.
+    pub(super) knots: Vec<Knot>,
+    /// Ground speed at the first knot, m/s; 0 at rest.
+    pub(super) moving_mps: f64,
 }
 
 impl Pilot<'_> {
@@ -120,11 +125,17 @@ impl Pilot<'_> {
             Order::Wait { hold_s } if !self.airborne => {
                 *self.flight.delay_s.get_or_insert(0.0) += hold_s;
             }
+            Order::Wait { .. } if self.vehicle.airframe.has_wing() => {
+                return unknown("a wait in the air, on a wing");
+            }
             Order::Wait { hold_s } => {
                 self.stop()?;
                 self.hold(row, hold_s);
             }
             Order::Takeoff { .. } if self.airborne => return unknown("a second takeoff"),
+            Order::Takeoff { at, height } if self.vehicle.airframe == Airframe::Plane => {
+                self.climb_out(row, at, height)?;
+            }
             Order::Takeoff { at, height } => self.take_off(row, at, height, mission.autopilot)?,
             _ if !self.airborne => return unknown("no takeoff before it"),
             Order::Fly { at, height, hold_s } => {
@@ -134,9 +145,17 @@ impl Pilot<'_> {
                     self.hold(row, hold_s);
                 }
             }
-            Order::Stay { at, height } => {
+            Order::Stay {
+                at,
+                height,
+                radius_m: Some(radius_m),
+            } => self.circle(row, at, height, radius_m)?,
+            Order::Stay { at, height, .. } => {
                 self.head_for(row, at, height)?;
                 self.finish(row)?;
+            }
+            Order::Land { at: Some(at) } if self.vehicle.airframe == Airframe::Plane => {
+                self.glide(row, at)?;
             }
             Order::Land { at } => self.land(row, at)?,
             Order::Return => self.return_home(row, mission)?,
@@ -156,6 +175,9 @@ impl Pilot<'_> {
         self.ribbon.t_s = match (self.flight.delay_s, autopilot) {
             (Some(delay_s), _) => delay_s,
             (None, Autopilot::Px4) => self.vehicle.depart_s,
+            (None, Autopilot::ArduPilot) if self.vehicle.airframe.has_wing() => {
+                self.vehicle.depart_s
+            }
             (None, Autopilot::ArduPilot) => 0.0,
         };
         let home = self.home;
@@ -204,7 +226,7 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    fn append(&mut self, knot: Knot) -> Result<(), Unknown> {
+    pub(super) fn append(&mut self, knot: Knot) -> Result<(), Unknown> {
         let last = self.last();
         if knot.at.distance_m(last.at) > SAME_PLACE_M {
             self.knots.push(knot);
@@ -289,6 +311,12 @@ impl Pilot<'_> {
                 why: "no takeoff".to_owned(),
             });
         }
+        if self.vehicle.airframe.has_wing() {
+            return Err(Unknown {
+                row,
+                why: "the mission ends in the air, and a wing does not stay".to_owned(),
+            });
+        }
         self.stop()?;
         self.hold(row, f64::INFINITY);
         self.ended = true;
@@ -335,7 +363,13 @@ impl Pilot<'_> {
     }
 
     /// Flies the legs that were gathered, to a stop at the last knot.
-    fn stop(&mut self) -> Result<(), Unknown> {
+    pub(super) fn stop(&mut self) -> Result<(), Unknown> {
+        self.fly_to_last(0.0)
+    }
+
+    /// Flies the legs that were gathered, and has a speed at the last knot.
+    pub(super) fn fly_to_last(&mut self, last_mps: f64) -> Result<(), Unknown> {
+        let ends_mps = (self.moving_mps, last_mps);
         let knots = std::mem::take(&mut self.knots);
         if let Some(&last) = knots.last() {
             self.knots = vec![last];
@@ -343,7 +377,8 @@ impl Pilot<'_> {
         if knots.len() < 2 {
             return Ok(());
         }
-        let run = legs::run(&knots, self.vehicle);
+        self.moving_mps = last_mps;
+        let run = legs::run(&knots, self.vehicle, ends_mps);
         let lines = knots
             .windows(2)
             .map(|pair| self.ribbon.altitude_line(&pair[0], &pair[1]))
@@ -369,7 +404,7 @@ impl Pilot<'_> {
     }
 
     /// Altitude above the sea, and above the ground if the item says so.
-    fn resolve(
+    pub(super) fn resolve(
         &self,
         row: usize,
         place: LatLon,
@@ -384,7 +419,7 @@ impl Pilot<'_> {
     }
 
     /// Planning coordinates of a place that is near enough to have any.
-    fn reach(&self, row: usize, place: LatLon) -> Result<EastNorth, Unknown> {
+    pub(super) fn reach(&self, row: usize, place: LatLon) -> Result<EastNorth, Unknown> {
         let origin = self.world.frame.origin();
         let away_m = (place.to_ecef(0.0) - origin.to_ecef(0.0)).norm();
         if away_m <= REACH_M {
@@ -397,7 +432,7 @@ impl Pilot<'_> {
         }
     }
 
-    fn knot(&self, row: usize, at: EastNorth, amsl_m: f64, agl_m: Option<f64>) -> Knot {
+    pub(super) fn knot(&self, row: usize, at: EastNorth, amsl_m: f64, agl_m: Option<f64>) -> Knot {
         Knot {
             row,
             at,
@@ -406,10 +441,11 @@ impl Pilot<'_> {
             speed_mps: self.speed_mps.unwrap_or(self.vehicle.speed_mps),
             speed_is_known: self.speed_mps.is_some(),
             phase: self.phase,
+            slope_from_m: None,
         }
     }
 
-    fn last(&self) -> Knot {
+    pub(super) fn last(&self) -> Knot {
         self.knots
             .last()
             .copied()
@@ -421,7 +457,7 @@ impl Pilot<'_> {
     }
 
     /// Notes where the vehicle is as a point of the route.
-    fn mark(&mut self) {
+    pub(super) fn mark(&mut self) {
         let last = self.last();
         self.flight.route.push(Mark {
             point: last.point(),

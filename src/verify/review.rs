@@ -173,7 +173,13 @@ impl<'a> Sortie<'a> {
     /// Evenly in time, so that all is smooth, and no more than a page can draw.
     fn track(&self, world: &World) -> Track {
         let mut moments: Vec<Moment> = Vec::new();
-        let flown: Vec<_> = self.flight.chords.iter().filter(|c| c.flown).collect();
+        // A circle that is kept for ever is drawn once.
+        let circles = self.flight.circle.map(|circle| circle.chord);
+        let chords = self.flight.chords.iter().enumerate();
+        let flown: Vec<_> = chords
+            .filter(|(index, chord)| chord.flown && Some(*index) != circles)
+            .map(|(_, chord)| chord)
+            .collect();
         if let (Some(first), Some(last)) = (flown.first(), flown.last()) {
             let (from_s, to_s) = (first.from_s, last.to_s);
             let mut next = 0;
@@ -264,15 +270,15 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
                 .any(|cruise| cruise.speed_mps.is_none())
                 && s.mission.autopilot == Autopilot::Px4
         }),
-        "PX4 flies with the speed of the spec: MPC_XY_CRUISE as in its .params file",
+        "PX4 flies with the speed of the spec: MPC_XY_CRUISE (on a wing FW_AIRSPD_TRIM) as in its .params file",
     );
     add(
         any(|s| {
-            s.mission.autopilot == Autopilot::Px4
-                && s.flight.delay_s.is_none()
-                && s.vehicle.depart_s > 0.0
+            let waits_elsewhere =
+                s.mission.autopilot == Autopilot::Px4 || s.vehicle.airframe.has_wing();
+            waits_elsewhere && s.flight.delay_s.is_none() && s.vehicle.depart_s > 0.0
         }),
-        "PX4 vehicles are started depart_s after T0 by whoever launches them",
+        "PX4 vehicles, planes and vtol are started depart_s after T0 by whoever launches them",
     );
     add(
         any(|s| s.holds(command::NAV_RETURN_TO_LAUNCH)),
@@ -291,7 +297,27 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         "vehicles that follow the terrain have the same elevation data and keep their height above it exactly",
     );
     add(
-        any(|s| matches!(s.flight.end, Some(End::Stays(_)))),
+        any(|s| s.flight.takeoff_rad.is_some()),
+        "a plane stands on the course of its takeoff, runs with accel_mps2 on the ground, and climbs straight at its planned speed with climb_mps, no steeper than max_climb_deg, to the height of the takeoff item",
+    );
+    add(
+        any(|s| s.vehicle.airframe.has_wing()),
+        "a wing flies at its planned speed all the way, without wind, and turns with max_load_factor; turns of more than a right angle follow waypoints on the way around",
+    );
+    add(
+        any(|s| s.flight.landing.is_some()),
+        "a plane glides straight from the waypoint before its landing to the place of the landing: flare and roll are not judged; on a climb-out or glide the ground must stay half of the height above the runway below the vehicle, until that is min_agl_m",
+    );
+    add(
+        any(|s| s.flight.circle.is_some()),
+        "a circle is entered between its tangent and the straight way to its middle, and from then on the vehicle may be anywhere on it",
+    );
+    add(
+        any(|s| s.vehicle.airframe == Airframe::Vtol),
+        "a vtol climbs and lands vertically over its places, with climb_mps and descent_mps, and speeds up and slows down on its way with accel_mps2",
+    );
+    add(
+        any(|s| matches!(s.flight.end, Some(End::Stays(_))) && s.flight.circle.is_none()),
         "a vehicle that loiters, or whose mission ends in the air, hovers there for ever",
     );
     add(

@@ -70,6 +70,7 @@ impl<'a> Ribbon<'a> {
             error_m: 0.0,
             bow_m: 0.0,
             agl_m: None,
+            slope_from_m: None,
             grounded,
             flown: true,
         });
@@ -128,6 +129,7 @@ impl<'a> Ribbon<'a> {
                 Shape::Arc { .. } => error_m,
             },
             agl_m: None,
+            slope_from_m: knots[piece.leg + 1].slope_from_m,
             grounded: false,
             flown: true,
         };
@@ -175,6 +177,7 @@ impl<'a> Ribbon<'a> {
                 error_m: 0.0,
                 bow_m: 0.0,
                 agl_m: None,
+                slope_from_m: knot.slope_from_m,
                 grounded: false,
                 flown: false,
             };

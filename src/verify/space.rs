@@ -12,6 +12,10 @@ use super::surface::Surface;
 use super::worst::Worst;
 use super::{Margin, Moment};
 
+/// Along a climb-out or glide the ground must stay this share of the height above the runway
+/// below the vehicle, until that is the minimum height.
+pub(super) const SLOPE_SHARE: f64 = 0.5;
+
 /// Everything that stands still, ready to be measured against.
 pub(super) struct Space<'a> {
     pub(super) spec: &'a MissionSpec,
@@ -25,6 +29,7 @@ pub(super) struct Space<'a> {
 /// The worst values of one flight so far.
 struct Found {
     clearance: Worst,
+    slope: Worst,
     contact: Worst,
     ceiling: Worst,
     threats: Vec<Worst>,
@@ -57,6 +62,7 @@ impl<'a> Space<'a> {
     pub(super) fn margins(&self, id: &str, flight: &Flight, fence: &Fence) -> Vec<Margin> {
         let mut found = Found {
             clearance: Worst::default(),
+            slope: Worst::default(),
             contact: Worst::default(),
             ceiling: Worst::default(),
             threats: vec![Worst::default(); self.threats.len()],
@@ -100,6 +106,7 @@ impl<'a> Space<'a> {
         });
         [
             clearance,
+            single(found.slope, "takeoff and landing clearance"),
             single(found.contact, "ground contact"),
             single(found.ceiling, "ceiling"),
         ]
@@ -117,9 +124,10 @@ impl<'a> Space<'a> {
     }
 
     /// Height above ground: the minimum wherever the vehicle flies; the column of a
-    /// takeoff or landing begins or ends on the ground and is judged at its upper end.
+    /// takeoff or landing begins or ends on the ground and is judged at its upper end, and
+    /// a climb-out or glide has its own limit.
     fn judge_ground(&self, chord: &Chord, parts: &[Stretch], found: &mut Found) {
-        let (worst, limit_m) = (&mut found.clearance, self.world.min_agl.0);
+        let limit_m = self.world.min_agl.0;
         if chord.grounded {
             let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
             if let Some(part) = parts.first() {
@@ -144,19 +152,32 @@ impl<'a> Space<'a> {
             } else {
                 (to_m, 1.0)
             };
-            worst.at_least(least_m, limit_m, || chord.moment(&self.world.frame, u));
+            let at = || chord.moment(&self.world.frame, u);
+            found.clearance.at_least(least_m, limit_m, at);
             return;
         }
+        // What is wanted at a fraction of a part; on a slope it grows with the height.
+        let wanted_m = |part: &Stretch, w: f64| match chord.slope_from_m {
+            Some(ground_m) => SLOPE_SHARE * (chord.at(part.along(w)).amsl.0 - ground_m),
+            None => limit_m,
+        };
+        let worst = if chord.slope_from_m.is_some() {
+            &mut found.slope
+        } else {
+            &mut found.clearance
+        };
         for part in parts {
             let patches = match self.surface.under(part.from, part.to) {
                 Ok(patches) => patches,
                 Err(gap) => return no_data(worst, limit_m, chord, gap),
             };
             for patch in patches {
-                let above_m = |w: f64, ground_m: f64| chord.at(part.along(w)).amsl.0 - ground_m;
-                let (least_m, v) = patch.least_clearance_m(
-                    above_m(patch.w.0, patch.height_m.0),
-                    above_m(patch.w.1, patch.height_m.1),
+                let over_m = |w: f64, ground_m: f64| {
+                    chord.at(part.along(w)).amsl.0 - ground_m - wanted_m(part, w)
+                };
+                let (over_m, v) = patch.least_clearance_m(
+                    over_m(patch.w.0, patch.height_m.0),
+                    over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
                 let beside_m = if chord.bow_m > 0.0 {
@@ -164,7 +185,9 @@ impl<'a> Space<'a> {
                 } else {
                     0.0
                 };
-                worst.at_least(least_m - beside_m, limit_m, || moment(chord, part, w));
+                let wanted_m = wanted_m(part, w);
+                let least_m = over_m + wanted_m - beside_m;
+                worst.at_least(least_m, wanted_m, || moment(chord, part, w));
             }
         }
     }

@@ -228,7 +228,12 @@ impl Check<'_> {
         };
         for (position, (later, place)) in stays.iter().enumerate() {
             for (earlier, other) in &stays[..position] {
-                let across_m = place.at.distance_m(other.at);
+                let radius_m = |index: usize| {
+                    let wing = spec.vehicles[index].wing;
+                    wing.map_or(0.0, |wing| wing.loiter_radius_m)
+                };
+                let between_m = place.at.distance_m(other.at);
+                let across_m = (between_m - radius_m(*later) - radius_m(*earlier)).max(0.0);
                 let up_m = (place.amsl.0 - other.amsl.0).abs();
                 if limit.is_conflict(across_m, up_m) {
                     let found = format!(

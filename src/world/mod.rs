@@ -18,7 +18,7 @@ use std::sync::Arc;
 use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
-use crate::spec::{EndPoint, MissionSpec, Placement};
+use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,9 +45,12 @@ pub struct Stations {
     pub home: PlanPoint,
     /// Where the planned path begins, airborne.
     pub start: PlanPoint,
-    /// Where it ends, airborne.
+    /// Where it ends, airborne: over the goal of the spec, or, where a landing has a course,
+    /// before the approach to it.
     pub goal: PlanPoint,
-    /// The ground under the goal.
+    /// Where the vehicle lands if it lands at the goal: the place that the spec gives.
+    pub landing: EastNorth,
+    /// The ground there.
     pub goal_ground: Amsl,
 }
 
@@ -124,14 +127,17 @@ impl World {
             .vehicles
             .iter()
             .map(|vehicle| {
+                let goal_ground = terrain.height(vehicle.goal.place)?;
+                let over_goal = resolve(&frame, &terrain, vehicle.goal)?;
                 Ok(Stations {
                     home: PlanPoint {
                         at: frame.to_plan(vehicle.home),
                         amsl: terrain.height(vehicle.home)?,
                     },
                     start: resolve(&frame, &terrain, vehicle.start)?,
-                    goal: resolve(&frame, &terrain, vehicle.goal)?,
-                    goal_ground: terrain.height(vehicle.goal.place)?,
+                    goal: route_end(vehicle, over_goal, goal_ground),
+                    landing: over_goal.at,
+                    goal_ground,
                 })
             })
             .collect::<Result<_, NoData>>()?;
@@ -159,6 +165,25 @@ impl World {
 /// Whether a polygon and its edge hold a point.
 fn covers(polygon: &Polygon<f64>, at: EastNorth) -> bool {
     polygon.intersects(&Point::new(at.east_m, at.north_m))
+}
+
+/// Where the planned path of a vehicle ends: over its goal, or before its approach to it.
+fn route_end(vehicle: &Vehicle, over_goal: PlanPoint, ground: Amsl) -> PlanPoint {
+    let height_m = over_goal.amsl.above_ground(ground).0;
+    let landing = vehicle.wing.and_then(|wing| wing.landing);
+    let lengths = vehicle.approach_lengths(height_m);
+    match (landing, lengths, vehicle.finish) {
+        (Some(landing), Some(lengths), Finish::Land) => {
+            let before_m = lengths.straight_m + lengths.gate_m;
+            let (sin, cos) = landing.heading_rad.sin_cos();
+            PlanPoint::new(
+                over_goal.at.east_m - before_m * sin,
+                over_goal.at.north_m - before_m * cos,
+                over_goal.amsl,
+            )
+        }
+        _ => over_goal,
+    }
 }
 
 fn resolve(frame: &LocalFrame, terrain: &Terrain, end: EndPoint) -> Result<PlanPoint, NoData> {

@@ -188,26 +188,16 @@ fn names_that_cannot_be_file_names_are_errors() {
 }
 
 #[test]
-fn planes_are_refused_until_they_can_fly() {
-    let (path, message) = only("airframe: copter", "airframe: vtol");
-    assert_eq!(path, "vehicles[0].airframe");
-    assert!(message.contains("later"), "{message}");
-    assert_eq!(
-        only(
-            "    depart_s: 5\n",
-            "    depart_s: 5\n    takeoff_heading_deg: 90\n"
-        )
-        .0,
-        "vehicles[0].takeoff_heading_deg"
-    );
-    assert_eq!(
-        only(
-            "    depart_s: 5\n",
-            "    depart_s: 5\n    landing: {heading_deg: 90, glide_deg: 6}\n"
-        )
-        .0,
-        "vehicles[0].landing"
-    );
+fn keys_of_planes_do_not_stand_on_copters() {
+    for key in [
+        "takeoff_heading_deg: 90",
+        "landing: {heading_deg: 90, glide_deg: 6}",
+        "loiter_radius_m: 80",
+    ] {
+        let (path, message) = only("    depart_s: 5\n", &format!("    depart_s: 5\n    {key}\n"));
+        assert_eq!(path, format!("vehicles[0].{}", key.split(':').next().expect("a key")));
+        assert!(message.contains("on a copter"), "{message}");
+    }
 }
 
 #[test]

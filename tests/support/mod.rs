@@ -36,6 +36,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         accel_mps2: 2.5,
         depart_s: 0.0,
         return_amsl: None,
+        wing: None,
     }
 }
 

@@ -33,13 +33,11 @@ fn mission_part(mission: &VehicleMission) -> Value {
         .iter()
         .find(|(_, autopilot)| *autopilot == mission.autopilot)
         .map_or(0, |&(firmware, _)| firmware);
-    let Airframe::Copter = mission.airframe;
     let speed_mps = cruise_mps(mission);
     json!({
         "version": 2,
         "firmwareType": firmware,
-        // MAV_TYPE_QUADROTOR stands for all multicopters.
-        "vehicleType": 2,
+        "vehicleType": vehicle_type(mission.airframe),
         "cruiseSpeed": speed_mps,
         "hoverSpeed": speed_mps,
         "globalPlanAltitudeMode": overall_mode(&mission.items),
@@ -50,6 +48,15 @@ fn mission_part(mission: &VehicleMission) -> Value {
         ],
         "items": rows(mission).enumerate().map(|(index, item)| simple_item(index + 1, &item)).collect::<Vec<_>>(),
     })
+}
+
+/// `MAV_TYPE`: one quadrotor, fixed wing or quad-VTOL stands for all of its kind.
+fn vehicle_type(airframe: Airframe) -> u8 {
+    match airframe {
+        Airframe::Copter => 2,
+        Airframe::Plane => 1,
+        Airframe::Vtol => 20,
+    }
 }
 
 /// The ground speed that the mission states, or a copter's default: for the
@@ -63,7 +70,7 @@ fn cruise_mps(mission: &VehicleMission) -> Value {
     let parameter = mission
         .params
         .iter()
-        .find(|parameter| parameter.name == "MPC_XY_CRUISE")
+        .find(|parameter| ["MPC_XY_CRUISE", "FW_AIRSPD_TRIM"].contains(&parameter.name.as_str()))
         .map(|parameter| parameter.value);
     number(item.or(parameter).unwrap_or(5.0))
 }

@@ -8,6 +8,7 @@ use super::super::raw;
 use super::super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle};
 use super::Checker;
 use super::map::Map;
+use super::wing::Flown;
 use crate::geodesy::{Agl, Amsl, LatLon};
 
 /// Load factor of a bank of 30 degrees, the lean limit that copters come with.
@@ -31,6 +32,13 @@ const ARDUCOPTER: Defaults = Defaults {
     climb_mps: 2.5,
     descent_mps: 1.5,
     accel_mps2: 2.5,
+};
+/// `TECS_CLMB_MAX`, `TECS_SINK_MAX` of ArduPlane, `FW_T_CLMB_MAX`, `FW_T_SINK_MAX` of PX4.
+/// No parameter has the acceleration of a takeoff run; this one is gentle.
+const PLANE: Defaults = Defaults {
+    climb_mps: 5.0,
+    descent_mps: 5.0,
+    accel_mps2: 3.0,
 };
 /// `MPC_Z_V_AUTO_UP`, `MPC_Z_V_AUTO_DN`, `MPC_ACC_HOR` of PX4.
 const PX4_COPTER: Defaults = Defaults {
@@ -106,7 +114,6 @@ impl Checker<'_> {
     fn vehicle(&mut self, path: &str, raw: &raw::Vehicle, map: Option<&Map>) -> Option<Vehicle> {
         let at = |key: &str| format!("{path}.{key}");
         self.file_name(&at("id"), &raw.id);
-        self.airframe(path, raw);
         let link = self.link(&at("link"), &raw.link);
         let start = self.end_point(&at("start"), raw.start);
         let goal = self.end_point(&at("goal"), raw.goal);
@@ -122,9 +129,15 @@ impl Checker<'_> {
             map,
             [("start", from), ("goal", to), ("home", own_home)],
         );
-        let (autopilot, defaults) = match raw.autopilot {
+        let (autopilot, lifting) = match raw.autopilot {
             raw::Autopilot::ArduPilot => (Autopilot::ArduPilot, ARDUCOPTER),
             raw::Autopilot::Px4 => (Autopilot::Px4, PX4_COPTER),
+        };
+        // A vtol climbs and comes down on its rotors, slower than on its wing.
+        let (airframe, defaults) = match raw.airframe {
+            raw::Airframe::Copter => (Airframe::Copter, lifting),
+            raw::Airframe::Plane => (Airframe::Plane, PLANE),
+            raw::Airframe::Vtol => (Airframe::Vtol, lifting),
         };
         let load_factor = raw.max_load_factor.unwrap_or(DEFAULT_LOAD_FACTOR);
         let climb_mps = raw.climb_mps.unwrap_or(defaults.climb_mps);
@@ -132,7 +145,16 @@ impl Checker<'_> {
         let accel_mps2 = raw.accel_mps2.unwrap_or(defaults.accel_mps2);
         let max_climb = self.optional(&at("max_climb_deg"), raw.max_climb_deg, 0.1..=89.0);
         let max_descent = self.optional(&at("max_descent_deg"), raw.max_descent_deg, 0.1..=89.0);
+        let flown = Flown {
+            airframe,
+            speed_mps: raw.speed_mps,
+            load_factor,
+            descent_mps,
+            way_to_start_m: from.zip(own_home).map(|(start, home)| start.chord_m(home)),
+        };
+        let wing = self.wing(path, raw, &flown);
         Some(Vehicle {
+            wing,
             speed_mps: self.number(&at("speed_mps"), raw.speed_mps, 0.5..=100.0),
             max_load_factor: self.number(&at("max_load_factor"), load_factor, 1.001..=10.0),
             max_climb_rad: max_climb.map(f64::to_radians),
@@ -147,7 +169,7 @@ impl Checker<'_> {
             id: raw.id.clone(),
             sysid: u8::try_from(raw.sysid).ok()?,
             autopilot,
-            airframe: Airframe::Copter,
+            airframe,
             link: link?,
             home: home?,
             start: start?,
@@ -180,31 +202,6 @@ impl Checker<'_> {
                 self.clear(&format!("{path}.{key}"), key, place, map);
             }
         }
-    }
-
-    /// Only copters for now, and nothing that only a plane has.
-    fn airframe(&mut self, path: &str, raw: &raw::Vehicle) {
-        let name = match raw.airframe {
-            raw::Airframe::Copter => {
-                let keys = [
-                    ("takeoff_heading_deg", raw.takeoff_heading_deg.is_some()),
-                    ("landing", raw.landing.is_some()),
-                    ("loiter_radius_m", raw.loiter_radius_m.is_some()),
-                ];
-                for (key, _) in keys.into_iter().filter(|(_, present)| *present) {
-                    self.report(
-                        &format!("{path}.{key}"),
-                        "a key of planes, on a copter",
-                        "without it",
-                    );
-                }
-                return;
-            }
-            raw::Airframe::Plane => "plane",
-            raw::Airframe::Vtol => "vtol",
-        };
-        let found = format!("{name}: planes and vtol come with a later version");
-        self.report(&format!("{path}.airframe"), found, "copter");
     }
 
     fn end_point(&mut self, path: &str, raw: raw::EndPoint) -> Option<EndPoint> {

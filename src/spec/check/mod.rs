@@ -6,6 +6,7 @@ mod map;
 mod name;
 mod scenario;
 mod shapes;
+mod wing;
 
 pub(super) use scenario::scenario;
 

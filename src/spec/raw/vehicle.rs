@@ -41,15 +41,16 @@ pub(in crate::spec) struct Vehicle {
     pub(in crate::spec) airframe: Airframe,
     /// How to reach it: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD.
     pub(in crate::spec) link: String,
-    /// Where it stands, on the ground; absent: under start.
+    /// Where it stands, on the ground; absent: under start. A plane needs one, away from start.
     pub(in crate::spec) home: Option<Place>,
     /// The planned path begins here, airborne.
     pub(in crate::spec) start: EndPoint,
-    /// The planned path ends here, airborne.
+    /// The planned path ends here, airborne. A plane that lands touches down at this place,
+    /// and its glide begins at this height.
     pub(in crate::spec) goal: EndPoint,
     /// At the goal: land; loiter there for ever; or return along a planned path and land at home.
     pub(in crate::spec) finish: Finish,
-    /// Planned ground speed, m/s.
+    /// Planned ground speed, m/s; of planes and vtol also the airspeed that is commanded.
     #[schemars(range(min = 0.5, max = 100))]
     pub(in crate::spec) speed_mps: f64,
     /// Turn overload n; the turn radius is v^2 / (g sqrt(n^2 - 1)). Absent: 1.15, a bank of 30 degrees.
@@ -67,7 +68,7 @@ pub(in crate::spec) struct Vehicle {
     /// Vertical speed down, m/s, positive; absent: the autopilot's default.
     #[schemars(range(min = 0.1, max = 50))]
     pub(in crate::spec) descent_mps: Option<f64>,
-    /// Horizontal acceleration, m/s^2; absent: the autopilot's default.
+    /// Horizontal acceleration, m/s^2, of planes on the takeoff run; absent: the autopilot's default.
     #[schemars(range(min = 0.1, max = 50))]
     pub(in crate::spec) accel_mps2: Option<f64>,
     /// Takeoff starts this long after the fleet's T0, seconds; absent: 0.
@@ -76,25 +77,25 @@ pub(in crate::spec) struct Vehicle {
     /// Only with it may the autopilot's own return be written: its altitude, metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub(in crate::spec) return_amsl_m: Option<f64>,
-    /// Planes and vtol: direction of takeoff, degrees clockwise from north.
+    /// Planes: direction of the takeoff run and of the climb to the height of start. A vtol may
+    /// have one, for its transition. Degrees clockwise from north.
     #[schemars(range(min = 0, max = 360))]
     pub(in crate::spec) takeoff_heading_deg: Option<f64>,
-    /// Planes and vtol: how it lands.
+    /// How a plane lands. A vtol may have one, for the direction of its approach.
     pub(in crate::spec) landing: Option<Landing>,
-    /// Planes and vtol: radius of circling, metres.
+    /// Planes and vtol: radius of circling, metres, not below the turn radius; absent: a quarter more than that.
     #[schemars(range(min = 1, max = 10000))]
     pub(in crate::spec) loiter_radius_m: Option<f64>,
 }
 
-/// How a plane lands.
+/// How a plane or vtol lands.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[expect(dead_code, reason = "part of the format; read when planes fly")]
 pub(in crate::spec) struct Landing {
     /// Direction of the approach, degrees clockwise from north.
     #[schemars(range(min = 0, max = 360))]
     pub(in crate::spec) heading_deg: f64,
-    /// Angle of the glide, degrees.
+    /// Angle of a plane's glide, degrees; a vtol comes down vertically.
     #[schemars(range(min = 1, max = 30))]
     pub(in crate::spec) glide_deg: f64,
 }

@@ -1,0 +1,243 @@
+//! What a wing adds to a path: the run and climb of a takeoff along a course, turns onto a
+//! route and off it, the approach to a landing.
+//!
+//! Assumed, and not measured on an autopilot: a plane climbs out straight, at its planned
+//! speed and its steepest allowed slope, until it has the height of the start; it turns
+//! with its turn radius; it glides straight to its place of touchdown.
+
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::spec::{Airframe, Finish, Vehicle};
+use crate::world::Stations;
+
+use super::VehicleLimits;
+use super::dubins::{Pose, Turns, turns};
+
+/// Turns between waypoints are planned this much wider than the turn radius, so that
+/// encoding leaves them wide enough.
+const WIDER: f64 = 1.02;
+/// Straight after the climb, before the first turn, metres: the height may be reached a
+/// little later than planned.
+const LEVEL_M: f64 = 15.0;
+/// Courses that are tried where any will do.
+const COURSES: u32 = 72;
+
+/// A takeoff along a course.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClimbOut {
+    /// Where the wheels leave the ground.
+    pub lift_off: EastNorth,
+    /// How long the run to there takes, seconds.
+    pub run_s: f64,
+    /// Where a climb from there has the height that it is for.
+    pub top: PlanPoint,
+}
+
+/// Run and climb of a plane from `home` along `heading_rad` to a height; the ground at
+/// lift-off is at `ground`.
+#[must_use]
+pub fn climb_out(
+    vehicle: &Vehicle,
+    home: EastNorth,
+    heading_rad: f64,
+    ground: impl FnOnce(EastNorth) -> Amsl,
+    top: Amsl,
+) -> ClimbOut {
+    let limits = VehicleLimits::of(vehicle);
+    let run_m = limits.speed_mps * limits.speed_mps / (2.0 * limits.accel_mps2);
+    let lift_off = along(home, heading_rad, run_m);
+    let rise_m = (top.0 - ground(lift_off).0).max(0.0);
+    ClimbOut {
+        lift_off,
+        run_s: 2.0 * run_m / limits.speed_mps,
+        top: PlanPoint {
+            at: along(lift_off, heading_rad, rise_m / limits.climb.at(top)),
+            amsl: top,
+        },
+    }
+}
+
+/// The straight way to a landing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// Where the planned path ends, before the turn onto the approach.
+    pub gate: PlanPoint,
+    /// Where the straight way begins, at the height of the gate.
+    pub entry: PlanPoint,
+    /// Where a plane touches down, or a vtol descends.
+    pub touchdown: PlanPoint,
+    /// Course, radians clockwise from north.
+    pub heading_rad: f64,
+}
+
+/// The approach to a landing at `touchdown`, on the ground, from the height `from`; none
+/// for a copter, for a vtol that may come from anywhere, and for who loiters.
+#[must_use]
+pub(super) fn approach(vehicle: &Vehicle, touchdown: PlanPoint, from: Amsl) -> Option<Approach> {
+    let heading_rad = vehicle.wing?.landing?.heading_rad;
+    let lengths = vehicle.approach_lengths(from.0 - touchdown.amsl.0)?;
+    let before = |distance_m: f64| PlanPoint {
+        at: along(touchdown.at, heading_rad, -distance_m),
+        amsl: from,
+    };
+    (vehicle.finish != Finish::Loiter).then(|| Approach {
+        gate: before(lengths.straight_m + lengths.gate_m),
+        entry: before(lengths.straight_m),
+        touchdown,
+        heading_rad,
+    })
+}
+
+/// Where a vehicle touches down at the end, and its approach to there, if it needs one.
+#[must_use]
+pub fn landing(vehicle: &Vehicle, stations: &Stations) -> (PlanPoint, Option<Approach>) {
+    let (touchdown, from) = match vehicle.finish {
+        Finish::Return => (stations.home, stations.start.amsl),
+        Finish::Land | Finish::Loiter => {
+            let touchdown = PlanPoint {
+                at: stations.landing,
+                amsl: stations.goal_ground,
+            };
+            (touchdown, stations.goal.amsl)
+        }
+    };
+    (touchdown, approach(vehicle, touchdown, from))
+}
+
+/// Where the way home of a vehicle that returns ends: over home at the height of the
+/// start, or before its approach.
+#[must_use]
+pub fn homeward_end(vehicle: &Vehicle, stations: &Stations) -> PlanPoint {
+    let over_home = PlanPoint {
+        at: stations.home.at,
+        amsl: stations.start.amsl,
+    };
+    approach(vehicle, stations.home, stations.start.amsl)
+        .map_or(over_home, |approach| approach.gate)
+}
+
+/// Corners of the way from a place to another with turns that the vehicle can fly; a
+/// course that is not given is free.
+#[must_use]
+pub fn join(
+    vehicle: &Vehicle,
+    (from, leave_rad): (EastNorth, Option<f64>),
+    (to, arrive_rad): (EastNorth, Option<f64>),
+) -> Vec<EastNorth> {
+    let radius_m = WIDER * VehicleLimits::of(vehicle).turn_radius_m;
+    let all =
+        || (0..COURSES).map(|step| f64::from(step) * std::f64::consts::TAU / f64::from(COURSES));
+    let courses = |given: Option<f64>, other: Option<f64>| -> Vec<f64> {
+        match given {
+            Some(course) => vec![course],
+            None => [heading_rad(from, to)]
+                .into_iter()
+                .chain(other)
+                .chain(all())
+                .collect(),
+        }
+    };
+    let mut best: Option<Turns> = None;
+    for &leave in &courses(leave_rad, arrive_rad) {
+        for &arrive in &courses(arrive_rad, leave_rad) {
+            let pose = |at, heading_rad| Pose { at, heading_rad };
+            let way = turns(pose(from, leave), pose(to, arrive), radius_m);
+            if best
+                .as_ref()
+                .is_none_or(|best| way.length_m < best.length_m)
+            {
+                best = Some(way);
+            }
+        }
+    }
+    best.map_or_else(Vec::new, |way| way.corners)
+}
+
+/// The level stretch after a climb, at whose end the first turn may begin.
+#[must_use]
+pub fn level_off(climb: &ClimbOut, heading_rad: f64) -> EastNorth {
+    along(climb.top.at, heading_rad, LEVEL_M)
+}
+
+/// The course from a place to another, radians clockwise from north.
+#[must_use]
+pub fn heading_rad(from: EastNorth, to: EastNorth) -> f64 {
+    (to.east_m - from.east_m).atan2(to.north_m - from.north_m)
+}
+
+/// The place so far along a course.
+#[must_use]
+pub fn along(from: EastNorth, heading_rad: f64, distance_m: f64) -> EastNorth {
+    EastNorth {
+        east_m: from.east_m + distance_m * heading_rad.sin(),
+        north_m: from.north_m + distance_m * heading_rad.cos(),
+    }
+}
+
+/// Everything that a plane or vtol flies from its climb to its touchdown, as a polyline.
+pub(super) struct Way {
+    /// How a plane takes off; a vtol rises straight up.
+    pub(super) climb: Option<ClimbOut>,
+    /// From lift-off or over home to touchdown, over the place of a vtol's landing, or to the goal.
+    pub(super) points: Vec<PlanPoint>,
+    /// Where it touches down, if it does.
+    pub(super) touchdown: PlanPoint,
+}
+
+/// The way along some routes, each of at least two points.
+pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Way {
+    let start = stations.start;
+    let takeoff_rad = vehicle.wing.and_then(|wing| wing.takeoff_heading_rad);
+    let climb = takeoff_rad
+        .filter(|_| vehicle.airframe == Airframe::Plane)
+        .map(|course| {
+            climb_out(
+                vehicle,
+                stations.home.at,
+                course,
+                |_| stations.home.amsl,
+                start.amsl,
+            )
+        });
+    let (mut at, mut course) = match (&climb, takeoff_rad) {
+        (Some(climb), Some(course)) => (level_off(climb, course), takeoff_rad),
+        _ => (stations.home.at, takeoff_rad),
+    };
+    let mut points = match &climb {
+        Some(climb) => vec![climb.top, PlanPoint { at, ..climb.top }],
+        None => vec![PlanPoint { at, ..start }],
+    };
+    let level =
+        |corners: Vec<EastNorth>, amsl| corners.into_iter().map(move |at| PlanPoint { at, amsl });
+    for route in routes {
+        let [first, second, ..] = route.as_slice() else {
+            continue;
+        };
+        let onto = (first.at, Some(heading_rad(first.at, second.at)));
+        points.extend(level(join(vehicle, (at, course), onto), first.amsl));
+        points.extend(route);
+        if let [.., before, last] = route.as_slice() {
+            (at, course) = (last.at, Some(heading_rad(before.at, last.at)));
+        }
+    }
+    let (touchdown, approach) = landing(vehicle, stations);
+    if let Some(approach) = approach {
+        let onto = (approach.entry.at, Some(approach.heading_rad));
+        points.extend(level(
+            join(vehicle, (at, course), onto),
+            approach.entry.amsl,
+        ));
+        points.push(approach.entry);
+        points.push(match vehicle.airframe {
+            Airframe::Plane => touchdown,
+            Airframe::Copter | Airframe::Vtol => PlanPoint {
+                at: touchdown.at,
+                ..approach.entry
+            },
+        });
+    }
+    Way {
+        climb,
+        points,
+        touchdown,
+    }
+}
