@@ -282,9 +282,17 @@ fn a_plan_for_another_kind_of_vehicle_or_autopilot_is_read_and_says_so() {
     };
     let none: Vec<String> = repairs(&text);
     assert_eq!(none, [""; 0]);
+    let rover = text.replace("\"vehicleType\": 2", "\"vehicleType\": 10");
+    let told: Vec<String> = repairs(&rover);
+    assert!(told.len() == 1 && told[0].contains("10 is no multicopter"));
     let plane = text.replace("\"vehicleType\": 2", "\"vehicleType\": 1");
-    let told: Vec<String> = repairs(&plane);
-    assert!(told.len() == 1 && told[0].contains("1 is no multicopter"));
+    let plane = plan::read(&plane).expect("a plan");
+    let mission = plane.into_mission(Autopilot::Px4, Airframe::Copter);
+    let notes = mission.expect("a mission").notes;
+    assert_eq!(
+        notes,
+        ["the file is for a plane: read as a mission of a copter"]
+    );
     let other = text.replace("\"firmwareType\": 12", "\"firmwareType\": 0");
     let told: Vec<String> = repairs(&other);
     assert!(told.len() == 1 && told[0].contains("0 is neither"));

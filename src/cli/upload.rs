@@ -265,11 +265,10 @@ fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result
         Autopilot::ArduPilot => Profile::ArduPilot,
         Autopilot::Px4 => Profile::Px4,
     };
-    vehicle::spawn(&Simulated::on_loopback(
-        profile,
-        this.sysid,
-        Some(mission.home),
-    ))
+    vehicle::spawn(&Simulated {
+        airframe: this.airframe,
+        ..Simulated::on_loopback(profile, this.sysid, Some(mission.home))
+    })
     .map_err(|error| {
         Failure::new(
             Failure::TRANSFER,

@@ -29,6 +29,7 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
         };
         let vehicle = vehicle::spawn(&Simulated {
             profile,
+            airframe: this.airframe,
             sysid: this.sysid,
             home: Some(mission::home_at(this.home, stations.home.amsl)),
             listen: (Ipv4Addr::LOCALHOST, port(arguments.port, index)?).into(),

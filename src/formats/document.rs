@@ -24,6 +24,8 @@ pub struct Document {
     pub rally: Vec<Item>,
     /// For which autopilot, if the file says so.
     pub autopilot: Option<Autopilot>,
+    /// For what kind of airframe, if the file says so.
+    pub airframe: Option<Airframe>,
     /// What was read although the format does not allow it.
     pub repairs: Vec<Repair>,
 }
@@ -91,11 +93,12 @@ impl Document {
             .into_iter()
             .map(|item| shift_jump(item, -row_shift(autopilot)))
             .collect();
-        let notes = self
-            .repairs
-            .into_iter()
-            .map(|repair| repair.to_string())
-            .collect();
+        let other = self.airframe.filter(|file| *file != airframe).map(|file| {
+            format!("the file is for a {file:?}: read as a mission of a {airframe:?}")
+                .to_lowercase()
+        });
+        let repairs = self.repairs.iter().map(Repair::to_string);
+        let notes = repairs.chain(other).collect();
         Ok(VehicleMission {
             autopilot,
             airframe,

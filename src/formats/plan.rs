@@ -7,13 +7,21 @@ mod write;
 pub use read::read;
 pub use write::write;
 
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
 
 /// `MAV_AUTOPILOT` of `firmwareType`.
 const FIRMWARE: [(u64, Autopilot); 2] = [(3, Autopilot::ArduPilot), (12, Autopilot::Px4)];
 
-/// `MAV_TYPE` of `vehicleType`: quadrotor, coaxial, hexarotor, octorotor, tricopter, dodecarotor, decarotor.
-const MULTICOPTERS: [u64; 7] = [2, 3, 13, 14, 15, 29, 35];
+/// The airframe of a `vehicleType` (`MAV_TYPE`): fixed wing; quadrotor, coaxial, hexarotor,
+/// octorotor, tricopter, dodecarotor, decarotor; the kinds of VTOL.
+fn airframe(vehicle_type: u64) -> Option<Airframe> {
+    match vehicle_type {
+        1 => Some(Airframe::Plane),
+        2 | 3 | 13 | 14 | 15 | 29 | 35 => Some(Airframe::Copter),
+        19..=25 => Some(Airframe::Vtol),
+        _ => None,
+    }
+}
 
 /// `AltitudeMode` of a simple item.
 mod altitude_mode {

@@ -1,15 +1,15 @@
 //! Which autopilot a simulated vehicle plays.
 
 use crate::link::{AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_PX4, List};
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
 
 /// The autopilot that a simulated vehicle plays. What each does was measured on
-/// ArduCopter 4.6.3, PX4 1.18 (both software in the loop) and MAVSDK 4.1.0.
+/// ArduCopter and ArduPlane 4.6.3, PX4 1.18 (both software in the loop) and MAVSDK 4.1.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
-    /// ArduCopter.
+    /// ArduPilot: ArduCopter, or ArduPlane on a wing.
     ArduPilot,
-    /// PX4 on a quadrotor.
+    /// PX4.
     Px4,
     /// An autopilot that does not say which it is, as MAVSDK's mission server.
     Generic,
@@ -35,11 +35,14 @@ impl Profile {
         }
     }
 
-    /// `MAV_TYPE` of its heartbeat.
-    pub(super) fn kind(self) -> u8 {
-        match self {
-            Self::ArduPilot | Self::Px4 => 2,
-            Self::Generic => 0,
+    /// `MAV_TYPE` of its heartbeat: quadrotor, fixed wing or quad-VTOL. A QuadPlane says that
+    /// it is a fixed wing unless `Q_MAV_TYPE` is set.
+    pub(super) fn kind(self, airframe: Airframe) -> u8 {
+        match (self, airframe) {
+            (Self::Generic, _) => 0,
+            (_, Airframe::Copter) => 2,
+            (_, Airframe::Plane) | (Self::ArduPilot, Airframe::Vtol) => 1,
+            (Self::Px4, Airframe::Vtol) => 20,
         }
     }
 
@@ -91,8 +94,9 @@ impl Profile {
     }
 
     /// Most items in a list, home included where there is one.
-    pub(super) fn capacity(self, list: List) -> usize {
+    pub(super) fn capacity(self, list: List, airframe: Airframe) -> usize {
         match (self, list) {
+            (Self::ArduPilot, List::Mission) if airframe.has_wing() => 655,
             (Self::ArduPilot, List::Mission) => 650,
             (Self::ArduPilot, List::Fence) => 70,
             (Self::ArduPilot, List::Rally) => 46,

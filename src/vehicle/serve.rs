@@ -14,6 +14,7 @@ use super::server::Vehicle;
 use super::surroundings::Surroundings;
 use crate::link::{Address, Decoder, Encoder, FlightMessage, List, Message, Time};
 use crate::mission::{Home, Item};
+use crate::spec::Airframe;
 
 /// Longest wait on the socket, so that a stop is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(20);
@@ -26,6 +27,8 @@ const MOST_PARTNERS: usize = 16;
 pub struct Simulated {
     /// Which autopilot it plays.
     pub profile: Profile,
+    /// What flies.
+    pub airframe: Airframe,
     /// Its system id.
     pub sysid: u8,
     /// Its home, once it has one.
@@ -39,11 +42,12 @@ pub struct Simulated {
 }
 
 impl Simulated {
-    /// A vehicle on a free loopback port that waits to be spoken to.
+    /// A copter on a free loopback port that waits to be spoken to.
     #[must_use]
     pub fn on_loopback(profile: Profile, sysid: u8, home: Option<Home>) -> Self {
         Self {
             profile,
+            airframe: Airframe::Copter,
             sysid,
             home,
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
@@ -88,7 +92,8 @@ pub fn spawn_in(
         simulated.home,
         surroundings,
         Time::default(),
-    );
+    )
+    .on(simulated.airframe);
     let vehicle = Arc::new(Mutex::new(vehicle));
     let stop = Arc::new(AtomicBool::new(false));
     let server = Server {

@@ -15,6 +15,7 @@ use crate::link::{
     Address, Body, List, MISSION_TYPE_ALL, Message, MissionMessage, MissionResult, Time,
 };
 use crate::mission::{Home, Item};
+use crate::spec::Airframe;
 
 /// Between two heartbeats, milliseconds.
 const HEARTBEAT_MS: u64 = 1000;
@@ -31,6 +32,7 @@ const STATE_BOOT: u8 = 1;
 #[derive(Clone, Debug)]
 pub struct Vehicle {
     profile: Profile,
+    airframe: Airframe,
     us: Address,
     home: Option<Home>,
     lists: BTreeMap<List, Vec<Item>>,
@@ -74,7 +76,7 @@ enum Transfer {
 }
 
 impl Vehicle {
-    /// A vehicle with component id 1 that has been running for a while.
+    /// A copter with component id 1 that has been running for a while.
     #[must_use]
     pub fn new(profile: Profile, sysid: u8, home: Option<Home>, now: Time) -> Self {
         Self::within(profile, sysid, home, Surroundings::default(), now)
@@ -97,6 +99,7 @@ impl Vehicle {
         };
         Self {
             profile,
+            airframe: Airframe::Copter,
             us: Address {
                 system: sysid,
                 component: 1,
@@ -114,6 +117,13 @@ impl Vehicle {
             reached: None,
             armed: false,
         }
+    }
+
+    /// The same on another airframe.
+    #[must_use]
+    pub fn on(mut self, airframe: Airframe) -> Self {
+        self.airframe = airframe;
+        self
     }
 
     /// Its system and component id.

@@ -193,7 +193,6 @@ const WITHOUT_MOTION: &[u16] = &[
     2000, 2001, 2500, 2501, // images and video
 ];
 
-<<<<<<< HEAD
 /// Why the motion after some commands is not known.
 const UNKNOWN_MOTION: &[(u16, &str)] = &[
     (82, "the curve of NAV_SPLINE_WAYPOINT is not known"),
@@ -203,10 +202,7 @@ const UNKNOWN_MOTION: &[(u16, &str)] = &[
     (208, "DO_PARACHUTE may end the flight"),
 ];
 
-fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-=======
 pub(super) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
->>>>>>> a3002ec (A plane: takeoff along a course, turns onto the route, a glide to the ground, from spec to verdict)
     // PX4 holds at such an item until told otherwise; ArduPilot keeps no such flag.
     if autopilot == Autopilot::Px4 && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());

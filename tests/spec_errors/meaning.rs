@@ -194,8 +194,14 @@ fn keys_of_planes_do_not_stand_on_copters() {
         "landing: {heading_deg: 90, glide_deg: 6}",
         "loiter_radius_m: 80",
     ] {
-        let (path, message) = only("    depart_s: 5\n", &format!("    depart_s: 5\n    {key}\n"));
-        assert_eq!(path, format!("vehicles[0].{}", key.split(':').next().expect("a key")));
+        let (path, message) = only(
+            "    depart_s: 5\n",
+            &format!("    depart_s: 5\n    {key}\n"),
+        );
+        assert_eq!(
+            path,
+            format!("vehicles[0].{}", key.split(':').next().expect("a key"))
+        );
         assert!(message.contains("on a copter"), "{message}");
     }
 }

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::unambiguous::Unambiguous;
-use super::{FIRMWARE, MULTICOPTERS, altitude_mode};
+use super::{FIRMWARE, airframe, altitude_mode};
 use crate::formats::number::{coordinate, float};
 use crate::formats::{Document, FormatError, Repair, Spot};
 use crate::mission::{Home, Item, command, frame};
@@ -230,14 +230,12 @@ fn kind(node: &Node<'_>, document: &mut Document) {
         )));
     }
     let vehicle = node.get("vehicleType").value;
-    let flies_up = vehicle
-        .as_u64()
-        .is_some_and(|kind| MULTICOPTERS.contains(&kind));
-    if !vehicle.is_null() && !flies_up {
-        document.repairs.push(told(
-            "mission.vehicleType",
-            &format!("{vehicle} is no multicopter: read as a mission of one"),
-        ));
+    document.airframe = vehicle.as_u64().and_then(airframe);
+    if !vehicle.is_null() && document.airframe.is_none() {
+        let what = format!(
+            "{vehicle} is no multicopter, fixed wing or VTOL: read as for whatever it is judged for"
+        );
+        document.repairs.push(told("mission.vehicleType", &what));
     }
 }
 

@@ -61,7 +61,7 @@ impl Vehicle {
             (Profile::ArduPilot, Some(_)) | (_, None) => {}
         }
         let is_starting = self.profile == Profile::ArduPilot && self.is_booting(now);
-        if usize::from(count) > self.profile.capacity(list) || is_starting {
+        if usize::from(count) > self.profile.capacity(list, self.airframe) || is_starting {
             return self.acknowledge(from, list, MissionResult::NO_SPACE);
         }
         if let (Profile::ArduPilot, List::Mission, Some(rows)) =

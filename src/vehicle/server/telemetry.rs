@@ -28,7 +28,7 @@ impl Vehicle {
             (_, false) => STATE_STANDBY,
         };
         self.outbox.push_back(Message::Heartbeat(Heartbeat {
-            kind: self.profile.kind(),
+            kind: self.profile.kind(self.airframe),
             autopilot: self.profile.autopilot(),
             base_mode: self.base_mode(),
             custom_mode: self.pilot.as_ref().map_or(0, |pilot| pilot.custom_mode),
