@@ -370,3 +370,165 @@ fn fence_and_rally_items_have_places_and_are_of_their_kind() {
         (1, "known command")
     );
 }
+
+/// The same mission on a wing: a plane's, or a VTOL's with its own takeoff and landing.
+fn winged(autopilot: Autopilot, airframe: Airframe) -> VehicleMission {
+    let mut mission = good(autopilot);
+    mission.airframe = airframe;
+    // 1 km before the landing, 80 m above it: 4.6 degrees.
+    mission.items[1].x += 90_000;
+    if airframe == Airframe::Vtol {
+        mission.items[0].command = command::NAV_VTOL_TAKEOFF;
+        mission.items[2].command = command::NAV_VTOL_LAND;
+    }
+    mission
+}
+
+fn on_a_wing(
+    (autopilot, airframe): (Autopilot, Airframe),
+    change: impl FnOnce(&mut VehicleMission),
+) -> Vec<(usize, &'static str)> {
+    let mut mission = winged(autopilot, airframe);
+    change(&mut mission);
+    let found = problems(&mission);
+    found
+        .iter()
+        .map(|problem| (problem.item, problem.rule))
+        .collect()
+}
+
+const WINGS: [(Autopilot, Airframe); 4] = [
+    (ArduPilot, Airframe::Plane),
+    (ArduPilot, Airframe::Vtol),
+    (Px4, Airframe::Plane),
+    (Px4, Airframe::Vtol),
+];
+
+#[test]
+fn a_plain_mission_of_a_wing_has_no_problems() {
+    for wing in WINGS {
+        assert_eq!(on_a_wing(wing, |_| {}), [], "{wing:?}");
+    }
+}
+
+#[test]
+fn each_airframe_takes_off_with_its_own_command() {
+    for wing in WINGS {
+        let other = |mission: &mut VehicleMission| {
+            let takeoff = &mut mission.items[0].command;
+            *takeoff = command::NAV_TAKEOFF + command::NAV_VTOL_TAKEOFF - *takeoff;
+        };
+        let found = on_a_wing(wing, other);
+        assert!(found.contains(&(1, "takeoff first")), "{wing:?}: {found:?}");
+    }
+}
+
+#[test]
+fn each_airframe_lands_with_its_own_command() {
+    for wing in WINGS {
+        let other = |mission: &mut VehicleMission| {
+            let landing = &mut mission.items[2].command;
+            *landing = command::NAV_LAND + command::NAV_VTOL_LAND - *landing;
+        };
+        assert_eq!(on_a_wing(wing, other), [(3, "kind of landing")], "{wing:?}");
+    }
+    let copter = |mission: &mut VehicleMission| mission.items[2].command = command::NAV_VTOL_LAND;
+    assert_eq!(one(ArduPilot, copter), (3, "kind of landing"));
+}
+
+#[test]
+fn arduplane_does_not_wait_and_px4_does() {
+    for wing in WINGS {
+        let delay = |mission: &mut VehicleMission| {
+            let delay = Item::without_place(command::NAV_DELAY, [30.0, -1.0, -1.0, -1.0]);
+            mission.items.insert(0, delay);
+        };
+        let expected: &[_] = match wing.0 {
+            ArduPilot => &[(1, "departure delay")],
+            Px4 => &[],
+        };
+        assert_eq!(on_a_wing(wing, delay), expected, "{wing:?}");
+    }
+}
+
+#[test]
+fn a_quadplane_reads_the_altitude_of_its_takeoff_above_home() {
+    let amsl = |mission: &mut VehicleMission| {
+        mission.items[0].frame = 0;
+        mission.items[0].z = 480.0;
+    };
+    assert_eq!(
+        on_a_wing((ArduPilot, Airframe::Vtol), amsl),
+        [(1, "takeoff frame")]
+    );
+    assert_eq!(on_a_wing((Px4, Airframe::Vtol), amsl), []);
+    assert_eq!(on_a_wing((ArduPilot, Airframe::Plane), amsl), []);
+}
+
+#[test]
+fn arduplane_keeps_whole_numbers_and_no_hold() {
+    for (index, value, is_fine) in [
+        (0, 5.0, false),
+        (1, 255.0, true),
+        (1, 256.0, false),
+        (1, 1.5, false),
+        (2, -1.0, false),
+        (2, 30.0, true),
+    ] {
+        let set = |mission: &mut VehicleMission| mission.items[1].params[index] = value;
+        let expected: &[_] = if is_fine {
+            &[]
+        } else {
+            &[(2, "whole numbers")]
+        };
+        assert_eq!(
+            on_a_wing((ArduPilot, Airframe::Plane), set),
+            expected,
+            "{index}: {value}"
+        );
+        assert_eq!(on_a_wing((Px4, Airframe::Plane), set), []);
+    }
+    let circle = |mission: &mut VehicleMission| {
+        mission.items[2].command = command::NAV_LOITER_UNLIM;
+        mission.items[2].params[2] = 80.5;
+        mission.items[2].z = 80.0;
+    };
+    assert_eq!(
+        on_a_wing((ArduPilot, Airframe::Plane), circle),
+        [(3, "whole numbers")]
+    );
+}
+
+#[test]
+fn px4_lands_a_plane_from_a_waypoint_above_on_a_glide_that_is_not_too_steep() {
+    let plane = (Px4, Airframe::Plane);
+    let steepest = |glide_deg: f32| {
+        move |mission: &mut VehicleMission| {
+            mission.params = vec![Parameter {
+                name: "FW_LND_ANG".to_owned(),
+                value: glide_deg,
+                why: String::new(),
+            }];
+        }
+    };
+    assert_eq!(on_a_wing(plane, steepest(5.0)), []);
+    assert_eq!(on_a_wing(plane, steepest(4.0)), [(3, "landing approach")]);
+    let level = |mission: &mut VehicleMission| mission.items[2].z = 80.0;
+    assert_eq!(on_a_wing(plane, level), [(3, "landing approach")]);
+    let circle = |mission: &mut VehicleMission| mission.items[1].command = 17;
+    assert_eq!(on_a_wing(plane, circle), [(3, "landing approach")]);
+    assert_eq!(on_a_wing((ArduPilot, Airframe::Plane), level), []);
+}
+
+#[test]
+fn arduplane_holds_655_items_with_home() {
+    let fill = |count| {
+        move |mission: &mut VehicleMission| {
+            let waypoint = mission.items[1];
+            mission.items.resize(count, waypoint);
+        }
+    };
+    let plane = (ArduPilot, Airframe::Plane);
+    assert_eq!(on_a_wing(plane, fill(654)), []);
+    assert_eq!(on_a_wing(plane, fill(655)), [(0, "item count")]);
+}

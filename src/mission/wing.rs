@@ -4,9 +4,7 @@
 use super::build::{Author, float};
 use super::item::{Item, command};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::path::{
-    Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing, level_off,
-};
+use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
 use crate::spec::{Airframe, Autopilot, Finish};
 use crate::world::{NoData, Stations};
 
@@ -45,9 +43,9 @@ impl Author<'_> {
         for (index, route) in routes.iter().enumerate() {
             let route = match route.last() {
                 Some(end) if index + 1 == routes.len() => outside(route, end.point.at, left_out_m),
-                _ => route,
+                _ => route.clone(),
             };
-            self.fly(&mut script, &self.route(route)?)?;
+            self.fly(&mut script, &self.route(&route)?)?;
         }
         if circles {
             let item = self.at(command::NAV_LOITER_UNLIM, 0.0, stations.goal)?;
@@ -58,7 +56,7 @@ impl Author<'_> {
         Ok(script.items)
     }
 
-    /// Up, and where the first turn may begin.
+    /// Up, to where the way to the route begins.
     fn winged_takeoff(&self, stations: &Stations) -> Result<Script, NoData> {
         let (home, start) = (stations.home, stations.start);
         let course_rad = self.vehicle.wing.and_then(|wing| wing.takeoff_heading_rad);
@@ -77,7 +75,7 @@ impl Author<'_> {
             };
             return Ok(Script {
                 items: vec![with(item, 0, float(pitch_deg))],
-                at: level_off(&climb, course_rad),
+                at: climb.top.at,
                 course_rad: Some(course_rad),
             });
         }
@@ -174,12 +172,33 @@ impl Author<'_> {
     }
 }
 
-/// The part of a route before it stays within a distance of a place; at least its first
-/// two points.
-fn outside(route: &[TimedPoint], place: EastNorth, distance_m: f64) -> &[TimedPoint] {
-    let is_far = |timed: &TimedPoint| timed.point.at.distance_m(place) >= distance_m;
+/// The part of a route before it stays within a distance of a place; at least the very
+/// beginning of it.
+fn outside(route: &[TimedPoint], place: EastNorth, distance_m: f64) -> Vec<TimedPoint> {
+    let away_m = |timed: &TimedPoint| timed.point.at.distance_m(place);
+    let is_far = |timed: &TimedPoint| away_m(timed) >= distance_m;
     let last = route.iter().rposition(is_far).unwrap_or(0);
-    &route[..(last + 1).max(2).min(route.len())]
+    let mut part = route[..(last + 1).min(route.len())].to_vec();
+    if let (Some(&from), Some(&to)) = (route.get(last), route.get(last + 1)) {
+        // On so short a piece the distance is as good as linear.
+        let share = (away_m(&from) - distance_m) / (away_m(&from) - away_m(&to)).max(1e-9);
+        let least = if last == 0 { 0.01 } else { 0.0 };
+        part.push(between(from, to, share.clamp(least, 1.0)));
+    }
+    part
+}
+
+fn between(from: TimedPoint, to: TimedPoint, share: f64) -> TimedPoint {
+    let mix = |a: f64, b: f64| a + (b - a) * share;
+    let (a, b) = (from.point, to.point);
+    TimedPoint {
+        point: PlanPoint::new(
+            mix(a.at.east_m, b.at.east_m),
+            mix(a.at.north_m, b.at.north_m),
+            Amsl(mix(a.amsl.0, b.amsl.0)),
+        ),
+        t_s: mix(from.t_s, to.t_s),
+    }
 }
 
 /// An item with one parameter set.

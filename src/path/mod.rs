@@ -10,9 +10,7 @@ pub use dubins::{Pose, Turns, turns};
 pub use landing::{SLOW_LANDING_M, slow_landing_mps};
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route};
-pub use wing::{
-    Approach, ClimbOut, along, climb_out, heading_rad, homeward_end, join, landing, level_off,
-};
+pub use wing::{Approach, ClimbOut, along, climb_out, heading_rad, homeward_end, join, landing};
 
 use crate::geodesy::PlanPoint;
 

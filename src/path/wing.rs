@@ -14,10 +14,12 @@ use super::dubins::{Pose, Turns, turns};
 
 /// Turns between waypoints are planned this much wider than the turn radius, so that
 /// encoding leaves them wide enough.
-const WIDER: f64 = 1.02;
-/// Straight after the climb, before the first turn, metres: the height may be reached a
-/// little later than planned.
-const LEVEL_M: f64 = 15.0;
+const WIDER: f64 = 1.05;
+/// Straight before the first turn of a way and after its last, metres: places are encoded to
+/// a centimetre, and the height of a climb may be reached a little later than planned.
+const LEAD_M: f64 = 15.0;
+/// Places nearer than this are one, metres.
+const SAME_M: f64 = 1e-3;
 /// Courses that are tried where any will do.
 const COURSES: u32 = 72;
 
@@ -124,23 +126,29 @@ pub fn join(
     (to, arrive_rad): (EastNorth, Option<f64>),
 ) -> Vec<EastNorth> {
     let radius_m = WIDER * VehicleLimits::of(vehicle).turn_radius_m;
+    if from.distance_m(to) < SAME_M && (leave_rad.is_none() || arrive_rad.is_none()) {
+        return Vec::new();
+    }
     let all =
         || (0..COURSES).map(|step| f64::from(step) * std::f64::consts::TAU / f64::from(COURSES));
-    let courses = |given: Option<f64>, other: Option<f64>| -> Vec<f64> {
+    let courses = |given: Option<f64>| -> Vec<f64> {
         match given {
             Some(course) => vec![course],
-            None => [heading_rad(from, to)]
-                .into_iter()
-                .chain(other)
-                .chain(all())
-                .collect(),
+            None => [heading_rad(from, to)].into_iter().chain(all()).collect(),
         }
     };
     let mut best: Option<Turns> = None;
-    for &leave in &courses(leave_rad, arrive_rad) {
-        for &arrive in &courses(arrive_rad, leave_rad) {
-            let pose = |at, heading_rad| Pose { at, heading_rad };
-            let way = turns(pose(from, leave), pose(to, arrive), radius_m);
+    for &leave in &courses(leave_rad) {
+        for &arrive in &courses(arrive_rad) {
+            let pose = |at, heading_rad, lead_m| Pose {
+                at: along(at, heading_rad, lead_m),
+                heading_rad,
+            };
+            let way = turns(
+                pose(from, leave, LEAD_M),
+                pose(to, arrive, -LEAD_M),
+                radius_m,
+            );
             if best
                 .as_ref()
                 .is_none_or(|best| way.length_m < best.length_m)
@@ -150,12 +158,6 @@ pub fn join(
         }
     }
     best.map_or_else(Vec::new, |way| way.corners)
-}
-
-/// The level stretch after a climb, at whose end the first turn may begin.
-#[must_use]
-pub fn level_off(climb: &ClimbOut, heading_rad: f64) -> EastNorth {
-    along(climb.top.at, heading_rad, LEVEL_M)
 }
 
 /// The course from a place to another, radians clockwise from north.
@@ -198,14 +200,15 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
                 start.amsl,
             )
         });
-    let (mut at, mut course) = match (&climb, takeoff_rad) {
-        (Some(climb), Some(course)) => (level_off(climb, course), takeoff_rad),
-        _ => (stations.home.at, takeoff_rad),
+    let first = match &climb {
+        Some(climb) => climb.top,
+        None => PlanPoint {
+            at: stations.home.at,
+            ..start
+        },
     };
-    let mut points = match &climb {
-        Some(climb) => vec![climb.top, PlanPoint { at, ..climb.top }],
-        None => vec![PlanPoint { at, ..start }],
-    };
+    let (mut at, mut course) = (first.at, takeoff_rad);
+    let mut points = vec![first];
     let level =
         |corners: Vec<EastNorth>, amsl| corners.into_iter().map(move |at| PlanPoint { at, amsl });
     for route in routes {

@@ -4,6 +4,7 @@ mod ground;
 mod meaning;
 mod ranges;
 mod structure;
+mod wings;
 
 use std::fs;
 use std::path::Path;

@@ -1,0 +1,371 @@
+//! Planes and VTOL beside copters, on both autopilots: planned, judged, uploaded, read back.
+
+mod support;
+
+use std::f64::consts::FRAC_PI_2;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use sortie::geodesy::{Amsl, LatLon};
+use sortie::mission::{self, Item, VehicleMission, command};
+use sortie::path::time_route;
+use sortie::spec::*;
+use sortie::verify::{self, Margin, Review};
+use sortie::world::World;
+use support::{empty_spec, place, world};
+
+fn missions() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("missions")
+}
+
+/// Plans, verifies, writes and uploads to a simulated vehicle, with the binary.
+fn on_board(spec: &Path, out: &Path) -> Value {
+    let run = std::process::Command::new(assert_cmd::cargo::cargo_bin("sortie"))
+        .args(["plan", "--upload", "--json", "--out"])
+        .args([out, spec])
+        .output()
+        .expect("sortie runs");
+    let told = String::from_utf8_lossy(&run.stderr);
+    assert_eq!(run.status.code(), Some(0), "{}: {told}", spec.display());
+    let runs = out.with_extension("runs").join("upload.json");
+    let text = fs::read(&runs).unwrap_or_else(|error| panic!("{}: {error}", runs.display()));
+    serde_json::from_slice(&text).expect("JSON")
+}
+
+/// The commands of a `.waypoints` file, home aside.
+fn commands(file: &Path) -> Vec<u16> {
+    let text = fs::read_to_string(file).expect("a mission");
+    let field = |line: &str| line.split('\t').nth(3).expect("a command").parse();
+    let rows = text.lines().skip(2);
+    rows.map(|line| field(line).expect("a number")).collect()
+}
+
+#[test]
+fn every_autopilot_and_airframe_plans_verifies_uploads_and_reads_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let first = fs::read_to_string(missions().join("first.yaml")).expect("a spec");
+    let copter = |autopilot: &str| {
+        let path = folder.path().join(format!("copter-{autopilot}.yaml"));
+        let text = first.replace("autopilot: ardupilot", &format!("autopilot: {autopilot}"));
+        fs::write(&path, text).expect("a spec");
+        path
+    };
+    let shipped = |name: &str| missions().join(name).with_extension("yaml");
+    for (spec, id, takeoff, end) in [
+        (copter("ardupilot"), "alpha", 22, 21),
+        (copter("px4"), "alpha", 22, 21),
+        (shipped("plane-ardupilot"), "heron", 22, 21),
+        (shipped("plane-px4"), "gannet", 22, 21),
+        (shipped("vtol-ardupilot"), "osprey", 84, 85),
+        (shipped("vtol-px4"), "kestrel", 84, 17),
+    ] {
+        let out = folder.path().join(spec.file_stem().expect("a name"));
+        let upload = on_board(&spec, &out);
+        assert!(upload.to_string().contains("verified"), "{upload}");
+        let items = commands(&out.join(format!("{id}.waypoints")));
+        assert_eq!(items.first(), Some(&takeoff), "{items:?}");
+        assert_eq!(items.last(), Some(&end), "{items:?}");
+    }
+}
+
+/// A plane that takes off eastward, flies 6 km east and lands eastward.
+fn plane(autopilot: Autopilot) -> Vehicle {
+    let (start, goal) = (place(36.30, -84.28), place(36.30, -84.21));
+    Vehicle {
+        autopilot,
+        airframe: Airframe::Plane,
+        home: place(36.30, -84.30),
+        wing: Some(Wing {
+            takeoff_heading_rad: Some(FRAC_PI_2),
+            landing: Some(Landing {
+                heading_rad: FRAC_PI_2,
+                glide_rad: 6_f64.to_radians(),
+            }),
+            loiter_radius_m: 100.0,
+        }),
+        ..support::copter("heron", 1, start, goal)
+    }
+}
+
+fn vtol(autopilot: Autopilot) -> Vehicle {
+    let plane = plane(autopilot);
+    Vehicle {
+        airframe: Airframe::Vtol,
+        home: plane.start.place,
+        wing: plane.wing.map(|wing| Wing {
+            takeoff_heading_rad: None,
+            landing: None,
+            ..wing
+        }),
+        ..plane
+    }
+}
+
+/// The mission of the only vehicle along straight routes.
+fn built(spec: &MissionSpec, world: &World) -> VehicleMission {
+    let (vehicle, stations) = (&spec.vehicles[0], &world.stations[0]);
+    let mut ends = vec![stations.start, stations.goal];
+    if vehicle.finish == Finish::Return {
+        ends.push(sortie::path::homeward_end(vehicle, stations));
+    }
+    let routes: Vec<_> = ends
+        .windows(2)
+        .map(|leg| time_route(leg, 0.0, vehicle.speed_mps, vehicle.accel_mps2))
+        .collect();
+    mission::build(spec, world, 0, &routes).expect("a mission")
+}
+
+fn judged(spec: &MissionSpec) -> (VehicleMission, Review) {
+    let world = world(spec);
+    let mission = built(spec, &world);
+    let review = verify::review(spec, &world, &[(0, &mission)]);
+    (mission, review)
+}
+
+fn failed(review: &Review) -> Vec<&Margin> {
+    review.margins.iter().filter(|margin| !margin.ok).collect()
+}
+
+fn names(margins: &[&Margin]) -> Vec<String> {
+    margins.iter().map(|margin| margin.what.clone()).collect()
+}
+
+fn margin<'a>(review: &'a Review, what: &str) -> &'a Margin {
+    let mut all = review.margins.iter();
+    all.find(|margin| margin.what == what).unwrap_or_else(|| {
+        panic!(
+            "no {what} in {:?}",
+            names(&review.margins.iter().collect::<Vec<_>>())
+        )
+    })
+}
+
+const AUTOPILOTS: [Autopilot; 2] = [Autopilot::ArduPilot, Autopilot::Px4];
+
+#[test]
+fn a_plane_climbs_out_flies_and_glides_to_its_place() {
+    for autopilot in AUTOPILOTS {
+        for finish in [Finish::Land, Finish::Loiter, Finish::Return] {
+            let mut spec = empty_spec(vec![plane(autopilot)]);
+            spec.vehicles[0].finish = finish;
+            let (mission, review) = judged(&spec);
+            assert!(
+                failed(&review).is_empty(),
+                "{finish:?}: {:#?}",
+                failed(&review)
+            );
+            let last = mission.items.last().map(|item| item.command);
+            match finish {
+                Finish::Loiter => assert_eq!(last, Some(command::NAV_LOITER_UNLIM)),
+                Finish::Land | Finish::Return => {
+                    assert_eq!(last, Some(command::NAV_LAND));
+                    let glide = margin(&review, "glide angle");
+                    assert!((glide.value - 6.0).abs() < 0.2, "{glide:?}");
+                    assert!(margin(&review, "takeoff and landing clearance").ok);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_vtol_rises_flies_on_its_wing_and_comes_down() {
+    for autopilot in AUTOPILOTS {
+        for finish in [Finish::Land, Finish::Loiter, Finish::Return] {
+            for landing in [None, plane(autopilot).wing.and_then(|wing| wing.landing)] {
+                let mut spec = empty_spec(vec![vtol(autopilot)]);
+                spec.vehicles[0].finish = finish;
+                if let Some(wing) = &mut spec.vehicles[0].wing {
+                    wing.landing = landing;
+                }
+                let (mission, review) = judged(&spec);
+                let failed = failed(&review);
+                assert!(failed.is_empty(), "{autopilot:?} {finish:?}: {failed:#?}");
+                assert_eq!(mission.items[0].command, command::NAV_VTOL_TAKEOFF);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_quadplane_is_told_to_climb_by_a_height_above_home() {
+    let (mission, _) = judged(&empty_spec(vec![vtol(Autopilot::ArduPilot)]));
+    let takeoff = mission.items[0];
+    assert_eq!((takeoff.frame, takeoff.z.to_bits()), (3, 80_f32.to_bits()));
+    let other = mission.items[2];
+    assert_eq!((other.frame, other.z.to_bits()), (0, 480_f32.to_bits()));
+}
+
+#[test]
+fn a_hill_under_the_glide_fails_and_names_the_landing() {
+    let mut spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
+    let hill = |height_m| TerrainSource::Analytic {
+        base: Amsl(400.0),
+        hills: vec![Hill {
+            // 300 m before touchdown, where the glide is 31 m high.
+            place: place(36.30, -84.21 - 300.0 / 89_700.0),
+            height_m,
+            radius_m: 60.0,
+        }],
+    };
+    spec.terrain = hill(12.0);
+    assert!(failed(&judged(&spec).1).is_empty());
+    spec.terrain = hill(22.0);
+    let (mission, review) = judged(&spec);
+    let failed = failed(&review);
+    assert_eq!(names(&failed), ["takeoff and landing clearance"]);
+    assert_eq!(failed[0].at.map(|at| at.item), Some(mission.items.len()));
+    assert!(failed[0].value < failed[0].limit && failed[0].value > 5.0);
+}
+
+#[test]
+fn a_circle_that_touches_a_threat_fails_although_its_middle_is_clear() {
+    let mut spec = empty_spec(vec![plane(Autopilot::Px4)]);
+    spec.vehicles[0].finish = Finish::Loiter;
+    spec.threats.push(Threat {
+        id: "mast".to_owned(),
+        kind: String::new(),
+        place: place(36.30, -84.21 + 180.0 / 89_700.0),
+        radius_m: 70.0,
+    });
+    assert!(failed(&judged(&spec).1).is_empty());
+    spec.threats[0].radius_m = 90.0;
+    let (_, review) = judged(&spec);
+    assert_eq!(names(&failed(&review)), ["threat mast", "fence"]);
+    assert!((margin(&review, "threat mast").value + 10.0).abs() < 2.0);
+}
+
+#[test]
+fn a_circle_is_kept_for_ever_and_others_stay_away_from_its_rim() {
+    let mut spec = empty_spec(vec![plane(Autopilot::ArduPilot), vtol(Autopilot::Px4)]);
+    spec.vehicles[0].finish = Finish::Loiter;
+    spec.vehicles[1].id = "kestrel".to_owned();
+    spec.vehicles[1].sysid = 2;
+    spec.vehicles[1].depart_s = 3000.0;
+    // Passes 190 m beside the middle, long after: 90 m from the rim.
+    let beside = |lon_deg| LatLon {
+        lat_deg: 36.30 + 190.0 / 110_990.0,
+        lon_deg,
+    };
+    spec.vehicles[1].start.place = beside(-84.23);
+    spec.vehicles[1].home = beside(-84.23);
+    spec.vehicles[1].goal.place = beside(-84.19);
+    let world = world(&spec);
+    let first = built(&spec, &world);
+    let route = [world.stations[1].start, world.stations[1].goal];
+    let route = time_route(&route, 0.0, 15.0, 2.5);
+    let second = mission::build(&spec, &world, 1, &[route]).expect("a mission");
+    let review = verify::review(&spec, &world, &[(0, &first), (1, &second)]);
+    let separation = margin(&review, "separation");
+    assert!(
+        !separation.ok && (separation.value - 90.0).abs() < 1.0,
+        "{separation:?}"
+    );
+}
+
+#[test]
+fn a_wing_departs_when_it_is_launched_and_its_file_has_no_delay() {
+    for vehicle in [
+        plane(Autopilot::ArduPilot),
+        vtol(Autopilot::ArduPilot),
+        plane(Autopilot::Px4),
+    ] {
+        let mut spec = empty_spec(vec![vehicle]);
+        spec.vehicles[0].depart_s = 40.0;
+        let (mission, review) = judged(&spec);
+        assert!(failed(&review).is_empty(), "{:#?}", failed(&review));
+        assert!(
+            mission
+                .items
+                .iter()
+                .all(|item| item.command != command::NAV_DELAY)
+        );
+        assert!((review.tracks[0].moments[0].t_s - 40.0).abs() < 1e-9);
+        assert!(
+            review
+                .assumptions
+                .iter()
+                .any(|text| text.contains("by whoever launches them"))
+        );
+    }
+}
+
+/// What fails when one thing of a good mission is changed.
+fn tampered(vehicle: Vehicle, change: impl FnOnce(&mut Vec<Item>)) -> Vec<String> {
+    let spec = empty_spec(vec![vehicle]);
+    let world = world(&spec);
+    let mut mission = built(&spec, &world);
+    change(&mut mission.items);
+    let review = verify::review(&spec, &world, &[(0, &mission)]);
+    names(&failed(&review))
+}
+
+#[test]
+fn a_glide_that_is_steeper_or_aside_fails() {
+    let entry = |items: &[Item]| items.len() - 2;
+    let steep = tampered(plane(Autopilot::ArduPilot), |items| {
+        let entry = entry(items);
+        items[entry].z += 30.0;
+    });
+    assert!(steep.contains(&"glide angle".to_owned()), "{steep:?}");
+    let aside = tampered(plane(Autopilot::ArduPilot), |items| {
+        let entry = entry(items);
+        items[entry].x += 6000;
+    });
+    assert!(aside.contains(&"landing heading".to_owned()), "{aside:?}");
+}
+
+#[test]
+fn px4_takes_off_towards_the_place_of_its_item() {
+    let aside = tampered(plane(Autopilot::Px4), |items| items[0].x += 3000);
+    assert!(aside.contains(&"takeoff heading".to_owned()), "{aside:?}");
+}
+
+#[test]
+fn a_circle_tighter_than_the_spec_says_fails() {
+    let mut vehicle = plane(Autopilot::ArduPilot);
+    vehicle.finish = Finish::Loiter;
+    let tight = tampered(vehicle, |items| {
+        items.last_mut().expect("items").params[2] = -60.0;
+    });
+    assert_eq!(tight, ["loiter radius"]);
+}
+
+#[test]
+fn what_a_wing_does_on_its_own_is_not_judged() {
+    for (command, why) in [
+        (command::NAV_RETURN_TO_LAUNCH, "circle over home"),
+        (command::NAV_LOITER_TIME, "no known course"),
+        (command::NAV_VTOL_LAND, "another kind of airframe"),
+    ] {
+        let mut spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
+        spec.mission.fence = false;
+        let world = world(&spec);
+        let mut mission = built(&spec, &world);
+        mission.items.last_mut().expect("items").command = command;
+        let review = verify::review(&spec, &world, &[(0, &mission)]);
+        let judged = margin(&review, "items judged");
+        assert!(!judged.ok && judged.note.contains(why), "{judged:?}");
+    }
+}
+
+#[test]
+fn the_way_to_a_place_never_turns_more_tightly_than_the_plane_can() {
+    let spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
+    for heading in 0..24 {
+        let heading_rad = f64::from(heading) * 15_f64.to_radians();
+        let mut turned = spec.clone();
+        if let Some(landing) = turned.vehicles[0]
+            .wing
+            .as_mut()
+            .and_then(|wing| wing.landing.as_mut())
+        {
+            landing.heading_rad = heading_rad;
+        }
+        let (_, review) = judged(&turned);
+        let fit = margin(&review, "turn fit");
+        assert!(fit.ok, "{heading_rad}: {fit:?}");
+    }
+}
