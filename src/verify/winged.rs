@@ -213,6 +213,7 @@ impl Pilot<'_> {
                 amsl: Amsl(amsl_m),
             },
             error_m: 0.0,
+            bow_m: 0.0,
             agl_m: None,
             slope_from_m: None,
             grounded: false,
@@ -249,6 +250,7 @@ impl Pilot<'_> {
             self.ribbon.straight((row, self.phase), ends, step_s, false);
             if let Some(chord) = self.ribbon.chords.last_mut() {
                 chord.error_m = CHORD_ERROR_M;
+                chord.bow_m = CHORD_ERROR_M;
             }
         }
     }
