@@ -25,7 +25,7 @@ fn several_problems_are_reported_at_once_in_file_order() {
         .replace("max_load_factor: 1.2", "max_load_factor: 0.9")
         .replace("samples: 51", "samples: 5")
         .replace("sortie: 1", "sortie: 2")
-        .replace("autopilot: px4", "autopilot: px4\n    airframe: plane");
+        .replace("autopilot: px4", "autopilot: px4\n    loiter_radius_m: 50");
     let found = issues(&text);
     let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();
     let expected = [
@@ -33,7 +33,7 @@ fn several_problems_are_reported_at_once_in_file_order() {
         "threats[0].lat",
         "vehicles[0].max_load_factor",
         "vehicles[1].sysid",
-        "vehicles[1].airframe",
+        "vehicles[1].loiter_radius_m",
         "planner.samples",
     ];
     assert_eq!(paths, expected);
