@@ -261,6 +261,7 @@ impl Present {
             home,
             start: from,
             goal: to,
+            landing: to.at,
             goal_ground: ground(&self.world, to),
         };
         let mut added = Vehicle {
