@@ -84,6 +84,7 @@ fn plane(autopilot: Autopilot) -> Vehicle {
                 glide_rad: 6_f64.to_radians(),
             }),
             loiter_radius_m: 100.0,
+            wind: None,
         }),
         ..support::copter("heron", 1, start, goal)
     }
@@ -368,4 +369,159 @@ fn the_way_to_a_place_never_turns_more_tightly_than_the_plane_can() {
         let fit = margin(&review, "turn fit");
         assert!(fit.ok, "{heading_rad}: {fit:?}");
     }
+}
+
+/// The same spec in a wind, from a direction in degrees.
+fn in_wind(mut spec: MissionSpec, from_deg: f64, speed_mps: f64) -> MissionSpec {
+    let wind = Some(Wind {
+        from_rad: from_deg.to_radians(),
+        speed_mps,
+    });
+    spec.wind = wind;
+    for vehicle in &mut spec.vehicles {
+        let wing = vehicle.wing.as_mut().expect("a wing");
+        wing.wind = wind;
+        let least_m = turn_radius_by_load_m(vehicle.speed_mps + speed_mps, vehicle.max_load_factor);
+        wing.loiter_radius_m = wing.loiter_radius_m.max(1.25 * least_m);
+    }
+    spec
+}
+
+#[test]
+fn a_wing_in_a_moderate_wind_from_anywhere_passes_as_it_is_built() {
+    for vehicle in [
+        plane(Autopilot::ArduPilot),
+        plane(Autopilot::Px4),
+        vtol(Autopilot::ArduPilot),
+    ] {
+        for finish in [Finish::Land, Finish::Loiter, Finish::Return] {
+            for from_deg in [0.0, 90.0, 225.0, 270.0] {
+                let mut spec = empty_spec(vec![vehicle.clone()]);
+                spec.vehicles[0].finish = finish;
+                let (_, review) = judged(&in_wind(spec, from_deg, 5.0));
+                let failed = failed(&review);
+                assert!(failed.is_empty(), "{finish:?} {from_deg}: {failed:#?}");
+                let told = |text: &str| review.assumptions.iter().any(|line| line.contains(text));
+                assert!(told("crab in a steady wind of 5.0 m/s"));
+            }
+        }
+    }
+}
+
+/// Seconds from one row of the track to another.
+fn seconds_between(review: &Review, rows: (usize, usize)) -> f64 {
+    let at = |row: usize| {
+        let mut moments = review.tracks[0].moments.iter();
+        moments
+            .find(|moment| moment.item == row)
+            .expect("a moment of that row")
+            .t_s
+    };
+    at(rows.1) - at(rows.0)
+}
+
+#[test]
+fn the_time_on_a_long_leg_is_that_of_the_wind_triangle() {
+    // The route of 6277 m eastward is flown at 15 m/s through the air.
+    let spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
+    let (mission, still) = judged(&spec);
+    let places: Vec<_> = mission.items.iter().map(Item::place).collect();
+    let length_m = |row: usize| {
+        let pair = places[row - 2].zip(places[row - 1]);
+        pair.map_or(0.0, |(from, to)| from.chord_m(to))
+    };
+    let row = (2..=places.len())
+        .max_by(|a, b| length_m(*a).total_cmp(&length_m(*b)))
+        .expect("rows");
+    assert!(length_m(row) > 3000.0);
+    let calm_s = seconds_between(&still, (row, row + 1));
+    assert!((calm_s - length_m(row) / 15.0).abs() < 4.0, "{calm_s}");
+    for (from_deg, ground_mps) in [
+        (90.0, 10.0),
+        (270.0, 20.0),
+        // 5 m/s across: sqrt(225 - 25).
+        (0.0, 14.142_135),
+        // 3.5355 m/s across and with it: sqrt(225 - 12.5) + 3.5355.
+        (225.0, 18.113_01),
+    ] {
+        // Other radii would be other waypoints: the same mission, judged in wind.
+        let world = world(&spec);
+        let windy = in_wind(spec.clone(), from_deg, 5.0);
+        let review = verify::review(&windy, &world, &[(0, &mission)]);
+        let took_s = seconds_between(&review, (row, row + 1));
+        let wanted_s = length_m(row) / ground_mps;
+        assert!(
+            (took_s - wanted_s).abs() < 4.0,
+            "{from_deg}: {took_s} {wanted_s}"
+        );
+        assert!(
+            (took_s - calm_s).abs() > 10.0,
+            "{from_deg}: {took_s} {calm_s}"
+        );
+    }
+}
+
+#[test]
+fn a_wind_too_strong_for_a_leg_fails_and_names_its_item() {
+    let spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
+    let world = world(&spec);
+    let mission = built(&spec, &world);
+    // 14.5 m/s against the takeoff eastward leave half a metre a second.
+    let review = verify::review(&in_wind(spec, 90.0, 14.5), &world, &[(0, &mission)]);
+    let judged = margin(&review, "items judged");
+    assert!(
+        !judged.ok && judged.note.contains("a course of 90 degrees at 15.0 m/s"),
+        "{judged:?}"
+    );
+    assert!(judged.note.contains("item 1"), "{judged:?}");
+}
+
+#[test]
+fn turns_planned_for_still_air_are_too_tight_in_wind() {
+    let spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
+    let mut turned = spec.clone();
+    if let Some(wing) = &mut turned.vehicles[0].wing
+        && let Some(landing) = &mut wing.landing
+    {
+        landing.heading_rad = 3.0 * FRAC_PI_2;
+    }
+    let world = world(&turned);
+    let mission = built(&turned, &world);
+    assert!(failed(&verify::review(&turned, &world, &[(0, &mission)])).is_empty());
+    let review = verify::review(&in_wind(turned, 0.0, 5.0), &world, &[(0, &mission)]);
+    assert!(
+        names(&failed(&review)).contains(&"turn fit".to_owned()),
+        "{:#?}",
+        failed(&review)
+    );
+}
+
+#[test]
+fn a_wind_that_the_wing_does_not_know_is_not_judged() {
+    let mut spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
+    spec.wind = Some(Wind {
+        from_rad: 1.0,
+        speed_mps: 4.0,
+    });
+    assert_eq!(names(&failed(&judged(&spec).1)), ["wind"]);
+}
+
+#[test]
+fn the_shipped_plane_plans_and_passes_in_a_wind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let terrain = folder.path().join("terrain");
+    fs::create_dir(&terrain).expect("a folder");
+    fs::copy(
+        missions().join("terrain/jacksboro.tif"),
+        terrain.join("jacksboro.tif"),
+    )
+    .expect("a copy");
+    let text = fs::read_to_string(missions().join("plane-ardupilot.yaml")).expect("a spec");
+    let text = text.replace("loiter_radius_m: 80", "loiter_radius_m: 100");
+    let spec = folder.path().join("windy.yaml");
+    fs::write(&spec, text + "\nwind: {from_deg: 240, speed_mps: 5}\n").expect("a spec");
+    let out = folder.path().join("out");
+    on_board(&spec, &out);
+    let review = fs::read_to_string(out.join("review.json")).expect("a review");
+    assert!(review.contains("crab in a steady wind"), "{review}");
 }

@@ -13,7 +13,7 @@ use fearless_simd::{dispatch, prelude::*};
 
 use crate::numeric::approach::Motion;
 use crate::numeric::{Basis, SpeedProfile};
-use crate::path::{Flight, VehicleLimits, ramp_stops_m};
+use crate::path::{Flight, VehicleLimits, ramp_stops_m, way_speed_mps};
 use crate::spec::{Finish, MissionSpec, Objective, Weights};
 use crate::world::World;
 
@@ -364,7 +364,7 @@ impl Timing {
         };
         Self {
             start_s: leg.start_s,
-            speed_mps: vehicle.speed_mps,
+            speed_mps: way_speed_mps(vehicle, leg.from.at, leg.to.at),
             accel_mps2: vehicle.accel_mps2,
             after,
             after_km: spec.separation.distance_m / 1000.0,

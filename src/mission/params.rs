@@ -44,7 +44,7 @@ fn arduplane(vehicle: &Vehicle, wing: &Wing, has_fence: bool) -> Vec<Parameter> 
     list.add(
         "AIRSPEED_CRUISE",
         vehicle.speed_mps,
-        "planned speed, m/s: ground speed without wind",
+        "planned speed, m/s, through the air",
     );
     list.add(
         "ROLL_LIMIT_DEG",
@@ -113,7 +113,7 @@ fn px4_wing(
     list.add(
         "FW_AIRSPD_TRIM",
         vehicle.speed_mps,
-        "planned speed, m/s: ground speed without wind",
+        "planned speed, m/s, through the air",
     );
     list.add("FW_R_LIM", bank_deg(vehicle), "bank of max_load_factor");
     list.add("FW_T_CLMB_MAX", vehicle.climb_mps, climb);

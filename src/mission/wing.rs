@@ -32,7 +32,7 @@ impl Author<'_> {
         let (touchdown, approach) = landing(self.vehicle, stations);
         let radius_m = self.vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
         let circles = self.vehicle.finish == Finish::Loiter;
-        let speed_mps = self.vehicle.speed_mps;
+        let speed_mps = self.vehicle.fastest_mps();
         // Before a circle the way turns to its rim. A vtol must not pass the place of its
         // landing: it slows down on its way there, at the height it has.
         let left_out_m = match (circles, &approach) {

@@ -3,14 +3,14 @@
 use crate::geodesy::Amsl;
 use crate::spec::{Airframe, Vehicle, turn_radius_by_load_m};
 
-/// What one vehicle can fly at its planned ground speed.
+/// What one vehicle can fly at its planned speed, whichever way the wind carries it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VehicleLimits {
-    /// Planned ground speed.
-    pub speed_mps: f64,
+    /// Greatest speed over the ground, m/s: the planned one, on a wing and the wind's.
+    pub fastest_mps: f64,
     /// Horizontal acceleration when starting and stopping.
     pub accel_mps2: f64,
-    /// Smallest turn radius R_min, metres: `v^2 / (g sqrt(n^2 - 1))`, and for a
+    /// Smallest turn radius R_min at that speed, metres: `v^2 / (g sqrt(n^2 - 1))`, and for a
     /// copter not below `v^2 / accel`, because it turns by tilting as it accelerates.
     pub turn_radius_m: f64,
     /// Steepest way up.
@@ -23,7 +23,7 @@ pub struct VehicleLimits {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeLimit {
     shape: Shape,
-    /// Vertical speed over planned ground speed.
+    /// Vertical speed over the greatest ground speed.
     by_speed: f64,
 }
 
@@ -46,7 +46,7 @@ impl VehicleLimits {
     /// The limits of a vehicle of the spec.
     #[must_use]
     pub fn of(vehicle: &Vehicle) -> Self {
-        let speed_mps = vehicle.speed_mps;
+        let speed_mps = vehicle.fastest_mps();
         let by_load_m = turn_radius_by_load_m(speed_mps, vehicle.max_load_factor);
         let turn_radius_m = match vehicle.airframe {
             Airframe::Copter => by_load_m.max(speed_mps * speed_mps / vehicle.accel_mps2),
@@ -57,7 +57,7 @@ impl VehicleLimits {
             by_speed: vertical_mps / speed_mps,
         };
         Self {
-            speed_mps,
+            fastest_mps: speed_mps,
             accel_mps2: vehicle.accel_mps2,
             turn_radius_m,
             climb: slope(vehicle.max_climb_rad, CLIMB, vehicle.climb_mps),

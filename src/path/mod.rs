@@ -10,7 +10,9 @@ pub use dubins::{Pose, Turns, turns};
 pub use landing::{SLOW_LANDING_M, slow_landing_mps};
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route};
-pub use wing::{Approach, ClimbOut, along, climb_out, heading_rad, homeward_end, join, landing};
+pub use wing::{
+    Approach, ClimbOut, along, climb_out, heading_rad, homeward_end, join, landing, way_speed_mps,
+};
 
 use crate::geodesy::PlanPoint;
 

@@ -121,7 +121,7 @@ fn winged(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> 
                 },
                 t_s: vehicle.depart_s + climb.run_s,
             });
-            append_at_speed(&mut points, &way.points, vehicle.speed_mps);
+            append_at_speed(&mut points, &way.points, vehicle);
         }
         None => {
             lift(&mut points, stations.start.amsl, vehicle.climb_mps);
@@ -152,10 +152,11 @@ fn winged(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> 
     }
 }
 
-/// A polyline at constant ground speed, begun where the last point is.
-fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], speed_mps: f64) {
+/// A polyline at constant speed, begun where the last point is.
+fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], vehicle: &Vehicle) {
     for &point in way {
         if let Some(&last) = points.last() {
+            let speed_mps = wing::way_speed_mps(vehicle, last.point.at, point.at);
             let t_s = last.t_s + last.point.at.distance_m(point.at) / speed_mps;
             points.push(TimedPoint { point, t_s });
         }
@@ -228,7 +229,7 @@ fn append_route(points: &mut Vec<TimedPoint>, route: &[PlanPoint], vehicle: &Veh
     let along_m = distances_m(route);
     let profile = SpeedProfile::new(
         along_m.last().copied().unwrap_or(0.0),
-        vehicle.speed_mps,
+        speed_between(vehicle, route),
         vehicle.accel_mps2,
     );
     for (leg, reach_m) in route.windows(2).zip(along_m.windows(2)) {
@@ -243,6 +244,14 @@ fn append_route(points: &mut Vec<TimedPoint>, route: &[PlanPoint], vehicle: &Veh
             point: leg[1],
             t_s: t0_s + profile.time_at_s(reach_m[1]),
         });
+    }
+}
+
+/// The speed over the ground to plan a route with, m/s.
+fn speed_between(vehicle: &Vehicle, route: &[PlanPoint]) -> f64 {
+    match route {
+        [first, .., last] => wing::way_speed_mps(vehicle, first.at, last.at),
+        _ => vehicle.speed_mps,
     }
 }
 

@@ -45,12 +45,13 @@ pub fn climb_out(
     top: Amsl,
 ) -> ClimbOut {
     let limits = VehicleLimits::of(vehicle);
-    let run_m = limits.speed_mps * limits.speed_mps / (2.0 * limits.accel_mps2);
+    let speed_mps = speed_on(vehicle, heading_rad);
+    let run_m = speed_mps * speed_mps / (2.0 * limits.accel_mps2);
     let lift_off = along(home, heading_rad, run_m);
     let rise_m = (top.0 - ground(lift_off).0).max(0.0);
     ClimbOut {
         lift_off,
-        run_s: 2.0 * run_m / limits.speed_mps,
+        run_s: 2.0 * run_m / speed_mps,
         top: PlanPoint {
             at: along(lift_off, heading_rad, rise_m / limits.climb.at(top)),
             amsl: top,
@@ -158,6 +159,22 @@ pub fn join(
         }
     }
     best.map_or_else(Vec::new, |way| way.corners)
+}
+
+/// The speed over the ground to plan with on a course, m/s; the planned one where the wind
+/// is too strong for any.
+fn speed_on(vehicle: &Vehicle, course_rad: f64) -> f64 {
+    let speed_mps = vehicle.speed_mps;
+    vehicle
+        .ground_speed_mps(speed_mps, course_rad)
+        .unwrap_or(speed_mps)
+}
+
+/// The speed over the ground to plan a way between two places with, m/s: that on the
+/// straight one.
+#[must_use]
+pub fn way_speed_mps(vehicle: &Vehicle, from: EastNorth, to: EastNorth) -> f64 {
+    speed_on(vehicle, heading_rad(from, to))
 }
 
 /// The course from a place to another, radians clockwise from north.

@@ -7,7 +7,7 @@ use super::{FleetPlan, Route, VehiclePlan};
 use crate::cost::{CostTerms, Leg, Margins};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::{Basis, Seed};
-use crate::path::{Flight, flight, homeward_end, route_start_s, time_route};
+use crate::path::{Flight, flight, homeward_end, route_start_s, time_route, way_speed_mps};
 use crate::spec::{Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
 
@@ -212,7 +212,7 @@ fn route(course: &Course<'_>, found: &Found) -> Route {
         path: time_route(
             &points,
             course.leg.start_s,
-            course.vehicle().speed_mps,
+            way_speed_mps(course.vehicle(), course.leg.from.at, course.leg.to.at),
             course.vehicle().accel_mps2,
         ),
     }

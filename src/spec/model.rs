@@ -153,7 +153,7 @@ pub struct Vehicle {
     pub goal: EndPoint,
     /// What happens at the goal.
     pub finish: Finish,
-    /// Planned ground speed, m/s.
+    /// Planned speed, m/s: over the ground, on a wing through the air.
     pub speed_mps: f64,
     /// Turn overload n_max; the turn radius is `v^2 / (g sqrt(n^2 - 1))`.
     pub max_load_factor: f64,
@@ -185,6 +185,8 @@ pub struct Wing {
     pub landing: Option<Landing>,
     /// Radius of circling, metres, not below the turn radius.
     pub loiter_radius_m: f64,
+    /// The wind of the spec: it carries what holds its airspeed.
+    pub wind: Option<Wind>,
 }
 
 /// The straight approach to a landing.
@@ -207,6 +209,29 @@ pub struct ApproachLengths {
 }
 
 impl Vehicle {
+    /// Greatest speed over the ground, m/s: the planned one, on a wing and the wind's.
+    #[must_use]
+    pub fn fastest_mps(&self) -> f64 {
+        self.carried_by()
+            .map_or(self.speed_mps, |wind| self.speed_mps + wind.speed_mps)
+    }
+
+    /// Speed over the ground on a course (radians clockwise from north) at a commanded
+    /// speed: on a wing an airspeed. None if the wind is too strong to hold that course.
+    #[must_use]
+    pub fn ground_speed_mps(&self, speed_mps: f64, course_rad: f64) -> Option<f64> {
+        match self.carried_by() {
+            Some(wind) => wind.ground_speed_mps(speed_mps, course_rad),
+            None => Some(speed_mps),
+        }
+    }
+
+    /// The wind that carries it, if any does.
+    #[must_use]
+    pub fn carried_by(&self) -> Option<Wind> {
+        self.wing?.wind.filter(|wind| wind.speed_mps > 0.0)
+    }
+
     /// How long the approach from a height above touchdown is; none for a copter, and for a
     /// vtol that may come from any direction.
     #[must_use]
@@ -216,7 +241,7 @@ impl Vehicle {
         let straight_m = match self.airframe {
             Airframe::Copter => return None,
             Airframe::Plane => height_m.max(0.0) / landing.glide_rad.tan(),
-            Airframe::Vtol => self.speed_mps * self.speed_mps / (2.0 * self.accel_mps2),
+            Airframe::Vtol => self.fastest_mps() * self.fastest_mps() / (2.0 * self.accel_mps2),
         };
         Some(ApproachLengths {
             straight_m,
@@ -464,6 +489,26 @@ pub struct Wind {
     pub speed_mps: f64,
 }
 
+/// A wing that makes less way over the ground than this makes none, m/s.
+const LEAST_WAY_MPS: f64 = 1.0;
+
+impl Wind {
+    /// Speed over the ground of what holds a course in the wind by crabbing, from the wind
+    /// triangle: `sqrt(airspeed^2 - across^2) + along`, m/s. None where the wind is too strong
+    /// to hold the course (radians clockwise from north) with 1 m/s of way.
+    #[must_use]
+    pub fn ground_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> Option<f64> {
+        let off_rad = course_rad - self.from_rad;
+        let (across_mps, against_mps) = (
+            self.speed_mps * off_rad.sin(),
+            self.speed_mps * off_rad.cos(),
+        );
+        let ahead = airspeed_mps * airspeed_mps - across_mps * across_mps;
+        let ground_mps = ahead.max(0.0).sqrt() - against_mps;
+        (ahead > 0.0 && ground_mps >= LEAST_WAY_MPS).then_some(ground_mps)
+    }
+}
+
 /// What the fleet does when the link to one vehicle is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnLinkLoss {
@@ -473,4 +518,72 @@ pub enum OnLinkLoss {
     HoldAll,
     /// Everyone lands where it is.
     LandAll,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use proptest::prelude::*;
+
+    use super::Wind;
+
+    proptest! {
+        /// Heads through the air where the track comes out on the course, found by bisection.
+        #[test]
+        fn the_velocities_through_the_air_and_of_the_air_add_up_to_the_track(
+            airspeed_mps in 8.0..40.0_f64,
+            share in 0.0..0.8_f64,
+            from_rad in 0.0..TAU,
+            course_rad in 0.0..TAU,
+        ) {
+            let wind = Wind { from_rad, speed_mps: share * airspeed_mps };
+            let track = |crab_rad: f64| {
+                let heading_rad = course_rad + crab_rad;
+                let towards_rad = from_rad + PI;
+                (
+                    airspeed_mps * heading_rad.sin() + wind.speed_mps * towards_rad.sin(),
+                    airspeed_mps * heading_rad.cos() + wind.speed_mps * towards_rad.cos(),
+                )
+            };
+            // Positive: the track lies clockwise of the course.
+            let beside = |(east, north): (f64, f64)| {
+                east * course_rad.cos() - north * course_rad.sin()
+            };
+            let (mut left, mut right) = (-0.5 * PI, 0.5 * PI);
+            for _ in 0..60 {
+                let middle = 0.5 * (left + right);
+                if beside(track(middle)) < 0.0 { left = middle } else { right = middle }
+            }
+            let (east, north) = track(0.5 * (left + right));
+            let found = wind.ground_speed_mps(airspeed_mps, course_rad).expect("a weaker wind");
+            prop_assert!((found - east.hypot(north)).abs() < 1e-6, "{found} {east} {north}");
+        }
+    }
+
+    #[test]
+    fn a_wing_makes_way_as_the_wind_lets_it() {
+        let wind = Wind {
+            from_rad: 1.5 * PI,
+            speed_mps: 6.0,
+        };
+        let on = |airspeed_mps, course_deg: f64| {
+            wind.ground_speed_mps(airspeed_mps, course_deg.to_radians())
+        };
+        let near = |found: Option<f64>, wanted: f64| {
+            assert!(
+                found.is_some_and(|mps| (mps - wanted).abs() < 1e-9),
+                "{found:?}"
+            );
+        };
+        near(on(10.0, 90.0), 16.0);
+        near(on(10.0, 270.0), 4.0);
+        near(on(10.0, 0.0), 8.0);
+        assert_eq!(on(5.5, 0.0), None, "across, and stronger");
+        assert_eq!(
+            on(6.5, 270.0),
+            None,
+            "half a metre a second against the wind"
+        );
+    }
 }

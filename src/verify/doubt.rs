@@ -126,6 +126,18 @@ pub(super) fn windy_copters<'a>(
     ))
 }
 
+/// A wing holds its airspeed: what it makes over the ground is up to the wind.
+pub(super) fn carried_wings<'a>(mut vehicles: impl Iterator<Item = &'a Vehicle>) -> Option<String> {
+    let wind = vehicles.find_map(Vehicle::carried_by)?;
+    Some(format!(
+        "wings hold their airspeed and crab in a steady wind of {:.1} m/s from {:.0} degrees, the same at every height: \
+         over the ground they are as fast as the wind triangle says, change from leg to leg evenly along the turn, \
+         and turn as widely everywhere as with the wind behind them; slopes are over the ground",
+        wind.speed_mps,
+        wind.from_rad.to_degrees()
+    ))
+}
+
 /// ArduCopter takes rally points only so far from home.
 pub(super) fn rally_limit(furthest_m: f64) -> Option<String> {
     (furthest_m > 0.0).then(|| {

@@ -3,10 +3,11 @@
 use std::f64::consts::PI;
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::path::VehicleLimits;
+use crate::path::{VehicleLimits, heading_rad};
 use crate::spec::Vehicle;
 
 use super::chord::Phase;
+use super::decode::Unknown;
 
 /// A point of the flight where legs meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +19,7 @@ pub(super) struct Knot {
     pub(super) amsl_m: f64,
     /// Height above the ground here if the leg that leads here follows the terrain, metres.
     pub(super) agl_m: Option<f64>,
-    /// Ground speed on the leg that leads here, m/s.
+    /// Commanded speed on the leg that leads here, m/s: over the ground, on a wing through the air.
     pub(super) speed_mps: f64,
     /// Whether the mission or its parameters set that speed.
     pub(super) speed_is_known: bool,
@@ -84,10 +85,42 @@ pub(super) struct Run {
     pub(super) peak_mps: Vec<f64>,
 }
 
-/// The turn radius at a speed, metres: it grows with its square.
+/// The turn radius at a commanded speed, metres: it grows with the square of the greatest
+/// speed over the ground.
 fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64) -> f64 {
-    let ratio = speed_mps / vehicle.speed_mps;
-    VehicleLimits::of(vehicle).turn_radius_m * ratio * ratio
+    let limits = VehicleLimits::of(vehicle);
+    let wind_mps = limits.fastest_mps - vehicle.speed_mps;
+    let ratio = (speed_mps + wind_mps) / limits.fastest_mps;
+    limits.turn_radius_m * ratio * ratio
+}
+
+/// The speed over the ground on each leg, m/s.
+///
+/// # Errors
+/// A leg whose course the wind does not let the vehicle hold.
+pub(super) fn ground_speeds(knots: &[Knot], vehicle: &Vehicle) -> Result<Vec<f64>, Unknown> {
+    let legs = knots.windows(2);
+    legs.map(|pair| {
+        let course_rad = heading_rad(pair[0].at, pair[1].at);
+        ground_speed(vehicle, &pair[1], course_rad)
+    })
+    .collect()
+}
+
+/// The speed over the ground on a course, as commanded on the leg that leads to a knot, m/s.
+///
+/// # Errors
+/// The wind does not let the vehicle hold that course.
+pub(super) fn ground_speed(vehicle: &Vehicle, to: &Knot, course_rad: f64) -> Result<f64, Unknown> {
+    let ground_mps = vehicle.ground_speed_mps(to.speed_mps, course_rad);
+    ground_mps.ok_or_else(|| Unknown {
+        row: to.row,
+        why: format!(
+            "the wind is too strong for a course of {:.0} degrees at {:.1} m/s through the air",
+            course_rad.to_degrees().rem_euclid(360.0),
+            to.speed_mps
+        ),
+    })
 }
 
 impl Knot {
@@ -155,16 +188,21 @@ impl Piece {
     }
 }
 
-/// The flight along knots, with given speeds at the first and the last (0 at rest); legs
-/// are longer than 0.
-pub(super) fn run(knots: &[Knot], vehicle: &Vehicle, ends_mps: (f64, f64)) -> Run {
+/// The flight along knots at a ground speed on each leg, with given speeds at the first knot
+/// and the last (0 at rest); legs are longer than 0.
+pub(super) fn run(
+    knots: &[Knot],
+    vehicle: &Vehicle,
+    grounds_mps: &[f64],
+    ends_mps: (f64, f64),
+) -> Run {
     let legs: Vec<f64> = knots
         .windows(2)
         .map(|pair| pair[0].at.distance_m(pair[1].at))
         .collect();
     let mut corners = corners(knots, vehicle);
     let rooms = fit(&mut corners, &legs);
-    let passing = passing_speeds(knots, &legs, &corners, vehicle.accel_mps2, ends_mps);
+    let passing = passing_speeds(grounds_mps, &legs, &corners, vehicle, ends_mps);
     let mut found = Run {
         pieces: Vec::new(),
         rooms,
@@ -173,14 +211,14 @@ pub(super) fn run(knots: &[Knot], vehicle: &Vehicle, ends_mps: (f64, f64)) -> Ru
     for (leg, &length_m) in legs.iter().enumerate() {
         let (before_m, after_m) = (corners[leg].taken_m, corners[leg + 1].taken_m);
         let stretch = (before_m, length_m - after_m);
-        let speeds = (passing[leg], passing[leg + 1]);
+        let speeds = (passing[leg].1, passing[leg + 1].0);
         let line = Line {
             leg,
             from: knots[leg].at,
             to: knots[leg + 1].at,
             length_m,
         };
-        let cruise_mps = knots[leg + 1].speed_mps;
+        let cruise_mps = grounds_mps[leg];
         found.peak_mps.push(line.cruise(
             stretch,
             speeds,
@@ -195,7 +233,7 @@ pub(super) fn run(knots: &[Knot], vehicle: &Vehicle, ends_mps: (f64, f64)) -> Ru
                 found.pieces.push(Piece {
                     leg,
                     shape,
-                    speed_mps: (speeds.1, speeds.1),
+                    speed_mps: passing[leg + 1],
                     fraction: share,
                 });
             }
@@ -257,34 +295,43 @@ fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
     rooms
 }
 
-/// The speed at each knot: no faster than either leg, and what the acceleration allows.
+/// The speeds with which each corner is entered and left: no faster than its legs, and what
+/// the acceleration allows. The wind carries a wing from one ground speed to the other in the
+/// turn itself; anything else passes a corner at the slower one.
 fn passing_speeds(
-    knots: &[Knot],
+    grounds_mps: &[f64],
     legs: &[f64],
     corners: &[Corner],
-    accel_mps2: f64,
+    vehicle: &Vehicle,
     ends_mps: (f64, f64),
-) -> Vec<f64> {
-    let last = knots.len() - 1;
-    let mut speeds: Vec<f64> = (0..=last)
-        .map(|index| {
-            if index == 0 {
-                ends_mps.0
-            } else if index == last {
-                ends_mps.1
-            } else {
-                knots[index].speed_mps.min(knots[index + 1].speed_mps)
-            }
-        })
-        .collect();
+) -> Vec<(f64, f64)> {
+    let is_carried = vehicle.carried_by().is_some();
+    let mut speeds = vec![(ends_mps.0, ends_mps.0)];
+    speeds.extend(grounds_mps.windows(2).map(|pair| {
+        let slower = pair[0].min(pair[1]);
+        if is_carried {
+            (pair[0], pair[1])
+        } else {
+            (slower, slower)
+        }
+    }));
+    speeds.push((ends_mps.1, ends_mps.1));
     let straight_m = |leg: usize| legs[leg] - corners[leg].taken_m - corners[leg + 1].taken_m;
-    let reach =
-        |speed: f64, leg: usize| (speed * speed + 2.0 * accel_mps2 * straight_m(leg)).sqrt();
-    for leg in 0..last {
-        speeds[leg + 1] = speeds[leg + 1].min(reach(speeds[leg], leg));
+    let reach = |speed: f64, leg: usize| {
+        (speed * speed + 2.0 * vehicle.accel_mps2 * straight_m(leg)).sqrt()
+    };
+    // Who enters a corner more slowly leaves it no faster, and the other way round.
+    for leg in 0..legs.len() {
+        let most = reach(speeds[leg].1, leg);
+        if speeds[leg + 1].0 > most {
+            speeds[leg + 1] = (most, speeds[leg + 1].1.min(most));
+        }
     }
-    for leg in (0..last).rev() {
-        speeds[leg] = speeds[leg].min(reach(speeds[leg + 1], leg));
+    for leg in (0..legs.len()).rev() {
+        let most = reach(speeds[leg + 1].0, leg);
+        if speeds[leg].1 > most {
+            speeds[leg] = (speeds[leg].0.min(most), most);
+        }
     }
     speeds
 }

@@ -46,6 +46,11 @@
 //!   stop, do not allow it. On the straight parts the vehicle speeds up, cruises and
 //!   slows down with `accel_mps2`.
 //!
+//! **Wind.** A copter holds its ground speed in any wind. On a wing speeds are airspeeds `a`: on a
+//! course that the wind `w` crosses at an angle `e` off its origin it makes `sqrt(a^2 - (w sin
+//! e)^2) - w cos e` over the ground, and what cannot make 1 m/s is not judged from there on. `R`
+//! is that of `a + w`. Along an arc the ground speed changes evenly from one leg's to the other's.
+//!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
 //! row; PX4 then goes on to the item's place where that is more than `tolerance_m` away,
 //! and rests. A landing flies to its place at the altitude that the vehicle has, rests,

@@ -74,11 +74,11 @@ pub(super) struct Pilot<'a> {
     /// Landed or staying: nothing follows.
     pub(super) ended: bool,
     pub(super) phase: Phase,
-    /// Commanded ground speed, if known.
+    /// Commanded speed, if known.
     speed_mps: Option<f64>,
     /// Where the vehicle last stopped, or left the ground, and where it goes from there.
     pub(super) knots: Vec<Knot>,
-    /// Ground speed at the first knot, m/s; 0 at rest.
+    /// Commanded speed at the first knot, m/s; 0 at rest.
     pub(super) moving_mps: f64,
 }
 
@@ -369,7 +369,7 @@ impl Pilot<'_> {
 
     /// Flies the legs that were gathered, and has a speed at the last knot.
     pub(super) fn fly_to_last(&mut self, last_mps: f64) -> Result<(), Unknown> {
-        let ends_mps = (self.moving_mps, last_mps);
+        let first_mps = self.moving_mps;
         let knots = std::mem::take(&mut self.knots);
         if let Some(&last) = knots.last() {
             self.knots = vec![last];
@@ -378,7 +378,17 @@ impl Pilot<'_> {
             return Ok(());
         }
         self.moving_mps = last_mps;
-        let run = legs::run(&knots, self.vehicle, ends_mps);
+        let grounds_mps = legs::ground_speeds(&knots, self.vehicle)?;
+        // At its ends the wind carries it as on the leg there.
+        let carried = |speed_mps: f64, leg: usize| {
+            if speed_mps > 0.0 {
+                speed_mps * (grounds_mps[leg] / knots[leg + 1].speed_mps)
+            } else {
+                speed_mps
+            }
+        };
+        let ends_mps = (carried(first_mps, 0), carried(last_mps, knots.len() - 2));
+        let run = legs::run(&knots, self.vehicle, &grounds_mps, ends_mps);
         let lines = knots
             .windows(2)
             .map(|pair| self.ribbon.altitude_line(&pair[0], &pair[1]))

@@ -155,9 +155,9 @@ impl<'a> Sortie<'a> {
         if let Err(why) = &self.fence {
             margins.push(Margin::unjudged(id, "fence", why.clone()));
         }
-        let is_windy = spec.wind.is_some_and(|wind| wind.speed_mps > 0.0);
-        if is_windy && self.vehicle.airframe != Airframe::Copter {
-            let why = "a wing holds its airspeed, and how the wind moves it is not judged";
+        let wind = spec.wind.filter(|wind| wind.speed_mps > 0.0);
+        if self.vehicle.airframe.has_wing() && self.vehicle.carried_by() != wind {
+            let why = "the wind of the spec is not the one that carries this wing";
             margins.push(Margin::unjudged(id, "wind", why));
         }
         margins.extend(space.rally_margins(id, self.mission, self.stands.amsl, fence));
@@ -302,7 +302,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     );
     add(
         any(|s| s.vehicle.airframe.has_wing()),
-        "a wing flies at its planned speed all the way, without wind, and turns with max_load_factor; turns of more than a right angle follow waypoints on the way around",
+        "a wing flies at its planned airspeed all the way and turns with max_load_factor; turns of more than a right angle follow waypoints on the way around",
     );
     add(
         any(|s| s.flight.landing.is_some()),
@@ -326,6 +326,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     );
     let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
     list.extend(doubt::windy_copters(flown(), spec.wind));
+    list.extend(doubt::carried_wings(sorties.iter().map(|s| s.vehicle)));
     list.extend(doubt::bent_map(flown(), world));
     list.extend(doubt::other_posts(sorties.iter().map(|s| &s.flight), world));
     list.extend(doubt::rally_limit(furthest_rally_m(sorties)));

@@ -8,7 +8,7 @@ use crate::path::{along, climb_out, heading_rad};
 use super::chord::{Chord, Phase};
 use super::decode::{Height, Unknown};
 use super::flight::{Circle, End, Mark};
-use super::legs::Knot;
+use super::legs::{Knot, ground_speed};
 use super::pilot::Pilot;
 use super::space::SLOPE_SHARE;
 
@@ -173,7 +173,7 @@ impl Pilot<'_> {
         let speed_mps = rim.speed_mps;
         self.fly_to_last(speed_mps)?;
         self.straight_in(row, from, middle, amsl_m);
-        self.lap(row, middle, rim, radius_m);
+        self.lap(row, middle, rim, radius_m)?;
         let over = PlanPoint {
             at: middle,
             amsl: Amsl(amsl_m),
@@ -223,7 +223,13 @@ impl Pilot<'_> {
     }
 
     /// Once around.
-    fn lap(&mut self, row: usize, middle: EastNorth, rim: Knot, radius_m: f64) {
+    fn lap(
+        &mut self,
+        row: usize,
+        middle: EastNorth,
+        rim: Knot,
+        radius_m: f64,
+    ) -> Result<(), Unknown> {
         let rim_m = radius_m.abs();
         let step_rad = (8.0 * CHORD_ERROR_M / rim_m).sqrt();
         #[expect(
@@ -244,14 +250,17 @@ impl Pilot<'_> {
                 amsl: Amsl(rim.amsl_m),
             }
         };
-        let step_s = TAU * rim_m / rim.speed_mps / f64::from(count);
+        let step_m = TAU * rim_m / f64::from(count);
         for index in 0..count {
             let ends = (at(index), at(index + 1));
+            let course_rad = heading_rad(ends.0.at, ends.1.at);
+            let step_s = step_m / ground_speed(self.vehicle, &rim, course_rad)?;
             self.ribbon.straight((row, self.phase), ends, step_s, false);
             if let Some(chord) = self.ribbon.chords.last_mut() {
                 chord.error_m = CHORD_ERROR_M;
                 chord.bow_m = CHORD_ERROR_M;
             }
         }
+        Ok(())
     }
 }

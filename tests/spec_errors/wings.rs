@@ -9,6 +9,32 @@ fn plane() -> String {
         "    airframe: plane\n    takeoff_heading_deg: 90\n    landing: {heading_deg: 45, glide_deg: 5}\n    loiter_radius_m: 80\n",
     )
     .replace("    return_amsl_m: 900\n", "")
+    .replace("wind: {from_deg: 270, speed_mps: 5}\n", "")
+}
+
+#[test]
+fn wind_widens_circles_and_steepens_a_glide_with_it() {
+    let windy = |from: &str, old: &str, new: &str| {
+        let text = format!("{}\nwind: {{from_deg: {from}, speed_mps: 5}}\n", plane());
+        let found = issues(&text.replacen(old, new, 1));
+        assert_eq!(found.len(), 1, "{found:#?}");
+        format!(
+            "{}: {} (allowed: {})",
+            found[0].path, found[0].found, found[0].allowed
+        )
+    };
+    // 20^2 / (9.80665 sqrt(1.2^2 - 1)) = 61.49.
+    let circle = windy("0", "loiter_radius_m: 80", "loiter_radius_m: 60");
+    assert!(
+        circle.contains("loiter_radius_m") && circle.contains("at least 61.5 m at 20 m/s"),
+        "{circle}"
+    );
+    // Landing with 5 m/s behind at 20 m/s: atan(3 / 20).
+    let glide = windy("225", "glide_deg: 5", "glide_deg: 10");
+    assert!(
+        glide.contains("glide_deg") && glide.contains("at most 8.5"),
+        "{glide}"
+    );
 }
 
 /// The only issue of a plane with one piece of text replaced.

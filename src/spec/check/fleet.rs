@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::super::raw;
-use super::super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle};
+use super::super::{
+    Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle, Wind,
+};
 use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
@@ -54,6 +56,7 @@ impl Checker<'_> {
         raw: &raw::Spec,
         map: Option<&Map>,
         separation: Separation,
+        wind: Option<Wind>,
     ) -> Vec<Vehicle> {
         if raw.vehicles.is_empty() {
             self.report("vehicles", "no vehicle", "at least one");
@@ -67,7 +70,7 @@ impl Checker<'_> {
         let mut vehicles = Vec::new();
         for (index, vehicle) in raw.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}]");
-            if let Some(checked) = self.vehicle(&path, vehicle, map) {
+            if let Some(checked) = self.vehicle(&path, vehicle, map, wind) {
                 vehicles.push((path, checked));
             }
         }
@@ -111,7 +114,13 @@ impl Checker<'_> {
         }
     }
 
-    fn vehicle(&mut self, path: &str, raw: &raw::Vehicle, map: Option<&Map>) -> Option<Vehicle> {
+    fn vehicle(
+        &mut self,
+        path: &str,
+        raw: &raw::Vehicle,
+        map: Option<&Map>,
+        wind: Option<Wind>,
+    ) -> Option<Vehicle> {
         let at = |key: &str| format!("{path}.{key}");
         self.file_name(&at("id"), &raw.id);
         let link = self.link(&at("link"), &raw.link);
@@ -150,6 +159,7 @@ impl Checker<'_> {
             speed_mps: raw.speed_mps,
             load_factor,
             descent_mps,
+            wind,
             way_to_start_m: from.zip(own_home).map(|(start, home)| start.chord_m(home)),
         };
         let wing = self.wing(path, raw, &flown);

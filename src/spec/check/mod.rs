@@ -97,15 +97,15 @@ impl Checker<'_> {
         self.file_name("name", &raw.name);
         let map = self.map(raw);
         let separation = self.separation(raw);
-        let vehicles = self.fleet(raw, map.as_ref(), separation);
-        let planner = self.planner(&raw.planner);
-        let mission = self.mission(&raw.mission);
         let wind = raw.wind.map(|wind| Wind {
             from_rad: self
                 .number("wind.from_deg", wind.from_deg, 0.0..=360.0)
                 .to_radians(),
             speed_mps: self.number("wind.speed_mps", wind.speed_mps, 0.0..=50.0),
         });
+        let vehicles = self.fleet(raw, map.as_ref(), separation, wind);
+        let planner = self.planner(&raw.planner);
+        let mission = self.mission(&raw.mission);
         let map = map?;
         Some(MissionSpec {
             name: raw.name.clone(),

@@ -1,7 +1,7 @@
 //! What only planes and vtol have: takeoff heading, landing, circles.
 
 use super::super::raw;
-use super::super::{Airframe, Landing, Wing, turn_radius_by_load_m};
+use super::super::{Airframe, Landing, Wind, Wing, turn_radius_by_load_m};
 use super::Checker;
 
 /// A plane stands at least this far from its start, metres.
@@ -17,8 +17,23 @@ pub(super) struct Flown {
     pub(super) speed_mps: f64,
     pub(super) load_factor: f64,
     pub(super) descent_mps: f64,
+    pub(super) wind: Option<Wind>,
     /// From a home of its own to the start, metres.
     pub(super) way_to_start_m: Option<f64>,
+}
+
+impl Flown {
+    /// Greatest speed over the ground, m/s.
+    fn fastest_mps(&self) -> f64 {
+        self.speed_mps + self.wind.map_or(0.0, |wind| wind.speed_mps)
+    }
+
+    /// Speed over the ground on a course; where the wind is too strong for that, the verdict
+    /// says so.
+    fn ground_speed_mps(&self, course_rad: f64) -> f64 {
+        let carried = |wind: Wind| wind.ground_speed_mps(self.speed_mps, course_rad);
+        self.wind.and_then(carried).unwrap_or(self.speed_mps)
+    }
 }
 
 impl Checker<'_> {
@@ -51,6 +66,7 @@ impl Checker<'_> {
             takeoff_heading_rad: heading.map(f64::to_radians),
             landing: self.landing(&at("landing"), raw, flown),
             loiter_radius_m: self.loiter_radius(&at("loiter_radius_m"), raw, flown),
+            wind: flown.wind,
         })
     }
 
@@ -92,13 +108,11 @@ impl Checker<'_> {
         let glide_path = format!("{path}.glide_deg");
         let glide_deg = self.number(&glide_path, landing.glide_deg, 1.0..=30.0);
         let glide_rad = glide_deg.to_radians();
-        let sink_mps = flown.speed_mps * glide_rad.tan();
+        let ground_mps = flown.ground_speed_mps(heading_deg.to_radians());
+        let sink_mps = ground_mps * glide_rad.tan();
         if is_plane && sink_mps > flown.descent_mps {
-            let found = format!(
-                "{glide_deg} at {} m/s sinks {sink_mps:.2} m/s",
-                flown.speed_mps
-            );
-            let steepest_deg = (flown.descent_mps / flown.speed_mps).atan().to_degrees();
+            let found = format!("{glide_deg} at {ground_mps:.4} m/s sinks {sink_mps:.2} m/s");
+            let steepest_deg = (flown.descent_mps / ground_mps).atan().to_degrees();
             let allowed = format!(
                 "at most {steepest_deg:.1} (descent_mps {})",
                 flown.descent_mps
@@ -112,7 +126,7 @@ impl Checker<'_> {
     }
 
     fn loiter_radius(&mut self, path: &str, raw: &raw::Vehicle, flown: &Flown) -> f64 {
-        let least_m = turn_radius_by_load_m(flown.speed_mps, flown.load_factor);
+        let least_m = turn_radius_by_load_m(flown.fastest_mps(), flown.load_factor);
         let Some(radius_m) = raw.loiter_radius_m else {
             return (ROOM * least_m).ceil();
         };
@@ -122,7 +136,7 @@ impl Checker<'_> {
             let allowed = format!(
                 "at least {:.1} m at {} m/s and a load factor of {}",
                 (least_m * 10.0).ceil() / 10.0,
-                flown.speed_mps,
+                flown.fastest_mps(),
                 flown.load_factor
             );
             self.report(path, found, allowed);
