@@ -66,8 +66,8 @@ fn holds(vehicle: &Vehicle, profile: Profile, mission: &VehicleMission) -> bool 
         let expected: Vec<Item> = wanted(mission, list)
             .iter()
             .map(|item| match profile {
-                Profile::ArduPilot => kept(Autopilot::ArduPilot, list, item),
-                Profile::Px4 => kept(Autopilot::Px4, list, item),
+                Profile::ArduPilot => kept(Autopilot::ArduPilot, mission.airframe, list, item),
+                Profile::Px4 => kept(Autopilot::Px4, mission.airframe, list, item),
                 Profile::Generic => *item,
             })
             .collect();

@@ -48,7 +48,7 @@ pub(super) fn list_problems(mission: &VehicleMission, onboard: &Onboard) -> Vec<
     ];
     let mut problems = Vec::new();
     for (list, planned, held) in lists {
-        let found = differences(autopilot, list, planned, held);
+        let found = differences(autopilot, mission.airframe, list, planned, held);
         if let Some(first) = found.first() {
             let more = match found.len() {
                 1 => String::new(),

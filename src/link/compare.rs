@@ -5,7 +5,7 @@ use std::fmt;
 use super::kept::kept;
 use super::message::List;
 use crate::mission::{Item, frame};
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
 
 /// One thing that the vehicle holds otherwise than it was sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -42,6 +42,7 @@ impl fmt::Display for Difference {
 #[must_use]
 pub fn differences(
     autopilot: Autopilot,
+    airframe: Airframe,
     list: List,
     sent: &[Item],
     read: &[Item],
@@ -57,7 +58,7 @@ pub fn differences(
         });
     }
     for (index, (sent, read)) in sent.iter().zip(read).enumerate() {
-        let kept = kept(autopilot, list, sent);
+        let kept = kept(autopilot, airframe, list, sent);
         for (field, fine) in fields(autopilot, list, sent, &kept, read) {
             if !fine {
                 found.push(Difference {
@@ -151,7 +152,7 @@ mod tests {
     }
 
     fn mission(autopilot: Autopilot, sent: Item, read: Item) -> Vec<Difference> {
-        differences(autopilot, List::Mission, &[sent], &[read])
+        differences(autopilot, Airframe::Copter, List::Mission, &[sent], &[read])
     }
 
     #[test]
@@ -192,6 +193,7 @@ mod tests {
     fn a_missing_item_is_a_difference() {
         let found = differences(
             Autopilot::Px4,
+            Airframe::Copter,
             List::Fence,
             &[item(0.0); 4],
             &[item(0.0); 3],

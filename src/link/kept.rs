@@ -7,7 +7,7 @@
 
 use super::message::List;
 use crate::mission::{Item, command, frame};
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
 
 /// Commands that ArduPilot stores with a place; all others come back without one.
 const ARDUPILOT_PLACES: [u16; 17] = [
@@ -30,15 +30,15 @@ const ARDUPILOT_PLACES: [u16; 17] = [
     201, // DO_SET_ROI
 ];
 
-/// The item as this autopilot gives it back, with the canonical frame.
+/// The item as this autopilot gives it back on such an airframe, with the canonical frame.
 #[must_use]
-pub fn kept(autopilot: Autopilot, list: List, item: &Item) -> Item {
+pub fn kept(autopilot: Autopilot, airframe: Airframe, list: List, item: &Item) -> Item {
     let mut kept = Item {
         frame: frame::canonical(item.frame),
         ..*item
     };
     match (autopilot, list) {
-        (Autopilot::ArduPilot, List::Mission) => ardupilot_mission(&mut kept),
+        (Autopilot::ArduPilot, List::Mission) => ardupilot_mission(&mut kept, airframe),
         (Autopilot::ArduPilot, List::Fence) => ardupilot_fence(&mut kept),
         (Autopilot::ArduPilot, List::Rally) => ardupilot_rally(&mut kept),
         (Autopilot::Px4, List::Mission) => px4_mission(&mut kept),
@@ -47,7 +47,7 @@ pub fn kept(autopilot: Autopilot, list: List, item: &Item) -> Item {
     kept
 }
 
-fn ardupilot_mission(item: &mut Item) {
+fn ardupilot_mission(item: &mut Item, airframe: Airframe) {
     // Neither is stored; autocontinue always reads back as set.
     item.autocontinue = true;
     if ARDUPILOT_PLACES.contains(&item.command) {
@@ -61,6 +61,8 @@ fn ardupilot_mission(item: &mut Item) {
     }
     let [p1, p2, p3, p4] = item.params;
     item.params = match item.command {
+        // ArduPlane, and so a QuadPlane: acceptance radius and how far to go past, no hold.
+        command::NAV_WAYPOINT if airframe.has_wing() => [0.0, one_byte(p2), one_byte(p3), 0.0],
         command::NAV_WAYPOINT | command::NAV_TAKEOFF => [whole_u16(p1), 0.0, 0.0, 0.0],
         command::NAV_LOITER_UNLIM => [0.0, 0.0, p3.trunc(), 0.0],
         command::NAV_LOITER_TURNS => [p1.trunc(), 0.0, loiter_radius(p3), flag(p4)],
@@ -113,6 +115,11 @@ fn whole_u16(value: f32) -> f32 {
     }
 }
 
+/// The same, and no more than 255.
+fn one_byte(value: f32) -> f32 {
+    whole_u16(value).min(255.0)
+}
+
 /// ArduPilot keeps loiter radii in steps of 1 m up to 255 m, of 10 m above.
 fn loiter_radius(radius_m: f32) -> f32 {
     if radius_m.abs() > 255.0 {
@@ -158,7 +165,28 @@ mod tests {
     }
 
     fn copter(item: Item) -> Item {
-        kept(Autopilot::ArduPilot, List::Mission, &item)
+        kept(Autopilot::ArduPilot, Airframe::Copter, List::Mission, &item)
+    }
+
+    /// Values read back from ArduPlane 4.6.3 (software in the loop, November 2026).
+    #[test]
+    fn arduplane_drops_the_hold_and_caps_two_radii() {
+        for airframe in [Airframe::Plane, Airframe::Vtol] {
+            for (sent, held) in [
+                ([7.0, 20.0, 30.0, 45.0], [0.0, 20.0, 30.0, 0.0]),
+                ([1.5, 300.0, 1000.0, 0.0], [0.0, 255.0, 255.0, 0.0]),
+            ] {
+                let item = Item {
+                    params: sent,
+                    ..waypoint()
+                };
+                let read = kept(Autopilot::ArduPilot, airframe, List::Mission, &item);
+                same(read.params, held);
+                // No word of ArduPilot's: PX4 keeps the hold on a wing too.
+                let px4 = kept(Autopilot::Px4, airframe, List::Mission, &item);
+                same(px4.params, [sent[0], sent[1], 0.0, sent[3]]);
+            }
+        }
     }
 
     /// Values read back from ArduCopter 4.6.3 (software in the loop, November 2026).
@@ -228,12 +256,12 @@ mod tests {
             z: 80.9,
             ..waypoint()
         };
-        let read = kept(Autopilot::ArduPilot, List::Rally, &rally);
+        let read = kept(Autopilot::ArduPilot, Airframe::Copter, List::Rally, &rally);
         assert_eq!(
             (read.z.to_bits(), read.autocontinue),
             (80_f32.to_bits(), false)
         );
-        let read = kept(Autopilot::ArduPilot, List::Fence, &rally);
+        let read = kept(Autopilot::ArduPilot, Airframe::Copter, List::Fence, &rally);
         assert!(!read.autocontinue);
     }
 
@@ -243,6 +271,7 @@ mod tests {
             let params = [0.0, 0.0, 9.0, yaw];
             kept(
                 Autopilot::Px4,
+                Airframe::Copter,
                 List::Mission,
                 &Item {
                     params,

@@ -42,7 +42,13 @@ impl<'a> Wanted<'a> {
         if self.has_home(list) && !read.is_empty() {
             read.remove(0);
         }
-        differences(self.autopilot, list, self.items(list), read)
+        differences(
+            self.autopilot,
+            self.mission.airframe,
+            list,
+            self.items(list),
+            read,
+        )
     }
 
     fn has_home(&self, list: List) -> bool {

@@ -138,7 +138,7 @@ impl Vehicle {
     /// Takes the item that was asked for.
     fn store(&mut self, now: Time, list: List, seq: u16, item: Item) {
         let item = match self.profile.keeps() {
-            Some(autopilot) => kept(autopilot, list, &item),
+            Some(autopilot) => kept(autopilot, self.airframe, list, &item),
             None => item,
         };
         let Transfer::Receiving {
