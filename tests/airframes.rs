@@ -525,3 +525,18 @@ fn the_shipped_plane_plans_and_passes_in_a_wind() {
     let review = fs::read_to_string(out.join("review.json")).expect("a review");
     assert!(review.contains("crab in a steady wind"), "{review}");
 }
+
+#[test]
+fn wings_are_neither_flown_nor_led_onto_new_paths() {
+    let spec = missions().join("vtol-px4.yaml");
+    for arguments in [&["fly"][..], &["replan", "--threat", "36.3,-84.2,300"]] {
+        let run = std::process::Command::new(assert_cmd::cargo::cargo_bin("sortie"))
+            .args(arguments)
+            .arg(&spec)
+            .output()
+            .expect("sortie runs");
+        let told = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(4), "{told}");
+        assert!(told.contains("kestrel has a wing"), "{told}");
+    }
+}

@@ -27,7 +27,7 @@ use crate::formats;
 use crate::link::{Arrival, Links, Time};
 use crate::mission::{VehicleMission, command};
 use crate::report;
-use crate::spec::{Link, SpecFile};
+use crate::spec::{Link, MissionSpec, SpecFile, Vehicle};
 use crate::vehicle::{self, Running, Simulated, Surroundings};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
@@ -86,6 +86,7 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
 /// The plan in its folder, of the spec that was named, verified again.
 pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> {
     let asked = SpecFile::read(spec)?;
+    copters_alone(&asked.spec)?;
     let folder = match dir {
         Some(dir) => dir.to_owned(),
         None => Path::new("out").join(&asked.spec.name),
@@ -131,6 +132,19 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         world,
         missions,
         review,
+    })
+}
+
+/// Planes and VTOL have other modes in flight, and our simulated vehicles move like copters:
+/// what a flight of theirs would show is not what was planned.
+fn copters_alone(spec: &MissionSpec) -> Result<(), Failure> {
+    let winged = |vehicle: &&Vehicle| vehicle.airframe.has_wing();
+    spec.vehicles.iter().find(winged).map_or(Ok(()), |vehicle| {
+        let message = format!(
+            "{} has a wing: only copters are flown and led onto new paths; upload its mission, and start it from a ground station",
+            vehicle.id
+        );
+        Err(Failure::new(Failure::VERDICT, message))
     })
 }
 

@@ -337,12 +337,17 @@ impl Contract<'_> {
                 }
                 // Its cruise parameter is assumed: PX4 misbehaved with speed items.
                 (None, Autopilot::Px4) => worst.at_most(0.0, SPEED_MPS, at),
-                (None, Autopilot::ArduPilot) => worst.unknown(
-                    SPEED_MPS,
-                    "no DO_CHANGE_SPEED before it and no parameter: the speed is the vehicle's own"
-                        .to_owned(),
-                    at(),
-                ),
+                (None, Autopilot::ArduPilot) => {
+                    let name = if self.vehicle.airframe.has_wing() {
+                        "AIRSPEED_CRUISE"
+                    } else {
+                        "WPNAV_SPEED"
+                    };
+                    let why = format!(
+                        "no DO_CHANGE_SPEED before it and no {name}: the speed is the vehicle's own"
+                    );
+                    worst.unknown(SPEED_MPS, why, at());
+                }
             }
         }
         worst.margin(self.id(), "speed", "m/s")
