@@ -13,7 +13,8 @@ use crate::spec::{
 /// # Errors
 /// A terrain that cannot be used; or else every problem that shows only over the
 /// ground: no data where a vehicle stands or where a rally point is, a start or goal
-/// under ground, below the minimum altitude, above the ceiling or in a zone, two
+/// under ground, below the minimum altitude, above the ceiling or in a zone, an
+/// approach to a landing that begins at such a place, in a threat or outside the area, two
 /// goals at which vehicles loiter within each other's separation.
 pub fn load(file: &SpecFile) -> Result<World, SpecError> {
     let terrain = terrain(file).map_err(|error| {
@@ -115,6 +116,7 @@ impl Check<'_> {
         {
             self.zones(&goal, "landing", vehicle.goal.place, ground);
         }
+        self.approach(&format!("{path}.landing"), vehicle);
         let ceiling = self.file.spec.area.max_amsl;
         if let Some(amsl) = vehicle.return_amsl.filter(|amsl| *amsl > ceiling) {
             let found = format!("{} m, above the ceiling", amsl.0);
@@ -162,6 +164,52 @@ impl Check<'_> {
             );
         }
         self.zones(path, what, end.place, amsl);
+    }
+
+    /// The planned path of a wing ends where its approach begins: as far before the touchdown
+    /// as glide, height and radius have it.
+    fn approach(&mut self, path: &str, vehicle: &Vehicle) {
+        let spec = &self.file.spec;
+        let (touchdown, from) = match vehicle.finish {
+            Finish::Loiter => return,
+            Finish::Land => (vehicle.goal.place, vehicle.goal),
+            Finish::Return => (vehicle.home, vehicle.start),
+        };
+        // Without ground there that is reported already.
+        let (Ok(ground), Ok(high)) = (
+            self.terrain.height(touchdown),
+            super::resolve(&spec.frame, self.terrain, from),
+        ) else {
+            return;
+        };
+        let over = PlanPoint {
+            at: spec.frame.to_plan(touchdown),
+            ..high
+        };
+        let Some(gate) = super::gate(vehicle, over, ground) else {
+            return;
+        };
+        let away_m = gate.at.distance_m(over.at);
+        let what = format!("the approach, which begins {away_m:.0} m before the touchdown,");
+        let place = spec.frame.from_plan(gate.at);
+        if !super::covers(&spec.frame.outline(&spec.area.outline()), gate.at) {
+            let found = format!("{what} begins outside the area");
+            let allowed = "inside: by heading_deg, glide_deg, loiter_radius_m or the height";
+            return self.report(path, found, allowed.to_owned());
+        }
+        let threat = spec
+            .threats
+            .iter()
+            .find(|threat| spec.frame.to_plan(threat.place).distance_m(gate.at) <= threat.radius_m);
+        if let Some(threat) = threat {
+            let found = format!("{what} begins inside threat `{}`", threat.id);
+            self.report(path, found, "outside".to_owned());
+        }
+        let end = EndPoint {
+            place,
+            altitude: Placement::Amsl(gate.amsl),
+        };
+        self.airborne(path, &what, end);
     }
 
     fn rally(&mut self, path: &str, place: LatLon, agl_m: f64) {

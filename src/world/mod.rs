@@ -169,21 +169,24 @@ fn covers(polygon: &Polygon<f64>, at: EastNorth) -> bool {
 
 /// Where the planned path of a vehicle ends: over its goal, or before its approach to it.
 fn route_end(vehicle: &Vehicle, over_goal: PlanPoint, ground: Amsl) -> PlanPoint {
-    let height_m = over_goal.amsl.above_ground(ground).0;
-    let landing = vehicle.wing.and_then(|wing| wing.landing);
-    let lengths = vehicle.approach_lengths(height_m);
-    match (landing, lengths, vehicle.finish) {
-        (Some(landing), Some(lengths), Finish::Land) => {
-            let before_m = lengths.straight_m + lengths.gate_m;
-            let (sin, cos) = landing.heading_rad.sin_cos();
-            PlanPoint::new(
-                over_goal.at.east_m - before_m * sin,
-                over_goal.at.north_m - before_m * cos,
-                over_goal.amsl,
-            )
-        }
-        _ => over_goal,
+    match vehicle.finish {
+        Finish::Land => gate(vehicle, over_goal, ground).unwrap_or(over_goal),
+        Finish::Loiter | Finish::Return => over_goal,
     }
+}
+
+/// Where the approach begins to a landing on the ground under a place, from the height over
+/// it; none for a vehicle that needs no approach.
+fn gate(vehicle: &Vehicle, over: PlanPoint, ground: Amsl) -> Option<PlanPoint> {
+    let landing = vehicle.wing?.landing?;
+    let lengths = vehicle.approach_lengths(over.amsl.above_ground(ground).0)?;
+    let before_m = lengths.straight_m + lengths.gate_m;
+    let (sin, cos) = landing.heading_rad.sin_cos();
+    Some(PlanPoint::new(
+        over.at.east_m - before_m * sin,
+        over.at.north_m - before_m * cos,
+        over.amsl,
+    ))
 }
 
 fn resolve(frame: &LocalFrame, terrain: &Terrain, end: EndPoint) -> Result<PlanPoint, NoData> {

@@ -134,3 +134,41 @@ fn a_vtol_needs_none_of_the_keys_and_may_have_all() {
     let wing = vehicle.wing.expect("a wing");
     assert_eq!((wing.takeoff_heading_rad, wing.landing), (None, None));
 }
+
+#[test]
+fn an_approach_begins_in_the_area_and_high_enough() {
+    let text = plane();
+    world::load(&parse(&text).expect("good")).expect("4.8 km south-west of the goal is clear");
+    let found = over_ground(&text.replace("heading_deg: 45", "heading_deg: 225"));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].path, "vehicles[0].landing");
+    let turned = text.replace("heading_deg: 45", "heading_deg: 225");
+    assert_eq!(
+        found[0].position,
+        Some(place_of(&turned, "{heading_deg: 225"))
+    );
+    assert!(
+        found[0]
+            .found
+            .contains("m before the touchdown, begins outside the area"),
+        "{found:?}"
+    );
+    // A hill of 380 m over 300 m where the approach begins, at 700 m.
+    let hilly = text.replace(
+        "lat: 36.30, lon: -84.25, height_m: 200, radius_m: 2000",
+        "lat: 36.3594, lon: -84.1580, height_m: 380, radius_m: 1000",
+    );
+    let found = over_ground(&hilly);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].path, "vehicles[0].landing");
+    assert!(found[0].allowed.contains("min_agl_m"), "{found:?}");
+    let watched = text.replace(
+        "lat: 36.31, lon: -84.26, radius_m: 3000",
+        "lat: 36.36, lon: -84.17, radius_m: 2000",
+    );
+    let found = over_ground(&watched);
+    assert!(
+        found[0].found.contains("inside threat `radar-1`"),
+        "{found:?}"
+    );
+}
