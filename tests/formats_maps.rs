@@ -130,7 +130,7 @@ fn kml_is_escaped_absolute_and_longitude_first() {
 }
 
 #[test]
-fn another_xml_reader_finds_the_same_in_the_kml() {
+fn the_schema_of_kml_accepts_it_and_another_reader_finds_the_same_in_it() {
     let Some(python) = peers::python() else {
         return;
     };
@@ -154,5 +154,34 @@ fn another_xml_reader_finds_the_same_in_the_kml() {
             ["alpha & <co> start", "Point", 1],
             ["alpha & <co> goal", "Point", 1],
         ])
+    );
+    let [raised, line] = &found["lines"][0].as_array().expect("a line")[..] else {
+        panic!("{found:#}");
+    };
+    assert_eq!(raised, true);
+    assert_eq!(line[0], serde_json::json!([-84.3, 36.25, 480.0]));
+    assert_eq!(line[1][2], 555.5);
+}
+
+#[test]
+fn another_reader_finds_rings_and_heights_in_the_geojson_as_its_standard_wants_them() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let (spec, world, path) = fleet();
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("fleet.geojson");
+    let text = geojson::write(&spec, &world, &[("alpha & <co>", &path)]);
+    std::fs::write(&file, text).expect("written");
+    let found = peers::run(&python, "read_geojson.py", &[&file.display().to_string()]);
+    assert_eq!(
+        found["geometries"],
+        serde_json::json!({"Polygon": 3, "Point": 3, "LineString": 1})
+    );
+    // 480 m above the sea, less the 30.93 m that the geoid lies below the ellipsoid.
+    assert_eq!(found["lines"][0][0], true);
+    assert_eq!(
+        found["lines"][0][1][0],
+        serde_json::json!([-84.3, 36.25, 449.07])
     );
 }

@@ -31,6 +31,9 @@ pub(super) enum Command {
     Replan(Replan),
     /// Read mission, fence and rally points from a vehicle into a file
     Download(Download),
+    /// Write a mission file in another format, and say what that cannot keep
+    #[command(after_help = CONVERT)]
+    Convert(Convert),
     /// Run the simulated vehicles of a spec, for any ground station, until Ctrl-C
     Vehicles(Vehicles),
     /// Look at elevation files, get them from a server, or make them for a vehicle
@@ -332,6 +335,45 @@ pub(super) struct Download {
     /// The file to write, .plan or .waypoints
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: PathBuf,
+}
+
+const CONVERT: &str = "Numbers are kept as they go over the wire: 1e-7 degrees, 32-bit floats. Altitudes keep their \
+                       reference. What is not kept, what ArduPilot and PX4 read differently and what the autopilot \
+                       would refuse is told item by item; items count from 1, home is row 0 of a .waypoints file. \
+                       A fence or rally points in a .waypoints or .txt file are rows from 0 without home, as \
+                       MAVProxy keeps them. .kml and .geojson are maps, not missions.";
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Convert {
+    /// The file to read: QGC WPL, .plan, a fence or a rally list, told by what is in it
+    #[arg(value_name = "IN")]
+    pub(super) input: PathBuf,
+    /// The file to write: .waypoints, .txt, .plan, .kml or .geojson
+    #[arg(value_name = "OUT")]
+    pub(super) output: PathBuf,
+    /// Who is to read it [default: as the file says, else ardupilot]
+    #[arg(long, value_enum, value_name = "AUTOPILOT")]
+    pub(super) autopilot: Option<AutopilotName>,
+    /// What a .waypoints or .txt is to hold [default: the mission, or the only list there is]
+    #[arg(long, value_enum, value_name = "LIST")]
+    pub(super) list: Option<ListName>,
+    /// Home of a file that has none: latitude, longitude, metres above mean sea level
+    #[arg(long, value_name = "LAT,LON,AMSL", value_parser = place, allow_hyphen_values = true)]
+    pub(super) home: Option<Place>,
+    /// Print the report as one JSON document
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// A list of items by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum ListName {
+    /// The mission proper
+    Mission,
+    /// The fence
+    Fence,
+    /// The rally points
+    Rally,
 }
 
 #[derive(Debug, clap::Args)]

@@ -4,6 +4,8 @@ mod args;
 mod bare;
 mod check;
 mod console;
+mod convert;
+mod convert_changes;
 mod delivery;
 mod download;
 mod evaluate;
@@ -55,6 +57,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Fly(arguments) => fly::run(arguments),
         Command::Replan(arguments) => replan::run(arguments),
         Command::Download(arguments) => download::run(arguments),
+        Command::Convert(arguments) => convert::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
         Command::Terrain(command) => terrain::run(command),
         Command::Evaluate(arguments) => evaluate::run(arguments),

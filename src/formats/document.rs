@@ -26,6 +26,8 @@ pub struct Document {
     pub autopilot: Option<Autopilot>,
     /// For what kind of airframe, if the file says so.
     pub airframe: Option<Airframe>,
+    /// What the file holds beside what is flown, which no conversion keeps.
+    pub beside: Vec<String>,
     /// What was read although the format does not allow it.
     pub repairs: Vec<Repair>,
 }

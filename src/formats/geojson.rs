@@ -7,8 +7,10 @@
 use ::geojson::{Feature, FeatureCollection, Geometry, GeometryValue, JsonObject, Position};
 use serde_json::{Value, json};
 
+use super::drawing::{Drawing, DrawnItem, Spot};
 use super::shape::{circle, ring, rounded};
-use crate::geodesy::{Geoid, LatLon, PlanPoint};
+use crate::geodesy::{Amsl, Geoid, LatLon, PlanPoint};
+use crate::mission::command_name;
 use crate::path::TimedPoint;
 use crate::spec::MissionSpec;
 use crate::world::World;
@@ -62,6 +64,75 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
             }),
         ));
     }
+    collection(features)
+}
+
+/// One mission as GeoJSON text: every item that has a place with all its numbers, the
+/// route between them, fence and rally points. Items without a place are left out:
+/// features without a geometry are allowed, but not every reader takes them.
+///
+/// Places whose altitude above the sea is not known have two coordinates, and so has
+/// the whole route when one of them is on it.
+#[must_use]
+pub fn write_mission(name: &str, drawing: &Drawing<'_>) -> String {
+    let mut features = Vec::new();
+    for outline in &drawing.outlines {
+        features.push(feature(
+            polygon(outline.ring.clone()),
+            &json!({ "kind": "fence", "name": outline.name, "inclusion": outline.inclusion }),
+        ));
+    }
+    let route = drawing.route();
+    if route.len() > 1 {
+        let coordinates = route.iter().map(|spot| spot_position(*spot)).collect();
+        let amsl_m: Vec<Option<f64>> = route.iter().map(|spot| amsl_m(*spot)).collect();
+        features.push(feature(
+            GeometryValue::LineString { coordinates },
+            &json!({ "kind": "route", "name": name, "amsl_m": amsl_m }),
+        ));
+    }
+    if let Some(home) = drawing.home {
+        features.push(feature(
+            point(home),
+            &json!({ "kind": "home", "amsl_m": amsl_m(home) }),
+        ));
+    }
+    for (kind, items) in [
+        ("item", &drawing.items),
+        ("fence_point", &drawing.returns),
+        ("rally", &drawing.rally),
+    ] {
+        features.extend(items.iter().filter_map(|item| item_feature(kind, item)));
+    }
+    collection(features)
+}
+
+/// An item with all that it says; JSON has no NaN, which is `null`.
+fn item_feature(kind: &str, drawn: &DrawnItem<'_>) -> Option<Feature> {
+    let spot = drawn.spot?;
+    let item = drawn.item;
+    Some(feature(
+        point(spot),
+        &json!({
+            "kind": kind, "item": drawn.number,
+            "command": item.command, "command_name": command_name(item.command),
+            "frame": item.frame, "autocontinue": item.autocontinue,
+            "params": item.params, "z_m": item.z, "amsl_m": amsl_m(spot),
+        }),
+    ))
+}
+
+fn point(spot: Spot) -> GeometryValue {
+    GeometryValue::Point {
+        coordinates: spot_position(spot),
+    }
+}
+
+fn amsl_m(spot: Spot) -> Option<f64> {
+    spot.amsl.map(|amsl| rounded(amsl.0, 1e2))
+}
+
+fn collection(features: Vec<Feature>) -> String {
     let collection = FeatureCollection {
         bbox: None,
         features,
@@ -102,13 +173,23 @@ fn position(place: LatLon) -> Position {
 
 /// A position with its height above the ellipsoid.
 fn raised(world: &World, point: PlanPoint) -> Position {
-    let place = world.frame.from_plan(point.at);
-    let height = point.amsl.above_ellipsoid(Geoid::egm96(), place);
+    raised_at(world.frame.from_plan(point.at), point.amsl)
+}
+
+fn raised_at(place: LatLon, amsl: Amsl) -> Position {
+    let height = amsl.above_ellipsoid(Geoid::egm96(), place);
     Position::from([
         rounded(place.lon_deg, 1e7),
         rounded(place.lat_deg, 1e7),
         rounded(height.0, 1e2),
     ])
+}
+
+fn spot_position(spot: Spot) -> Position {
+    match spot.amsl {
+        Some(amsl) => raised_at(spot.place, amsl),
+        None => position(spot.place),
+    }
 }
 
 fn metres(point: PlanPoint) -> f64 {

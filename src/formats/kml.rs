@@ -4,6 +4,7 @@
 
 use std::fmt::Write;
 
+use super::drawing::{Drawing, DrawnItem, Spot};
 use super::shape::{circle, ring};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::path::TimedPoint;
@@ -19,12 +20,7 @@ const COLOURS: [&str; 6] = [
 #[must_use]
 pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])]) -> String {
     let mut kml = Kml::default();
-    kml.text
-        .push_str("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n");
-    kml.open("kml xmlns=\"http://www.opengis.net/kml/2.2\"");
-    kml.open("Document");
-    kml.leaf("name", &spec.name);
-    kml.styles();
+    kml.begin(&spec.name);
     kml.open("Folder");
     kml.leaf("name", "Airspace");
     let ceiling = world.max_amsl;
@@ -53,8 +49,43 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         }
         kml.close("Folder");
     }
-    kml.close("Document");
-    kml.close("kml");
+    kml.end();
+    kml.text
+}
+
+/// One mission as KML text: what is flown to, the route between, fence and rally points.
+///
+/// Places whose altitude above the sea is not known lie on the ground, and so does the
+/// whole route when one of them is on it.
+#[must_use]
+pub fn write_mission(name: &str, drawing: &Drawing<'_>) -> String {
+    let mut kml = Kml::default();
+    kml.begin(name);
+    kml.open("Folder");
+    kml.leaf("name", "Fence and rally points");
+    for outline in &drawing.outlines {
+        let style = if outline.inclusion { "area" } else { "zone" };
+        kml.polygon(&outline.name, style, &outline.ring, None);
+    }
+    for (what, points) in [("fence", &drawing.returns), ("rally", &drawing.rally)] {
+        for point in points {
+            kml.item(&format!("{what} {}", point.name()), point);
+        }
+    }
+    kml.close("Folder");
+    kml.open("Folder");
+    kml.leaf("name", "Mission");
+    kml.line_string("route", 0, &drawing.route());
+    if let Some(home) = drawing.home {
+        kml.start_placemark("home", None);
+        kml.spot(home);
+        kml.close("Placemark");
+    }
+    for item in &drawing.items {
+        kml.item(&item.name(), item);
+    }
+    kml.close("Folder");
+    kml.end();
     kml.text
 }
 
@@ -70,6 +101,19 @@ impl Kml {
         let indent = 2 * self.depth;
         // Writing to a string cannot fail.
         let _ = writeln!(self.text, "{:indent$}{content}", "");
+    }
+
+    fn begin(&mut self, name: &str) {
+        self.line("<?xml version=\"1.0\" encoding=\"UTF-8\"?>");
+        self.open("kml xmlns=\"http://www.opengis.net/kml/2.2\"");
+        self.open("Document");
+        self.leaf("name", name);
+        self.styles();
+    }
+
+    fn end(&mut self) {
+        self.close("Document");
+        self.close("kml");
     }
 
     /// Opens an element; attributes may follow the name.
@@ -146,14 +190,20 @@ impl Kml {
 
     /// A path with a curtain down to the ground.
     fn path(&mut self, name: &str, colour: usize, world: &World, path: &[TimedPoint]) {
-        self.start_placemark(&format!("{name} path"), Some(&format!("path-{colour}")));
+        let spots = path.iter().map(|sample| raised(world, sample.point));
+        self.line_string(&format!("{name} path"), colour, &spots.collect::<Vec<_>>());
+    }
+
+    /// A line of at least two places, with a curtain down to the ground if it is raised.
+    fn line_string(&mut self, name: &str, colour: usize, spots: &[Spot]) {
+        let [first, _, ..] = spots else { return };
+        self.start_placemark(name, Some(&format!("path-{colour}")));
         self.open("LineString");
-        self.leaf("extrude", "1");
-        self.leaf("altitudeMode", "absolute");
-        let places: Vec<String> = path
-            .iter()
-            .map(|sample| coordinates(world.frame.from_plan(sample.point.at), sample.point.amsl))
-            .collect();
+        if first.amsl.is_some() {
+            self.leaf("extrude", "1");
+        }
+        self.leaf("altitudeMode", altitude_mode(*first));
+        let places: Vec<String> = spots.iter().map(|spot| spot_text(*spot)).collect();
         self.leaf("coordinates", &places.join(" "));
         self.close("LineString");
         self.close("Placemark");
@@ -161,13 +211,51 @@ impl Kml {
 
     fn point(&mut self, name: &str, world: &World, point: PlanPoint) {
         self.start_placemark(name, None);
-        self.open("Point");
-        self.leaf("altitudeMode", "absolute");
-        let place = world.frame.from_plan(point.at);
-        self.leaf("coordinates", &coordinates(place, point.amsl));
-        self.close("Point");
+        self.spot(raised(world, point));
         self.close("Placemark");
     }
+
+    fn spot(&mut self, spot: Spot) {
+        self.open("Point");
+        self.leaf("altitudeMode", altitude_mode(spot));
+        self.leaf("coordinates", &spot_text(spot));
+        self.close("Point");
+    }
+
+    /// An item, with what it says as text; nothing if it has no place.
+    fn item(&mut self, name: &str, drawn: &DrawnItem<'_>) {
+        let Some(spot) = drawn.spot else { return };
+        let item = drawn.item;
+        self.start_placemark(name, None);
+        let [a, b, c, d] = item.params;
+        self.leaf(
+            "description",
+            &format!(
+                "command {}, frame {}, parameters {a} {b} {c} {d}, altitude {} m",
+                item.command, item.frame, item.z
+            ),
+        );
+        self.spot(spot);
+        self.close("Placemark");
+    }
+}
+
+fn raised(world: &World, point: PlanPoint) -> Spot {
+    Spot {
+        place: world.frame.from_plan(point.at),
+        amsl: Some(point.amsl),
+    }
+}
+
+fn altitude_mode(spot: Spot) -> &'static str {
+    match spot.amsl {
+        Some(_) => "absolute",
+        None => "clampToGround",
+    }
+}
+
+fn spot_text(spot: Spot) -> String {
+    coordinates(spot.place, spot.amsl.unwrap_or(Amsl(0.0)))
 }
 
 /// Longitude comes first, no spaces within.

@@ -3,11 +3,12 @@
 //! [`waypoints`] and [`plan`] hold missions and are read as well as written; what
 //! each of them cannot keep is told by [`losses`]. Fence and rally [`lists`] are read
 //! only; [`read`] reads any of them, whatever the name of the file. [`params`],
-//! [`kml`] and [`geojson`] are written for others to read.
+//! [`kml`] and [`geojson`] are maps for others to read, of a fleet and of one [`Drawing`].
 
 mod any;
 pub mod dat;
 mod document;
+mod drawing;
 mod error;
 mod field;
 pub mod geojson;
@@ -23,5 +24,6 @@ pub mod waypoints;
 
 pub use any::{Kind, read};
 pub use document::{Document, Repair, Spot};
+pub use drawing::Drawing;
 pub use error::FormatError;
 pub use losses::{Format, known_losses, losses};

@@ -1,10 +1,12 @@
 //! QGroundControl's `.plan`: JSON with mission, fence and rally points.
 
+mod beside;
 mod read;
 mod unambiguous;
 mod write;
 
 pub use read::read;
+pub(super) use write::corner_count;
 pub use write::write;
 
 use crate::spec::{Airframe, Autopilot};

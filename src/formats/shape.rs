@@ -1,6 +1,6 @@
 //! Outlines for maps: closed rings of places, counter-clockwise.
 
-use crate::geodesy::{EastNorth, LatLon};
+use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 use crate::world::{Disc, World};
 
 /// Corners of a circle.
@@ -8,14 +8,24 @@ const CORNERS: u32 = 72;
 
 /// A circle as the polygon around it: what is drawn is never smaller than what is judged.
 pub(super) fn circle(world: &World, disc: &Disc) -> Vec<LatLon> {
+    around(&world.frame, disc.center, disc.radius_m)
+}
+
+/// The polygon around a circle.
+pub(super) fn around(frame: &LocalFrame, center: EastNorth, radius_m: f64) -> Vec<LatLon> {
+    let half_step_rad = std::f64::consts::PI / f64::from(CORNERS);
+    round(frame, center, radius_m / half_step_rad.cos())
+}
+
+/// The polygon within a circle, its corners on it.
+pub(super) fn round(frame: &LocalFrame, center: EastNorth, reach_m: f64) -> Vec<LatLon> {
     let step_rad = std::f64::consts::TAU / f64::from(CORNERS);
-    let reach_m = disc.radius_m / (step_rad / 2.0).cos();
     let corners = (0..CORNERS)
         .map(|corner| {
             let (sin, cos) = (f64::from(corner) * step_rad).sin_cos();
-            world.frame.from_plan(EastNorth {
-                east_m: disc.center.east_m + reach_m * cos,
-                north_m: disc.center.north_m + reach_m * sin,
+            frame.from_plan(EastNorth {
+                east_m: center.east_m + reach_m * cos,
+                north_m: center.north_m + reach_m * sin,
             })
         })
         .collect();

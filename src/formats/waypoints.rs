@@ -29,16 +29,26 @@ pub fn write(mission: &VehicleMission) -> String {
     };
     let mut text = String::from("QGC WPL 110\n");
     for (row, item) in std::iter::once(home).chain(rows(mission)).enumerate() {
-        text.push_str(&line(row, &item));
+        text.push_str(&line(row, row == 0, &item));
     }
     text
 }
 
-fn line(row: usize, item: &Item) -> String {
+/// A fence or rally points alone, as MAVProxy keeps them: rows from 0 and no home.
+#[must_use]
+pub fn write_list(items: &[Item]) -> String {
+    let mut text = String::from("QGC WPL 110\n");
+    for (row, item) in items.iter().enumerate() {
+        text.push_str(&line(row, false, item));
+    }
+    text
+}
+
+fn line(row: usize, current: bool, item: &Item) -> String {
     let [a, b, c, d] = item.params.map(number);
     format!(
         "{row}\t{}\t{}\t{}\t{a}\t{b}\t{c}\t{d}\t{}\t{}\t{}\t{}\n",
-        u8::from(row == 0),
+        u8::from(current),
         item.frame,
         item.command,
         coordinate_text(item.frame, item.x),

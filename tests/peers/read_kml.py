@@ -1,20 +1,49 @@
-"""Prints folders, placemarks, their geometry and number of coordinates of a KML file as JSON."""
+"""Reads a KML file with fastkml, after the schema of OGC KML 2.2 has accepted it.
 
+Prints its folders, its placemarks (name, geometry, number of coordinates), how many
+geometries there are of each kind, and the coordinates of its lines, as JSON.
+"""
+
+import collections
 import json
 import sys
-import xml.etree.ElementTree as tree
 
-KML = "{http://www.opengis.net/kml/2.2}"
-root = tree.parse(sys.argv[1]).getroot()
-assert root.tag == KML + "kml", root.tag
-styles = {style.get("id") for style in root.iter(KML + "Style")}
+import fastkml
+import lxml.etree
+from fastkml import validator
+from fastkml.enums import AltitudeMode
+from fastkml.utils import find_all
+from pygeoif.geometry import LineString, Point, Polygon
+
+path = sys.argv[1]
+schema = validator.get_schema_parser()
+schema.assertValid(lxml.etree.parse(path))
+document = fastkml.KML.parse(path)
+styles = {style.id for style in find_all(document, of_type=fastkml.Style)}
 placemarks = []
-for placemark in root.iter(KML + "Placemark"):
-    link = placemark.find(KML + "styleUrl")
-    assert link is None or link.text.lstrip("#") in styles, link.text
-    shape = next(c for c in placemark if c.tag[len(KML) :] in ("Polygon", "LineString", "Point"))
-    places = next(shape.iter(KML + "coordinates")).text.split()
-    assert all(len([float(number) for number in place.split(",")]) == 3 for place in places)
-    placemarks.append([placemark.find(KML + "name").text, shape.tag[len(KML) :], len(places)])
-folders = [folder.find(KML + "name").text for folder in root.iter(KML + "Folder")]
-print(json.dumps({"folders": folders, "placemarks": placemarks}))
+kinds = collections.Counter()
+lines = []
+for placemark in find_all(document, of_type=fastkml.Placemark):
+    url = placemark.style_url
+    assert url is None or url.url.lstrip("#") in styles, url.url
+    shape = placemark.geometry
+    ring = shape.exterior if isinstance(shape, Polygon) else shape
+    places = list(ring.coords)
+    assert isinstance(shape, (Polygon, LineString, Point)), shape
+    assert all(len(place) == 3 for place in places), places
+    if isinstance(shape, Polygon):
+        assert places[0] == places[-1] and len(places) > 3, places
+    mode = placemark.kml_geometry.altitude_mode
+    assert mode in (AltitudeMode.absolute, AltitudeMode.clamp_to_ground), mode
+    if isinstance(shape, LineString):
+        raised = mode == AltitudeMode.absolute
+        assert bool(placemark.kml_geometry.extrude) == raised, placemark.name
+        lines.append([raised, places])
+    kinds[shape.geom_type] += 1
+    placemarks.append([placemark.name, shape.geom_type, len(places)])
+folders = [folder.name for folder in find_all(document, of_type=fastkml.Folder)]
+print(
+    json.dumps(
+        {"folders": folders, "placemarks": placemarks, "geometries": kinds, "lines": lines}
+    )
+)

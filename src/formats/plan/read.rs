@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::beside;
 use super::unambiguous::Unambiguous;
 use super::{FIRMWARE, airframe, altitude_mode};
 use crate::formats::number::{coordinate, float};
@@ -35,6 +36,7 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     root.get("version").expect_version(1)?;
     let mut document = Document {
         fence_told: true,
+        beside: beside::of(&plan),
         ..Document::default()
     };
     if plain.len() != text.len() {

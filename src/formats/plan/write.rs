@@ -154,7 +154,7 @@ fn fence(items: &[Item]) -> Value {
 }
 
 /// Corners of the polygon that begins here: as many as it says, if that many follow.
-fn corner_count(first: &Item, others: &[Item]) -> usize {
+pub(in crate::formats) fn corner_count(first: &Item, others: &[Item]) -> usize {
     let run = 1 + others
         .iter()
         .take_while(|item| item.command == first.command)

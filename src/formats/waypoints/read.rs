@@ -222,6 +222,11 @@ impl Reader {
                 allowed: "an altitude above mean sea level".to_owned(),
             });
         }
+        if item.params != [0.0; 4] {
+            self.document
+                .beside
+                .push(format!("line {line}: the parameters of the home row"));
+        }
         self.document.home = Some(Home {
             x: item.x,
             y: item.y,
