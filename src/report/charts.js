@@ -185,7 +185,7 @@ const separation = (() => {
   /** With a vertical limit, height counts in proportion: a conflict is still below `limit`. */
   const apart = (p, q) => {
     const flat = Math.hypot(p.e - q.e, p.n - q.n), rise = Math.abs(p.z - q.z);
-    return vertical === null ? Math.hypot(flat, rise) : Math.max(flat, (rise * limit) / vertical);
+    return vertical === null || limit === null ? Math.hypot(flat, rise) : Math.max(flat, (rise * limit) / vertical);
   };
 
   /** The pairs to show: those with the worst margins, or all of a small fleet. */
@@ -235,8 +235,8 @@ const separation = (() => {
       return reading;
     });
     const values = shown.flatMap(({ list }) => list.flatMap(([, d, w]) => [d, w])).filter((d) => d !== null);
-    const least = Math.max(1, Math.min(1e9, limit * 0.5, values.reduce((a, d) => Math.min(a, d), Infinity) * 0.8));
-    const most = Math.min(1e12, Math.max(limit * 4, values.reduce((a, d) => Math.max(a, d), 0) * 1.15));
+    const least = Math.max(1, Math.min(1e9, limit === null ? 1e9 : limit * 0.5, values.reduce((a, d) => Math.min(a, d), Infinity) * 0.8));
+    const most = Math.min(1e12, Math.max(limit === null ? 4 : limit * 4, values.reduce((a, d) => Math.max(a, d), 0) * 1.15));
     host.append(key);
     const marks = [];
     for (let decade = 1; decade <= most; decade *= 10) for (const k of [1, 2, 5]) if (k * decade >= least && k * decade <= most) marks.push([k * decade, lengthText(k * decade, 0)]);
@@ -244,10 +244,10 @@ const separation = (() => {
     const chart = frame(host, {
       height: narrow ? 260 : 300, x: [state.first, state.last], y: { from: least, to: most, map: Math.log10 },
       ticksX: ticks(state.first / 60, state.last / 60, narrow ? 5 : 10).map(([v, text]) => [v * 60, text]),
-      ticksY: marks, titleX: "minutes after T0", titleY: vertical === null ? "distance (log)" : `distance (log), height × ${(limit / vertical).toFixed(1)}`,
+      ticksY: marks, titleX: "minutes after T0", titleY: vertical === null || limit === null ? "distance (log)" : `distance (log), height × ${(limit / vertical).toFixed(1)}`,
     });
     const { root, at } = chart, y = (d) => (d === null ? null : at.y(Math.max(d, least))), base = chart.height - chart.bottom;
-    svg("rect", { class: "beyond", x: chart.left, y: at.y(limit), width: chart.width - chart.left - chart.right, height: Math.max(0, base - at.y(limit)) }, root);
+    if (limit !== null) svg("rect", { class: "beyond", x: chart.left, y: at.y(limit), width: chart.width - chart.left - chart.right, height: Math.max(0, base - at.y(limit)) }, root);
     for (const { pair: [a, b], list } of shown) {
       for (const run of runs(list.map(([t, d, w]) => [t, d === null ? null : w, d]))) {
         const upper = run.map(([t, , d]) => [at.x(t), y(d)]), lower = run.map(([t, w]) => [at.x(t), y(w)]).reverse();
@@ -257,8 +257,10 @@ const separation = (() => {
       svg("path", { class: "line " + colourOf(a), d }, root);
       svg("path", { class: "line " + colourOf(b), d, "stroke-dasharray": "7 7" }, root);
     }
-    svg("path", { class: "limit", d: `M${chart.left} ${at.y(limit)}H${chart.width - chart.right}` }, root);
-    svg("text", { class: "limit-text", x: chart.left + 6, y: at.y(limit) + 15 }, root).textContent = `limit ${lengthText(limit)}`;
+    if (limit !== null) {
+      svg("path", { class: "limit", d: `M${chart.left} ${at.y(limit)}H${chart.width - chart.right}` }, root);
+      svg("text", { class: "limit-text", x: chart.left + 6, y: at.y(limit) + 15 }, root).textContent = `limit ${lengthText(limit)}`;
+    }
     data.margins.forEach((margin, row) => {
       if (!margin.at || margin.vehicles.length !== 2 || margin.value === null) return;
       if (!shown.some(({ pair }) => margin.vehicles.every((v) => pair.includes(v)))) return;

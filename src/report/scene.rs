@@ -38,7 +38,8 @@ pub(super) struct Scene {
 
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct SeparationLimit {
-    distance_m: f64,
+    /// None if nothing was held against it.
+    distance_m: Option<f64>,
     vertical_m: Option<f64>,
     slack_s: f64,
 }
@@ -116,6 +117,8 @@ impl Scene {
             .enumerate()
             .map(|(index, vehicle)| vehicle_shape(input, index, vehicle))
             .collect();
+        let mut margins = input.review.margins.iter();
+        let is_held = margins.any(|margin| margin.what == "separation");
         let bounds = bounds(world, &vehicles);
         let origin = world.frame.origin();
         Self {
@@ -125,7 +128,7 @@ impl Scene {
             min_agl_m: metres(world.min_agl.0),
             max_amsl_m: metres(world.max_amsl.0),
             separation: SeparationLimit {
-                distance_m: spec.separation.distance_m,
+                distance_m: is_held.then_some(spec.separation.distance_m),
                 vertical_m: spec.separation.vertical_m,
                 slack_s: spec.separation.time_slack_s,
             },

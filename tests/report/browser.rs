@@ -205,6 +205,46 @@ fn clicking_a_margin_leads_to_its_place_and_time() {
 }
 
 #[test]
+fn the_slider_moves_the_clock_and_every_cursor_and_no_limit_is_drawn_that_was_not_held() {
+    let with_limit = facts(hilly_spec(IDS));
+    let mut without = facts(hilly_spec(IDS));
+    without
+        .review
+        .margins
+        .retain(|margin| margin.what != "separation");
+    for (name, facts, limits) in [
+        ("slider.html", with_limit, 1),
+        ("no-limit.html", without, 0),
+    ] {
+        let html = with_script(
+            &facts.html(),
+            &format!(
+                "{TELL} const seen = () => [...document.querySelectorAll('svg .cursor')].map((path) => path.getAttribute('d'));
+                const slide = (share) => {{ const slider = element('time');
+                    slider.value = state.first + (state.last - state.first) * share;
+                    slider.dispatchEvent(new Event('input')); return [element('clock').textContent, ...seen()]; }};
+                const early = slide(0.2), late = slide(0.6);
+                tell({{ share: (state.t - state.first) / (state.last - state.first), cursors: early.length - 1,
+                    still: early.filter((text, index) => text === late[index]).length,
+                    limits: document.querySelectorAll('#separation .limit').length,
+                    lines: document.querySelectorAll('#separation .line').length }});"
+            ),
+        );
+        let Some(dom) = in_chromium(name, &html, &[]) else {
+            return;
+        };
+        let root = root_of(&dom);
+        assert!(!root.contains("data-error"), "{name}: {root}");
+        let told = told(&dom);
+        let share = told["share"].as_f64().expect("a share");
+        assert!((share - 0.6).abs() < 1e-6, "{name}: {told}");
+        assert_eq!((&told["cursors"], &told["still"]), (&4.into(), &0.into()));
+        assert_eq!(told["limits"], limits, "{name}: {told}");
+        assert_eq!(told["lines"], 6, "{name}: three pairs, two colours each");
+    }
+}
+
+#[test]
 fn without_webgl_the_map_and_the_charts_are_there_and_a_note_says_so() {
     let html = with_script(
         &facts(hilly_spec(IDS)).html(),
