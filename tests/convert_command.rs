@@ -225,6 +225,26 @@ fn what_a_plan_holds_beside_its_items_is_told() {
 }
 
 #[test]
+fn what_flies_it_is_kept_or_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (rows, plan) = (
+        folder.path().join("a.waypoints"),
+        folder.path().join("a.plan"),
+    );
+    let report = convert(&corpus().join("plane.plan"), &rows, &[]).expect("converted");
+    let told = said(&report, "not_kept");
+    assert!(told.contains("that it is for a plane"), "{told}");
+    let kind = |flags: &[&str]| {
+        let report = convert(&rows, &plan, flags).expect("converted");
+        let json: Value = serde_json::from_slice(&fs::read(&plan).expect("a plan")).expect("JSON");
+        let told = said(&report, "assumed").contains("--airframe");
+        (json["mission"]["vehicleType"].clone(), told)
+    };
+    assert_eq!(kind(&["--airframe", "plane"]), (1.into(), false));
+    assert_eq!(kind(&[]), (2.into(), true));
+}
+
+#[test]
 fn a_fence_and_rally_points_become_lists_of_rows_and_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, list) in [("fence_list.txt", "fence"), ("rally_list.txt", "rally")] {

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
+use crate::spec::Airframe;
+
 /// One mission spec in, verified collision-free MAVLink missions for a whole fleet out.
 #[derive(Debug, Parser)]
 #[command(name = "sortie", version, max_term_width = 100, after_help = EXIT_CODES)]
@@ -160,9 +162,12 @@ pub(super) struct Limits {
     /// Who reads the missions [default: as the file says, else ardupilot]
     #[arg(long, value_enum, value_name = "AUTOPILOT")]
     pub(super) autopilot: Option<AutopilotName>,
-    /// What flies them [default: copter]
+    /// What flies them [default: as the file says, else copter]
     #[arg(long, value_enum, value_name = "AIRFRAME")]
     pub(super) airframe: Option<AirframeName>,
+    /// Course of a plane's takeoff, degrees from north: ArduPilot's missions do not say it
+    #[arg(long, value_name = "DEG", value_parser = finite)]
+    pub(super) takeoff_heading: Option<f64>,
     /// Ground speed where the mission says none, m/s [default: the autopilot's]
     #[arg(long, value_name = "MPS", value_parser = finite)]
     pub(super) speed: Option<f64>,
@@ -206,6 +211,20 @@ pub(super) enum AutopilotName {
 pub(super) enum AirframeName {
     /// Multicopter
     Copter,
+    /// Fixed wing
+    Plane,
+    /// Takes off and lands vertically, flies on its wing between
+    Vtol,
+}
+
+impl AirframeName {
+    pub(super) fn airframe(self) -> Airframe {
+        match self {
+            Self::Copter => Airframe::Copter,
+            Self::Plane => Airframe::Plane,
+            Self::Vtol => Airframe::Vtol,
+        }
+    }
 }
 
 /// Latitude and longitude in degrees, metres above mean sea level.
@@ -354,6 +373,9 @@ pub(super) struct Convert {
     /// Who is to read it [default: as the file says, else ardupilot]
     #[arg(long, value_enum, value_name = "AUTOPILOT")]
     pub(super) autopilot: Option<AutopilotName>,
+    /// What flies it [default: as the file says, else copter]
+    #[arg(long, value_enum, value_name = "AIRFRAME")]
+    pub(super) airframe: Option<AirframeName>,
     /// What a .waypoints or .txt is to hold [default: the mission, or the only list there is]
     #[arg(long, value_enum, value_name = "LIST")]
     pub(super) list: Option<ListName>,

@@ -8,7 +8,9 @@ use super::failure::Failure;
 use crate::formats::Document;
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::{Home, Item, VehicleMission, command, frame};
-use crate::spec::{Autopilot, EndPoint, Finish, MissionSpec, Placement, SpecFile, Vehicle};
+use crate::spec::{
+    Airframe, Autopilot, EndPoint, Finish, MissionSpec, Placement, SpecFile, Vehicle,
+};
 use crate::verify::{Margin, Review};
 use crate::world::{Bounds, Terrain, World, read_terrain};
 
@@ -56,12 +58,13 @@ pub(super) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<Bare, Fa
     let mut missions = Vec::new();
     for (index, subject) in subjects.into_iter().enumerate() {
         let autopilot = autopilot(&subject, limits, &mut assumed);
-        let text = prototype(
-            corners,
-            autopilot,
-            speed_mps(&subject.document, autopilot, limits),
-            limits,
-        );
+        let asked = limits.airframe.map(AirframeName::airframe);
+        let airframe = asked
+            .or(subject.document.airframe)
+            .unwrap_or(Airframe::Copter);
+        let who = (autopilot, airframe);
+        let speed_mps = speed_mps(&subject.document, who, limits);
+        let text = prototype(corners, who, speed_mps, limits);
         let parsed = SpecFile::parse(Path::new("flags"), text)
             .map_err(|error| Failure::new(Failure::USAGE, error.to_string()))?;
         let mut spec = parsed.spec;
@@ -69,7 +72,12 @@ pub(super) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<Bare, Fa
             let mut vehicle = spec.vehicles.remove(0);
             let home = home(&subject, limits, &mut assumed);
             fit(&mut vehicle, &subject, &home, index);
-            let airframe = vehicle.airframe;
+            if autopilot == Autopilot::ArduPilot && limits.takeoff_heading.is_none() {
+                // Which way it stands is in no file: where that matters, nothing is judged.
+                if let Some(wing) = &mut vehicle.wing {
+                    wing.takeoff_heading_rad = None;
+                }
+            }
             vehicles.push(vehicle);
             let path = subject.path;
             let document = Document {
@@ -142,7 +150,7 @@ fn corners(middle: LatLon, places: &[LatLon]) -> (LatLon, LatLon) {
 /// A spec with one vehicle somewhere in the area: the flags are checked as its keys.
 fn prototype(
     (south_west, north_east): (LatLon, LatLon),
-    autopilot: Autopilot,
+    (autopilot, airframe): (Autopilot, Airframe),
     speed_mps: f64,
     limits: &Limits,
 ) -> String {
@@ -176,14 +184,22 @@ fn prototype(
             Autopilot::ArduPilot => "ardupilot",
             Autopilot::Px4 => "px4",
         },
-        match limits.airframe {
-            None | Some(AirframeName::Copter) => "copter",
+        match airframe {
+            Airframe::Copter => "copter",
+            Airframe::Plane => "plane",
+            Airframe::Vtol => "vtol",
         },
         between(0.2),
         between(0.3),
         between(0.7),
     );
+    let heading_deg = match airframe {
+        Airframe::Copter => None,
+        Airframe::Plane => Some(limits.takeoff_heading.unwrap_or(0.0)),
+        Airframe::Vtol => limits.takeoff_heading,
+    };
     for (key, value) in [
+        ("takeoff_heading_deg", heading_deg),
         ("max_load_factor", limits.load_factor),
         ("max_climb_deg", limits.max_climb),
         ("max_descent_deg", limits.max_descent),
@@ -215,16 +231,18 @@ fn autopilot(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> A
 }
 
 /// What the flag says, or the first change of speed, or the default of the autopilot
-/// (`WPNAV_SPEED`, `MPC_XY_CRUISE`).
-fn speed_mps(document: &Document, autopilot: Autopilot, limits: &Limits) -> f64 {
+/// (`WPNAV_SPEED`, `MPC_XY_CRUISE`, `AIRSPEED_CRUISE`, `FW_AIRSPD_TRIM`).
+fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -> f64 {
     let changes = document.items.iter();
     let mut changes = changes.filter(|item| item.command == command::DO_CHANGE_SPEED);
     let in_mission = changes
         .find(|item| (0.5..=100.0).contains(&item.params[1]))
         .map(|item| f64::from(item.params[1]));
-    let default = match autopilot {
-        Autopilot::ArduPilot => 10.0,
-        Autopilot::Px4 => 5.0,
+    let default = match who {
+        (Autopilot::ArduPilot, Airframe::Copter) => 10.0,
+        (Autopilot::Px4, Airframe::Copter) => 5.0,
+        (Autopilot::ArduPilot, Airframe::Plane | Airframe::Vtol) => 12.0,
+        (Autopilot::Px4, Airframe::Plane | Airframe::Vtol) => 15.0,
     };
     limits.speed.or(in_mission).unwrap_or(default)
 }
@@ -290,7 +308,7 @@ fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
         let mut items = subject.document.items.iter();
         items.any(|item| item.command == command)
     };
-    if holds(command::NAV_LAND) {
+    if holds(command::NAV_LAND) || holds(command::NAV_VTOL_LAND) {
         vehicle.finish = Finish::Land;
     } else if holds(command::NAV_RETURN_TO_LAUNCH) {
         vehicle.finish = Finish::Return;
@@ -396,6 +414,8 @@ const OF_ITSELF: &[&str] = &[
     "start",
     "goal",
     "finish",
+    "takeoff heading",
+    "loiter radius",
     "departure",
     "speed",
     "area",

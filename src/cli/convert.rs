@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::args::{self, AutopilotName, ListName};
+use super::args::{self, AirframeName, AutopilotName, ListName};
 use super::console::{note, out};
 use super::convert_changes::{changes, ranges};
 use super::failure::Failure;
@@ -132,7 +132,13 @@ fn converted(
     };
     let mut assumed = Vec::new();
     let made_for = document.autopilot;
+    let who = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
+    let what = document
+        .airframe
+        .map(|airframe| format!("a {}", name_of(airframe)));
+    let made: Vec<String> = who.into_iter().chain(what).collect();
     let autopilot = autopilot(made_for, arguments.autopilot, &mut assumed);
+    let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
     let is_list = document.is_list();
     let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
     let mut not_kept = document.beside.clone();
@@ -143,7 +149,7 @@ fn converted(
         ..document
     };
     let mission = document
-        .into_mission(autopilot, Airframe::Copter)
+        .into_mission(autopilot, airframe)
         .map_err(|error| bad(&error.to_string()))?;
     let name = folder::stem(&arguments.input);
     let text = match target {
@@ -152,7 +158,7 @@ fn converted(
         Target::Kml => formats::kml::write_mission(&name, &Drawing::of(&mission)),
         Target::GeoJson => formats::geojson::write_mission(&name, &Drawing::of(&mission)),
     };
-    not_kept.extend(losses(&mission, target, made_for));
+    not_kept.extend(losses(&mission, target, &made));
     if matches!(target, Target::Plan | Target::Rows(_)) {
         not_kept.extend(differences(&mission, &text, target).map_err(|what| bad(&what))?);
     }
@@ -204,6 +210,39 @@ fn autopilot(
         );
         Autopilot::ArduPilot
     })
+}
+
+/// What flies it: as asked, or as the file says, or a multicopter.
+fn airframe(
+    made_for: Option<Airframe>,
+    asked: Option<AirframeName>,
+    assumed: &mut Vec<String>,
+) -> Airframe {
+    let asked = asked.map(AirframeName::airframe);
+    if let (Some(file), Some(asked)) = (made_for, asked)
+        && file != asked
+    {
+        assumed.push(format!(
+            "the file is for a {}, converted for a {}",
+            name_of(file),
+            name_of(asked)
+        ));
+    }
+    asked.or(made_for).unwrap_or_else(|| {
+        assumed.push(
+            "the file does not say what flies it: taken as for a multicopter (--airframe)"
+                .to_owned(),
+        );
+        Airframe::Copter
+    })
+}
+
+fn name_of(airframe: Airframe) -> &'static str {
+    match airframe {
+        Airframe::Copter => "multicopter",
+        Airframe::Plane => "plane",
+        Airframe::Vtol => "vtol",
+    }
 }
 
 /// Home as the file has it, or the flag; a `.plan` must have one, a home row may be blank.
@@ -276,7 +315,7 @@ const LISTS: [(ListName, &str); 3] = [
 ];
 
 /// What the format has no place for.
-fn losses(mission: &VehicleMission, target: Target, made_for: Option<Autopilot>) -> Vec<String> {
+fn losses(mission: &VehicleMission, target: Target, made: &[String]) -> Vec<String> {
     match target {
         Target::Plan => formats::losses(mission, Format::Plan),
         Target::Rows(list) => {
@@ -288,9 +327,7 @@ fn losses(mission: &VehicleMission, target: Target, made_for: Option<Autopilot>)
             if list != ListName::Mission && mission.home != NO_HOME {
                 told.push("home".to_owned());
             }
-            told.extend(
-                made_for.map(|autopilot| format!("that it is for {}", table::autopilot(autopilot))),
-            );
+            told.extend(made.iter().map(|who| format!("that it is for {who}")));
             told
         }
         Target::Kml | Target::GeoJson => of_a_map(&Drawing::of(mission)),
