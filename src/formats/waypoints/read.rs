@@ -222,7 +222,11 @@ impl Reader {
                 allowed: "an altitude above mean sea level".to_owned(),
             });
         }
-        if item.params != [0.0; 4] {
+        if item
+            .params
+            .iter()
+            .any(|value| !value.is_finite() || value.abs() > 0.0)
+        {
             self.document
                 .beside
                 .push(format!("line {line}: the parameters of the home row"));
