@@ -62,14 +62,14 @@ pub(super) fn read(id: u32, mut read: Payload<'_>) -> Option<FlightMessage> {
             let _index = read.u16();
             FlightMessage::ParamRead {
                 target: read.address(),
-                name: name(&read.take()),
+                name: read.text::<16>(),
             }
         }
         id::PARAM_VALUE => {
             let bytes = read.take();
             let _count_and_index: [u8; 4] = read.take();
             FlightMessage::Param {
-                name: name(&read.take()),
+                name: read.text::<16>(),
                 value: ParamValue {
                     bytes,
                     kind: read.u8(),
@@ -80,7 +80,7 @@ pub(super) fn read(id: u32, mut read: Payload<'_>) -> Option<FlightMessage> {
             let bytes = read.take();
             FlightMessage::ParamSet {
                 target: read.address(),
-                name: name(&read.take()),
+                name: read.text::<16>(),
                 value: ParamValue {
                     bytes,
                     kind: read.u8(),
@@ -242,12 +242,7 @@ fn write_position(position: &Position) -> (u32, Vec<u8>) {
     (id::GLOBAL_POSITION_INT, bytes)
 }
 
-/// A name of at most 16 characters, ended by 0 if it is shorter.
-fn name(bytes: &[u8; 16]) -> String {
-    let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(16);
-    String::from_utf8_lossy(&bytes[..end]).into_owned()
-}
-
+/// At most 16 characters, ended by 0 if there are fewer.
 fn name_bytes(name: &str) -> [u8; 16] {
     let mut bytes = [0; 16];
     bytes

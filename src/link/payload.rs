@@ -34,6 +34,19 @@ impl Payload<'_> {
         bytes
     }
 
+    /// Text of at most so many bytes, ended by 0 if it is shorter. A byte that is no
+    /// text becomes `?`: what is read is as long as what was sent.
+    pub(super) fn text<const N: usize>(&mut self) -> String {
+        let bytes: [u8; N] = self.take();
+        let mut text = String::new();
+        let mut until_0 = bytes.split(|&byte| byte == 0);
+        for chunk in until_0.next().unwrap_or_default().utf8_chunks() {
+            text += chunk.valid();
+            text.extend(chunk.invalid().iter().map(|_| '?'));
+        }
+        text
+    }
+
     pub(super) fn u8(&mut self) -> u8 {
         let [byte] = self.take();
         byte
@@ -78,11 +91,9 @@ pub(super) fn read_payload(id: u32, payload: &[u8]) -> Option<Message> {
         }
         id::STATUSTEXT => {
             let severity = read.u8();
-            let text: [u8; 50] = read.take();
-            let end = text.iter().position(|&byte| byte == 0).unwrap_or(50);
             Message::StatusText {
                 severity,
-                text: String::from_utf8_lossy(&text[..end]).into_owned(),
+                text: read.text::<50>(),
             }
         }
         id::MISSION_CURRENT => {

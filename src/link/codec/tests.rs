@@ -6,6 +6,7 @@ use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader};
 use super::*;
 use crate::link::List;
 use crate::link::message::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult};
+use crate::link::payload::{read_payload, write_payload};
 use crate::mission::{Item, frame};
 
 const US: Address = Address {
@@ -358,4 +359,22 @@ fn float_items_carry_degrees_only_where_the_frame_is_global() {
         };
         assert!((item.x - sent.x).abs() <= most && (item.y - sent.y).abs() <= most);
     }
+}
+
+/// A parameter's name and a text for people, of bytes that are neither.
+#[test]
+fn bytes_that_are_no_text_are_written_as_they_were_read() {
+    for (id, length) in [(22, 25), (253, 51)] {
+        let mut payload = vec![0xff; length];
+        payload[10..14].copy_from_slice(b"\xc3(\xe2\x82");
+        let read = read_payload(id, &payload).expect("a message that we know");
+        let (_, written) = write_payload(&read);
+        assert_eq!(read_payload(id, &written), Some(read));
+    }
+    let text = read_payload(253, b"\x06H\xf6he \xc3\xb6\0 and more");
+    let expected = Message::StatusText {
+        severity: 6,
+        text: "H?he ö".to_owned(),
+    };
+    assert_eq!(text, Some(expected));
 }
