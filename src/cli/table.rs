@@ -2,11 +2,14 @@
 
 use std::fmt;
 
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::{ContentArrangement, LineStyle, Table, presets};
 
 use super::console::Paint;
 use crate::spec::Autopilot;
 use crate::verify::{Margin, Review, Sense};
+
+/// With more rows than these the lines between them only take room.
+const MOST_RULED: usize = 12;
 
 /// A table, or on a terminal too narrow for it a list of the same cells.
 pub(super) struct Rows {
@@ -44,6 +47,9 @@ impl Rows {
         };
         let mut table = Table::new();
         table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+        if self.rows.len() > MOST_RULED {
+            table.style_mut().row_separator = LineStyle::none();
+        }
         table.set_content_arrangement(ContentArrangement::Disabled);
         table.set_header(self.header.iter().filter(|head| !without.contains(head)));
         for row in &self.rows {
@@ -179,5 +185,20 @@ pub(super) fn autopilot(autopilot: Autopilot) -> &'static str {
     match autopilot {
         Autopilot::ArduPilot => "ArduPilot",
         Autopilot::Px4 => "PX4",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_fleet_takes_one_line_for_each_vehicle() {
+        let lines = |count: usize| {
+            let mut rows = Rows::new(&["vehicle", "items"]);
+            (0..count).for_each(|n| rows.add([format!("v{n}"), "200".to_owned()]));
+            rows.table(&[]).to_string().lines().count()
+        };
+        assert_eq!((lines(3), lines(100)), (9, 104));
     }
 }

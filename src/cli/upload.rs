@@ -231,7 +231,9 @@ pub(super) fn deliver(
             }
         })
         .collect();
-    let shown = Mutex::new((Progress::start(), Overview::of(jobs.len())));
+    let (progress, overview) = (Progress::start(), Overview::of(jobs.len()));
+    progress.say(overview.to_string());
+    let shown = Mutex::new((progress, overview));
     let reports = link::upload_fleet_captured(&jobs, capture.as_ref(), &|id, at| {
         if let Ok(mut shown) = shown.lock() {
             let (progress, overview) = &mut *shown;
