@@ -433,8 +433,8 @@ fn a_vehicle_answers_however_many_ground_stations_were_there_before() {
 }
 
 #[test]
-fn twelve_vehicles_are_loaded_at_once_at_5_percent_loss_each_way() {
-    let vehicles: Vec<Running> = (1..=12)
+fn thirty_vehicles_are_loaded_at_once_at_5_percent_loss_each_way() {
+    let vehicles: Vec<Running> = (1..=30)
         .map(|sysid| {
             let profile = [Profile::ArduPilot, Profile::Px4][usize::from(sysid % 2)];
             let loopback = Simulated::on_loopback(profile, sysid, Some(HOME));
@@ -451,12 +451,12 @@ fn twelve_vehicles_are_loaded_at_once_at_5_percent_loss_each_way() {
         })
         .collect();
     let autopilot = |n: usize| [Autopilot::Px4, Autopilot::ArduPilot][n % 2];
-    let missions: Vec<VehicleMission> = (0..12).map(|n| mission(autopilot(n), 30)).collect();
+    let missions: Vec<VehicleMission> = (0..30).map(|n| mission(autopilot(n), 30)).collect();
     let links: Vec<Link> = vehicles.iter().map(|v| to(v.address())).collect();
-    let jobs: Vec<Job<'_>> = (1..=12_u8)
+    let jobs: Vec<Job<'_>> = (1..=30_u8)
         .zip(missions.iter().zip(&links))
         .map(|(sysid, (mission, link))| Job {
-            vehicle: "one of twelve",
+            vehicle: "one of thirty",
             sysid,
             link,
             mission,

@@ -1,6 +1,7 @@
 """Brings the missions of a folder that `sortie plan` wrote to a number of items, for
 measurements: waypoints are added on the straight way between two that follow each
-other, so that what is flown stays the same.
+other, so that what is flown stays the same. The `.waypoints` of the same missions are
+removed: `sortie upload` takes no folder whose files disagree.
 
 usage: fill_plans.py DIR ITEMS
 """
@@ -42,3 +43,4 @@ for path in sorted(pathlib.Path(sys.argv[1]).glob("*.plan")):
     plan = json.loads(path.read_text())
     fill(plan["mission"]["items"], int(sys.argv[2]))
     path.write_text(json.dumps(plan, indent=2) + "\n")
+    path.with_suffix(".waypoints").unlink(missing_ok=True)
