@@ -2,11 +2,22 @@
 //! `SORTIE_ARDUPILOT_SITL` names an `arducopter` binary, `SORTIE_PX4_SITL` the `px4`
 //! of a build folder (`build/px4_sitl_default/bin/px4`). Without them nothing is done.
 
+#[path = "support/lossy_proxy.rs"]
+mod lossy_proxy;
+#[path = "support/transfers.rs"]
+mod transfers;
+
+use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use assert_cmd::cargo::cargo_bin;
+use lossy_proxy::{LossyProxy, Radio};
+use sortie::link::{Job, Verdict, download, upload_fleet};
+use sortie::mission::VehicleMission;
+use sortie::spec::{Autopilot, Link};
 use tempfile::TempDir;
+use transfers::{corner, rally, waypoint};
 
 /// Three instances; they end when this is dropped.
 struct Simulators {
@@ -70,26 +81,106 @@ fn plan_and_upload(mission: &str) {
     assert!(output.status.success(), "{told}{errors}");
 }
 
+/// One simulated copter that speaks over UDP to a port of this machine.
+/// Its system id is one more than the last digit of its instance.
+fn arducopter(binary: &Path, instance: usize, own: &Path, port: u16, home: &str) -> Command {
+    let mut command = Command::new(binary);
+    command
+        .current_dir(own)
+        .args(["--model", "quad", "-I", &instance.to_string()])
+        .args(["--sysid", &(instance % 10 + 1).to_string()])
+        .args(["--serial0", &format!("udpclient:127.0.0.1:{port}")])
+        .args(["--home", home]);
+    command
+}
+
 #[test]
 fn three_ardupilot_copters_hold_their_missions() {
     let Some(binary) = binary("SORTIE_ARDUPILOT_SITL") else {
         return;
     };
     let _copters = start(|n, own| {
-        let mut command = Command::new(&binary);
+        let port = [14550, 14560, 14570][n];
         let latitude = ["-35.3633", "-35.3670", "-35.3707"][n];
-        command
-            .current_dir(own)
-            .args(["--model", "quad", "-I", &n.to_string()])
-            .args(["--sysid", &(n + 1).to_string()])
-            .args([
-                "--serial0",
-                &format!("udpclient:127.0.0.1:{}", 14550 + 10 * n),
-            ])
-            .args(["--home", &format!("{latitude},149.1600,584,0")]);
-        command
+        arducopter(&binary, n, own, port, &format!("{latitude},149.1600,584,0"))
     });
     plan_and_upload("sitl-ardupilot.yaml");
+}
+
+/// Items, a fence and rally points, different for each of three.
+fn loads() -> Vec<VehicleMission> {
+    let missions = (0..3).map(|n| VehicleMission {
+        fence: [0, 5000, -3000].map(|k| corner(k + n, 3)).to_vec(),
+        rally: vec![rally(n)],
+        ..transfers::mission(
+            Autopilot::ArduPilot,
+            (1..=60).map(|k| waypoint(k + 1000 * n)).collect(),
+        )
+    });
+    missions.collect()
+}
+
+/// Instances from `first` on: their TCP ports must differ from those of other tests.
+#[allow(clippy::print_stdout)]
+fn loaded_through_a_radio_that_loses(percent: u32, first: usize) {
+    let Some(binary) = binary("SORTIE_ARDUPILOT_SITL") else {
+        return;
+    };
+    let grounds: Vec<SocketAddr> = (0..3)
+        .map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"))
+        .map(|socket| socket.local_addr().expect("bound"))
+        .collect();
+    let radios: Vec<LossyProxy> = (1..)
+        .zip(&grounds)
+        .map(|(seed, ground)| LossyProxy::to(*ground, Radio::losing(percent, seed)))
+        .collect();
+    let _copters = start(|n, own| {
+        let port = radios[n].near.port();
+        arducopter(&binary, first + n, own, port, "36.3,-84.25,400,0")
+    });
+    let links: Vec<Link> = grounds.iter().map(|g| Link::UdpIn(g.to_string())).collect();
+    let missions = loads();
+    let jobs: Vec<Job<'_>> = (1..=3)
+        .zip(missions.iter().zip(&links))
+        .map(|(sysid, (mission, link))| Job {
+            vehicle: "one of three",
+            sysid,
+            link,
+            mission,
+            force: false,
+        })
+        .collect();
+    let reports = upload_fleet(&jobs, &|_, _| {});
+    for ((n, report), mission) in (0..).zip(&reports).zip(&missions) {
+        println!(
+            "{percent} % system {}: {:?}, {:.1} s, {} starts, {} repeats",
+            n + 1,
+            report.verdict,
+            report.seconds,
+            report.attempts,
+            report.retries
+        );
+        assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+        // Once more, on a line of its own that loses nothing.
+        let line = Link::Tcp(format!("127.0.0.1:{}", 5762 + 10 * (first + n)));
+        let held = download(&line, Some(report.sysid), &|_, _| {}).expect("it is there");
+        let places = |items: &[sortie::mission::Item]| -> Vec<(i32, i32)> {
+            items.iter().map(|item| (item.x, item.y)).collect()
+        };
+        assert_eq!(places(&held.mission), places(&mission.items));
+        assert_eq!(places(&held.fence), places(&mission.fence));
+        assert_eq!(places(&held.rally), places(&mission.rally));
+    }
+}
+
+#[test]
+fn three_ardupilot_copters_hold_60_items_at_15_percent_loss_each_way() {
+    loaded_through_a_radio_that_loses(15, 10);
+}
+
+#[test]
+fn three_ardupilot_copters_hold_60_items_at_25_percent_loss_each_way() {
+    loaded_through_a_radio_that_loses(25, 20);
 }
 
 #[test]
