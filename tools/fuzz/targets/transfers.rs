@@ -78,8 +78,8 @@ fn holds(vehicle: &Vehicle, profile: Profile, mission: &VehicleMission) -> bool 
     ];
     lists.into_iter().all(|(list, items)| {
         let expected = items.iter().map(|item| match profile {
-            Profile::ArduPilot => kept(Autopilot::ArduPilot, list, item),
-            Profile::Px4 => kept(Autopilot::Px4, list, item),
+            Profile::ArduPilot => kept(Autopilot::ArduPilot, Airframe::Copter, list, item),
+            Profile::Px4 => kept(Autopilot::Px4, Airframe::Copter, list, item),
             _ => *item,
         });
         vehicle.items(list).iter().copied().eq(expected)
