@@ -138,35 +138,10 @@ fn px4_wing(
         );
     }
     if vehicle.airframe == Airframe::Vtol {
-        list.add(
-            "MPC_Z_V_AUTO_UP",
-            vehicle.climb_mps,
-            "planned climb on rotors",
-        );
-        list.add(
-            "MPC_Z_V_AUTO_DN",
-            vehicle.descent_mps,
-            "planned descent on rotors",
-        );
-        list.add(
-            "MPC_Z_VEL_MAX_UP",
-            vehicle.climb_mps.max(3.0),
-            "must not be below MPC_Z_V_AUTO_UP",
-        );
-        list.add(
-            "MPC_Z_VEL_MAX_DN",
-            vehicle.descent_mps.max(1.5),
-            "must not be below MPC_Z_V_AUTO_DN",
-        );
-        list.add(
-            "MPC_TKO_SPEED",
-            vehicle.climb_mps,
-            "planned climb at takeoff",
-        );
-        list.add(
-            "MPC_LAND_SPEED",
-            slow_landing_mps(vehicle.autopilot),
-            "speed of the slow end of a landing",
+        px4_vertical_speeds(
+            &mut list,
+            vehicle,
+            ["planned climb on rotors", "planned descent on rotors"],
         );
         if vehicle.depart_s > 0.0 {
             list.add(
@@ -275,26 +250,10 @@ fn ardupilot(
     list.parameters
 }
 
-fn px4(
-    vehicle: &Vehicle,
-    options: &MissionOptions,
-    home_amsl_m: f64,
-    has_fence: bool,
-) -> Vec<Parameter> {
-    let mut list = List::default();
-    list.add(
-        "MPC_XY_CRUISE",
-        vehicle.speed_mps,
-        "planned ground speed; here and not DO_CHANGE_SPEED, with which a copter was seen to drift off",
-    );
-    list.add(
-        "MPC_XY_VEL_MAX",
-        vehicle.speed_mps.max(12.0),
-        "must not be below MPC_XY_CRUISE",
-    );
-    list.add("MPC_ACC_HOR", vehicle.accel_mps2, "planned acceleration");
-    list.add("MPC_Z_V_AUTO_UP", vehicle.climb_mps, "planned climb");
-    list.add("MPC_Z_V_AUTO_DN", vehicle.descent_mps, "planned descent");
+/// What PX4 climbs and descends with on rotors, and how planned climb and descent are called.
+fn px4_vertical_speeds(list: &mut List, vehicle: &Vehicle, [climb, descent]: [&str; 2]) {
+    list.add("MPC_Z_V_AUTO_UP", vehicle.climb_mps, climb);
+    list.add("MPC_Z_V_AUTO_DN", vehicle.descent_mps, descent);
     list.add(
         "MPC_Z_VEL_MAX_UP",
         vehicle.climb_mps.max(3.0),
@@ -315,6 +274,27 @@ fn px4(
         slow_landing_mps(vehicle.autopilot),
         "speed of the slow end of a landing",
     );
+}
+
+fn px4(
+    vehicle: &Vehicle,
+    options: &MissionOptions,
+    home_amsl_m: f64,
+    has_fence: bool,
+) -> Vec<Parameter> {
+    let mut list = List::default();
+    list.add(
+        "MPC_XY_CRUISE",
+        vehicle.speed_mps,
+        "planned ground speed; here and not DO_CHANGE_SPEED, with which a copter was seen to drift off",
+    );
+    list.add(
+        "MPC_XY_VEL_MAX",
+        vehicle.speed_mps.max(12.0),
+        "must not be below MPC_XY_CRUISE",
+    );
+    list.add("MPC_ACC_HOR", vehicle.accel_mps2, "planned acceleration");
+    px4_vertical_speeds(&mut list, vehicle, ["planned climb", "planned descent"]);
     list.add(
         ACCEPTANCE_RADIUS,
         corner_cut_m(options),

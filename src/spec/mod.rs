@@ -8,13 +8,16 @@ mod model;
 mod places;
 mod raw;
 mod scenario;
+mod vehicle;
 
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
-    Airframe, Algorithm, AltitudeReference, ApproachLengths, Area, Autopilot, ELEVATION_ENDINGS,
-    EndPoint, Finish, GRAVITY_MPS2, Hill, Landing, Link, MissionOptions, MissionSpec, Objective,
-    OnLinkLoss, Placement, Planner, Rally, Separation, TerrainSource, Threat, Vehicle, Weights,
-    Wind, Wing, Zone, turn_radius_by_load_m,
+    Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MissionOptions, MissionSpec,
+    Objective, OnLinkLoss, Planner, Rally, Separation, TerrainSource, Threat, Weights, Wind, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
+pub use vehicle::{
+    Airframe, ApproachLengths, Autopilot, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement,
+    Vehicle, Wing, turn_radius_by_load_m,
+};

@@ -1,0 +1,215 @@
+//! A vehicle of the checked spec: what it is, where it goes, what it can.
+
+use crate::geodesy::{Agl, Amsl, LatLon};
+
+use super::model::Wind;
+
+/// One vehicle of the fleet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Vehicle {
+    /// Unique name; file names begin with it.
+    pub id: String,
+    /// MAVLink system id, 1 to 255, unique.
+    pub sysid: u8,
+    /// Which autopilot will read the mission.
+    pub autopilot: Autopilot,
+    /// What flies.
+    pub airframe: Airframe,
+    /// How to reach it.
+    pub link: Link,
+    /// Where it stands on the ground.
+    pub home: LatLon,
+    /// Where the planned path begins, airborne.
+    pub start: EndPoint,
+    /// Where the planned path ends, airborne. A plane that lands touches down at this place,
+    /// and its glide begins at this height.
+    pub goal: EndPoint,
+    /// What happens at the goal.
+    pub finish: Finish,
+    /// Planned speed, m/s: over the ground, on a wing through the air.
+    pub speed_mps: f64,
+    /// Turn overload n_max; the turn radius is `v^2 / (g sqrt(n^2 - 1))`.
+    pub max_load_factor: f64,
+    /// Steepest climb, radians; absent: the slope polynomial of the paper (Eq. 27).
+    pub max_climb_rad: Option<f64>,
+    /// Steepest descent, radians, positive; absent: the paper's polynomial.
+    pub max_descent_rad: Option<f64>,
+    /// Vertical speed up, m/s; the autopilot's default if the spec has none.
+    pub climb_mps: f64,
+    /// Vertical speed down, m/s, positive; likewise.
+    pub descent_mps: f64,
+    /// Horizontal acceleration, m/s^2; likewise.
+    pub accel_mps2: f64,
+    /// Takeoff starts this long after the fleet's T0.
+    pub depart_s: f64,
+    /// Only with it may NAV_RETURN_TO_LAUNCH be written.
+    pub return_amsl: Option<Amsl>,
+    /// What only planes and vtol have; none for a copter.
+    pub wing: Option<Wing>,
+}
+
+/// How a plane or vtol takes off, circles and lands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wing {
+    /// Course of the takeoff run and climb, radians clockwise from north. Every plane has
+    /// one; a vtol without one leaves its vertical climb in whichever direction is best.
+    pub takeoff_heading_rad: Option<f64>,
+    /// Every plane that lands has one; a vtol without one lands from whichever direction it comes.
+    pub landing: Option<Landing>,
+    /// Radius of circling, metres, not below the turn radius.
+    pub loiter_radius_m: f64,
+    /// The wind of the spec: it carries what holds its airspeed.
+    pub wind: Option<Wind>,
+}
+
+/// The straight approach to a landing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Landing {
+    /// Course of the approach, radians clockwise from north.
+    pub heading_rad: f64,
+    /// Angle of a plane's glide, radians, positive.
+    pub glide_rad: f64,
+}
+
+/// The last way to a landing, both lengths in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ApproachLengths {
+    /// The straight way on the course of the landing: a plane's glide, or the stretch on
+    /// which a vtol slows down.
+    pub straight_m: f64,
+    /// Before it, for the turn onto that course: here the planned path ends.
+    pub gate_m: f64,
+}
+
+impl Vehicle {
+    /// Greatest speed over the ground, m/s: the planned one, on a wing and the wind's.
+    #[must_use]
+    pub fn fastest_mps(&self) -> f64 {
+        self.carried_by()
+            .map_or(self.speed_mps, |wind| self.speed_mps + wind.speed_mps)
+    }
+
+    /// Speed over the ground on a course (radians clockwise from north) at a commanded
+    /// speed: on a wing an airspeed. None if the wind is too strong to hold that course.
+    #[must_use]
+    pub fn ground_speed_mps(&self, speed_mps: f64, course_rad: f64) -> Option<f64> {
+        match self.carried_by() {
+            Some(wind) => wind.ground_speed_mps(speed_mps, course_rad),
+            None => Some(speed_mps),
+        }
+    }
+
+    /// The wind that carries it, if any does.
+    #[must_use]
+    pub fn carried_by(&self) -> Option<Wind> {
+        self.wing?.wind.filter(|wind| wind.speed_mps > 0.0)
+    }
+
+    /// How long the approach from a height above touchdown is; none for a copter, and for a
+    /// vtol that may come from any direction.
+    #[must_use]
+    pub fn approach_lengths(&self, height_m: f64) -> Option<ApproachLengths> {
+        let wing = self.wing?;
+        let landing = wing.landing?;
+        let straight_m = match self.airframe {
+            Airframe::Copter => return None,
+            Airframe::Plane => height_m.max(0.0) / landing.glide_rad.tan(),
+            Airframe::Vtol => self.fastest_mps() * self.fastest_mps() / (2.0 * self.accel_mps2),
+        };
+        Some(ApproachLengths {
+            straight_m,
+            gate_m: 3.0 * wing.loiter_radius_m,
+        })
+    }
+}
+
+/// Standard gravity, m/s^2.
+pub const GRAVITY_MPS2: f64 = 9.806_65;
+
+/// Turn radius at a speed and load factor, `v^2 / (g sqrt(n^2 - 1))`, metres.
+#[must_use]
+pub fn turn_radius_by_load_m(speed_mps: f64, load_factor: f64) -> f64 {
+    speed_mps * speed_mps / (GRAVITY_MPS2 * (load_factor * load_factor - 1.0).sqrt())
+}
+
+/// A point of the path, with its altitude as the spec states it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EndPoint {
+    /// Where.
+    pub place: LatLon,
+    /// How high.
+    pub altitude: Placement,
+}
+
+/// An altitude over ground or over the sea.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Placement {
+    /// Over the terrain at that place.
+    Agl(Agl),
+    /// Over mean sea level.
+    Amsl(Amsl),
+}
+
+/// Which autopilot reads the mission.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Autopilot {
+    /// ArduPilot.
+    ArduPilot,
+    /// PX4.
+    Px4,
+}
+
+/// What flies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Airframe {
+    /// Multicopter.
+    Copter,
+    /// Fixed wing: takes off along a course and lands on a glide.
+    Plane,
+    /// Takes off and lands vertically, flies on its wing between.
+    Vtol,
+}
+
+impl Airframe {
+    /// Whether it flies on a wing on its way: it cannot stop, and circles where a copter hovers.
+    #[must_use]
+    pub fn has_wing(self) -> bool {
+        match self {
+            Self::Copter => false,
+            Self::Plane | Self::Vtol => true,
+        }
+    }
+}
+
+/// How a vehicle is reached.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Link {
+    /// A simulated vehicle inside this process, over real UDP on loopback.
+    Sim,
+    /// Send to this address, listen for the answers.
+    UdpOut(String),
+    /// Bind this address, wait for the vehicle to speak.
+    UdpIn(String),
+    /// Connect to this address.
+    Tcp(String),
+    /// Bind this address, wait for one connection.
+    TcpIn(String),
+    /// A serial port.
+    Serial {
+        /// Device.
+        device: String,
+        /// Baud rate.
+        baud: u32,
+    },
+}
+
+/// What happens at the goal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Finish {
+    /// Land there.
+    Land,
+    /// Stay there until told otherwise.
+    Loiter,
+    /// Fly a planned path home and land there.
+    Return,
+}
