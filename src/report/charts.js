@@ -234,7 +234,12 @@ const separation = (() => {
       key.append(entry);
       return reading;
     });
-    const values = shown.flatMap(({ list }) => list.flatMap(([, d, w]) => [d, w])).filter((d) => d !== null);
+    // Every other pair is a dot at its closest.
+    const others = data.approaches.filter(({ vehicles, t_s, value }) => t_s !== null && value > 0
+      && (state.focus < 0 || vehicles.includes(state.focus))
+      && !shown.some(({ pair }) => vehicles.every((v) => pair.includes(v))));
+    if (others.length) key.append(html("span", "", `• closest approach of ${others.length === 1 ? "another pair" : others.length + " other pairs"}`));
+    const values = shown.flatMap(({ list }) => list.flatMap(([, d, w]) => [d, w])).filter((d) => d !== null).concat(others.map(({ value }) => value));
     const least = Math.max(1, Math.min(1e9, limit === null ? 1e9 : limit * 0.5, values.reduce((a, d) => Math.min(a, d), Infinity) * 0.8));
     const most = Math.min(1e12, Math.max(limit === null ? 4 : limit * 4, values.reduce((a, d) => Math.max(a, d), 0) * 1.15));
     host.append(key);
@@ -260,6 +265,18 @@ const separation = (() => {
     if (limit !== null) {
       svg("path", { class: "limit", d: `M${chart.left} ${at.y(limit)}H${chart.width - chart.right}` }, root);
       svg("text", { class: "limit-text", x: chart.left + 6, y: at.y(limit) + 15 }, root).textContent = `limit ${lengthText(limit)}`;
+    }
+    for (const { vehicles: [a, b], t_s, value, ok } of others) {
+      const dot = svg("circle", { class: "approach" + (ok ? "" : " bad"), cx: at.x(t_s), cy: y(value), r: ok ? 3.5 : 4.5 }, root);
+      svg("title", {}, dot).textContent = `${scene.vehicles[a].id} – ${scene.vehicles[b].id} ${lengthText(value)}`;
+      dot.addEventListener("pointerdown", (event) => {
+        event.stopPropagation();
+        setTime(t_s);
+        const fix = fixAt(scene.vehicles[a].track, t_s);
+        if (!fix) return;
+        state.mark = { e: fix.e, n: fix.n, z: fix.z };
+        changed("mark");
+      });
     }
     data.margins.forEach((margin, row) => {
       if (!margin.at || margin.vehicles.length !== 2 || margin.value === null) return;

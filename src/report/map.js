@@ -7,6 +7,8 @@ const map = (() => {
   const x = (e) => (e - scene.bounds.west) * perMetre, y = (n) => (scene.bounds.north - n) * perMetre;
   let view = { ...whole };
 
+  plan.classList.toggle("many", scene.vehicles.length > MANY);
+  plan.style.setProperty("--crowd", crowd);
   const now = scene.vehicles.map((_, vehicle) => {
     const group = svg("g", { class: colourOf(vehicle) }, moving);
     svg("path", { class: "now-ring", d: "M0 0h0" }, group);
@@ -57,7 +59,7 @@ const map = (() => {
 
   /** Writes the names in view where they have room, away from the stations and from what else is taken. */
   function writeNames(frame, k, taken) {
-    const few = scene.vehicles.length <= 40;
+    const few = scene.vehicles.length <= MANY;
     for (const vehicle of few ? scene.vehicles : []) for (const [e, n] of [vehicle.start, vehicle.goal]) {
       taken.push({ left: x(e) - 6 * k, right: x(e) + 6 * k, top: y(n) - 6 * k, bottom: y(n) + 6 * k });
     }
@@ -102,6 +104,7 @@ const map = (() => {
   function move() {
     scene.vehicles.forEach((vehicle, index) => {
       const fix = fixAt(vehicle.track, state.t);
+      now[index].classList.toggle("chosen", state.focus === index);
       now[index].setAttribute("visibility", fix ? "visible" : "hidden");
       if (!fix) return;
       now[index].setAttribute("opacity", (fix.flying ? 1 : 0.35) * (state.focus < 0 || state.focus === index ? 1 : 0.4));

@@ -3,6 +3,7 @@
 //! The verdict, the tables and the plan view are written here and are there
 //! without scripts and in print; the scripts move what time moves.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Serialize;
@@ -16,6 +17,9 @@ use super::{COLOURS, ReviewInput};
 
 /// Most rows of the table of margins; the rest is in `review.json`.
 const MOST_ROWS: usize = 600;
+
+/// Most closest approaches that are drawn, the worst ones.
+const MOST_APPROACHES: usize = 4000;
 
 /// More vehicles than this are counted instead of named.
 const MOST_NAMED: usize = 5;
@@ -38,6 +42,8 @@ struct Data<'a> {
     scene: &'a Scene,
     /// One for each row of the table, in the order it is written.
     margins: Vec<Jump>,
+    /// The closest approach of every pair that has one, worst first.
+    approaches: Vec<Approach>,
     colours: [[&'static str; 2]; COLOURS.len()],
 }
 
@@ -53,6 +59,15 @@ struct Jump {
     ok: bool,
 }
 
+/// Two vehicles at their closest, as places in the spec.
+#[derive(Serialize)]
+struct Approach {
+    vehicles: [usize; 2],
+    t_s: Option<f64>,
+    value: Option<f64>,
+    ok: bool,
+}
+
 /// The page: HTML that opens from disk without a network.
 #[must_use]
 pub fn review_html(input: &ReviewInput<'_>) -> String {
@@ -62,6 +77,7 @@ pub fn review_html(input: &ReviewInput<'_>) -> String {
     let data = Data {
         scene: &scene,
         margins: shown.iter().map(|entry| jump(entry, input)).collect(),
+        approaches: approaches(&ranked, input),
         colours: COLOURS,
     };
     let passes = input.review.passes();
@@ -131,6 +147,28 @@ fn jump(entry: &Ranked<'_>, input: &ReviewInput<'_>) -> Jump {
         value: finite(margin.value),
         ok: margin.ok,
     }
+}
+
+fn approaches(ranked: &[Ranked<'_>], input: &ReviewInput<'_>) -> Vec<Approach> {
+    let vehicles = input.spec.vehicles.iter().enumerate();
+    let places: BTreeMap<&str, usize> = vehicles
+        .map(|(index, vehicle)| (vehicle.id.as_str(), index))
+        .collect();
+    ranked
+        .iter()
+        .map(|entry| entry.margin)
+        .filter(|margin| margin.what == "separation")
+        .filter_map(|margin| {
+            let place = |id: &str| places.get(id).copied();
+            Some(Approach {
+                vehicles: [place(&margin.vehicle)?, place(margin.other.as_ref()?)?],
+                t_s: rounded(margin.at.as_ref()?.t_s, 100.0),
+                value: rounded(margin.value, 100.0),
+                ok: margin.ok,
+            })
+        })
+        .take(MOST_APPROACHES)
+        .collect()
 }
 
 fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {

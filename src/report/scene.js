@@ -157,22 +157,24 @@ const scene3d = (() => {
     drawLines(zoneRings, 1.6, colours.zone, 0.9);
     // Paths behind hills stay faintly visible.
     gl.depthFunc(gl.GREATER);
-    drawLines(flight.legs, 1.4, colours.ink, 0.3);
+    drawLines(flight.legs, 1.4 * crowd, colours.ink, 0.3 * crowd);
     gl.depthFunc(gl.LESS);
     use(curtains);
     gl.uniform1f(curtains.at("base"), floor);
     gl.bindVertexArray(flight.legs.array);
-    if (flight.legs.count) gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, flight.legs.count);
+    // Of many vehicles only the chosen one has a curtain and waypoints that can be told apart.
+    const single = scene.vehicles.length <= MANY || state.focus >= 0;
+    if (flight.legs.count && single) gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, flight.legs.count);
     use(walls);
     gl.bindVertexArray(closed.array);
     gl.drawArrays(gl.TRIANGLES, 0, closed.count);
     use(lines);
-    drawLines(flight.legs, 2.8, colours.ink, 1);
+    drawLines(flight.legs, 2.8 * crowd, colours.ink, 1);
     use(dots);
     gl.uniform1f(dots.at("width"), 7 * devicePixelRatio);
     gl.uniform3fv(dots.at("plain"), colours.halo);
     gl.bindVertexArray(flight.points.array);
-    if (flight.points.count && flight.points.count < 4000) gl.drawArrays(gl.POINTS, 0, flight.points.count);
+    if (flight.points.count && single) gl.drawArrays(gl.POINTS, 0, flight.points.count);
   }
 
   // Over the model: axes, names, and the vehicles.
@@ -229,13 +231,13 @@ const scene3d = (() => {
   }
 
   /** What the discs of the vehicles cover, for names to stay off them. */
-  const vehiclesNow = () => scene.vehicles.slice(0, 40).flatMap(({ track }) => {
+  const vehiclesNow = () => scene.vehicles.slice(0, MANY).flatMap(({ track }) => {
     const fix = fixAt(track, state.t), p = fix && project(fix.e, fix.n, fix.z);
     return p ? [{ left: p.x - 8, right: p.x + 8, top: p.y - 8, bottom: p.y + 8 }] : [];
   });
 
   function markers() {
-    const few = scene.vehicles.length <= 40, halo = themed("--halo");
+    const few = scene.vehicles.length <= MANY, halo = themed("--halo");
     const place = placer({ left: 4, top: 4, right: width - 4, bottom: height - 4 }, vehiclesNow());
     /** A name where it has room; one whose place is out of view is not written. */
     const written = (text, at, colour, side = "middle") => {
@@ -274,10 +276,11 @@ const scene3d = (() => {
         if (p) {
           pen.globalAlpha *= fix.flying ? 1 : 0.45;
           pen.beginPath();
-          pen.arc(p.x, p.y, 7, 0, 7);
+          const size = state.focus === index ? 1 : crowd;
+          pen.arc(p.x, p.y, 7 * size, 0, 7);
           pen.fillStyle = colour;
           pen.strokeStyle = "#fff";
-          pen.lineWidth = 2;
+          pen.lineWidth = 2 * size;
           pen.fill();
           pen.stroke();
           if (few || state.focus === index) written(vehicle.id, p, themed("--ink"), "right");

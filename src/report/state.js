@@ -30,6 +30,10 @@ function html(name, className = "", text = "") {
 }
 
 const clamp = (value, least, most) => Math.min(Math.max(value, least), most);
+/** More vehicles than this are drawn without names, waypoints and curtains, but for a chosen one. */
+const MANY = 40;
+/** From 1 for a few vehicles down to a third: how much smaller and fainter many are drawn. */
+const crowd = clamp(Math.sqrt(30 / scene.vehicles.length), 0.33, 1);
 const colourOf = (vehicle) => "v" + (vehicle % data.colours.length);
 
 /** The value of a colour of the style sheet, as light or dark has it. */

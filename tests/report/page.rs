@@ -156,6 +156,29 @@ fn a_vehicle_that_loiters_is_not_said_to_be_down() {
 }
 
 #[test]
+fn every_pair_is_on_the_timeline_once_worst_first() {
+    let facts = facts(hilly_spec(IDS));
+    let held = facts.review.margins.iter();
+    let expected: Vec<f64> = held
+        .filter(|margin| margin.what == "separation")
+        .map(|margin| margin.value)
+        .collect();
+    assert!(!expected.is_empty());
+    let data = data_of(&facts.html());
+    let told = data["approaches"].as_array().expect("a list");
+    assert_eq!(told.len(), expected.len());
+    let mut last = f64::NEG_INFINITY;
+    for approach in told {
+        let value = approach["value"].as_f64().expect("a distance");
+        assert!(value >= last, "{value} after {last}");
+        assert!(expected.iter().any(|held| (held - value).abs() < 0.01));
+        let pair = approach["vehicles"].as_array().expect("a pair");
+        assert!(pair.len() == 2 && pair[0] != pair[1], "{pair:?}");
+        last = value;
+    }
+}
+
+#[test]
 fn the_page_of_a_thousand_vehicles_stays_under_3_mb() {
     let ids: Vec<String> = (0..1000).map(|number| format!("uav-{number:04}")).collect();
     let mut spec = hilly_spec(IDS);
