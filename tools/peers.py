@@ -1,30 +1,40 @@
 #!/usr/bin/env python3
 """Other people's optimisers on the objective of `sortie evaluate`, at equal evaluations.
 
-    python3 -m venv target/optimizers && target/optimizers/bin/pip install -r tools/optimizers.txt
+    python3 -m venv target/optimizers && target/optimizers/bin/python -m pip install -r tools/optimizers.txt
     cargo build --release
-    target/optimizers/bin/python tools/peers.py missions/jacksboro.yaml --seeds 10 > peers.md
+    target/optimizers/bin/python tools/peers.py --generated 101-120 missions/*.yaml > peers.md
 
-For every spec and its first vehicle: CMA-ES with restarts (pycma, BIPOP), sade, de1220,
-cmaes and pso_gen (pygmo), L-SHADE (below, after Tanabe and Fukunaga 2014), and our own
-planner, each with the same number of evaluations and seed. What each found is judged
-at 2001 samples. A library that is not installed is left out, and the table says so.
+For every spec and its first vehicle, alone: CMA-ES with restarts (pycma, IPOP), sade,
+de1220, cmaes and pso_gen (pygmo), L-SHADE (below, after Tanabe and Fukunaga 2014), and our
+own planner, each with the same number of evaluations and the same seeds. What each found is
+judged at 2001 samples. The time to within 1 % is processor time, of the optimiser and of
+`sortie evaluate` together: of the others until the best so far, judged, is within 1 % of the
+best known cost; of ours that of a whole `sortie plan` with the least budget whose median is.
+
+Every run is kept as a line under --records, and a run that is there is not made again; so a
+comparison can be broken off and taken up. Records belong to one objective: begin anew when
+the objective or the specs changed.
 """
 
 import argparse
+import functools
+import itertools
 import json
-import shutil
+import resource
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
+import yaml
 
-SORTIE = Path(__file__).resolve().parent.parent / "target/release/sortie"
-
+ROOT = Path(__file__).resolve().parent.parent
+SORTIE = ROOT / "target/release/sortie"
 
 class Objective:
     """One `sortie evaluate` process; batches in, costs out."""
@@ -54,6 +64,10 @@ class Objective:
         self.process.wait()
 
 
+# Gains that are judged for the time to within 1 %.
+TOLD = 5e-4
+
+
 class Spent(Exception):
     """The budget is used up."""
 
@@ -65,6 +79,7 @@ class Budget:
         self.objective, self.left = objective, evaluations
         self.best, self.place = np.inf, None
         self.dimension = objective.dimension
+        self.improvements = []
 
     def __call__(self, rows):
         rows = np.atleast_2d(rows)
@@ -75,7 +90,10 @@ class Budget:
         costs = self.objective(rows)
         least = int(np.argmin(costs))
         if costs[least] < self.best:
+            told = self.improvements[-1][1] if self.improvements else np.inf
             self.best, self.place = float(costs[least]), np.clip(rows[least], 0.0, 1.0)
+            if self.best < told * (1.0 - TOLD):
+                self.improvements.append((time.process_time(), self.best, self.place))
         return costs
 
 
@@ -191,73 +209,197 @@ METHODS = {
     "pso_gen (pygmo)": pygmo("pso_gen"),
     "L-SHADE": lshade,
 }
+OURS = "sortie"
+# Budgets of ours for the time to within 1 %, besides the one that is compared.
+SMALLER = [500, 1000, 2000, 4000, 10_000, 20_000]
 
 
-def first_vehicle(spec):
-    """Its id: the first one under `vehicles:`."""
-    text = Path(spec).read_text().split("\nvehicles:", 1)[1]
-    return text.split("id:", 1)[1].split("\n", 1)[0].split(",")[0].split("#")[0].strip()
+def alone(spec, folder):
+    """A copy of the spec in which its first vehicle is alone; its path and that vehicle's id."""
+    document = yaml.safe_load(Path(spec).read_text())
+    document["vehicles"] = document["vehicles"][:1]
+    copy = folder / Path(spec).name
+    copy.write_text(yaml.safe_dump(document, sort_keys=False))
+    terrain = document["terrain"]
+    if "file" in terrain:
+        there = folder / terrain["file"]
+        there.parent.mkdir(parents=True, exist_ok=True)
+        if not there.exists():
+            there.symlink_to((Path(spec).parent / terrain["file"]).resolve())
+    return copy, document["vehicles"][0]["id"]
 
 
-def ours(spec, evaluations, seed):
-    """The planner alone: the cost of its first vehicle, judged at 2001 samples."""
+def generate(seed, folder):
+    """A generated scenario that no planner was tuned on; difficulties in turn."""
+    difficulty = 1 + seed % 10
+    spec = folder / f"scenario-{seed}-{difficulty}.yaml"
+    command = [SORTIE, "study", "scenario", "--seed", str(seed), "--difficulty", str(difficulty)]
+    subprocess.run([*command, "-o", spec], check=True, stdout=subprocess.DEVNULL)
+    return spec
+
+
+def children_s():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def run_ours(spec, evaluations, seed):
+    """The whole of `sortie plan`: cost of the vehicle judged at 2001 samples, processor time."""
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / "in"
-        shutil.copytree(Path(spec).parent, copy, ignore=shutil.ignore_patterns("*.png", "out"))
-        text = Path(spec).read_text()
-        lines = [line for line in text.splitlines() if not line.startswith("planner:")]
-        lines.append(f"planner: {{evaluations: {evaluations}}}")
-        (copy / Path(spec).name).write_text("\n".join(lines) + "\n")
-        started = time.monotonic()
+        copy, _ = alone(spec, Path(folder))
+        document = yaml.safe_load(copy.read_text())
+        document["planner"] = {"evaluations": evaluations}
+        copy.write_text(yaml.safe_dump(document, sort_keys=False))
+        before = children_s()
         done = subprocess.run(
-            [SORTIE, "plan", copy / Path(spec).name, "--out", Path(folder) / "out", "--seed", str(seed), "--json"],
+            [SORTIE, "plan", copy, "--out", Path(folder) / "out", "--seed", str(seed), "--json"],
             capture_output=True,
             check=False,
         )
-        took = time.monotonic() - started
-        return json.loads(done.stdout)["vehicles"][0]["cost"]["total"], took
+        took = children_s() - before
+        return {"cost": json.loads(done.stdout)["vehicles"][0]["cost"]["total"], "cpu_s": took}
 
 
-def one(spec, vehicle, method, evaluations, seed, judge):
-    """The cost a method finds, judged finely, and the seconds it takes."""
-    objective = Objective(spec, vehicle)
-    budget = Budget(objective, evaluations)
-    started = time.monotonic()
+def run_peer(spec, method, evaluations, seed):
+    """What a method finds, judged finely, and how its best cost fell with processor time."""
+    with tempfile.TemporaryDirectory() as folder:
+        copy, vehicle = alone(spec, Path(folder))
+        before = children_s()
+        objective = Objective(copy, vehicle)
+        budget = Budget(objective, evaluations)
+        started = time.process_time()
+        try:
+            METHODS[method](budget, seed)
+        except Spent:
+            pass
+        own = time.process_time() - started
+        objective.close()
+        took = own + children_s() - before
+        judge = Objective(copy, vehicle, samples=2001)
+        places = [place for _, _, place in budget.improvements] + [budget.place]
+        judged = judge(np.array(places))
+        judge.close()
+    # The other process spends its time as evenly as the evaluations come.
+    share = took / max(own, 1e-9)
+    trace = [
+        [round((at - started) * share, 4), round(float(cost), 6)]
+        for (at, _, _), cost in zip(budget.improvements, judged)
+    ]
+    return {"cost": float(judged[-1]), "cpu_s": took, "trace": trace}
+
+
+def one(job):
+    spec, method, evaluations, seed = job
+    run = run_ours if method == OURS else functools.partial(run_peer, method=method)
     try:
-        method(budget, seed)
-    except Spent:
-        pass
-    took = time.monotonic() - started
-    objective.close()
-    return float(judge(budget.place[None, :])[0]), took
+        return job, run(spec=spec, evaluations=evaluations, seed=seed)
+    except ImportError as error:
+        return job, {"missing": str(error)}
+
+
+class Records:
+    """Runs by scenario, method, evaluations and seed, as lines of a file."""
+
+    def __init__(self, path):
+        self.path, self.runs = Path(path), {}
+        if self.path.exists():
+            for line in self.path.read_text().splitlines():
+                entry = json.loads(line)
+                self.runs[tuple(entry["job"])] = entry["found"]
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+
+    @staticmethod
+    def key(job):
+        spec, method, evaluations, seed = job
+        return Path(spec).stem, method, evaluations, seed
+
+    def make(self, jobs, workers):
+        """Makes the runs that are missing; seeds outermost, so that a part is balanced."""
+        wanted = [job for job in jobs if self.key(job) not in self.runs]
+        wanted.sort(key=lambda job: job[3])
+        with ProcessPoolExecutor(workers) as pool, self.path.open("a") as out:
+            for count, (job, found) in enumerate(pool.map(one, wanted), 1):
+                if "missing" in found:
+                    continue
+                self.runs[self.key(job)] = found
+                out.write(json.dumps({"job": self.key(job), "found": found}) + "\n")
+                out.flush()
+                print(f"\r{count} of {len(wanted)}", end="", file=sys.stderr, flush=True)
+
+    def of(self, scenario, method, evaluations, seeds):
+        keys = ((scenario, method, evaluations, seed) for seed in seeds)
+        return [self.runs[key] for key in keys if key in self.runs]
+
+
+def time_to(records, scenario, method, evaluations, seeds, goal):
+    """Median processor time until within the goal; None where half the runs never are."""
+    if method == OURS:
+        for smaller in sorted({*SMALLER, evaluations}):
+            runs = records.of(scenario, method, smaller, seeds)
+            if runs and statistics.median(run["cost"] for run in runs) <= goal:
+                return statistics.median(run["cpu_s"] for run in runs)
+        return None
+    times = [
+        next((at for at, cost in run["trace"] if cost <= goal), np.inf)
+        for run in records.of(scenario, method, evaluations, seeds)
+    ]
+    middle = statistics.median(times) if times else np.inf
+    return float(middle) if np.isfinite(middle) else None
+
+
+def table(records, scenarios, best_known, evaluations, seeds):
+    """Markdown: one row a scenario and method, costs above the best known."""
+    print("| scenario | method | runs | best known | median above | worst above | processor s | to within 1 %, s |")
+    print("|---|---|---:|---:|---:|---:|---:|---:|")
+    for scenario in scenarios:
+        known = best_known[scenario]
+        for method in [OURS, *METHODS]:
+            runs = records.of(scenario, method, evaluations, seeds)
+            if not runs:
+                print(f"| {scenario} | {method} | 0 | | | | | not run |")
+                continue
+            above = [100.0 * (run["cost"] / known - 1.0) for run in runs]
+            reached = time_to(records, scenario, method, evaluations, seeds, 1.01 * known)
+            print(
+                f"| {scenario} | {method} | {len(runs)} | {known:.3f} | {statistics.median(above):.2f} % "
+                f"| {max(above):.2f} % | {statistics.median(run['cpu_s'] for run in runs):.2f} "
+                f"| {'never' if reached is None else f'{reached:.2f}'} |"
+            )
+
+
+def lowest(records, scenarios, kept):
+    """The least cost of each scenario's first vehicle in any run, or what was kept."""
+    found = dict(kept)
+    for (scenario, *_), run in records.runs.items():
+        found[scenario] = min(found.get(scenario, np.inf), run["cost"])
+    return {scenario: found[scenario] for scenario in scenarios}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("specs", nargs="+")
+    parser.add_argument("specs", nargs="*")
+    parser.add_argument("--generated", metavar="FROM-TO", help="seeds of generated scenarios besides")
     parser.add_argument("--evaluations", type=int, default=40_000)
     parser.add_argument("--seeds", type=int, default=40)
+    parser.add_argument("--methods", nargs="*", help="only these", choices=[OURS, *METHODS])
+    parser.add_argument("--records", default=ROOT / "target/optimizers/runs.jsonl")
+    parser.add_argument("--jobs", type=int, default=2)
     arguments = parser.parse_args()
+    seeds = range(1, arguments.seeds + 1)
+    methods = arguments.methods or [OURS, *METHODS]
+    records = Records(arguments.records)
+    with tempfile.TemporaryDirectory() as folder:
+        specs = [Path(spec).resolve() for spec in arguments.specs]
+        if arguments.generated:
+            first, last = map(int, arguments.generated.split("-"))
+            specs += [generate(seed, Path(folder)) for seed in range(first, last + 1)]
+        jobs = list(itertools.product(specs, methods, [arguments.evaluations], seeds))
+        if OURS in methods:
+            jobs += itertools.product(specs, [OURS], SMALLER, seeds)
+        records.make(jobs, arguments.jobs)
+    scenarios = [spec.stem for spec in specs]
     print(f"{arguments.evaluations} evaluations, {arguments.seeds} seeds, judged at 2001 samples.\n")
-    print("| spec | method | best | median | worst | seconds (median) |")
-    print("|---|---|---:|---:|---:|---:|")
-    for spec in arguments.specs:
-        vehicle = first_vehicle(spec)
-        judge = Objective(spec, vehicle, samples=2001)
-        rows = [("sortie", lambda seed: ours(spec, arguments.evaluations, seed))]
-        for name, method in METHODS.items():
-            rows.append((name, lambda seed, method=method: one(spec, vehicle, method, arguments.evaluations, seed, judge)))
-        for name, run in rows:
-            try:
-                results = [run(seed) for seed in range(1, arguments.seeds + 1)]
-            except ImportError as error:
-                print(f"| {Path(spec).name} | {name} | not run: {error} | | | |", flush=True)
-                continue
-            costs = [cost for cost, _ in results]
-            seconds = statistics.median(took for _, took in results)
-            numbers = f"{min(costs):.3f} | {statistics.median(costs):.3f} | {max(costs):.3f} | {seconds:.1f}"
-            print(f"| {Path(spec).name} | {name} | {numbers} |", flush=True)
-        judge.close()
+    table(records, scenarios, lowest(records, scenarios, {}), arguments.evaluations, seeds)
 
 
 if __name__ == "__main__":
