@@ -100,7 +100,8 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         return Err(Failure::new(Failure::INPUT, message));
     }
     let (file, files, folder) = upload::from_folder(&[folder], false)?;
-    if file.text != asked.text {
+    told_apart(&file.spec)?;
+    if file.text != asked.text || file.table != asked.table {
         let message = format!(
             "{} was planned from another spec than {}; nothing was started",
             folder.display(),
@@ -146,6 +147,21 @@ fn copters_alone(spec: &MissionSpec) -> Result<(), Failure> {
         );
         Err(Failure::new(Failure::VERDICT, message))
     })
+}
+
+/// In the air vehicles are told apart by system id alone, whatever their link.
+fn told_apart(spec: &MissionSpec) -> Result<(), Failure> {
+    for (index, vehicle) in spec.vehicles.iter().enumerate() {
+        let mut earlier = spec.vehicles[..index].iter();
+        if let Some(other) = earlier.find(|other| other.sysid == vehicle.sysid) {
+            let message = format!(
+                "{} and {} have one system id, {}: such a fleet is uploaded, and started from ground stations",
+                other.id, vehicle.id, vehicle.sysid
+            );
+            return Err(Failure::new(Failure::VERDICT, message));
+        }
+    }
+    Ok(())
 }
 
 /// Starts the simulated vehicles, and says where each vehicle is reached.

@@ -14,7 +14,7 @@ use crate::dispatch::Dispatched;
 use crate::formats::{self, Document};
 use crate::mission::VehicleMission;
 use crate::path::TimedPoint;
-use crate::report::{self, ReviewInput};
+use crate::report::{self, PlanDocument, ReviewInput};
 use crate::spec::{SpecFile, TerrainSource};
 use crate::world::{self, World};
 
@@ -24,6 +24,24 @@ pub(super) fn sha256(text: &str) -> String {
         .iter()
         .map(|byte| format!("{byte:02x}"))
         .collect()
+}
+
+/// The content of `plan.json`.
+pub(super) fn plan_document(
+    file: &SpecFile,
+    world: &World,
+    dispatched: &Dispatched,
+) -> PlanDocument {
+    let (spec, passes) = (&file.spec, dispatched.review.passes());
+    PlanDocument {
+        table_sha256: table_sha256(file),
+        ..report::plan_json(&sha256(&file.text), spec, world, &dispatched.plan, passes)
+    }
+}
+
+/// SHA-256 of the table of vehicles that a spec names.
+fn table_sha256(file: &SpecFile) -> Option<String> {
+    file.table.as_ref().map(|table| sha256(&table.text))
 }
 
 /// Where records of uploads and flights of an output folder go: `DIR.runs`.
@@ -45,6 +63,9 @@ pub(super) fn write(
     let (spec, review) = (&file.spec, &dispatched.review);
     let folder = NewFolder::beside(out, in_the_way)?;
     copy_terrain(&folder, file)?;
+    if let Some(table) = &file.table {
+        folder.write(&table.name.to_string_lossy(), table.text.as_bytes())?;
+    }
     folder.write("spec.yaml", file.text.as_bytes())?;
     for (vehicle, mission) in &dispatched.missions {
         let id = &spec.vehicles[*vehicle].id;
@@ -79,7 +100,7 @@ pub(super) fn write(
         formats::geojson::write(spec, world, &paths).as_bytes(),
     )?;
     let hash = sha256(&file.text);
-    let plan = report::plan_json(&hash, spec, world, &dispatched.plan, review.passes());
+    let plan = plan_document(file, world, dispatched);
     folder.write("plan.json", report::json_text(&plan).as_bytes())?;
     folder.write(
         "review.json",
@@ -174,10 +195,19 @@ pub(super) fn refuse_edited(
         let message = format!("{what}; nothing was sent (--force overrides)");
         Err(Failure::new(Failure::VERDICT, message))
     };
-    if planned_from(folder).as_deref() != Some(sha256(&file.text).as_str()) {
+    let planned = planned_from(folder);
+    if planned.as_ref().map(|(spec, _)| spec) != Some(&sha256(&file.text)) {
         return edited(format!(
             "{} is not the spec that plan.json was made from",
             folder.join("spec.yaml").display()
+        ));
+    }
+    if let Some(table) = &file.table
+        && planned.and_then(|(_, table)| table) != table_sha256(file)
+    {
+        return edited(format!(
+            "{} is not the table that plan.json was made from",
+            folder.join(&table.name).display()
         ));
     }
     for (vehicle, path) in files {
@@ -201,12 +231,14 @@ pub(super) fn refuse_edited(
     Ok(())
 }
 
-/// The hash of the spec from which an output folder was made, if that is what a folder is.
-fn planned_from(folder: &Path) -> Option<String> {
+/// The hashes of the spec and of its table from which an output folder was made, if that is
+/// what a folder is.
+fn planned_from(folder: &Path) -> Option<(String, Option<String>)> {
     let plan: serde_json::Value =
         serde_json::from_slice(&fs::read(folder.join("plan.json")).ok()?).ok()?;
     plan.get("sortie")?;
-    Some(plan.get("spec_sha256")?.as_str()?.to_owned())
+    let hash = |key| Some(plan.get(key)?.as_str()?.to_owned());
+    Some((hash("spec_sha256")?, hash("table_sha256")))
 }
 
 /// Why a folder may not be replaced: only what `plan` wrote, and nothing else
@@ -225,19 +257,25 @@ pub(super) fn in_the_way(target: &Path) -> Option<String> {
     if names.is_empty() {
         return None;
     }
-    let spec = fs::read_to_string(target.join("spec.yaml")).ok();
-    let ours = spec
-        .as_deref()
-        .is_some_and(|spec| planned_from(target) == Some(sha256(spec)));
-    let (Some(spec), true) = (spec, ours) else {
+    let spec = target.join("spec.yaml");
+    let (text, planned) = (fs::read_to_string(&spec).ok(), planned_from(target));
+    let is_ours = match (&text, &planned) {
+        (Some(text), Some((hash, _))) => *hash == sha256(text),
+        _ => false,
+    };
+    if !is_ours {
         return Some(
             "this folder holds something else than an earlier plan and is not replaced".to_owned(),
         );
-    };
-    let terrain = terrain_folder(&spec);
+    }
+    // A table that was edited here is no copy any more, and is kept.
+    let file = SpecFile::read(&spec)
+        .ok()
+        .filter(|file| planned.and_then(|(_, table)| table) == table_sha256(file));
+    let beside = file.as_ref().map_or_else(Vec::new, copied);
     let foreign = names
         .iter()
-        .find(|name| !is_written(name) && Some(*name) != terrain.as_ref())?;
+        .find(|name| !is_written(name) && !beside.contains(name))?;
     Some(format!(
         "it holds {foreign}, which no plan wrote, and is not replaced"
     ))
@@ -258,16 +296,19 @@ fn is_written(name: &str) -> bool {
     fixed.contains(&name) || endings.iter().any(|ending| name.ends_with(ending))
 }
 
-/// The first part of the path of the terrain that a spec names: a file or folder that was copied with it.
-fn terrain_folder(spec: &str) -> Option<String> {
-    let file = SpecFile::parse(Path::new("spec.yaml"), spec.to_owned()).ok()?;
-    let (TerrainSource::File(path) | TerrainSource::Folder(path)) = file.spec.terrain else {
-        return None;
+/// The files and folders that were copied with a spec: the first parts of their paths.
+fn copied(file: &SpecFile) -> Vec<String> {
+    let terrain = match &file.spec.terrain {
+        TerrainSource::File(path) | TerrainSource::Folder(path) => Some(path),
+        TerrainSource::Flat(_) | TerrainSource::Analytic { .. } => None,
     };
-    let first = path
-        .components()
-        .find(|part| matches!(part, Component::Normal(_)))?;
-    Some(first.as_os_str().to_string_lossy().into_owned())
+    let table = file.table.as_ref().map(|table| &table.name);
+    let first = |path: &PathBuf| {
+        let mut parts = path.components();
+        let part = parts.find(|part| matches!(part, Component::Normal(_)))?;
+        Some(part.as_os_str().to_string_lossy().into_owned())
+    };
+    terrain.into_iter().chain(table).filter_map(first).collect()
 }
 
 /// The name of a mission file without its ending, and without the mark of a rejected one.

@@ -88,13 +88,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         watch.lap("upload_s");
     }
     if arguments.json {
-        let plan = report::plan_json(
-            &folder::sha256(&file.text),
-            &file.spec,
-            &world,
-            &dispatched.plan,
-            passes,
-        );
+        let plan = folder::plan_document(&file, &world, &dispatched);
         let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
         document["out"] = json!(target.display().to_string());
         document["upload"] = delivery.as_ref().map_or(Value::Null, Delivery::json);

@@ -1,5 +1,6 @@
 //! `sortie upload`: verify again, transfer, read back, compare, one table.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -203,6 +204,7 @@ pub(super) fn deliver(
     force: bool,
     tlog: Option<&Path>,
 ) -> Result<Delivery, Failure> {
+    told_apart(file, &missions, links)?;
     let capture = tlog.map(begin_capture).transpose()?;
     let mut simulated: Vec<Running> = Vec::new();
     let mut resolved: Vec<Link> = Vec::new();
@@ -246,6 +248,31 @@ pub(super) fn deliver(
         note(&format!("the capture is not complete: {error}"));
     }
     Ok(Delivery { reports })
+}
+
+/// On one link vehicles are told apart by system id alone.
+fn told_apart(
+    file: &SpecFile,
+    missions: &[(usize, &VehicleMission)],
+    links: &[(usize, Link)],
+) -> Result<(), Failure> {
+    let mut seen = BTreeMap::new();
+    for (vehicle, _) in missions {
+        let this = &file.spec.vehicles[*vehicle];
+        let link = link_of(file, *vehicle, links);
+        // Every simulated vehicle has a link of its own.
+        if *link == Link::Sim {
+            continue;
+        }
+        if let Some(other) = seen.insert((link.to_string(), this.sysid), &this.id) {
+            let message = format!(
+                "{other} and {} have one system id, {}, on one link, {link}; nothing was sent",
+                this.id, this.sysid
+            );
+            return Err(Failure::new(Failure::INPUT, message));
+        }
+    }
+    Ok(())
 }
 
 /// A capture in a file, or in a folder under the time of its beginning.

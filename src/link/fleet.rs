@@ -59,12 +59,18 @@ pub fn upload_fleet_captured(
     for (index, job) in jobs.iter().enumerate() {
         links.entry(job.link.to_string()).or_default().push(index);
     }
-    let us = ground_station(&jobs.iter().map(|job| job.sysid).collect::<Vec<_>>());
+    let all: Vec<u8> = jobs.iter().map(|job| job.sysid).collect();
+    let us = |of_link: &[Job<'_>]| {
+        // A fleet that has every system id leaves one free on each link.
+        let own: Vec<u8> = of_link.iter().map(|job| job.sysid).collect();
+        free_system(&all).map_or_else(|| ground_station(&own), address)
+    };
     let mut reports: Vec<(usize, TransferReport)> = std::thread::scope(|scope| {
         let threads: Vec<_> = links
             .values()
             .map(|indices| {
                 let shared: Vec<Job<'_>> = indices.iter().map(|&index| jobs[index]).collect();
+                let us = us(&shared);
                 scope.spawn(move || (indices, run_link(&shared, us, tlog, progress)))
             })
             .collect();
@@ -131,12 +137,17 @@ pub fn download(
     }
 }
 
-/// A system id for us that no vehicle has.
+/// Our address, with a system id that no vehicle has.
 pub(super) fn ground_station(vehicles: &[u8]) -> Address {
-    let system = (1..=GROUND_STATION)
-        .rev()
-        .find(|system| !vehicles.contains(system))
-        .unwrap_or(GROUND_STATION);
+    address(free_system(vehicles).unwrap_or(GROUND_STATION))
+}
+
+fn free_system(vehicles: &[u8]) -> Option<u8> {
+    let mut ours = (1..=GROUND_STATION).rev();
+    ours.find(|system| !vehicles.contains(system))
+}
+
+fn address(system: u8) -> Address {
     Address {
         system,
         component: COMPONENT,

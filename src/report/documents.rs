@@ -21,6 +21,9 @@ pub struct PlanDocument {
     pub sortie: &'static str,
     /// SHA-256 of the spec file, hexadecimal.
     pub spec_sha256: String,
+    /// SHA-256 of the table of vehicles that the spec names, if it names one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table_sha256: Option<String>,
     /// The seed every stream came from.
     pub seed: u64,
     /// `pass` or `fail`: what `verify` says of the encoded missions.
@@ -140,7 +143,7 @@ pub struct Place {
     pub item: usize,
 }
 
-/// The content of `plan.json`.
+/// The content of `plan.json`; the hash of a table is left to whoever has read one.
 #[must_use]
 pub fn plan_json(
     spec_sha256: &str,
@@ -152,6 +155,7 @@ pub fn plan_json(
     PlanDocument {
         sortie: env!("CARGO_PKG_VERSION"),
         spec_sha256: spec_sha256.to_owned(),
+        table_sha256: None,
         seed: plan.seed,
         verdict: verdict(passes),
         vehicles: spec

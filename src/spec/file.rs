@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use super::check;
 use super::places::Places;
 use super::raw;
+use super::table::{Table, TableFile};
+use super::whereabouts::{Whereabouts, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
@@ -21,7 +23,9 @@ pub struct SpecFile {
     pub text: String,
     /// Its path, as given.
     pub path: PathBuf,
-    places: Places,
+    /// The table of vehicles that it names, if any.
+    pub table: Option<TableFile>,
+    places: Whereabouts,
 }
 
 impl SpecFile {
@@ -34,11 +38,12 @@ impl SpecFile {
         Self::parse(path, read_text(path)?)
     }
 
-    /// Checks a spec that is already in memory; `path` is where it would be.
+    /// Checks a spec that is already in memory; `path` is where it would be, and beside it
+    /// the table of vehicles that it may name is read.
     ///
     /// # Errors
-    /// The first structural problem (syntax, type, unknown or repeated key), or
-    /// else every semantic problem, in file order.
+    /// The first structural problem (syntax, type, unknown or repeated key), or a table that
+    /// cannot be read, or else every semantic problem, in file order.
     pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
         let file = || path.display().to_string();
         let one = |issue: Issue| SpecError {
@@ -51,6 +56,7 @@ impl SpecFile {
         if places.has("frame") {
             return Err(one(Issue {
                 path: "frame".to_owned(),
+                table: None,
                 position: places.find("frame"),
                 found:
                     "a scenario of the study, in Cartesian coordinates that are nowhere on earth"
@@ -59,36 +65,40 @@ impl SpecFile {
             }));
         }
         let raw: raw::Spec = serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
-        let spec = check::check(&raw, &places).map_err(|issues| SpecError {
+        let all = |issues: Vec<Issue>| SpecError {
             file: file(),
             issues,
-        })?;
+        };
+        let (file, table) = match raw.fleet.as_ref().and_then(|fleet| fleet.csv.as_deref()) {
+            None => (None, Table::default()),
+            Some(name) => {
+                let (file, table) = read_table(path, name, &places).map_err(all)?;
+                (Some(file), table)
+            }
+        };
+        let whole = check::write_out(raw, places, table);
+        let spec = check::check(&whole.raw, &whole.places, whole.issues).map_err(all)?;
         Ok(Self {
             spec,
             text,
             path: path.to_owned(),
-            places,
+            table: file,
+            places: whole.places,
         })
     }
 
     /// A problem at a path of this file, with its line and column.
     #[must_use]
     pub fn issue(&self, path: &str, found: String, allowed: String) -> Issue {
-        Issue {
-            path: path.to_owned(),
-            position: self.places.find(path),
-            found,
-            allowed,
-        }
+        self.places.issue(path, found, allowed)
     }
 
     /// An error of these issues, put in file order.
     #[must_use]
-    pub fn error(&self, mut issues: Vec<Issue>) -> SpecError {
-        issues.sort_by_key(|issue| issue.position);
+    pub fn error(&self, issues: Vec<Issue>) -> SpecError {
         SpecError {
             file: self.path.display().to_string(),
-            issues,
+            issues: in_order(issues),
         }
     }
 
@@ -105,7 +115,34 @@ impl SpecFile {
     }
 }
 
-/// The text of a spec.
+/// The table beside a spec.
+fn read_table(spec: &Path, name: &str, places: &Places) -> Result<(TableFile, Table), Vec<Issue>> {
+    let issue = |found: String, allowed: &str| {
+        vec![Issue {
+            path: "fleet.csv".to_owned(),
+            table: None,
+            position: places.find("fleet.csv"),
+            found,
+            allowed: allowed.to_owned(),
+        }]
+    };
+    let path = check::relative(name).filter(|_| name.to_ascii_lowercase().ends_with(".csv"));
+    let Some(path) = path else {
+        let allowed =
+            "a path relative to the spec that ends in .csv, with /, without .. and drive letters";
+        return Err(issue(format!("`{}`", name.escape_debug()), allowed));
+    };
+    let place = spec.parent().unwrap_or(Path::new("")).join(&path);
+    let text = read_text(&place).map_err(|error| {
+        let said = error.issues.into_iter().next();
+        let (found, allowed) = said.map_or_else(Default::default, |it| (it.found, it.allowed));
+        issue(format!("{}: {found}", place.display()), &allowed)
+    })?;
+    let table = Table::read(place.display().to_string(), &text)?;
+    Ok((TableFile { name: path, text }, table))
+}
+
+/// The text of a spec or of its table.
 ///
 /// # Errors
 /// A file that cannot be read, is too large, or is not text.
@@ -114,6 +151,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
         file: path.display().to_string(),
         issues: vec![Issue {
             path: String::new(),
+            table: None,
             position: None,
             found,
             allowed: allowed.to_owned(),
@@ -125,14 +163,14 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
         .map_err(|error| whole(format!("cannot be read: {error}"), ""))?;
     if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {
         let allowed = format!("at most {} MiB", MAX_BYTES >> 20);
-        return Err(whole("too large for a mission spec".to_owned(), &allowed));
+        return Err(whole(
+            "too large for a mission spec or table".to_owned(),
+            &allowed,
+        ));
     }
     String::from_utf8(bytes).map_err(|error| {
         let good = error.utf8_error().valid_up_to();
-        whole(
-            format!("not text: byte {good} is not UTF-8"),
-            "YAML in UTF-8",
-        )
+        whole(format!("not text: byte {good} is not UTF-8"), "UTF-8")
     })
 }
 
@@ -168,6 +206,7 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
     };
     Issue {
         path,
+        table: None,
         position,
         found,
         allowed,

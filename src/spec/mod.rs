@@ -8,7 +8,9 @@ mod model;
 mod places;
 mod raw;
 mod scenario;
+mod table;
 mod vehicle;
+mod whereabouts;
 
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
@@ -17,6 +19,7 @@ pub use model::{
     Objective, OnLinkLoss, Planner, Rally, Separation, TerrainSource, Threat, Weights, Wind, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
+pub use table::TableFile;
 pub use vehicle::{
     Airframe, ApproachLengths, Autopilot, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement,
     Vehicle, Wing, turn_radius_by_load_m,

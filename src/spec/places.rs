@@ -251,6 +251,7 @@ impl Walk {
 fn problem(path: &str, at: Position, found: &str, allowed: &str) -> Issue {
     Issue {
         path: path.to_owned(),
+        table: None,
         position: Some(at),
         found: found.to_owned(),
         allowed: allowed.to_owned(),

@@ -9,7 +9,7 @@ use super::model::Wind;
 pub struct Vehicle {
     /// Unique name; file names begin with it.
     pub id: String,
-    /// MAVLink system id, 1 to 255, unique.
+    /// MAVLink system id, 1 to 255: unique, in a fleet of more than 240 on its link.
     pub sysid: u8,
     /// Which autopilot will read the mission.
     pub autopilot: Autopilot,

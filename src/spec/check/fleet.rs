@@ -22,6 +22,9 @@ const LEAST_WAY_M: f64 = 10.0;
 /// Greatest `MAV_SYS_ID`.
 const PX4_LAST_SYSTEM_ID: i64 = 250;
 
+/// A larger fleet has not enough system ids for one each: those above are of ground stations.
+const MOST_SYSTEM_IDS: usize = 240;
+
 /// What an autopilot does unless told otherwise.
 struct Defaults {
     climb_mps: f64,
@@ -58,8 +61,8 @@ impl Checker<'_> {
         separation: Separation,
         wind: Option<Wind>,
     ) -> Vec<Vehicle> {
-        if raw.vehicles.is_empty() {
-            self.report("vehicles", "no vehicle", "at least one");
+        if raw.vehicles.is_empty() && raw.fleet.is_none() {
+            self.report("vehicles", "no vehicle", "at least one, here or by fleet");
         }
         self.unique(
             "vehicles",
@@ -92,8 +95,11 @@ impl Checker<'_> {
         }
     }
 
+    /// A ground station tells vehicles apart by system id alone, so a fleet that can has one
+    /// for each; a larger one has one for each vehicle on a link.
     fn system_ids(&mut self, raw: &raw::Spec) {
-        let mut seen: BTreeMap<i64, &str> = BTreeMap::new();
+        let is_large = raw.vehicles.len() > MOST_SYSTEM_IDS;
+        let mut seen: BTreeMap<(i64, Option<&str>), &str> = BTreeMap::new();
         for (index, vehicle) in raw.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}].sysid");
             let px4 = matches!(vehicle.autopilot, raw::Autopilot::Px4);
@@ -103,13 +109,22 @@ impl Checker<'_> {
                 let allowed = format!("at most {PX4_LAST_SYSTEM_ID} for px4");
                 self.report(&path, vehicle.sysid, allowed);
             }
-            if let Some(other) = seen.insert(vehicle.sysid, &vehicle.id) {
+            // Every simulated vehicle has a link of its own.
+            if is_large && vehicle.link == "sim" {
+                continue;
+            }
+            let link = is_large.then_some(vehicle.link.as_str());
+            if let Some(other) = seen.insert((vehicle.sysid, link), &vehicle.id) {
                 let found = format!(
                     "{}, already the system id of `{}`",
                     vehicle.sysid,
                     other.escape_debug()
                 );
-                self.report(&path, found, "one system id for each vehicle");
+                let allowed = match link {
+                    Some(_) => "one system id for each vehicle on a link",
+                    None => "one system id for each vehicle",
+                };
+                self.report(&path, found, allowed);
             }
         }
     }

@@ -1,38 +1,43 @@
 //! From the file as it is to a spec that may be trusted: every problem that can be
 //! told without the ground, all at once.
 
+mod cells;
 mod fleet;
+mod made;
 mod map;
 mod name;
 mod scenario;
 mod shapes;
+mod template;
 mod wing;
 
+pub(super) use made::write_out;
 pub(super) use scenario::scenario;
+pub(super) use shapes::relative;
 
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 
-use super::places::Places;
 use super::raw;
+use super::whereabouts::{Whereabouts, in_order};
 use super::{
     Algorithm, AltitudeReference, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss,
     Planner, Separation, Weights, Wind,
 };
 use crate::geodesy::LatLon;
 
-/// Checks a whole spec.
+/// Checks a whole spec, of which these problems are known.
 ///
 /// # Errors
 /// Every problem, in file order.
-pub(super) fn check(raw: &raw::Spec, places: &Places) -> Result<MissionSpec, Vec<Issue>> {
-    let mut checker = Checker {
-        places,
-        issues: Vec::new(),
-    };
+pub(super) fn check(
+    raw: &raw::Spec,
+    places: &Whereabouts,
+    issues: Vec<Issue>,
+) -> Result<MissionSpec, Vec<Issue>> {
+    let mut checker = Checker { places, issues };
     let spec = checker.spec(raw);
-    let mut issues = checker.issues;
-    issues.sort_by_key(|issue| issue.position);
+    let issues = in_order(checker.issues);
     match spec {
         Some(spec) if issues.is_empty() => Ok(spec),
         _ => Err(issues),
@@ -42,19 +47,17 @@ pub(super) fn check(raw: &raw::Spec, places: &Places) -> Result<MissionSpec, Vec
 /// Collects problems. Its methods return what they checked, or `None` where a
 /// problem leaves nothing to go on with; then a problem was noted.
 struct Checker<'a> {
-    places: &'a Places,
+    places: &'a Whereabouts,
     issues: Vec<Issue>,
 }
 
 impl Checker<'_> {
     /// Notes a problem.
     fn report(&mut self, path: &str, found: impl Display, allowed: impl Display) {
-        self.issues.push(Issue {
-            path: path.to_owned(),
-            position: self.places.find(path),
-            found: found.to_string(),
-            allowed: allowed.to_string(),
-        });
+        let issue = self
+            .places
+            .issue(path, found.to_string(), allowed.to_string());
+        self.issues.push(issue);
     }
 
     /// A number that must be finite and in range; handed through.

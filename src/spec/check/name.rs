@@ -51,8 +51,9 @@ impl Checker<'_> {
         for (index, name) in names.enumerate() {
             if let Some(first) = seen.get(&name.to_lowercase()) {
                 let found = format!(
-                    "`{}`, already the id of {path}[{first}]",
-                    name.escape_debug()
+                    "`{}`, already the id of {}",
+                    name.escape_debug(),
+                    self.places.name(&format!("{path}[{first}]"))
                 );
                 self.report(&format!("{path}[{index}].id"), found, "unique ids");
             } else {

@@ -4,6 +4,8 @@ use std::ops::RangeInclusive;
 
 use super::super::places::Places;
 use super::super::raw;
+use super::super::table::Table;
+use super::super::whereabouts::Whereabouts;
 use super::super::{Cylinder, Issue, Mover, Objective, Peak, Scenario, Surface, Waves};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
@@ -19,8 +21,9 @@ pub(in crate::spec) fn scenario(
     raw: &raw::Scenario,
     places: &Places,
 ) -> Result<Scenario, Vec<Issue>> {
+    let places = Whereabouts::new(places.clone(), 0, Vec::new(), Table::default());
     let mut checker = Checker {
-        places,
+        places: &places,
         issues: Vec::new(),
     };
     let scenario = checker.scenario(raw);

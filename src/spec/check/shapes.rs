@@ -18,6 +18,20 @@ const MIN_ZONE_M2: f64 = 1.0;
 /// Most corners of one zone.
 const MAX_CORNERS: usize = 1000;
 
+/// A path that stays in the folder in which it is looked for; none for any other.
+pub(in crate::spec) fn relative(name: &str) -> Option<PathBuf> {
+    let mut path = PathBuf::new();
+    let mut inside = !name.contains(['\\', ':']) && !name.chars().any(char::is_control);
+    for part in Path::new(name).components() {
+        match part {
+            Component::Normal(name) => path.push(name),
+            Component::CurDir => {}
+            Component::ParentDir | Component::RootDir | Component::Prefix(_) => inside = false,
+        }
+    }
+    (inside && !path.as_os_str().is_empty()).then_some(path)
+}
+
 impl Checker<'_> {
     pub(super) fn terrain(&mut self, raw: &raw::Terrain) -> Option<TerrainSource> {
         match (&raw.file, &raw.folder, &raw.flat, &raw.analytic) {
@@ -79,23 +93,14 @@ impl Checker<'_> {
     }
 
     /// A path that stays beside the spec wherever both are copied.
-    fn beside(&mut self, key: &str, name: &str) -> Option<PathBuf> {
-        let mut path = PathBuf::new();
-        let mut inside = !name.contains(['\\', ':']) && !name.chars().any(char::is_control);
-        for part in Path::new(name).components() {
-            match part {
-                Component::Normal(name) => path.push(name),
-                Component::CurDir => {}
-                Component::ParentDir | Component::RootDir | Component::Prefix(_) => inside = false,
-            }
-        }
-        if !inside || path.as_os_str().is_empty() {
+    pub(super) fn beside(&mut self, key: &str, name: &str) -> Option<PathBuf> {
+        let path = relative(name);
+        if path.is_none() {
             let allowed = "a path relative to the spec, with /, without .. and drive letters";
             let found = format!("`{}`", name.escape_debug());
             self.report(key, found, allowed);
-            return None;
         }
-        Some(path)
+        path
     }
 
     pub(super) fn threat(&mut self, path: &str, raw: &raw::Threat) -> Option<Threat> {

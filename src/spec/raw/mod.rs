@@ -2,15 +2,17 @@
 //! beyond types. The JSON Schema is made from these structs, and their doc
 //! comments are its descriptions.
 
+mod fleet;
 mod options;
 mod scenario;
 mod vehicle;
 
+pub(super) use fleet::{Defaults, End as PartOfEnd, Fleet, Grid};
 pub(super) use options::{
     Algorithm, AltitudeReference, MissionOptions, Objective, OnLinkLoss, Planner, Separation, Wind,
 };
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
-pub(super) use vehicle::{Airframe, Autopilot, EndPoint, Finish, Vehicle};
+pub(super) use vehicle::{Airframe, Autopilot, EndPoint, Finish, Landing, Vehicle};
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -18,7 +20,10 @@ use serde::Deserialize;
 /// One mission for a fleet of UAVs, for `sortie plan`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Sortie mission")]
+#[schemars(
+    title = "Sortie mission",
+    extend("anyOf" = [{"required": ["vehicles"]}, {"required": ["fleet"]}])
+)]
 pub(super) struct Spec {
     /// Version of this format: 1.
     #[schemars(range(min = 1, max = 1))]
@@ -41,9 +46,11 @@ pub(super) struct Spec {
     /// Rally points.
     #[serde(default)]
     pub(super) rally: Vec<Rally>,
-    /// The fleet, in order of priority.
-    #[schemars(length(min = 1))]
+    /// The vehicles, in order of priority.
+    #[serde(default)]
     pub(super) vehicles: Vec<Vehicle>,
+    /// More vehicles, in a compact form.
+    pub(super) fleet: Option<Fleet>,
     /// How far apart vehicles stay from takeoff to touchdown.
     #[serde(default)]
     pub(super) separation: Separation,
