@@ -1,13 +1,10 @@
-//! Fleets: from their compact form to files, and the ways in which vehicles meet.
-
-#[allow(unreachable_pub)]
-#[path = "support/command.rs"]
-mod command;
+//! From a table or grids to files.
 
 use std::fs;
 
-use command::{sortie, text};
 use serde_json::Value;
+
+use super::command::{sortie, text};
 
 const SPEC: &str = "\
 sortie: 1

@@ -1,0 +1,232 @@
+//! The missions of `missions/fleets`: one for each way in which vehicles meet.
+
+use std::path::{Path, PathBuf};
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::mission::{VehicleMission, command};
+use sortie::path::TimedPoint;
+use sortie::spec::{MissionSpec, SpecFile};
+use sortie::verify::{self, Review};
+use sortie::world::{self, World};
+
+/// A fleet planned, and each of its vehicles planned as if it were alone.
+struct Meeting {
+    spec: MissionSpec,
+    together: Dispatched,
+    alone: Vec<Dispatched>,
+    /// The verdict on the lonely plans, flown at the same time.
+    blind: Review,
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/fleets")
+}
+
+fn read(name: &str) -> SpecFile {
+    let path = folder().join(format!("{name}.yaml"));
+    let mut file = SpecFile::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(file.spec.name, name, "named as its file");
+    let schema = "# yaml-language-server: $schema=../schema.json\n";
+    assert!(file.text.starts_with(schema), "{name}");
+    // As many as are needed, so that the test does not take long.
+    file.spec.planner.evaluations = 2000;
+    file
+}
+
+impl Meeting {
+    fn of(name: &str) -> Self {
+        let file = read(name);
+        let world = world::load(&file).unwrap_or_else(|error| panic!("{error}"));
+        let spec = file.spec;
+        let together = dispatch(&spec, &world, 1, &|_| ());
+        assert!(together.review.passes(), "{name}: {:#?}", failed(&together));
+        let alone: Vec<Dispatched> = spec
+            .vehicles
+            .iter()
+            .map(|vehicle| {
+                let mut spec = spec.clone();
+                spec.vehicles = vec![vehicle.clone()];
+                let world = World::new(&spec, world.terrain.clone()).expect("ground");
+                dispatch(&spec, &world, 1, &|_| ())
+            })
+            .collect();
+        let missions: Vec<(usize, &VehicleMission)> = alone
+            .iter()
+            .enumerate()
+            .map(|(index, lonely)| (index, &lonely.missions[0].1))
+            .collect();
+        let blind = verify::review(&spec, &world, &missions);
+        Self {
+            spec,
+            together,
+            alone,
+            blind,
+        }
+    }
+
+    /// The point of every meeting: alone they would come too near, together they do not.
+    fn would_conflict(&self) {
+        let limit_m = self.spec.separation.distance_m;
+        let (blind_m, kept_m) = (closest_m(&self.blind), closest_m(&self.together.review));
+        assert!(blind_m < limit_m, "alone {blind_m} m apart");
+        assert!(
+            kept_m >= limit_m && kept_m > blind_m,
+            "together {kept_m} m apart, alone {blind_m} m"
+        );
+    }
+
+    /// The first vehicle does not know of the second.
+    fn first_has_its_way(&self) {
+        let (together, alone) = (&self.together.plan, &self.alone[0].plan);
+        assert_eq!(together.vehicles[0].routes, alone.vehicles[0].routes);
+    }
+
+    /// What a vehicle pays for the others, as a fraction of its cost alone.
+    fn price(&self, vehicle: usize) -> f64 {
+        let alone = self.alone[vehicle].plan.vehicles[0].terms.total();
+        self.together.plan.vehicles[vehicle].terms.total() / alone - 1.0
+    }
+
+    fn path(&self, vehicle: usize) -> Vec<TimedPoint> {
+        self.together.plan.vehicles[vehicle].path()
+    }
+
+    /// Seconds after T0 at which it is over its goal.
+    fn arrival_s(&self, vehicle: usize) -> f64 {
+        self.path(vehicle).last().expect("a path").t_s
+    }
+
+    /// Seconds after T0 at which it stands on the ground again, as its mission has it.
+    fn touchdown_s(&self, vehicle: usize) -> f64 {
+        let track = &self.together.review.tracks[vehicle];
+        track.moments.last().expect("a track").t_s
+    }
+}
+
+fn failed(dispatched: &Dispatched) -> Vec<String> {
+    let margins = dispatched.review.margins.iter();
+    let said = |margin: &verify::Margin| format!("{margin:?}");
+    margins.filter(|margin| !margin.ok).map(said).collect()
+}
+
+/// Least separation of any two vehicles, metres.
+fn closest_m(review: &Review) -> f64 {
+    let margins = review.margins.iter();
+    let apart = margins.filter(|margin| margin.what == "separation");
+    apart
+        .map(|margin| margin.value)
+        .fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+fn crossing_the_second_gives_way_and_hardly_pays() {
+    let meeting = Meeting::of("crossing");
+    meeting.would_conflict();
+    meeting.first_has_its_way();
+    let price = meeting.price(1);
+    assert!((0.0..0.03).contains(&price), "{price}");
+}
+
+#[test]
+fn head_on_both_arrive_where_the_other_took_off() {
+    let meeting = Meeting::of("head-on");
+    meeting.would_conflict();
+    meeting.first_has_its_way();
+    for (vehicle, other) in [(0, 1), (1, 0)] {
+        let path = meeting.path(vehicle);
+        let end = path.last().expect("a path").point;
+        let pad = meeting.path(other)[0].point;
+        assert!(end.distance_m(pad) < 1.0);
+        assert!(meeting.price(vehicle) < 0.03);
+    }
+    let apart_m = closest_m(&meeting.together.review);
+    assert!(
+        apart_m < 100.0,
+        "no further around than needed: {apart_m} m"
+    );
+}
+
+#[test]
+fn overtaking_the_fast_one_begins_behind_and_ends_ahead() {
+    let meeting = Meeting::of("overtaking");
+    meeting.would_conflict();
+    meeting.first_has_its_way();
+    let (slow, fast) = (meeting.path(0), meeting.path(1));
+    let east_at = |path: &[TimedPoint], t_s: f64| {
+        let after = path.iter().find(|point| point.t_s >= t_s);
+        after.or(path.last()).expect("a path").point.at.east_m
+    };
+    let begin_s = slow[0].t_s.max(fast[0].t_s);
+    let end_s = meeting.arrival_s(1);
+    assert!(east_at(&fast, begin_s) < east_at(&slow, begin_s));
+    assert!(end_s < meeting.arrival_s(0), "it does not wait behind");
+    assert!(east_at(&fast, end_s) > east_at(&slow, end_s) + 50.0);
+    assert!(meeting.price(1) < 0.03, "{}", meeting.price(1));
+}
+
+#[test]
+fn at_a_shared_goal_the_second_lands_after_the_first() {
+    let meeting = Meeting::of("shared-goal");
+    meeting.would_conflict();
+    meeting.first_has_its_way();
+    let goal = |vehicle: usize| meeting.path(vehicle).last().expect("a path").point.at;
+    assert!(goal(0).distance_m(goal(1)) < 1e-6);
+    let (early_s, late_s) = (meeting.touchdown_s(0), meeting.touchdown_s(1));
+    assert!(late_s > early_s, "{late_s} s after {early_s} s");
+    let alone_s = meeting.alone[1].plan.vehicles[0].path();
+    let alone_s = alone_s.last().expect("a path").t_s;
+    let later_s = meeting.arrival_s(1) - alone_s;
+    assert!((1.0..60.0).contains(&later_s), "{later_s} s later");
+}
+
+#[test]
+fn from_a_shared_pad_they_leave_one_after_the_other() {
+    let meeting = Meeting::of("shared-pad");
+    let delays: Vec<Option<f32>> = meeting
+        .together
+        .missions
+        .iter()
+        .map(|(_, mission)| {
+            let mut items = mission.items.iter();
+            let delay = items.find(|item| item.command == command::NAV_DELAY)?;
+            Some(delay.params[0])
+        })
+        .collect();
+    assert_eq!(delays, [None, Some(45.0), Some(90.0), Some(135.0)]);
+    let homes: Vec<_> = meeting.spec.vehicles.iter().map(|one| one.home).collect();
+    assert!(homes.iter().all(|home| *home == homes[0]), "one pad");
+    assert!(closest_m(&meeting.together.review) >= meeting.spec.separation.distance_m);
+    // All at once is an error of the spec, before anything is planned.
+    let text = read("shared-pad").text;
+    let at_once = text.replace("depart_every_s: 45", "depart_every_s: 5");
+    assert!(at_once != text);
+    let error = SpecFile::parse(&folder().join("shared-pad.yaml"), at_once);
+    let message = error.expect_err("a crowd on one pad").to_string();
+    assert!(
+        message.contains("shared-pad.csv: row 3") && message.contains("takeoff 0.0 m from"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_corridor_one_vehicle_wide_is_flown_through_by_one() {
+    let meeting = Meeting::of("corridor");
+    meeting.would_conflict();
+    meeting.first_has_its_way();
+    // Over the middle of the walls, metres north of the corridor's axis.
+    let axis_m = meeting.path(0)[0].point.at.north_m;
+    let beside_m = |path: &[TimedPoint]| {
+        let (from, to) = (path[0].point.at, path[path.len() - 1].point.at);
+        let middle_m = f64::midpoint(from.east_m, to.east_m);
+        let near = |point: &&TimedPoint| (point.point.at.east_m - middle_m).abs() < 100.0;
+        let beside = |point: &TimedPoint| (point.point.at.north_m - axis_m).abs();
+        path.iter().filter(near).map(beside).fold(0.0, f64::max)
+    };
+    for lonely in &meeting.alone {
+        let beside_m = beside_m(&lonely.plan.vehicles[0].path());
+        assert!(beside_m < 40.0, "alone through it: {beside_m} m");
+    }
+    assert!(beside_m(&meeting.path(0)) < 40.0);
+    let around_m = beside_m(&meeting.path(1));
+    assert!(around_m > 300.0, "around the walls: {around_m} m");
+}
