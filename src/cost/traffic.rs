@@ -4,11 +4,9 @@ use super::Margins;
 use crate::numeric::approach::{
     Approach, Motion, closest_approach, closest_horizontal, least_ratio,
 };
+use crate::numeric::cells::{Cells, Extent};
 use crate::path::Flight;
 use crate::spec::Separation;
-
-/// Cells along time and each side of the plane, at most.
-const MOST_CELLS: [usize; 3] = [128, 64, 64];
 
 /// All motions of earlier flights, and which of them may matter in which cell of
 /// time, east and north.
@@ -22,19 +20,8 @@ pub(super) struct Traffic {
     motions: Vec<Motion>,
     /// Balls around the motions.
     balls: Vec<Ball>,
-    grid: Grid,
-    /// `motions` of cell `c` are `members[starts[c]..starts[c + 1]]`.
-    starts: Vec<u32>,
-    members: Vec<u32>,
-}
-
-/// A box of time (s), east and north (m) in equal cells; what lies beyond it
-/// falls into the outermost cells.
-#[derive(Clone, Copy, Debug)]
-struct Grid {
-    low: [f64; 3],
-    per_unit: [f64; 3],
-    cells: [usize; 3],
+    /// Where the motions may matter.
+    cells: Cells,
 }
 
 /// How badly the separation is broken: 1 less distance over limit at the worst
@@ -103,39 +90,31 @@ fn mean(own: &Motion, severity: impl Fn(&Motion) -> Severity) -> f64 {
     0.5 * (share * end(own.t0_s) + worst.value + (1.0 - share) * end(own.t1_s))
 }
 
-/// Extent in time (s), east and north (m).
-pub(super) type Extent = [(f64, f64); 3];
-
 impl Traffic {
     pub(super) fn new(separation: &Separation, margins: &Margins, earlier: &[Flight]) -> Self {
-        let motions: Vec<Motion> = earlier
-            .iter()
-            .flat_map(|flight| flight.points.windows(2))
-            .map(|pair| {
-                let place = |i: usize| {
-                    let point = pair[i].point;
-                    [point.at.east_m, point.at.north_m, point.amsl.0]
-                };
-                Motion::between((pair[0].t_s, place(0)), (pair[1].t_s, place(1)))
-            })
-            .collect();
+        let motions: Vec<Motion> = earlier.iter().flat_map(Flight::motions).collect();
         let distance_m = separation.distance_m + margins.separation_m;
         let vertical_m = separation
             .vertical_m
             .map(|vertical_m| vertical_m + margins.separation_m);
-        let mut traffic = Self {
+        let reach: Vec<Extent> = motions
+            .iter()
+            .map(|motion| extent(motion, separation.time_slack_s, distance_m))
+            .collect();
+        let least = [
+            4.0 * separation.time_slack_s.max(5.0),
+            4.0 * separation.distance_m,
+            4.0 * separation.distance_m,
+        ];
+        Self {
             distance_m,
             vertical_m,
             reach_m: distance_m.hypot(vertical_m.unwrap_or(0.0)),
             slack_s: separation.time_slack_s,
-            grid: Grid::over(&motions, separation),
             balls: motions.iter().map(Ball::around).collect(),
+            cells: Cells::new(&reach, least),
             motions,
-            starts: Vec::new(),
-            members: Vec::new(),
-        };
-        traffic.sort_into_cells();
-        traffic
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -160,32 +139,15 @@ impl Traffic {
 
     /// Whether no motion is near anything in a box of time, east and north.
     pub(super) fn is_clear(&self, extent: &Extent) -> bool {
-        let [times, easts, norths] = self.grid.cells_of(extent);
-        (times.0..=times.1).all(|time| {
-            (easts.0..=easts.1).all(|east| {
-                // Cells along north follow each other, so one look covers them.
-                let first = self.grid.index([time, east, norths.0]);
-                let last = self.grid.index([time, east, norths.1]);
-                self.starts[first] == self.starts[last + 1]
-            })
-        })
+        self.cells.is_clear(extent)
     }
 
     fn severity(&self, own: &Motion) -> Severity {
-        let cells = self.grid.cells_of(&extent(own, 0.0, 0.0));
         let ball = Ball::around(own);
         let mut worst = Severity::default();
-        for time in cells[0].0..=cells[0].1 {
-            for east in cells[1].0..=cells[1].1 {
-                for north in cells[2].0..=cells[2].1 {
-                    let cell = self.grid.index([time, east, north]);
-                    let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-                    for &member in &self.members[members] {
-                        worst = worst.worse(self.severity_of(own, &ball, member as usize));
-                    }
-                }
-            }
-        }
+        self.cells.each(&extent(own, 0.0, 0.0), |other| {
+            worst = worst.worse(self.severity_of(own, &ball, other));
+        });
         worst
     }
 
@@ -208,103 +170,6 @@ impl Traffic {
                 value: 1.0 - near.value,
                 t_s: near.t_s,
             })
-    }
-
-    /// Counting sort of the motions into every cell they may matter in.
-    fn sort_into_cells(&mut self) {
-        let reach: Vec<[(usize, usize); 3]> = self
-            .motions
-            .iter()
-            .map(|motion| {
-                self.grid
-                    .cells_of(&extent(motion, self.slack_s, self.distance_m))
-            })
-            .collect();
-        let each_cell = |reach: &[(usize, usize); 3], act: &mut dyn FnMut(usize)| {
-            for time in reach[0].0..=reach[0].1 {
-                for east in reach[1].0..=reach[1].1 {
-                    for north in reach[2].0..=reach[2].1 {
-                        act(self.grid.index([time, east, north]));
-                    }
-                }
-            }
-        };
-        let mut starts = vec![0_u32; self.grid.cells.iter().product::<usize>() + 1];
-        for reach in &reach {
-            each_cell(reach, &mut |cell| starts[cell + 1] += 1);
-        }
-        for cell in 1..starts.len() {
-            starts[cell] += starts[cell - 1];
-        }
-        let mut next = starts.clone();
-        let mut members = vec![0_u32; starts.last().map_or(0, |end| *end as usize)];
-        for (motion, reach) in (0_u32..).zip(&reach) {
-            each_cell(reach, &mut |cell| {
-                members[next[cell] as usize] = motion;
-                next[cell] += 1;
-            });
-        }
-        self.starts = starts;
-        self.members = members;
-    }
-}
-
-impl Grid {
-    /// Cells of some five separations and slacks, or larger where that would be too many.
-    fn over(motions: &[Motion], separation: &Separation) -> Self {
-        let least = [
-            4.0 * separation.time_slack_s.max(5.0),
-            4.0 * separation.distance_m,
-            4.0 * separation.distance_m,
-        ];
-        let mut all = [(f64::INFINITY, f64::NEG_INFINITY); 3];
-        for motion in motions {
-            for (all, (low, high)) in all.iter_mut().zip(extent(motion, 0.0, 0.0)) {
-                all.0 = all.0.min(low);
-                all.1 = all.1.max(if high.is_finite() { high } else { low });
-            }
-        }
-        let mut grid = Self {
-            low: [0.0; 3],
-            per_unit: [0.0; 3],
-            cells: [1; 3],
-        };
-        for axis in 0..3 {
-            let width = all[axis].1 - all[axis].0;
-            if width > 0.0 && least[axis] > 0.0 {
-                #[expect(clippy::cast_precision_loss, reason = "few cells")]
-                let most = MOST_CELLS[axis] as f64;
-                let count = (width / least[axis]).ceil().clamp(1.0, most);
-                grid.low[axis] = all[axis].0;
-                grid.per_unit[axis] = count / width;
-                #[expect(
-                    clippy::cast_possible_truncation,
-                    clippy::cast_sign_loss,
-                    reason = "clamped to the most cells"
-                )]
-                let cells = count as usize;
-                grid.cells[axis] = cells;
-            }
-        }
-        grid
-    }
-
-    fn index(&self, [time, east, north]: [usize; 3]) -> usize {
-        (time * self.cells[1] + east) * self.cells[2] + north
-    }
-
-    fn cells_of(&self, extent: &Extent) -> [(usize, usize); 3] {
-        [0, 1, 2].map(|axis| {
-            let last = self.cells[axis] - 1;
-            // Not a number (nothing times infinity) and what is negative become 0.
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "a cast saturates, then the cell is clamped"
-            )]
-            let cell = |at: f64| (((at - self.low[axis]) * self.per_unit[axis]) as usize).min(last);
-            (cell(extent[axis].0), cell(extent[axis].1))
-        })
     }
 }
 

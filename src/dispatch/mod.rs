@@ -50,7 +50,7 @@ pub fn dispatch(
 ) -> Dispatched {
     let mut strictness = Strictness::first(spec);
     let plan_again =
-        |round: usize, strictness: &Strictness, previous: Option<(&FleetPlan, usize)>| {
+        |round: usize, strictness: &Strictness, previous: Option<(&FleetPlan, &[usize])>| {
             let progress = |at| watch(Stage::Planning(round, at));
             let request = Request {
                 seed,
@@ -60,7 +60,7 @@ pub fn dispatch(
             };
             match previous {
                 None => plan::plan_fleet(spec, world, &request),
-                Some((plan, first)) => plan::replan_from(plan, first, spec, world, &request),
+                Some((plan, again)) => plan::replan(plan, again, spec, world, &request),
             }
         };
     let judge = |round: usize, plan: FleetPlan| {
@@ -79,12 +79,13 @@ pub fn dispatch(
         if latest.review.passes() {
             break;
         }
-        let Some(first) = strictness.tighten(spec, world, &latest.plan, &latest.review) else {
+        let again = strictness.tighten(spec, world, &latest.plan, &latest.review);
+        if again.is_empty() {
             break;
-        };
+        }
         latest = judge(
             round,
-            plan_again(round, &strictness, Some((&latest.plan, first))),
+            plan_again(round, &strictness, Some((&latest.plan, &again))),
         );
         if failures(&latest) < failures(&best) {
             best = latest.clone();

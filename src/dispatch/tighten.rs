@@ -1,5 +1,7 @@
 //! What a failed verification asks of the next round of planning.
 
+use std::collections::{BTreeSet, HashMap};
+
 use crate::cost::Margins;
 use crate::plan::FleetPlan;
 use crate::spec::MissionSpec;
@@ -38,17 +40,23 @@ impl Strictness {
         }
     }
 
-    /// Answers every failed margin that planning can mend; returns the first
-    /// vehicle, in order of priority, that has to be planned again.
+    /// Answers every failed margin that planning can mend; returns the vehicles that
+    /// have to be planned again, in order of priority.
     pub(super) fn tighten(
         &mut self,
         spec: &MissionSpec,
         world: &World,
         plan: &FleetPlan,
         review: &Review,
-    ) -> Option<usize> {
-        let index = |id: &str| spec.vehicles.iter().position(|vehicle| vehicle.id == id);
-        let mut first = None;
+    ) -> Vec<usize> {
+        let ids: HashMap<&str, usize> = spec
+            .vehicles
+            .iter()
+            .enumerate()
+            .map(|(index, vehicle)| (vehicle.id.as_str(), index))
+            .collect();
+        let index = |id: &str| ids.get(id).copied();
+        let mut again = BTreeSet::new();
         for margin in review.margins.iter().filter(|margin| !margin.ok) {
             // The vehicle of lower priority gives way.
             let other = margin.other.as_deref().and_then(index);
@@ -57,10 +65,10 @@ impl Strictness {
             };
             if mends(plan, vehicle, margin) && self.answer(vehicle, margin) {
                 self.parameters[vehicle].extend(parameter_at(plan, vehicle, margin, world));
-                first = Some(first.map_or(vehicle, |first: usize| first.min(vehicle)));
+                again.insert(vehicle);
             }
         }
-        first
+        again.into_iter().collect()
     }
 
     /// Whether a stricter search may mend this margin; if so, makes it stricter.

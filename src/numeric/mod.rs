@@ -3,9 +3,11 @@
 pub mod angle;
 pub mod approach;
 pub mod bspline;
+pub mod cells;
 pub mod geometry;
 mod seed;
 mod speed;
+pub mod tracks;
 
 pub use bspline::Basis;
 pub use seed::Seed;

@@ -6,6 +6,7 @@
 
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
+use crate::numeric::approach::Motion;
 use crate::path::{SLOW_LANDING_M, TimedPoint, slow_landing_mps, wing};
 use crate::spec::{Finish, Vehicle};
 use crate::world::Stations;
@@ -164,6 +165,17 @@ fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], vehicle: &Ve
 }
 
 impl Flight {
+    /// The straight motions from point to point; the third coordinate is the altitude.
+    pub fn motions(&self) -> impl Iterator<Item = Motion> + '_ {
+        let place = |timed: &TimedPoint| {
+            let point = timed.point;
+            (timed.t_s, [point.at.east_m, point.at.north_m, point.amsl.0])
+        };
+        self.points
+            .windows(2)
+            .map(move |pair| Motion::between(place(&pair[0]), place(&pair[1])))
+    }
+
     /// Where the vehicle is at a time; `None` while it stands on the ground.
     #[must_use]
     pub fn position(&self, t_s: f64) -> Option<PlanPoint> {

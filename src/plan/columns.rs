@@ -3,7 +3,7 @@
 
 use super::FleetPlan;
 use crate::numeric::approach::{Approach, Motion, closest_approach, closest_horizontal};
-use crate::path::{Flight, TimedPoint};
+use crate::path::Flight;
 use crate::spec::{MissionSpec, Separation};
 use crate::world::World;
 
@@ -35,7 +35,8 @@ impl FleetPlan {
                 .and_then(|route| route.path.last())
                 .map_or(f64::INFINITY, |last| last.t_s);
             let departure_s = own.route_starts_s.first().copied().unwrap_or(0.0);
-            let columns: Vec<Motion> = motions(&own.points)
+            let columns: Vec<Motion> = own
+                .motions()
                 .filter(|motion| motion.t1_s <= departure_s || motion.t0_s >= arrival_s)
                 .collect();
             for (other, flight) in flights[..vehicle].iter().enumerate() {
@@ -57,7 +58,7 @@ impl FleetPlan {
 fn worst(columns: &[Motion], flight: &Flight, separation: &Separation) -> Option<Approach> {
     columns
         .iter()
-        .flat_map(|own| motions(&flight.points).map(move |other| (own, other)))
+        .flat_map(|own| flight.motions().map(move |other| (own, other)))
         .filter_map(|(own, other)| match separation.vertical_m {
             None => closest_approach(own, &other, separation.time_slack_s),
             Some(vertical_m) => {
@@ -66,15 +67,4 @@ fn worst(columns: &[Motion], flight: &Flight, separation: &Separation) -> Option
         })
         .filter(|approach| approach.value < separation.distance_m)
         .min_by(|a, b| a.value.total_cmp(&b.value))
-}
-
-/// The straight motions between timed points.
-fn motions(points: &[TimedPoint]) -> impl Iterator<Item = Motion> + '_ {
-    let place = |timed: &TimedPoint| {
-        let point = timed.point;
-        (timed.t_s, [point.at.east_m, point.at.north_m, point.amsl.0])
-    };
-    points
-        .windows(2)
-        .map(move |pair| Motion::between(place(&pair[0]), place(&pair[1])))
 }

@@ -1,18 +1,37 @@
 //! The fleet: each vehicle avoids the whole flights of those before it.
+//!
+//! **Meaning.** Vehicles are planned one after the other in the order of the spec. Each is
+//! planned as if it were alone. If its whole flight keeps the separation from the flights
+//! of all before it, with its margin and at every allowed shift, that plan stands.
+//! Otherwise it is planned again around those it came too near to; if its new flight comes
+//! too near to others, around these as well, until it comes too near to none it was not
+//! planned around. (What then is left is no fault of the search: takeoffs and landings
+//! are not its to move, and some ways are simply closed.) So a search reads the few
+//! flights that matter, not all. Vehicles at the head of the order are few enough to be
+//! planned around all before them at once, which spares small fleets the second search;
+//! so are all by the paper's objective, which has a collision term of its own.
+//!
+//! **Order.** A plan is a function of the spec, the world, the request, the vehicle and the
+//! flights it is planned around, so it does not matter when and on which thread it is made.
+//! [`plan_fleet`] makes the plans of many vehicles at once, against those that stand
+//! already, and keeps what also holds against those that came to stand meanwhile. What
+//! comes out is what [`plan_one_at_a_time`] gives, to the bit.
 
-use super::course::Course;
-use super::estimate::estimate;
-use super::search::{Found, search};
-use super::{FleetPlan, Route, VehiclePlan};
-use crate::cost::{CostTerms, Leg, Margins};
-use crate::geodesy::{Amsl, PlanPoint};
-use crate::numeric::{Basis, Seed};
-use crate::path::{Flight, flight, homeward_end, route_start_s, time_route, way_speed_mps};
-use crate::spec::{Finish, MissionSpec, Vehicle};
-use crate::world::{Stations, World};
+use rayon::prelude::*;
 
-/// Points of a planned path, spread evenly over the spline's parameter.
-const PATH_POINTS: usize = 1001;
+use super::vehicle::plan_vehicle;
+use super::{FleetPlan, VehiclePlan};
+use crate::cost::Margins;
+use crate::geodesy::PlanPoint;
+use crate::numeric::tracks::{Nearness, Track, Tracks};
+use crate::path::{Flight, flight};
+use crate::spec::{MissionSpec, Objective};
+use crate::world::World;
+
+/// Vehicles that are planned around all before them from the start.
+const HEAD: usize = 8;
+/// Vehicles that are brought to stand at once, as far as they do not depend on each other.
+const WINDOW: usize = 32;
 
 /// What to plan besides the spec.
 pub struct Request<'a> {
@@ -23,7 +42,7 @@ pub struct Request<'a> {
     /// Parameters in `[0, 1]` at which a vehicle's path is sampled besides the even
     /// ones, because verification failed there; none for vehicles that are not listed.
     pub extra_parameters: Vec<Vec<f64>>,
-    /// Told while the search goes on, from any one thread at a time.
+    /// Told while the search goes on, from several threads at once.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
@@ -42,18 +61,34 @@ pub struct Progress {
     pub best: f64,
 }
 
-/// Plans a fleet, vehicle by vehicle in the order of the spec.
+/// Plans a fleet in the order of the spec; the module says what that means.
 ///
 /// An infeasible vehicle is no error: its plan is the least bad one that was found, and
 /// its terms say what is violated. Same spec, world and request, same plan, on any
 /// number of threads.
 #[must_use]
 pub fn plan_fleet(spec: &MissionSpec, world: &World, request: &Request<'_>) -> FleetPlan {
-    extend(spec, world, request, Vec::new())
+    Fleet::new(spec, world, request, &[], Vec::new()).settle()
 }
 
-/// Plans the vehicle at index `first` and all after it again; those before it keep
-/// their paths of `previous`.
+/// Plans the vehicles at the indices `again` anew, and those that `previous` has no plan
+/// for. Of the others only those are planned again that a new flight comes too near to.
+///
+/// A vehicle that is planned anew is planned around those it was planned around before,
+/// and others as need be.
+#[must_use]
+pub fn replan(
+    previous: &FleetPlan,
+    again: &[usize],
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+) -> FleetPlan {
+    Fleet::new(spec, world, request, again, previous.vehicles.clone()).settle()
+}
+
+/// Plans the vehicle at index `first` and all after it as if they had no plan; those
+/// before it keep their paths of `previous`.
 #[must_use]
 pub fn replan_from(
     previous: &FleetPlan,
@@ -63,169 +98,256 @@ pub fn replan_from(
     request: &Request<'_>,
 ) -> FleetPlan {
     let kept = previous.vehicles.iter().take(first).cloned().collect();
-    extend(spec, world, request, kept)
+    Fleet::new(spec, world, request, &[], kept).settle()
+}
+
+/// What [`plan_fleet`] means, without any speculation: one vehicle after the other.
+#[must_use]
+pub fn plan_one_at_a_time(spec: &MissionSpec, world: &World, request: &Request<'_>) -> FleetPlan {
+    let mut fleet = Fleet::new(spec, world, request, &[], Vec::new());
+    for index in 0..spec.vehicles.len() {
+        let mut chain = Vec::new();
+        fleet.advance(index, &mut chain);
+        fleet.accept(chain);
+    }
+    fleet.plan()
 }
 
 impl FleetPlan {
     /// The whole flight of every vehicle, takeoff to touchdown.
     #[must_use]
     pub fn flights(&self, spec: &MissionSpec, world: &World) -> Vec<Flight> {
-        spec.vehicles
-            .iter()
-            .zip(&world.stations)
-            .zip(&self.vehicles)
-            .map(|((vehicle, stations), plan)| flight(vehicle, stations, &plan.points()))
+        (0..spec.vehicles.len().min(self.vehicles.len()))
+            .map(|index| flight_of(spec, world, index, &self.vehicles[index]))
             .collect()
     }
 }
 
-impl VehiclePlan {
-    /// The points of its routes.
-    fn points(&self) -> Vec<Vec<PlanPoint>> {
-        self.routes
-            .iter()
-            .map(|route| route.path.iter().map(|timed| timed.point).collect())
-            .collect()
-    }
-}
-
-/// Appends plans for the vehicles that have none yet.
-fn extend(
-    spec: &MissionSpec,
-    world: &World,
-    request: &Request<'_>,
-    kept: Vec<VehiclePlan>,
-) -> FleetPlan {
-    let mut plan = FleetPlan {
-        seed: request.seed,
-        vehicles: kept,
-    };
-    let mut flights = plan.flights(spec, world);
-    for index in plan.vehicles.len()..spec.vehicles.len() {
-        let vehicle = plan_vehicle(spec, world, request, index, &flights);
-        flights.push(flight(
-            &spec.vehicles[index],
-            &world.stations[index],
-            &vehicle.points(),
-        ));
-        plan.vehicles.push(vehicle);
-    }
-    plan
-}
-
-/// Where the routes of a vehicle begin and end.
-fn legs(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
-    let out = (stations.start, stations.goal);
-    match vehicle.finish {
-        Finish::Land | Finish::Loiter => vec![out],
-        Finish::Return => vec![out, (stations.goal, homeward_end(vehicle, stations))],
-    }
-}
-
-/// Plans the routes of one vehicle, one after the other; they share its budget.
-fn plan_vehicle(
-    spec: &MissionSpec,
-    world: &World,
-    request: &Request<'_>,
-    index: usize,
-    earlier: &[Flight],
-) -> VehiclePlan {
-    let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
-    let legs = legs(vehicle, stations);
-    let mut start_s = route_start_s(vehicle, stations);
-    let mut plan = VehiclePlan {
-        routes: Vec::new(),
-        terms: CostTerms::default(),
-        bound: 0.0,
-        estimate: 0.0,
-        evaluations: 0,
-    };
-    for (stream, (from, to)) in (2 * to_u64(index)..).zip(legs.iter().copied()) {
-        let course = Course {
-            world,
-            spec,
-            index,
-            leg: Leg { from, to, start_s },
-            earlier,
-            margins: request.margins.get(index).copied().unwrap_or_default(),
-            extra: request
-                .extra_parameters
-                .get(index)
-                .map_or(&[], Vec::as_slice),
-        };
-        let budget =
-            (spec.planner.evaluations - plan.evaluations) / (legs.len() - plan.routes.len());
-        let spent = plan.evaluations;
-        let watch = |point: crate::optimize::TracePoint| {
-            (request.progress)(Progress {
-                vehicle: index,
-                vehicles: spec.vehicles.len(),
-                evaluations: spent + point.evaluations,
-                budget: spec.planner.evaluations,
-                best: point.best,
-            });
-        };
-        let (found, estimate) = rayon::join(
-            || search(&course, budget, Seed(request.seed), stream, &watch),
-            || estimate(&course, budget),
-        );
-        plan.bound += course.bound();
-        plan.estimate += estimate;
-        plan.terms = sum(&plan.terms, &found.terms);
-        plan.evaluations += found.evaluations;
-        let route = route(&course, &found);
-        start_s = route.path.last().map_or(start_s, |last| last.t_s);
-        plan.routes.push(route);
-    }
-    plan
-}
-
-fn to_u64(index: usize) -> u64 {
-    u64::try_from(index).unwrap_or(u64::MAX / 4)
-}
-
-/// A found spline as a timed path.
-fn route(course: &Course<'_>, found: &Found) -> Route {
-    let basis = Basis::new(course.controls(), &course.parameters(PATH_POINTS));
-    let sample = |values: &[f64]| {
-        let mut out = vec![0.0; basis.samples()];
-        basis.apply(values, &mut out);
-        out
-    };
-    let east_m = sample(&found.spline.east_m);
-    let north_m = sample(&found.spline.north_m);
-    let amsl_m = sample(&found.spline.amsl_m);
-    let mut points: Vec<PlanPoint> = east_m
-        .into_iter()
-        .zip(north_m)
-        .zip(amsl_m)
-        .map(|((east, north), amsl)| PlanPoint::new(east, north, Amsl(amsl)))
+fn flight_of(spec: &MissionSpec, world: &World, index: usize, plan: &VehiclePlan) -> Flight {
+    let points: Vec<Vec<PlanPoint>> = plan
+        .routes
+        .iter()
+        .map(|route| route.path.iter().map(|timed| timed.point).collect())
         .collect();
-    if let Some(first) = points.first_mut() {
-        *first = course.leg.from;
+    flight(&spec.vehicles[index], &world.stations[index], &points)
+}
+
+/// A plan and the flight it makes.
+struct Draft {
+    plan: VehiclePlan,
+    flight: Flight,
+    track: Track,
+    /// Whether this is the plan of an earlier round.
+    kept: bool,
+    /// Those before it that it came too near to, among the first `checked`.
+    near: Vec<usize>,
+    checked: usize,
+}
+
+/// What a vehicle's next step is.
+enum Step {
+    /// This draft stands.
+    Stands(usize),
+    /// To make this draft, around these vehicles.
+    Plan(usize, Vec<usize>),
+}
+
+/// A fleet as far as its plans stand.
+struct Fleet<'a> {
+    spec: &'a MissionSpec,
+    world: &'a World,
+    request: &'a Request<'a>,
+    /// Plans of an earlier round, as far as there are any.
+    previous: Vec<VehiclePlan>,
+    /// Whether such a plan must be made anew.
+    again: Vec<bool>,
+    /// Plans and flights that stand, and whether they are not those of the earlier round.
+    plans: Vec<VehiclePlan>,
+    flights: Vec<Flight>,
+    is_new: Vec<bool>,
+    tracks: Tracks,
+}
+
+impl<'a> Fleet<'a> {
+    fn new(
+        spec: &'a MissionSpec,
+        world: &'a World,
+        request: &'a Request<'a>,
+        again: &[usize],
+        previous: Vec<VehiclePlan>,
+    ) -> Self {
+        let mut anew = vec![false; spec.vehicles.len()];
+        for &index in again {
+            if let Some(anew) = anew.get_mut(index) {
+                *anew = true;
+            }
+        }
+        Self {
+            spec,
+            world,
+            request,
+            previous,
+            again: anew,
+            plans: Vec::new(),
+            flights: Vec::new(),
+            is_new: Vec::new(),
+            tracks: Tracks::new(&nearness(spec, Margins::default())),
+        }
     }
-    if let Some(last) = points.last_mut() {
-        *last = course.leg.to;
+
+    /// Brings all vehicles to stand, many at once.
+    fn settle(mut self) -> FleetPlan {
+        let count = self.spec.vehicles.len();
+        // Those that are planned as if alone, and those that have a plan, wait for no one.
+        let mut chains: Vec<Vec<Draft>> = (0..count)
+            .into_par_iter()
+            .map(|index| {
+                let mut chain = Vec::new();
+                self.advance(index, &mut chain);
+                chain
+            })
+            .collect();
+        while self.plans.len() < count {
+            let first = self.plans.len();
+            let end = (first + WINDOW).min(count);
+            chains[first..end]
+                .par_iter_mut()
+                .enumerate()
+                .for_each(|(step, chain)| self.advance(first + step, chain));
+            for (index, chain) in chains.iter_mut().enumerate().take(end).skip(first) {
+                match self.step(index, chain) {
+                    Step::Stands(draft) => {
+                        chain.truncate(draft + 1);
+                        self.accept(std::mem::take(chain));
+                    }
+                    Step::Plan(..) => break,
+                }
+            }
+        }
+        self.plan()
     }
-    Route {
-        control_points: found.spline.points(),
-        path: time_route(
-            &points,
-            course.leg.start_s,
-            way_speed_mps(course.vehicle(), course.leg.from.at, course.leg.to.at),
-            course.vehicle().accel_mps2,
-        ),
+
+    fn plan(self) -> FleetPlan {
+        FleetPlan {
+            seed: self.request.seed,
+            vehicles: self.plans,
+        }
+    }
+
+    /// Makes the drafts of a vehicle, until one stands against all that stand, or has to
+    /// wait for one that does not stand yet.
+    fn advance(&self, index: usize, chain: &mut Vec<Draft>) {
+        while let Step::Plan(number, avoids) = self.step(index, chain) {
+            if avoids.last().is_some_and(|&last| last >= self.plans.len()) {
+                return;
+            }
+            chain.truncate(number);
+            chain.push(self.draft(index, avoids, number == 0));
+        }
+    }
+
+    /// Goes through the drafts of a vehicle, as they hold against all that stand now.
+    fn step(&self, index: usize, chain: &mut [Draft]) -> Step {
+        let nearness = nearness(self.spec, self.margins(index));
+        let mut avoids = self.first_avoids(index);
+        for (number, draft) in chain.iter_mut().enumerate() {
+            if draft.plan.avoids != avoids {
+                return Step::Plan(number, avoids);
+            }
+            if draft.checked < self.plans.len() {
+                draft
+                    .near
+                    .extend(self.tracks.near(&draft.track, &nearness, draft.checked));
+                draft.checked = self.plans.len();
+            }
+            let before = avoids.len();
+            for &other in &draft.near {
+                // An old plan knows nothing of new flights, nor need it ask about old ones.
+                let counts = if draft.kept {
+                    self.is_new[other]
+                } else {
+                    !draft.plan.avoids.contains(&other)
+                };
+                if counts && !avoids.contains(&other) {
+                    avoids.push(other);
+                }
+            }
+            let again = draft.kept && draft.near.iter().any(|&other| self.is_new[other]);
+            if avoids.len() == before && !again {
+                return Step::Stands(number);
+            }
+            avoids.sort_unstable();
+        }
+        Step::Plan(chain.len(), avoids)
+    }
+
+    /// Those a vehicle's first draft is planned around.
+    fn first_avoids(&self, index: usize) -> Vec<usize> {
+        let at_once = index < HEAD || self.spec.planner.objective == Objective::Paper;
+        match self.previous.get(index) {
+            Some(previous) => previous.avoids.clone(),
+            None if at_once => (0..index).collect(),
+            None => Vec::new(),
+        }
+    }
+
+    fn draft(&self, index: usize, avoids: Vec<usize>, is_first: bool) -> Draft {
+        let old = self.previous.get(index).filter(|_| is_first);
+        let kept = old.filter(|_| !self.again[index]);
+        let plan = kept.cloned().unwrap_or_else(|| {
+            let earlier: Vec<Flight> = avoids
+                .iter()
+                .map(|&other| self.flights[other].clone())
+                .collect();
+            plan_vehicle(self.spec, self.world, self.request, index, avoids, &earlier)
+        });
+        let flight = flight_of(self.spec, self.world, index, &plan);
+        Draft {
+            track: Track::new(flight.motions().collect()),
+            flight,
+            plan,
+            kept: kept.is_some(),
+            near: Vec::new(),
+            checked: 0,
+        }
+    }
+
+    /// The last draft of a chain is the plan of the next vehicle.
+    fn accept(&mut self, mut chain: Vec<Draft>) {
+        let Some(last) = chain.pop() else {
+            return;
+        };
+        let mut plan = last.plan;
+        let mut add = |other: &VehiclePlan| {
+            plan.evaluations += other.evaluations;
+            plan.plans += other.plans;
+        };
+        for draft in &chain {
+            add(&draft.plan);
+        }
+        let begins_anew = !chain.first().map_or(last.kept, |first| first.kept);
+        if let Some(old) = self.previous.get(self.plans.len()).filter(|_| begins_anew) {
+            add(old);
+        }
+        self.plans.push(plan);
+        self.flights.push(last.flight);
+        self.is_new.push(!last.kept);
+        self.tracks.extend([last.track]);
+    }
+
+    fn margins(&self, index: usize) -> Margins {
+        self.request.margins.get(index).copied().unwrap_or_default()
     }
 }
 
-fn sum(a: &CostTerms, b: &CostTerms) -> CostTerms {
-    CostTerms {
-        length: a.length + b.length,
-        altitude: a.altitude + b.altitude,
-        threat: a.threat + b.threat,
-        terrain: a.terrain + b.terrain,
-        turn: a.turn + b.turn,
-        climb: a.climb + b.climb,
-        collision: a.collision + b.collision,
+/// When a flight is too near to an earlier one, as the objective sees it too.
+fn nearness(spec: &MissionSpec, margins: Margins) -> Nearness {
+    let separation = &spec.separation;
+    Nearness {
+        distance_m: separation.distance_m + margins.separation_m,
+        vertical_m: separation
+            .vertical_m
+            .map(|vertical_m| vertical_m + margins.separation_m),
+        slack_s: separation.time_slack_s,
     }
 }

@@ -15,9 +15,10 @@ mod pivot;
 mod problem;
 mod search;
 mod starts;
+mod vehicle;
 
 pub use columns::ColumnConflict;
-pub use fleet::{Progress, Request, plan_fleet, replan_from};
+pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
 pub use objective::objective;
 
 use crate::cost::CostTerms;
@@ -34,7 +35,7 @@ pub struct FleetPlan {
 }
 
 /// The path of one vehicle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct VehiclePlan {
     /// Start to goal; with [`crate::spec::Finish::Return`] a second one, goal to over home.
     pub routes: Vec<Route>,
@@ -44,8 +45,14 @@ pub struct VehiclePlan {
     pub bound: f64,
     /// What the relaxed problem suggests the best path costs; proves nothing.
     pub estimate: f64,
-    /// Objective evaluations spent.
+    /// Objective evaluations spent, on all plans that were made for it.
     pub evaluations: usize,
+    /// How often it was planned: more than once where the first plan came too near to
+    /// others, or failed verification.
+    pub plans: usize,
+    /// Indices of the earlier vehicles that it is planned around, in order; from the
+    /// flights of all others it is apart.
+    pub avoids: Vec<usize>,
 }
 
 /// One planned spline.

@@ -302,6 +302,8 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
                 bound: 19.9,
                 estimate: 20.8,
                 evaluations: 40_000,
+                plans: 1,
+                avoids: Vec::new(),
             })
             .collect(),
     };

@@ -5,7 +5,7 @@
 //! that time: from there on everything is as it will be flown.
 
 use crate::cli::fly::Sorties;
-use crate::cost::{CostTerms, Margins};
+use crate::cost::Margins;
 use crate::flight::Reference;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::link::Onboard;
@@ -294,10 +294,7 @@ impl Present {
                 control_points: Vec::new(),
                 path: time_route(path, now_s, vehicle.speed_mps, vehicle.accel_mps2),
             }],
-            terms: CostTerms::default(),
-            bound: 0.0,
-            estimate: 0.0,
-            evaluations: 0,
+            ..VehiclePlan::default()
         });
     }
 

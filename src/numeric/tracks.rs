@@ -1,0 +1,352 @@
+//! Which of many tracks come too near to one: a space-time index over their pieces, and
+//! the exact closest approach for the pieces it brings together.
+
+use super::approach::{Motion, closest_approach, closest_horizontal};
+use super::cells::{Cells, Extent};
+
+/// Motions that share a box.
+const RUN: usize = 8;
+
+/// When two tracks are too near each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearness {
+    /// They are below this distance, metres: horizontal, if there is a vertical one.
+    pub distance_m: f64,
+    /// Their heights differ by at most this, metres.
+    pub vertical_m: Option<f64>,
+    /// One may be this much later or earlier than it says, seconds.
+    pub slack_s: f64,
+}
+
+impl Nearness {
+    fn is_broken(&self, a: &Motion, b: &Motion) -> bool {
+        let nearest = match self.vertical_m {
+            None => closest_approach(a, b, self.slack_s),
+            Some(vertical_m) => closest_horizontal(a, b, self.slack_s, vertical_m),
+        };
+        nearest.is_some_and(|nearest| nearest.value < self.distance_m)
+    }
+
+    /// Heights that differ by more never count, metres.
+    fn height_m(&self) -> f64 {
+        self.vertical_m.unwrap_or(self.distance_m)
+    }
+}
+
+/// Something that moves, in order of time.
+#[derive(Clone, Debug)]
+pub struct Track {
+    motions: Vec<Motion>,
+    runs: Vec<Run>,
+}
+
+/// A box around motions that follow each other.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    first: usize,
+    end: usize,
+    extent: Extent,
+    up_m: (f64, f64),
+}
+
+impl Run {
+    fn around(first: usize, motions: &[Motion]) -> Self {
+        let mut all = [(f64::INFINITY, f64::NEG_INFINITY); 4];
+        for motion in motions {
+            let end_s = if motion.t1_s.is_finite() {
+                motion.t1_s
+            } else {
+                motion.t0_s
+            };
+            let to_m = motion.at(end_s);
+            all[0] = (all[0].0.min(motion.t0_s), all[0].1.max(motion.t1_s));
+            for axis in 0..3 {
+                let (from, to) = (motion.from_m[axis], to_m[axis]);
+                let side = &mut all[axis + 1];
+                *side = (side.0.min(from).min(to), side.1.max(from).max(to));
+            }
+        }
+        Self {
+            first,
+            end: first + motions.len(),
+            extent: [all[0], all[1], all[2]],
+            up_m: all[3],
+        }
+    }
+
+    /// The extent in which something may be too near, with a hair for rounding.
+    fn reach(&self, nearness: &Nearness) -> Extent {
+        let by = [nearness.slack_s, nearness.distance_m, nearness.distance_m];
+        [0, 1, 2].map(|axis| {
+            let (low, high) = self.extent[axis];
+            (low - by[axis] - 1e-6, high + by[axis] + 1e-6)
+        })
+    }
+
+    /// Whether something in another run may be too near, by the boxes.
+    fn may_meet(&self, reach: &Extent, other: &Self, nearness: &Nearness) -> bool {
+        let apart_m = (self.up_m.0 - other.up_m.1).max(other.up_m.0 - self.up_m.1);
+        let within = reach
+            .iter()
+            .zip(&other.extent)
+            .all(|(a, b)| a.0 <= b.1 && b.0 <= a.1);
+        within && apart_m <= nearness.height_m() + 1e-6
+    }
+}
+
+impl Track {
+    /// A track of motions in order of time.
+    #[must_use]
+    pub fn new(motions: Vec<Motion>) -> Self {
+        let runs = motions
+            .chunks(RUN)
+            .enumerate()
+            .map(|(index, motions)| Run::around(index * RUN, motions))
+            .collect();
+        Self { motions, runs }
+    }
+
+    /// The motions.
+    #[must_use]
+    pub fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+
+    fn motions_of(&self, run: &Run) -> &[Motion] {
+        &self.motions[run.first..run.end]
+    }
+
+    /// Whether two runs come too near each other.
+    fn meets(&self, own: &Run, other: &Self, run: &Run, nearness: &Nearness) -> bool {
+        self.motions_of(own).iter().any(|a| {
+            let near = Run::around(0, std::slice::from_ref(a));
+            let reach = near.reach(nearness);
+            other.motions_of(run).iter().any(|b| {
+                near.may_meet(&reach, &Run::around(0, std::slice::from_ref(b)), nearness)
+                    && nearness.is_broken(a, b)
+            })
+        })
+    }
+}
+
+/// Tracks in the order in which they came, found by time and place.
+///
+/// The index is kept in parts of which each is about twice as large as the next: a new
+/// track makes a part of its own, and parts that have become alike are made one. So
+/// adding `n` tracks costs `n log n`, and a look goes through `log n` parts.
+#[derive(Clone, Debug)]
+pub struct Tracks {
+    least: [f64; 3],
+    tracks: Vec<Track>,
+    parts: Vec<Part>,
+}
+
+/// Tracks from `first` on, as far as the next part.
+#[derive(Clone, Debug)]
+struct Part {
+    first: usize,
+    /// Track and run of every item of the cells.
+    items: Vec<(u32, u32)>,
+    cells: Cells,
+}
+
+impl Tracks {
+    /// No tracks; `nearness` is what will be asked, roughly.
+    #[must_use]
+    pub fn new(nearness: &Nearness) -> Self {
+        let side_m = 4.0 * nearness.distance_m;
+        Self {
+            least: [4.0 * nearness.slack_s.max(5.0), side_m, side_m],
+            tracks: Vec::new(),
+            parts: Vec::new(),
+        }
+    }
+
+    /// Number of tracks.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.tracks.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.tracks.is_empty()
+    }
+
+    /// Adds tracks; their numbers go on from [`Self::len`].
+    pub fn extend(&mut self, tracks: impl IntoIterator<Item = Track>) {
+        let mut first = self.tracks.len();
+        self.tracks.extend(tracks);
+        while let Some(part) = self.parts.last() {
+            if first - part.first > self.tracks.len() - first {
+                break;
+            }
+            first = part.first;
+            self.parts.pop();
+        }
+        if first < self.tracks.len() {
+            self.parts.push(self.part(first));
+        }
+    }
+
+    fn part(&self, first: usize) -> Part {
+        let mut items = Vec::new();
+        let mut extents = Vec::new();
+        for (index, track) in (0_u32..).zip(&self.tracks).skip(first) {
+            items.extend((0_u32..).zip(&track.runs).map(|(run, _)| (index, run)));
+            extents.extend(track.runs.iter().map(|run| run.extent));
+        }
+        Part {
+            first,
+            items,
+            cells: Cells::new(&extents, self.least),
+        }
+    }
+
+    /// The numbers, in order, of the tracks from number `from` on that come too near.
+    #[must_use]
+    pub fn near(&self, own: &Track, nearness: &Nearness, from: usize) -> Vec<usize> {
+        let mut is_near = vec![false; self.tracks.len()];
+        let ends = self.parts.iter().skip(1).map(|part| part.first);
+        let ends = ends.chain([self.tracks.len()]);
+        let parts = self.parts.iter().zip(ends);
+        for (part, _) in parts.filter(|(_, end)| *end > from) {
+            for run in &own.runs {
+                let reach = run.reach(nearness);
+                part.cells.each(&reach, |item| {
+                    let (track, other) = part.items[item];
+                    let (track, other) = (track as usize, other as usize);
+                    if track < from || is_near[track] {
+                        return;
+                    }
+                    let track_of = &self.tracks[track];
+                    let other = &track_of.runs[other];
+                    is_near[track] = run.may_meet(&reach, other, nearness)
+                        && own.meets(run, track_of, other, nearness);
+                });
+            }
+        }
+        numbers(&is_near)
+    }
+
+    /// The same by looking at every motion of every track.
+    #[must_use]
+    pub fn near_by_all(&self, own: &Track, nearness: &Nearness, from: usize) -> Vec<usize> {
+        let meets = |track: &Track| {
+            own.motions
+                .iter()
+                .any(|a| track.motions.iter().any(|b| nearness.is_broken(a, b)))
+        };
+        let is_near: Vec<bool> = self
+            .tracks
+            .iter()
+            .enumerate()
+            .map(|(index, track)| index >= from && meets(track))
+            .collect();
+        numbers(&is_near)
+    }
+}
+
+fn numbers(is_near: &[bool]) -> Vec<usize> {
+    let all = is_near.iter().enumerate();
+    all.filter(|(_, near)| **near)
+        .map(|(index, _)| index)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Nearness, Track, Tracks};
+    use crate::numeric::approach::Motion;
+    use proptest::prelude::*;
+
+    type Place = [f64; 3];
+
+    fn place() -> impl Strategy<Value = Place> {
+        [-1500.0..1500.0_f64, -1500.0..1500.0_f64, 0.0..120.0_f64]
+    }
+
+    /// A flight: up from the ground, through some places, and then down, to stay above
+    /// its last place for ever, or back over its first.
+    fn flight() -> impl Strategy<Value = Track> {
+        let way = prop::collection::vec(place(), 2..6);
+        (0.0..120.0_f64, 5.0..20.0_f64, way, 0..3_u8, 1..12_usize).prop_map(
+            |(t0_s, speed_mps, mut way, finish, pieces)| {
+                let ground = |at: &Place| [at[0], at[1], -20.0];
+                if finish == 1 {
+                    way.push(way[0]);
+                }
+                way.insert(0, ground(&way[0]));
+                if finish != 2 {
+                    way.push(ground(&way[way.len() - 1]));
+                }
+                let (mut motions, mut t_s) = (Vec::new(), t0_s);
+                for pair in way.windows(2) {
+                    let step = |share: f64| {
+                        [0, 1, 2].map(|i| pair[0][i] + share * (pair[1][i] - pair[0][i]))
+                    };
+                    for piece in 0..pieces {
+                        #[expect(clippy::cast_precision_loss, reason = "a few pieces")]
+                        let share = |piece: usize| piece as f64 / pieces as f64;
+                        let (from, to) = (step(share(piece)), step(share(piece + 1)));
+                        let way_m: f64 = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum();
+                        let next_s = t_s + way_m.sqrt() / speed_mps;
+                        motions.push(Motion::between((t_s, from), (next_s, to)));
+                        t_s = next_s;
+                    }
+                }
+                if finish == 2 {
+                    let last = way[way.len() - 1];
+                    motions.push(Motion::between((t_s, last), (f64::INFINITY, last)));
+                }
+                Track::new(motions)
+            },
+        )
+    }
+
+    fn nearness() -> impl Strategy<Value = Nearness> {
+        let slack = prop_oneof![Just(0.0), 0.0..15.0_f64];
+        (10.0..250.0_f64, prop::option::of(5.0..60.0_f64), slack).prop_map(
+            |(distance_m, vertical_m, slack_s)| Nearness {
+                distance_m,
+                vertical_m,
+                slack_s,
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn the_index_finds_exactly_the_conflicts_that_brute_force_finds(
+            fleet in prop::collection::vec(flight(), 1..14), nearness in nearness(), from in 0..6_usize
+        ) {
+            let mut one_by_one = Tracks::new(&nearness);
+            let mut at_once = Tracks::new(&nearness);
+            at_once.extend(fleet.iter().cloned());
+            for own in &fleet {
+                let by_all = one_by_one.near_by_all(own, &nearness, from);
+                prop_assert_eq!(one_by_one.near(own, &nearness, from), by_all);
+                prop_assert_eq!(
+                    at_once.near(own, &nearness, from),
+                    at_once.near_by_all(own, &nearness, from)
+                );
+                one_by_one.extend([own.clone()]);
+            }
+        }
+
+        /// Margins differ from vehicle to vehicle, the index serves them all.
+        #[test]
+        fn an_index_made_for_one_nearness_answers_another(
+            fleet in prop::collection::vec(flight(), 1..8), made_for in nearness(), asked in nearness()
+        ) {
+            let mut tracks = Tracks::new(&made_for);
+            tracks.extend(fleet.iter().cloned());
+            for own in &fleet {
+                prop_assert_eq!(tracks.near(own, &asked, 0), tracks.near_by_all(own, &asked, 0));
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! One vehicle: its routes, one after the other, among given flights.
+
+use super::course::Course;
+use super::estimate::estimate;
+use super::fleet::{Progress, Request};
+use super::search::{Found, search};
+use super::{Route, VehiclePlan};
+use crate::cost::{CostTerms, Leg};
+use crate::geodesy::{Amsl, PlanPoint};
+use crate::numeric::{Basis, Seed};
+use crate::path::{Flight, homeward_end, route_start_s, time_route, way_speed_mps};
+use crate::spec::{Finish, MissionSpec, Vehicle};
+use crate::world::{Stations, World};
+
+/// Points of a planned path, spread evenly over the spline's parameter.
+const PATH_POINTS: usize = 1001;
+
+/// Where the routes of a vehicle begin and end.
+fn legs(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
+    let out = (stations.start, stations.goal);
+    match vehicle.finish {
+        Finish::Land | Finish::Loiter => vec![out],
+        Finish::Return => vec![out, (stations.goal, homeward_end(vehicle, stations))],
+    }
+}
+
+/// Plans the routes of one vehicle, one after the other; they share its budget.
+///
+/// `earlier` are the flights it has to keep apart from, those of the vehicles `avoids`.
+/// The plan depends on what is given here and on nothing else: not on when or on which
+/// thread it is made.
+pub(super) fn plan_vehicle(
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+    index: usize,
+    avoids: Vec<usize>,
+    earlier: &[Flight],
+) -> VehiclePlan {
+    let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
+    let legs = legs(vehicle, stations);
+    let mut start_s = route_start_s(vehicle, stations);
+    let mut plan = VehiclePlan {
+        routes: Vec::new(),
+        terms: CostTerms::default(),
+        bound: 0.0,
+        estimate: 0.0,
+        evaluations: 0,
+        plans: 1,
+        avoids,
+    };
+    for (stream, (from, to)) in (2 * to_u64(index)..).zip(legs.iter().copied()) {
+        let course = Course {
+            world,
+            spec,
+            index,
+            leg: Leg { from, to, start_s },
+            earlier,
+            margins: request.margins.get(index).copied().unwrap_or_default(),
+            extra: request
+                .extra_parameters
+                .get(index)
+                .map_or(&[], Vec::as_slice),
+        };
+        let budget =
+            (spec.planner.evaluations - plan.evaluations) / (legs.len() - plan.routes.len());
+        let spent = plan.evaluations;
+        let watch = |point: crate::optimize::TracePoint| {
+            (request.progress)(Progress {
+                vehicle: index,
+                vehicles: spec.vehicles.len(),
+                evaluations: spent + point.evaluations,
+                budget: spec.planner.evaluations,
+                best: point.best,
+            });
+        };
+        let (found, estimate) = rayon::join(
+            || search(&course, budget, Seed(request.seed), stream, &watch),
+            || estimate(&course, budget),
+        );
+        plan.bound += course.bound();
+        plan.estimate += estimate;
+        plan.terms = sum(&plan.terms, &found.terms);
+        plan.evaluations += found.evaluations;
+        let route = route(&course, &found);
+        start_s = route.path.last().map_or(start_s, |last| last.t_s);
+        plan.routes.push(route);
+    }
+    plan
+}
+
+fn to_u64(index: usize) -> u64 {
+    u64::try_from(index).unwrap_or(u64::MAX / 4)
+}
+
+/// A found spline as a timed path.
+fn route(course: &Course<'_>, found: &Found) -> Route {
+    let basis = Basis::new(course.controls(), &course.parameters(PATH_POINTS));
+    let sample = |values: &[f64]| {
+        let mut out = vec![0.0; basis.samples()];
+        basis.apply(values, &mut out);
+        out
+    };
+    let east_m = sample(&found.spline.east_m);
+    let north_m = sample(&found.spline.north_m);
+    let amsl_m = sample(&found.spline.amsl_m);
+    let mut points: Vec<PlanPoint> = east_m
+        .into_iter()
+        .zip(north_m)
+        .zip(amsl_m)
+        .map(|((east, north), amsl)| PlanPoint::new(east, north, Amsl(amsl)))
+        .collect();
+    if let Some(first) = points.first_mut() {
+        *first = course.leg.from;
+    }
+    if let Some(last) = points.last_mut() {
+        *last = course.leg.to;
+    }
+    Route {
+        control_points: found.spline.points(),
+        path: time_route(
+            &points,
+            course.leg.start_s,
+            way_speed_mps(course.vehicle(), course.leg.from.at, course.leg.to.at),
+            course.vehicle().accel_mps2,
+        ),
+    }
+}
+
+fn sum(a: &CostTerms, b: &CostTerms) -> CostTerms {
+    CostTerms {
+        length: a.length + b.length,
+        altitude: a.altitude + b.altitude,
+        threat: a.threat + b.threat,
+        terrain: a.terrain + b.terrain,
+        turn: a.turn + b.turn,
+        climb: a.climb + b.climb,
+        collision: a.collision + b.collision,
+    }
+}
