@@ -132,7 +132,7 @@ impl Traffic {
         mean(own, |own| {
             let ball = Ball::around(own);
             (0..self.motions.len())
-                .map(|other| self.severity_of(own, &ball, other))
+                .map(|other| self.severity_of(own, &ball, other, 0.0))
                 .fold(Severity::default(), Severity::worse)
         })
     }
@@ -146,13 +146,17 @@ impl Traffic {
         let ball = Ball::around(own);
         let mut worst = Severity::default();
         self.cells.each(&extent(own, 0.0, 0.0), |other| {
-            worst = worst.worse(self.severity_of(own, &ball, other));
+            worst = worst.worse(self.severity_of(own, &ball, other, worst.value));
         });
         worst
     }
 
-    fn severity_of(&self, own: &Motion, ball: &Ball, other: usize) -> Severity {
-        if ball.is_apart(&self.balls[other], self.reach_m) {
+    /// The severity of one other motion; nothing, where it is surely below `worst`.
+    fn severity_of(&self, own: &Motion, ball: &Ball, other: usize, worst: f64) -> Severity {
+        /// More than rounding may take from a ratio.
+        const HAIR: f64 = 1e-9;
+        let most = (1.0 - worst + HAIR).min(1.0);
+        if ball.is_apart(&self.balls[other], most * self.reach_m) {
             return Severity::default();
         }
         let other = &self.motions[other];
@@ -161,8 +165,8 @@ impl Traffic {
                 value: near.value / self.distance_m,
                 ..near
             }),
-            Some(vertical_m) => closest_horizontal(own, other, self.slack_s, vertical_m)
-                .filter(|near| near.value < self.distance_m)
+            Some(vertical_m) => closest_horizontal(own, other, self.slack_s, most * vertical_m)
+                .filter(|near| near.value < most * self.distance_m)
                 .and_then(|_| least_ratio(own, other, self.slack_s, self.distance_m, vertical_m)),
         };
         near.filter(|near| near.value < 1.0)

@@ -84,8 +84,10 @@ pub fn closest_horizontal(
 /// Least of `max(horizontal / horizontal_m, vertical / vertical_m)` over the
 /// same times: below 1 exactly where both limits are broken at once.
 ///
-/// The set of times on which the value stays under a level is convex and grows
-/// with the level, so the level is found by bisection, to the last few bits.
+/// At a level, let heights differ by no more than the level allows, and take how much the
+/// least horizontal ratio then exceeds the level: that excess is convex, falls at least as
+/// fast as the level grows, and is 0 at the value sought. So secants with a bracket
+/// (Illinois) come to it, to the last few bits.
 #[must_use]
 pub fn least_ratio(
     a: &Motion,
@@ -99,20 +101,52 @@ pub fn least_ratio(
         let gap = pair.gap.at(at);
         (gap[0].hypot(gap[1]) / horizontal_m).max(gap[2].abs() / vertical_m)
     };
-    let start = pair.region.corners[0];
-    let mut best = (value(start), start);
-    let (mut low, mut high) = (0.0, best.0);
-    while high - low > 1e-12 * high.max(1.0) {
-        let level = 0.5 * (low + high);
+    // The ratios each alone could have: the value is at least these.
+    let (level_m, at) = pair.least(&pair.region, 2, f64::INFINITY);
+    let mut low = (level_m / horizontal_m).max(pair.least_height() / vertical_m);
+    let mut best = (value(at), at);
+    let excess_at = |level: f64, best: &mut (f64, [f64; 2])| {
         let strip = pair.strip(level * vertical_m);
-        let found = (!strip.is_empty())
-            .then(|| pair.least(&strip, 2, level * vertical_m))
-            .filter(|found| found.0 <= level * horizontal_m);
-        if let Some((_, at)) = found {
-            best = (value(at), at);
-            high = level;
+        if strip.is_empty() {
+            return f64::INFINITY;
+        }
+        let (level_m, at) = pair.least(&strip, 2, level * vertical_m);
+        let found = value(at);
+        if found < best.0 {
+            *best = (found, at);
+        }
+        level_m / horizontal_m - level
+    };
+    let mut low_excess = excess_at(low, &mut best);
+    let mut high = best.0;
+    let mut high_excess = excess_at(high, &mut best);
+    let mut last_was_low = None;
+    while low_excess > 0.0 && best.0 - low > 1e-12 * high.max(1.0) {
+        let secant = (low * high_excess - high * low_excess) / (high_excess - low_excess);
+        let is_inside = secant > low && secant < high;
+        let level = if is_inside {
+            secant
         } else {
-            low = level;
+            0.5 * (low + high)
+        };
+        if level <= low || level >= high {
+            break;
+        }
+        let excess = excess_at(level, &mut best);
+        let is_low = excess > 0.0;
+        // An end that stays twice counts half.
+        let weight = if last_was_low == Some(is_low) {
+            0.5
+        } else {
+            1.0
+        };
+        last_was_low = Some(is_low);
+        if is_low {
+            (low, low_excess, high_excess) = (level, excess, weight * high_excess);
+        } else if -excess <= 1e-12 {
+            break;
+        } else {
+            (high, high_excess, low_excess) = (level, excess, weight * low_excess);
         }
     }
     Some(pair.absolute(best))
@@ -126,6 +160,10 @@ struct Gap {
 }
 
 impl Gap {
+    fn up(&self, [t, u]: [f64; 2]) -> f64 {
+        self.at00[2] + self.a[2] * t - self.b[2] * u
+    }
+
     fn at(&self, [t, u]: [f64; 2]) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.at00[axis] + self.a[axis] * t - self.b[axis] * u)
     }
@@ -232,11 +270,20 @@ impl Pair {
         })
     }
 
+    /// Least difference of heights over the region, metres.
+    fn least_height(&self) -> f64 {
+        let heights = self.region.corners().iter().map(|&at| self.gap.up(at));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), up| {
+            (low.min(up), high.max(up))
+        });
+        low.max(-high).max(0.0)
+    }
+
     /// The part of the region where heights differ by at most `vertical_m`.
     fn strip(&self, vertical_m: f64) -> Region {
         self.region
-            .cut(|at| self.gap.at(at)[2] - vertical_m)
-            .cut(|at| -self.gap.at(at)[2] - vertical_m)
+            .cut(|at| self.gap.up(at) - vertical_m)
+            .cut(|at| -self.gap.up(at) - vertical_m)
     }
 
     fn absolute(&self, (value, [t, u]): (f64, [f64; 2])) -> Approach {
@@ -257,7 +304,7 @@ impl Pair {
         within(0)
             && within(1)
             && (at[1] - at[0]).abs() <= self.slack_s + HAIR
-            && self.gap.at(at)[2].abs() <= vertical_m + HAIR
+            && self.gap.up(at).abs() <= vertical_m + HAIR
     }
 
     /// Least length of the gap in its first `axes` coordinates over a region

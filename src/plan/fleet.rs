@@ -242,7 +242,8 @@ impl<'a> Fleet<'a> {
                 return;
             }
             chain.truncate(number);
-            chain.push(self.draft(index, avoids, number == 0));
+            let draft = self.draft(index, avoids, chain);
+            chain.push(draft);
         }
     }
 
@@ -291,15 +292,26 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    fn draft(&self, index: usize, avoids: Vec<usize>, is_first: bool) -> Draft {
-        let old = self.previous.get(index).filter(|_| is_first);
+    /// The next draft of a chain.
+    fn draft(&self, index: usize, avoids: Vec<usize>, chain: &[Draft]) -> Draft {
+        let old = self.previous.get(index).filter(|_| chain.is_empty());
         let kept = old.filter(|_| !self.again[index]);
         let plan = kept.cloned().unwrap_or_else(|| {
             let earlier: Vec<Flight> = avoids
                 .iter()
                 .map(|&other| self.flights[other].clone())
                 .collect();
-            plan_vehicle(self.spec, self.world, self.request, index, avoids, &earlier)
+            let before = chain.last().map(|draft| &draft.plan);
+            let estimated = before.or(old).map(|plan| plan.estimate);
+            plan_vehicle(
+                self.spec,
+                self.world,
+                self.request,
+                index,
+                avoids,
+                &earlier,
+                estimated,
+            )
         });
         let flight = flight_of(self.spec, self.world, index, &plan);
         Draft {

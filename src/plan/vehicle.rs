@@ -28,7 +28,8 @@ fn legs(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
 ///
 /// `earlier` are the flights it has to keep apart from, those of the vehicles `avoids`.
 /// The plan depends on what is given here and on nothing else: not on when or on which
-/// thread it is made.
+/// thread it is made. `estimated` is the estimate of an earlier plan of the same vehicle:
+/// other flights do not change it.
 pub(super) fn plan_vehicle(
     spec: &MissionSpec,
     world: &World,
@@ -36,6 +37,7 @@ pub(super) fn plan_vehicle(
     index: usize,
     avoids: Vec<usize>,
     earlier: &[Flight],
+    estimated: Option<f64>,
 ) -> VehiclePlan {
     let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
     let legs = legs(vehicle, stations);
@@ -76,7 +78,7 @@ pub(super) fn plan_vehicle(
         };
         let (found, estimate) = rayon::join(
             || search(&course, budget, Seed(request.seed), stream, &watch),
-            || estimate(&course, budget),
+            || estimated.map_or_else(|| estimate(&course, budget), |_| 0.0),
         );
         plan.bound += course.bound();
         plan.estimate += estimate;
@@ -86,6 +88,7 @@ pub(super) fn plan_vehicle(
         start_s = route.path.last().map_or(start_s, |last| last.t_s);
         plan.routes.push(route);
     }
+    plan.estimate = estimated.unwrap_or(plan.estimate);
     plan
 }
 
