@@ -24,7 +24,7 @@ const US: Address = Address {
 };
 
 /// A fleet that is planned, and its vehicles.
-struct Plan {
+struct Planned {
     spec: MissionSpec,
     world: World,
     dispatched: Dispatched,
@@ -45,7 +45,7 @@ fn three() -> Vec<Spec> {
     fleet
 }
 
-fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Plan {
+fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Planned {
     let mut spec = empty_spec(vehicles);
     spec.on_link_loss = on_link_loss;
     spec.planner.evaluations = 1000;
@@ -56,14 +56,14 @@ fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Plan {
         "{:?}",
         dispatched.review.margins
     );
-    Plan {
+    Planned {
         spec,
         world,
         dispatched,
     }
 }
 
-impl Plan {
+impl Planned {
     fn references(&self) -> Vec<Reference> {
         let missions = self.dispatched.missions.iter();
         missions
@@ -119,14 +119,28 @@ impl Plan {
     }
 
     fn judge(&self, sky: &Sky<'_>) -> FlightReport {
-        let references = self.references();
-        let flights: Vec<(&str, &Reference, &Flown)> = sky
+        judge(&self.spec, &self.world, &self.record(sky))
+    }
+
+    fn record(&self, sky: &Sky<'_>) -> Record {
+        let plans = self.dispatched.missions.iter().zip(self.references());
+        let plans = plans.map(|((_, mission), reference)| Plan {
+            items: mission.items.len(),
+            reference,
+        });
+        let flights = sky
             .fleet
             .flown()
-            .zip(&references)
-            .map(|((id, flown), reference)| (id, reference, flown))
-            .collect();
-        judge(&self.spec, &self.world, &flights)
+            .zip(plans)
+            .map(|((id, flown), plan)| Flight {
+                vehicle: id.to_owned(),
+                plans: vec![plan],
+                flown: flown.clone(),
+            });
+        Record {
+            flights: flights.collect(),
+            ..Record::default()
+        }
     }
 }
 

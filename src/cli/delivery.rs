@@ -164,12 +164,17 @@ impl Delivery {
     }
 }
 
+pub(super) fn seconds_since_1970() -> u64 {
+    milliseconds_since_1970() / 1000
+}
+
 #[expect(
     clippy::disallowed_methods,
     reason = "records carry the time they were made"
 )]
-pub(super) fn seconds_since_1970() -> u64 {
-    SystemTime::now()
-        .duration_since(UNIX_EPOCH)
-        .map_or(0, |since| since.as_secs())
+pub(super) fn milliseconds_since_1970() -> u64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0, |since| {
+        u64::try_from(since.as_millis()).unwrap_or(u64::MAX)
+    })
 }

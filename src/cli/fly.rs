@@ -1,43 +1,33 @@
 //! `sortie fly`: launch the fleet, watch it, judge what it flew.
 
+mod call;
+mod flying;
 mod show;
 
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, channel};
-use std::time::{Duration, Instant};
-
-use serde_json::json;
 
 use super::args;
-use super::console::{Paint, note, out};
+use super::console::{Paint, note};
 use super::failure::Failure;
-use super::folder;
-use super::output;
 use super::review;
 use super::table;
 use super::upload;
-use crate::flight::{
-    self, Assignment, Event, Fleet, FlightReport, Flown, Intervention, Options, Outcome, Reference,
-};
+use crate::flight::{Assignment, Event, Fleet, Options, Reference};
 use crate::formats;
-use crate::link::{Arrival, Links, Time};
+use crate::link::Links;
 use crate::mission::{VehicleMission, command};
-use crate::report;
 use crate::spec::{Link, MissionSpec, SpecFile, Vehicle};
 use crate::vehicle::{self, Running, Simulated, Surroundings};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
 
-use show::Show;
+pub(super) use call::{Call, Said};
+use flying::Flying;
 
 /// Between two positions of a vehicle, seconds of its own time.
 const POSITION_S: f64 = 0.2;
-/// How long disarming commands have to go out when nothing was started, milliseconds.
-const PARTING_MS: u64 = 1500;
 
 /// A plan that was read back from its folder and verified again.
 pub(super) struct Sorties {
@@ -72,15 +62,16 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         .collect();
     let open = Links::open(&systems)
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
-    let runs = folder::runs_folder(&sorties.folder);
-    announce(&runs, &sorties, &links, arguments.speedup)?;
-    let mut flying = Flying::begin(&runs, &open, arguments, !simulated.is_empty())?;
+    let call = Call::new(&sorties, &links, arguments.speedup);
+    call.announce(None)?;
+    let mut flying = Flying::begin(&sorties, &open, &call, arguments, !simulated.is_empty())?;
     let mut fleet = fleet(open.us(), flying.now());
+    flying.note_plans(&sorties, &references)?;
     let flown = flying.fly(&mut fleet);
     // Nobody can be reached there any more.
-    let _ = std::fs::remove_file(runs.join("links.json"));
+    call.withdraw();
     flown?;
-    flying.end(&fleet, &sorties, &references, arguments)
+    flying.end(&fleet, &sorties, arguments)
 }
 
 /// The plan in its folder, of the spec that was named, verified again.
@@ -247,261 +238,6 @@ fn waits_itself(mission: &VehicleMission) -> bool {
     before
         .into_iter()
         .any(|item| item.command == command::NAV_DELAY)
-}
-
-/// Says where the vehicles are reached while they fly, for `replan`.
-fn announce(runs: &Path, sorties: &Sorties, links: &[Link], speedup: f64) -> Result<(), Failure> {
-    let fleet = &sorties.file.spec.vehicles;
-    let links: serde_json::Map<String, serde_json::Value> = sorties
-        .missions
-        .iter()
-        .zip(links)
-        .map(|((index, _), link)| (fleet[*index].id.clone(), json!(link.to_string())))
-        .collect();
-    let document = json!({"links": links, "speedup": speedup});
-    output::write_file(
-        &runs.join("links.json"),
-        report::json_text(&document).as_bytes(),
-    )?;
-    Ok(())
-}
-
-/// The driver of the fleet: clock, links, record, screen, keyboard.
-struct Flying<'a> {
-    links: &'a Links,
-    began: Instant,
-    t0_unix_s: u64,
-    record: BufWriter<std::fs::File>,
-    path: PathBuf,
-    runs: PathBuf,
-    written: Vec<usize>,
-    show: Show,
-    interrupts: Arc<AtomicUsize>,
-    heeded: usize,
-    answers: Option<Receiver<String>>,
-    are_simulated: bool,
-}
-
-impl<'a> Flying<'a> {
-    fn begin(
-        runs: &Path,
-        links: &'a Links,
-        arguments: &args::Fly,
-        are_simulated: bool,
-    ) -> Result<Self, Failure> {
-        let t0_unix_s = super::delivery::seconds_since_1970();
-        let path = runs.join(format!("flight-{t0_unix_s}.jsonl"));
-        let record = std::fs::File::create(&path).map_err(|error| unwritable(&path, &error))?;
-        let interrupts = Arc::new(AtomicUsize::new(0));
-        let counted = Arc::clone(&interrupts);
-        ctrlc::set_handler(move || {
-            counted.fetch_add(1, Ordering::Relaxed);
-        })
-        .map_err(|error| Failure::new(Failure::OUTPUT, format!("Ctrl-C: {error}")))?;
-        #[allow(
-            clippy::disallowed_methods,
-            reason = "vehicles fly in real time; the fleet gets it as a value"
-        )]
-        let began = Instant::now();
-        Ok(Self {
-            links,
-            began,
-            t0_unix_s,
-            record: BufWriter::new(record),
-            path,
-            runs: runs.to_owned(),
-            written: Vec::new(),
-            show: Show::new(arguments.json),
-            interrupts,
-            heeded: 0,
-            answers: None,
-            are_simulated,
-        })
-    }
-
-    fn now(&self) -> Time {
-        Time(u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX))
-    }
-
-    /// Until the flight is over, or was not begun.
-    fn fly(&mut self, fleet: &mut Fleet<'_>) -> Result<(), Failure> {
-        let mut parting: Option<Time> = None;
-        loop {
-            let now = self.now();
-            fleet.handle_timeout(now);
-            while let Some((system, message)) = fleet.poll_transmit() {
-                self.links.send(system, message);
-            }
-            self.write(fleet)?;
-            self.heed(fleet, now);
-            self.show.fleet(fleet, now);
-            match fleet.outcome() {
-                Some(Outcome::NotStarted(_)) if parting.is_none_or(|end| now < end) => {
-                    parting = parting.or(Some(now + PARTING_MS));
-                }
-                Some(_) => return self.write(fleet),
-                None => {}
-            }
-            self.listen(fleet);
-        }
-    }
-
-    fn listen(&mut self, fleet: &mut Fleet<'_>) {
-        let wait = Duration::from_millis(fleet.poll_timeout() - self.now());
-        let mut arrival = self.links.receive(wait.max(Duration::from_millis(1)));
-        // What has come in meanwhile is not kept waiting.
-        for _ in 0..1000 {
-            let Some(arrived) = arrival else { return };
-            let now = self.now();
-            match arrived {
-                Arrival::Message(from, message) => fleet.handle(now, from, &message),
-                Arrival::Twins(system) => {
-                    let what = "speaks from two addresses at once";
-                    fleet.trouble(now, Some(system), what);
-                }
-                Arrival::Failed(link, why) => {
-                    fleet.trouble(now, None, &format!("the link {link} has failed: {why}"));
-                }
-            }
-            arrival = self.links.receive(Duration::ZERO);
-        }
-    }
-
-    /// Events to the screen; events and positions to the record.
-    fn write(&mut self, fleet: &mut Fleet<'_>) -> Result<(), Failure> {
-        let mut lines: Vec<String> = Vec::new();
-        while let Some(event) = fleet.poll_event() {
-            if event.text.ends_with(": T0") {
-                self.t0_unix_s = super::delivery::seconds_since_1970();
-            }
-            lines.push(flight::event_line(&event).to_string());
-            self.show.event(&event)?;
-        }
-        for (index, (vehicle, flown)) in fleet.flown().enumerate() {
-            if self.written.len() <= index {
-                self.written.push(0);
-            }
-            let fresh = flown.fixes.get(self.written[index]..).unwrap_or_default();
-            lines.extend(
-                fresh
-                    .iter()
-                    .map(|fix| flight::fix_line(vehicle, fix).to_string()),
-            );
-            self.written[index] = flown.fixes.len();
-        }
-        let written = lines
-            .iter()
-            .try_for_each(|line| writeln!(self.record, "{line}"))
-            .and_then(|()| self.record.flush());
-        written.map_err(|error| unwritable(&self.path, &error))
-    }
-
-    /// Ctrl-C asks; without a terminal the vehicles are left as they are.
-    fn heed(&mut self, fleet: &mut Fleet<'_>, now: Time) {
-        let count = self.interrupts.load(Ordering::Relaxed);
-        if count > self.heeded {
-            let again = self.heeded > 0 && self.answers.is_some();
-            self.heeded = count;
-            let is_asked = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
-            if again || !is_asked {
-                self.leave(fleet, now);
-            } else {
-                note("Ctrl-C: [h]old, [l]and, [q]uit and leave flying, anything else to go on?");
-                self.answers = Some(ask());
-            }
-        }
-        let answer = self
-            .answers
-            .as_ref()
-            .and_then(|answers| answers.try_recv().ok());
-        let Some(answer) = answer else { return };
-        self.answers = None;
-        match answer.trim() {
-            "h" | "hold" => fleet.intervene(now, Intervention::Hold),
-            "l" | "land" => fleet.intervene(now, Intervention::Land),
-            "q" | "quit" => self.leave(fleet, now),
-            _ => note("they fly on"),
-        }
-    }
-
-    fn leave(&self, fleet: &mut Fleet<'_>, now: Time) {
-        fleet.intervene(now, Intervention::Leave);
-        if self.are_simulated {
-            note("the simulated vehicles end with this command");
-        }
-    }
-
-    /// The verdict on what was flown, its record and its table.
-    fn end(
-        self,
-        fleet: &Fleet<'_>,
-        sorties: &Sorties,
-        references: &[Reference],
-        arguments: &args::Fly,
-    ) -> Result<(), Failure> {
-        if let Some(Outcome::NotStarted(why)) = fleet.outcome() {
-            for (vehicle, problem) in why {
-                note(&format!("{vehicle}: {problem}"));
-            }
-            let hint = if why
-                .iter()
-                .any(|(_, problem)| problem.starts_with("parameter"))
-            {
-                " (--set-params sets parameters, --force flies all the same)"
-            } else {
-                ""
-            };
-            let message = format!("none was started{hint}");
-            return Err(Failure::new(Failure::TRANSFER, message));
-        }
-        let flights: Vec<(&str, &Reference, &Flown)> = fleet
-            .flown()
-            .zip(references)
-            .map(|((vehicle, flown), reference)| (vehicle, reference, flown))
-            .collect();
-        let judged = flight::judge(&sorties.file.spec, &sorties.world, &flights);
-        let hash = folder::sha256(&sorties.file.text);
-        let document = flight::flight_json(&hash, (self.t0_unix_s, arguments.speedup), &judged);
-        let text = report::json_text(&document);
-        let named = self.path.with_extension("json");
-        output::write_file(&named, text.as_bytes())?;
-        output::write_file(&self.runs.join("flight.json"), text.as_bytes())?;
-        let copied = std::fs::copy(&self.path, self.runs.join("flight.jsonl"));
-        copied.map_err(|error| unwritable(&self.path, &error))?;
-        if arguments.json {
-            out(text.trim_end())?;
-        } else {
-            show::report(&judged)?;
-            out(&format!("{}", named.display()))?;
-        }
-        verdict(&judged)
-    }
-}
-
-fn verdict(judged: &FlightReport) -> Result<(), Failure> {
-    if judged.passes() {
-        return Ok(());
-    }
-    let message = "the flight did not keep its limits, or did not end as planned";
-    Err(Failure::new(Failure::TRANSFER, message))
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    let message = format!("cannot write {}: {error}", path.display());
-    Failure::new(Failure::OUTPUT, message)
-}
-
-/// Reads one line while the flight goes on.
-fn ask() -> Receiver<String> {
-    let (send, answers) = channel();
-    std::thread::spawn(move || {
-        let mut line = String::new();
-        if std::io::stdin().lock().read_line(&mut line).is_ok() {
-            // The flight may be over by now.
-            let _ = send.send(line);
-        }
-    });
-    answers
 }
 
 /// An event as a line.

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::asking::{Answer, Asking};
 use super::clock::Offset;
+use super::end::End;
 use super::modes;
 use super::readiness::{self, STANDS_M};
 use super::record::{Fix, Flown};
@@ -52,26 +53,6 @@ pub struct Assignment<'a> {
     pub start_s: f64,
     /// Whether its mission is transferred first, instead of only read.
     pub upload: bool,
-}
-
-/// How the flight of one vehicle ended.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub enum End {
-    /// It never flew.
-    #[default]
-    NotFlown,
-    /// It landed and stopped its motors, at the end of its mission.
-    Landed,
-    /// It stays in the air at the end of its mission, as planned.
-    Loitering,
-    /// It stays in the air because it was told to.
-    Held,
-    /// It was told to land, and did.
-    LandedEarly,
-    /// It was left flying.
-    LeftFlying,
-    /// Something else; what, in words.
-    Failed(String),
 }
 
 /// Where it is on the way to its flight, and in it.
@@ -297,6 +278,7 @@ impl<'a> Craft<'a> {
             amsl: Amsl(f64::from(position.amsl_mm) / 1000.0),
             speed_mps: north.hypot(east) / 100.0,
             item: self.item,
+            items: self.total.unwrap_or(0),
         };
         let is_later = self.latest.is_none_or(|(before, _)| at_ms > before);
         if !is_later {
@@ -619,15 +601,7 @@ impl<'a> Craft<'a> {
     }
 
     pub(super) fn end(&mut self, end: End) {
-        self.said.push_back(match &end {
-            End::Landed => "landed, motors stopped".to_owned(),
-            End::Loitering => "loiters at the end of its mission".to_owned(),
-            End::Held => "holds".to_owned(),
-            End::LandedEarly => "landed where it was told to".to_owned(),
-            End::LeftFlying => "is left flying".to_owned(),
-            End::NotFlown => "was not flown".to_owned(),
-            End::Failed(why) => why.clone(),
-        });
+        self.said.push_back(end.sentence());
         self.flown.end = end;
         self.stage = Stage::Ended;
     }

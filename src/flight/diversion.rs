@@ -4,51 +4,82 @@ use super::asking::{Answer, Asking};
 use super::reference::to_segment;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::link::{
-    Address, Command, CommandResult, FlightMessage, Message, Order, Session, Time, Verdict,
+    Address, Body, Command, CommandResult, FlightMessage, Heartbeat, Message, MissionMessage,
+    MissionResult, Order, Session, Time, Verdict,
 };
 use crate::mission::VehicleMission;
 use crate::spec::Autopilot;
 
+/// `MAV_MISSION_TYPE_MISSION`.
+const MISSION: u8 = 0;
+
+/// Farther than this from its new path when it takes it, a vehicle has left what was
+/// verified, metres: what a copter may be beside its way, and its position late.
+const BESIDE_M: f64 = 30.0;
+
+/// What a vehicle in flight shall go on with.
+#[derive(Clone, Copy, Debug)]
+pub struct Onward<'a> {
+    /// Id in the spec.
+    pub vehicle: &'a str,
+    /// The new mission.
+    pub mission: &'a VehicleMission,
+    /// Where the leg to the first item ahead begins.
+    pub origin: LatLon,
+    /// Indices of items: the first ahead, and the first that was not in the mission before
+    /// (`ahead..new` lie on the present way).
+    pub ahead: usize,
+    /// See `ahead`.
+    pub new: usize,
+}
+
 /// The transfer of a new mission to a vehicle in flight, and the command to go on with
 /// it where the vehicle is. Same driver contract as [`Session`].
 ///
-/// ArduPilot replaces items under way and keeps its place in the list; PX4 takes the new
-/// mission as a whole and begins it. Both are told where to go on.
+/// ArduPilot replaces items under way and keeps its place in the list: as long as it flies
+/// to an item that both missions have it needs no command. PX4 takes the new mission as a
+/// whole and begins it, so it is told where to go on as soon as it has it, before
+/// the mission is read back.
 #[derive(Debug)]
 pub struct Diversion<'a> {
     session: Session<'a>,
     vehicle: Address,
-    mission: &'a VehicleMission,
+    onward: Onward<'a>,
     /// Where the vehicle was last heard to be.
     here: Option<LatLon>,
     asking: Option<Asking>,
+    /// Whether the vehicle has the new mission and goes on with it; or what is wrong.
+    going: Option<Result<(), String>>,
     outcome: Option<Result<(), String>>,
 }
 
 impl<'a> Diversion<'a> {
-    /// Begins the transfer in the name of `us`.
+    /// Begins the transfer in the name of `us`, to a vehicle that was heard already.
     #[must_use]
     pub fn new(
-        (id, vehicle): (&'a str, Address),
-        mission: &'a VehicleMission,
+        onward: Onward<'a>,
+        (vehicle, beat): (Address, Heartbeat),
         others: Vec<u8>,
         us: Address,
         now: Time,
     ) -> Self {
         let order = Order {
-            vehicle: id,
+            vehicle: onward.vehicle,
             sysid: vehicle.system,
-            mission,
+            mission: onward.mission,
             // It is armed, and that is meant.
             force: true,
             others,
         };
+        let mut session = Session::new(order, us, now);
+        session.handle(now, vehicle, &Message::Heartbeat(beat));
         Self {
-            session: Session::new(order, us, now),
+            session,
             vehicle,
-            mission,
+            onward,
             here: None,
             asking: None,
+            going: None,
             outcome: None,
         }
     }
@@ -56,24 +87,64 @@ impl<'a> Diversion<'a> {
     /// Takes in a message, whoever sent it.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         self.session.handle(now, from, message);
-        if let Message::Flight(FlightMessage::Position(position)) = message
-            && from.system == self.vehicle.system
-        {
-            self.here = Some(LatLon {
-                lat_deg: f64::from(position.x) / 1e7,
-                lon_deg: f64::from(position.y) / 1e7,
-            });
+        if from.system != self.vehicle.system {
+            return;
         }
-        if let (
-            Some(asking),
+        match message {
+            Message::Flight(FlightMessage::Position(position)) => {
+                self.here = Some(LatLon {
+                    lat_deg: f64::from(position.x) / 1e7,
+                    lon_deg: f64::from(position.y) / 1e7,
+                });
+            }
             Message::Flight(FlightMessage::CommandAck {
                 command, result, ..
-            }),
-        ) = (&mut self.asking, message)
-            && from.system == self.vehicle.system
-        {
-            asking.answered(now, *command, *result);
+            }) => {
+                if let Some(asking) = &mut self.asking {
+                    asking.answered(now, *command, *result);
+                }
+            }
+            Message::Mission(MissionMessage {
+                mission_type: MISSION,
+                body:
+                    Body::Ack {
+                        result: MissionResult::ACCEPTED,
+                        ..
+                    },
+                ..
+            }) => self.has_the_mission(now),
+            _ => {}
         }
+    }
+
+    /// The vehicle holds the new mission, by its own word.
+    fn has_the_mission(&mut self, now: Time) {
+        if self.asking.is_some() || self.going.is_some() {
+            return;
+        }
+        let Some((beside_m, next)) = self.here.map(|here| self.nearest(here)) else {
+            self.going = Some(Err(
+                "took its new mission, and does not say where".to_owned()
+            ));
+            return;
+        };
+        if beside_m > BESIDE_M {
+            self.going = Some(Err(format!(
+                "took its new mission too late, {beside_m:.0} m beside the new path: hold or land it"
+            )));
+        }
+        let goes_on = self.onward.mission.autopilot == Autopilot::ArduPilot;
+        if goes_on && next < self.onward.new && beside_m <= BESIDE_M {
+            self.going = Some(Ok(()));
+            return;
+        }
+        let first = match self.onward.mission.autopilot {
+            Autopilot::ArduPilot => 1,
+            Autopilot::Px4 => 0,
+        };
+        let seq = f32::from(u16::try_from(next + first).unwrap_or(0));
+        let order = Command::new(Command::SET_MISSION_CURRENT, [seq]);
+        self.asking = Some(Asking::new(self.vehicle, order, now));
     }
 
     /// Does what is due.
@@ -82,68 +153,54 @@ impl<'a> Diversion<'a> {
         if self.outcome.is_some() {
             return;
         }
-        match &self.asking {
-            None => self.look_at_the_transfer(now),
-            Some(asking) => {
-                self.outcome = match asking.answer(now) {
-                    Answer::None => None,
-                    Answer::Result(CommandResult::ACCEPTED) => Some(Ok(())),
-                    Answer::Result(result) => Some(Err(format!(
-                        "holds the new mission, and refused to go on with it: {result}"
-                    ))),
-                    Answer::Silence => Some(Err(
-                        "holds the new mission, and did not say that it goes on with it".to_owned(),
-                    )),
-                };
-            }
+        if let (Some(asking), None) = (&self.asking, &self.going) {
+            self.going = match asking.answer(now) {
+                Answer::None => None,
+                Answer::Result(CommandResult::ACCEPTED) => Some(Ok(())),
+                Answer::Result(result) => Some(Err(format!(
+                    "holds the new mission, and refused to go on with it: {result}"
+                ))),
+                Answer::Silence => Some(Err(
+                    "holds the new mission, and did not say that it goes on with it".to_owned(),
+                )),
+            };
         }
-    }
-
-    fn look_at_the_transfer(&mut self, now: Time) {
         let Some(report) = self.session.report() else {
             return;
         };
         match &report.verdict {
             Verdict::Verified => {
-                let order = Command::new(Command::SET_MISSION_CURRENT, [self.next_seq()]);
-                self.asking = Some(Asking::new(self.vehicle, order, now));
+                // An acknowledgement that was lost is found out by reading back.
+                self.has_the_mission(now);
+                self.outcome.clone_from(&self.going);
             }
             Verdict::Failed(failure) => self.outcome = Some(Err(failure.to_string())),
             Verdict::Refused(refusal) => self.outcome = Some(Err(refusal.to_string())),
         }
     }
 
-    /// The item to go on with: the end of the leg that the vehicle is nearest to, so that
-    /// it never turns back to a place that it has passed meanwhile.
-    fn next_seq(&self) -> f32 {
-        let first = match self.mission.autopilot {
-            Autopilot::ArduPilot => 1,
-            Autopilot::Px4 => 0,
-        };
-        let index = self.here.map_or(0, |here| self.next_item(here));
-        f32::from(u16::try_from(index + first).unwrap_or(0))
-    }
-
-    fn next_item(&self, here: LatLon) -> usize {
+    /// How far a place is from the way ahead, metres, and the item at the end of the nearest
+    /// leg: so the vehicle never turns back to a place that it has passed meanwhile.
+    fn nearest(&self, here: LatLon) -> (f64, usize) {
         let frame = LocalFrame::new(here);
         let at = |place| PlanPoint {
             at: frame.to_plan(place),
             amsl: Amsl(0.0),
         };
-        let items = self.mission.items.iter().enumerate();
-        let places: Vec<(usize, PlanPoint)> = items
-            .filter_map(|(index, item)| Some((index, at(item.place()?))))
-            .collect();
-        let nearest = places
-            .windows(2)
-            .map(|pair| {
-                let (distance_m, share) = to_segment(at(here), pair[0].1, pair[1].1);
-                // Before the first place the vehicle goes there.
-                let next = if share > 0.0 { pair[1].0 } else { pair[0].0 };
-                (distance_m, next)
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.map_or(0, |(_, next)| next)
+        let items = self.onward.mission.items.iter().enumerate();
+        let mut from = at(self.onward.origin);
+        let mut best = (f64::INFINITY, self.onward.ahead);
+        for (index, item) in items.skip(self.onward.ahead) {
+            let Some(to) = item.place().map(at) else {
+                continue;
+            };
+            let (distance_m, _) = to_segment(at(here), from, to);
+            if distance_m < best.0 {
+                best = (distance_m, index);
+            }
+            from = to;
+        }
+        best
     }
 
     /// The next message to send at a time, if there is one.

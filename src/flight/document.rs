@@ -1,10 +1,8 @@
-//! `flight.json`, and the lines of `flight.jsonl`.
+//! `flight.json`.
 
 use serde::Serialize;
-use serde_json::{Value, json};
 
-use super::fleet::Event;
-use super::record::Fix;
+use super::record::Record;
 use super::report::{FlightReport, Passage, Spread, VehicleReport};
 use crate::report::{MarginEntry, review_json};
 use crate::verify::Review;
@@ -73,13 +71,9 @@ pub struct PassageEntry {
     pub distance_m: f64,
 }
 
-/// The document of a flight.
+/// The document of a flight that was judged by its record.
 #[must_use]
-pub fn flight_json(
-    spec_sha256: &str,
-    (t0_unix_s, speedup): (u64, f64),
-    report: &FlightReport,
-) -> FlightDocument {
+pub fn flight_json(record: &Record, report: &FlightReport) -> FlightDocument {
     let margins = Review {
         margins: report.margins.clone(),
         tracks: Vec::new(),
@@ -87,10 +81,10 @@ pub fn flight_json(
     };
     FlightDocument {
         sortie: env!("CARGO_PKG_VERSION"),
-        spec_sha256: spec_sha256.to_owned(),
+        spec_sha256: record.spec_sha256.clone(),
         verdict: if report.passes() { "pass" } else { "fail" },
-        t0_unix_s,
-        speedup,
+        t0_unix_s: record.t0_unix_s,
+        speedup: record.speedup,
         vehicles: report.vehicles.iter().map(vehicle).collect(),
         margins: review_json(&margins).margins,
     }
@@ -128,30 +122,6 @@ fn passage(of: &Passage) -> PassageEntry {
 }
 
 /// To thousandths: millimetres and milliseconds.
-fn rounded(value: f64) -> f64 {
+pub(super) fn rounded(value: f64) -> f64 {
     (value * 1000.0).round() / 1000.0
-}
-
-/// One position as a line of `flight.jsonl`.
-#[must_use]
-pub fn fix_line(vehicle: &str, fix: &Fix) -> Value {
-    json!({
-        "t_s": rounded(fix.t_s),
-        "vehicle": vehicle,
-        "lat_deg": fix.place.lat_deg,
-        "lon_deg": fix.place.lon_deg,
-        "amsl_m": fix.amsl.0,
-        "speed_mps": fix.speed_mps,
-        "item": fix.item,
-    })
-}
-
-/// Something that happened as a line of `flight.jsonl`.
-#[must_use]
-pub fn event_line(event: &Event) -> Value {
-    json!({
-        "t_s": event.t_s.map(rounded),
-        "vehicle": event.vehicle,
-        "event": event.text,
-    })
 }

@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::craft::{Assignment, Craft, End, Stage, Told};
+use super::craft::{Assignment, Craft, Stage, Told};
+use super::end::End;
 use super::record::{Fix, Flown};
 use crate::link::{Address, Heartbeat, Message, Time};
 use crate::spec::OnLinkLoss;

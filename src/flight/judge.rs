@@ -1,14 +1,14 @@
 //! What was flown against the plan and against the limits of the spec.
 
-use super::craft::End;
-use super::record::{Fix, Flown};
-use super::reference::{Reference, to_segment};
+use super::end::End;
+use super::record::{Fix, Flight, PopUp, Record};
+use super::reference::{Deviation, Reference, to_segment};
 use super::report::{FlightReport, Passage, Spread, VehicleReport};
-use crate::geodesy::PlanPoint;
+use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
 use crate::spec::{MissionSpec, Separation};
 use crate::verify::{Margin, Moment, Sense};
-use crate::world::World;
+use crate::world::{Disc, World};
 
 /// Around home and the place of landing the minimum height does not hold, metres.
 const COLUMN_M: f64 = 25.0;
@@ -19,26 +19,24 @@ const GAP_S: f64 = 5.0;
 
 /// One vehicle's flight in planning coordinates.
 struct Trail<'a> {
-    id: &'a str,
-    reference: &'a Reference,
-    flown: &'a Flown,
+    flight: &'a Flight,
+    /// Of each position: which of the plans it was flown by.
+    plan_of: Vec<usize>,
     points: Vec<PlanPoint>,
 }
 
-/// Judges a flight. The vehicles come in the order of the spec, each with its plan and record.
+/// Judges a flight by its record. The world is that of the spec; threats that came up on
+/// the way are added to it.
 #[must_use]
-pub fn judge(
-    spec: &MissionSpec,
-    world: &World,
-    flights: &[(&str, &Reference, &Flown)],
-) -> FlightReport {
-    let trails: Vec<Trail<'_>> = flights
+pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport {
+    let trails: Vec<Trail<'_>> = record
+        .flights
         .iter()
-        .map(|&(id, reference, flown)| Trail {
-            id,
-            reference,
-            flown,
-            points: flown
+        .map(|flight| Trail {
+            flight,
+            plan_of: flight.plan_of_each(),
+            points: flight
+                .flown
                 .fixes
                 .iter()
                 .map(|fix| plan_point(world, fix))
@@ -47,7 +45,7 @@ pub fn judge(
         .collect();
     let mut margins: Vec<Margin> = trails
         .iter()
-        .flat_map(|trail| trail.margins(spec, world))
+        .flat_map(|trail| trail.margins(spec, world, &record.popups))
         .collect();
     for (index, first) in trails.iter().enumerate() {
         for second in &trails[index + 1..] {
@@ -77,30 +75,63 @@ fn moment(fix: &Fix) -> Moment {
 }
 
 impl Trail<'_> {
-    /// Fixes on the route: neither in the column of the takeoff nor in that of the landing.
-    fn on_route(&self) -> impl Iterator<Item = (&Fix, PlanPoint)> {
-        let home = self.reference.waypoints.first().map(|w| w.point.at);
-        let end = self.reference.waypoints.last().map(|w| w.point.at);
-        let end = end.filter(|_| self.reference.lands);
-        let takeoff = self.reference.waypoints.get(1).map_or(0, |w| w.item);
-        let fixes = self.flown.fixes.iter().zip(self.points.iter().copied());
-        fixes.filter(move |(fix, point)| {
-            let near = |at: Option<_>| {
-                at.is_some_and(|at: crate::geodesy::EastNorth| at.distance_m(point.at) < COLUMN_M)
+    fn id(&self) -> &str {
+        &self.flight.vehicle
+    }
+
+    fn fixes(&self) -> &[Fix] {
+        &self.flight.flown.fixes
+    }
+
+    fn plan(&self, fix: usize) -> Option<&Reference> {
+        let plan = *self.plan_of.get(fix)?;
+        self.flight.plans.get(plan).map(|plan| &plan.reference)
+    }
+
+    /// Indices of positions on the route: neither in the column of the takeoff nor in that
+    /// of the landing.
+    fn on_route(&self) -> impl Iterator<Item = usize> {
+        let first = self.flight.plans.first().map(|plan| &plan.reference);
+        let home = first.and_then(|plan| plan.waypoints.first().map(|w| w.point.at));
+        let takeoff = first.and_then(|plan| plan.waypoints.get(1));
+        let takeoff = takeoff.map_or(0, |w| w.item);
+        (0..self.points.len()).filter(move |&index| {
+            let at = self.points[index].at;
+            let near = |place: Option<EastNorth>| {
+                place.is_some_and(|place| place.distance_m(at) < COLUMN_M)
             };
-            fix.item > takeoff && !near(home) && !near(end)
+            let plan = self.plan(index).filter(|plan| plan.lands);
+            let end = plan.and_then(|plan| plan.waypoints.last().map(|w| w.point.at));
+            let rises = self.plan_of[index] == 0 && self.fixes()[index].item <= takeoff;
+            !rises && !near(home) && !near(end)
         })
     }
 
-    /// Where each waypoint was passed: the nearest of the ways between two positions,
-    /// one waypoint after the other.
+    /// Where each waypoint of each plan was passed while it was flown.
     fn passages(&self) -> Vec<Passage> {
-        let fixes = &self.flown.fixes;
-        let mut from = 0;
         let mut found = Vec::new();
-        for (index, waypoint) in self.reference.waypoints.iter().enumerate().skip(1) {
-            let items = &self.reference.waypoints;
-            let next = items.get(index + 1).map_or(usize::MAX, |w| w.item);
+        for (number, plan) in self.flight.plans.iter().enumerate() {
+            let from = self.plan_of.partition_point(|&of| of < number);
+            let to = self.plan_of.partition_point(|&of| of <= number);
+            if from < to {
+                found.extend(self.passages_of(&plan.reference, from, to));
+            }
+        }
+        found
+    }
+
+    /// The nearest of the ways between two positions, one waypoint after the other.
+    fn passages_of(&self, plan: &Reference, mut from: usize, to: usize) -> Vec<Passage> {
+        let fixes = &self.fixes()[..to];
+        let (begun, reached) = (from > 0, &self.flight.flown.reached);
+        let (first_item, ends_s) = (fixes[from].item, fixes[to - 1].t_s);
+        let mut found = Vec::new();
+        for (index, waypoint) in plan.waypoints.iter().enumerate().skip(1) {
+            if begun && waypoint.item < first_item {
+                // Passed by the plan before.
+                continue;
+            }
+            let next = plan.waypoints.get(index + 1).map_or(usize::MAX, |w| w.item);
             let mut best: Option<(f64, f64, usize)> = None;
             for at in from..fixes.len().saturating_sub(1) {
                 if fixes[at].item > next {
@@ -113,12 +144,10 @@ impl Trail<'_> {
                     best = Some((distance_m, t_s, at));
                 }
             }
-            let was_reached = fixes.iter().any(|fix| fix.item > waypoint.item)
-                || self
-                    .flown
-                    .reached
+            let was_reached = fixes[from..].iter().any(|fix| fix.item > waypoint.item)
+                || reached
                     .iter()
-                    .any(|(item, _)| *item == waypoint.item);
+                    .any(|&(item, t_s)| item == waypoint.item && t_s <= ends_s + GAP_S);
             if let Some((distance_m, flown_s, at)) = best.filter(|_| was_reached) {
                 from = at;
                 found.push(Passage {
@@ -133,51 +162,45 @@ impl Trail<'_> {
     }
 
     fn report(&self) -> VehicleReport {
-        let deviations: Vec<(f64, f64)> = self
+        let deviations: Vec<Deviation> = self
             .on_route()
-            .filter_map(|(fix, point)| self.reference.deviation(fix.item, point))
-            .map(|deviation| (deviation.cross_track_m, deviation.above_m.abs()))
+            .filter_map(|index| {
+                let item = self.fixes()[index].item;
+                self.plan(index)?.deviation(item, self.points[index])
+            })
             .collect();
-        let end = &self.flown.end;
-        let as_planned = match end {
-            End::Landed => self.reference.lands,
-            End::Loitering => !self.reference.lands,
+        let end = &self.flight.flown.end;
+        let lands = self.flight.plans.last().map(|plan| plan.reference.lands);
+        let ended_as_planned = match end {
+            End::Landed => lands == Some(true),
+            End::Loitering => lands == Some(false),
             _ => false,
         };
+        let spread = |of: fn(&Deviation) -> f64| Spread::of(deviations.iter().map(of).collect());
         VehicleReport {
-            vehicle: self.id.to_owned(),
-            end: match end {
-                End::Landed => "landed".to_owned(),
-                End::Loitering => "loiters".to_owned(),
-                End::Held => "held".to_owned(),
-                End::LandedEarly => "landed early".to_owned(),
-                End::LeftFlying => "left flying".to_owned(),
-                End::NotFlown => "not flown".to_owned(),
-                End::Failed(why) => why.clone(),
-            },
-            ended_as_planned: as_planned,
-            fixes: self.flown.fixes.len(),
-            cross_track_m: Spread::of(deviations.iter().map(|d| d.0).collect()),
-            altitude_error_m: Spread::of(deviations.iter().map(|d| d.1).collect()),
+            vehicle: self.id().to_owned(),
+            end: end.words().to_owned(),
+            ended_as_planned,
+            fixes: self.fixes().len(),
+            cross_track_m: spread(|deviation| deviation.cross_track_m),
+            altitude_error_m: spread(|deviation| deviation.above_m.abs()),
             passages: self.passages(),
         }
     }
 
-    fn margins(&self, spec: &MissionSpec, world: &World) -> Vec<Margin> {
-        if self.flown.fixes.is_empty() {
+    fn margins(&self, spec: &MissionSpec, world: &World, popups: &[PopUp]) -> Vec<Margin> {
+        if self.fixes().is_empty() {
             return vec![Margin::unjudged(
-                self.id,
+                self.id(),
                 "flight",
                 "no position was recorded",
             )];
         }
         let mut margins = self.gaps();
-        let clearance = self.on_route().map(|(fix, point)| {
+        let clearance = self.on_route().map(|index| {
+            let fix = &self.fixes()[index];
             let ground = world.terrain.height(fix.place);
-            (
-                ground.map_or(f64::NAN, |g| point.amsl.above_ground(g).0),
-                fix,
-            )
+            (ground.map_or(f64::NAN, |g| fix.amsl.above_ground(g).0), fix)
         });
         let least = Bound {
             what: "terrain clearance".to_owned(),
@@ -192,16 +215,24 @@ impl Trail<'_> {
             sense: Sense::AtMost,
             unit: "m AMSL",
         };
-        margins.extend(self.worst(ceiling, self.flown.fixes.iter().map(|f| (f.amsl.0, f))));
-        let all = || self.flown.fixes.iter().zip(self.points.iter().copied());
-        for (threat, disc) in spec.threats.iter().zip(&world.threats) {
+        margins.extend(self.worst(ceiling, self.fixes().iter().map(|f| (f.amsl.0, f))));
+        let all = || self.fixes().iter().zip(self.points.iter().copied());
+        let there = spec.threats.iter().zip(&world.threats);
+        let there = there.map(|(threat, disc)| (threat, *disc, f64::NEG_INFINITY));
+        let came = popups.iter().map(|popup| {
+            let center = world.frame.to_plan(popup.threat.place);
+            let radius_m = popup.threat.radius_m;
+            (&popup.threat, Disc { center, radius_m }, popup.from_s)
+        });
+        for (threat, disc, from_s) in there.chain(came) {
             let rim = Bound {
                 what: format!("threat {}", threat.id),
                 limit: 0.0,
                 sense: Sense::AtLeast,
                 unit: "m",
             };
-            let outside = all().map(|(fix, p)| (disc.center.distance_m(p.at) - disc.radius_m, fix));
+            let known = all().filter(|(fix, _)| fix.t_s >= from_s);
+            let outside = known.map(|(fix, p)| (disc.center.distance_m(p.at) - disc.radius_m, fix));
             margins.extend(self.worst(rim, outside));
         }
         let none = |what: String| Bound {
@@ -221,7 +252,7 @@ impl Trail<'_> {
 
     /// Times of which nothing is known.
     fn gaps(&self) -> Vec<Margin> {
-        let pairs = self.flown.fixes.windows(2);
+        let pairs = self.fixes().windows(2);
         let longest = pairs
             .map(|pair| (pair[1].t_s - pair[0].t_s, &pair[0]))
             .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -254,7 +285,7 @@ impl Trail<'_> {
         Some(Margin {
             ok: badness(value) <= 0.0,
             note,
-            ..bound.margin(self.id, value, Some(moment(fix)))
+            ..bound.margin(self.id(), value, Some(moment(fix)))
         })
     }
 
@@ -264,7 +295,7 @@ impl Trail<'_> {
         let value = first.map_or(0.0, |_| 1.0 + f64::from(more));
         Margin {
             ok: first.is_none(),
-            ..bound.margin(self.id, value, first.map(moment))
+            ..bound.margin(self.id(), value, first.map(moment))
         }
     }
 
@@ -272,14 +303,14 @@ impl Trail<'_> {
     fn motions(&self, world: &World) -> Vec<(Motion, usize)> {
         let axes = |p: &PlanPoint| [p.at.east_m, p.at.north_m, p.amsl.0];
         let is_up = |index: usize| {
-            let fix = &self.flown.fixes[index];
+            let fix = &self.fixes()[index];
             let ground = world.terrain.height(fix.place);
             ground.map_or(true, |ground| fix.amsl.above_ground(ground).0 > GROUNDED_M)
         };
         (1..self.points.len())
             .filter(|&index| is_up(index - 1) || is_up(index))
             .map(|index| {
-                let (from, to) = (&self.flown.fixes[index - 1], &self.flown.fixes[index]);
+                let (from, to) = (&self.fixes()[index - 1], &self.fixes()[index]);
                 let motion = Motion::between(
                     (from.t_s, axes(&self.points[index - 1])),
                     (to.t_s, axes(&self.points[index])),
@@ -349,7 +380,7 @@ fn separation(
     let (value, t_s, index) = best?;
     let at = Moment {
         t_s,
-        ..moment(&first.flown.fixes[index])
+        ..moment(&first.fixes()[index])
     };
     let bound = Bound {
         what: "separation".to_owned(),
@@ -358,11 +389,11 @@ fn separation(
         unit: "m",
     };
     Some(Margin {
-        other: Some(second.id.to_owned()),
+        other: Some(second.id().to_owned()),
         ok: match limit.vertical_m {
             None => value >= limit.distance_m,
             Some(_) => !conflict,
         },
-        ..bound.margin(first.id, value, Some(at))
+        ..bound.margin(first.id(), value, Some(at))
     })
 }

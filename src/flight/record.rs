@@ -1,6 +1,8 @@
 //! What was flown.
 
+use super::reference::Reference;
 use crate::geodesy::{Amsl, LatLon};
+use crate::spec::Threat;
 
 /// Where a vehicle was at one time, by its own word.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +17,8 @@ pub struct Fix {
     pub speed_mps: f64,
     /// Row of the `.waypoints` file that it was flying to; home is 0.
     pub item: usize,
+    /// Items on board without home, by its own word; 0 where it does not tell.
+    pub items: usize,
 }
 
 /// The flight of one vehicle.
@@ -26,4 +30,67 @@ pub struct Flown {
     pub reached: Vec<(usize, f64)>,
     /// How it ended.
     pub end: super::End,
+}
+
+/// A plan, and what tells that a vehicle flies it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Items of its mission without home. A new plan has another number than the one
+    /// before it, so that the vehicle's own word tells them apart.
+    pub items: usize,
+    /// What is flown is held against this.
+    pub reference: Reference,
+}
+
+/// A threat that was not there when the fleet took off.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PopUp {
+    /// From when on it was known, seconds after T0.
+    pub from_s: f64,
+    /// Where.
+    pub threat: Threat,
+}
+
+/// One vehicle's part of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flight {
+    /// Id in the spec.
+    pub vehicle: String,
+    /// The plans that it was given, one after the other; the first before it took off.
+    pub plans: Vec<Plan>,
+    /// What it flew.
+    pub flown: Flown,
+}
+
+/// A flight as it was recorded: all that its verdict needs besides the spec.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// SHA-256 of the spec file, hexadecimal.
+    pub spec_sha256: String,
+    /// Seconds since 1970 at T0.
+    pub t0_unix_s: u64,
+    /// How much faster than the wall's clock the vehicles' time went.
+    pub speedup: f64,
+    /// In the order of the spec.
+    pub flights: Vec<Flight>,
+    /// Threats that came up on the way.
+    pub popups: Vec<PopUp>,
+}
+
+impl Flight {
+    /// Which of the plans each position was flown by: a vehicle flies the next one from
+    /// where it first says that it holds as many items, and those before it no longer.
+    #[must_use]
+    pub fn plan_of_each(&self) -> Vec<usize> {
+        let mut at = 0;
+        let of = |fix: &Fix| {
+            let items = |plan: usize| self.plans.get(plan).map(|plan| plan.items);
+            if fix.items > 0 && items(at) != Some(fix.items) {
+                let next = (at + 1..self.plans.len()).find(|&next| items(next) == Some(fix.items));
+                at = next.unwrap_or(at);
+            }
+            at
+        };
+        self.flown.fixes.iter().map(of).collect()
+    }
 }

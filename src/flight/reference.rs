@@ -79,6 +79,25 @@ impl Reference {
         reference
     }
 
+    /// From waypoints whose times are known.
+    #[must_use]
+    pub fn of_waypoints(
+        waypoints: Vec<Waypoint>,
+        (end_s, lands): (f64, bool),
+        frame: LocalFrame,
+    ) -> Self {
+        Self {
+            waypoints,
+            end_s,
+            lands,
+            frame,
+        }
+    }
+
+    pub(super) fn frame(&self) -> &LocalFrame {
+        &self.frame
+    }
+
     /// When the planned flight passes each waypoint: where its track is nearest to it,
     /// on the legs before and after.
     fn take_times(&mut self, moments: &[Moment], world: &World) {

@@ -93,13 +93,34 @@ pub fn build(
     vehicle: usize,
     routes: &[Vec<TimedPoint>],
 ) -> Result<VehicleMission, MissionError> {
+    let needed = spec
+        .vehicles
+        .get(vehicle)
+        .map(|vehicle| match vehicle.finish {
+            Finish::Return => 2,
+            Finish::Land | Finish::Loiter => 1,
+        });
+    build_course(spec, world, vehicle, routes, needed.unwrap_or(1))
+}
+
+/// The same for a vehicle that has `needed` routes before it, and comes to rest between them.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_course(
+    spec: &MissionSpec,
+    world: &World,
+    vehicle: usize,
+    routes: &[Vec<TimedPoint>],
+    needed: usize,
+) -> Result<VehicleMission, MissionError> {
     let no_such = || MissionError::NoSuchVehicle {
         index: vehicle,
         fleet: spec.vehicles.len(),
     };
     let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
-    check(spec, vehicle, routes)?;
+    check(spec, vehicle, routes, needed)?;
     let encoder = Encoder::new(
         world,
         spec.mission.altitude,
@@ -153,11 +174,8 @@ fn check(
     spec: &MissionSpec,
     vehicle: &Vehicle,
     routes: &[Vec<TimedPoint>],
+    needed: usize,
 ) -> Result<(), MissionError> {
-    let needed = match vehicle.finish {
-        Finish::Return => 2,
-        Finish::Land | Finish::Loiter => 1,
-    };
     let found = routes.iter().filter(|route| route.len() >= 2).count();
     if found != needed || routes.len() != needed {
         return Err(MissionError::Routes {
@@ -248,7 +266,8 @@ impl Author<'_> {
             .iter()
             .map(|route| self.route(route))
             .collect::<Result<Vec<_>, NoData>>()?
-            .into_iter();
+            .into_iter()
+            .peekable();
         let out = legs.next().unwrap_or_default();
         let Some((&start, onward)) = out.split_first() else {
             return Ok(items);
@@ -263,16 +282,20 @@ impl Author<'_> {
         if !self.encoder.is_over_home(start) {
             items.push(self.at(command::NAV_WAYPOINT, HOLD_S, start)?);
         }
-        let back = legs.next();
-        for (index, &point) in onward.iter().enumerate() {
-            let turns_back = back.is_some() && index + 1 == onward.len();
-            let hold_s = if turns_back { HOLD_S } else { 0.0 };
-            items.push(self.at(command::NAV_WAYPOINT, hold_s, point)?);
+        let mut last = start;
+        let mut leg = Some(onward.to_vec());
+        while let Some(points) = leg {
+            let is_followed = legs.peek().is_some();
+            for (index, &point) in points.iter().enumerate() {
+                let turns_back = is_followed && index + 1 == points.len();
+                let hold_s = if turns_back { HOLD_S } else { 0.0 };
+                items.push(self.at(command::NAV_WAYPOINT, hold_s, point)?);
+                last = point;
+            }
+            leg = legs
+                .next()
+                .map(|points| points[points.len().min(1)..].to_vec());
         }
-        for &point in back.iter().flatten().skip(1) {
-            items.push(self.at(command::NAV_WAYPOINT, 0.0, point)?);
-        }
-        let last = onward.last().copied().unwrap_or(start);
         items.push(match self.vehicle.finish {
             Finish::Land => self.at(command::NAV_LAND, 0.0, self.encoder.on_ground(last)?)?,
             Finish::Loiter => self.at(command::NAV_LOITER_UNLIM, 0.0, last)?,

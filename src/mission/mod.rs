@@ -15,7 +15,7 @@ mod simplify;
 mod wing;
 
 pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
-pub use build::{MissionError, build};
+pub use build::{MissionError, build, build_course};
 pub use commands::{command_name, command_named};
 pub use differ::read_differently;
 pub use encode::home_at;

@@ -1,139 +1,226 @@
-//! What a vehicle in flight has before it, and its new path.
-//!
-//! Planning and verdict know flights from the ground up. A vehicle in the air is given to
-//! them as one that takes off right below where it will be, so early that it is there at
-//! that time: from there on everything is as it will be flown.
+//! What a vehicle in flight has before it.
 
+use super::look::Seen;
 use crate::cli::fly::Sorties;
-use crate::cost::Margins;
-use crate::flight::Reference;
-use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::link::Onboard;
-use crate::mission::{self, VehicleMission, command};
-use crate::path::{TimedPoint, route_start_s, time_route};
-use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{
-    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle,
-};
-use crate::verify::{self, Margin, Review, Track};
-use crate::world::{Disc, Stations, World};
+use crate::flight::{Reference, Waypoint};
+use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use crate::mission::{Home, Item, VehicleMission, command, frame};
+use crate::spec::Autopilot;
+use crate::verify::Track;
 
-/// Evaluations for each leg: a new path is wanted now.
-const EVALUATIONS: usize = 6000;
-/// Less way than this before it, and a vehicle is at its end, metres.
-const LEAST_WAY_M: f64 = 100.0;
+/// Lower above its home than this a vehicle stands on the ground, metres.
+const AIRBORNE_M: f64 = 1.5;
+/// A waypoint this near a goal is the goal, metres.
+const GOAL_M: f64 = 2.0;
 
 /// What one vehicle has before it.
+#[derive(Clone, Debug)]
 pub(super) struct Course {
     /// Its index in the spec.
     pub(super) vehicle: usize,
-    /// Where the new path may begin, and every place after it, in the air.
-    points: Vec<PlanPoint>,
-    /// Whether it lands at the last of them.
-    lands: bool,
-    /// Index into `points` of the goal of the spec, if it must be passed on the way.
-    via: Option<usize>,
-    /// Whether it would meet the threat.
-    pub(super) is_concerned: bool,
+    /// What it holds; its home is that of the plan.
+    pub(super) held: VehicleMission,
+    /// Index of the item that it flies to.
+    pub(super) at: usize,
+    /// Where it is; for one that rises to its route, the top of that.
+    pub(super) here: PlanPoint,
+    /// How long it rises before it is there, seconds.
+    pub(super) rises_s: f64,
+    /// Where the leg to the item that it flies to begins.
+    pub(super) origin: PlanPoint,
+    /// The places ahead in the air, each with the index of its item.
+    pub(super) ahead: Vec<(usize, PlanPoint)>,
+    /// Whether it lands after the last of them.
+    pub(super) lands: bool,
+    /// Whether it still stands on the ground.
+    pub(super) stands: bool,
+    /// Index into `ahead` of a goal that it turns back at.
+    pub(super) via: Option<usize>,
 }
 
-/// The new missions of those concerned, by the index of their vehicle.
-pub(super) struct Replanned {
-    pub(super) missions: Vec<(usize, VehicleMission)>,
-    pub(super) review: Review,
+/// Where a course is left for a new path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parting {
+    /// Where.
+    pub(super) point: PlanPoint,
+    /// Places of `ahead` that lie before it.
+    pub(super) kept: usize,
+    /// The way to it, metres.
+    pub(super) way_m: f64,
 }
 
 impl Course {
-    /// From what a vehicle holds, the item it flies to, and where it is.
-    /// `None` when it has no way before it.
+    /// From what a vehicle holds, the item it flies to, and where it is; or why nothing can
+    /// be said of it.
     pub(super) fn new(
         sorties: &Sorties,
         vehicle: usize,
         planned: &VehicleMission,
-        (onboard, seq): (&Onboard, u16),
-        here: PlanPoint,
-        lead_s: f64,
-        (center, radius_m): (EastNorth, f64),
-    ) -> Option<Self> {
+        seen: &Seen,
+    ) -> Result<Self, String> {
         let held = VehicleMission {
-            items: onboard.mission.clone(),
+            items: seen.onboard.mission.clone(),
             ..planned.clone()
         };
+        let returns = |item: &Item| item.command == command::NAV_RETURN_TO_LAUNCH;
+        if held.items.iter().any(returns) {
+            return Err("flies a NAV_RETURN_TO_LAUNCH, on a way of its own".to_owned());
+        }
         let first = usize::from(planned.autopilot == Autopilot::Px4);
-        let row = usize::from(seq) + first;
+        let row = (usize::from(seen.seq) + first).max(1);
+        let place = LatLon {
+            lat_deg: f64::from(seen.position.x) / 1e7,
+            lon_deg: f64::from(seen.position.y) / 1e7,
+        };
+        let mut here = PlanPoint {
+            at: sorties.world.frame.to_plan(place),
+            amsl: Amsl(f64::from(seen.position.amsl_mm) / 1000.0),
+        };
         let nowhen = Track {
             vehicle: String::new(),
             moments: Vec::new(),
         };
         let reference = Reference::new(&held, &nowhen, &sorties.world);
-        let ahead = reference.waypoints.iter().filter(|w| w.item >= row);
-        let mut points: Vec<PlanPoint> = std::iter::once(here)
-            .chain(ahead.map(|waypoint| waypoint.point))
+        let waypoints = reference.waypoints;
+        let ahead_from = waypoints.iter().position(|w| w.item >= row);
+        let ahead_from = ahead_from.unwrap_or(waypoints.len());
+        let in_air = waypoints.len() - usize::from(reference.lands).min(waypoints.len());
+        let place_of = |w: &Waypoint| (w.item - 1, w.point);
+        let mut ahead: Vec<(usize, PlanPoint)> = waypoints
+            .get(ahead_from.max(1)..in_air)
+            .unwrap_or_default()
+            .iter()
+            .map(place_of)
             .collect();
-        if reference.lands && points.len() > 1 {
-            // The last one is on the ground.
-            let ground = points.pop()?;
-            let last = *points.last()?;
-            if last.at.distance_m(ground.at) > 1.0 {
-                points.push(PlanPoint {
-                    at: ground.at,
-                    ..last
-                });
-            }
+        let before = ahead_from.saturating_sub(1);
+        // A mission that was given in the air does not begin at home.
+        let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
+        let origin = origin.map_or(here, |w| w.point);
+        let stands = f64::from(seen.position.above_home_mm) / 1000.0 < AIRBORNE_M;
+        let mut rises_s = 0.0;
+        let rising = held
+            .items
+            .get(row - 1)
+            .is_some_and(|item| item.command == command::NAV_TAKEOFF);
+        if let (true, Some(&(_, top))) = (rising, ahead.first()) {
+            let climb_mps = sorties.file.spec.vehicles[vehicle].climb_mps;
+            rises_s = (top.amsl.0 - here.amsl.0).max(0.0) / climb_mps;
+            here = PlanPoint { at: here.at, ..top };
+            ahead.remove(0);
         }
-        let meets = points
-            .windows(2)
-            .any(|pair| away_m(center, pair[0].at, pair[1].at) < radius_m);
-        let spec = &sorties.file.spec.vehicles[vehicle];
-        let points = after(points, lead_s * spec.speed_mps);
-        let way_m: f64 = points.windows(2).map(|p| p[0].distance_m(p[1])).sum();
-        if way_m < LEAST_WAY_M {
-            return None;
-        }
-        let goal = sorties.world.stations.get(vehicle)?.goal;
-        let via = points.iter().position(|point| point.distance_m(goal) < 2.0);
-        let via = via.filter(|index| {
-            spec.finish == Finish::Return && *index > 0 && index + 1 < points.len()
+        let station = sorties.world.stations.get(vehicle);
+        let via = station.and_then(|station| {
+            let is_goal = |(_, point): &(usize, PlanPoint)| point.distance_m(station.goal) < GOAL_M;
+            let found = ahead.iter().position(is_goal)?;
+            (found + 1 < ahead.len()).then_some(found)
         });
-        Some(Self {
+        Ok(Self {
             vehicle,
-            points,
+            held,
+            at: row - 1,
+            here,
+            rises_s,
+            origin: if rising { here } else { origin },
+            ahead,
             lands: reference.lands,
+            stands,
             via,
-            is_concerned: meets,
         })
     }
 
-    /// The legs that are planned anew, end to end.
-    fn legs(&self) -> Vec<(PlanPoint, PlanPoint)> {
-        let (Some(&first), Some(&last)) = (self.points.first(), self.points.last()) else {
+    /// Where it is and every place ahead.
+    pub(super) fn points(&self) -> Vec<PlanPoint> {
+        let ahead = self.ahead.iter().map(|(_, point)| *point);
+        std::iter::once(self.here).chain(ahead).collect()
+    }
+
+    /// Whether its way comes nearer than a distance to a place.
+    pub(super) fn meets(&self, center: EastNorth, distance_m: f64) -> bool {
+        let points = self.points();
+        let last = points.last().copied();
+        let pairs = points.windows(2).map(|pair| (pair[0].at, pair[1].at));
+        let alone = last.map(|last| (last.at, last.at));
+        pairs
+            .chain(alone)
+            .any(|(a, b)| away_m(center, a, b) < distance_m)
+    }
+
+    /// Where it is after some metres of its way; `None` beyond the end, or where it comes
+    /// to rest before.
+    pub(super) fn after(&self, mut gone_m: f64) -> Option<Parting> {
+        let way_m = gone_m;
+        let points = self.points();
+        for (kept, pair) in points.windows(2).enumerate() {
+            let length_m = pair[0].distance_m(pair[1]);
+            if gone_m < length_m {
+                let share = gone_m / length_m;
+                let mix = |a: f64, b: f64| a + (b - a) * share;
+                let point = PlanPoint::new(
+                    mix(pair[0].at.east_m, pair[1].at.east_m),
+                    mix(pair[0].at.north_m, pair[1].at.north_m),
+                    Amsl(mix(pair[0].amsl.0, pair[1].amsl.0)),
+                );
+                return Some(Parting { point, kept, way_m });
+            }
+            gone_m -= length_m;
+        }
+        None
+    }
+
+    /// The legs that are planned anew from a parting, end to end.
+    pub(super) fn legs(&self, parting: &Parting) -> Vec<(PlanPoint, PlanPoint)> {
+        let Some(&(_, last)) = self.ahead.last() else {
             return Vec::new();
         };
-        match self.via.and_then(|index| self.points.get(index)) {
-            Some(&via) => vec![(first, via), (via, last)],
-            None => vec![(first, last)],
+        let via = self.via.filter(|via| *via >= parting.kept);
+        match via.and_then(|via| self.ahead.get(via)) {
+            Some(&(_, via)) => vec![(parting.point, via), (via, last)],
+            None => vec![(parting.point, last)],
         }
+    }
+
+    /// Items from the one at work on, with altitudes above the sea instead of above home.
+    pub(super) fn items_ahead(&self) -> Vec<Item> {
+        let items = self.held.items.iter().enumerate().skip(self.at);
+        items
+            .filter(|(_, item)| item.command != command::NAV_DELAY)
+            .filter(|(_, item)| item.command != command::NAV_TAKEOFF)
+            .map(|(_, item)| above_the_sea(item, &self.held.home))
+            .collect()
+    }
+
+    /// The same of the first places ahead.
+    pub(super) fn items_kept(&self, parting: &Parting) -> Vec<Item> {
+        let places = self.ahead.iter().take(parting.kept);
+        let items = places.filter_map(|(index, _)| self.held.items.get(*index));
+        items
+            .map(|item| above_the_sea(item, &self.held.home))
+            .collect()
+    }
+
+    /// Index of the first item that is not kept.
+    pub(super) fn kept_end(&self, parting: &Parting) -> usize {
+        let last = parting.kept.checked_sub(1);
+        let last = last.and_then(|last| self.ahead.get(last));
+        let none = || {
+            // A takeoff that is under way is not begun again.
+            let items = self.held.items.iter().skip(self.at);
+            let takes_no_way =
+                |item: &&Item| item.command == command::NAV_TAKEOFF || item.place().is_none();
+            self.at + items.take_while(takes_no_way).count()
+        };
+        last.map_or_else(none, |(index, _)| index + 1)
     }
 }
 
-/// What is left of a way after some metres of it.
-fn after(points: Vec<PlanPoint>, mut gone_m: f64) -> Vec<PlanPoint> {
-    for (index, pair) in points.windows(2).enumerate() {
-        let length_m = pair[0].distance_m(pair[1]);
-        if gone_m < length_m {
-            let share = gone_m / length_m;
-            let mix = |a: f64, b: f64| a + (b - a) * share;
-            let first = PlanPoint::new(
-                mix(pair[0].at.east_m, pair[1].at.east_m),
-                mix(pair[0].at.north_m, pair[1].at.north_m),
-                Amsl(mix(pair[0].amsl.0, pair[1].amsl.0)),
-            );
-            let rest = points.iter().skip(index + 1).copied();
-            return std::iter::once(first).chain(rest).collect();
-        }
-        gone_m -= length_m;
+/// An item with an altitude above the sea, if it has one above home.
+fn above_the_sea(item: &Item, home: &Home) -> Item {
+    let mut item = *item;
+    if item.place().is_some() && frame::canonical(item.frame) == frame::GLOBAL_RELATIVE_ALT {
+        item.frame = frame::GLOBAL;
+        item.z += home.amsl_m;
     }
-    points.last().copied().into_iter().collect()
+    item
 }
 
 /// Distance of a point of the plane from a way, metres.
@@ -150,240 +237,4 @@ fn away_m(from: EastNorth, a: EastNorth, b: EastNorth) -> f64 {
         east_m: a.east_m + share * east,
         north_m: a.north_m + share * north,
     })
-}
-
-/// The spec and the world as they are now, vehicle by vehicle.
-struct Present {
-    spec: MissionSpec,
-    world: World,
-    plan: FleetPlan,
-}
-
-/// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
-/// leave the path by one. What fails is planned again with more.
-const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
-
-/// Plans the concerned around the threat and around everyone else, and judges all of it.
-pub(super) fn replan(
-    sorties: &Sorties,
-    threat: &Threat,
-    courses: &[Course],
-    seed: Option<u64>,
-) -> Replanned {
-    let mut hands = HANDS.into_iter();
-    let mut found = replan_with(sorties, threat, courses, seed, hands.next().unwrap_or(1.0));
-    for hand in hands {
-        if found.review.passes() {
-            break;
-        }
-        found = replan_with(sorties, threat, courses, seed, hand);
-    }
-    found
-}
-
-fn replan_with(
-    sorties: &Sorties,
-    threat: &Threat,
-    courses: &[Course],
-    seed: Option<u64>,
-    hand: f64,
-) -> Replanned {
-    let (spec, world) = (&sorties.file.spec, &sorties.world);
-    let mut present = Present {
-        spec: MissionSpec {
-            vehicles: Vec::new(),
-            ..spec.clone()
-        },
-        world: world.clone(),
-        plan: FleetPlan {
-            seed: seed.unwrap_or(spec.planner.seed),
-            vehicles: Vec::new(),
-        },
-    };
-    present.spec.threats.push(threat.clone());
-    present.world.threats.push(Disc {
-        center: world.frame.to_plan(threat.place),
-        radius_m: threat.radius_m,
-    });
-    present.world.stations.clear();
-    // Altitudes above home would be above a home that is none.
-    present.spec.mission.altitude = AltitudeReference::Amsl;
-    present.spec.planner.evaluations = EVALUATIONS.min(spec.planner.evaluations);
-    let climbs_s = courses.iter().map(|course| climb_s(sorties, course));
-    let now_s = climbs_s.fold(0.0, f64::max);
-    let (concerned, others): (Vec<&Course>, Vec<&Course>) =
-        courses.iter().partition(|course| course.is_concerned);
-    for course in &others {
-        let path = course.points.clone();
-        present.keep(sorties, course, &path, now_s);
-    }
-    for course in &concerned {
-        let path = present.search(sorties, course, now_s, hand);
-        present.keep(sorties, course, &path, now_s);
-    }
-    present.judge(&others, &concerned)
-}
-
-/// How long a takeoff to the first point of a course takes, seconds.
-fn climb_s(sorties: &Sorties, course: &Course) -> f64 {
-    let vehicle = &sorties.file.spec.vehicles[course.vehicle];
-    let height_m = course
-        .points
-        .first()
-        .map_or(0.0, |first| first.amsl.0 - ground(&sorties.world, *first).0);
-    height_m.max(0.0) / vehicle.climb_mps
-}
-
-/// The ground below a point; no data is not a number, and then nothing passes.
-fn ground(world: &World, point: PlanPoint) -> Amsl {
-    let place = world.frame.from_plan(point.at);
-    world.terrain.height(place).unwrap_or(Amsl(f64::NAN))
-}
-
-impl Present {
-    /// A vehicle that flies from one point to another, and is at the first at a time.
-    fn add(
-        &mut self,
-        vehicle: &Vehicle,
-        (from, to): (PlanPoint, PlanPoint),
-        finish: Finish,
-        at_s: f64,
-    ) {
-        let end = |point: PlanPoint| EndPoint {
-            place: self.world.frame.from_plan(point.at),
-            altitude: Placement::Amsl(point.amsl),
-        };
-        let home = PlanPoint {
-            amsl: ground(&self.world, from),
-            ..from
-        };
-        let stations = Stations {
-            home,
-            start: from,
-            goal: to,
-            landing: to.at,
-            goal_ground: ground(&self.world, to),
-        };
-        let mut added = Vehicle {
-            home: self.world.frame.from_plan(from.at),
-            start: end(from),
-            goal: end(to),
-            finish,
-            depart_s: 0.0,
-            ..vehicle.clone()
-        };
-        added.depart_s = (at_s - route_start_s(&added, &stations)).max(0.0);
-        self.spec.vehicles.push(added);
-        self.world.stations.push(stations);
-    }
-
-    /// Takes a vehicle with its path into the fleet.
-    fn keep(&mut self, sorties: &Sorties, course: &Course, path: &[PlanPoint], now_s: f64) {
-        let (Some(&from), Some(&to)) = (path.first(), path.last()) else {
-            return;
-        };
-        let vehicle = &sorties.file.spec.vehicles[course.vehicle];
-        let finish = if course.lands {
-            Finish::Land
-        } else {
-            Finish::Loiter
-        };
-        self.add(vehicle, (from, to), finish, now_s);
-        self.plan.vehicles.push(VehiclePlan {
-            routes: vec![Route {
-                control_points: Vec::new(),
-                path: time_route(path, now_s, vehicle.speed_mps, vehicle.accel_mps2),
-            }],
-            ..VehiclePlan::default()
-        });
-    }
-
-    /// A new path for the next vehicle, around those that are in the fleet already.
-    fn search(
-        &mut self,
-        sorties: &Sorties,
-        course: &Course,
-        now_s: f64,
-        hand: f64,
-    ) -> Vec<PlanPoint> {
-        let hand_m = hand * self.spec.mission.tolerance_m;
-        let margins = Margins {
-            clearance_m: hand_m,
-            threat_m: hand_m,
-            separation_m: 2.0 * hand_m,
-            turn_fraction: 0.1,
-            climb_fraction: 0.05,
-        };
-        let vehicle = &sorties.file.spec.vehicles[course.vehicle];
-        let mut path: Vec<PlanPoint> = Vec::new();
-        let mut at_s = now_s;
-        let legs = course.legs();
-        for (number, leg) in legs.iter().enumerate() {
-            let is_last = number + 1 == legs.len();
-            let finish = if is_last && course.lands {
-                Finish::Land
-            } else {
-                Finish::Loiter
-            };
-            self.add(vehicle, *leg, finish, at_s);
-            let request = Request {
-                seed: self.plan.seed,
-                margins: vec![margins; self.spec.vehicles.len()],
-                extra_parameters: Vec::new(),
-                progress: &|_| {},
-            };
-            let first = self.plan.vehicles.len();
-            let found = replan_from(&self.plan, first, &self.spec, &self.world, &request);
-            self.spec.vehicles.pop();
-            self.world.stations.pop();
-            let routes = found.vehicles.get(first).map(VehiclePlan::path);
-            let timed: Vec<TimedPoint> = routes.unwrap_or_default();
-            at_s = timed.last().map_or(at_s, |last| last.t_s);
-            path.extend(timed.iter().skip(usize::from(number > 0)).map(|t| t.point));
-        }
-        path
-    }
-
-    /// Encodes everyone's path, judges all of them together, and makes of the missions of
-    /// the concerned what a vehicle in the air goes on with.
-    fn judge(self, others: &[&Course], concerned: &[&Course]) -> Replanned {
-        let mut missions = Vec::new();
-        let mut problems = Vec::new();
-        for (index, plan) in self.plan.vehicles.iter().enumerate() {
-            let routes: Vec<Vec<TimedPoint>> =
-                plan.routes.iter().map(|route| route.path.clone()).collect();
-            match mission::build(&self.spec, &self.world, index, &routes) {
-                Ok(mission) => missions.push((index, mission)),
-                Err(error) => problems.push(Margin::unjudged(
-                    &self.spec.vehicles[index].id,
-                    "encoding",
-                    error.to_string(),
-                )),
-            }
-        }
-        let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(i, m)| (*i, m)).collect();
-        let mut review = verify::review(&self.spec, &self.world, &judged);
-        review.margins.extend(problems);
-        let order: Vec<usize> = others.iter().chain(concerned).map(|c| c.vehicle).collect();
-        let missions = missions
-            .into_iter()
-            .filter(|(index, _)| *index >= others.len())
-            .filter_map(|(index, mission)| Some((*order.get(index)?, airborne(mission))))
-            .collect();
-        Replanned { missions, review }
-    }
-}
-
-/// The mission for a vehicle that is in the air: its takeoff is a waypoint, and there is
-/// no delay before it.
-fn airborne(mut mission: VehicleMission) -> VehicleMission {
-    mission
-        .items
-        .retain(|item| item.command != command::NAV_DELAY);
-    for item in &mut mission.items {
-        if item.command == command::NAV_TAKEOFF {
-            item.command = command::NAV_WAYPOINT;
-        }
-    }
-    mission
 }

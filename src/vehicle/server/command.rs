@@ -10,6 +10,7 @@ const CUSTOM_MODE_ENABLED: u8 = 1;
 /// Message ids that are sent on request.
 const HOME_POSITION: f32 = 242.0;
 const GLOBAL_POSITION_INT: f32 = 33.0;
+const MISSION_CURRENT: f32 = 42.0;
 const AUTOPILOT_VERSION: f32 = 148.0;
 
 impl Vehicle {
@@ -82,7 +83,9 @@ impl Vehicle {
             }
             Command::SET_MISSION_CURRENT => {
                 let seq = whole(order.params[0]);
-                accepted(seq.is_some_and(|seq| self.set_current(seq)))
+                let is_done = seq.is_some_and(|seq| self.set_current(seq));
+                self.tell_current();
+                accepted(is_done)
             }
             Command::LOITER => accepted(self.set_mode(Mode::Hold.number(self.profile))),
             Command::LAND => accepted(self.set_mode(Mode::Land.number(self.profile))),
@@ -149,6 +152,8 @@ impl Vehicle {
             self.tell_home();
         } else if id.to_bits() == GLOBAL_POSITION_INT.to_bits() && self.pilot.is_some() {
             self.tell_position(now);
+        } else if id.to_bits() == MISSION_CURRENT.to_bits() {
+            self.tell_current();
         } else if id.to_bits() == AUTOPILOT_VERSION.to_bits() {
             let flight_software = self.profile.flight_software();
             self.outbox.push_back(Message::AutopilotVersion {

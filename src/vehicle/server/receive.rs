@@ -185,6 +185,7 @@ impl Vehicle {
         }
         if list == List::Mission {
             self.mission_replaced();
+            self.tell_current();
         }
         self.last = count.checked_sub(1).map(|seq| (partner, list, seq));
         self.acknowledge(partner, list, MissionResult::ACCEPTED);

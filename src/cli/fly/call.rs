@@ -1,0 +1,108 @@
+//! What a flight under way lays open beside its record, for `replan`: where the vehicles are
+//! reached, when T0 was; and what `replan` lays down there for the record.
+
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::Sorties;
+use crate::cli::failure::Failure;
+use crate::cli::{folder, output};
+use crate::flight::Line;
+use crate::report;
+use crate::spec::Link;
+
+/// The two files, and what the first of them says.
+pub(in crate::cli) struct Call {
+    runs: PathBuf,
+    said: Said,
+}
+
+/// What `links.json` says.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(in crate::cli) struct Said {
+    /// Where each vehicle is reached, by its id.
+    pub(in crate::cli) links: std::collections::BTreeMap<String, String>,
+    /// How much faster than the wall's clock the vehicles' time goes.
+    pub(in crate::cli) speedup: f64,
+    /// Milliseconds since 1970 at T0; none before it.
+    pub(in crate::cli) t0_unix_ms: Option<u64>,
+}
+
+impl Call {
+    pub(super) fn new(sorties: &Sorties, links: &[Link], speedup: f64) -> Self {
+        let fleet = &sorties.file.spec.vehicles;
+        let missions = sorties.missions.iter().zip(links);
+        let links = missions.map(|((index, _), link)| (fleet[*index].id.clone(), link.to_string()));
+        Self {
+            runs: folder::runs_folder(&sorties.folder),
+            said: Said {
+                links: links.collect(),
+                speedup,
+                t0_unix_ms: None,
+            },
+        }
+    }
+
+    /// What the flight under way says, if there is one.
+    pub(in crate::cli) fn heard(sorties: &Sorties) -> Option<(Self, Said)> {
+        let runs = folder::runs_folder(&sorties.folder);
+        let bytes = std::fs::read(runs.join("links.json")).ok()?;
+        let said: Said = serde_json::from_slice(&bytes).ok()?;
+        let call = Self {
+            runs,
+            said: said.clone(),
+        };
+        Some((call, said))
+    }
+
+    /// Lays it open.
+    pub(super) fn announce(&self, t0_unix_ms: Option<u64>) -> Result<(), Failure> {
+        let said = Said {
+            t0_unix_ms,
+            ..self.said.clone()
+        };
+        if t0_unix_ms.is_none() {
+            // Left over from a flight that was cut off.
+            let _ = std::fs::remove_file(self.underway());
+        }
+        let text = report::json_text(&said);
+        output::write_file(&self.runs.join("links.json"), text.as_bytes())?;
+        Ok(())
+    }
+
+    /// The flight is over.
+    pub(super) fn withdraw(&self) {
+        // Gone already is as good.
+        let _ = std::fs::remove_file(self.runs.join("links.json"));
+        let _ = std::fs::remove_file(self.underway());
+    }
+
+    fn underway(&self) -> PathBuf {
+        self.runs.join("underway.jsonl")
+    }
+
+    /// Lays lines down for the record.
+    pub(in crate::cli) fn lay_down(&self, lines: &[Line]) -> std::io::Result<()> {
+        let path = self.underway();
+        let mut file = OpenOptions::new().create(true).append(true).open(path)?;
+        let mut text = String::new();
+        for line in lines {
+            text.push_str(&serde_json::to_string(line)?);
+            text.push('\n');
+        }
+        file.write_all(text.as_bytes())
+    }
+
+    /// Whole lines that were laid down after the first `taken` bytes, and how many bytes
+    /// have then been taken.
+    pub(super) fn taken_up(&self, taken: usize) -> (Vec<String>, usize) {
+        let text = std::fs::read_to_string(self.underway()).unwrap_or_default();
+        let fresh = text.get(taken..).unwrap_or_default();
+        let whole = fresh.rfind('\n').map_or("", |end| &fresh[..=end]);
+        let lines = whole.lines().map(str::to_owned).collect();
+        (lines, taken + whole.len())
+    }
+}

@@ -1,0 +1,479 @@
+//! New paths for those who meet the threat, and the verdict on all of them together.
+//!
+//! Planning and verdict know flights from the ground up. A vehicle in the air is given to
+//! them as one that takes off right below where it is, so early that it is there now: from
+//! there on everything is as it will be flown. What is verified of a vehicle are the items
+//! that it has before it, those that it keeps and the new ones.
+
+use super::course::{Course, Parting};
+use crate::cli::fly::Sorties;
+use crate::cost::Margins;
+use crate::flight::{Plan, Reference, Waypoint};
+use crate::geodesy::{Amsl, PlanPoint};
+use crate::mission::{self, Item, VehicleMission, command};
+use crate::path::{TimedPoint, route_start_s, time_route};
+use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
+use crate::spec::{
+    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle,
+};
+use crate::verify::{self, Margin, Review};
+use crate::world::{Disc, Stations, World};
+
+/// Evaluations for each leg: a new path is wanted now.
+const EVALUATIONS: usize = 6000;
+/// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
+/// leave the path by one. What fails is planned again with more.
+const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
+
+/// A vehicle's new mission.
+pub(super) struct Renewed {
+    /// Its index in the spec.
+    pub(super) vehicle: usize,
+    /// What it is sent.
+    pub(super) mission: VehicleMission,
+    /// Index of the first item ahead, and of the first that is new.
+    pub(super) ahead: usize,
+    pub(super) new: usize,
+    /// Where the leg to the first item ahead begins.
+    pub(super) origin: PlanPoint,
+    /// What its flight is held against from then on.
+    pub(super) plan: Plan,
+}
+
+/// What came of it.
+pub(super) struct Replanned {
+    pub(super) renewed: Vec<Renewed>,
+    pub(super) review: Review,
+}
+
+/// What is given: everyone's course, who is concerned and where each of those parts from
+/// its course, and how long after T0 it is now.
+pub(super) struct Situation<'a> {
+    pub(super) sorties: &'a Sorties,
+    pub(super) threat: &'a Threat,
+    pub(super) others: Vec<Course>,
+    pub(super) concerned: Vec<(Course, Parting)>,
+    pub(super) now_s: f64,
+    pub(super) seed: Option<u64>,
+}
+
+/// Plans the concerned around the threat and around everyone else, and judges all of it.
+pub(super) fn replan(situation: &Situation<'_>) -> Replanned {
+    let mut hands = HANDS.into_iter();
+    let mut found = Present::of(situation).replan(hands.next().unwrap_or(1.0));
+    for hand in hands {
+        if found.review.passes() {
+            break;
+        }
+        found = Present::of(situation).replan(hand);
+    }
+    found
+}
+
+/// The spec and the world as they are now, vehicle by vehicle.
+struct Present<'a> {
+    given: &'a Situation<'a>,
+    spec: MissionSpec,
+    world: World,
+    plan: FleetPlan,
+    missions: Vec<VehicleMission>,
+    problems: Vec<Margin>,
+    /// Now, on the clock of the verdict: everyone has had the time to rise.
+    now_s: f64,
+}
+
+impl<'a> Present<'a> {
+    fn of(given: &'a Situation<'a>) -> Self {
+        let (spec, world) = (&given.sorties.file.spec, &given.sorties.world);
+        let mut present = Self {
+            given,
+            spec: MissionSpec {
+                vehicles: Vec::new(),
+                ..spec.clone()
+            },
+            world: world.clone(),
+            plan: FleetPlan {
+                seed: given.seed.unwrap_or(spec.planner.seed),
+                vehicles: Vec::new(),
+            },
+            missions: Vec::new(),
+            problems: Vec::new(),
+            now_s: 0.0,
+        };
+        present.spec.threats.push(given.threat.clone());
+        present.world.threats.push(Disc {
+            center: world.frame.to_plan(given.threat.place),
+            radius_m: given.threat.radius_m,
+        });
+        present.world.stations.clear();
+        // Altitudes above home would be above a home that is none.
+        present.spec.mission.altitude = AltitudeReference::Amsl;
+        present.spec.planner.evaluations = EVALUATIONS.min(spec.planner.evaluations);
+        let climb_s = |course: &Course| {
+            let height_m = course.here.amsl.0 - ground(world, course.here).0;
+            height_m.max(0.0) / spec.vehicles[course.vehicle].climb_mps
+        };
+        let all = given
+            .others
+            .iter()
+            .chain(given.concerned.iter().map(|of| &of.0));
+        let longest_s = all.map(climb_s).fold(0.0, f64::max);
+        present.now_s = longest_s.ceil() + 1.0;
+        present
+    }
+
+    fn replan(mut self, hand: f64) -> Replanned {
+        let given = self.given;
+        for course in &given.others {
+            if course.stands {
+                self.keep_standing(course);
+            } else {
+                self.keep(course);
+            }
+        }
+        let mut renewed = Vec::new();
+        for (course, parting) in &given.concerned {
+            renewed.extend(self.renew(course, parting, hand));
+        }
+        self.judge(renewed)
+    }
+
+    fn vehicle(&self, course: &Course) -> &'a Vehicle {
+        &self.given.sorties.file.spec.vehicles[course.vehicle]
+    }
+
+    fn problem(&mut self, course: &Course, what: &str, why: impl Into<String>) {
+        let id = &self.vehicle(course).id;
+        self.problems.push(Margin::unjudged(id, what, why));
+    }
+
+    /// A vehicle that flies from one point to another, and is at the first at a time.
+    fn add(
+        &mut self,
+        vehicle: &Vehicle,
+        (from, to): (PlanPoint, PlanPoint),
+        lands: bool,
+        at_s: f64,
+    ) {
+        let end = |point: PlanPoint| EndPoint {
+            place: self.world.frame.from_plan(point.at),
+            altitude: Placement::Amsl(point.amsl),
+        };
+        let stations = Stations {
+            home: PlanPoint {
+                amsl: ground(&self.world, from),
+                ..from
+            },
+            start: from,
+            goal: to,
+            landing: to.at,
+            goal_ground: ground(&self.world, to),
+        };
+        let mut added = Vehicle {
+            home: self.world.frame.from_plan(from.at),
+            start: end(from),
+            goal: end(to),
+            finish: if lands { Finish::Land } else { Finish::Loiter },
+            depart_s: 0.0,
+            ..vehicle.clone()
+        };
+        added.depart_s = (at_s - route_start_s(&added, &stations)).max(0.0);
+        self.spec.vehicles.push(added);
+        self.world.stations.push(stations);
+    }
+
+    fn drop_last(&mut self) {
+        self.spec.vehicles.pop();
+        self.world.stations.pop();
+    }
+
+    /// Takes the last vehicle that was added into the fleet, with its way and its items.
+    fn settle(&mut self, routes: Vec<Route>, mission: VehicleMission) {
+        self.plan.vehicles.push(VehiclePlan {
+            routes,
+            ..VehiclePlan::default()
+        });
+        self.missions.push(mission);
+    }
+
+    fn route(&self, course: &Course, path: &[PlanPoint], at_s: f64) -> Route {
+        let vehicle = self.vehicle(course);
+        Route {
+            control_points: Vec::new(),
+            path: time_route(path, at_s, vehicle.speed_mps, vehicle.accel_mps2),
+        }
+    }
+
+    /// The last vehicle that was added as it takes off: delay, takeoff, speed. The items
+    /// that follow are another's.
+    fn head(&self, routes: &[Vec<TimedPoint>]) -> Result<VehicleMission, mission::MissionError> {
+        let index = self.spec.vehicles.len().saturating_sub(1);
+        let mut built =
+            mission::build_course(&self.spec, &self.world, index, routes, routes.len())?;
+        built.items.truncate(head_len(&built.items));
+        Ok(built)
+    }
+
+    /// A vehicle that is not concerned goes on as it does.
+    fn keep(&mut self, course: &Course) {
+        let points = course.points();
+        let last = points.last().copied().unwrap_or(course.here);
+        let at_s = self.now_s + course.rises_s;
+        self.add(
+            self.vehicle(course),
+            (course.here, last),
+            course.lands,
+            at_s,
+        );
+        let straight = self.route(course, &[course.here, last], at_s).path;
+        match self.head(&[straight]) {
+            Ok(mut mission) => {
+                mission.items.extend(course.items_ahead());
+                let route = self.route(course, &points, at_s);
+                self.settle(vec![route], mission);
+            }
+            Err(error) => {
+                self.drop_last();
+                self.problem(course, "encoding", error.to_string());
+            }
+        }
+    }
+
+    /// A vehicle that has not taken off will do so at its time.
+    fn keep_standing(&mut self, course: &Course) {
+        let (spec, world) = (&self.given.sorties.file.spec, &self.given.sorties.world);
+        let (Some(vehicle), Some(stations)) = (
+            spec.vehicles.get(course.vehicle),
+            world.stations.get(course.vehicle),
+        ) else {
+            return;
+        };
+        let waits_s = (vehicle.depart_s - self.given.now_s).max(0.0);
+        let depart_s = self.now_s + waits_s;
+        let mut mission = course.held.clone();
+        mission
+            .items
+            .retain(|item| item.command != command::NAV_DELAY);
+        #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
+        let delay_s = depart_s as f32;
+        let wait = Item::without_place(command::NAV_DELAY, [delay_s, -1.0, -1.0, -1.0]);
+        mission.items.insert(0, wait);
+        let vehicle = Vehicle {
+            depart_s,
+            ..vehicle.clone()
+        };
+        let route_s = route_start_s(&vehicle, stations);
+        self.spec.vehicles.push(vehicle);
+        self.world.stations.push(*stations);
+        let route = self.route(course, &course.points(), route_s);
+        self.settle(vec![route], mission);
+    }
+
+    /// A new path from where a concerned vehicle parts from its course.
+    fn renew(&mut self, course: &Course, parting: &Parting, hand: f64) -> Option<Renewed> {
+        let vehicle = self.vehicle(course);
+        let now_s = self.now_s + course.rises_s;
+        let at_s = now_s + parting.way_m / vehicle.speed_mps;
+        let mut legs = self.search(course, parting, at_s, hand);
+        let kept: Vec<PlanPoint> = course.points().into_iter().take(parting.kept + 1).collect();
+        let turn = kept.last().copied().unwrap_or(course.here);
+        let last = legs.last().and_then(|leg| leg.last()).copied()?;
+        legs.first_mut()?.insert(0, turn);
+        // The new items begin where the last one that is kept lies.
+        self.add(vehicle, (turn, last), course.lands, at_s);
+        let index = self.spec.vehicles.len() - 1;
+        let routes: Vec<Vec<TimedPoint>> = legs
+            .iter()
+            .map(|leg| self.route(course, leg, at_s).path)
+            .collect();
+        let built = mission::build_course(&self.spec, &self.world, index, &routes, routes.len());
+        self.drop_last();
+        self.add(vehicle, (course.here, last), course.lands, now_s);
+        let straight = self.route(course, &[course.here, last], now_s).path;
+        let (built, head) = match built.and_then(|built| Ok((built, self.head(&[straight])?))) {
+            Ok(found) => found,
+            Err(error) => {
+                self.drop_last();
+                self.problem(course, "encoding", error.to_string());
+                return None;
+            }
+        };
+        let mut new: Vec<Item> = built.items[head_len(&built.items)..].to_vec();
+        let renewed = self.renewed(course, parting, &head, &mut new);
+        let mut judged = head;
+        judged.items.extend(course.items_kept(parting));
+        judged.items.extend(new);
+        let whole: Vec<PlanPoint> = kept
+            .into_iter()
+            .chain(legs.concat().into_iter().skip(1))
+            .collect();
+        let route = self.route(course, &whole, now_s);
+        self.settle(vec![route], judged);
+        if renewed.is_none() {
+            let why = "its items ahead are not one after the other";
+            self.problem(course, "items ahead", why);
+        }
+        renewed
+    }
+
+    /// The new mission as the vehicle is sent it. ArduPilot keeps the items that it has
+    /// flown, and with them its place in the list; PX4 gets what lies ahead.
+    fn renewed(
+        &self,
+        course: &Course,
+        parting: &Parting,
+        head: &VehicleMission,
+        new: &mut Vec<Item>,
+    ) -> Option<Renewed> {
+        let (held, kept_end) = (&course.held, course.kept_end(parting));
+        let begin = match held.autopilot {
+            Autopilot::ArduPilot => 0,
+            Autopilot::Px4 => course.at,
+        };
+        let first = kept_end - parting.kept;
+        let is_contiguous = course
+            .ahead
+            .first()
+            .is_none_or(|(index, _)| parting.kept == 0 || *index == first);
+        let before = held.items.get(begin..kept_end)?;
+        if before.len() + new.len() == held.items.len() {
+            // Another number of items tells the vehicle's plans apart.
+            split(new, course, parting, &self.world);
+        }
+        let mission = VehicleMission {
+            home: held.home,
+            items: before.iter().chain(new.iter()).copied().collect(),
+            ..head.clone()
+        };
+        let frame = self.world.frame;
+        let items = mission.items.len();
+        (is_contiguous && first >= begin).then(|| Renewed {
+            vehicle: course.vehicle,
+            mission,
+            ahead: first - begin,
+            new: kept_end - begin,
+            origin: course.origin,
+            plan: Plan {
+                items,
+                reference: Reference::of_waypoints(Vec::new(), (0.0, course.lands), frame),
+            },
+        })
+    }
+
+    /// New paths, leg by leg, around those that are in the fleet already.
+    fn search(
+        &mut self,
+        course: &Course,
+        parting: &Parting,
+        mut at_s: f64,
+        hand: f64,
+    ) -> Vec<Vec<PlanPoint>> {
+        let hand_m = hand * self.spec.mission.tolerance_m;
+        let margins = Margins {
+            clearance_m: hand_m,
+            threat_m: hand_m,
+            separation_m: 2.0 * hand_m,
+            turn_fraction: 0.1,
+            climb_fraction: 0.05,
+        };
+        let legs = course.legs(parting);
+        let mut paths = Vec::new();
+        for (number, leg) in legs.iter().enumerate() {
+            let is_last = number + 1 == legs.len();
+            self.add(self.vehicle(course), *leg, is_last && course.lands, at_s);
+            let request = Request {
+                seed: self.plan.seed,
+                margins: vec![margins; self.spec.vehicles.len()],
+                extra_parameters: Vec::new(),
+                progress: &|_| {},
+            };
+            let first = self.plan.vehicles.len();
+            let found = replan_from(&self.plan, first, &self.spec, &self.world, &request);
+            self.drop_last();
+            let timed: Vec<TimedPoint> = found
+                .vehicles
+                .get(first)
+                .map(VehiclePlan::path)
+                .unwrap_or_default();
+            at_s = timed.last().map_or(at_s, |last| last.t_s);
+            paths.push(timed.iter().map(|timed| timed.point).collect());
+        }
+        paths
+    }
+
+    /// Judges everyone together, and times the new plans by that.
+    fn judge(self, mut renewed: Vec<Renewed>) -> Replanned {
+        let judged: Vec<(usize, &VehicleMission)> = self.missions.iter().enumerate().collect();
+        let mut review = verify::review(&self.spec, &self.world, &judged);
+        review.margins.extend(self.problems);
+        let others = self.missions.len() - renewed.len().min(self.missions.len());
+        let shift_s = self.given.now_s - self.now_s;
+        for (renewed, index) in renewed.iter_mut().zip(others..) {
+            let (Some(mission), Some(track)) = (self.missions.get(index), review.tracks.get(index))
+            else {
+                continue;
+            };
+            let reference = Reference::new(mission, track, &self.world);
+            let head = head_len(&mission.items);
+            let timed = |waypoint: &Waypoint| Waypoint {
+                t_s: waypoint.t_s + shift_s,
+                ..*waypoint
+            };
+            let ahead = reference.waypoints.iter().filter(|w| w.item > head);
+            let ahead = ahead.map(|waypoint| Waypoint {
+                item: waypoint.item - head + renewed.ahead,
+                ..timed(waypoint)
+            });
+            let origin = Waypoint {
+                item: renewed.ahead,
+                point: renewed.origin,
+                t_s: self.given.now_s,
+            };
+            renewed.plan.reference = Reference::of_waypoints(
+                std::iter::once(origin).chain(ahead).collect(),
+                (reference.end_s + shift_s, reference.lands),
+                self.world.frame,
+            );
+        }
+        Replanned { renewed, review }
+    }
+}
+
+/// Items before the first that is flown to after a takeoff.
+fn head_len(items: &[Item]) -> usize {
+    let is_head = |item: &&Item| item.command == command::NAV_TAKEOFF || item.place().is_none();
+    items.iter().take_while(is_head).count()
+}
+
+/// Puts a waypoint into the middle of the first new leg, on it.
+fn split(new: &mut Vec<Item>, course: &Course, parting: &Parting, world: &World) {
+    let before = course.points().get(parting.kept).copied();
+    let (Some(before), Some(&first)) = (before, new.first()) else {
+        return;
+    };
+    let Some(place) = first.place() else { return };
+    let (a, b) = (before.at, world.frame.to_plan(place));
+    let middle = world.frame.from_plan(crate::geodesy::EastNorth {
+        east_m: 0.5 * (a.east_m + b.east_m),
+        north_m: 0.5 * (a.north_m + b.north_m),
+    });
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "degrees in 1e-7 and metres as missions have them"
+    )]
+    let item = Item {
+        command: command::NAV_WAYPOINT,
+        params: [0.0, first.params[1], first.params[2], first.params[3]],
+        x: (middle.lat_deg * 1e7).round() as i32,
+        y: (middle.lon_deg * 1e7).round() as i32,
+        z: (0.5 * (before.amsl.0 + f64::from(first.z))) as f32,
+        ..first
+    };
+    new.insert(0, item);
+}
+
+/// The ground below a point; no data is not a number, and then nothing passes.
+fn ground(world: &World, point: PlanPoint) -> Amsl {
+    let place = world.frame.from_plan(point.at);
+    world.terrain.height(place).unwrap_or(Amsl(f64::NAN))
+}

@@ -1,0 +1,92 @@
+//! What `replan` did, on paper and on screen.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use super::Decision;
+use crate::cli::console::out;
+use crate::cli::failure::Failure;
+use crate::cli::fly::Sorties;
+use crate::cli::table::Rows;
+use crate::cli::{delivery, folder, output};
+use crate::report;
+use crate::spec::Threat;
+
+/// How each vehicle that was sent a new mission took it.
+type Told = BTreeMap<usize, Result<(), String>>;
+
+/// Writes what was done beside the record of the flight.
+pub(super) fn record(
+    sorties: &Sorties,
+    threat: &Threat,
+    decision: &Decision,
+    told: &Told,
+) -> Result<(), Failure> {
+    let fleet = &sorties.file.spec.vehicles;
+    let renewed = &decision.replanned.renewed;
+    let vehicles: Vec<Value> = renewed
+        .iter()
+        .map(|renewed| {
+            let index = renewed.vehicle;
+            let outcome = told.get(&index);
+            let items: Vec<Value> = renewed
+                .mission
+                .items
+                .iter()
+                .filter_map(|item| {
+                    let place = item.place()?;
+                    Some(json!({"lat_deg": place.lat_deg, "lon_deg": place.lon_deg, "amsl_m": item.z}))
+                })
+                .collect();
+            json!({
+                "id": fleet[index].id,
+                "on_new_path": outcome.is_some_and(Result::is_ok),
+                "reason": outcome.and_then(|outcome| outcome.as_ref().err()),
+                "items": items,
+            })
+        })
+        .collect();
+    let document = json!({
+        "sortie": env!("CARGO_PKG_VERSION"),
+        "threat": {
+            "id": threat.id,
+            "lat_deg": threat.place.lat_deg,
+            "lon_deg": threat.place.lon_deg,
+            "radius_m": threat.radius_m,
+        },
+        "planning_s": decision.planned_s,
+        "vehicles": vehicles,
+    });
+    let runs = folder::runs_folder(&sorties.folder);
+    let text = report::json_text(&document);
+    let named = format!("replan-{}.json", delivery::seconds_since_1970());
+    output::write_file(&runs.join(named), text.as_bytes())?;
+    output::write_file(&runs.join("replan.json"), text.as_bytes())?;
+    Ok(())
+}
+
+pub(super) fn tell(sorties: &Sorties, decision: &Decision, told: &Told) -> Result<(), Failure> {
+    let mut rows = Rows::new(&["vehicle", "on its way", "items", ""]);
+    for course in &decision.courses {
+        let index = course.vehicle;
+        let renewed = &decision.replanned.renewed;
+        let mission = renewed.iter().find(|of| of.vehicle == index);
+        let (what, result) = match told.get(&index) {
+            None => ("is not concerned", "not touched".to_owned()),
+            Some(Ok(())) => ("meets the threat", "on its new path".to_owned()),
+            Some(Err(why)) => ("meets the threat", why.clone()),
+        };
+        rows.add([
+            sorties.file.spec.vehicles[index].id.clone(),
+            what.to_owned(),
+            mission.map_or_else(|| "-".to_owned(), |of| of.mission.items.len().to_string()),
+            result,
+        ]);
+    }
+    out(&rows.to_string())?;
+    out(&format!(
+        "planned and verified in {:.2} s",
+        decision.planned_s
+    ))
+}

@@ -1,0 +1,336 @@
+//! `flight.jsonl`: one thing that happened on each line, and the record made of them again.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::document::rounded;
+use super::end::End;
+use super::fleet::Event;
+use super::record::{Fix, Flight, Plan, PopUp, Record};
+use super::reference::{Reference, Waypoint};
+use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
+use crate::spec::Threat;
+
+/// One line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Line {
+    /// What was flown, when.
+    Head {
+        /// Version of Sortie.
+        sortie: String,
+        /// SHA-256 of the spec file.
+        spec_sha256: String,
+        /// How much faster than the wall's clock the vehicles' time went.
+        speedup: f64,
+        /// Ids of the vehicles in the order of the spec.
+        vehicles: Vec<String>,
+    },
+    /// T0 on the wall's clock.
+    Start {
+        /// Seconds since 1970.
+        t0_unix_s: u64,
+    },
+    /// A vehicle has a plan, the first or another one.
+    Plan {
+        /// Since when, seconds after T0.
+        t_s: f64,
+        /// Id in the spec.
+        vehicle: String,
+        /// The plan.
+        plan: PlanLine,
+    },
+    /// A threat has come up.
+    Threat {
+        /// When, seconds after T0.
+        t_s: f64,
+        /// Which.
+        threat: ThreatLine,
+    },
+    /// Where a vehicle was.
+    Fix(FixLine),
+    /// A vehicle said that it reached an item.
+    Reached {
+        /// When, seconds after T0.
+        t_s: f64,
+        /// Id in the spec.
+        vehicle: String,
+        /// Row of the `.waypoints` file.
+        reached: usize,
+    },
+    /// How a vehicle's flight ended.
+    End {
+        /// Id in the spec.
+        vehicle: String,
+        /// In the words of [`End::words`].
+        end: String,
+    },
+    /// Something that an operator read.
+    Event {
+        /// Seconds after T0; null before it.
+        t_s: Option<f64>,
+        /// Whom it is about; null for all.
+        vehicle: Option<String>,
+        /// What.
+        event: String,
+    },
+}
+
+/// A plan on a line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PlanLine {
+    items: usize,
+    end_s: f64,
+    lands: bool,
+    waypoints: Vec<WaypointLine>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct WaypointLine {
+    item: usize,
+    lat_deg: f64,
+    lon_deg: f64,
+    amsl_m: f64,
+    t_s: f64,
+}
+
+/// A threat on a line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ThreatLine {
+    id: String,
+    lat_deg: f64,
+    lon_deg: f64,
+    radius_m: f64,
+}
+
+/// A position on a line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FixLine {
+    t_s: f64,
+    vehicle: String,
+    lat_deg: f64,
+    lon_deg: f64,
+    amsl_m: f64,
+    speed_mps: f64,
+    item: usize,
+    #[serde(default)]
+    items: usize,
+}
+
+/// A line that says nothing, or what cannot be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {why}")]
+pub struct Broken {
+    /// From 1.
+    pub line: usize,
+    /// What is wrong.
+    pub why: String,
+}
+
+impl Line {
+    /// A position.
+    #[must_use]
+    pub fn of_fix(vehicle: &str, fix: &Fix) -> Self {
+        Self::Fix(FixLine {
+            t_s: rounded(fix.t_s),
+            vehicle: vehicle.to_owned(),
+            lat_deg: fix.place.lat_deg,
+            lon_deg: fix.place.lon_deg,
+            amsl_m: fix.amsl.0,
+            speed_mps: fix.speed_mps,
+            item: fix.item,
+            items: fix.items,
+        })
+    }
+
+    /// Something that happened.
+    #[must_use]
+    pub fn of_event(event: &Event) -> Self {
+        Self::Event {
+            t_s: event.t_s.map(rounded),
+            vehicle: event.vehicle.clone(),
+            event: event.text.clone(),
+        }
+    }
+
+    /// A plan.
+    #[must_use]
+    pub fn of_plan(vehicle: &str, t_s: f64, plan: &Plan) -> Self {
+        let reference = &plan.reference;
+        let waypoint = |waypoint: &Waypoint| {
+            let place = reference.frame().from_plan(waypoint.point.at);
+            WaypointLine {
+                item: waypoint.item,
+                lat_deg: place.lat_deg,
+                lon_deg: place.lon_deg,
+                amsl_m: waypoint.point.amsl.0,
+                t_s: rounded(waypoint.t_s),
+            }
+        };
+        Self::Plan {
+            t_s: rounded(t_s),
+            vehicle: vehicle.to_owned(),
+            plan: PlanLine {
+                items: plan.items,
+                end_s: rounded(reference.end_s),
+                lands: reference.lands,
+                waypoints: reference.waypoints.iter().map(waypoint).collect(),
+            },
+        }
+    }
+
+    /// A threat that has come up.
+    #[must_use]
+    pub fn of_popup(popup: &PopUp) -> Self {
+        Self::Threat {
+            t_s: rounded(popup.from_s),
+            threat: ThreatLine {
+                id: popup.threat.id.clone(),
+                lat_deg: popup.threat.place.lat_deg,
+                lon_deg: popup.threat.place.lon_deg,
+                radius_m: popup.threat.radius_m,
+            },
+        }
+    }
+}
+
+impl PlanLine {
+    fn plan(self, frame: LocalFrame) -> Result<Plan, String> {
+        let waypoint = |line: WaypointLine| {
+            let place = place(line.lat_deg, line.lon_deg)?;
+            Ok(Waypoint {
+                item: line.item,
+                point: PlanPoint {
+                    at: frame.to_plan(place),
+                    amsl: Amsl(line.amsl_m),
+                },
+                t_s: line.t_s,
+            })
+        };
+        let waypoints = self.waypoints.into_iter().map(waypoint);
+        let waypoints = waypoints.collect::<Result<Vec<_>, String>>()?;
+        Ok(Plan {
+            items: self.items,
+            reference: Reference::of_waypoints(waypoints, (self.end_s, self.lands), frame),
+        })
+    }
+}
+
+fn place(lat_deg: f64, lon_deg: f64) -> Result<LatLon, String> {
+    LatLon::new(lat_deg, lon_deg).map_err(|error| error.to_string())
+}
+
+/// Reads a record; `frame` is that of the spec.
+///
+/// # Errors
+/// [`Broken`], with the first line that is none of a record. A last line that was cut off
+/// is left out: so does a flight end whose computer stopped.
+pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
+    let mut reading = Reading {
+        frame,
+        record: Record {
+            speedup: 1.0,
+            ..Record::default()
+        },
+        places: BTreeMap::new(),
+    };
+    let count = text.lines().count();
+    for (index, text) in text.lines().enumerate() {
+        if text.trim().is_empty() {
+            continue;
+        }
+        let broken = |why: String| Broken {
+            line: index + 1,
+            why,
+        };
+        match serde_json::from_str::<Line>(text) {
+            Ok(line) => reading.take(line).map_err(broken)?,
+            Err(_) if index + 1 == count && count > 1 => {}
+            Err(_) => return Err(broken("is no line of a flight record".to_owned())),
+        }
+    }
+    if reading.record.flights.is_empty() {
+        let why = "no position of any vehicle".to_owned();
+        return Err(Broken { line: 1, why });
+    }
+    Ok(reading.record)
+}
+
+struct Reading {
+    frame: LocalFrame,
+    record: Record,
+    places: BTreeMap<String, usize>,
+}
+
+impl Reading {
+    fn of(&mut self, vehicle: &str) -> &mut Flight {
+        let flights = &mut self.record.flights;
+        let index = *self.places.entry(vehicle.to_owned()).or_insert_with(|| {
+            flights.push(Flight {
+                vehicle: vehicle.to_owned(),
+                plans: Vec::new(),
+                flown: super::Flown::default(),
+            });
+            flights.len() - 1
+        });
+        &mut flights[index]
+    }
+
+    fn take(&mut self, line: Line) -> Result<(), String> {
+        match line {
+            Line::Head {
+                spec_sha256,
+                speedup,
+                vehicles,
+                ..
+            } => {
+                self.record.spec_sha256 = spec_sha256;
+                self.record.speedup = speedup;
+                for vehicle in &vehicles {
+                    self.of(vehicle);
+                }
+            }
+            Line::Start { t0_unix_s } => self.record.t0_unix_s = t0_unix_s,
+            Line::Plan { vehicle, plan, .. } => {
+                let plan = plan.plan(self.frame)?;
+                self.of(&vehicle).plans.push(plan);
+            }
+            Line::Threat { t_s, threat } => {
+                let place = place(threat.lat_deg, threat.lon_deg)?;
+                self.record.popups.push(PopUp {
+                    from_s: t_s,
+                    threat: Threat {
+                        id: threat.id,
+                        kind: "popup".to_owned(),
+                        place,
+                        radius_m: threat.radius_m,
+                    },
+                });
+            }
+            Line::Fix(line) => {
+                let fix = Fix {
+                    t_s: line.t_s,
+                    place: place(line.lat_deg, line.lon_deg)?,
+                    amsl: Amsl(line.amsl_m),
+                    speed_mps: line.speed_mps,
+                    item: line.item,
+                    items: line.items,
+                };
+                let fixes = &mut self.of(&line.vehicle).flown.fixes;
+                if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
+                    return Err(format!("{} is not later than the line before", line.t_s));
+                }
+                fixes.push(fix);
+            }
+            Line::Reached {
+                t_s,
+                vehicle,
+                reached,
+            } => self.of(&vehicle).flown.reached.push((reached, t_s)),
+            Line::End { vehicle, end } => self.of(&vehicle).flown.end = End::of_words(&end),
+            Line::Event { .. } => {}
+        }
+        Ok(())
+    }
+}
