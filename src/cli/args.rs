@@ -493,8 +493,37 @@ pub(super) enum Study {
     Merge(Merge),
     /// How many costs a second the objective gives on this machine
     Speed(Speed),
+    /// How planning grows with the fleet: time, memory, evaluations, violations, cost
+    Fleet(FleetStudy),
     /// Write a mission spec made of a seed: ridges, belts of threats, dead ends, narrow passes
     Scenario(Scenario),
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct FleetStudy {
+    /// Keep the missions and what was planned in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Numbers of vehicles
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100,300,1000", value_parser = fleet_size)]
+    pub(super) sizes: Vec<usize>,
+    /// Objective evaluations for each plan
+    #[arg(long, value_name = "N", default_value_t = 1000)]
+    pub(super) evaluations: usize,
+    /// Compare the cost of fleets of up to this many vehicles with that at 40 000 evaluations
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    pub(super) compare_to: usize,
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+fn fleet_size(text: &str) -> Result<usize, String> {
+    let most = crate::study::MOST_DELIVERIES;
+    text.parse()
+        .ok()
+        .filter(|size| (1..=most).contains(size))
+        .ok_or_else(|| format!("not a number of vehicles from 1 to {most}"))
 }
 
 #[derive(Debug, clap::Args)]

@@ -17,6 +17,13 @@ pub(super) struct Failure {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Code(u8);
 
+impl Code {
+    /// The number that the process ends with.
+    pub(super) fn number(self) -> i32 {
+        self.0.into()
+    }
+}
+
 impl From<Code> for ExitCode {
     fn from(code: Code) -> Self {
         Self::from(code.0)

@@ -58,7 +58,7 @@ pub(super) fn write(
     file: &SpecFile,
     world: &World,
     dispatched: &Dispatched,
-    timing: &serde_json::Value,
+    timing: &dyn Fn() -> serde_json::Value,
 ) -> Result<(), Failure> {
     let (spec, review) = (&file.spec, &dispatched.review);
     let folder = NewFolder::beside(out, in_the_way)?;
@@ -122,7 +122,7 @@ pub(super) fn write(
         version: env!("CARGO_PKG_VERSION"),
     });
     folder.write("review.html", page.as_bytes())?;
-    folder.write("timing.json", report::json_text(timing).as_bytes())?;
+    folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
     folder.publish()?;
     Ok(())
 }

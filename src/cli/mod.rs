@@ -19,12 +19,14 @@ mod progress;
 mod replan;
 mod review;
 mod study;
+mod study_fleet;
 mod table;
 mod terrain;
 mod terrain_export;
 mod terrain_fetch;
 mod terrain_transfer;
 mod upload;
+mod usage;
 mod vehicles;
 
 use std::ffi::OsString;

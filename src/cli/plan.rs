@@ -14,6 +14,7 @@ use super::folder;
 use super::progress::Progress;
 use super::table::{self, Rows};
 use super::upload;
+use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::report;
@@ -44,12 +45,16 @@ impl Stopwatch {
             .push((stage, self.started.elapsed().as_secs_f64() - before));
     }
 
+    /// The stages so far, and what all of it took of the machine.
     fn json(&self) -> Value {
-        self.stages
+        let mut document: serde_json::Map<String, Value> = self
+            .stages
             .iter()
             .map(|(stage, seconds)| ((*stage).to_owned(), json!(seconds)))
-            .collect::<serde_json::Map<_, _>>()
-            .into()
+            .collect();
+        document.insert("cpu_s".to_owned(), json!(usage::cpu_s()));
+        document.insert("memory_mib".to_owned(), json!(usage::most_memory_mib()));
+        document.into()
     }
 
     fn total_s(&self) -> f64 {
@@ -69,7 +74,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         .out
         .clone()
         .unwrap_or_else(|| PathBuf::from("out").join(&file.spec.name));
-    folder::write(&target, &file, &world, &dispatched, &watch.json())?;
+    folder::write(&target, &file, &world, &dispatched, &|| watch.json())?;
     watch.lap("write_s");
 
     let passes = dispatched.review.passes();

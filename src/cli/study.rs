@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use super::args;
 use super::console::out;
 use super::failure::Failure;
+use super::study_fleet;
 use crate::report::json_text;
 use crate::spec::SpecError;
 use crate::study::{
@@ -19,6 +20,7 @@ pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
     match arguments {
         args::Study::Paper(arguments) => paper(arguments),
         args::Study::Speed(arguments) => measured(arguments),
+        args::Study::Fleet(arguments) => study_fleet::run(arguments),
         args::Study::Scenario(arguments) => made(arguments),
         args::Study::Merge(arguments) => {
             let (config, records) = merge(&arguments.shards, &arguments.out)?;

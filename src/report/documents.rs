@@ -49,6 +49,8 @@ pub struct PlannedVehicle {
     pub gap: Option<f64>,
     /// Objective evaluations spent.
     pub evaluations: usize,
+    /// How often it was planned: again where a plan met earlier vehicles or failed verification.
+    pub plans: usize,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
@@ -200,6 +202,7 @@ fn planned_vehicle(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> P
         estimate: finite(planned.estimate),
         gap: finite(planned.gap()),
         evaluations: planned.evaluations,
+        plans: planned.plans,
         control_points: planned
             .routes
             .iter()

@@ -1,0 +1,48 @@
+//! What this process has taken of the machine, where the system tells: Linux.
+
+use std::fs;
+
+/// Ticks of a second in `/proc`, on every architecture of Linux.
+const TICKS: f64 = 100.0;
+
+/// Time of all processors, seconds.
+pub(super) fn cpu_s() -> Option<f64> {
+    cpu_of(&fs::read_to_string("/proc/self/stat").ok()?)
+}
+
+/// User and system time of a line of `/proc/PID/stat`: the 14th and 15th field. The second
+/// is the name of the program, which may hold anything, in brackets.
+fn cpu_of(stat: &str) -> Option<f64> {
+    let (_, rest) = stat.rsplit_once(')')?;
+    let mut fields = rest.split_whitespace().skip(11);
+    let mut ticks = || fields.next()?.parse::<f64>().ok();
+    Some((ticks()? + ticks()?) / TICKS)
+}
+
+/// Most memory in use at once, MiB.
+pub(super) fn most_memory_mib() -> Option<f64> {
+    memory_of(&fs::read_to_string("/proc/self/status").ok()?)
+}
+
+fn memory_of(status: &str) -> Option<f64> {
+    let line = status
+        .lines()
+        .find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kib: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib / 1024.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{cpu_of, memory_of};
+
+    #[test]
+    fn times_and_memory_are_read_from_what_linux_writes() {
+        let stat = "7 (a) b) R 1 7 7 0 -1 4 90 0 0 0 1234 66 0 0 20 0 3 0 100 0 0";
+        assert_eq!(cpu_of(stat), Some(13.0));
+        assert_eq!(cpu_of("7 (a"), None);
+        let status = "Name:\tsortie\nVmPeak:\t  9000 kB\nVmHWM:\t    2048 kB\n";
+        assert_eq!(memory_of(status), Some(2.0));
+        assert_eq!(memory_of("VmHWM: much"), None);
+    }
+}
