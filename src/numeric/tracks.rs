@@ -174,6 +174,12 @@ impl Tracks {
         self.tracks.is_empty()
     }
 
+    /// All of them, by number.
+    #[must_use]
+    pub fn all(&self) -> &[Track] {
+        &self.tracks
+    }
+
     /// Adds tracks; their numbers go on from [`Self::len`].
     pub fn extend(&mut self, tracks: impl IntoIterator<Item = Track>) {
         let mut first = self.tracks.len();

@@ -7,6 +7,7 @@ use crate::geodesy::LocalFrame;
 use crate::numeric::approach::{
     Approach, Motion, closest_approach, closest_horizontal, least_ratio,
 };
+use crate::numeric::tracks::{Nearness, Track, Tracks};
 use crate::spec::Separation;
 
 use super::chord::Chord;
@@ -216,22 +217,73 @@ pub(super) fn margins(
     separation: &Separation,
     frame: &LocalFrame,
 ) -> Vec<Margin> {
-    let everything = timelines.len() <= LISTED_FLEET;
-    let below_m = if everything {
-        f64::INFINITY
-    } else {
-        NEAR * separation.distance_m
-    };
+    if timelines.len() <= LISTED_FLEET {
+        let others = |first: usize| (first + 1..timelines.len()).collect();
+        return margins_of(timelines, &others, separation, frame, f64::INFINITY);
+    }
+    let below_m = NEAR * separation.distance_m;
+    let near = Near::new(timelines, separation, below_m);
+    margins_of(
+        timelines,
+        &|first| near.after(first),
+        separation,
+        frame,
+        below_m,
+    )
+}
+
+/// The margins of each vehicle with some of those after it.
+fn margins_of(
+    timelines: &[Timeline<'_>],
+    others: &(dyn Fn(usize) -> Vec<usize> + Sync),
+    separation: &Separation,
+    frame: &LocalFrame,
+    below_m: f64,
+) -> Vec<Margin> {
     (0..timelines.len())
         .into_par_iter()
         .map(|first| {
-            let (a, rest) = (&timelines[first], &timelines[first + 1..]);
-            rest.iter()
-                .filter_map(|b| pair_margin(a, b, separation, frame, below_m))
+            let a = &timelines[first];
+            others(first)
+                .into_iter()
+                .filter_map(|other| pair_margin(a, &timelines[other], separation, frame, below_m))
                 .collect::<Vec<_>>()
         })
         .collect::<Vec<_>>()
         .concat()
+}
+
+/// Who comes near whom, by the index over the chords of all.
+struct Near {
+    tracks: Tracks,
+    nearness: Nearness,
+}
+
+impl Near {
+    /// For pairs that may have a margin below `below_m`, less the errors of their chords.
+    fn new(timelines: &[Timeline<'_>], separation: &Separation, below_m: f64) -> Self {
+        /// More than rounding may take from a distance, metres.
+        const HAIR_M: f64 = 1e-3;
+        let chords = timelines.iter().flat_map(|timeline| &timeline.chords);
+        let error_m = chords.map(|chord| chord.error_m).fold(0.0, f64::max);
+        let allowed_m = 2.0 * error_m + HAIR_M;
+        let nearness = Nearness {
+            distance_m: below_m + allowed_m,
+            vertical_m: separation.vertical_m.map(|level_m| level_m + allowed_m),
+            slack_s: separation.time_slack_s,
+        };
+        let mut tracks = Tracks::new(&nearness);
+        tracks.extend(timelines.iter().map(|timeline| {
+            Track::new(timeline.chords.iter().map(|chord| motion(chord)).collect())
+        }));
+        Self { tracks, nearness }
+    }
+
+    /// Those after a vehicle that come near it, in order.
+    fn after(&self, first: usize) -> Vec<usize> {
+        let own = &self.tracks.all()[first];
+        self.tracks.near(own, &self.nearness, first + 1)
+    }
 }
 
 /// What a review says when it does not list every pair.
@@ -336,4 +388,73 @@ fn never_together(
         ok: gap_s >= separation.time_slack_s,
         note: "never in the air at the same time".to_owned(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesy::{Amsl, LatLon, PlanPoint};
+    use crate::verify::chord::Phase;
+    use proptest::prelude::*;
+
+    fn chord(
+        (from_s, from): (f64, PlanPoint),
+        (to_s, to): (f64, PlanPoint),
+        error_m: f64,
+    ) -> Chord {
+        Chord {
+            row: 1,
+            phase: Phase::Route,
+            from_s,
+            to_s,
+            from,
+            to,
+            error_m,
+            bow_m: 0.0,
+            agl_m: None,
+            slope_from_m: None,
+            grounded: false,
+            flown: true,
+        }
+    }
+
+    /// A flight through some places; every third stays at the last for ever.
+    fn flight() -> impl Strategy<Value = Vec<Chord>> {
+        let place = (-900.0..900.0_f64, -900.0..900.0_f64, 0.0..80.0_f64)
+            .prop_map(|(east, north, amsl)| PlanPoint::new(east, north, Amsl(amsl)));
+        let way = prop::collection::vec((place, 1.0..60.0_f64, 0.0..3.0_f64), 2..7);
+        (0.0..90.0_f64, way, 0..3_u8).prop_map(|(mut t_s, way, finish)| {
+            let mut chords = Vec::new();
+            for pair in way.windows(2) {
+                let next_s = t_s + pair[1].1;
+                chords.push(chord((t_s, pair[0].0), (next_s, pair[1].0), pair[1].2));
+                t_s = next_s;
+            }
+            if finish == 0 {
+                let last = way[way.len() - 1].0;
+                chords.push(chord((t_s, last), (f64::INFINITY, last), 0.0));
+            }
+            chords
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+
+        #[test]
+        fn a_large_fleet_has_the_margins_that_all_its_pairs_have(
+            fleet in prop::collection::vec(flight(), 17..24),
+            distance_m in 20.0..120.0_f64,
+            vertical_m in prop::option::of(5.0..40.0_f64),
+            time_slack_s in prop_oneof![Just(0.0), 0.0..8.0_f64],
+        ) {
+            let separation = Separation { distance_m, vertical_m, time_slack_s };
+            let frame = LocalFrame::new(LatLon { lat_deg: 36.0, lon_deg: -84.0 });
+            let timelines: Vec<Timeline<'_>> =
+                fleet.iter().map(|chords| Timeline::new("v", chords)).collect();
+            let all = |first: usize| (first + 1..timelines.len()).collect();
+            let by_all = margins_of(&timelines, &all, &separation, &frame, NEAR * distance_m);
+            prop_assert_eq!(margins(&timelines, &separation, &frame), by_all);
+        }
+    }
 }
