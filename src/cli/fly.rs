@@ -18,7 +18,7 @@ use crate::flight::{Assignment, Event, Fleet, Options, Reference};
 use crate::formats;
 use crate::link::Links;
 use crate::mission::{VehicleMission, command};
-use crate::spec::{Link, MissionSpec, SpecFile, Vehicle};
+use crate::spec::{Leeway, Link, MissionSpec, SpecFile, Vehicle};
 use crate::vehicle::{self, Running, Simulated, Surroundings};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
@@ -90,7 +90,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    let (file, files, folder) = upload::from_folder(&[folder], false)?;
+    let (mut file, files, folder) = upload::from_folder(&[folder], false)?;
     told_apart(&file.spec)?;
     if file.text != asked.text || file.table != asked.table {
         let message = format!(
@@ -118,6 +118,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         let message = "the missions do not pass verification; nothing was started";
         return Err(Failure::new(Failure::VERDICT, message));
     }
+    settle(&mut file.spec, &missions, &review);
     Ok(Sorties {
         file,
         folder,
@@ -125,6 +126,22 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         missions,
         review,
     })
+}
+
+/// What the spec leaves open is as the missions have it: their departures and speeds.
+fn settle(spec: &mut MissionSpec, missions: &[(usize, VehicleMission)], review: &Review) {
+    for ((index, mission), track) in missions.iter().zip(&review.tracks) {
+        let vehicle = &mut spec.vehicles[*index];
+        if let (Some(_), Some(first)) = (vehicle.leeway.depart_s, track.moments.first()) {
+            vehicle.depart_s = first.t_s;
+        }
+        let mut items = mission.items.iter().rev();
+        let speed = items.find(|item| item.command == command::DO_CHANGE_SPEED);
+        if let (Some(_), Some(speed)) = (vehicle.leeway.speed_mps, speed) {
+            vehicle.speed_mps = f64::from(speed.params[1]);
+        }
+        vehicle.leeway = Leeway::default();
+    }
 }
 
 /// Planes and VTOL have other modes in flight, and our simulated vehicles move like copters:

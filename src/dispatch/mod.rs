@@ -111,6 +111,7 @@ fn encode_and_verify(
     world: &World,
     plan: &FleetPlan,
 ) -> (Vec<(usize, VehicleMission)>, Review) {
+    let settled = plan.settled(spec);
     let mut missions = Vec::new();
     let mut problems = Vec::new();
     for (index, vehicle) in plan.vehicles.iter().enumerate() {
@@ -119,7 +120,7 @@ fn encode_and_verify(
             .iter()
             .map(|route| route.path.clone())
             .collect();
-        match mission::build(spec, world, index, &routes) {
+        match mission::build(&settled, world, index, &routes) {
             Ok(mission) => missions.push((index, mission)),
             Err(error) => problems.push(Margin::unjudged(
                 &spec.vehicles[index].id,

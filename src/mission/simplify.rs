@@ -88,7 +88,7 @@ pub(super) fn distance_m(point: Point, from: Point, to: Point) -> f64 {
 mod tests {
     use super::*;
     use crate::geodesy::LatLon;
-    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Vehicle};
+    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement, Vehicle};
     use proptest::prelude::*;
 
     use crate::mission::encode::quarter_up;
@@ -130,6 +130,7 @@ mod tests {
             descent_mps: 3.0,
             accel_mps2: 2.5,
             depart_s: 0.0,
+            leeway: Leeway::default(),
             return_amsl: None,
             wing: None,
         }

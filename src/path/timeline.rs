@@ -321,7 +321,7 @@ fn between(from: PlanPoint, to: PlanPoint, share: f64) -> PlanPoint {
 mod tests {
     use super::{flight, route_start_s, time_route};
     use crate::geodesy::{Agl, Amsl, LatLon, PlanPoint};
-    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Vehicle};
+    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement, Vehicle};
     use crate::world::Stations;
 
     fn vehicle(finish: Finish) -> Vehicle {
@@ -351,6 +351,7 @@ mod tests {
             descent_mps: 2.0,
             accel_mps2: 2.0,
             depart_s: 30.0,
+            leeway: Leeway::default(),
             return_amsl: None,
             wing: None,
         }

@@ -129,7 +129,9 @@ fn flight_of(spec: &MissionSpec, world: &World, index: usize, plan: &VehiclePlan
         .iter()
         .map(|route| route.path.iter().map(|timed| timed.point).collect())
         .collect();
-    flight(&spec.vehicles[index], &world.stations[index], &points)
+    let mut vehicle = spec.vehicles[index].clone();
+    plan.settle(&mut vehicle);
+    flight(&vehicle, &world.stations[index], &points)
 }
 
 /// A plan and the flight it makes.

@@ -24,6 +24,7 @@ pub use objective::objective;
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
+use crate::spec::{MissionSpec, Vehicle};
 
 /// The paths of a fleet, in the order of the spec.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,10 @@ pub struct FleetPlan {
 /// The path of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VehiclePlan {
+    /// When it takes off, seconds after T0: what the spec wants, or another time of its window.
+    pub depart_s: f64,
+    /// How fast it flies, m/s: what the spec wants, or another speed of its range.
+    pub speed_mps: f64,
     /// Start to goal; with [`crate::spec::Finish::Return`] a second one, goal to over home.
     pub routes: Vec<Route>,
     /// The objective, judged finely, summed over the routes.
@@ -64,7 +69,25 @@ pub struct Route {
     pub path: Vec<TimedPoint>,
 }
 
+impl FleetPlan {
+    /// The spec with the departures and speeds that were chosen. Missions are made from it, and
+    /// judged against the spec itself.
+    #[must_use]
+    pub fn settled(&self, spec: &MissionSpec) -> MissionSpec {
+        let mut settled = spec.clone();
+        for (vehicle, plan) in settled.vehicles.iter_mut().zip(&self.vehicles) {
+            plan.settle(vehicle);
+        }
+        settled
+    }
+}
+
 impl VehiclePlan {
+    /// Has a vehicle take off and fly as was chosen.
+    pub(crate) fn settle(&self, vehicle: &mut Vehicle) {
+        (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);
+    }
+
     /// How far the total is above the estimate, as a fraction of the estimate.
     #[must_use]
     pub fn gap(&self) -> f64 {

@@ -43,6 +43,8 @@ pub(super) fn plan_vehicle(
     let legs = legs(vehicle, stations);
     let mut start_s = route_start_s(vehicle, stations);
     let mut plan = VehiclePlan {
+        depart_s: vehicle.depart_s,
+        speed_mps: vehicle.speed_mps,
         routes: Vec::new(),
         terms: CostTerms::default(),
         bound: 0.0,

@@ -39,6 +39,10 @@ pub struct PlannedVehicle {
     pub id: String,
     /// MAVLink system id.
     pub sysid: u8,
+    /// When it takes off, seconds after T0: as wanted, or another time of its window.
+    pub depart_s: f64,
+    /// How fast it flies, m/s: as wanted, or another speed of its range.
+    pub speed_mps: f64,
     /// The objective.
     pub cost: Cost,
     /// Proven: no path costs less.
@@ -197,6 +201,8 @@ fn planned_vehicle(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> P
     PlannedVehicle {
         id: vehicle.id.clone(),
         sysid: vehicle.sysid,
+        depart_s: planned.depart_s,
+        speed_mps: planned.speed_mps,
         cost: cost(&planned.terms),
         bound: finite(planned.bound),
         estimate: finite(planned.estimate),

@@ -96,6 +96,7 @@ pub(super) fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
         .map(String::as_str)
         .collect();
     let missions: BTreeMap<usize, &VehicleMission> = input.missions.iter().copied().collect();
+    let planned = |index: usize| input.plan.and_then(|plan| plan.vehicles.get(index));
     input
         .spec
         .vehicles
@@ -110,9 +111,9 @@ pub(super) fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
                 word = word(!broken.contains(vehicle.id.as_str())),
                 colour = index % COLOURS.len(),
                 id = escaped(&vehicle.id),
-                autopilot = autopilot(vehicle),
-                cost = cost(input.plan.and_then(|plan| plan.vehicles.get(index))),
-                flight = flight(vehicle, shape),
+                autopilot = autopilot(vehicle, planned(index)),
+                cost = cost(planned(index)),
+                flight = flight(departure_s(input, vehicle), shape),
                 items = missions
                     .get(&index)
                     .map_or_else(|| "no mission".to_owned(), |mission| mission.items.len().to_string()),
@@ -134,8 +135,16 @@ fn cost(planned: Option<&VehiclePlan>) -> String {
     )
 }
 
+/// When a vehicle takes off: as its mission has it.
+fn departure_s(input: &ReviewInput<'_>, vehicle: &Vehicle) -> f64 {
+    let mut tracks = input.review.tracks.iter();
+    let track = tracks.find(|track| track.vehicle == vehicle.id);
+    let first = track.and_then(|track| track.moments.first());
+    first.map_or(vehicle.depart_s, |first| first.t_s)
+}
+
 /// Length, departure and duration.
-fn flight(vehicle: &Vehicle, shape: &VehicleShape) -> String {
+fn flight(departure_s: f64, shape: &VehicleShape) -> String {
     let length = if shape.length_m > 0.0 {
         format!("{} km", words::number(shape.length_m / 1000.0, 2))
     } else {
@@ -151,11 +160,11 @@ fn flight(vehicle: &Vehicle, shape: &VehicleShape) -> String {
     };
     format!(
         "<td class=\"num\">{length}</td><td class=\"num\">{}</td><td class=\"num\">{duration}{then}</td>",
-        words::clock(vehicle.depart_s)
+        words::clock(departure_s)
     )
 }
 
-fn autopilot(vehicle: &Vehicle) -> String {
+fn autopilot(vehicle: &Vehicle, planned: Option<&VehiclePlan>) -> String {
     let autopilot = match vehicle.autopilot {
         Autopilot::ArduPilot => "ArduPilot",
         Autopilot::Px4 => "PX4",
@@ -165,9 +174,17 @@ fn autopilot(vehicle: &Vehicle) -> String {
         Airframe::Plane => "plane",
         Airframe::Vtol => "VTOL",
     };
+    let speed = match (planned, vehicle.leeway.speed_mps) {
+        (Some(plan), _) => words::number(plan.speed_mps, 1),
+        (None, None) => words::number(vehicle.speed_mps, 1),
+        (None, Some(range)) => format!(
+            "{} to {}",
+            words::number(range.least, 1),
+            words::number(range.most, 1)
+        ),
+    };
     format!(
-        "{autopilot} {airframe}<small>system {}, {} m/s</small>",
-        vehicle.sysid,
-        words::number(vehicle.speed_mps, 1)
+        "{autopilot} {airframe}<small>system {}, {speed} m/s</small>",
+        vehicle.sysid
     )
 }

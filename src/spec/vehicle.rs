@@ -40,12 +40,41 @@ pub struct Vehicle {
     pub descent_mps: f64,
     /// Horizontal acceleration, m/s^2; likewise.
     pub accel_mps2: f64,
-    /// Takeoff starts this long after the fleet's T0.
+    /// Takeoff starts this long after the fleet's T0, unless another time of its leeway is
+    /// better.
     pub depart_s: f64,
+    /// What else the planner may choose.
+    pub leeway: Leeway,
     /// Only with it may NAV_RETURN_TO_LAUNCH be written.
     pub return_amsl: Option<Amsl>,
     /// What only planes and vtol have; none for a copter.
     pub wing: Option<Wing>,
+}
+
+/// What the planner may choose so that a vehicle need not go around others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Leeway {
+    /// Departures, seconds after T0; none: `depart_s` alone.
+    pub depart_s: Option<Span>,
+    /// Speeds, m/s; none: `speed_mps` alone.
+    pub speed_mps: Option<Span>,
+}
+
+/// All numbers from one to another, both included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The least.
+    pub least: f64,
+    /// The greatest.
+    pub most: f64,
+}
+
+impl Span {
+    /// How far a number lies outside; 0 within.
+    #[must_use]
+    pub fn miss(self, value: f64) -> f64 {
+        (self.least - value).max(value - self.most).max(0.0)
+    }
 }
 
 /// How a plane or vtol takes off, circles and lands.
@@ -82,6 +111,24 @@ pub struct ApproachLengths {
 }
 
 impl Vehicle {
+    /// The departures that the spec allows, seconds after T0.
+    #[must_use]
+    pub fn departures(&self) -> Span {
+        self.leeway.depart_s.unwrap_or(Span {
+            least: self.depart_s,
+            most: self.depart_s,
+        })
+    }
+
+    /// The speeds that the spec allows, m/s.
+    #[must_use]
+    pub fn speeds(&self) -> Span {
+        self.leeway.speed_mps.unwrap_or(Span {
+            least: self.speed_mps,
+            most: self.speed_mps,
+        })
+    }
+
     /// Greatest speed over the ground, m/s: the planned one, on a wing and the wind's.
     #[must_use]
     pub fn fastest_mps(&self) -> f64 {

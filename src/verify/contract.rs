@@ -10,6 +10,7 @@ use crate::world::{Stations, World};
 use super::chord::{Chord, Phase};
 use super::fence::Fence;
 use super::flight::{End, Flight, Mark, Slope};
+use super::pilot::is_launched;
 use super::worst::Worst;
 use super::{Margin, Moment, Sense};
 
@@ -300,30 +301,29 @@ impl Contract<'_> {
         worst.margin(self.id(), "finish", "m")
     }
 
-    /// The delay before takeoff against `depart_s`, where the autopilot keeps one.
+    /// The delay before takeoff against `depart_s` or its window, where the autopilot keeps one.
     fn departure(&self) -> Option<Margin> {
         let first = self.flight.chords.first()?;
-        let waits_elsewhere =
-            self.mission.autopilot == Autopilot::Px4 || self.vehicle.airframe.has_wing();
-        if self.flight.delay_s.is_none() && waits_elsewhere {
+        if self.flight.delay_s.is_none() && is_launched(self.vehicle, self.mission.autopilot) {
             return None;
         }
         let encoded_s = self.flight.delay_s.unwrap_or(0.0);
         let mut worst = Worst::default();
         worst.at_most(
-            (encoded_s - self.vehicle.depart_s).abs(),
+            self.vehicle.departures().miss(encoded_s),
             DEPARTURE_S,
             || first.moment(&self.world.frame, 0.0),
         );
         let mut margin = worst.margin(self.id(), "departure", "s")?;
-        margin.note = format!(
-            "delay {encoded_s} s in the mission, {} s in the spec",
-            self.vehicle.depart_s
-        );
+        let allowed = match self.vehicle.leeway.depart_s {
+            Some(window) => format!("{} to {}", window.least, window.most),
+            None => self.vehicle.depart_s.to_string(),
+        };
+        margin.note = format!("delay {encoded_s} s in the mission, {allowed} s in the spec");
         Some(margin)
     }
 
-    /// Commanded speeds against the planned one.
+    /// Commanded speeds against the planned one or their range.
     fn speed(&self) -> Option<Margin> {
         let mut worst = Worst::default();
         for cruise in &self.flight.cruises {
@@ -333,11 +333,13 @@ impl Contract<'_> {
             let at = || chord.moment(&self.world.frame, 0.0);
             match (cruise.speed_mps, self.mission.autopilot) {
                 (Some(speed_mps), _) => {
-                    worst.at_most((speed_mps - self.vehicle.speed_mps).abs(), SPEED_MPS, at)
+                    worst.at_most(self.vehicle.speeds().miss(speed_mps), SPEED_MPS, at)
                 }
                 // Its cruise parameter is assumed: PX4 misbehaved with speed items.
-                (None, Autopilot::Px4) => worst.at_most(0.0, SPEED_MPS, at),
-                (None, Autopilot::ArduPilot) => {
+                (None, Autopilot::Px4) if self.vehicle.leeway.speed_mps.is_none() => {
+                    worst.at_most(0.0, SPEED_MPS, at)
+                }
+                (None, _) => {
                     let name = if self.vehicle.airframe.has_wing() {
                         "AIRSPEED_CRUISE"
                     } else {

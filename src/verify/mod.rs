@@ -17,7 +17,7 @@
 //! whole centimetres (cut off toward zero) and whole seconds of a waypoint's hold. Frames
 //! 0 and 5 are above the sea, 3 and 6 above the ground at the place of the home row, 10
 //! and 11 above the ground below. A delay before the takeoff is the departure; without
-//! one ArduPilot leaves at 0 and PX4 at the vehicle's `depart_s`.
+//! one ArduPilot leaves at 0 and PX4 at the vehicle's `depart_s`, at 0 if that has a window.
 //!
 //! **Lines.** A leg is straight between its two places in the tangent plane at the origin
 //! (at most `d L^2 / 8 R^2` from the geodesic: 2 cm for 20 km, 15 km from the origin).

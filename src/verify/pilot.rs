@@ -47,6 +47,13 @@ pub(super) fn fly(
     pilot.flight.settled()
 }
 
+/// Whether a mission without a delay starts at `depart_s`, by whoever launches it, and not
+/// at T0. What was chosen from a window is nowhere but in the mission.
+pub(super) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
+    let waits_elsewhere = autopilot == Autopilot::Px4 || vehicle.airframe.has_wing();
+    waits_elsewhere && vehicle.leeway.depart_s.is_none()
+}
+
 /// The cruise speed that the mission's parameters set, m/s.
 fn known_speed_mps(mission: &VehicleMission) -> Option<f64> {
     let of = |name: &str| {
@@ -170,15 +177,11 @@ impl Pilot<'_> {
         height: Height,
         autopilot: Autopilot,
     ) -> Result<(), Unknown> {
-        // The encoded delay is the departure. PX4 is started by whoever launches the
-        // fleet; an ArduPilot mission without a delay starts at once.
+        // The encoded delay is the departure.
         self.ribbon.t_s = match (self.flight.delay_s, autopilot) {
             (Some(delay_s), _) => delay_s,
-            (None, Autopilot::Px4) => self.vehicle.depart_s,
-            (None, Autopilot::ArduPilot) if self.vehicle.airframe.has_wing() => {
-                self.vehicle.depart_s
-            }
-            (None, Autopilot::ArduPilot) => 0.0,
+            (None, autopilot) if is_launched(self.vehicle, autopilot) => self.vehicle.depart_s,
+            (None, _) => 0.0,
         };
         let home = self.home;
         let place = self.world.frame.from_plan(home.at);

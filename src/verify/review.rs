@@ -274,9 +274,8 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     );
     add(
         any(|s| {
-            let waits_elsewhere =
-                s.mission.autopilot == Autopilot::Px4 || s.vehicle.airframe.has_wing();
-            waits_elsewhere && s.flight.delay_s.is_none() && s.vehicle.depart_s > 0.0
+            let is_launched = pilot::is_launched(s.vehicle, s.mission.autopilot);
+            is_launched && s.flight.delay_s.is_none() && s.vehicle.depart_s > 0.0
         }),
         "PX4 vehicles, planes and vtol are started depart_s after T0 by whoever launches them",
     );

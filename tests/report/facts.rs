@@ -290,6 +290,8 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
         vehicles: paths
             .iter()
             .map(|path| VehiclePlan {
+                depart_s: 0.0,
+                speed_mps: 12.0,
                 routes: vec![Route {
                     control_points: path.iter().step_by(50).map(|timed| timed.point).collect(),
                     path: path.clone(),

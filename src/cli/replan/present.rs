@@ -189,7 +189,14 @@ impl<'a> Present<'a> {
 
     /// Takes the last vehicle that was added into the fleet, with its way and its items.
     fn settle(&mut self, routes: Vec<Route>, mission: VehicleMission) {
+        let (depart_s, speed_mps) = self
+            .spec
+            .vehicles
+            .last()
+            .map_or((0.0, 0.0), |added| (added.depart_s, added.speed_mps));
         self.plan.vehicles.push(VehiclePlan {
+            depart_s,
+            speed_mps,
             routes,
             ..VehiclePlan::default()
         });

@@ -17,7 +17,7 @@ pub(super) struct Part {
 }
 
 /// Every column that a table may have.
-pub(super) const COLUMNS: [&str; 29] = [
+pub(super) const COLUMNS: [&str; 33] = [
     "id",
     "sysid",
     "autopilot",
@@ -42,6 +42,10 @@ pub(super) const COLUMNS: [&str; 29] = [
     "descent_mps",
     "accel_mps2",
     "depart_s",
+    "depart_window_s_from",
+    "depart_window_s_to",
+    "speed_range_mps_min",
+    "speed_range_mps_max",
     "return_amsl_m",
     "takeoff_heading_deg",
     "landing_heading_deg",
@@ -58,6 +62,7 @@ impl Part {
         let rest = &mut self.rest;
         let start = rest.start.get_or_insert_default();
         let goal = rest.goal.get_or_insert_default();
+        let (window, range) = (&mut rest.depart_window_s, &mut rest.speed_range_mps);
         let number = || cell.parse::<f64>().map_err(|_| "a number".to_owned());
         let whole = || cell.parse::<i64>().map_err(|_| "a whole number".to_owned());
         match column {
@@ -85,6 +90,10 @@ impl Part {
             "descent_mps" => rest.descent_mps = Some(number()?),
             "accel_mps2" => rest.accel_mps2 = Some(number()?),
             "depart_s" => rest.depart_s = Some(number()?),
+            "depart_window_s_from" => window.get_or_insert_default().from = Some(number()?),
+            "depart_window_s_to" => window.get_or_insert_default().to = Some(number()?),
+            "speed_range_mps_min" => range.get_or_insert_default().min = Some(number()?),
+            "speed_range_mps_max" => range.get_or_insert_default().max = Some(number()?),
             "return_amsl_m" => rest.return_amsl_m = Some(number()?),
             "takeoff_heading_deg" => rest.takeoff_heading_deg = Some(number()?),
             "loiter_radius_m" => rest.loiter_radius_m = Some(number()?),

@@ -1,6 +1,7 @@
 //! The vehicles, each alone and against each other.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use nalgebra::Vector3;
 
@@ -24,6 +25,11 @@ const PX4_LAST_SYSTEM_ID: i64 = 250;
 
 /// A larger fleet has not enough system ids for one each: those above are of ground stations.
 const MOST_SYSTEM_IDS: usize = 240;
+
+/// Departures, seconds after T0.
+pub(super) const LATEST_S: RangeInclusive<f64> = 0.0..=86_400.0;
+/// Planned speeds, m/s.
+pub(super) const SPEED_MPS: RangeInclusive<f64> = 0.5..=100.0;
 
 /// What an autopilot does unless told otherwise.
 struct Defaults {
@@ -178,16 +184,20 @@ impl Checker<'_> {
             way_to_start_m: from.zip(own_home).map(|(start, home)| start.chord_m(home)),
         };
         let wing = self.wing(path, raw, &flown);
+        let leeway = self.leeway(path, raw);
+        let opens_s = leeway.depart_s.map(|window| window.least);
+        let depart_s = raw.depart_s.or(opens_s).unwrap_or(0.0);
         Some(Vehicle {
             wing,
-            speed_mps: self.number(&at("speed_mps"), raw.speed_mps, 0.5..=100.0),
+            speed_mps: self.number(&at("speed_mps"), raw.speed_mps, SPEED_MPS),
             max_load_factor: self.number(&at("max_load_factor"), load_factor, 1.001..=10.0),
             max_climb_rad: max_climb.map(f64::to_radians),
             max_descent_rad: max_descent.map(f64::to_radians),
             climb_mps: self.number(&at("climb_mps"), climb_mps, 0.1..=50.0),
             descent_mps: self.number(&at("descent_mps"), descent_mps, 0.1..=50.0),
             accel_mps2: self.number(&at("accel_mps2"), accel_mps2, 0.1..=50.0),
-            depart_s: self.number(&at("depart_s"), raw.depart_s.unwrap_or(0.0), 0.0..=86_400.0),
+            depart_s: self.number(&at("depart_s"), depart_s, LATEST_S),
+            leeway,
             return_amsl: self
                 .optional(&at("return_amsl_m"), raw.return_amsl_m, -500.0..=20_000.0)
                 .map(Amsl),
@@ -258,7 +268,8 @@ impl Checker<'_> {
         link
     }
 
-    /// Two vehicles that take off in each other's separation must not do so at the same time.
+    /// Two vehicles that take off in each other's separation must not do so at the same time;
+    /// what their windows leave open is for the planner.
     fn pads(&mut self, vehicles: &[(String, Vehicle)], separation: Separation) {
         let pads: Vec<Vector3<f64>> = vehicles
             .iter()
@@ -267,7 +278,8 @@ impl Checker<'_> {
         for (index, (path, vehicle)) in vehicles.iter().enumerate() {
             for ((_, earlier), pad) in vehicles[..index].iter().zip(&pads) {
                 let apart_m = (pads[index] - pad).norm();
-                let apart_s = (vehicle.depart_s - earlier.depart_s).abs();
+                let (own, other) = (vehicle.departures(), earlier.departures());
+                let apart_s = (own.most - other.least).max(other.most - own.least);
                 if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
                     let found = format!(
                         "takeoff {apart_m:.1} m from `{}` and {apart_s} s apart in time",

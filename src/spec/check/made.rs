@@ -144,9 +144,16 @@ impl Making<'_, '_> {
         #[expect(clippy::cast_precision_loss, reason = "ten thousand at most")]
         let later_s = index as f64 * every_s;
         if later_s > 0.0 {
-            part.rest.depart_s = Some(part.rest.depart_s.unwrap_or(0.0) + later_s);
+            part.rest.depart_s = Some(self.first_s() + later_s);
         }
         part
+    }
+
+    /// When the first one takes off, seconds after T0.
+    fn first_s(&self) -> f64 {
+        let defaults = &self.fleet.defaults;
+        let opens_s = defaults.depart_window_s.and_then(|window| window.from);
+        defaults.depart_s.or(opens_s).unwrap_or(0.0)
     }
 
     /// A part of a vehicle for each place of the grids.
@@ -323,6 +330,16 @@ impl Making<'_, '_> {
                 glide_deg,
             })
         });
+        let depart_window_s = rest.depart_window_s.and_then(|window| {
+            let from = self.needed(row, "depart_window_s.from", window.from)?;
+            let to = self.needed(row, "depart_window_s.to", window.to)?;
+            Some(raw::Window { from, to })
+        });
+        let speed_range_mps = rest.speed_range_mps.and_then(|range| {
+            let min = self.needed(row, "speed_range_mps.min", range.min)?;
+            let max = self.needed(row, "speed_range_mps.max", range.max)?;
+            Some(raw::SpeedRange { min, max })
+        });
         let autopilot = self.needed(row, "autopilot", rest.autopilot);
         let link = self.needed(row, "link", link);
         let finish = self.needed(row, "finish", rest.finish);
@@ -349,6 +366,8 @@ impl Making<'_, '_> {
             descent_mps: rest.descent_mps,
             accel_mps2: rest.accel_mps2,
             depart_s: rest.depart_s,
+            depart_window_s,
+            speed_range_mps,
             return_amsl_m: rest.return_amsl_m,
             takeoff_heading_deg: rest.takeoff_heading_deg,
             landing,

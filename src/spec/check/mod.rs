@@ -3,6 +3,7 @@
 
 mod cells;
 mod fleet;
+mod leeway;
 mod made;
 mod map;
 mod name;

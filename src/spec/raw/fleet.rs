@@ -93,6 +93,10 @@ pub(in crate::spec) struct Defaults {
     /// Takeoff of the first one, seconds after T0; in a table, of that vehicle.
     #[schemars(range(min = 0, max = 86400))]
     pub(in crate::spec) depart_s: Option<f64>,
+    /// Copters: other times at which takeoff may start, seconds after T0.
+    pub(in crate::spec) depart_window_s: Option<PartOfWindow>,
+    /// ArduPilot's copters: other speeds that they may have, m/s.
+    pub(in crate::spec) speed_range_mps: Option<PartOfRange>,
     /// Altitude of the autopilot's own return, metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub(in crate::spec) return_amsl_m: Option<f64>,
@@ -134,4 +138,28 @@ pub(in crate::spec) struct Approach {
     /// Angle of the glide, degrees.
     #[schemars(range(min = 1, max = 30))]
     pub(in crate::spec) glide_deg: Option<f64>,
+}
+
+/// A window of time, or a part of it.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::spec) struct PartOfWindow {
+    /// Seconds after the fleet's T0.
+    #[schemars(range(min = 0, max = 86400))]
+    pub(in crate::spec) from: Option<f64>,
+    /// Seconds after the fleet's T0.
+    #[schemars(range(min = 0, max = 86400))]
+    pub(in crate::spec) to: Option<f64>,
+}
+
+/// A range of speeds, or a part of it.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(in crate::spec) struct PartOfRange {
+    /// Slowest, m/s.
+    #[schemars(range(min = 0.5, max = 100))]
+    pub(in crate::spec) min: Option<f64>,
+    /// Fastest, m/s.
+    #[schemars(range(min = 0.5, max = 100))]
+    pub(in crate::spec) max: Option<f64>,
 }

@@ -12,7 +12,9 @@ pub(super) use options::{
     Algorithm, AltitudeReference, MissionOptions, Objective, OnLinkLoss, Planner, Separation, Wind,
 };
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
-pub(super) use vehicle::{Airframe, Autopilot, EndPoint, Finish, Landing, Vehicle};
+pub(super) use vehicle::{
+    Airframe, Autopilot, EndPoint, Finish, Landing, SpeedRange, Vehicle, Window,
+};
 
 use schemars::JsonSchema;
 use serde::Deserialize;

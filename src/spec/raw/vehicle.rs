@@ -74,6 +74,12 @@ pub(in crate::spec) struct Vehicle {
     /// Takeoff starts this long after the fleet's T0, seconds; absent: 0.
     #[schemars(range(min = 0, max = 86400))]
     pub(in crate::spec) depart_s: Option<f64>,
+    /// Copters: takeoff may also start at another time of this window, if that is cheaper than a
+    /// way around others; depart_s is in it, and absent the beginning of it.
+    pub(in crate::spec) depart_window_s: Option<Window>,
+    /// ArduPilot's copters: the planned speed may also be another of this range, if that is
+    /// cheaper than a way around others; speed_mps is in it.
+    pub(in crate::spec) speed_range_mps: Option<SpeedRange>,
     /// Only with it may the autopilot's own return be written: its altitude, metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub(in crate::spec) return_amsl_m: Option<f64>,
@@ -86,6 +92,30 @@ pub(in crate::spec) struct Vehicle {
     /// Planes and vtol: radius of circling, metres, not below the turn radius; absent: a quarter more than that.
     #[schemars(range(min = 1, max = 10000))]
     pub(in crate::spec) loiter_radius_m: Option<f64>,
+}
+
+/// A window of time.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::spec) struct Window {
+    /// Seconds after the fleet's T0.
+    #[schemars(range(min = 0, max = 86400))]
+    pub(in crate::spec) from: f64,
+    /// Seconds after the fleet's T0.
+    #[schemars(range(min = 0, max = 86400))]
+    pub(in crate::spec) to: f64,
+}
+
+/// A range of speeds.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::spec) struct SpeedRange {
+    /// Slowest, m/s.
+    #[schemars(range(min = 0.5, max = 100))]
+    pub(in crate::spec) min: f64,
+    /// Fastest, m/s.
+    #[schemars(range(min = 0.5, max = 100))]
+    pub(in crate::spec) max: f64,
 }
 
 /// How a plane or vtol lands.
