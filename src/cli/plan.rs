@@ -228,6 +228,9 @@ fn tell(
             delivery::sentence(report)
         ))?;
     }
+    for line in given_way(file, dispatched) {
+        out(&paint.dim(&format!("note: {line}")))?;
+    }
     for (note, ids) in notes(file, dispatched) {
         out(&paint.dim(&format!("note: {}: {note}", ids.join(", "))))?;
     }
@@ -261,6 +264,26 @@ fn blocked(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
                 vehicle.id,
                 broken.join(", ")
             )
+        })
+        .collect()
+}
+
+/// The vehicles that take off or fly otherwise than wanted, and past whom.
+fn given_way(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
+    let vehicles = &file.spec.vehicles;
+    let planned = vehicles.iter().zip(&dispatched.plan.vehicles);
+    planned
+        .filter_map(|(vehicle, plan)| {
+            let others = plan.gives_way_to(vehicle);
+            let (first, rest) = others.split_first()?;
+            let mut past = vehicles.get(*first)?.id.clone();
+            if !rest.is_empty() {
+                past += &format!(" and {} more", rest.len());
+            }
+            Some(format!(
+                "{}: takes off at {} s and flies {} m/s (wanted: {} s, {} m/s), and so need not go around {past}",
+                vehicle.id, plan.depart_s, plan.speed_mps, vehicle.depart_s, vehicle.speed_mps
+            ))
         })
         .collect()
 }

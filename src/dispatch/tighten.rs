@@ -63,7 +63,8 @@ impl Strictness {
             let Some(vehicle) = index(&margin.vehicle).max(other) else {
                 continue;
             };
-            if mends(plan, vehicle, margin) && self.answer(vehicle, margin) {
+            let waits = spec.vehicles[vehicle].leeway.depart_s.is_some();
+            if mends(plan, vehicle, margin, waits) && self.answer(vehicle, margin) {
                 self.parameters[vehicle].extend(parameter_at(plan, vehicle, margin, world));
                 again.insert(vehicle);
             }
@@ -94,8 +95,8 @@ impl Strictness {
 }
 
 /// Whether a stricter search can help at all: not where it has not even kept the
-/// limit itself, and not before the planned path begins.
-fn mends(plan: &FleetPlan, vehicle: usize, margin: &Margin) -> bool {
+/// limit itself, and not before the planned path begins, unless the vehicle can wait.
+fn mends(plan: &FleetPlan, vehicle: usize, margin: &Margin, waits: bool) -> bool {
     let plan = &plan.vehicles[vehicle];
     let begins_s = plan
         .routes
@@ -114,7 +115,7 @@ fn mends(plan: &FleetPlan, vehicle: usize, margin: &Margin) -> bool {
         "turn" => plan.terms.turn,
         _ => 0.0,
     } <= 0.0;
-    on_route && kept
+    (on_route || waits && margin.what == "separation") && kept
 }
 
 /// Where along the vehicle's spline a margin failed: the parameter of the nearest

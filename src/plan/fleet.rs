@@ -7,7 +7,9 @@
 //! too near to others, around these as well, until it comes too near to none it was not
 //! planned around. (What then is left is no fault of the search: takeoffs and landings
 //! are not its to move, and some ways are simply closed.) So a search reads the few
-//! flights that matter, not all. Vehicles at the head of the order are few enough to be
+//! flights that matter, not all. A vehicle to which the spec leaves another departure or speed
+//! flies the way it would have alone at another time instead, if there is one at which it is
+//! apart from all before it. Vehicles at the head of the order are few enough to be
 //! planned around all before them at once, which spares small fleets the second search;
 //! so are all by the paper's objective, which has a collision term of its own.
 //!
@@ -19,6 +21,7 @@
 
 use rayon::prelude::*;
 
+use super::leeway::{at_another_time, has_leeway};
 use super::vehicle::plan_vehicle;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::Margins;
@@ -243,6 +246,10 @@ impl<'a> Fleet<'a> {
             if avoids.last().is_some_and(|&last| last >= self.plans.len()) {
                 return;
             }
+            // Another time has to be apart from all before it, so these stand first.
+            if number > 0 && self.has_leeway(index) && self.plans.len() < index {
+                return;
+            }
             chain.truncate(number);
             let draft = self.draft(index, avoids, chain);
             chain.push(draft);
@@ -288,17 +295,28 @@ impl<'a> Fleet<'a> {
     fn first_avoids(&self, index: usize) -> Vec<usize> {
         let at_once = index < HEAD || self.spec.planner.objective == Objective::Paper;
         match self.previous.get(index) {
+            _ if self.has_leeway(index) && (self.again[index] || self.previous.len() <= index) => {
+                Vec::new()
+            }
             Some(previous) => previous.avoids.clone(),
             None if at_once => (0..index).collect(),
             None => Vec::new(),
         }
     }
 
+    fn has_leeway(&self, index: usize) -> bool {
+        has_leeway(&self.spec.vehicles[index])
+    }
+
     /// The next draft of a chain.
     fn draft(&self, index: usize, avoids: Vec<usize>, chain: &[Draft]) -> Draft {
         let old = self.previous.get(index).filter(|_| chain.is_empty());
         let kept = old.filter(|_| !self.again[index]);
-        let plan = kept.cloned().unwrap_or_else(|| {
+        let at_another_time = match chain {
+            [first] if self.has_leeway(index) => self.at_another_time(index, &avoids, first),
+            _ => None,
+        };
+        let plan = kept.cloned().or(at_another_time).unwrap_or_else(|| {
             let earlier: Vec<Flight> = avoids
                 .iter()
                 .map(|&other| self.flights[other].clone())
@@ -324,6 +342,39 @@ impl<'a> Fleet<'a> {
             near: Vec::new(),
             checked: 0,
         }
+    }
+
+    /// The way that a vehicle would fly alone, at a time at which it meets no one.
+    fn at_another_time(
+        &self,
+        index: usize,
+        avoids: &[usize],
+        first: &Draft,
+    ) -> Option<VehiclePlan> {
+        let (spec, world, request) = (self.spec, self.world, self.request);
+        let is_alone = !first.kept && first.plan.avoids.is_empty();
+        let alone = if is_alone {
+            // What it took is counted there.
+            VehiclePlan {
+                evaluations: 0,
+                plans: 0,
+                ..first.plan.clone()
+            }
+        } else {
+            let estimated = Some(first.plan.estimate);
+            plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated)
+        };
+        let nearness = nearness(spec, self.margins(index));
+        let is_apart = |plan: &VehiclePlan| {
+            let flight = flight_of(spec, world, index, plan);
+            let track = Track::new(flight.motions().collect());
+            self.tracks.near(&track, &nearness, 0).is_empty()
+        };
+        let plan = at_another_time(spec, world, request, index, &alone, &is_apart)?;
+        Some(VehiclePlan {
+            avoids: avoids.to_vec(),
+            ..plan
+        })
     }
 
     /// The last draft of a chain is the plan of the next vehicle.

@@ -8,6 +8,7 @@ mod field;
 mod fit;
 mod fleet;
 mod floor;
+mod leeway;
 mod lowest;
 mod objective;
 mod obstacles;
@@ -83,6 +84,24 @@ impl FleetPlan {
 }
 
 impl VehiclePlan {
+    /// Indices of the earlier vehicles that its path would meet at the departure and speed that
+    /// the spec wants, if others were chosen; its path is then the one it would fly alone.
+    #[must_use]
+    pub fn gives_way_to(&self, wanted: &Vehicle) -> &[usize] {
+        let as_wanted = [
+            (self.depart_s, wanted.depart_s),
+            (self.speed_mps, wanted.speed_mps),
+        ];
+        if as_wanted
+            .iter()
+            .all(|(is, was)| is.to_bits() == was.to_bits())
+        {
+            &[]
+        } else {
+            &self.avoids
+        }
+    }
+
     /// Has a vehicle take off and fly as was chosen.
     pub(crate) fn settle(&self, vehicle: &mut Vehicle) {
         (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);

@@ -77,6 +77,15 @@ impl Spline {
         ends(&mut self.amsl_m, from.amsl.0, to.amsl.0);
     }
 
+    /// Of these control points, ends included.
+    pub(super) fn through(points: &[PlanPoint]) -> Self {
+        Self {
+            east_m: points.iter().map(|point| point.at.east_m).collect(),
+            north_m: points.iter().map(|point| point.at.north_m).collect(),
+            amsl_m: points.iter().map(|point| point.amsl.0).collect(),
+        }
+    }
+
     pub(super) fn controls(&self) -> Controls<'_> {
         Controls {
             east_m: &self.east_m,

@@ -132,7 +132,8 @@ fn route(course: &Course<'_>, found: &Found) -> Route {
     }
 }
 
-fn sum(a: &CostTerms, b: &CostTerms) -> CostTerms {
+/// Term by term.
+pub(super) fn sum(a: &CostTerms, b: &CostTerms) -> CostTerms {
     CostTerms {
         length: a.length + b.length,
         altitude: a.altitude + b.altitude,

@@ -43,6 +43,10 @@ pub struct PlannedVehicle {
     pub depart_s: f64,
     /// How fast it flies, m/s: as wanted, or another speed of its range.
     pub speed_mps: f64,
+    /// The earlier vehicles that its path would meet at the departure and speed that the spec
+    /// wants, if others were chosen.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gives_way_to: Vec<String>,
     /// The objective.
     pub cost: Cost,
     /// Proven: no path costs less.
@@ -168,9 +172,18 @@ pub fn plan_json(
             .vehicles
             .iter()
             .zip(&plan.vehicles)
-            .map(|(vehicle, planned)| planned_vehicle(vehicle, planned, world))
+            .map(|(vehicle, planned)| PlannedVehicle {
+                gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
+                ..planned_vehicle(vehicle, planned, world)
+            })
             .collect(),
     }
+}
+
+/// What vehicles are called.
+fn ids(spec: &MissionSpec, indices: &[usize]) -> Vec<String> {
+    let known = indices.iter().filter_map(|&index| spec.vehicles.get(index));
+    known.map(|vehicle| vehicle.id.clone()).collect()
 }
 
 /// The content of `review.json`.
@@ -203,6 +216,7 @@ fn planned_vehicle(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> P
         sysid: vehicle.sysid,
         depart_s: planned.depart_s,
         speed_mps: planned.speed_mps,
+        gives_way_to: Vec::new(),
         cost: cost(&planned.terms),
         bound: finite(planned.bound),
         estimate: finite(planned.estimate),

@@ -27,6 +27,8 @@ fn plan_json_has_the_keys_of_the_contract() {
     let expected = [
         "id",
         "sysid",
+        "depart_s",
+        "speed_mps",
         "cost",
         "bound",
         "estimate",

@@ -299,6 +299,93 @@ fn a_fleet_without_what_it_needs_says_what() {
 }
 
 #[test]
+fn windows_and_ranges_are_for_vehicles_whose_files_can_carry_them() {
+    let window = "    depart_s: 5\n    depart_window_s: {from: 0, to: 60}\n";
+    let range = "    depart_s: 5\n    speed_range_mps: {min: 10, max: 15}\n";
+    let spec = good(&with(
+        "    depart_s: 5\n",
+        &format!("{window}{}", &range[16..]),
+    ));
+    let alpha = &spec.vehicles[0];
+    assert_eq!(alpha.departures().most.to_bits(), 60_f64.to_bits());
+    assert_eq!(alpha.speeds().least.to_bits(), 10_f64.to_bits());
+    let opens = window
+        .replace("depart_s: 5", "accel_mps2: 2")
+        .replace("from: 0", "from: 7");
+    let spec = good(&with("    accel_mps2: 2\n    depart_s: 5\n", &opens));
+    assert_eq!(spec.vehicles[0].depart_s.to_bits(), 7_f64.to_bits());
+    for (text, path, words) in [
+        (
+            window.replace("to: 60", "to: 4"),
+            "depart_window_s",
+            "without depart_s 5",
+        ),
+        (
+            window.replace("from: 0", "from: 61"),
+            "depart_window_s",
+            "from at most to",
+        ),
+        (
+            window.replace("from: 0", "from: -1"),
+            "depart_window_s.from",
+            "0 to 86400",
+        ),
+        (
+            window.replace("to: 60", "to: .nan"),
+            "depart_window_s.to",
+            "0 to 86400",
+        ),
+        (
+            range.replace("max: 15", "max: 14"),
+            "speed_range_mps",
+            "without speed_mps 15",
+        ),
+        (
+            range.replace("min: 10", "min: 0"),
+            "speed_range_mps.min",
+            "0.5 to 100",
+        ),
+    ] {
+        let (found, message) = only("    depart_s: 5\n", &text);
+        assert_eq!(found, format!("vehicles[0].{path}"), "{message}");
+        assert!(message.contains(words), "{message}");
+    }
+    // PX4 has its speed in a parameter.
+    let (path, message) = only(
+        "    speed_mps: 12\n",
+        "    speed_mps: 12\n    speed_range_mps: {min: 10, max: 15}\n",
+    );
+    assert_eq!(path, "vehicles[1].speed_range_mps");
+    assert!(message.contains("no mission file"), "{message}");
+    // Nor has a file of a plane its departure.
+    let plane = with("    airframe: copter\n", "    airframe: plane\n    takeoff_heading_deg: 90\n    landing: {heading_deg: 90, glide_deg: 6}\n")
+        .replace("    return_amsl_m: 900\n", window.split_once('\n').expect("lines").1);
+    let found = issues(&plane);
+    assert!(
+        found
+            .iter()
+            .any(|issue| issue.path == "vehicles[0].depart_window_s"),
+        "{found:#?}"
+    );
+}
+
+#[test]
+fn takeoffs_from_one_pad_may_be_left_to_a_window() {
+    let crowd = GRIDS
+        .replace(
+            "columns: 3, spacing_m: 500}\n  goal",
+            "columns: 3, spacing_m: 50}\n  goal",
+        )
+        .replace("depart_every_s: 20", "depart_every_s: 0");
+    assert!(issues(&fleet(&crowd))[0].found.contains("takeoff 50.0 m"));
+    let text = crowd.replace(
+        "    depart_s: 100\n",
+        "    depart_window_s: {from: 0, to: 60}\n",
+    );
+    assert_eq!(good(&fleet(&text)).vehicles.len(), 3);
+}
+
+#[test]
 fn a_table_without_vehicles_and_one_with_grids_are_errors() {
     assert!(said(&fleet(TABLE), "")[0].contains("an empty table"));
     assert!(said(&fleet(TABLE), "id,start_lat\n")[0].contains("no vehicle"));
