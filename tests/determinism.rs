@@ -107,19 +107,27 @@ fn crowd() -> MissionSpec {
 
 #[test]
 fn a_crowd_planned_at_once_is_the_one_planned_one_at_a_time() {
-    let spec = crowd();
-    let world = world(&spec);
-    let request = Request {
-        seed: 5,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    };
-    let one_at_a_time = plan_one_at_a_time(&spec, &world, &request);
-    let again = one_at_a_time.vehicles.iter().filter(|plan| plan.plans > 1);
-    assert!(again.count() > 5, "too few meet for this to say anything");
-    for threads in [1, 2, 8] {
-        assert_eq!(bytes(&plan(&spec, 5, threads)), bytes(&one_at_a_time));
+    let hurried = crowd();
+    let mut patient = crowd();
+    for vehicle in patient.vehicles.iter_mut().skip(1).step_by(2) {
+        vehicle.leeway.depart_s = Some(Span {
+            least: vehicle.depart_s,
+            most: vehicle.depart_s + 40.0,
+        });
+    }
+    for spec in [hurried, patient] {
+        let request = Request {
+            seed: 5,
+            margins: Vec::new(),
+            extra_parameters: Vec::new(),
+            progress: &|_| (),
+        };
+        let one_at_a_time = plan_one_at_a_time(&spec, &world(&spec), &request);
+        let again = one_at_a_time.vehicles.iter().filter(|plan| plan.plans > 1);
+        assert!(again.count() > 5, "too few meet for this to say anything");
+        for threads in [1, 2, 8] {
+            assert_eq!(bytes(&plan(&spec, 5, threads)), bytes(&one_at_a_time));
+        }
     }
 }
 

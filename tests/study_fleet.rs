@@ -5,8 +5,10 @@
 mod command;
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
+use sortie::dispatch::dispatch;
 use sortie::spec::SpecFile;
 use sortie::study::{DELIVERY_TERRAIN, Deliveries, deliveries, delivery_ground};
 use sortie::world::{self, World};
@@ -39,6 +41,36 @@ fn each_fleet_is_the_beginning_of_every_larger_one_and_a_good_mission() {
     for vehicle in &file.spec.vehicles {
         assert!(vehicle.start.place.chord_m(vehicle.goal.place) > 14_900.0);
     }
+}
+
+#[test]
+fn the_shipped_fleet_is_that_of_the_study() {
+    let missions = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions");
+    let shipped = |name: &str| fs::read_to_string(missions.join(name)).expect(name);
+    let made = deliveries(&ground(), 100, 1000);
+    assert!(made.spec == shipped("fleet-100.yaml"), "fleet-100.yaml");
+    assert!(made.table == shipped("fleet-100.csv"), "fleet-100.csv");
+}
+
+/// All hundred take a debug build a while; the first of them already cross.
+#[test]
+fn the_beginning_of_the_shipped_fleet_keeps_every_limit() {
+    let mission = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/fleet-100.yaml");
+    let file = SpecFile::read(&mission).unwrap_or_else(|error| panic!("{error}"));
+    let mut world = world::load(&file).expect("ground");
+    let mut spec = file.spec;
+    spec.vehicles.truncate(30);
+    world.stations.truncate(30);
+    let dispatched = dispatch(&spec, &world, 1, &|_| ());
+    let failed: Vec<_> = dispatched
+        .review
+        .margins
+        .iter()
+        .filter(|margin| !margin.ok)
+        .collect();
+    assert!(dispatched.review.passes(), "{failed:?}");
+    let plans = &dispatched.plan.vehicles;
+    assert!(plans.iter().any(|plan| !plan.avoids.is_empty()));
 }
 
 #[test]

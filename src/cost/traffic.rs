@@ -2,7 +2,7 @@
 
 use super::Margins;
 use crate::numeric::approach::{
-    Approach, Motion, closest_approach, closest_horizontal, least_ratio,
+    Approach, Motion, are_surely_apart, closest_approach, closest_horizontal, least_ratio,
 };
 use crate::numeric::cells::{Cells, Extent};
 use crate::path::Flight;
@@ -160,6 +160,11 @@ impl Traffic {
             return Severity::default();
         }
         let other = &self.motions[other];
+        let distance_m = most * self.distance_m;
+        let height_m = self.vertical_m.map_or(distance_m, |limit_m| most * limit_m);
+        if are_surely_apart(own, other, self.slack_s, distance_m, height_m) {
+            return Severity::default();
+        }
         let near = match self.vertical_m {
             None => closest_approach(own, other, self.slack_s).map(|near| Approach {
                 value: near.value / self.distance_m,

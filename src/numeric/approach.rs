@@ -58,6 +58,50 @@ impl Motion {
     }
 }
 
+/// Whether two motions are surely further apart than some distances, horizontally or in
+/// height, at all pairs of times that count, or have no such pair: by the boxes of what
+/// each covers meanwhile. What is not told apart so may still be.
+#[must_use]
+pub fn are_surely_apart(
+    a: &Motion,
+    b: &Motion,
+    slack_s: f64,
+    horizontal_m: f64,
+    vertical_m: f64,
+) -> bool {
+    /// More than rounding takes from a distance of places on earth, metres.
+    const ROUNDING_M: f64 = 1e-6;
+    let (t0, t1) = (a.t0_s.max(b.t0_s - slack_s), a.t1_s.min(b.t1_s + slack_s));
+    let (u0, u1) = (b.t0_s.max(a.t0_s - slack_s), b.t1_s.min(a.t1_s + slack_s));
+    if t0 > t1 || u0 > u1 {
+        return true;
+    }
+    let side = |motion: &Motion, axis: usize, from_s: f64, to_s: f64| {
+        let (from_m, speed_mps) = (motion.from_m[axis], motion.velocity_mps[axis]);
+        // At rest for ever: nothing times infinity is no number.
+        let at = |t_s: f64| {
+            let moved_m = speed_mps * (t_s - motion.t0_s);
+            if moved_m.is_nan() {
+                from_m
+            } else {
+                from_m + moved_m
+            }
+        };
+        let (from, to) = (at(from_s), at(to_s));
+        (from.min(to), from.max(to))
+    };
+    let gap = |axis: usize| {
+        let (p, q) = (side(a, axis, t0, t1), side(b, axis, u0, u1));
+        (p.0 - q.1).max(q.0 - p.1).max(0.0)
+    };
+    if gap(2) > vertical_m + ROUNDING_M {
+        return true;
+    }
+    let (east_m, north_m) = (gap(0), gap(1));
+    let limit_m = horizontal_m + ROUNDING_M;
+    east_m * east_m + north_m * north_m > limit_m * limit_m
+}
+
 /// Least distance in three dimensions over `t` in A, `u` in B, `|u - t| <= slack_s`.
 ///
 /// `None` when no such pair of times exists.
@@ -359,7 +403,7 @@ impl Pair {
 
 #[cfg(test)]
 mod tests {
-    use super::{Motion, closest_approach, closest_horizontal, least_ratio};
+    use super::{Motion, are_surely_apart, closest_approach, closest_horizontal, least_ratio};
     use proptest::prelude::*;
 
     const STEPS: u32 = 300;
@@ -440,6 +484,21 @@ mod tests {
             let (at_a, at_b) = (a.at(near.t_s), b.at(near.u_s));
             let gap = [at_a[0] - at_b[0], at_a[1] - at_b[1], at_a[2] - at_b[2]];
             prop_assert!((level(&gap).hypot(gap[2]) - near.value).abs() < 1e-6);
+        }
+
+        #[test]
+        fn what_is_surely_apart_is_apart(
+            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
+            horizontal_m in 10.0..300.0_f64, vertical_m in 5.0..120.0_f64
+        ) {
+            if are_surely_apart(&a, &b, slack_s, horizontal_m, vertical_m) {
+                let near = closest_horizontal(&a, &b, slack_s, vertical_m);
+                prop_assert!(near.is_none_or(|near| near.value >= horizontal_m), "{near:?}");
+            }
+            if are_surely_apart(&a, &b, slack_s, horizontal_m, horizontal_m) {
+                let near = closest_approach(&a, &b, slack_s);
+                prop_assert!(near.is_none_or(|near| near.value >= horizontal_m), "{near:?}");
+            }
         }
 
         #[test]

@@ -1,7 +1,7 @@
 //! Which of many tracks come too near to one: a space-time index over their pieces, and
 //! the exact closest approach for the pieces it brings together.
 
-use super::approach::{Motion, closest_approach, closest_horizontal};
+use super::approach::{Motion, are_surely_apart, closest_approach, closest_horizontal};
 use super::cells::{Cells, Extent};
 
 /// Motions that share a box.
@@ -118,11 +118,10 @@ impl Track {
 
     /// Whether two runs come too near each other.
     fn meets(&self, own: &Run, other: &Self, run: &Run, nearness: &Nearness) -> bool {
+        let (distance_m, height_m) = (nearness.distance_m, nearness.height_m());
         self.motions_of(own).iter().any(|a| {
-            let near = Run::around(0, std::slice::from_ref(a));
-            let reach = near.reach(nearness);
             other.motions_of(run).iter().any(|b| {
-                near.may_meet(&reach, &Run::around(0, std::slice::from_ref(b)), nearness)
+                !are_surely_apart(a, b, nearness.slack_s, distance_m, height_m)
                     && nearness.is_broken(a, b)
             })
         })
@@ -218,9 +217,14 @@ impl Tracks {
         let ends = ends.chain([self.tracks.len()]);
         let parts = self.parts.iter().zip(ends);
         for (part, _) in parts.filter(|(_, end)| *end > from) {
-            for run in &own.runs {
+            // Which run of its own last looked at an item: most are in several cells.
+            let mut seen = vec![u32::MAX; part.items.len()];
+            for (number, run) in (0_u32..).zip(&own.runs) {
                 let reach = run.reach(nearness);
                 part.cells.each(&reach, |item| {
+                    if std::mem::replace(&mut seen[item], number) == number {
+                        return;
+                    }
                     let (track, other) = part.items[item];
                     let (track, other) = (track as usize, other as usize);
                     if track < from || is_near[track] {

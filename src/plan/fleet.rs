@@ -9,7 +9,8 @@
 //! are not its to move, and some ways are simply closed.) So a search reads the few
 //! flights that matter, not all. A vehicle to which the spec leaves another departure or speed
 //! flies the way it would have alone at another time instead, if there is one at which it is
-//! apart from all before it. Vehicles at the head of the order are few enough to be
+//! apart from all before it; and if there is none, and its way around others still meets one
+//! of them, that way at another time. Vehicles at the head of the order are few enough to be
 //! planned around all before them at once, which spares small fleets the second search;
 //! so are all by the paper's objective, which has a collision term of its own.
 //!
@@ -144,6 +145,9 @@ struct Draft {
     track: Track,
     /// Whether this is the plan of an earlier round.
     kept: bool,
+    /// Whether this is the draft before at another time, or that one again for want of a
+    /// better time: nothing is left to try around the same vehicles.
+    is_last: bool,
     /// Those before it that it came too near to, among the first `checked`.
     near: Vec<usize>,
     checked: usize,
@@ -284,7 +288,10 @@ impl<'a> Fleet<'a> {
             }
             let again = draft.kept && draft.near.iter().any(|&other| self.is_new[other]);
             if avoids.len() == before && !again {
-                return Step::Stands(number);
+                let is_last = draft.is_last || draft.kept || draft.near.is_empty();
+                if is_last || !self.has_leeway(index) {
+                    return Step::Stands(number);
+                }
             }
             avoids.sort_unstable();
         }
@@ -312,11 +319,23 @@ impl<'a> Fleet<'a> {
     fn draft(&self, index: usize, avoids: Vec<usize>, chain: &[Draft]) -> Draft {
         let old = self.previous.get(index).filter(|_| chain.is_empty());
         let kept = old.filter(|_| !self.again[index]);
-        let at_another_time = match chain {
-            [first] if self.has_leeway(index) => self.at_another_time(index, &avoids, first),
-            _ => None,
+        let around = chain
+            .last()
+            .filter(|last| self.has_leeway(index) && last.plan.avoids == avoids);
+        let (plan, is_last) = match chain {
+            [first] if self.has_leeway(index) => (
+                self.at_another_time(index, &avoids, &self.alone(index, first)),
+                false,
+            ),
+            _ => (
+                around.map(|last| {
+                    let last = counted(&last.plan);
+                    self.at_another_time(index, &avoids, &last).unwrap_or(last)
+                }),
+                around.is_some(),
+            ),
         };
-        let plan = kept.cloned().or(at_another_time).unwrap_or_else(|| {
+        let plan = kept.cloned().or(plan).unwrap_or_else(|| {
             let earlier: Vec<Flight> = avoids
                 .iter()
                 .map(|&other| self.flights[other].clone())
@@ -339,38 +358,40 @@ impl<'a> Fleet<'a> {
             flight,
             plan,
             kept: kept.is_some(),
+            is_last,
             near: Vec::new(),
             checked: 0,
         }
     }
 
-    /// The way that a vehicle would fly alone, at a time at which it meets no one.
+    /// The way that a vehicle would fly alone.
+    fn alone(&self, index: usize, first: &Draft) -> VehiclePlan {
+        if !first.kept && first.plan.avoids.is_empty() {
+            return counted(&first.plan);
+        }
+        let estimated = Some(first.plan.estimate);
+        let (spec, world, request) = (self.spec, self.world, self.request);
+        plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated)
+    }
+
+    /// A way at another time, at which it meets no one.
     fn at_another_time(
         &self,
         index: usize,
         avoids: &[usize],
-        first: &Draft,
+        way: &VehiclePlan,
     ) -> Option<VehiclePlan> {
         let (spec, world, request) = (self.spec, self.world, self.request);
-        let is_alone = !first.kept && first.plan.avoids.is_empty();
-        let alone = if is_alone {
-            // What it took is counted there.
-            VehiclePlan {
-                evaluations: 0,
-                plans: 0,
-                ..first.plan.clone()
-            }
-        } else {
-            let estimated = Some(first.plan.estimate);
-            plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated)
-        };
+        let mut way = way.clone();
+        // At the time that is looked for there is none.
+        way.terms.collision = 0.0;
         let nearness = nearness(spec, self.margins(index));
         let is_apart = |plan: &VehiclePlan| {
             let flight = flight_of(spec, world, index, plan);
             let track = Track::new(flight.motions().collect());
             self.tracks.near(&track, &nearness, 0).is_empty()
         };
-        let plan = at_another_time(spec, world, request, index, &alone, &is_apart)?;
+        let plan = at_another_time(spec, world, request, index, &way, &is_apart)?;
         Some(VehiclePlan {
             avoids: avoids.to_vec(),
             ..plan
@@ -402,6 +423,15 @@ impl<'a> Fleet<'a> {
 
     fn margins(&self, index: usize) -> Margins {
         self.request.margins.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// A plan whose effort is counted elsewhere.
+fn counted(plan: &VehiclePlan) -> VehiclePlan {
+    VehiclePlan {
+        evaluations: 0,
+        plans: 0,
+        ..plan.clone()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Fleets of any size over the shipped terrain: deliveries from ten depots to places all
-//! around, so that their ways cross everywhere. A copter takes off every two seconds; each
-//! fleet is the beginning of every larger one.
+//! around, so that their ways cross everywhere. Every two seconds a copter takes off, or up
+//! to ten minutes later; each fleet is the beginning of every larger one.
 
 use std::fmt::Write;
 
@@ -27,6 +27,8 @@ const PAD_SPACING_M: f64 = 150.0;
 const DEPOT_SPACING_M: f64 = 5000.0;
 /// Every so many seconds a copter takes off, from one depot after the other.
 const EVERY_S: f64 = 2.0;
+/// So much later it may take off, seconds.
+const WINDOW_S: f64 = 600.0;
 /// Goals are at least this far from their depot, from pads and from each other, metres.
 const LEAST_WAY_M: f64 = 15_000.0;
 const LEAST_FROM_PAD_M: f64 = 400.0;
@@ -98,8 +100,9 @@ fn spec(name: &str, vehicles: usize, evaluations: usize) -> String {
         "# yaml-language-server: $schema=schema.json\n\
          #\n\
          # Deliveries over the Cumberland Mountains: {vehicles} copters from ten depots, one takes off\n\
-         # every two seconds, and their ways of 15 to 30 km cross everywhere. The table beside this\n\
-         # file says from where to where; both were made by `sortie study fleet`.\n\
+         # every two seconds, or up to ten minutes later, and their ways of 15 to 30 km cross\n\
+         # everywhere. The table beside this file says from where to where; both were made by\n\
+         # `sortie study fleet`.\n\
          \n\
          {}\n\
          # In order of priority: each keeps apart from all before it.\n\
@@ -217,7 +220,9 @@ impl Draft<'_> {
     }
 
     fn table(&mut self, vehicles: usize) -> String {
-        let mut text = "start_lat,start_lon,goal_lat,goal_lon,depart_s\n".to_owned();
+        let mut text =
+            "start_lat,start_lon,goal_lat,goal_lon,depart_window_s_from,depart_window_s_to\n"
+                .to_owned();
         for index in 0..vehicles {
             let (depot, turn) = (index % DEPOTS, index / DEPOTS);
             let pads = PADS_A_SIDE * PADS_A_SIDE;
@@ -228,8 +233,9 @@ impl Draft<'_> {
                 format!("{:.5},{:.5}", place.lat_deg, place.lon_deg)
             };
             let (from, to) = (degrees(pad), degrees(goal));
-            let depart_s = as_f64(index) * EVERY_S;
-            let _ = writeln!(text, "{from},{to},{depart_s}");
+            let opens_s = as_f64(index) * EVERY_S;
+            let closes_s = opens_s + WINDOW_S;
+            let _ = writeln!(text, "{from},{to},{opens_s},{closes_s}");
         }
         text
     }
