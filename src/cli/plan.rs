@@ -259,13 +259,29 @@ fn blocked(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
             .filter(|(term, _)| *term > 0.0)
             .map(|(_, name)| name)
             .collect();
+            let by: Vec<&str> = plan
+                .blocked_by
+                .iter()
+                .filter_map(|&other| file.spec.vehicles.get(other))
+                .map(|other| other.id.as_str())
+                .collect();
+            let by = match by[..] {
+                [] => String::new(),
+                _ => format!("; alone it would have one: {} in its way", are(&by)),
+            };
             format!(
-                "{}: no path was found from start to goal that keeps every limit; the best breaks {}",
+                "{}: no path was found from start to goal that keeps every limit; the best breaks {}{by}",
                 vehicle.id,
                 broken.join(", ")
             )
         })
         .collect()
+}
+
+/// Some names, and that they are.
+fn are(names: &[&str]) -> String {
+    let verb = if names.len() == 1 { "is" } else { "are" };
+    format!("{} {verb}", names.join(", "))
 }
 
 /// The vehicles that take off or fly otherwise than wanted, and past whom.

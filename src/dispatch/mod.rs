@@ -92,7 +92,37 @@ pub fn dispatch(
         }
         best.rounds = round;
     }
+    if !best.review.passes() {
+        let request = Request {
+            seed,
+            margins: strictness.margins,
+            extra_parameters: strictness.parameters,
+            progress: &|_| (),
+        };
+        best.plan.name_blockers(spec, world, &request);
+        best.tell_blockers(spec);
+    }
     best
+}
+
+impl Dispatched {
+    /// The verdict says of a vehicle that fails whether others are the reason.
+    fn tell_blockers(&mut self, spec: &MissionSpec) {
+        for (vehicle, plan) in spec.vehicles.iter().zip(&self.plan.vehicles) {
+            let others = plan.blocked_by.iter();
+            let others = others.filter_map(|&other| spec.vehicles.get(other));
+            let others: Vec<&str> = others.map(|other| other.id.as_str()).collect();
+            if others.is_empty() || self.review.accepts(&vehicle.id) {
+                continue;
+            }
+            let why = format!(
+                "no path was found that keeps every limit; in its way: {}",
+                others.join(", ")
+            );
+            let margin = Margin::unjudged(&vehicle.id, "path", why);
+            self.review.margins.push(margin);
+        }
+    }
 }
 
 fn failures(dispatched: &Dispatched) -> usize {

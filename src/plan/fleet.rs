@@ -127,7 +127,12 @@ impl FleetPlan {
     }
 }
 
-fn flight_of(spec: &MissionSpec, world: &World, index: usize, plan: &VehiclePlan) -> Flight {
+pub(super) fn flight_of(
+    spec: &MissionSpec,
+    world: &World,
+    index: usize,
+    plan: &VehiclePlan,
+) -> Flight {
     let points: Vec<Vec<PlanPoint>> = plan
         .routes
         .iter()
@@ -436,7 +441,7 @@ fn counted(plan: &VehiclePlan) -> VehiclePlan {
 }
 
 /// When a flight is too near to an earlier one, as the objective sees it too.
-fn nearness(spec: &MissionSpec, margins: Margins) -> Nearness {
+pub(super) fn nearness(spec: &MissionSpec, margins: Margins) -> Nearness {
     let separation = &spec.separation;
     Nearness {
         distance_m: separation.distance_m + margins.separation_m,

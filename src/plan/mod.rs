@@ -1,5 +1,6 @@
 //! Paths for a fleet, one vehicle after the other in order of priority.
 
+mod blocked;
 mod classes;
 mod columns;
 mod course;
@@ -59,6 +60,9 @@ pub struct VehiclePlan {
     /// Indices of the earlier vehicles that it is planned around, in order; from the
     /// flights of all others it is apart.
     pub avoids: Vec<usize>,
+    /// Indices of the earlier vehicles because of which its path breaks a limit, once
+    /// [`FleetPlan::name_blockers`] was asked.
+    pub blocked_by: Vec<usize>,
 }
 
 /// One planned spline.

@@ -52,6 +52,7 @@ pub(super) fn plan_vehicle(
         evaluations: 0,
         plans: 1,
         avoids,
+        blocked_by: Vec::new(),
     };
     for (stream, (from, to)) in (2 * to_u64(index)..).zip(legs.iter().copied()) {
         let course = Course {

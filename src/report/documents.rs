@@ -47,6 +47,9 @@ pub struct PlannedVehicle {
     /// wants, if others were chosen.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gives_way_to: Vec<String>,
+    /// The earlier vehicles because of which no path was found that keeps every limit.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub blocked_by: Vec<String>,
     /// The objective.
     pub cost: Cost,
     /// Proven: no path costs less.
@@ -174,6 +177,7 @@ pub fn plan_json(
             .zip(&plan.vehicles)
             .map(|(vehicle, planned)| PlannedVehicle {
                 gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
+                blocked_by: ids(spec, &planned.blocked_by),
                 ..planned_vehicle(vehicle, planned, world)
             })
             .collect(),
@@ -217,6 +221,7 @@ fn planned_vehicle(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> P
         depart_s: planned.depart_s,
         speed_mps: planned.speed_mps,
         gives_way_to: Vec::new(),
+        blocked_by: Vec::new(),
         cost: cost(&planned.terms),
         bound: finite(planned.bound),
         estimate: finite(planned.estimate),

@@ -249,3 +249,79 @@ fn a_corridor_one_vehicle_wide_is_flown_through_by_one_after_the_other() {
     let around_m = beside_m(&unable.path(1));
     assert!(around_m > 300.0, "around the walls: {around_m} m");
 }
+
+/// The corridor with walls as far as the area goes, too low to pass above each other, and a
+/// vehicle that stays in it. Another before it is far away.
+fn blocked_corridor() -> SpecFile {
+    let text = read("corridor").text;
+    let (before, _) = text.split_once("vehicles:\n").expect("vehicles");
+    let before = before
+        .replace("-35.3560", "-35.3440")
+        .replace("-35.3640", "-35.3760")
+        .replace("max_amsl_m: 704", "max_amsl_m: 654");
+    let vehicle = |id: &str, sysid: u8, start: &str, goal: &str, finish: &str| {
+        format!(
+            "  - {{id: {id}, sysid: {sysid}, autopilot: ardupilot, link: sim, speed_mps: 10, finish: {finish}, \
+             start: {{{start}, agl_m: 60}}, goal: {{{goal}, agl_m: 60}}}}\n"
+        )
+    };
+    let text = before
+        + "vehicles:\n"
+        + &vehicle(
+            "far",
+            1,
+            "lat: -35.350, lon: 149.182",
+            "lat: -35.355, lon: 149.182",
+            "land",
+        )
+        + &vehicle(
+            "balloon",
+            2,
+            "lat: -35.360, lon: 149.157",
+            "lat: -35.360, lon: 149.166",
+            "loiter",
+        )
+        + &vehicle(
+            "west",
+            3,
+            "lat: -35.361, lon: 149.177",
+            "lat: -35.361, lon: 149.155",
+            "land",
+        )
+        + "separation: {distance_m: 50, time_slack_s: 5}\nplanner: {evaluations: 1000}\n";
+    SpecFile::parse(&folder().join("blocked.yaml"), text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+#[test]
+fn a_vehicle_without_a_path_is_told_who_is_in_its_way() {
+    let file = blocked_corridor();
+    let world = world::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let dispatched = dispatch(&file.spec, &world, 1, &|_| ());
+    assert!(!dispatched.review.passes());
+    assert!(dispatched.review.accepts("far") && !dispatched.review.accepts("west"));
+    let blocked = |dispatched: &Dispatched| {
+        let vehicles = dispatched.plan.vehicles.iter();
+        let by = vehicles.map(|plan| plan.blocked_by.clone());
+        by.collect::<Vec<Vec<usize>>>()
+    };
+    assert_eq!(blocked(&dispatched), [vec![], vec![], vec![1]]);
+    let mut margins = dispatched.review.margins.iter();
+    let path = margins.find(|margin| margin.what == "path").expect("a row");
+    assert_eq!((path.vehicle.as_str(), path.ok), ("west", false));
+    assert!(path.note.ends_with("in its way: balloon"), "{}", path.note);
+    // Without the balloon there is a path; and where there is none alone, nobody is to blame.
+    let mut clear = file.spec.clone();
+    clear.vehicles.remove(1);
+    let open = World::new(&clear, world.terrain.clone()).expect("ground");
+    assert!(dispatch(&clear, &open, 1, &|_| ()).review.passes());
+    let gate = "  - {id: gate, polygon: [[-35.359, 149.168], [-35.361, 149.168], \
+                [-35.361, 149.169], [-35.359, 149.169]]}\nvehicles:";
+    let shut = file.text.replace("vehicles:", gate);
+    let shut = SpecFile::parse(&file.path, shut).unwrap_or_else(|error| panic!("{error}"));
+    let mut spec = shut.spec;
+    spec.vehicles.remove(1);
+    let world = World::new(&spec, world.terrain).expect("ground");
+    let dispatched = dispatch(&spec, &world, 1, &|_| ());
+    assert!(!dispatched.review.passes());
+    assert_eq!(blocked(&dispatched), [vec![], Vec::<usize>::new()]);
+}

@@ -306,6 +306,7 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
                 evaluations: 40_000,
                 plans: 1,
                 avoids: Vec::new(),
+                blocked_by: Vec::new(),
             })
             .collect(),
     };
