@@ -4,13 +4,14 @@
 //! planned as if it were alone. If its whole flight keeps the separation from the flights
 //! of all before it, with its margin and at every allowed shift, that plan stands.
 //! Otherwise it is planned again around those it came too near to; if its new flight comes
-//! too near to others, around these as well, until it comes too near to none it was not
-//! planned around. (What then is left is no fault of the search: takeoffs and landings
+//! too near to others, around these and all who are about as well, until it comes too near
+//! to none it was not planned around. (What then is left is no fault of the search: takeoffs and landings
 //! are not its to move, and some ways are simply closed.) So a search reads the few
 //! flights that matter, not all. A vehicle to which the spec leaves another departure or speed
 //! flies the way it would have alone at another time instead, if there is one at which it is
-//! apart from all before it; and if there is none, and its way around others still meets one
-//! of them, that way at another time. Vehicles at the head of the order are few enough to be
+//! apart from all before it. If there is none, it is planned around others from a departure
+//! at which they are not in the way of its takeoff and landing; and if that flight still meets
+//! one of them, it is flown at another time, if there is one at which it does not. Vehicles at the head of the order are few enough to be
 //! planned around all before them at once, which spares small fleets the second search;
 //! so are all by the paper's objective, which has a collision term of its own.
 //!
@@ -22,7 +23,7 @@
 
 use rayon::prelude::*;
 
-use super::leeway::{at_another_time, has_leeway};
+use super::leeway::{at_another_time, free_departure_s, has_leeway};
 use super::vehicle::plan_vehicle;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::Margins;
@@ -127,6 +128,7 @@ impl FleetPlan {
     }
 }
 
+/// The whole flight of a planned vehicle.
 pub(super) fn flight_of(
     spec: &MissionSpec,
     world: &World,
@@ -150,6 +152,8 @@ struct Draft {
     track: Track,
     /// Whether this is the plan of an earlier round.
     kept: bool,
+    /// Whether this is a way at another time than the wanted one.
+    is_retimed: bool,
     /// Whether this is the draft before at another time, or that one again for want of a
     /// better time: nothing is left to try around the same vehicles.
     is_last: bool,
@@ -255,10 +259,6 @@ impl<'a> Fleet<'a> {
             if avoids.last().is_some_and(|&last| last >= self.plans.len()) {
                 return;
             }
-            // Another time has to be apart from all before it, so these stand first.
-            if number > 0 && self.has_leeway(index) && self.plans.len() < index {
-                return;
-            }
             chain.truncate(number);
             let draft = self.draft(index, avoids, chain);
             chain.push(draft);
@@ -270,14 +270,20 @@ impl<'a> Fleet<'a> {
         let nearness = nearness(self.spec, self.margins(index));
         let mut avoids = self.first_avoids(index);
         for (number, draft) in chain.iter_mut().enumerate() {
-            if draft.plan.avoids != avoids {
-                return Step::Plan(number, avoids);
-            }
             if draft.checked < self.plans.len() {
                 draft
                     .near
                     .extend(self.tracks.near(&draft.track, &nearness, draft.checked));
                 draft.checked = self.plans.len();
+            }
+            // Times that were passed over stay so, whoever comes to stand besides; and a way
+            // alone does not depend on whom it meets.
+            let is_as_before = draft.is_retimed && draft.near.is_empty();
+            if is_as_before && number == 1 {
+                draft.plan.avoids.clone_from(&avoids);
+            }
+            if draft.plan.avoids != avoids || (draft.is_retimed && !is_as_before) {
+                return Step::Plan(number, avoids);
             }
             let before = avoids.len();
             for &other in &draft.near {
@@ -298,7 +304,13 @@ impl<'a> Fleet<'a> {
                     return Step::Stands(number);
                 }
             }
+            if !draft.kept && number > 0 && avoids.len() > before {
+                // One way around others has met more: the next knows all who are about.
+                let about = self.tracks.near(&draft.track, &wider(&nearness), 0);
+                avoids.extend(about);
+            }
             avoids.sort_unstable();
+            avoids.dedup();
         }
         Step::Plan(chain.len(), avoids)
     }
@@ -327,35 +339,21 @@ impl<'a> Fleet<'a> {
         let around = chain
             .last()
             .filter(|last| self.has_leeway(index) && last.plan.avoids == avoids);
-        let (plan, is_last) = match chain {
-            [first] if self.has_leeway(index) => (
-                self.at_another_time(index, &avoids, &self.alone(index, first)),
-                false,
-            ),
-            _ => (
-                around.map(|last| {
-                    let last = counted(&last.plan);
-                    self.at_another_time(index, &avoids, &last).unwrap_or(last)
-                }),
-                around.is_some(),
-            ),
+        let at_another_time = match (chain, around) {
+            ([first], _) if self.has_leeway(index) => {
+                self.at_another_time(index, &avoids, &self.alone(index, first))
+            }
+            (_, Some(last)) => self.at_another_time(index, &avoids, &counted(&last.plan)),
+            _ => None,
         };
-        let plan = kept.cloned().or(plan).unwrap_or_else(|| {
-            let earlier: Vec<Flight> = avoids
-                .iter()
-                .map(|&other| self.flights[other].clone())
-                .collect();
+        let is_retimed = at_another_time.is_some();
+        let is_last = chain.len() > 1 && around.is_some();
+        let for_want = around.filter(|_| is_last).map(|last| counted(&last.plan));
+        let ready = kept.cloned().or(at_another_time).or(for_want);
+        let plan = ready.unwrap_or_else(|| {
             let before = chain.last().map(|draft| &draft.plan);
             let estimated = before.or(old).map(|plan| plan.estimate);
-            plan_vehicle(
-                self.spec,
-                self.world,
-                self.request,
-                index,
-                avoids,
-                &earlier,
-                estimated,
-            )
+            self.around(index, avoids, chain, estimated)
         });
         let flight = flight_of(self.spec, self.world, index, &plan);
         Draft {
@@ -363,10 +361,42 @@ impl<'a> Fleet<'a> {
             flight,
             plan,
             kept: kept.is_some(),
+            is_retimed,
             is_last,
             near: Vec::new(),
             checked: 0,
         }
+    }
+
+    /// A plan around some of those that stand. Who has leeway takes off when nobody of them is
+    /// in the way of its takeoff and landing.
+    fn around(
+        &self,
+        index: usize,
+        avoids: Vec<usize>,
+        chain: &[Draft],
+        estimated: Option<f64>,
+    ) -> VehiclePlan {
+        let (spec, world, request) = (self.spec, self.world, self.request);
+        let earlier: Vec<Flight> = avoids
+            .iter()
+            .map(|&other| self.flights[other].clone())
+            .collect();
+        let way = chain.first().filter(|_| self.has_leeway(index));
+        let Some(way) = way.map(|first| &first.plan) else {
+            return plan_vehicle(spec, world, request, index, avoids, &earlier, estimated);
+        };
+        let nearness = nearness(spec, self.margins(index));
+        let mut others = Tracks::new(&nearness);
+        others.extend(
+            earlier
+                .iter()
+                .map(|flight| Track::new(flight.motions().collect())),
+        );
+        let is_apart = |columns: &Track| others.near(columns, &nearness, 0).is_empty();
+        let mut settled = spec.clone();
+        settled.vehicles[index].depart_s = free_departure_s(spec, world, index, way, &is_apart);
+        plan_vehicle(&settled, world, request, index, avoids, &earlier, estimated)
     }
 
     /// The way that a vehicle would fly alone.
@@ -428,6 +458,17 @@ impl<'a> Fleet<'a> {
 
     fn margins(&self, index: usize) -> Margins {
         self.request.margins.get(index).copied().unwrap_or_default()
+    }
+}
+
+/// The same at several times the distances.
+fn wider(nearness: &Nearness) -> Nearness {
+    /// Far enough that a way around others seldom meets more.
+    const TIMES: f64 = 4.0;
+    Nearness {
+        distance_m: TIMES * nearness.distance_m,
+        vertical_m: nearness.vertical_m.map(|vertical_m| TIMES * vertical_m),
+        ..*nearness
     }
 }
 

@@ -7,15 +7,16 @@
 
 use rayon::prelude::*;
 
-use super::VehiclePlan;
 use super::course::Course;
-use super::fleet::Request;
+use super::fleet::{Request, flight_of};
 use super::problem::Spline;
 use super::search::JUDGED_SAMPLES;
 use super::vehicle::sum;
+use super::{Route, VehiclePlan};
 use crate::cost::{Batch, CostTerms, Leg, Margins};
 use crate::geodesy::PlanPoint;
-use crate::path::{route_start_s, time_route, way_speed_mps};
+use crate::numeric::tracks::Track;
+use crate::path::{TimedPoint, route_start_s, time_route, way_speed_mps};
 use crate::spec::{MissionSpec, Span, Vehicle};
 use crate::world::World;
 
@@ -74,6 +75,50 @@ pub(super) fn at_another_time(
         .par_iter()
         .map(|choice| retimed(spec, world, index, alone, *choice));
     plans.find_first(|plan| is_apart(plan))
+}
+
+/// The departure nearest to the wanted one at which takeoff and landing of a way are apart from
+/// others; the wanted one, if there is none. A way around others begins then: takeoff and
+/// landing are not the search's to move.
+pub(super) fn free_departure_s(
+    spec: &MissionSpec,
+    world: &World,
+    index: usize,
+    way: &VehiclePlan,
+    is_apart: &(dyn Fn(&Track) -> bool + Sync),
+) -> f64 {
+    let vehicle = &spec.vehicles[index];
+    let all = departures(vehicle);
+    let found = all.par_iter().find_first(|&&depart_s| {
+        let choice = Choice {
+            depart_s,
+            speed_mps: vehicle.speed_mps,
+            terms: way.terms,
+            change_s: 0.0,
+        };
+        is_apart(&columns(
+            spec,
+            world,
+            index,
+            &retimed(spec, world, index, way, choice),
+        ))
+    });
+    found.copied().unwrap_or(vehicle.depart_s)
+}
+
+/// What a vehicle flies before and after its routes.
+fn columns(spec: &MissionSpec, world: &World, index: usize, plan: &VehiclePlan) -> Track {
+    let ends = |pick: fn(&[TimedPoint]) -> Option<&TimedPoint>| {
+        move |route: &Route| pick(&route.path).map(|point| point.t_s)
+    };
+    let first_s = plan.routes.first().and_then(ends(|path| path.first()));
+    let last_s = plan.routes.last().and_then(ends(|path| path.last()));
+    let flight = flight_of(spec, world, index, plan);
+    let beside = flight.motions().filter(|motion| {
+        first_s.is_none_or(|first_s| motion.t1_s <= first_s)
+            || last_s.is_none_or(|last_s| motion.t0_s >= last_s)
+    });
+    Track::new(beside.collect())
 }
 
 /// Departures to look at: the wanted one first.

@@ -89,7 +89,7 @@ impl FleetPlan {
 
 impl VehiclePlan {
     /// Indices of the earlier vehicles that its path would meet at the departure and speed that
-    /// the spec wants, if others were chosen; its path is then the one it would fly alone.
+    /// the spec wants, if others were chosen, or that it is then planned around.
     #[must_use]
     pub fn gives_way_to(&self, wanted: &Vehicle) -> &[usize] {
         let as_wanted = [
