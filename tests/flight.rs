@@ -157,6 +157,8 @@ struct Sky<'a> {
     /// System ids that cannot be heard and do not hear.
     cut: Vec<u8>,
     events: Vec<Event>,
+    /// What was heard, as ground stations capture it.
+    capture: Vec<u8>,
 }
 
 impl<'a> Sky<'a> {
@@ -167,6 +169,7 @@ impl<'a> Sky<'a> {
             now: Time(0),
             cut: Vec::new(),
             events: Vec::new(),
+            capture: Vec::new(),
         }
     }
 
@@ -185,6 +188,9 @@ impl<'a> Sky<'a> {
             let from = vehicle.address();
             while let Some(message) = vehicle.poll_transmit() {
                 if !self.cut.contains(&from.system) {
+                    let stamp = 1000 * self.now.0 + 1_700_000_000_000_000;
+                    self.capture.extend(stamp.to_be_bytes());
+                    self.capture.extend(Encoder::new(from).encode(&message));
                     self.fleet.handle(self.now, from, &message);
                 }
             }
@@ -269,6 +275,114 @@ fn three_fly_their_plan_and_the_limits_hold() {
         .find(|fix| fix.amsl.0 > 402.0)
         .expect("it flew");
     assert!((30.0..36.0).contains(&up.t_s), "{up:?}");
+}
+
+#[test]
+fn a_flight_is_judged_alike_from_its_record_and_from_a_capture_of_its_links() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let record = plan.record(&sky);
+    let mut lines = Vec::new();
+    for flight in &record.flights {
+        lines.push(Line::of_plan(&flight.vehicle, 0.0, &flight.plans[0]));
+        let fixes = flight.flown.fixes.iter();
+        lines.extend(fixes.map(|fix| Line::of_fix(&flight.vehicle, fix)));
+        lines.push(Line::End {
+            vehicle: flight.vehicle.clone(),
+            end: flight.flown.end.words().to_owned(),
+        });
+    }
+    let lines = lines
+        .iter()
+        .map(|line| serde_json::to_string(line).expect("JSON"));
+    let text = lines.collect::<Vec<_>>().join("\n");
+    let read = read_record(&text, plan.world.frame).expect("a record");
+    let captures: Vec<Capture> = record
+        .flights
+        .iter()
+        .zip(&plan.dispatched.missions)
+        .map(|(flight, (index, mission))| Capture {
+            vehicle: flight.vehicle.clone(),
+            sysid: plan.spec.vehicles[*index].sysid,
+            autopilot: mission.autopilot,
+            plan: flight.plans[0].clone(),
+        })
+        .collect();
+    // What is no frame is passed over.
+    let spoilt = [&[1, 2, 3], sky.capture.as_slice()].concat();
+    let captured = read_tlog(&spoilt, &captures).expect("a capture");
+    let first = judge(&plan.spec, &plan.world, &record);
+    for other in [&read, &captured] {
+        let again = judge(&plan.spec, &plan.world, other);
+        assert!(again.passes(), "{again:#?}");
+        for (one, two) in first.vehicles.iter().zip(&again.vehicles) {
+            assert_eq!(one.end, two.end);
+            let (one, two) = (
+                one.cross_track_m.expect("some"),
+                two.cross_track_m.expect("some"),
+            );
+            assert!((one.worst - two.worst).abs() < 0.05, "{one:?} {two:?}");
+        }
+        for (one, two) in first.margins.iter().zip(&again.margins) {
+            assert_eq!((&one.vehicle, &one.what), (&two.vehicle, &two.what));
+            let near = (one.value - two.value).abs() < 0.3;
+            assert!(near, "{one:?} {two:?}");
+        }
+    }
+    assert!(read_tlog(b"nothing of the kind", &captures).is_err());
+}
+
+#[test]
+fn a_new_plan_counts_from_where_the_vehicle_says_that_it_holds_it() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_out();
+    let mut record = plan.record(&sky);
+    let flight = &mut record.flights[0];
+    // As if its second half had been flown by a plan 50 m beside the first.
+    let items = flight.plans[0].items + 1;
+    let half = flight.flown.fixes.len() / 2;
+    let mut beside = flight.plans[0].clone();
+    beside.items = items;
+    for waypoint in &mut beside.reference.waypoints {
+        waypoint.point.at.north_m += 50.0;
+    }
+    flight.plans.push(beside);
+    let before = judge(&plan.spec, &plan.world, &record);
+    assert!(before.vehicles[0].cross_track_m.expect("some").worst < 6.0);
+    for fix in &mut record.flights[0].flown.fixes[half..] {
+        fix.items = items;
+    }
+    let after = judge(&plan.spec, &plan.world, &record);
+    let cross = after.vehicles[0].cross_track_m.expect("some");
+    assert!((40.0..56.0).contains(&cross.worst), "{cross:?}");
+    // A threat that came up counts from then on.
+    let there = record.flights[0].flown.fixes[half];
+    let popup = |from_s: f64| PopUp {
+        from_s,
+        threat: sortie::spec::Threat {
+            id: "popup-1".to_owned(),
+            kind: "popup".to_owned(),
+            place: there.place,
+            radius_m: 40.0,
+        },
+    };
+    let worst = |record: &Record| {
+        let report = judge(&plan.spec, &plan.world, record);
+        let of = |m: &&sortie::verify::Margin| m.vehicle == "alpha" && m.what == "threat popup-1";
+        let found = report
+            .margins
+            .iter()
+            .find(of)
+            .map(|margin| (margin.value, margin.ok));
+        found.expect("judged")
+    };
+    record.popups = vec![popup(there.t_s - 1.0)];
+    let (value, ok) = worst(&record);
+    assert!((-40.0..-39.0).contains(&value) && !ok, "{value}");
+    record.popups = vec![popup(there.t_s + 10.0)];
+    assert!(worst(&record).1, "it came up behind the vehicle");
 }
 
 #[test]

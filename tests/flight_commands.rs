@@ -74,6 +74,53 @@ fn a_fleet_flies_in_a_hurry_and_its_record_says_that_the_limits_held() {
         .filter(|line| line.contains("lat_deg"))
         .count();
     assert!(fixes > 800, "{fixes} positions");
+    // The record alone gives the same verdict again, to the byte.
+    let review = |arguments: &[&str]| {
+        let arguments = [&["review"], arguments].concat();
+        let output = sortie(folder.path(), &arguments);
+        (
+            output.status.code(),
+            text(&output.stdout),
+            text(&output.stderr),
+        )
+    };
+    let record = "out/lanes.runs/flight.jsonl";
+    let (code, again, errors) = review(&[record, "--json", "--html", "flown.html"]);
+    assert_eq!(code, Some(0), "{errors}");
+    let document = std::fs::read_to_string(runs.join("flight.json")).expect("it is there");
+    assert_eq!(again.trim_end(), document.trim_end());
+    let page = std::fs::read(folder.path().join("flown.html")).expect("the page");
+    assert_eq!(
+        page,
+        std::fs::read(runs.join("flight.html")).expect("that of the flight")
+    );
+    let page = text(&page);
+    assert!(page.contains("Flown against planned") && page.contains("class=\"planned v0\""));
+    // Held against tighter limits it fails; cut short it fails; spoilt it is none.
+    let post = "threats: [{id: post, kind: lookout, lat: 36.301, lon: -84.25, radius_m: 150}]";
+    let tight = SPEC.replace(
+        "vehicles:",
+        &format!(
+            "{post}
+vehicles:"
+        ),
+    );
+    std::fs::write(folder.path().join("tight.yaml"), tight).expect("written");
+    let (code, told, errors) = review(&["tight.yaml", record]);
+    assert_eq!(code, Some(4), "{told}{errors}");
+    assert!(told.contains("FAIL alpha: threat post"), "{told}");
+    assert!(errors.contains("was flown by another spec"), "{errors}");
+    let half: Vec<&str> = lines.lines().take(lines.lines().count() / 2).collect();
+    std::fs::write(folder.path().join("half.jsonl"), half.join("\n")).expect("written");
+    let (code, told, errors) = review(&["lanes.yaml", "half.jsonl"]);
+    assert_eq!(code, Some(4), "{told}{errors}");
+    std::fs::write(folder.path().join("none.jsonl"), "{}\n{}\n").expect("written");
+    let (code, _, errors) = review(&["lanes.yaml", "none.jsonl"]);
+    assert_eq!(code, Some(3), "{errors}");
+    assert!(
+        errors.contains("line 1: is no line of a flight record"),
+        "{errors}"
+    );
     assert!(!runs.join("links.json").exists());
 }
 

@@ -1,5 +1,6 @@
 //! The shipped simulator mission flown by real ArduPilot, for whoever has it:
-//! `SORTIE_ARDUPILOT_SITL` names an `arducopter` binary. Without it nothing is done.
+//! `SORTIE_ARDUPILOT_SITL` names the `arducopter` binary of a built source tree, which has
+//! the parameters that the simulator starts with. Without it nothing is done.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -28,6 +29,14 @@ fn binary() -> Option<PathBuf> {
     path
 }
 
+/// What ArduPilot's own start script gives a copter; without it the simulator does not fly.
+fn defaults(binary: &Path) -> PathBuf {
+    let parameters = "Tools/autotest/default_params/copter.parm";
+    let mut above = binary.ancestors().map(|folder| folder.join(parameters));
+    let found = above.find(|path| path.is_file());
+    found.unwrap_or_else(|| panic!("no {parameters} above {}", binary.display()))
+}
+
 fn sortie(folder: &Path, arguments: &[&str]) {
     let spec = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/sitl-ardupilot.yaml");
     let (command, rest) = arguments.split_first().expect("a command");
@@ -46,6 +55,8 @@ fn sortie(folder: &Path, arguments: &[&str]) {
 #[test]
 fn three_ardupilot_copters_fly_their_missions_and_the_limits_hold() {
     let Some(binary) = binary() else { return };
+    let binary = std::path::absolute(binary).expect("a path");
+    let defaults = defaults(&binary);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let latitudes = ["-35.3633", "-35.3670", "-35.3707"];
     let copters = latitudes.iter().enumerate().map(|(n, latitude)| {
@@ -55,6 +66,8 @@ fn three_ardupilot_copters_fly_their_missions_and_the_limits_hold() {
         Command::new(&binary)
             .current_dir(own)
             .args(["--model", "quad", "--speedup", "5", "-I", &n.to_string()])
+            .arg("--defaults")
+            .arg(&defaults)
             .args(["--sysid", &(n + 1).to_string()])
             .args(["--serial0", &format!("udpclient:127.0.0.1:{port}")])
             .args(["--home", &format!("{latitude},149.1600,584,0")])

@@ -115,7 +115,8 @@ pub(super) struct Check {
 #[derive(Debug, clap::Args)]
 pub(super) struct Review {
     /// Mission files (QGC WPL, .plan, fence and rally lists), and the spec (*.yaml) if there is
-    /// one; <id>.* belongs to vehicle <id>, a file with a fence or rally points only to all
+    /// one; <id>.* belongs to vehicle <id>, a file with a fence or rally points only to all.
+    /// Or one flight: the record that `fly` wrote (.jsonl), or a .tlog with the missions flown
     #[arg(required = true, value_name = "SPEC and FILES")]
     pub(super) files: Vec<PathBuf>,
     /// The mission file of one vehicle, whatever its name

@@ -25,6 +25,7 @@ use crate::world::{self, World};
 
 pub(super) use call::{Call, Said};
 use flying::Flying;
+pub(super) use show::report;
 
 /// Between two positions of a vehicle, seconds of its own time.
 const POSITION_S: f64 = 0.2;

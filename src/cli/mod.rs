@@ -18,6 +18,7 @@ mod plan;
 mod progress;
 mod replan;
 mod review;
+mod review_flight;
 mod study;
 mod study_fleet;
 mod table;

@@ -9,6 +9,7 @@ use super::console::{Paint, note, out};
 use super::failure::Failure;
 use super::folder;
 use super::output;
+use super::review_flight;
 use super::table::{self, Rows};
 use crate::formats::{self, Document, Format};
 use crate::mission::{Home, VehicleMission};
@@ -33,6 +34,10 @@ pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
     let is_spec = |path: &&PathBuf| path.extension().is_some_and(|e| e == "yaml" || e == "yml");
     let (specs, files): (Vec<&PathBuf>, Vec<&PathBuf>) = arguments.files.iter().partition(is_spec);
     let named = named(&arguments.vehicle)?;
+    if files.iter().any(|path| review_flight::is_flight(path)) && specs.len() < 2 {
+        let spec = specs.first().map(|path| path.as_path());
+        return review_flight::run(spec, &files, arguments);
+    }
     match specs[..] {
         [] => without_spec(&files, &named, arguments),
         [spec] => with_spec(spec, &files, &named, arguments),

@@ -309,3 +309,71 @@ const separation = (() => {
   });
   return { build };
 })();
+
+// How far what was flown was from its plan, on the page of a flight.
+const errorsChart = (() => {
+  const host = element("errors"), section = element("errors-section"), MOST = 6;
+  const flown = scene.vehicles.map((vehicle, index) => ({ index, id: vehicle.id, errors: vehicle.flown ? vehicle.flown.errors : [] })).filter(({ errors }) => errors.length > 1);
+  let move = () => {};
+
+  /** The vehicles to show: the chosen one, or the first few. */
+  const chosen = () => (state.focus >= 0 ? flown.filter(({ index }) => index === state.focus) : flown.slice(0, MOST));
+
+  function build() {
+    host.replaceChildren();
+    move = () => {};
+    const shown = chosen();
+    if (!shown.length) {
+      host.append(html("p", "note", "This vehicle has no recorded flight."));
+      return;
+    }
+    const key = html("p", "key");
+    const readings = shown.map(({ index, id }) => {
+      const entry = html("span", "pair");
+      entry.append(html("i", colourOf(index)), id + " ");
+      const reading = html("span", "reading");
+      entry.append(reading);
+      key.append(entry);
+      return reading;
+    });
+    key.append(html("span", "", "full line: beside the planned way; dashed: above it, or below (negative)"));
+    host.append(key);
+    const values = shown.flatMap(({ errors }) => errors.flatMap(([, aside, above]) => [aside, above]));
+    const pad = 0.5, least = values.reduce((a, v) => Math.min(a, v), 0) - pad, most = values.reduce((a, v) => Math.max(a, v), 2) + pad;
+    const narrow = host.clientWidth < 500;
+    const chart = frame(host, {
+      height: narrow ? 210 : 240, x: [state.first, state.last], y: { from: least, to: most, map: (v) => v },
+      ticksX: ticks(state.first / 60, state.last / 60, narrow ? 5 : 10).map(([v, text]) => [v * 60, text]),
+      ticksY: ticks(least, most, 4), titleX: "minutes after T0", titleY: "metres off the plan",
+    });
+    const { root, at } = chart, base = chart.height - chart.bottom;
+    for (const { index, errors } of shown) {
+      svg("path", { class: "line " + colourOf(index), d: pathData(errors.map(([t, aside]) => [at.x(t), at.y(aside)])) }, root);
+      svg("path", { class: "line " + colourOf(index), d: pathData(errors.map(([t, , above]) => [at.x(t), at.y(above)])), "stroke-dasharray": "5 5" }, root);
+    }
+    const cursor = svg("path", { class: "cursor" }, root);
+    pointing(chart, setTime);
+    move = () => {
+      cursor.setAttribute("d", `M${at.x(state.t).toFixed(1)} ${chart.top}V${base}`);
+      shown.forEach(({ errors }, i) => {
+        const after = errors.findIndex(([t]) => t >= state.t), now = errors[after];
+        readings[i].textContent = now && after > 0 ? `${now[1].toFixed(1)} m beside, ${now[2].toFixed(1)} m above` : "–";
+      });
+    };
+    move();
+  }
+
+  section.hidden = !flown.length;
+  if (!flown.length) return { build };
+  let width = -1;
+  whenResized(host, () => {
+    if (host.clientWidth === width) return;
+    width = host.clientWidth;
+    build();
+  });
+  whenChanged((what) => {
+    if (what === "time") move();
+    if (what === "focus") build();
+  });
+  return { build };
+})();

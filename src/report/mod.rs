@@ -2,6 +2,7 @@
 
 mod contour;
 mod documents;
+mod flown;
 mod labels;
 mod page;
 mod picture;
@@ -16,7 +17,8 @@ pub use documents::{
     ControlPoint, Cost, MarginEntry, PathPoint, Place, PlanDocument, PlannedVehicle,
     ReviewDocument, json_text, plan_json, review_json,
 };
-pub use page::review_html;
+pub use flown::{FlownError, FlownFacts};
+pub use page::{flight_html, review_html};
 pub use picture::review_svg;
 
 use crate::mission::VehicleMission;

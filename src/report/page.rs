@@ -9,6 +9,7 @@ use std::fmt::Write as _;
 use serde::Serialize;
 
 use super::documents::{finite, rounded, verdict};
+use super::flown::FlownFacts;
 use super::picture::plan_view;
 use super::scene::{Ending, Scene, VehicleShape};
 use super::tables;
@@ -71,7 +72,21 @@ struct Approach {
 /// The page: HTML that opens from disk without a network.
 #[must_use]
 pub fn review_html(input: &ReviewInput<'_>) -> String {
-    let scene = Scene::new(input);
+    page(input, Scene::new(input))
+}
+
+/// The same page of a flight: the tracks of `input` are what was flown, and `flown` has
+/// the plans that lie under them.
+#[must_use]
+pub fn flight_html(input: &ReviewInput<'_>, flown: &[FlownFacts]) -> String {
+    let mut scene = Scene::new(input);
+    for facts in flown {
+        scene.lay_under(facts);
+    }
+    page(input, scene)
+}
+
+fn page(input: &ReviewInput<'_>, scene: Scene) -> String {
     let ranked = words::ranked(input.review);
     let shown = &ranked[..ranked.len().min(MOST_ROWS)];
     let data = Data {

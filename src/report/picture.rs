@@ -315,6 +315,13 @@ fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape, c
             "<path class=\"casing\" d=\"{data}\" fill=\"none\" stroke=\"{PAPER}\" stroke-opacity=\".75\" stroke-width=\"5\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
         );
     }
+    for way in vehicle.flown.iter().flat_map(|flown| &flown.planned) {
+        let way = view.path(way.iter().map(|[east_m, north_m, _]| (*east_m, *north_m)));
+        let _ = write!(
+            svg,
+            "<path class=\"planned v{class}\" d=\"{way}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\".35\" stroke-width=\"8\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
+        );
+    }
     let _ = write!(
         svg,
         "<path class=\"track v{class}\" d=\"{data}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2.6\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"

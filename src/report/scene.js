@@ -250,6 +250,15 @@ const scene3d = (() => {
       const count = zone.ring.length - 1, sum = (axis) => zone.ring.slice(0, count).reduce((a, c) => a + c[axis], 0) / count;
       written(zone.id, project(sum(0), sum(1), zone.below_m === null ? top : Math.min(zone.below_m, top)), themed("--zone"));
     }
+    // The planned way under what was flown.
+    scene.vehicles.forEach((vehicle, index) => {
+      pen.globalAlpha = state.focus < 0 || state.focus === index ? 0.45 : 0.12;
+      for (const way of vehicle.flown?.planned ?? []) {
+        const colour = themed("--v" + (index % data.colours.length));
+        for (let i = 1; i < way.length; i++) stroke([project(...way[i - 1]), project(...way[i])], colour, 6);
+      }
+      pen.globalAlpha = 1;
+    });
     scene.vehicles.forEach((vehicle, index) => {
       const colour = themed("--v" + (index % data.colours.length));
       pen.globalAlpha = state.focus < 0 || state.focus === index ? 1 : 0.25;

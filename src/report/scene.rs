@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::ReviewInput;
 use super::documents::{rounded, whole_path};
+use super::flown::{FlownFacts, FlownShape};
 use super::relief::{Bounds, Relief};
 use super::thin::{Fix, thin};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
@@ -73,6 +74,9 @@ pub(super) struct VehicleShape {
     ground: GroundShape,
     /// East, north, altitude, and the row of the item.
     pub(super) waypoints: Vec<(f64, f64, f64, usize)>,
+    /// The plan under what was flown, on the page of a flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) flown: Option<FlownShape>,
     /// How far the thinned track is from the whole one at most, metres.
     pub(super) drawn_within_m: f64,
     /// How its motion ends; none without a track.
@@ -160,6 +164,16 @@ impl Scene {
                 .map(|rally| flat(world.frame.to_plan(rally.place)))
                 .collect(),
             vehicles,
+        }
+    }
+}
+
+impl Scene {
+    /// Puts the plan of a vehicle under what it flew.
+    pub(super) fn lay_under(&mut self, facts: &FlownFacts) {
+        let mut vehicles = self.vehicles.iter_mut();
+        if let Some(vehicle) = vehicles.find(|vehicle| vehicle.id == facts.vehicle) {
+            vehicle.flown = Some(FlownShape::new(facts));
         }
     }
 }
@@ -252,6 +266,7 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         ground: ground_under(&track, world, share(MOST_GROUND, 24).min(600)),
         track,
         waypoints: if too_many { Vec::new() } else { waypoints },
+        flown: None,
         drawn_within_m: metres(drawn_within_m),
         end: ending(&whole, world, vehicle),
         length_m: whole

@@ -17,6 +17,7 @@ use crate::flight::{
     self, Fleet, FlightReport, Flown, Intervention, Line, Outcome, Plan, Reference,
 };
 use crate::link::{Arrival, Links, Time};
+use crate::mission::VehicleMission;
 use crate::report;
 
 /// How long disarming commands have to go out when nothing was started, milliseconds.
@@ -258,6 +259,11 @@ impl<'a> Flying<'a> {
         let named = self.path.with_extension("json");
         output::write_file(&named, text.as_bytes())?;
         output::write_file(&self.runs.join("flight.json"), text.as_bytes())?;
+        let missions: Vec<(usize, &VehicleMission)> =
+            sorties.missions.iter().map(|(v, m)| (*v, m)).collect();
+        let page = flight::flight_page(spec, &sorties.world, &record, &judged, &missions);
+        output::write_file(&self.path.with_extension("html"), page.as_bytes())?;
+        output::write_file(&self.runs.join("flight.html"), page.as_bytes())?;
         let copied = std::fs::copy(&self.path, self.runs.join("flight.jsonl"));
         copied.map_err(|error| unwritable(&self.path, &error))?;
         if arguments.json {

@@ -101,7 +101,7 @@ fn line(status: &Status) -> String {
 }
 
 /// The table of a flight that is over, and what was not kept.
-pub(super) fn report(judged: &FlightReport) -> Result<(), Failure> {
+pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
     let paint = Paint::for_stdout();
     let mut rows = Rows::new(&[
         "vehicle",
