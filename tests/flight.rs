@@ -278,6 +278,41 @@ fn three_fly_their_plan_and_the_limits_hold() {
 }
 
 #[test]
+fn the_shipped_fleet_flies_over_the_mountains_and_its_limits_hold() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/jacksboro.yaml");
+    let file = sortie::spec::SpecFile::read(&path).expect("the spec");
+    let world = sortie::world::load(&file).expect("the terrain");
+    let mut spec = file.spec;
+    spec.planner.evaluations = 6000;
+    let dispatched = dispatch(&spec, &world, 1, &|_| {});
+    let failed = dispatched.review.margins.iter().filter(|margin| !margin.ok);
+    let failed: Vec<_> = failed.collect();
+    assert!(failed.is_empty(), "{failed:?}");
+    let plan = Planned {
+        spec,
+        world,
+        dispatched,
+    };
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    let ends: Vec<&str> = report.vehicles.iter().map(|v| v.end.as_str()).collect();
+    assert_eq!(ends, ["landed", "loiters", "landed"]);
+    for vehicle in &report.vehicles {
+        let cross = vehicle.cross_track_m.expect("positions");
+        let high = vehicle.altitude_error_m.expect("positions");
+        assert!(cross.worst < 6.0 && high.worst < 3.0, "{vehicle:?}");
+        for passage in &vehicle.passages {
+            assert!(passage.late_s().abs() < 25.0, "{passage:?}");
+        }
+    }
+    let of = |what: &str| report.margins.iter().filter(|m| m.what == what).count();
+    assert_eq!((of("separation"), of("terrain clearance")), (3, 3));
+    assert_eq!(of("threat radar-cross"), 3);
+}
+
+#[test]
 fn a_flight_is_judged_alike_from_its_record_and_from_a_capture_of_its_links() {
     let plan = plan(three(), OnLinkLoss::Continue);
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());

@@ -9,6 +9,7 @@ mod course;
 mod divert;
 mod look;
 mod present;
+mod renewed;
 mod told;
 
 use super::args;
@@ -24,7 +25,8 @@ use crate::spec::{Link, Threat};
 
 use course::Course;
 use look::{Clock, Look, Sight};
-use present::{Replanned, Situation};
+use present::Situation;
+use renewed::Replanned;
 
 /// How long planning may take at first, on the wall's clock, seconds.
 const PLANNING_S: f64 = 0.8;

@@ -219,11 +219,15 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         facts.push(heights.join(", "));
     }
     if held("separation") {
-        facts.push(format!(
-            "{} m apart, departures ± {} s",
-            words::number(spec.separation.distance_m, 1),
-            words::number(spec.separation.time_slack_s, 1)
-        ));
+        let apart = words::number(spec.separation.distance_m, 1);
+        // What was flown has no other departures.
+        let slack_s = spec.separation.time_slack_s;
+        let shifted = if slack_s > 0.0 {
+            format!(", departures ± {} s", words::number(slack_s, 1))
+        } else {
+            String::new()
+        };
+        facts.push(format!("{apart} m apart{shifted}"));
     }
     facts.extend(endings(&scene.vehicles));
     facts

@@ -134,6 +134,15 @@ impl Course {
         std::iter::once(self.here).chain(ahead).collect()
     }
 
+    /// The length of the way ahead in the air, metres.
+    pub(super) fn way_m(&self) -> f64 {
+        let points = self.points();
+        points
+            .windows(2)
+            .map(|pair| pair[0].distance_m(pair[1]))
+            .sum()
+    }
+
     /// Whether its way comes nearer than a distance to a place.
     pub(super) fn meets(&self, center: EastNorth, distance_m: f64) -> bool {
         let points = self.points();

@@ -6,45 +6,25 @@
 //! that it has before it, those that it keeps and the new ones.
 
 use super::course::{Course, Parting};
+use super::renewed::{Renewed, Replanned, head_len};
 use crate::cli::fly::Sorties;
 use crate::cost::Margins;
-use crate::flight::{Plan, Reference, Waypoint};
+use crate::flight::Reference;
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, VehicleMission, command};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{
-    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle,
-};
-use crate::verify::{self, Margin, Review};
+use crate::spec::{AltitudeReference, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle};
+use crate::verify::{self, Margin};
 use crate::world::{Disc, Stations, World};
 
 /// Evaluations for each leg: a new path is wanted now.
 const EVALUATIONS: usize = 6000;
+/// With less way than this before it a vehicle is at its end, metres.
+const AT_END_M: f64 = 4.0;
 /// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
 /// leave the path by one. What fails is planned again with more.
 const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
-
-/// A vehicle's new mission.
-pub(super) struct Renewed {
-    /// Its index in the spec.
-    pub(super) vehicle: usize,
-    /// What it is sent.
-    pub(super) mission: VehicleMission,
-    /// Index of the first item ahead, and of the first that is new.
-    pub(super) ahead: usize,
-    pub(super) new: usize,
-    /// Where the leg to the first item ahead begins.
-    pub(super) origin: PlanPoint,
-    /// What its flight is held against from then on.
-    pub(super) plan: Plan,
-}
-
-/// What came of it.
-pub(super) struct Replanned {
-    pub(super) renewed: Vec<Renewed>,
-    pub(super) review: Review,
-}
 
 /// What is given: everyone's course, who is concerned and where each of those parts from
 /// its course, and how long after T0 it is now.
@@ -223,6 +203,13 @@ impl<'a> Present<'a> {
 
     /// A vehicle that is not concerned goes on as it does.
     fn keep(&mut self, course: &Course) {
+        let at_its_end;
+        let course = if course.way_m() < AT_END_M {
+            at_its_end = self.at_its_end(course);
+            &at_its_end
+        } else {
+            course
+        };
         let points = course.points();
         let last = points.last().copied().unwrap_or(course.here);
         let at_s = self.now_s + course.rises_s;
@@ -243,6 +230,20 @@ impl<'a> Present<'a> {
                 self.drop_last();
                 self.problem(course, "encoding", error.to_string());
             }
+        }
+    }
+
+    /// A vehicle that stays at its end, or comes down there: for the verdict it begins a few
+    /// metres beside, no lower than may be flown, so that there is a way to be judged and
+    /// its whole column counts.
+    fn at_its_end(&self, course: &Course) -> Course {
+        let place = course.ahead.last().map_or(course.here, |(_, place)| *place);
+        let least_m = ground(&self.world, place).0 + self.spec.area.min_agl.0;
+        let amsl = Amsl(place.amsl.0.max(least_m + self.spec.mission.tolerance_m));
+        let here = PlanPoint::new(place.at.east_m, place.at.north_m - AT_END_M, amsl);
+        Course {
+            here,
+            ..course.clone()
         }
     }
 
@@ -306,7 +307,7 @@ impl<'a> Present<'a> {
             }
         };
         let mut new: Vec<Item> = built.items[head_len(&built.items)..].to_vec();
-        let renewed = self.renewed(course, parting, &head, &mut new);
+        let renewed = Renewed::new(course, parting, &head, &mut new, &self.world);
         let mut judged = head;
         judged.items.extend(course.items_kept(parting));
         judged.items.extend(new);
@@ -321,50 +322,6 @@ impl<'a> Present<'a> {
             self.problem(course, "items ahead", why);
         }
         renewed
-    }
-
-    /// The new mission as the vehicle is sent it. ArduPilot keeps the items that it has
-    /// flown, and with them its place in the list; PX4 gets what lies ahead.
-    fn renewed(
-        &self,
-        course: &Course,
-        parting: &Parting,
-        head: &VehicleMission,
-        new: &mut Vec<Item>,
-    ) -> Option<Renewed> {
-        let (held, kept_end) = (&course.held, course.kept_end(parting));
-        let begin = match held.autopilot {
-            Autopilot::ArduPilot => 0,
-            Autopilot::Px4 => course.at,
-        };
-        let first = kept_end - parting.kept;
-        let is_contiguous = course
-            .ahead
-            .first()
-            .is_none_or(|(index, _)| parting.kept == 0 || *index == first);
-        let before = held.items.get(begin..kept_end)?;
-        if before.len() + new.len() == held.items.len() {
-            // Another number of items tells the vehicle's plans apart.
-            split(new, course, parting, &self.world);
-        }
-        let mission = VehicleMission {
-            home: held.home,
-            items: before.iter().chain(new.iter()).copied().collect(),
-            ..head.clone()
-        };
-        let frame = self.world.frame;
-        let items = mission.items.len();
-        (is_contiguous && first >= begin).then(|| Renewed {
-            vehicle: course.vehicle,
-            mission,
-            ahead: first - begin,
-            new: kept_end - begin,
-            origin: course.origin,
-            plan: Plan {
-                items,
-                reference: Reference::of_waypoints(Vec::new(), (0.0, course.lands), frame),
-            },
-        })
     }
 
     /// New paths, leg by leg, around those that are in the fleet already.
@@ -416,67 +373,16 @@ impl<'a> Present<'a> {
         let others = self.missions.len() - renewed.len().min(self.missions.len());
         let shift_s = self.given.now_s - self.now_s;
         for (renewed, index) in renewed.iter_mut().zip(others..) {
-            let (Some(mission), Some(track)) = (self.missions.get(index), review.tracks.get(index))
-            else {
-                continue;
-            };
-            let reference = Reference::new(mission, track, &self.world);
-            let head = head_len(&mission.items);
-            let timed = |waypoint: &Waypoint| Waypoint {
-                t_s: waypoint.t_s + shift_s,
-                ..*waypoint
-            };
-            let ahead = reference.waypoints.iter().filter(|w| w.item > head);
-            let ahead = ahead.map(|waypoint| Waypoint {
-                item: waypoint.item - head + renewed.ahead,
-                ..timed(waypoint)
-            });
-            let origin = Waypoint {
-                item: renewed.ahead,
-                point: renewed.origin,
-                t_s: self.given.now_s,
-            };
-            renewed.plan.reference = Reference::of_waypoints(
-                std::iter::once(origin).chain(ahead).collect(),
-                (reference.end_s + shift_s, reference.lands),
-                self.world.frame,
-            );
+            if let (Some(mission), Some(track)) =
+                (self.missions.get(index), review.tracks.get(index))
+            {
+                let judged = Reference::new(mission, track, &self.world);
+                let head = head_len(&mission.items);
+                renewed.time(&judged, head, (self.given.now_s, shift_s), &self.world);
+            }
         }
         Replanned { renewed, review }
     }
-}
-
-/// Items before the first that is flown to after a takeoff.
-fn head_len(items: &[Item]) -> usize {
-    let is_head = |item: &&Item| item.command == command::NAV_TAKEOFF || item.place().is_none();
-    items.iter().take_while(is_head).count()
-}
-
-/// Puts a waypoint into the middle of the first new leg, on it.
-fn split(new: &mut Vec<Item>, course: &Course, parting: &Parting, world: &World) {
-    let before = course.points().get(parting.kept).copied();
-    let (Some(before), Some(&first)) = (before, new.first()) else {
-        return;
-    };
-    let Some(place) = first.place() else { return };
-    let (a, b) = (before.at, world.frame.to_plan(place));
-    let middle = world.frame.from_plan(crate::geodesy::EastNorth {
-        east_m: 0.5 * (a.east_m + b.east_m),
-        north_m: 0.5 * (a.north_m + b.north_m),
-    });
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "degrees in 1e-7 and metres as missions have them"
-    )]
-    let item = Item {
-        command: command::NAV_WAYPOINT,
-        params: [0.0, first.params[1], first.params[2], first.params[3]],
-        x: (middle.lat_deg * 1e7).round() as i32,
-        y: (middle.lon_deg * 1e7).round() as i32,
-        z: (0.5 * (before.amsl.0 + f64::from(first.z))) as f32,
-        ..first
-    };
-    new.insert(0, item);
 }
 
 /// The ground below a point; no data is not a number, and then nothing passes.

@@ -1,0 +1,136 @@
+//! The new mission of a vehicle in flight, as it is sent and as its flight is held against it.
+
+use super::course::{Course, Parting};
+use crate::flight::{Plan, Reference, Waypoint};
+use crate::geodesy::{EastNorth, PlanPoint};
+use crate::mission::{Item, VehicleMission, command};
+use crate::spec::Autopilot;
+use crate::verify::Review;
+use crate::world::World;
+
+/// A vehicle's new mission.
+pub(super) struct Renewed {
+    /// Its index in the spec.
+    pub(super) vehicle: usize,
+    /// What it is sent.
+    pub(super) mission: VehicleMission,
+    /// Index of the first item ahead, and of the first that is new.
+    pub(super) ahead: usize,
+    pub(super) new: usize,
+    /// Where the leg to the first item ahead begins.
+    pub(super) origin: PlanPoint,
+    /// What its flight is held against from then on.
+    pub(super) plan: Plan,
+}
+
+/// What came of it.
+pub(super) struct Replanned {
+    pub(super) renewed: Vec<Renewed>,
+    pub(super) review: Review,
+}
+
+impl Renewed {
+    /// The new mission as the vehicle is sent it. ArduPilot keeps the items that it has
+    /// flown, and with them its place in the list; PX4 gets what lies ahead.
+    pub(super) fn new(
+        course: &Course,
+        parting: &Parting,
+        head: &VehicleMission,
+        new: &mut Vec<Item>,
+        world: &World,
+    ) -> Option<Self> {
+        let (held, kept_end) = (&course.held, course.kept_end(parting));
+        let begin = match held.autopilot {
+            Autopilot::ArduPilot => 0,
+            Autopilot::Px4 => course.at,
+        };
+        let first = kept_end - parting.kept;
+        let is_contiguous = course
+            .ahead
+            .first()
+            .is_none_or(|(index, _)| parting.kept == 0 || *index == first);
+        let before = held.items.get(begin..kept_end)?;
+        if before.len() + new.len() == held.items.len() {
+            // Another number of items tells the vehicle's plans apart.
+            split(new, course, parting, world);
+        }
+        let mission = VehicleMission {
+            home: held.home,
+            items: before.iter().chain(new.iter()).copied().collect(),
+            ..head.clone()
+        };
+        let frame = world.frame;
+        let items = mission.items.len();
+        (is_contiguous && first >= begin).then(|| Self {
+            vehicle: course.vehicle,
+            mission,
+            ahead: first - begin,
+            new: kept_end - begin,
+            origin: course.origin,
+            plan: Plan {
+                items,
+                reference: Reference::of_waypoints(Vec::new(), (0.0, course.lands), frame),
+            },
+        })
+    }
+
+    /// Takes the times of its plan from the flight that was verified, whose first items up to
+    /// `head` stand for where the vehicle is; `shift_s` leads from its clock to T0.
+    pub(super) fn time(
+        &mut self,
+        judged: &Reference,
+        head: usize,
+        (now_s, shift_s): (f64, f64),
+        world: &World,
+    ) {
+        let ahead = judged.waypoints.iter().filter(|w| w.item > head);
+        let ahead = ahead.map(|waypoint| Waypoint {
+            item: waypoint.item - head + self.ahead,
+            t_s: waypoint.t_s + shift_s,
+            ..*waypoint
+        });
+        let origin = Waypoint {
+            item: self.ahead,
+            point: self.origin,
+            t_s: now_s,
+        };
+        self.plan.reference = Reference::of_waypoints(
+            std::iter::once(origin).chain(ahead).collect(),
+            (judged.end_s + shift_s, judged.lands),
+            world.frame,
+        );
+    }
+}
+
+/// Items before the first that is flown to after a takeoff.
+pub(super) fn head_len(items: &[Item]) -> usize {
+    let is_head = |item: &&Item| item.command == command::NAV_TAKEOFF || item.place().is_none();
+    items.iter().take_while(is_head).count()
+}
+
+/// Puts a waypoint into the middle of the first new leg, on it.
+fn split(new: &mut Vec<Item>, course: &Course, parting: &Parting, world: &World) {
+    let before = course.points().get(parting.kept).copied();
+    let (Some(before), Some(&first)) = (before, new.first()) else {
+        return;
+    };
+    let Some(place) = first.place() else { return };
+    let (a, b) = (before.at, world.frame.to_plan(place));
+    let middle = world.frame.from_plan(EastNorth {
+        east_m: 0.5 * (a.east_m + b.east_m),
+        north_m: 0.5 * (a.north_m + b.north_m),
+    });
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "degrees in 1e-7 and metres as missions have them"
+    )]
+    let item = Item {
+        command: command::NAV_WAYPOINT,
+        params: [0.0, first.params[1], first.params[2], first.params[3]],
+        x: (middle.lat_deg * 1e7).round() as i32,
+        y: (middle.lon_deg * 1e7).round() as i32,
+        z: (0.5 * (before.amsl.0 + f64::from(first.z))) as f32,
+        ..first
+    };
+    new.insert(0, item);
+}
