@@ -159,7 +159,7 @@ fn copters_alone(spec: &MissionSpec) -> Result<(), Failure> {
 }
 
 /// In the air vehicles are told apart by system id alone, whatever their link.
-fn told_apart(spec: &MissionSpec) -> Result<(), Failure> {
+pub(super) fn told_apart(spec: &MissionSpec) -> Result<(), Failure> {
     for (index, vehicle) in spec.vehicles.iter().enumerate() {
         let mut earlier = spec.vehicles[..index].iter();
         if let Some(other) = earlier.find(|other| other.sysid == vehicle.sysid) {

@@ -297,7 +297,7 @@ fn given_way(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
                 past += &format!(" and {} more", rest.len());
             }
             Some(format!(
-                "{}: takes off at {} s and flies {} m/s (wanted: {} s, {} m/s), and so need not go around {past}",
+                "{}: takes off at {} s and flies {} m/s (wanted: {} s, {} m/s), to give way to {past}",
                 vehicle.id, plan.depart_s, plan.speed_mps, vehicle.depart_s, vehicle.speed_mps
             ))
         })

@@ -204,7 +204,7 @@ pub(super) fn deliver(
     force: bool,
     tlog: Option<&Path>,
 ) -> Result<Delivery, Failure> {
-    told_apart(file, &missions, links)?;
+    told_apart(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
     let capture = tlog.map(begin_capture).transpose()?;
     let mut simulated: Vec<Running> = Vec::new();
     let mut resolved: Vec<Link> = Vec::new();
@@ -253,13 +253,13 @@ pub(super) fn deliver(
 /// On one link vehicles are told apart by system id alone.
 fn told_apart(
     file: &SpecFile,
-    missions: &[(usize, &VehicleMission)],
+    vehicles: impl Iterator<Item = usize>,
     links: &[(usize, Link)],
 ) -> Result<(), Failure> {
     let mut seen = BTreeMap::new();
-    for (vehicle, _) in missions {
-        let this = &file.spec.vehicles[*vehicle];
-        let link = link_of(file, *vehicle, links);
+    for vehicle in vehicles {
+        let this = &file.spec.vehicles[vehicle];
+        let link = link_of(file, vehicle, links);
         // Every simulated vehicle has a link of its own.
         if *link == Link::Sim {
             continue;
@@ -304,4 +304,49 @@ fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result
             format!("{}: the simulated vehicle does not start: {error}", this.id),
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::fly;
+
+    const LARGE: &str = "\
+sortie: 1
+name: large
+area:
+  south_west: {lat: 36.20, lon: -84.40}
+  north_east: {lat: 36.40, lon: -84.10}
+  min_agl_m: 60
+  max_amsl_m: 1500
+terrain: {flat: {amsl_m: 300}}
+fleet:
+  id: d{n}
+  start_grid: {south_west: {lat: 36.21, lon: -84.39}, rows: 5, columns: 50, spacing_m: 150}
+  goal_grid: {south_west: {lat: 36.30, lon: -84.39}, rows: 5, columns: 50, spacing_m: 150}
+  defaults: {autopilot: px4, link: sim, start: {agl_m: 80}, goal: {agl_m: 80}, finish: land, speed_mps: 12}
+";
+
+    #[test]
+    fn one_system_id_on_one_link_is_one_vehicle_too_many() {
+        let file = SpecFile::parse(Path::new("large.yaml"), LARGE.to_owned()).unwrap();
+        let sysid = |index: usize| file.spec.vehicles[index].sysid;
+        assert_eq!(
+            (file.spec.vehicles.len(), sysid(0), sysid(240)),
+            (250, 1, 1)
+        );
+        let all = || 0..file.spec.vehicles.len();
+        assert!(told_apart(&file, all(), &[]).is_ok(), "each has its own");
+        let to = |index: usize, port: u16| (index, Link::UdpOut(format!("127.0.0.1:{port}")));
+        assert!(told_apart(&file, all(), &[to(0, 14550), to(240, 14551)]).is_ok());
+        assert!(told_apart(&file, all(), &[to(0, 14550), to(239, 14550)]).is_ok());
+        let refused = told_apart(&file, all(), &[to(0, 14550), to(240, 14550)]);
+        let message = refused.unwrap_err().message;
+        assert!(
+            message.contains("d1 and d241 have one system id, 1"),
+            "{message}"
+        );
+        let message = fly::told_apart(&file.spec).unwrap_err().message;
+        assert!(message.contains("d1 and d241"), "{message}");
+    }
 }

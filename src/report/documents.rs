@@ -43,8 +43,8 @@ pub struct PlannedVehicle {
     pub depart_s: f64,
     /// How fast it flies, m/s: as wanted, or another speed of its range.
     pub speed_mps: f64,
-    /// The earlier vehicles that its path would meet at the departure and speed that the spec
-    /// wants, if others were chosen.
+    /// The earlier vehicles because of which another departure or speed was chosen than the
+    /// spec wants.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gives_way_to: Vec<String>,
     /// The earlier vehicles because of which no path was found that keeps every limit.

@@ -3,6 +3,7 @@
 
 mod cells;
 mod fleet;
+mod grid;
 mod leeway;
 mod made;
 mod map;
