@@ -15,6 +15,10 @@ pub(super) const FORBIDDEN: f64 = 1.1;
 pub(super) struct Threat {
     pub(super) center: Point,
     pub(super) radius_m: f64,
+    /// One over the radius, 1/m.
+    pub(super) per_radius: f64,
+    /// What is further away than this, squared, is outside for certain, whatever rounding does.
+    pub(super) reach_sq: f64,
 }
 
 /// A no-fly zone, widened by its margin.
@@ -60,10 +64,7 @@ impl Hazards {
                 .iter()
                 .map(|end| (end[0] - center[0]).hypot(end[1] - center[1]) - disc.radius_m)
                 .fold(f64::INFINITY, f64::min);
-            Threat {
-                center,
-                radius_m: disc.radius_m + widest(room_m),
-            }
+            Threat::new(center, disc.radius_m + widest(room_m))
         };
         let zone = |zone: &PlanZone| {
             let ring = ring_of(&zone.outline);
@@ -103,12 +104,21 @@ impl Hazards {
 }
 
 impl Threat {
+    fn new(center: Point, radius_m: f64) -> Self {
+        Self {
+            center,
+            radius_m,
+            per_radius: 1.0 / radius_m,
+            reach_sq: radius_m * radius_m * (1.0 + 1e-9),
+        }
+    }
+
     /// What one kilometre of a segment costs for this threat: exact share of it
     /// inside the disc times (1.1 - closest distance / R).
     #[inline]
     pub(super) fn exposure(&self, segment: &Segment) -> f64 {
         disc_chord(segment.a, segment.b, self.center, self.radius_m).map_or(0.0, |chord| {
-            chord.fraction * (FORBIDDEN - chord.closest / self.radius_m)
+            chord.fraction * (FORBIDDEN - chord.closest * self.per_radius)
         })
     }
 }

@@ -9,7 +9,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use fearless_simd::prelude::*;
 
-use super::hazards::{FORBIDDEN, Hazards, Segment, Threat};
+use super::block::BlockBox;
+use super::hazards::Segment;
 use super::model::CostModel;
 use crate::numeric::angle::{ATAN, TAN_PI_8};
 
@@ -22,30 +23,18 @@ pub(super) type V<S> = <S as Simd>::f64s;
 /// A point of every lane: east, north, altitude.
 pub(super) type Place<S> = [V<S>; 3];
 
-/// Segments for which hazards are culled together, and between two looks at the cutoff.
-pub(super) const BLOCK: usize = 10;
-
 /// Buffers of an evaluation; they grow on first use and are then reused.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     /// Control points of each lane: east, north, altitude.
     pub(super) controls: Vec<[Wide; 3]>,
-    /// The curves at the fine samples.
+    /// The curves at the samples.
     pub(super) curve: Vec<[Wide; 3]>,
     /// Horizontal distance along the routes at the samples, metres.
     pub(super) along_m: Vec<Wide>,
     /// Boxes of the blocks.
     pub(super) boxes: Vec<BlockBox>,
-    /// Threats near the block at hand.
-    pub(super) near: Vec<usize>,
     pub(super) crossings: Vec<(f64, i32)>,
-}
-
-/// Least and greatest east and north of every lane.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct BlockBox {
-    pub(super) low: [Wide; 2],
-    pub(super) high: [Wide; 2],
 }
 
 /// A step of every lane; see [`super::operational::Step`].
@@ -72,15 +61,6 @@ pub(super) fn load<S: Simd>(simd: S, wide: &Wide) -> V<S> {
 #[inline(always)]
 pub(super) fn store<S: Simd>(value: V<S>, wide: &mut Wide) {
     value.store_slice(&mut wide[..V::<S>::LEN]);
-}
-
-#[inline(always)]
-pub(super) fn load_place<S: Simd>(simd: S, place: &[Wide; 3]) -> Place<S> {
-    [
-        load(simd, &place[0]),
-        load(simd, &place[1]),
-        load(simd, &place[2]),
-    ]
 }
 
 #[inline(always)]
@@ -112,6 +92,19 @@ pub(super) fn point<S: Simd>(
             + weights[3] * load(simd, &four[3][axis]);
     }
     place
+}
+
+/// The same of several rows.
+#[inline(always)]
+pub(super) fn points<S: Simd>(
+    simd: S,
+    rows: &[(usize, [f64; 4])],
+    controls: &[[Wide; 3]],
+    places: &mut [Place<S>],
+) {
+    for (row, place) in rows.iter().zip(places) {
+        *place = point(simd, row, controls);
+    }
 }
 
 /// The step between two points.
@@ -147,10 +140,10 @@ pub(super) fn quadrant_angles<S: Simd>(simd: S, opposite: V<S>, adjacent: V<S>) 
     is_steep.select(splat(simd, FRAC_PI_2) - angle, angle)
 }
 
-/// The piece of one lane between two fine samples.
+/// The piece of one lane from sample `k` to the next.
 #[inline]
-pub(super) fn segment(curve: &[[Wide; 3]], from: usize, to: usize, lane: usize) -> Segment {
-    let (a, b) = (&curve[from], &curve[to]);
+pub(super) fn segment(curve: &[[Wide; 3]], k: usize, lane: usize) -> Segment {
+    let (a, b) = (&curve[k], &curve[k + 1]);
     Segment {
         a: [a[0][lane], a[1][lane]],
         b: [b[0][lane], b[1][lane]],
@@ -160,6 +153,22 @@ pub(super) fn segment(curve: &[[Wide; 3]], from: usize, to: usize, lane: usize) 
 }
 
 impl CostModel {
+    /// The limit by shape at an altitude, up or down as the rise is.
+    #[inline(always)]
+    pub(super) fn slope_limits<S: Simd>(&self, simd: S, amsl_m: V<S>, rise_m: V<S>) -> V<S> {
+        let (up, down) = (
+            self.limits.climb.polynomial(),
+            self.limits.descent.polynomial(),
+        );
+        let rises = rise_m.simd_ge(0.0);
+        let pick = |i: usize| rises.select(splat(simd, up[i]), splat(simd, down[i]));
+        if self.limits.are_even() {
+            return pick(2);
+        }
+        let z_m = amsl_m.max(0.0).min(crate::path::POLYNOMIAL_TOP_M);
+        ((pick(0) * z_m + pick(1)) * z_m + pick(2)).max(0.0)
+    }
+
     /// Which lanes turn more tightly than they may; see [`CostModel::is_too_tight`].
     #[inline(always)]
     pub(super) fn too_tight<S: Simd>(
@@ -172,108 +181,5 @@ impl CostModel {
         let cosine_limit = (splat(simd, 1.0) - ratio * 0.5 * ratio).max(-1.0);
         let dot = into.east_m * out.east_m + into.north_m * out.north_m;
         dot.simd_lt(into.run_m * out.run_m * cosine_limit)
-    }
-}
-
-impl BlockBox {
-    #[inline(always)]
-    pub(super) fn store<S: Simd>(low: &[V<S>; 2], high: &[V<S>; 2], to: &mut Self) {
-        for axis in 0..2 {
-            store::<S>(low[axis], &mut to.low[axis]);
-            store::<S>(high[axis], &mut to.high[axis]);
-        }
-    }
-
-    /// The corners of one lane.
-    pub(super) fn lane(&self, lane: usize) -> ([f64; 2], [f64; 2]) {
-        (
-            [self.low[0][lane], self.low[1][lane]],
-            [self.high[0][lane], self.high[1][lane]],
-        )
-    }
-}
-
-/// What of the hazards may matter to a block: `near` is filled with the threats, and
-/// told are the lanes that need a look at zones and at the edge of the area.
-#[inline(always)]
-pub(super) fn near_hazards<S: Simd>(
-    simd: S,
-    hazards: &Hazards,
-    low: &[V<S>; 2],
-    high: &[V<S>; 2],
-    near: &mut Vec<usize>,
-) -> (u64, u64) {
-    near.clear();
-    for (index, threat) in hazards.threats.iter().enumerate() {
-        if threat.may_reach(simd, low, high) {
-            near.push(index);
-        }
-    }
-    let mut zones = 0;
-    for zone in &hazards.zones {
-        let (zone_low, zone_high) = zone.bounds();
-        let meets = high[0].simd_ge(zone_low[0])
-            & low[0].simd_le(zone_high[0])
-            & high[1].simd_ge(zone_low[1])
-            & low[1].simd_le(zone_high[1]);
-        zones |= meets.to_bitmask();
-    }
-    let bounds = &hazards.bounds;
-    let inside = low[0].simd_ge(bounds.low[0])
-        & high[0].simd_le(bounds.high[0])
-        & low[1].simd_ge(bounds.low[1])
-        & high[1].simd_le(bounds.high[1]);
-    (zones, (!inside).to_bitmask())
-}
-
-impl Threat {
-    /// Whether a disc may reach into a box of any lane.
-    #[inline(always)]
-    fn may_reach<S: Simd>(&self, simd: S, low: &[V<S>; 2], high: &[V<S>; 2]) -> bool {
-        let mut gap_sq = splat(simd, 0.0);
-        for axis in 0..2 {
-            let center = splat(simd, self.center[axis]);
-            let beyond = (low[axis] - center).max(center - high[axis]).max(0.0);
-            gap_sq += beyond * beyond;
-        }
-        gap_sq
-            .simd_le(self.radius_m * self.radius_m * (1.0 + 1e-9))
-            .any_true()
-    }
-
-    /// What one kilometre of the piece of each lane costs for this threat; see
-    /// [`Threat::exposure`].
-    #[inline(always)]
-    pub(super) fn exposures<S: Simd>(&self, simd: S, a: &Place<S>, step: &Steps<S>) -> V<S> {
-        let zero = splat(simd, 0.0);
-        let from = [a[0] - self.center[0], a[1] - self.center[1]];
-        let square = step.run_sq;
-        let outside = from[0] * from[0] + from[1] * from[1] - self.radius_m * self.radius_m;
-        let half = from[0] * step.east_m + from[1] * step.north_m;
-        let discriminant = half * half - square * outside;
-        let points = square.simd_le(0.0) & outside.simd_lt(0.0);
-        let root = discriminant.max(zero).sqrt();
-        let (first, last) = (-half - root, -half + root);
-        let meets = discriminant.simd_gt(0.0) & last.simd_gt(0.0) & first.simd_lt(square);
-        if !(meets | points).any_true() {
-            return zero;
-        }
-        let enter = (first / square).max(0.0);
-        let leave = (last / square).min(1.0);
-        let nearest = (-half / square).max(0.0).min(1.0);
-        let gap = [
-            from[0] + nearest * step.east_m,
-            from[1] + nearest * step.north_m,
-        ];
-        let closest = (gap[0] * gap[0] + gap[1] * gap[1]).sqrt();
-        let through = (leave - enter) * (splat(simd, FORBIDDEN) - closest / self.radius_m);
-        let through = (meets & leave.simd_gt(enter)).select(through, zero);
-        if !points.any_true() {
-            return through;
-        }
-        // A piece that goes nowhere, or straight up.
-        let stays = (from[0] * from[0] + from[1] * from[1]).sqrt();
-        let over = splat(simd, FORBIDDEN) - stays / self.radius_m;
-        points.select(over, through)
     }
 }

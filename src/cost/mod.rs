@@ -6,6 +6,7 @@
 //! that both agree to the bit whatever the processor ([`Dispatch`]).
 
 mod batch;
+mod block;
 mod hazards;
 mod lanes;
 mod model;
@@ -15,6 +16,8 @@ mod paper;
 mod paper_lanes;
 mod reference;
 mod relief;
+mod sampling;
+mod timing;
 mod traffic;
 
 pub use batch::{Batch, Dispatch};

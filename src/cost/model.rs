@@ -1,20 +1,21 @@
 //! What the objective of one route needs, owned and laid out for its loops.
 
 use super::batch::{Batch, Dispatch};
-use super::hazards::{Hazards, Segment};
-use super::lanes::{BLOCK, BlockBox, MOST_LANES, Scratch, V};
+use super::block::{BLOCK, BlockBox};
+use super::hazards::Hazards;
+use super::lanes::{MOST_LANES, Scratch, V};
 use super::operational::Sums;
 use super::paper::{Paper, PaperOptions};
 use super::reference::{self, Curve};
 use super::relief::Relief;
+use super::sampling::Sampling;
+use super::timing::Timing;
 use super::traffic::Traffic;
 use super::{Controls, CostTerms, Leg, Margins, operational_lanes, paper_lanes};
 use fearless_simd::{dispatch, prelude::*};
 
-use crate::numeric::approach::Motion;
-use crate::numeric::{Basis, SpeedProfile};
-use crate::path::{Flight, VehicleLimits, ramp_stops_m, way_speed_mps};
-use crate::spec::{Finish, MissionSpec, Objective, Weights};
+use crate::path::{Flight, VehicleLimits};
+use crate::spec::{MissionSpec, Objective, Weights};
 use crate::world::World;
 
 /// The objective of one route of one vehicle.
@@ -60,40 +61,6 @@ pub struct CostModel {
 
 /// How far above the ceiling a void reaches, metres: no altitude is allowed over it.
 const WALL_OVER_CEILING_M: f64 = 1000.0;
-
-/// Most ground readings for each piece between two samples.
-const MOST_SUBSTEPS: usize = 4;
-
-/// Where a candidate's spline is read.
-#[derive(Clone, Debug)]
-pub(super) struct Sampling {
-    /// Samples, with `substeps - 1` more between each two.
-    pub(super) fine: Basis,
-    /// The same, sample by sample.
-    pub(super) rows: Vec<(usize, [f64; 4])>,
-    pub(super) substeps: usize,
-    /// Number of samples proper, k.
-    pub(super) samples: usize,
-}
-
-/// When the route is flown, and what follows it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Timing {
-    pub(super) start_s: f64,
-    pub(super) speed_mps: f64,
-    pub(super) accel_mps2: f64,
-    pub(super) after: After,
-    /// Separation, the length for which the time after the route counts, km.
-    pub(super) after_km: f64,
-}
-
-/// What follows the route.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum After {
-    Nothing,
-    Loiter,
-    Land { ground_m: f64, descent_mps: f64 },
-}
 
 impl CostModel {
     /// The objective of one route of vehicle number `vehicle`, read at ascending
@@ -259,6 +226,23 @@ impl CostModel {
         }
     }
 
+    /// The same in every lane, in the order of the fields of [`CostTerms`].
+    #[inline(always)]
+    pub(super) fn weigh_lanes<S: Simd>(&self, sums: &Sums<V<S>>) -> [V<S>; 7] {
+        let weights = &self.weights;
+        #[expect(clippy::cast_precision_loss, reason = "few samples")]
+        let samples = self.path.samples as f64;
+        [
+            sums.length_km * weights.length,
+            sums.altitude * weights.altitude,
+            sums.threat * 100.0 * weights.threat,
+            sums.terrain * 100.0 * weights.terrain,
+            (sums.turn / samples) * (100.0 * self.straight_km) * weights.turn,
+            sums.climb * 100.0 * weights.climb,
+            sums.collision * 100.0 * weights.collision,
+        ]
+    }
+
     /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).
     pub(super) fn weigh(&self, sums: &Sums) -> CostTerms {
         let weights = &self.weights;
@@ -274,49 +258,6 @@ impl CostModel {
             collision: weights.collision * (100.0 * sums.collision),
         }
     }
-}
-
-impl Sampling {
-    fn new(spec: &MissionSpec, parameters: &[f64], straight_m: f64, spacing_m: f64) -> Self {
-        let samples = parameters.len();
-        let substeps = match spec.planner.objective {
-            Objective::Operational => substeps(straight_m, samples, spacing_m),
-            Objective::Paper => 1,
-        };
-        let mut fine = Vec::with_capacity((samples - 1) * substeps + 1);
-        for pair in parameters.windows(2) {
-            #[expect(clippy::cast_precision_loss, reason = "few steps")]
-            let share = |step: usize| step as f64 / substeps as f64;
-            fine.extend((0..substeps).map(|step| pair[0] + (pair[1] - pair[0]) * share(step)));
-        }
-        fine.extend(parameters.last());
-        let fine = Basis::new(spec.planner.control_points + 2, &fine);
-        Self {
-            rows: (0..fine.samples()).map(|k| fine.row(k)).collect(),
-            fine,
-            substeps,
-            samples,
-        }
-    }
-
-    fn per_substep(&self) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "few steps")]
-        let substeps = self.substeps as f64;
-        1.0 / substeps
-    }
-}
-
-/// Ground readings for each piece, so that a path a fifth longer than the
-/// straight one is read about once a cell of the ground.
-fn substeps(straight_m: f64, samples: usize, spacing_m: f64) -> usize {
-    #[expect(clippy::cast_precision_loss, reason = "few samples")]
-    let piece_m = 1.2 * straight_m / (samples - 1) as f64;
-    let wanted = (1..MOST_SUBSTEPS).find(|&substeps| {
-        #[expect(clippy::cast_precision_loss, reason = "few steps")]
-        let reach_m = spacing_m * substeps as f64;
-        piece_m <= reach_m
-    });
-    wanted.unwrap_or(MOST_SUBSTEPS)
 }
 
 /// Height above ground wanted at each fine sample: the limit and its margin,
@@ -348,88 +289,13 @@ fn wanted_agl_m(
         .collect()
 }
 
-impl Timing {
-    fn new(world: &World, spec: &MissionSpec, vehicle: usize, leg: &Leg) -> Self {
-        let (stations, vehicle) = (&world.stations[vehicle], &spec.vehicles[vehicle]);
-        let land = |ground_m: f64| After::Land {
-            ground_m,
-            descent_mps: vehicle.descent_mps,
-        };
-        let is_homeward = leg.to.at.distance_m(stations.home.at) < 1.0;
-        let after = match vehicle.finish {
-            Finish::Loiter => After::Loiter,
-            Finish::Land => land(stations.goal_ground.0),
-            Finish::Return if is_homeward => land(stations.home.amsl.0),
-            Finish::Return => After::Nothing,
-        };
-        Self {
-            start_s: leg.start_s,
-            speed_mps: way_speed_mps(vehicle, leg.from.at, leg.to.at),
-            accel_mps2: vehicle.accel_mps2,
-            after,
-            after_km: spec.separation.distance_m / 1000.0,
-        }
-    }
-
-    /// Speed profile of a route of this length.
-    pub(super) fn profile(&self, length_m: f64) -> SpeedProfile {
-        SpeedProfile::new(length_m, self.speed_mps, self.accel_mps2)
-    }
-
-    /// Calls `visit` with the motions of one piece of the route and their shares
-    /// of it: one while cruising, several while the speed changes.
-    pub(super) fn motions(
-        &self,
-        segment: &Segment,
-        (from_m, to_m): (f64, f64),
-        profile: &SpeedProfile,
-        mut visit: impl FnMut(Motion, f64),
-    ) {
-        let length_m = to_m - from_m;
-        let moment = |distance_m: f64, share: f64| {
-            let mix = |a: f64, b: f64| a + share * (b - a);
-            let place = [
-                mix(segment.a[0], segment.b[0]),
-                mix(segment.a[1], segment.b[1]),
-                mix(segment.amsl_a_m, segment.amsl_b_m),
-            ];
-            (self.start_s + profile.time_at_s(distance_m), place)
-        };
-        let mut before = (0.0, moment(from_m, 0.0));
-        for distance_m in ramp_stops_m(profile, from_m, to_m) {
-            let share = (distance_m - from_m) / length_m;
-            let next = moment(distance_m, share);
-            visit(Motion::between(before.1, next), share - before.0);
-            before = (share, next);
-        }
-        visit(Motion::between(before.1, moment(to_m, 1.0)), 1.0 - before.0);
-    }
-
-    /// The motion after a route that ends at `place` after `length_m`.
-    pub(super) fn motion_after(&self, place: [f64; 3], length_m: f64) -> Option<Motion> {
-        let end_s = self.start_s + self.profile(length_m).duration_s();
-        match self.after {
-            After::Nothing => None,
-            After::Loiter => Some(Motion::between((end_s, place), (f64::INFINITY, place))),
-            After::Land {
-                ground_m,
-                descent_mps,
-            } => {
-                let ground = [place[0], place[1], ground_m];
-                let landed_s = end_s + ((place[2] - ground_m) / descent_mps).max(0.0);
-                Some(Motion::between((end_s, place), (landed_s, ground)))
-            }
-        }
-    }
-}
-
 impl Scratch {
     /// Makes room for candidates of a sampling.
     fn grow(&mut self, path: &Sampling) {
         let blocks = (path.samples - 1).div_ceil(BLOCK);
         self.controls
             .resize(path.fine.control_points(), Default::default());
-        self.curve.resize(path.fine.samples(), Default::default());
+        self.curve.resize(path.samples, Default::default());
         self.along_m.resize(path.samples, Default::default());
         self.boxes.resize(blocks, BlockBox::default());
     }

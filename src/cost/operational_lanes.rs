@@ -5,12 +5,17 @@ use std::f64::consts::PI;
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
+use super::block::{BLOCK, Block, Chords, Piece};
 use super::lanes::{
-    BLOCK, BlockBox, MOST_LANES, Place, Scratch, Steps, V, Wide, load_place, near_hazards, point,
-    quadrant_angles, segment, splat, steps, store, store_place,
+    MOST_LANES, Place, Scratch, Steps, V, Wide, point, points, quadrant_angles, segment, splat,
+    store,
 };
 use super::model::CostModel;
 use super::operational::Sums;
+use super::sampling::MOST_SUBSTEPS;
+
+/// Fine samples of a block.
+const FINE: usize = BLOCK * MOST_SUBSTEPS;
 
 /// Clearance of every lane; see [`super::operational::Clearance`].
 #[derive(Clone, Copy)]
@@ -40,56 +45,47 @@ pub(super) fn terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
-    let mut along_m = zero;
-    store::<S>(along_m, &mut scratch.along_m[0]);
-    let mut a = point(simd, &model.path.rows[0], &scratch.controls);
-    store_place::<S>(&a, &mut scratch.curve[0]);
-    let mut clearance = model.clearances(simd, &a, 0);
-    let mut before: Option<Steps<S>> = None;
-    for (block, start) in (0..segments).step_by(BLOCK).enumerate() {
-        let end = (start + BLOCK).min(segments);
-        let (mut low, mut high) = ([a[0], a[1]], [a[0], a[1]]);
-        for k in start..end {
-            let mut above = clearance.altitude_km * 0.5;
-            let mut deficit = clearance.deficit * 0.5;
-            let mut b = a;
-            for index in k * substeps + 1..=(k + 1) * substeps {
-                b = point(simd, &model.path.rows[index], &scratch.controls);
-                store_place::<S>(&b, &mut scratch.curve[index]);
-                clearance = model.clearances(simd, &b, index);
-                let is_end = index == (k + 1) * substeps;
-                let share = if is_end { 0.5 } else { 1.0 };
-                above += clearance.altitude_km * share;
-                deficit += clearance.deficit * share;
-            }
-            for axis in 0..2 {
-                low[axis] = low[axis].min(b[axis]);
-                high[axis] = high[axis].max(b[axis]);
-            }
-            let step = steps::<S>(&a, &b);
-            along_m += step.run_m;
-            store::<S>(along_m, &mut scratch.along_m[k + 1]);
-            sums.length_km += step.length_km;
-            let piece_km = step.length_km * model.per_substep;
-            sums.altitude += above * piece_km;
-            sums.terrain += deficit * piece_km;
-            sums.climb += model.slope_excesses(simd, &a, &b, &step) * step.length_km;
-            if let Some(before) = &before {
-                sums.turn += model.turn_excesses(simd, before, &step);
-            }
-            before = Some(step);
-            a = b;
-        }
-        BlockBox::store::<S>(&low, &high, &mut scratch.boxes[block]);
-        sums.threat = add_threats(
+    let first = point(simd, &model.path.rows[0], &scratch.controls);
+    let mut block = Block::before(simd, first, scratch);
+    let mut fine = [first; FINE];
+    // The last of the block before, then those of this one.
+    let mut clearances = [model.clearances(simd, &first, model.wanted_agl_m[0]); FINE + 1];
+    for start in (0..segments).step_by(BLOCK) {
+        let count = BLOCK.min(segments - start);
+        let within = start * substeps + 1..(start + count) * substeps + 1;
+        let fine = &mut fine[..count * substeps];
+        points(
             simd,
-            model,
-            scratch,
-            (start, end),
-            (&low, &high),
-            sums.threat,
+            &model.path.rows[within.clone()],
+            &scratch.controls,
+            fine,
         );
-        if cutoff < f64::INFINITY && all_above(model, &spread::<S>(&sums), cutoff, out) {
+        let clearances = &mut clearances[..=fine.len()];
+        let wanted_agl_m = &model.wanted_agl_m[within];
+        for ((at, wanted_m), of) in fine.iter().zip(wanted_agl_m).zip(&mut clearances[1..]) {
+            *of = model.clearances(simd, at, *wanted_m);
+        }
+        block.advance(simd, fine[substeps - 1..].iter().step_by(substeps), scratch);
+        for (step, of) in block
+            .steps()
+            .iter()
+            .zip(clearances.windows(substeps + 1).step_by(substeps))
+        {
+            let (altitude_km, deficit) = means(of);
+            let piece_km = step.length_km * model.per_substep;
+            sums.altitude += altitude_km * piece_km;
+            sums.terrain += deficit * piece_km;
+            sums.length_km += step.length_km;
+        }
+        clearances[0] = clearances[fine.len()];
+        for piece in block.pieces() {
+            sums.climb += model.slope_excesses(simd, &piece) * piece.step.length_km;
+        }
+        for pair in block.turning().windows(2) {
+            sums.turn += model.turn_excesses(simd, &pair[0], &pair[1]);
+        }
+        sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
+        if cutoff < f64::INFINITY && all_above::<S>(model, &sums, cutoff, out) {
             return;
         }
     }
@@ -116,22 +112,54 @@ fn spread<S: Simd>(sums: &Sums<V<S>>) -> Sums<Wide> {
     )
 }
 
-/// Whether the terms so far, which are left in `out`, are above the cutoff in all lanes.
-fn all_above(model: &CostModel, sums: &Sums<Wide>, cutoff: f64, out: &mut [CostTerms]) -> bool {
-    let mut all = true;
-    for (lane, terms) in out.iter_mut().enumerate() {
-        *terms = model.weigh(&sums.map(|wide| wide[lane]));
-        all &= terms.total() > cutoff;
+/// Sums over the fine samples of a piece, its ends included, which count half.
+#[inline(always)]
+fn means<S: Simd>(of: &[Clearances<S>]) -> (V<S>, V<S>) {
+    let [first, within @ .., last] = of else {
+        unreachable!("a piece has two ends")
+    };
+    let (mut altitude_km, mut deficit) = (first.altitude_km * 0.5, first.deficit * 0.5);
+    for fine in within {
+        altitude_km += fine.altitude_km;
+        deficit += fine.deficit;
     }
-    all
+    (
+        altitude_km + last.altitude_km * 0.5,
+        deficit + last.deficit * 0.5,
+    )
+}
+
+/// Whether the terms so far, which are then left in `out`, are above the cutoff in all lanes.
+#[inline(always)]
+fn all_above<S: Simd>(
+    model: &CostModel,
+    sums: &Sums<V<S>>,
+    cutoff: f64,
+    out: &mut [CostTerms],
+) -> bool {
+    let terms = model.weigh_lanes::<S>(sums);
+    // In the order of [`CostTerms::total`].
+    let total = terms.iter().skip(1).fold(
+        terms[0],
+        #[inline(always)]
+        |sum, term| sum + *term,
+    );
+    let is_above = total.simd_gt(cutoff).all_true();
+    if is_above {
+        let sums = spread::<S>(sums);
+        for (lane, terms) in out.iter_mut().enumerate() {
+            *terms = model.weigh(&sums.map(|wide| wide[lane]));
+        }
+    }
+    is_above
 }
 
 impl CostModel {
     /// [`CostModel::clearance`] at a fine sample.
     #[inline(always)]
-    fn clearances<S: Simd>(&self, simd: S, at: &Place<S>, index: usize) -> Clearances<S> {
+    fn clearances<S: Simd>(&self, simd: S, at: &Place<S>, wanted_agl_m: f64) -> Clearances<S> {
         let agl_m = at[2] - self.relief.heights_m(simd, at[0], at[1]);
-        let below_m = (splat(simd, self.wanted_agl_m[index]) - agl_m).max(0.0);
+        let below_m = (splat(simd, wanted_agl_m) - agl_m).max(0.0);
         let above_m = (at[2] - self.max_amsl_m).max(0.0);
         Clearances {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * 1e-3,
@@ -141,15 +169,10 @@ impl CostModel {
 
     /// [`CostModel::slope_excess`].
     #[inline(always)]
-    fn slope_excesses<S: Simd>(
-        &self,
-        simd: S,
-        a: &Place<S>,
-        b: &Place<S>,
-        step: &Steps<S>,
-    ) -> V<S> {
+    fn slope_excesses<S: Simd>(&self, simd: S, piece: &Piece<'_, S>) -> V<S> {
         let zero = splat(simd, 0.0);
-        let limit = self.slope_limits(simd, (a[2] + b[2]) * 0.5, step.rise_m);
+        let step = piece.step;
+        let limit = self.slope_limits(simd, (piece.a[2] + piece.b[2]) * 0.5, step.rise_m);
         let limit = limit.min(step.rise_m.simd_ge(0.0).select(
             splat(simd, self.limits.climb.by_speed()),
             splat(simd, self.limits.descent.by_speed()),
@@ -161,22 +184,6 @@ impl CostModel {
         } else {
             zero
         }
-    }
-
-    /// The limit by shape at an altitude, up or down as the rise is.
-    #[inline(always)]
-    pub(super) fn slope_limits<S: Simd>(&self, simd: S, amsl_m: V<S>, rise_m: V<S>) -> V<S> {
-        let (up, down) = (
-            self.limits.climb.polynomial(),
-            self.limits.descent.polynomial(),
-        );
-        let rises = rise_m.simd_ge(0.0);
-        let pick = |i: usize| rises.select(splat(simd, up[i]), splat(simd, down[i]));
-        if self.limits.are_even() {
-            return pick(2);
-        }
-        let z_m = amsl_m.max(0.0).min(crate::path::POLYNOMIAL_TOP_M);
-        ((pick(0) * z_m + pick(1)) * z_m + pick(2)).max(0.0)
     }
 
     /// [`CostModel::turn_excess`].
@@ -201,47 +208,10 @@ impl CostModel {
     }
 }
 
-/// Threats, zones and area for the pieces of one block, added to `sum`.
-#[inline(always)]
-fn add_threats<S: Simd>(
-    simd: S,
-    model: &CostModel,
-    scratch: &mut Scratch,
-    (start, end): (usize, usize),
-    (low, high): (&[V<S>; 2], &[V<S>; 2]),
-    mut sum: V<S>,
-) -> V<S> {
-    let hazards = &model.hazards;
-    let (zones, outside) = near_hazards(simd, hazards, low, high, &mut scratch.near);
-    if scratch.near.is_empty() && zones | outside == 0 {
-        return sum;
-    }
-    let substeps = model.path.substeps;
-    let mut a = load_place(simd, &scratch.curve[start * substeps]);
-    for k in start..end {
-        let b = load_place(simd, &scratch.curve[(k + 1) * substeps]);
-        let step = steps::<S>(&a, &b);
-        let mut exposure = splat(simd, 0.0);
-        for &index in &scratch.near {
-            exposure += hazards.threats[index].exposures(simd, &a, &step);
-        }
-        let mut lanes = zones | outside;
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            let piece = segment(&scratch.curve, k * substeps, (k + 1) * substeps, lane);
-            exposure[lane] = hazards.add_polygons(&piece, exposure[lane], &mut scratch.crossings);
-            lanes &= lanes - 1;
-        }
-        sum += exposure * step.length_km;
-        a = b;
-    }
-    sum
-}
-
 /// Separation of one lane from earlier flights, until its total is above the cutoff.
 fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, cutoff: f64, sums: &mut Sums) {
-    let (last, substeps) = (model.path.samples - 1, model.path.substeps);
-    let piece = |k: usize| segment(&scratch.curve, k * substeps, (k + 1) * substeps, lane);
+    let last = model.path.samples - 1;
+    let piece = |k: usize| segment(&scratch.curve, k, lane);
     let length_m = scratch.along_m[last][lane];
     let profile = model.timing.profile(length_m);
     let time_s = |k: usize| model.timing.start_s + profile.time_at_s(scratch.along_m[k][lane]);

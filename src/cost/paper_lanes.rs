@@ -3,11 +3,9 @@
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
+use super::block::{BLOCK, Block, Danger, Piece};
 use super::hazards::Threat;
-use super::lanes::{
-    BLOCK, BlockBox, MOST_LANES, Place, Scratch, Steps, V, Wide, load_place, near_hazards, point,
-    segment, splat, steps, store, store_place,
-};
+use super::lanes::{MOST_LANES, Place, Scratch, Steps, V, Wide, point, points, splat, store};
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
 
@@ -21,9 +19,8 @@ pub(super) fn terms<S: Simd>(
 ) {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let (paper, segments) = (&model.paper, model.path.samples - 1);
-    let mut along_m = zero;
-    let mut a = point(simd, &model.path.rows[0], &scratch.controls);
-    let (altitude, terrain) = paper.height_lanes(simd, model, &a, 0);
+    let first = point(simd, &model.path.rows[0], &scratch.controls);
+    let (altitude, terrain) = paper.height_lanes(simd, model, &first, 0);
     let mut sums = PaperSums {
         length_km: zero,
         altitude,
@@ -33,37 +30,28 @@ pub(super) fn terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
-    store::<S>(along_m, &mut scratch.along_m[0]);
-    store_place::<S>(&a, &mut scratch.curve[0]);
-    let mut before: Option<Steps<S>> = None;
-    for (block, start) in (0..segments).step_by(BLOCK).enumerate() {
-        let end = (start + BLOCK).min(segments);
-        let (mut low, mut high) = ([a[0], a[1]], [a[0], a[1]]);
-        for k in start..end {
-            let b = point(simd, &model.path.rows[k + 1], &scratch.controls);
-            store_place::<S>(&b, &mut scratch.curve[k + 1]);
-            for axis in 0..2 {
-                low[axis] = low[axis].min(b[axis]);
-                high[axis] = high[axis].max(b[axis]);
-            }
-            let (high_km, deep_km) = paper.height_lanes(simd, model, &b, k + 1);
+    let mut block = Block::before(simd, first, scratch);
+    let mut ends = [first; BLOCK];
+    for start in (0..segments).step_by(BLOCK) {
+        let ends = &mut ends[..BLOCK.min(segments - start)];
+        let rows = &model.path.rows[start + 1..];
+        points(simd, rows, &scratch.controls, ends);
+        for (index, at) in (start + 1..).zip(&*ends) {
+            let (high_km, deep_km) = paper.height_lanes(simd, model, at, index);
             sums.altitude += high_km;
             sums.terrain += deep_km;
-            let step = steps::<S>(&a, &b);
-            along_m += step.run_m;
-            store::<S>(along_m, &mut scratch.along_m[k + 1]);
-            sums.length_km += step.length_km;
-            sums.climb += slope_excesses(simd, model, &a, &step);
-            if let Some(before) = &before {
-                let tight = model.too_tight(simd, before, &step);
-                sums.turns += tight.select(one, zero);
-            }
-            before = Some(step);
-            a = b;
         }
-        BlockBox::store::<S>(&low, &high, &mut scratch.boxes[block]);
-        let range = (start, end);
-        sums.threat = add_threats(simd, model, scratch, range, (&low, &high), sums.threat);
+        block.advance(simd, ends.iter(), scratch);
+        for piece in block.pieces() {
+            sums.length_km += piece.step.length_km;
+            sums.climb += slope_excesses(simd, model, piece.a, piece.step);
+        }
+        for pair in block.turning().windows(2) {
+            let tight = model.too_tight(simd, &pair[0], &pair[1]);
+            sums.turns += tight.select(one, zero);
+        }
+        let danger = model.paper.options.threat_form;
+        sums.threat = block.add_threats(simd, model, danger, scratch, sums.threat);
     }
     let mut wide = PaperSums::<Wide>::default();
     for (value, to) in [
@@ -132,59 +120,32 @@ fn slope_excesses<S: Simd>(simd: S, model: &CostModel, a: &Place<S>, step: &Step
     }
 }
 
-/// Eq. 24 for the pieces of one block, with zones and area, added to `sum`.
-#[inline(always)]
-fn add_threats<S: Simd>(
-    simd: S,
-    model: &CostModel,
-    scratch: &mut Scratch,
-    (start, end): (usize, usize),
-    (low, high): (&[V<S>; 2], &[V<S>; 2]),
-    mut sum: V<S>,
-) -> V<S> {
-    let hazards = &model.hazards;
-    let (zones, outside) = near_hazards(simd, hazards, low, high, &mut scratch.near);
-    if scratch.near.is_empty() && zones | outside == 0 {
-        return sum;
-    }
-    let form = model.paper.options.threat_form;
-    let mut a = load_place(simd, &scratch.curve[start]);
-    for k in start..end {
-        let b = load_place(simd, &scratch.curve[k + 1]);
-        let middle = [(a[0] + b[0]) * 0.5, (a[1] + b[1]) * 0.5];
-        let mut exposure = splat(simd, 0.0);
-        for &index in &scratch.near {
-            exposure += dangers(simd, &hazards.threats[index], form, &middle);
+/// `T_de` of Eq. 24 at the middle of a piece.
+impl Danger for ThreatForm {
+    #[inline(always)]
+    fn add<S: Simd>(
+        self,
+        simd: S,
+        threat: &Threat,
+        piece: &Piece<'_, S>,
+        _: bool,
+        exposure: &mut V<S>,
+    ) {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let middle = |axis: usize| (piece.a[axis] + piece.b[axis]) * 0.5;
+        let (east_m, north_m) = (middle(0) - threat.center[0], middle(1) - threat.center[1]);
+        let apart_sq = east_m * east_m + north_m * north_m;
+        let radius_sq = threat.radius_m * threat.radius_m;
+        if !apart_sq.simd_lt(radius_sq).any_true() {
+            return;
         }
-        let mut lanes = zones | outside;
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            let piece = segment(&scratch.curve, k, k + 1, lane);
-            exposure[lane] = hazards.add_polygons(&piece, exposure[lane], &mut scratch.crossings);
-            lanes &= lanes - 1;
-        }
-        sum += exposure * steps::<S>(&a, &b).length_km;
-        a = b;
+        let share_sq = apart_sq / radius_sq;
+        let danger = match self {
+            Self::Quartic => one / (share_sq * share_sq + 1.0),
+            Self::Linear => one - share_sq.sqrt(),
+        };
+        *exposure += share_sq.simd_lt(1.0).select(danger, zero);
     }
-    sum
-}
-
-/// `T_de` of one threat in every lane.
-#[inline(always)]
-fn dangers<S: Simd>(simd: S, threat: &Threat, form: ThreatForm, at: &[V<S>; 2]) -> V<S> {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let (east_m, north_m) = (at[0] - threat.center[0], at[1] - threat.center[1]);
-    let apart_sq = east_m * east_m + north_m * north_m;
-    let radius_sq = threat.radius_m * threat.radius_m;
-    if !apart_sq.simd_lt(radius_sq).any_true() {
-        return zero;
-    }
-    let share_sq = apart_sq / radius_sq;
-    let danger = match form {
-        ThreatForm::Quartic => one / (share_sq * share_sq + 1.0),
-        ThreatForm::Linear => one - share_sq.sqrt(),
-    };
-    share_sq.simd_lt(1.0).select(danger, zero)
 }
 
 /// Eq. 28 to 30: blocks that are near no earlier flight are passed over.

@@ -118,6 +118,9 @@ fn threat(model: &CostModel, curve: &Curve, steps: &[Step]) -> f64 {
 }
 
 fn collision(model: &CostModel, curve: &Curve, steps: &[Step]) -> f64 {
+    if model.traffic.is_empty() {
+        return 0.0;
+    }
     let along_m = Curve::along_m(steps);
     let length_m = along_m[steps.len()];
     let profile = model.timing.profile(length_m);

@@ -105,12 +105,9 @@ impl Relief {
         );
         // Whole numbers far below 2^52: exact, and the low bits are the index.
         let corner = (row - ROUND) * f64::from(self.columns) + column;
-        let heights_m = &self.ground.heights_m[..];
-        let (south_west, south_east) = neighbours(simd, heights_m, corner);
-        let north = &heights_m[self.columns as usize..];
-        let (north_west, north_east) = neighbours(simd, north, corner);
-        let south = south_west + (south_east - south_west) * right;
-        let north = north_west + (north_east - north_west) * right;
+        let (south, north) = rows(simd, &self.ground.heights_m, self.columns, corner);
+        let south = south.0 + (south.1 - south.0) * right;
+        let north = north.0 + (north.1 - north.0) * right;
         let height_m = south + (north - south) * up;
         height_m.is_nan().select(splat(simd, self.wall_m), height_m)
     }
@@ -124,18 +121,48 @@ fn cells<S: Simd>(simd: S, at: V<S>, last: f64) -> (V<S>, V<S>) {
     (shifted, at - (shifted - ROUND))
 }
 
-/// The heights at the nodes with these indices, to which [`ROUND`] is added, and at the
-/// next ones.
+/// Heights in the west and in the east of one row of cells, one cell in each lane.
+type West<V> = (V, V);
+
+/// The heights of the cells with these nodes in the south-west, to whose indices [`ROUND`]
+/// is added: those in the south, then those in the north.
 #[inline(always)]
-fn neighbours<S: Simd>(simd: S, heights_m: &[f32], nodes: V<S>) -> (V<S>, V<S>) {
-    let nodes = nodes.as_slice();
-    let lanes = V::<S>::LEN;
-    S::f32s::from_fn(
+fn rows<S: Simd>(
+    simd: S,
+    heights_m: &[f32],
+    columns: u32,
+    nodes: V<S>,
+) -> (West<V<S>>, West<V<S>>) {
+    let (nodes, columns) = (nodes.as_slice(), columns as usize);
+    // Both rows of a cell at once, so that its bounds are looked at once.
+    let reach = columns + 2;
+    let south = V::<S>::from_fn(
         simd,
         #[inline(always)]
-        |i| heights_m[low_bits(nodes[i % lanes]) + i / lanes],
-    )
-    .widen()
+        |lane| {
+            let cell = &heights_m[low_bits(nodes[lane])..][..reach];
+            side_by_side(cell[0], cell[1])
+        },
+    );
+    let north = V::<S>::from_fn(
+        simd,
+        #[inline(always)]
+        |lane| {
+            let cell = &heights_m[low_bits(nodes[lane])..][..reach];
+            side_by_side(cell[columns], cell[columns + 1])
+        },
+    );
+    let (west, east) = south
+        .bitcast::<S::f32s>()
+        .deinterleave(north.bitcast::<S::f32s>());
+    let (west, east) = (west.widen(), east.widen());
+    ((west.0, east.0), (west.1, east.1))
+}
+
+/// Two numbers in the bits of one, which is how both are loaded at once.
+#[inline(always)]
+fn side_by_side(west: f32, east: f32) -> f64 {
+    f64::from_bits(u64::from(west.to_bits()) | u64::from(east.to_bits()) << 32)
 }
 
 /// The whole number that was added to [`ROUND`].

@@ -49,6 +49,9 @@ pub struct Chord {
     pub closest: f64,
 }
 
+/// Segments whose length squared is no more than this, of a nanometre, are points.
+pub const POINT_SQ: f64 = 1e-18;
+
 /// The chord of the segment from `a` to `b` in an open disc; `None` if they do not meet.
 #[must_use]
 pub fn disc_chord(a: Point, b: Point, center: Point, radius: f64) -> Option<Chord> {
@@ -56,7 +59,7 @@ pub fn disc_chord(a: Point, b: Point, center: Point, radius: f64) -> Option<Chor
     let from = minus(a, center);
     let square = dot(along, along);
     let outside = dot(from, from) - radius * radius;
-    if square <= 0.0 {
+    if square <= POINT_SQ {
         return (outside < 0.0).then(|| Chord {
             fraction: 1.0,
             closest: dot(from, from).sqrt(),
@@ -68,12 +71,13 @@ pub fn disc_chord(a: Point, b: Point, center: Point, radius: f64) -> Option<Chor
         return None;
     }
     let root = discriminant.sqrt();
-    let enter = ((-half - root) / square).max(0.0);
-    let leave = ((-half + root) / square).min(1.0);
+    let per_square = 1.0 / square;
+    let enter = ((-half - root) * per_square).max(0.0);
+    let leave = ((-half + root) * per_square).min(1.0);
     if leave <= enter {
         return None;
     }
-    let nearest = (-half / square).clamp(0.0, 1.0);
+    let nearest = (-half * per_square).clamp(0.0, 1.0);
     let gap = [from[0] + nearest * along[0], from[1] + nearest * along[1]];
     let closest = dot(gap, gap).sqrt();
     Some(Chord {

@@ -1,0 +1,103 @@
+//! When a route is flown, and what follows it.
+
+use super::Leg;
+use super::hazards::Segment;
+use crate::numeric::SpeedProfile;
+use crate::numeric::approach::Motion;
+use crate::path::{ramp_stops_m, way_speed_mps};
+use crate::spec::{Finish, MissionSpec};
+use crate::world::World;
+
+/// When the route is flown, and what follows it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timing {
+    pub(super) start_s: f64,
+    pub(super) speed_mps: f64,
+    pub(super) accel_mps2: f64,
+    pub(super) after: After,
+    /// Separation, the length for which the time after the route counts, km.
+    pub(super) after_km: f64,
+}
+
+/// What follows the route.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum After {
+    Nothing,
+    Loiter,
+    Land { ground_m: f64, descent_mps: f64 },
+}
+
+impl Timing {
+    pub(super) fn new(world: &World, spec: &MissionSpec, vehicle: usize, leg: &Leg) -> Self {
+        let (stations, vehicle) = (&world.stations[vehicle], &spec.vehicles[vehicle]);
+        let land = |ground_m: f64| After::Land {
+            ground_m,
+            descent_mps: vehicle.descent_mps,
+        };
+        let is_homeward = leg.to.at.distance_m(stations.home.at) < 1.0;
+        let after = match vehicle.finish {
+            Finish::Loiter => After::Loiter,
+            Finish::Land => land(stations.goal_ground.0),
+            Finish::Return if is_homeward => land(stations.home.amsl.0),
+            Finish::Return => After::Nothing,
+        };
+        Self {
+            start_s: leg.start_s,
+            speed_mps: way_speed_mps(vehicle, leg.from.at, leg.to.at),
+            accel_mps2: vehicle.accel_mps2,
+            after,
+            after_km: spec.separation.distance_m / 1000.0,
+        }
+    }
+
+    /// Speed profile of a route of this length.
+    pub(super) fn profile(&self, length_m: f64) -> SpeedProfile {
+        SpeedProfile::new(length_m, self.speed_mps, self.accel_mps2)
+    }
+
+    /// Calls `visit` with the motions of one piece of the route and their shares
+    /// of it: one while cruising, several while the speed changes.
+    pub(super) fn motions(
+        &self,
+        segment: &Segment,
+        (from_m, to_m): (f64, f64),
+        profile: &SpeedProfile,
+        mut visit: impl FnMut(Motion, f64),
+    ) {
+        let length_m = to_m - from_m;
+        let moment = |distance_m: f64, share: f64| {
+            let mix = |a: f64, b: f64| a + share * (b - a);
+            let place = [
+                mix(segment.a[0], segment.b[0]),
+                mix(segment.a[1], segment.b[1]),
+                mix(segment.amsl_a_m, segment.amsl_b_m),
+            ];
+            (self.start_s + profile.time_at_s(distance_m), place)
+        };
+        let mut before = (0.0, moment(from_m, 0.0));
+        for distance_m in ramp_stops_m(profile, from_m, to_m) {
+            let share = (distance_m - from_m) / length_m;
+            let next = moment(distance_m, share);
+            visit(Motion::between(before.1, next), share - before.0);
+            before = (share, next);
+        }
+        visit(Motion::between(before.1, moment(to_m, 1.0)), 1.0 - before.0);
+    }
+
+    /// The motion after a route that ends at `place` after `length_m`.
+    pub(super) fn motion_after(&self, place: [f64; 3], length_m: f64) -> Option<Motion> {
+        let end_s = self.start_s + self.profile(length_m).duration_s();
+        match self.after {
+            After::Nothing => None,
+            After::Loiter => Some(Motion::between((end_s, place), (f64::INFINITY, place))),
+            After::Land {
+                ground_m,
+                descent_mps,
+            } => {
+                let ground = [place[0], place[1], ground_m];
+                let landed_s = end_s + ((place[2] - ground_m) / descent_mps).max(0.0);
+                Some(Motion::between((end_s, place), (landed_s, ground)))
+            }
+        }
+    }
+}
