@@ -89,45 +89,49 @@ impl<S: Simd> Block<S> {
         }
     }
 
-    /// Goes on to the next pieces, which end at these places.
+    /// Goes on to the next pieces: every so many of these places are their ends.
     #[inline(always)]
-    pub(super) fn advance<'a>(
+    pub(super) fn advance(
         &mut self,
         simd: S,
-        ends: impl ExactSizeIterator<Item = &'a Place<S>>,
+        fine: &[Place<S>],
+        substeps: usize,
         scratch: &mut Scratch,
-    ) where
-        S: 'a,
-    {
+    ) {
         self.places[0] = self.places[self.count];
         self.steps[0] = self.steps[self.count];
         self.start += self.count;
-        self.count = ends.len();
+        self.count = fine.len() / substeps;
         let first = self.places[0];
-        (self.low, self.high) = ([first[0], first[1]], [first[0], first[1]]);
+        let (mut low, mut high) = ([first[0], first[1]], [first[0], first[1]]);
         let curve = &mut scratch.curve[self.start + 1..];
-        for ((end, place), stored) in ends.zip(&mut self.places[1..]).zip(curve) {
-            *place = *end;
-            store_place::<S>(end, stored);
-            for axis in 0..2 {
-                self.low[axis] = self.low[axis].min(end[axis]);
-                self.high[axis] = self.high[axis].max(end[axis]);
-            }
+        let mut index = substeps - 1;
+        for (place, stored) in self.places[1..=self.count].iter_mut().zip(curve) {
+            let end = fine[index];
+            index += substeps;
+            *place = end;
+            store_place::<S>(&end, stored);
+            low = [low[0].min(end[0]), low[1].min(end[1])];
+            high = [high[0].max(end[0]), high[1].max(end[1])];
         }
+        (self.low, self.high) = (low, high);
         let mut least_sq = splat(simd, f64::INFINITY);
-        let along_m = &mut scratch.along_m[self.start + 1..];
+        let mut along_m = self.along_m;
+        let stored = &mut scratch.along_m[self.start + 1..];
         let ends = self.places[..=self.count].windows(2);
-        for ((pair, step), stored) in ends.zip(&mut self.steps[1..]).zip(along_m) {
-            *step = steps::<S>(&pair[0], &pair[1]);
+        for ((pair, to), stored) in ends.zip(&mut self.steps[1..]).zip(stored) {
+            let step = steps::<S>(&pair[0], &pair[1]);
             least_sq = least_sq.min(step.run_sq);
-            self.along_m += step.run_m;
-            store::<S>(self.along_m, stored);
+            along_m += step.run_m;
+            store::<S>(along_m, stored);
+            *to = step;
         }
+        self.along_m = along_m;
         self.stays = least_sq.simd_le(POINT_SQ).any_true();
         let stored = &mut scratch.boxes[self.start / BLOCK];
         for axis in 0..2 {
-            store::<S>(self.low[axis], &mut stored.low[axis]);
-            store::<S>(self.high[axis], &mut stored.high[axis]);
+            store::<S>(low[axis], &mut stored.low[axis]);
+            store::<S>(high[axis], &mut stored.high[axis]);
         }
     }
 

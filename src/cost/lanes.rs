@@ -152,23 +152,72 @@ pub(super) fn segment(curve: &[[Wide; 3]], k: usize, lane: usize) -> Segment {
     }
 }
 
-impl CostModel {
-    /// The limit by shape at an altitude, up or down as the rise is.
+/// The limits on slopes in every lane.
+#[derive(Clone, Copy)]
+pub(super) struct SlopeLanes<S: Simd> {
+    simd: S,
+    /// Coefficients up and down, and limits by vertical speed.
+    up: [V<S>; 3],
+    down: [V<S>; 3],
+    by_speed: [V<S>; 2],
+    /// Whether they are the same at all altitudes.
+    are_even: bool,
+    share: V<S>,
+}
+
+impl<S: Simd> SlopeLanes<S> {
+    /// By shape alone, or by vertical speed too.
     #[inline(always)]
-    pub(super) fn slope_limits<S: Simd>(&self, simd: S, amsl_m: V<S>, rise_m: V<S>) -> V<S> {
-        let (up, down) = (
-            self.limits.climb.polynomial(),
-            self.limits.descent.polynomial(),
-        );
-        let rises = rise_m.simd_ge(0.0);
-        let pick = |i: usize| rises.select(splat(simd, up[i]), splat(simd, down[i]));
-        if self.limits.are_even() {
-            return pick(2);
+    pub(super) fn new(simd: S, model: &CostModel, by_speed: bool) -> Self {
+        let wide = |of: [f64; 3]| [splat(simd, of[0]), splat(simd, of[1]), splat(simd, of[2])];
+        let (climb, descent) = (&model.limits.climb, &model.limits.descent);
+        let speeds = if by_speed {
+            [climb.by_speed(), descent.by_speed()]
+        } else {
+            [f64::INFINITY; 2]
+        };
+        Self {
+            simd,
+            up: wide(climb.polynomial()),
+            down: wide(descent.polynomial()),
+            by_speed: [splat(simd, speeds[0]), splat(simd, speeds[1])],
+            are_even: model.limits.are_even(),
+            share: splat(simd, model.slope_share),
         }
-        let z_m = amsl_m.max(0.0).min(crate::path::POLYNOMIAL_TOP_M);
-        ((pick(0) * z_m + pick(1)) * z_m + pick(2)).max(0.0)
     }
 
+    /// By how much slopes, rise over run, are beyond their limits at an altitude.
+    #[inline(always)]
+    pub(super) fn excesses(&self, amsl_m: V<S>, step: &Steps<S>) -> V<S> {
+        let zero = splat(self.simd, 0.0);
+        let limit = self.at(amsl_m, step.rise_m);
+        let excess_m = step.rise_m.abs() - limit * self.share * step.run_m;
+        let is_steep = excess_m.simd_gt(0.0);
+        if is_steep.any_true() {
+            is_steep.select(excess_m / step.run_m.max(1e-3), zero)
+        } else {
+            zero
+        }
+    }
+
+    /// The limits at an altitude, up or down as the rise is.
+    #[inline(always)]
+    fn at(&self, amsl_m: V<S>, rise_m: V<S>) -> V<S> {
+        let rises = rise_m.simd_ge(0.0);
+        let constant = rises.select(self.up[2], self.down[2]);
+        let by_speed = rises.select(self.by_speed[0], self.by_speed[1]);
+        if self.are_even {
+            return constant.min(by_speed);
+        }
+        let z_m = amsl_m.max(0.0).min(crate::path::POLYNOMIAL_TOP_M);
+        let square = rises.select(self.up[0], self.down[0]);
+        let linear = rises.select(self.up[1], self.down[1]);
+        let by_shape = ((square * z_m + linear) * z_m + constant).max(0.0);
+        by_shape.min(by_speed)
+    }
+}
+
+impl CostModel {
     /// Which lanes turn more tightly than they may; see [`CostModel::is_too_tight`].
     #[inline(always)]
     pub(super) fn too_tight<S: Simd>(

@@ -5,13 +5,14 @@ use std::f64::consts::PI;
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
-use super::block::{BLOCK, Block, Chords, Piece};
+use super::block::{BLOCK, Block, Chords};
 use super::lanes::{
-    MOST_LANES, Place, Scratch, Steps, V, Wide, point, points, quadrant_angles, segment, splat,
-    store,
+    MOST_LANES, Place, Scratch, SlopeLanes, Steps, V, Wide, point, points, quadrant_angles,
+    segment, splat, store,
 };
 use super::model::CostModel;
 use super::operational::Sums;
+use super::relief::ReliefLanes;
 use super::sampling::MOST_SUBSTEPS;
 
 /// Fine samples of a block.
@@ -45,45 +46,28 @@ pub(super) fn terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
+    let ground = GroundLanes::new(simd, model);
+    let slopes = SlopeLanes::new(simd, model, true);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     let mut block = Block::before(simd, first, scratch);
     let mut fine = [first; FINE];
     // The last of the block before, then those of this one.
-    let mut clearances = [model.clearances(simd, &first, model.wanted_agl_m[0]); FINE + 1];
+    let mut clearances = [ground.clearances(&first, model.wanted_agl_m[0]); FINE + 1];
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let within = start * substeps + 1..(start + count) * substeps + 1;
         let fine = &mut fine[..count * substeps];
-        points(
-            simd,
-            &model.path.rows[within.clone()],
-            &scratch.controls,
-            fine,
-        );
-        let clearances = &mut clearances[..=fine.len()];
+        let rows = &model.path.rows[within.clone()];
+        points(simd, rows, &scratch.controls, fine);
         let wanted_agl_m = &model.wanted_agl_m[within];
         for ((at, wanted_m), of) in fine.iter().zip(wanted_agl_m).zip(&mut clearances[1..]) {
-            *of = model.clearances(simd, at, *wanted_m);
+            *of = ground.clearances(at, *wanted_m);
         }
-        block.advance(simd, fine[substeps - 1..].iter().step_by(substeps), scratch);
-        for (step, of) in block
-            .steps()
-            .iter()
-            .zip(clearances.windows(substeps + 1).step_by(substeps))
-        {
-            let (altitude_km, deficit) = means(of);
-            let piece_km = step.length_km * model.per_substep;
-            sums.altitude += altitude_km * piece_km;
-            sums.terrain += deficit * piece_km;
-            sums.length_km += step.length_km;
-        }
+        block.advance(simd, fine, substeps, scratch);
+        ground.add(&block, &clearances, substeps, &mut sums);
         clearances[0] = clearances[fine.len()];
-        for piece in block.pieces() {
-            sums.climb += model.slope_excesses(simd, &piece) * piece.step.length_km;
-        }
-        for pair in block.turning().windows(2) {
-            sums.turn += model.turn_excesses(simd, &pair[0], &pair[1]);
-        }
+        sums.climb = climb(&slopes, &block, sums.climb);
+        sums.turn = turn(simd, model, &block, sums.turn);
         sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
         if cutoff < f64::INFINITY && all_above::<S>(model, &sums, cutoff, out) {
             return;
@@ -112,21 +96,27 @@ fn spread<S: Simd>(sums: &Sums<V<S>>) -> Sums<Wide> {
     )
 }
 
-/// Sums over the fine samples of a piece, its ends included, which count half.
+/// Slopes of a block, added to `sum`.
 #[inline(always)]
-fn means<S: Simd>(of: &[Clearances<S>]) -> (V<S>, V<S>) {
-    let [first, within @ .., last] = of else {
-        unreachable!("a piece has two ends")
-    };
-    let (mut altitude_km, mut deficit) = (first.altitude_km * 0.5, first.deficit * 0.5);
-    for fine in within {
-        altitude_km += fine.altitude_km;
-        deficit += fine.deficit;
+fn climb<S: Simd>(slopes: &SlopeLanes<S>, block: &Block<S>, mut sum: V<S>) -> V<S> {
+    for piece in block.pieces() {
+        let middle_m = (piece.a[2] + piece.b[2]) * 0.5;
+        sum += slopes.excesses(middle_m, piece.step) * piece.step.length_km;
     }
-    (
-        altitude_km + last.altitude_km * 0.5,
-        deficit + last.deficit * 0.5,
-    )
+    sum
+}
+
+/// Turns of a block, added to `sum`.
+#[inline(always)]
+fn turn<S: Simd>(simd: S, model: &CostModel, block: &Block<S>, mut sum: V<S>) -> V<S> {
+    for pair in block.turning().windows(2) {
+        let tight = model.too_tight(simd, &pair[0], &pair[1]);
+        if tight.any_true() {
+            let excesses = model.turn_excesses(simd, &pair[0], &pair[1]);
+            sum += tight.select(excesses, splat(simd, 0.0));
+        }
+    }
+    sum
 }
 
 /// Whether the terms so far, which are then left in `out`, are above the cutoff in all lanes.
@@ -154,12 +144,35 @@ fn all_above<S: Simd>(
     is_above
 }
 
-impl CostModel {
+/// The ground and what clearance counts from, in every lane.
+#[derive(Clone, Copy)]
+struct GroundLanes<'a, S: Simd> {
+    simd: S,
+    relief: ReliefLanes<'a, S>,
+    min_agl_m: V<S>,
+    max_amsl_m: V<S>,
+    per_depth: V<S>,
+    per_substep: V<S>,
+}
+
+impl<'a, S: Simd> GroundLanes<'a, S> {
+    #[inline(always)]
+    fn new(simd: S, model: &'a CostModel) -> Self {
+        Self {
+            simd,
+            relief: model.relief.lanes(simd),
+            min_agl_m: splat(simd, model.min_agl_m),
+            max_amsl_m: splat(simd, model.max_amsl_m),
+            per_depth: splat(simd, model.per_depth),
+            per_substep: splat(simd, model.per_substep),
+        }
+    }
+
     /// [`CostModel::clearance`] at a fine sample.
     #[inline(always)]
-    fn clearances<S: Simd>(&self, simd: S, at: &Place<S>, wanted_agl_m: f64) -> Clearances<S> {
-        let agl_m = at[2] - self.relief.heights_m(simd, at[0], at[1]);
-        let below_m = (splat(simd, wanted_agl_m) - agl_m).max(0.0);
+    fn clearances(&self, at: &Place<S>, wanted_agl_m: f64) -> Clearances<S> {
+        let agl_m = at[2] - self.relief.heights_m(at[0], at[1]);
+        let below_m = (splat(self.simd, wanted_agl_m) - agl_m).max(0.0);
         let above_m = (at[2] - self.max_amsl_m).max(0.0);
         Clearances {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * 1e-3,
@@ -167,32 +180,42 @@ impl CostModel {
         }
     }
 
-    /// [`CostModel::slope_excess`].
+    /// Length, altitude and terrain of a block. The ends of a piece count half.
     #[inline(always)]
-    fn slope_excesses<S: Simd>(&self, simd: S, piece: &Piece<'_, S>) -> V<S> {
-        let zero = splat(simd, 0.0);
-        let step = piece.step;
-        let limit = self.slope_limits(simd, (piece.a[2] + piece.b[2]) * 0.5, step.rise_m);
-        let limit = limit.min(step.rise_m.simd_ge(0.0).select(
-            splat(simd, self.limits.climb.by_speed()),
-            splat(simd, self.limits.descent.by_speed()),
-        ));
-        let excess_m = step.rise_m.abs() - limit * self.slope_share * step.run_m;
-        let is_steep = excess_m.simd_gt(0.0);
-        if is_steep.any_true() {
-            is_steep.select(excess_m / step.run_m.max(1e-3), zero)
-        } else {
-            zero
+    fn add(
+        &self,
+        block: &Block<S>,
+        clearances: &[Clearances<S>],
+        substeps: usize,
+        sums: &mut Sums<V<S>>,
+    ) {
+        let (mut length_km, mut altitude, mut terrain) =
+            (sums.length_km, sums.altitude, sums.terrain);
+        let mut index = 0;
+        for step in block.steps() {
+            let first = &clearances[index];
+            let (mut high_km, mut deficit) = (first.altitude_km * 0.5, first.deficit * 0.5);
+            for of in &clearances[index + 1..index + substeps] {
+                high_km += of.altitude_km;
+                deficit += of.deficit;
+            }
+            index += substeps;
+            let last = &clearances[index];
+            high_km += last.altitude_km * 0.5;
+            deficit += last.deficit * 0.5;
+            let piece_km = step.length_km * self.per_substep;
+            altitude += high_km * piece_km;
+            terrain += deficit * piece_km;
+            length_km += step.length_km;
         }
+        (sums.length_km, sums.altitude, sums.terrain) = (length_km, altitude, terrain);
     }
+}
 
-    /// [`CostModel::turn_excess`].
+impl CostModel {
+    /// [`CostModel::turn_excess`] where a turn is too tight.
     #[inline(always)]
     fn turn_excesses<S: Simd>(&self, simd: S, into: &Steps<S>, out: &Steps<S>) -> V<S> {
-        let tight = self.too_tight(simd, into, out);
-        if !tight.any_true() {
-            return splat(simd, 0.0);
-        }
         let ratio = into.run_m.min(out.run_m) * self.per_turn_radius;
         let dot = into.east_m * out.east_m + into.north_m * out.north_m;
         let cross = into.east_m * out.north_m - into.north_m * out.east_m;
@@ -203,8 +226,7 @@ impl CostModel {
         let one = splat(simd, 1.0);
         let sine = (ratio * 0.5).min(one);
         let limit_rad = quadrant_angles(simd, sine, ((one - sine) * (one + sine)).sqrt()) * 2.0;
-        let excess = (turn_rad / limit_rad - 1.0).max(0.0);
-        tight.select(excess, splat(simd, 0.0))
+        (turn_rad / limit_rad - 1.0).max(0.0)
     }
 }
 

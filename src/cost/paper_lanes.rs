@@ -5,9 +5,10 @@ use fearless_simd::prelude::*;
 use super::CostTerms;
 use super::block::{BLOCK, Block, Danger, Piece};
 use super::hazards::Threat;
-use super::lanes::{MOST_LANES, Place, Scratch, Steps, V, Wide, point, points, splat, store};
+use super::lanes::{MOST_LANES, Place, Scratch, SlopeLanes, V, Wide, point, points, splat, store};
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
+use super::relief::ReliefLanes;
 
 /// Terms of the candidates in the lanes of `scratch`, as many as `out` has.
 #[inline(always)]
@@ -20,7 +21,7 @@ pub(super) fn terms<S: Simd>(
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let (paper, segments) = (&model.paper, model.path.samples - 1);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
-    let (altitude, terrain) = paper.height_lanes(simd, model, &first, 0);
+    let (altitude, terrain) = paper.height_lanes(&model.relief.lanes(simd), model, &first, 0);
     let mut sums = PaperSums {
         length_km: zero,
         altitude,
@@ -30,26 +31,34 @@ pub(super) fn terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
+    let (relief, slopes) = (
+        model.relief.lanes(simd),
+        SlopeLanes::new(simd, model, false),
+    );
     let mut block = Block::before(simd, first, scratch);
     let mut ends = [first; BLOCK];
     for start in (0..segments).step_by(BLOCK) {
         let ends = &mut ends[..BLOCK.min(segments - start)];
         let rows = &model.path.rows[start + 1..];
         points(simd, rows, &scratch.controls, ends);
+        let (mut altitude, mut terrain) = (sums.altitude, sums.terrain);
         for (index, at) in (start + 1..).zip(&*ends) {
-            let (high_km, deep_km) = paper.height_lanes(simd, model, at, index);
-            sums.altitude += high_km;
-            sums.terrain += deep_km;
+            let (high_km, deep_km) = paper.height_lanes(&relief, model, at, index);
+            altitude += high_km;
+            terrain += deep_km;
         }
-        block.advance(simd, ends.iter(), scratch);
+        (sums.altitude, sums.terrain) = (altitude, terrain);
+        block.advance(simd, ends, 1, scratch);
+        let (mut length_km, mut climb, mut turns) = (sums.length_km, sums.climb, sums.turns);
         for piece in block.pieces() {
-            sums.length_km += piece.step.length_km;
-            sums.climb += slope_excesses(simd, model, piece.a, piece.step);
+            length_km += piece.step.length_km;
+            climb += slopes.excesses(piece.a[2], piece.step);
         }
         for pair in block.turning().windows(2) {
             let tight = model.too_tight(simd, &pair[0], &pair[1]);
-            sums.turns += tight.select(one, zero);
+            turns += tight.select(one, zero);
         }
+        (sums.length_km, sums.climb, sums.turns) = (length_km, climb, turns);
         let danger = model.paper.options.threat_form;
         sums.threat = block.add_threats(simd, model, danger, scratch, sums.threat);
     }
@@ -86,12 +95,12 @@ impl Paper {
     #[inline(always)]
     fn height_lanes<S: Simd>(
         &self,
-        simd: S,
+        relief: &ReliefLanes<'_, S>,
         model: &CostModel,
         at: &Place<S>,
         index: usize,
     ) -> (V<S>, V<S>) {
-        let ground_m = model.relief.heights_m(simd, at[0], at[1]);
+        let ground_m = relief.heights_m(at[0], at[1]);
         let over_m = if self.options.altitude_over_ground {
             at[2] - ground_m
         } else {
@@ -104,19 +113,6 @@ impl Paper {
         let below_m = (ground_m + self.wanted_m(model, index) - at[2]).max(0.0);
         let deep_m = below_m + (at[2] - model.max_amsl_m).max(0.0);
         (high_m * 1e-3, deep_m * 1e-3)
-    }
-}
-
-/// Eq. 26 in every lane.
-#[inline(always)]
-fn slope_excesses<S: Simd>(simd: S, model: &CostModel, a: &Place<S>, step: &Steps<S>) -> V<S> {
-    let limit = model.slope_limits(simd, a[2], step.rise_m);
-    let excess_m = step.rise_m.abs() - limit * model.slope_share * step.run_m;
-    let is_steep = excess_m.simd_gt(0.0);
-    if is_steep.any_true() {
-        is_steep.select(excess_m / step.run_m.max(1e-3), splat(simd, 0.0))
-    } else {
-        splat(simd, 0.0)
     }
 }
 

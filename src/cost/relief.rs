@@ -49,7 +49,7 @@ impl Relief {
 
     #[inline(always)]
     fn read_by<S: Simd>(&self, simd: S, east_m: &[f64], north_m: &[f64], heights_m: &mut [f64]) {
-        let lanes = V::<S>::LEN;
+        let (lanes, wide) = (V::<S>::LEN, self.lanes(simd));
         let places = east_m.chunks(lanes).zip(north_m.chunks(lanes));
         for ((east_m, north_m), heights_m) in places.zip(heights_m.chunks_mut(lanes)) {
             if heights_m.len() == lanes {
@@ -57,7 +57,7 @@ impl Relief {
                     V::<S>::from_slice(simd, east_m),
                     V::<S>::from_slice(simd, north_m),
                 );
-                self.heights_m(simd, east_m, north_m).store_slice(heights_m);
+                wide.heights_m(east_m, north_m).store_slice(heights_m);
             } else {
                 let places = east_m.iter().zip(north_m);
                 for (height_m, (east_m, north_m)) in heights_m.iter_mut().zip(places) {
@@ -89,74 +89,85 @@ impl Relief {
     }
 }
 
+/// [`Relief`] with its numbers in every lane, at hand for a loop.
+#[derive(Clone, Copy)]
+pub(super) struct ReliefLanes<'a, S: Simd> {
+    simd: S,
+    west_m: V<S>,
+    south_m: V<S>,
+    per_metre: V<S>,
+    /// Last column and row, and one less.
+    last: [V<S>; 2],
+    last_cell: [V<S>; 2],
+    wide: V<S>,
+    wall_m: V<S>,
+    columns: usize,
+    heights_m: &'a [f32],
+}
+
 impl Relief {
-    /// [`Self::height_m`] in every lane.
+    /// The same in every lane.
     #[inline(always)]
-    pub(super) fn heights_m<S: Simd>(&self, simd: S, east_m: V<S>, north_m: V<S>) -> V<S> {
-        let (column, right) = cells(
+    pub(super) fn lanes<S: Simd>(&self, simd: S) -> ReliefLanes<'_, S> {
+        let last = [self.last_column, self.last_row];
+        ReliefLanes {
             simd,
-            (east_m - self.west_m) * self.per_metre,
-            self.last_column,
-        );
-        let (row, up) = cells(
-            simd,
-            (north_m - self.south_m) * self.per_metre,
-            self.last_row,
-        );
-        // Whole numbers far below 2^52: exact, and the low bits are the index.
-        let corner = (row - ROUND) * f64::from(self.columns) + column;
-        let (south, north) = rows(simd, &self.ground.heights_m, self.columns, corner);
-        let south = south.0 + (south.1 - south.0) * right;
-        let north = north.0 + (north.1 - north.0) * right;
-        let height_m = south + (north - south) * up;
-        height_m.is_nan().select(splat(simd, self.wall_m), height_m)
+            west_m: splat(simd, self.west_m),
+            south_m: splat(simd, self.south_m),
+            per_metre: splat(simd, self.per_metre),
+            last: [splat(simd, last[0]), splat(simd, last[1])],
+            last_cell: [splat(simd, last[0] - 1.0), splat(simd, last[1] - 1.0)],
+            wide: splat(simd, f64::from(self.columns)),
+            wall_m: splat(simd, self.wall_m),
+            columns: self.columns as usize,
+            heights_m: &self.ground.heights_m,
+        }
     }
 }
 
-/// [`cell`] in every lane, the index with [`ROUND`] added.
-#[inline(always)]
-fn cells<S: Simd>(simd: S, at: V<S>, last: f64) -> (V<S>, V<S>) {
-    let at = at.max(0.0).min(last);
-    let shifted = (at - 0.5).min(splat(simd, last - 1.0)) + ROUND;
-    (shifted, at - (shifted - ROUND))
-}
+impl<S: Simd> ReliefLanes<'_, S> {
+    /// [`Relief::height_m`] in every lane.
+    #[inline(always)]
+    pub(super) fn heights_m(&self, east_m: V<S>, north_m: V<S>) -> V<S> {
+        let (column, right) = self.cells((east_m - self.west_m) * self.per_metre, 0);
+        let (row, up) = self.cells((north_m - self.south_m) * self.per_metre, 1);
+        // Whole numbers far below 2^52: exact, and the low bits are the index.
+        let corner = (row - ROUND) * self.wide + column;
+        let [south_west, north_west, south_east, north_east] = self.corners(corner);
+        let south = south_west + (south_east - south_west) * right;
+        let north = north_west + (north_east - north_west) * right;
+        let height_m = south + (north - south) * up;
+        height_m.is_nan().select(self.wall_m, height_m)
+    }
 
-/// Heights in the west and in the east of one row of cells, one cell in each lane.
-type West<V> = (V, V);
+    /// [`cell`] along an axis, the index with [`ROUND`] added.
+    #[inline(always)]
+    fn cells(&self, at: V<S>, axis: usize) -> (V<S>, V<S>) {
+        let at = at.max(0.0).min(self.last[axis]);
+        let shifted = (at - 0.5).min(self.last_cell[axis]) + ROUND;
+        (shifted, at - (shifted - ROUND))
+    }
 
-/// The heights of the cells with these nodes in the south-west, to whose indices [`ROUND`]
-/// is added: those in the south, then those in the north.
-#[inline(always)]
-fn rows<S: Simd>(
-    simd: S,
-    heights_m: &[f32],
-    columns: u32,
-    nodes: V<S>,
-) -> (West<V<S>>, West<V<S>>) {
-    let (nodes, columns) = (nodes.as_slice(), columns as usize);
-    // Both rows of a cell at once, so that its bounds are looked at once.
-    let reach = columns + 2;
-    let south = V::<S>::from_fn(
-        simd,
-        #[inline(always)]
-        |lane| {
-            let cell = &heights_m[low_bits(nodes[lane])..][..reach];
-            side_by_side(cell[0], cell[1])
-        },
-    );
-    let north = V::<S>::from_fn(
-        simd,
-        #[inline(always)]
-        |lane| {
-            let cell = &heights_m[low_bits(nodes[lane])..][..reach];
-            side_by_side(cell[columns], cell[columns + 1])
-        },
-    );
-    let (west, east) = south
-        .bitcast::<S::f32s>()
-        .deinterleave(north.bitcast::<S::f32s>());
-    let (west, east) = (west.widen(), east.widen());
-    ((west.0, east.0), (west.1, east.1))
+    /// The heights at the corners of the cells with these nodes in the south-west, to whose
+    /// indices [`ROUND`] is added: south-west, north-west, south-east, north-east.
+    #[inline(always)]
+    fn corners(&self, nodes: V<S>) -> [V<S>; 4] {
+        let nodes = nodes.as_slice();
+        let (heights_m, columns) = (self.heights_m, self.columns);
+        let (mut south, mut north) = (splat(self.simd, 0.0), splat(self.simd, 0.0));
+        for lane in 0..V::<S>::LEN {
+            let corner = low_bits(nodes[lane]);
+            // The last first: when it is there, all are.
+            let north_east = heights_m[corner + columns + 1];
+            north[lane] = side_by_side(heights_m[corner + columns], north_east);
+            south[lane] = side_by_side(heights_m[corner], heights_m[corner + 1]);
+        }
+        let (west, east) = south
+            .bitcast::<S::f32s>()
+            .deinterleave(north.bitcast::<S::f32s>());
+        let (west, east) = (west.widen(), east.widen());
+        [west.0, west.1, east.0, east.1]
+    }
 }
 
 /// Two numbers in the bits of one, which is how both are loaded at once.
