@@ -264,8 +264,12 @@ impl Danger for Chords {
         let outside = from_sq - threat.radius_m * threat.radius_m;
         let half = from[0] * step.east_m + from[1] * step.north_m;
         let discriminant = half * half - square * outside;
-        // A piece that begins outside and leads away would leave before it begins.
-        let meets = discriminant.simd_gt(0.0) & outside.min(half).simd_lt(0.0);
+        // Not if the piece begins outside and leads away, or ends outside and leads there.
+        let past = half + square;
+        let outside_b = outside + (half + past);
+        let meets = discriminant.simd_gt(0.0)
+            & outside.min(half).simd_lt(0.0)
+            & outside_b.min(-past).simd_lt(0.0);
         let points = square.simd_le(POINT_SQ);
         if !meets.any_true() && !(stays && points.any_true()) {
             return;

@@ -157,10 +157,10 @@ impl<S: Simd> ReliefLanes<'_, S> {
         let (mut south, mut north) = (splat(self.simd, 0.0), splat(self.simd, 0.0));
         for lane in 0..V::<S>::LEN {
             let corner = low_bits(nodes[lane]);
-            // The last first: when it is there, all are.
-            let north_east = heights_m[corner + columns + 1];
-            north[lane] = side_by_side(heights_m[corner + columns], north_east);
-            south[lane] = side_by_side(heights_m[corner], heights_m[corner + 1]);
+            // Both rows at once, so that bounds are looked at once.
+            let cell = &heights_m[corner..corner + columns + 2];
+            south[lane] = side_by_side(cell[0], cell[1]);
+            north[lane] = side_by_side(cell[columns], cell[columns + 1]);
         }
         let (west, east) = south
             .bitcast::<S::f32s>()

@@ -70,6 +70,11 @@ pub fn disc_chord(a: Point, b: Point, center: Point, radius: f64) -> Option<Chor
     if discriminant <= 0.0 {
         return None;
     }
+    // The line meets the disc; does it before `a`, or after `b`?
+    let past = half + square;
+    if (outside >= 0.0 && half >= 0.0) || (outside + (half + past) >= 0.0 && past <= 0.0) {
+        return None;
+    }
     let root = discriminant.sqrt();
     let per_square = 1.0 / square;
     let enter = ((-half - root) * per_square).max(0.0);
