@@ -1,5 +1,11 @@
 //! `sortie evaluate` and `sortie study scenario`, from outside.
 
+use std::io::Write;
+use std::process::Stdio;
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
 use assert_cmd::Command;
 
 /// The real binary, run in the folder of the project.
@@ -63,6 +69,38 @@ fn costs_are_the_same_as_text_and_as_bytes_in_one_batch_and_in_many() {
         .unwrap();
     let expected: Vec<u8> = costs.iter().flat_map(|cost| cost.to_le_bytes()).collect();
     assert!(binary.stdout == expected, "bytes differ from text");
+}
+
+#[test]
+fn one_who_sends_all_candidates_before_it_reads_a_cost_is_answered_all_the_same() {
+    // Costs of 160 kB, where a pipe holds 64.
+    let (count, dimension) = (20_000, dimension());
+    let bytes: Vec<u8> = rows(count, dimension)
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect();
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("sortie"))
+        .args(["evaluate", "missions/first.yaml", "--vehicle", "alpha"])
+        .arg("--binary")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut input = child.stdin.take().unwrap();
+    let (sender, sent) = mpsc::channel();
+    thread::spawn(move || {
+        let written = input.write_all(&bytes).is_ok();
+        drop(input);
+        let _ = sender.send(written);
+    });
+    let all_sent = sent.recv_timeout(Duration::from_secs(120));
+    if all_sent != Ok(true) {
+        let _ = child.kill();
+    }
+    assert_eq!(all_sent, Ok(true), "both sides wait");
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    assert_eq!(output.stdout.len(), 8 * count);
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! `sortie evaluate`: the objective for optimisers outside of this program.
 
 use std::io::{self, BufRead, Read, Write};
+use std::sync::mpsc::{self, Sender};
+use std::thread;
 
 use rayon::prelude::*;
 
@@ -44,11 +46,53 @@ pub(super) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
     let earlier = flights_before(spec, &world, vehicle);
     let samples = arguments.samples.unwrap_or(spec.planner.samples);
     let problem = objective(spec, &world, vehicle, &earlier, samples);
-    let (input, output) = (io::stdin().lock(), io::stdout().lock());
-    if arguments.binary {
-        binary(&problem, input, output)
-    } else {
-        text(&problem, input, output)
+    let input = io::stdin().lock();
+    answering(io::stdout(), |answers| {
+        if arguments.binary {
+            binary(&problem, input, answers)
+        } else {
+            text(&problem, input, answers)
+        }
+    })
+}
+
+/// Writes answers in a thread of their own, while `act` reads on: one who sends all before
+/// reading would else wait for us as we wait for it. What is not yet read is kept, a few
+/// bytes for each candidate.
+fn answering(
+    mut output: impl Write + Send,
+    act: impl FnOnce(&Answers) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    thread::scope(|scope| {
+        let (sender, answers) = mpsc::channel::<Vec<u8>>();
+        let writer = scope.spawn(move || {
+            answers.into_iter().try_for_each(|answer| {
+                output
+                    .write_all(&answer)
+                    .and_then(|()| output.flush())
+                    .map_err(unwritable)
+            })
+        });
+        let done = act(&Answers(sender));
+        let written = writer.join().unwrap_or_else(|_| {
+            Err(Failure::new(
+                Failure::OUTPUT,
+                "the writer of stdout panicked",
+            ))
+        });
+        // Why no more could be written is known to the writer alone.
+        written.and(done)
+    })
+}
+
+/// Where answers go.
+struct Answers(Sender<Vec<u8>>);
+
+impl Answers {
+    /// An error only if the writer has failed.
+    fn send(&self, answer: Vec<u8>) -> Result<(), Failure> {
+        let closed = |_| unwritable(io::ErrorKind::BrokenPipe.into());
+        self.0.send(answer).map_err(closed)
     }
 }
 
@@ -76,11 +120,7 @@ fn costs(problem: &impl Problem, rows: &[f64]) -> Vec<f64> {
 }
 
 /// Answers all rows that have come in whole, as soon as they have.
-fn binary(
-    problem: &impl Problem,
-    mut input: impl Read,
-    mut output: impl Write,
-) -> Result<(), Failure> {
+fn binary(problem: &impl Problem, mut input: impl Read, answers: &Answers) -> Result<(), Failure> {
     let row_bytes = 8 * problem.dimension();
     let mut bytes = vec![0; CHUNK.max(row_bytes)];
     let (mut held, mut done) = (0, 0);
@@ -98,7 +138,7 @@ fn binary(
             .iter()
             .flat_map(|cost| cost.to_le_bytes())
             .collect();
-        send(&mut output, &answer)?;
+        answers.send(answer)?;
         bytes.copy_within(whole..held, 0);
         held -= whole;
         if came == 0 {
@@ -113,7 +153,7 @@ fn binary(
 }
 
 /// Answers all lines that have come in whole, as soon as they have.
-fn text(problem: &impl Problem, input: impl Read, mut output: impl Write) -> Result<(), Failure> {
+fn text(problem: &impl Problem, input: impl Read, answers: &Answers) -> Result<(), Failure> {
     let mut input = io::BufReader::with_capacity(CHUNK, input);
     let (mut rows, mut done) = (Vec::new(), 0);
     let mut line = Vec::new();
@@ -140,7 +180,7 @@ fn text(problem: &impl Problem, input: impl Read, mut output: impl Write) -> Res
             answer.push('\n');
         }
         rows.clear();
-        send(&mut output, answer.as_bytes())?;
+        answers.send(answer.into_bytes())?;
         if came == 0 {
             return Ok(());
         }
@@ -183,11 +223,8 @@ fn check(rows: &[f64], dimension: usize, done: usize) -> Result<(), Failure> {
     }
 }
 
-fn send(output: &mut impl Write, bytes: &[u8]) -> Result<(), Failure> {
-    output
-        .write_all(bytes)
-        .and_then(|()| output.flush())
-        .map_err(|error| Failure::new(Failure::OUTPUT, format!("stdout: {error}")))
+fn unwritable(error: io::Error) -> Failure {
+    Failure::new(Failure::OUTPUT, format!("stdout: {error}"))
 }
 
 fn unreadable(error: io::Error) -> Failure {
