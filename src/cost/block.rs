@@ -271,7 +271,8 @@ impl Danger for Chords {
             & outside.min(half).simd_lt(0.0)
             & outside_b.min(-past).simd_lt(0.0);
         let points = square.simd_le(POINT_SQ);
-        if !meets.any_true() && !(stays && points.any_true()) {
+        let matters = meets.any_true() || stays && points.any_true();
+        if !matters {
             return;
         }
         let root = discriminant.max(zero).sqrt();
