@@ -16,6 +16,7 @@ mod obstacles;
 mod pivot;
 mod problem;
 mod search;
+mod settle;
 mod starts;
 mod vehicle;
 
