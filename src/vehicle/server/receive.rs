@@ -185,7 +185,9 @@ impl Vehicle {
         }
         if list == List::Mission {
             self.mission_replaced();
-            self.tell_current();
+            if self.is_flying_mission() {
+                self.tell_current();
+            }
         }
         self.last = count.checked_sub(1).map(|seq| (partner, list, seq));
         self.acknowledge(partner, list, MissionResult::ACCEPTED);
