@@ -540,3 +540,62 @@ fn wings_are_neither_flown_nor_led_onto_new_paths() {
         assert!(told.contains("kestrel has a wing"), "{told}");
     }
 }
+
+/// The clearance of a flight whose long leg descends by 10 m, to 70 m above level ground, over a
+/// hill of 5 m near its beginning.
+fn clearance_over_a_small_descent(autopilot: Autopilot, slope_min_m: Option<f32>) -> f64 {
+    let mut spec = empty_spec(vec![plane(autopilot)]);
+    let mut mission = built(&spec, &world(&spec));
+    let places: Vec<_> = mission.items.iter().map(Item::place).collect();
+    let length_m = |end: usize| {
+        let pair = places[end - 1].zip(places[end]);
+        pair.map_or(0.0, |(from, to)| from.chord_m(to))
+    };
+    let end = (1..places.len())
+        .max_by(|a, b| length_m(*a).total_cmp(&length_m(*b)))
+        .expect("legs");
+    for item in &mut mission.items[end..] {
+        if item.command == command::NAV_WAYPOINT {
+            item.z -= 10.0;
+        }
+    }
+    mission
+        .params
+        .retain(|param| !mission::ALTITUDE_SLOPE_MIN.contains(&param.name.as_str()));
+    mission
+        .params
+        .extend(slope_min_m.map(|value| mission::Parameter {
+            name: mission::ALTITUDE_SLOPE_MIN[0].to_owned(),
+            value,
+            why: String::new(),
+        }));
+    let begin = places[end - 1].expect("a place");
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(400.0),
+        hills: vec![Hill {
+            place: place(begin.lat_deg, begin.lon_deg + 500.0 / 89_700.0),
+            height_m: 5.0,
+            radius_m: 100.0,
+        }],
+    };
+    let review = verify::review(&spec, &world(&spec), &[(0, &mission)]);
+    margin(&review, "terrain clearance").value
+}
+
+#[test]
+fn arduplane_flies_a_small_descent_at_once_unless_its_parameters_say_otherwise() {
+    let near = |autopilot, slope_min_m, wanted_m: f64| {
+        let clearance_m = clearance_over_a_small_descent(autopilot, slope_min_m);
+        assert!(
+            (clearance_m - wanted_m).abs() < 0.5,
+            "{autopilot:?} {slope_min_m:?}: {clearance_m}"
+        );
+    };
+    // On a slope it is lowest at the end of the leg, else over the hill.
+    near(Autopilot::ArduPilot, None, 65.0);
+    near(Autopilot::ArduPilot, Some(1.0), 70.0);
+    near(Autopilot::ArduPilot, Some(10.0), 70.0);
+    near(Autopilot::ArduPilot, Some(11.0), 65.0);
+    near(Autopilot::ArduPilot, Some(0.0), 65.0);
+    near(Autopilot::Px4, None, 70.0);
+}

@@ -1,7 +1,7 @@
 //! The parameters that the verdict assumes, against those of the vehicle.
 
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
-use crate::mission::Parameter;
+use crate::mission::{Parameter, other_name};
 
 /// Between two requests for one parameter, milliseconds.
 const REPEAT_MS: u64 = 400;
@@ -20,6 +20,8 @@ pub(super) struct SettingsCheck<'a> {
     /// What is being set.
     setting: Option<ParamValue>,
     bytewise: bool,
+    /// Names that the vehicle does not tell.
+    untold: Vec<&'a str>,
     differences: Vec<String>,
 }
 
@@ -34,6 +36,7 @@ impl<'a> SettingsCheck<'a> {
             set,
             setting: None,
             bytewise,
+            untold: Vec::new(),
             differences: Vec::new(),
         }
     }
@@ -71,13 +74,20 @@ impl<'a> SettingsCheck<'a> {
             return None;
         }
         if self.asked >= MOST {
-            self.differences.push(match self.setting {
-                Some(_) => format!("parameter {} does not take {}", wanted.name, wanted.value),
-                None => format!(
+            if self.setting.is_some() {
+                self.differences.push(format!(
+                    "parameter {} does not take {}",
+                    wanted.name, wanted.value
+                ));
+            } else if !self.has_another_name(&wanted.name) {
+                self.differences.push(format!(
                     "parameter {} is not told by the vehicle, the verdict assumes {} ({})",
                     wanted.name, wanted.value, wanted.why
-                ),
-            });
+                ));
+            }
+            if self.setting.is_none() {
+                self.untold.push(&wanted.name);
+            }
             self.next(now);
             return self.poll(now, target);
         }
@@ -92,6 +102,13 @@ impl<'a> SettingsCheck<'a> {
             },
             None => FlightMessage::ParamRead { target, name },
         }))
+    }
+
+    /// Whether the vehicle told, or will be asked for, the same parameter under its other name.
+    fn has_another_name(&self, name: &str) -> bool {
+        other_name(name).is_some_and(|other| {
+            self.wanted.iter().any(|wanted| wanted.name == other) && !self.untold.contains(&other)
+        })
     }
 
     fn next(&mut self, now: Time) {

@@ -1,6 +1,7 @@
 //! Autopilot parameters that the verdict assumes.
 //!
 //! Names as in ArduCopter 4.6 (centimetres), ArduPlane 4.6 (metres) and PX4 1.16 to 1.18 (metres).
+//! Where a later firmware has another name, both are written, and a vehicle knows one of them.
 
 use super::item::Parameter;
 use crate::path::{SLOW_LANDING_M, VehicleLimits, slow_landing_mps};
@@ -32,6 +33,21 @@ pub(super) fn parameters(
     }
 }
 
+/// The smallest change of altitude that ArduPlane spreads along a leg, whole metres: its name since
+/// 4.7, and before that.
+pub const ALTITUDE_SLOPE_MIN: [&str; 2] = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"];
+
+/// The other name of a parameter that has two.
+#[must_use]
+pub fn other_name(name: &str) -> Option<&'static str> {
+    let [new, old] = ALTITUDE_SLOPE_MIN;
+    match name {
+        _ if name == new => Some(old),
+        _ if name == old => Some(new),
+        _ => None,
+    }
+}
+
 /// Bank at which the planned load factor is reached, degrees.
 fn bank_deg(vehicle: &Vehicle) -> f64 {
     (1.0 / vehicle.max_load_factor).acos().to_degrees()
@@ -58,6 +74,9 @@ fn arduplane(vehicle: &Vehicle, wing: &Wing, has_fence: bool) -> Vec<Parameter> 
         turn_radius_m(vehicle).ceil(),
         "turns onto the next leg begin no further before a waypoint than this",
     );
+    let [new, old] = ALTITUDE_SLOPE_MIN;
+    list.add(new, 1.0, "smaller changes of altitude are flown at once, m");
+    list.add(old, 1.0, "the same before ArduPlane 4.7");
     list.add(
         "WP_LOITER_RAD",
         wing.loiter_radius_m,

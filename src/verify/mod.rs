@@ -51,6 +51,10 @@
 //! e)^2) - w cos e` over the ground, and what cannot make 1 m/s is not judged from there on. `R`
 //! is that of `a + w`. Along an arc the ground speed changes evenly from one leg's to the other's.
 //!
+//! **Small climbs.** ArduPlane spreads a change of altitude along the leg only from `ALT_SLOPE_MIN`
+//! on (before 4.7 `GLIDE_SLOPE_MIN`; of the parameters, else 15 m; 0: never). Where the change is
+//! smaller, the leg is judged at the altitude of its end as well.
+//!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
 //! row; PX4 then goes on to the item's place where that is more than `tolerance_m` away,
 //! and rests. A landing flies to its place at the altitude that the vehicle has, rests,
@@ -67,6 +71,7 @@
 //! motion is judged in chords within 0.02 m, ground that is followed within 0.1 m:
 //! clearance over arcs and separation come out short by that, never long.
 
+mod at_once;
 mod chord;
 mod contract;
 mod contract_wing;

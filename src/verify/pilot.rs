@@ -6,6 +6,7 @@ use crate::path::{SLOW_LANDING_M, slow_landing_mps};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
+use super::at_once;
 use super::chord::Phase;
 use super::decode::{self, Height, Order, Step, Unknown};
 use super::flight::{End, Flight, Legs, Mark, Slope};
@@ -41,6 +42,7 @@ pub(super) fn fly(
         speed_mps: known_speed_mps(mission),
         knots: Vec::new(),
         moving_mps: 0.0,
+        at_once_m: at_once::threshold_m(mission),
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.ribbon.chords;
@@ -87,6 +89,8 @@ pub(super) struct Pilot<'a> {
     pub(super) knots: Vec<Knot>,
     /// Commanded speed at the first knot, m/s; 0 at rest.
     pub(super) moving_mps: f64,
+    /// Smaller changes of altitude are not spread along the leg, metres.
+    pub(super) at_once_m: f64,
 }
 
 impl Pilot<'_> {
@@ -413,7 +417,7 @@ impl Pilot<'_> {
         };
         self.flight
             .take_stock(&legs, &self.ribbon.chords, self.ribbon.t_s);
-        Ok(())
+        self.lay_at_once(&knots, &firsts)
     }
 
     /// Altitude above the sea, and above the ground if the item says so.

@@ -304,6 +304,10 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         "a wing flies at its planned airspeed all the way and turns with max_load_factor; turns of more than a right angle follow waypoints on the way around",
     );
     add(
+        any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
+        "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else 15 m) at once: such legs are judged at the altitude of their end too, but not the separation there",
+    );
+    add(
         any(|s| s.flight.landing.is_some()),
         "a plane glides straight from the waypoint before its landing to the place of the landing: flare and roll are not judged; on a climb-out or glide the ground must stay half of the height above the runway below the vehicle, until that is min_agl_m",
     );

@@ -32,6 +32,16 @@ impl AltitudeLine {
         self.value_m.0 + (self.value_m.1 - self.value_m.0) * fraction
     }
 
+    /// From one end to the other, metres.
+    pub(super) fn change_m(&self) -> f64 {
+        self.value_m.1 - self.value_m.0
+    }
+
+    /// Level, as at the end.
+    pub(super) fn end(&self) -> Self {
+        self.part((1.0, 1.0))
+    }
+
     fn part(&self, (from, to): (f64, f64)) -> Self {
         Self {
             follows: self.follows,
@@ -197,6 +207,30 @@ impl<'a> Ribbon<'a> {
             (middle_s, until_s),
             lines[piece.leg + 1].part((0.0, piece.fraction.1)),
         )
+    }
+
+    /// Lays a whole leg at altitudes that are judged in space alone.
+    pub(super) fn lay_unflown(
+        &mut self,
+        (from, to): (&Knot, &Knot),
+        (from_s, to_s): (f64, f64),
+        line: &AltitudeLine,
+    ) -> Result<(), Unknown> {
+        let chord = Chord {
+            row: to.row,
+            phase: to.phase,
+            from_s,
+            to_s,
+            from: here_at(from.at),
+            to: here_at(to.at),
+            error_m: 0.0,
+            bow_m: 0.0,
+            agl_m: None,
+            slope_from_m: None,
+            grounded: false,
+            flown: false,
+        };
+        self.lay(chord, line)
     }
 
     /// Lays one chord with its altitudes; over terrain that is followed, several.
