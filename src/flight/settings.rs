@@ -121,3 +121,43 @@ impl<'a> SettingsCheck<'a> {
 fn is_same(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-4 * a.abs().max(b.abs()).max(1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The differences that a vehicle is found to have which knows these names alone.
+    fn differences(known: &[&str]) -> Vec<String> {
+        let wanted = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN", "WP_RADIUS"].map(|name| Parameter {
+            name: name.to_owned(),
+            value: 1.0,
+            why: String::new(),
+        });
+        let mut now = Time(0);
+        let mut check = SettingsCheck::new(&wanted, false, false, now);
+        let target = Address {
+            system: 1,
+            component: 1,
+        };
+        while check.outcome().is_none() {
+            if let Some(Message::Flight(FlightMessage::ParamRead { name, .. })) =
+                check.poll(now, target)
+                && known.contains(&name.as_str())
+            {
+                check.heard(now, &name, ParamValue::float(1.0));
+            }
+            now = now + REPEAT_MS;
+        }
+        check.outcome().unwrap_or_default().to_vec()
+    }
+
+    #[test]
+    fn a_parameter_with_two_names_is_told_under_either() {
+        assert!(differences(&["ALT_SLOPE_MIN", "WP_RADIUS"]).is_empty());
+        assert!(differences(&["GLIDE_SLOPE_MIN", "WP_RADIUS"]).is_empty());
+        let neither = differences(&["WP_RADIUS"]);
+        assert_eq!(neither.len(), 1, "{neither:?}");
+        assert!(neither[0].contains("GLIDE_SLOPE_MIN is not told"));
+        assert_eq!(differences(&["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"]).len(), 1);
+    }
+}
