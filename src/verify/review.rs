@@ -308,6 +308,14 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else 15 m) at once: such legs are judged at the altitude of their end too, but not the separation there",
     );
     add(
+        any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
+        "the real ArduPlane leaves this model: one plane and one QuadPlane (4.7.0-dev, simulated, 18 m/s, no wind, bank of 34 degrees) \
+         were 3.3 s of their climb under a slope upwards (3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s) and as much over one downwards, \
+         swung out of corners by 3 m (5 degrees), 10 m (43 degrees) and 29 m (89 degrees), \
+         made 4.6 % more over the ground than their indicated airspeed, and the plane climbed out at twice its planned climb, 9 s early at its start: \
+         leave that much room; separation in time from other vehicles is not sure",
+    );
+    add(
         any(|s| s.flight.landing.is_some()),
         "a plane glides straight from the waypoint before its landing to the place of the landing: flare and roll are not judged; on a climb-out or glide the ground must stay half of the height above the runway below the vehicle, until that is min_agl_m",
     );
