@@ -74,6 +74,9 @@ fn default_parameters() -> Algorithm {
         threshold: 1000.0,
         step: 0.4,
         group: 1,
+        racing: true,
+        offspring: true,
+        restarts: true,
     })
 }
 
@@ -215,6 +218,9 @@ fn the_default_begins_where_it_is_told_and_stays_near_with_a_small_scale() {
         threshold: 1000.0,
         step: 0.4,
         group: 1,
+        racing: true,
+        offspring: true,
+        restarts: true,
     });
     let outcome = minimise(&problem, &algorithm, &[start], 64, &mut rng, &|_| ());
     assert!(outcome.trace[0].best < 1e-6);

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use sortie::geodesy::EastNorth;
 use sortie::spec::{Document, Scenario, SpecFile};
-use sortie::study::{self, Config, Job, MapText, Record, Results, results_md};
+use sortie::study::{self, Config, Job, MapText, Record, Results, Study, results_md};
 
 fn map(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -490,6 +490,8 @@ pub(super) struct TerrainExport {
 pub(super) enum Study {
     /// Seven algorithms on three maps, many times
     Paper(Paper),
+    /// The default planner against the best paths known: many seeds, many missions
+    Planner(Planner),
     /// Make one study of its shards
     Merge(Merge),
     /// How many costs a second the objective gives on this machine
@@ -598,6 +600,50 @@ pub(super) struct Paper {
 }
 
 #[derive(Debug, clap::Args)]
+pub(super) struct Planner {
+    /// Missions, or maps with `frame: local`, instead of the paper's three, the shipped ones
+    /// and the generated ones with the seeds 101 to 120
+    #[arg(value_name = "SPECS")]
+    pub(super) specs: Vec<PathBuf>,
+    /// Generated missions of these seeds, beside SPECS
+    #[arg(long, value_name = "FIRST-LAST", value_parser = super::study::parse_range)]
+    pub(super) generated: Option<std::ops::RangeInclusive<u64>>,
+    /// Folder of the shipped missions
+    #[arg(long, value_name = "DIR", default_value = "missions")]
+    pub(super) missions: PathBuf,
+    /// Output folder
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Runs on each mission with each budget
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = super::study::parse_count)]
+    pub(super) seeds: usize,
+    /// Seed of the first run; each later run has the next
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub(super) seed: u64,
+    /// Evaluations for each vehicle
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [40_000, 10_000], value_parser = super::study::parse_budget)]
+    pub(super) evaluations: Vec<usize>,
+    /// Also run the planner without its parts, one at a time
+    #[arg(long)]
+    pub(super) ablations: bool,
+    /// The best costs known
+    #[arg(long, value_name = "FILE", default_value = "missions/best-known.json")]
+    pub(super) best_known: PathBuf,
+    /// Lower the best costs known where a run is below them
+    #[arg(long)]
+    pub(super) update: bool,
+    /// Make only part I of N, for `study merge`
+    #[arg(long, value_name = "I/N", value_parser = super::study::parse_shard)]
+    pub(super) shard: Option<(usize, usize)>,
+    /// Go on with what is in the folder
+    #[arg(long)]
+    pub(super) resume: bool,
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+#[derive(Debug, clap::Args)]
 pub(super) struct Merge {
     /// Folders of all shards
     #[arg(required = true, value_name = "DIRS")]
@@ -605,4 +651,7 @@ pub(super) struct Merge {
     /// Output folder
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
+    /// The best costs known, for a study of the planner
+    #[arg(long, value_name = "FILE", default_value = "missions/best-known.json")]
+    pub(super) best_known: PathBuf,
 }

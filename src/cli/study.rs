@@ -1,4 +1,6 @@
-//! `sortie study`: the paper's experiment, whole or in shards.
+//! `sortie study`: the experiments, whole or in shards.
+
+mod planner;
 
 use std::path::PathBuf;
 use std::sync::Mutex;
@@ -12,8 +14,8 @@ use super::study_fleet;
 use crate::report::json_text;
 use crate::spec::SpecError;
 use crate::study::{
-    Config, ConfigError, Job, MapText, Results, Store, StoreError, merge, run, scenario,
-    shipped_maps, speed, write_results,
+    BestKnown, Config, ConfigError, Job, MapText, PlannerStudy, Results, Store, StoreError, Study,
+    merge, read_kind, run, scenario, shipped_maps, speed, write_results,
 };
 
 pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
@@ -22,22 +24,31 @@ pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
         args::Study::Speed(arguments) => measured(arguments),
         args::Study::Fleet(arguments) => study_fleet::run(arguments),
         args::Study::Scenario(arguments) => made(arguments),
-        args::Study::Merge(arguments) => {
-            let (config, records) = merge(&arguments.shards, &arguments.out)?;
-            write_results(
-                &arguments.out,
-                &Results::new(&config, &records)?,
-                &config.settings()?,
-            )?;
-            out(&format!(
-                "{} runs of {} in {}",
-                records.len(),
-                short(&config),
-                arguments.out.display()
-            ))?;
-            Ok(())
-        }
+        args::Study::Planner(arguments) => planner::run(arguments),
+        args::Study::Merge(arguments) => merged(arguments),
     }
+}
+
+fn merged(arguments: &args::Merge) -> Result<(), Failure> {
+    let told = |runs: usize, study: String| {
+        out(&format!(
+            "{runs} runs of {study} in {}",
+            arguments.out.display()
+        ))
+    };
+    if read_kind::<PlannerStudy>(&arguments.shards) {
+        let (study, runs) = merge::<PlannerStudy>(&arguments.shards, &arguments.out)?;
+        let best = BestKnown::read(&arguments.best_known)?;
+        planner::write_table(&arguments.out, &study, &runs, &best)?;
+        return told(runs.len(), short(&study));
+    }
+    let (config, records) = merge::<Config>(&arguments.shards, &arguments.out)?;
+    write_results(
+        &arguments.out,
+        &Results::new(&config, &records)?,
+        &config.settings()?,
+    )?;
+    told(records.len(), short(&config))
 }
 
 fn measured(arguments: &args::Speed) -> Result<(), Failure> {
@@ -95,18 +106,51 @@ fn paper(arguments: &args::Paper) -> Result<(), Failure> {
     let settings = config.settings()?;
     let (part, parts) = arguments.shard.unwrap_or((1, 1));
     let mut store = Store::open(&arguments.out, &config, arguments.resume)?;
-    let mine: Vec<Job> = Job::all(&config)
-        .into_iter()
-        .enumerate()
-        .filter(|(index, _)| index % parts == part - 1)
-        .map(|(_, job)| job)
+    let jobs = Job::all(&config);
+    let mine = (0..jobs.len()).filter(|place| place % parts == part - 1);
+    let count = make(&mut store, mine, |open, done| {
+        let open: Vec<Job> = open.iter().map(|place| jobs[*place]).collect();
+        run(&config, &settings, &open, done);
+    })?;
+    let is_whole = store.is_whole();
+    let records = store.finish()?;
+    if is_whole {
+        write_results(&arguments.out, &Results::new(&config, &records)?, &settings)?;
+    }
+    out(&format!(
+        "{count} runs made, {} of {} of {} in {}",
+        records.len(),
+        jobs.len(),
+        short(&config),
+        arguments.out.display()
+    ))?;
+    Ok(())
+}
+
+/// Takes what a run left and the seconds it took; false when no more should be made.
+type Done<'a, R> = &'a (dyn Fn(R, f64) -> bool + Sync);
+
+/// Makes those of some runs, given by their places in the study, that are not finished,
+/// and keeps them; returns how many these were.
+fn make<S: Study>(
+    store: &mut Store<S>,
+    mine: impl Iterator<Item = usize>,
+    run: impl FnOnce(&[usize], Done<'_, S::Run>),
+) -> Result<usize, Failure>
+where
+    Store<S>: Send,
+{
+    let mine: Vec<usize> = mine.collect();
+    let open: Vec<usize> = mine
+        .iter()
+        .copied()
+        .filter(|place| !store.has(*place))
         .collect();
-    let open: Vec<Job> = mine.iter().copied().filter(|job| !store.has(job)).collect();
     let bar = progress(mine.len(), mine.len() - open.len());
     let failed = {
-        let state = Mutex::new((&mut store, None));
-        run(&config, &settings, &open, &|record, seconds| {
-            bar.set_message(format!("{} on {}", record.algorithm, record.scenario));
+        let state = Mutex::new((store, None));
+        run(&open, &|record, seconds| {
+            bar.set_message(S::name(&record));
             bar.inc(1);
             let Ok(mut state) = state.lock() else {
                 return false;
@@ -119,27 +163,14 @@ fn paper(arguments: &args::Paper) -> Result<(), Failure> {
         state.into_inner().ok().and_then(|state| state.1)
     };
     bar.finish_and_clear();
-    if let Some(error) = failed {
-        return Err(error.into());
+    match failed {
+        Some(error) => Err(error.into()),
+        None => Ok(open.len()),
     }
-    let count = open.len();
-    let is_whole = store.is_whole();
-    let records = store.finish()?;
-    if is_whole {
-        write_results(&arguments.out, &Results::new(&config, &records)?, &settings)?;
-    }
-    out(&format!(
-        "{count} runs made, {} of {} of {} in {}",
-        records.len(),
-        Job::all(&config).len(),
-        short(&config),
-        arguments.out.display()
-    ))?;
-    Ok(())
 }
 
 /// The beginning of a study's hash, enough for people.
-fn short(config: &Config) -> String {
+fn short(config: &impl Study) -> String {
     format!(
         "study {}",
         config.hash().chars().take(12).collect::<String>()
@@ -191,6 +222,32 @@ pub(super) fn parse_shard(text: &str) -> Result<(usize, usize), String> {
     parts
         .filter(|&(part, parts)| (1..=parts).contains(&part))
         .ok_or_else(|| "not I/N with I from 1 to N, such as 1/4".to_owned())
+}
+
+/// `FIRST-LAST`, or one number.
+pub(super) fn parse_range(text: &str) -> Result<std::ops::RangeInclusive<u64>, String> {
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let ends = first.parse().ok().zip(last.parse().ok());
+    ends.filter(|(first, last)| first <= last && last - first < 10_000)
+        .map(|(first, last)| first..=last)
+        .ok_or_else(|| "not FIRST-LAST, such as 101-120".to_owned())
+}
+
+/// A number of runs.
+pub(super) fn parse_count(text: &str) -> Result<usize, String> {
+    number(text, 1..=10_000)
+}
+
+/// Evaluations, as many as a spec allows.
+pub(super) fn parse_budget(text: &str) -> Result<usize, String> {
+    number(text, 100..=100_000_000)
+}
+
+fn number(text: &str, range: std::ops::RangeInclusive<usize>) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|number| range.contains(number))
+        .ok_or_else(|| format!("not a number from {} to {}", range.start(), range.end()))
 }
 
 impl From<ConfigError> for Failure {

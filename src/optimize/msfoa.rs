@@ -48,6 +48,12 @@ pub struct MsfoaParameters {
     pub step: f64,
     /// Variables that belong together: offspring are cut between such groups.
     pub group: usize,
+    /// Whether swarms race; otherwise all go on to the end.
+    pub racing: bool,
+    /// Whether swarms have offspring.
+    pub offspring: bool,
+    /// Whether a swarm that gains nothing begins again.
+    pub restarts: bool,
 }
 
 /// Shares of the budget at which the rounds of the race end.
@@ -162,7 +168,7 @@ pub(super) fn search<P: Problem + ?Sized>(
         while evaluator.spent() < round_end {
             generation(evaluator, &mut swarms, &parameters, rng);
             for swarm in &mut swarms {
-                if swarm.is_tired(parameters.flies) {
+                if parameters.restarts && swarm.is_tired(parameters.flies) {
                     left_behind.push(swarm.best.clone());
                     let fresh = if round < 2 { unused.next() } else { None };
                     begin_again(swarm, fresh, &parameters);
@@ -170,7 +176,11 @@ pub(super) fn search<P: Problem + ?Sized>(
             }
         }
         if !last {
-            compete(evaluator, &mut swarms, parameters.group);
+            if parameters.offspring {
+                compete(evaluator, &mut swarms, parameters.group);
+            }
+        }
+        if !last && parameters.racing {
             let keep = survivors(parameters.swarms, round + 1);
             left_behind.extend(drop_the_slow(&mut swarms, keep));
         }
@@ -357,6 +367,9 @@ mod tests {
             threshold: f64::INFINITY,
             step: 0.4,
             group: 1,
+            racing: true,
+            offspring: true,
+            restarts: true,
         };
         let start = Start {
             mean: vec![0.5],

@@ -11,7 +11,7 @@ use crate::optimize::{
     AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
     LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Step, TracePoint, minimise,
 };
-use crate::spec;
+use crate::spec::{self, Part};
 
 /// Samples at which results are judged.
 pub(super) const JUDGED_SAMPLES: usize = 2001;
@@ -94,6 +94,9 @@ fn swarms(
         threshold: planner.threshold.unwrap_or(f64::INFINITY),
         step: if planner.step.is_some() { 1.0 } else { 0.4 },
         group: 2,
+        racing: planner.has(Part::Racing),
+        offspring: planner.has(Part::Offspring),
+        restarts: planner.has(Part::Restarts),
     });
     let outcome = minimise(
         &problem,

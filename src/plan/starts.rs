@@ -14,6 +14,7 @@ use super::obstacles::Obstacles;
 use super::problem::Horizontal;
 use crate::geodesy::EastNorth;
 use crate::optimize::{Evaluator, Start};
+use crate::spec::Part;
 
 /// Slope limits of the three fields, in units of the vehicle's: one field is not
 /// enough, because dilation raises valleys beside ridges as well.
@@ -49,6 +50,7 @@ pub(super) fn starts(
     swarms: usize,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Start> {
+    let planner = &course.spec.planner;
     let lines: Vec<(Guide, Line)> = course_guides(course, evaluator.budget())
         .into_iter()
         .map(|guide| {
@@ -60,7 +62,10 @@ pub(super) fn starts(
     let mut fits = evaluate(problem, fitter, evaluator, &even);
     let allowed = (evaluator.budget() / FIT_SHARE).saturating_sub(evaluator.spent());
     let best = best_of_classes(&fits, 2 * swarms);
-    let each = (allowed / best.len().max(1)).min(WARPS);
+    let each = match planner.has(Part::Warps) {
+        true => (allowed / best.len().max(1)).min(WARPS),
+        false => 0,
+    };
     let mut warped = Vec::new();
     for index in best {
         let summits = summits(course, &lines[index].1);
@@ -73,6 +78,14 @@ pub(super) fn starts(
 /// Guides of all three fields, cheapest first, and the straight line.
 fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
     let (start, goal) = (course.leg.from.at, course.leg.to.at);
+    let planner = &course.spec.planner;
+    if !planner.has(Part::Routes) {
+        return vec![straight(start, goal, 0)];
+    }
+    let factors = match planner.has(Part::Fields) {
+        true => &SLOPE_FACTORS[..],
+        false => &SLOPE_FACTORS[..1],
+    };
     let nodes = if budget >= 20_000 { 81 } else { 41 };
     let prices = course.prices();
     let (near, whole) = (course.near_box(), course.frame());
@@ -83,7 +96,7 @@ fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
             &prices,
             Reading::Wary,
         );
-        let fields: Vec<Field> = SLOPE_FACTORS
+        let fields: Vec<Field> = factors
             .par_iter()
             .map(|factor| relief.field(factor * course.slope(), &prices))
             .collect();
@@ -95,12 +108,8 @@ fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
             .concat();
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found.truncate(MAX_GUIDES);
-        let line = vec![start, goal];
-        found.push(Guide {
-            class: obstacles.signature(&line),
-            cost: start.distance_m(goal) / 1000.0,
-            line,
-        });
+        let class = obstacles.signature(&[start, goal]);
+        found.push(straight(start, goal, class));
         found
     };
     let found = search(near.south_west, near.north_east);
@@ -109,6 +118,15 @@ fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
         return search(whole.south_west, whole.north_east);
     }
     found
+}
+
+/// The straight line as a guide.
+fn straight(start: EastNorth, goal: EastNorth, class: u64) -> Guide {
+    Guide {
+        class,
+        cost: start.distance_m(goal) / 1000.0,
+        line: vec![start, goal],
+    }
 }
 
 /// Fits guides under warps and evaluates them in one batch.

@@ -16,7 +16,8 @@ pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MissionOptions, MissionSpec,
-    Objective, OnLinkLoss, Planner, Rally, Separation, TerrainSource, Threat, Weights, Wind, Zone,
+    Objective, OnLinkLoss, Part, Planner, Rally, Separation, TerrainSource, Threat, Weights, Wind,
+    Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;

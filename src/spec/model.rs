@@ -181,6 +181,46 @@ pub struct Planner {
     pub threshold: Option<f64>,
     /// Local step R, as a fraction of the map; absent: the algorithm's own.
     pub step: Option<f64>,
+    /// A part that the default algorithm does without, to see what it is worth. No key of
+    /// the file: studies alone leave parts out.
+    pub without: Option<Part>,
+}
+
+/// A part of the default planner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Route classes from cost fields; without them every swarm begins on the straight line.
+    Routes,
+    /// Three cost fields; without them one, that of the vehicle's own slope.
+    Fields,
+    /// Control points bunched in several ways along a route.
+    Warps,
+    /// Swarms that race; without that all go on to the end.
+    Racing,
+    /// Swarms that exchange parts of their paths.
+    Offspring,
+    /// Swarms that begin again when they gain nothing.
+    Restarts,
+}
+
+impl Part {
+    /// All of them, with the name that tables give to the planner without it.
+    pub const ALL: [(&'static str, Self); 6] = [
+        ("no route classes", Self::Routes),
+        ("one cost field", Self::Fields),
+        ("no warps", Self::Warps),
+        ("no racing", Self::Racing),
+        ("no offspring", Self::Offspring),
+        ("no restarts", Self::Restarts),
+    ];
+}
+
+impl Planner {
+    /// Whether a part of the default algorithm takes part.
+    #[must_use]
+    pub fn has(&self, part: Part) -> bool {
+        self.without != Some(part)
+    }
 }
 
 /// Which algorithm searches.

@@ -161,7 +161,14 @@ impl Document {
     /// # Errors
     /// As [`SpecFile::read`] and [`Scenario::read`].
     pub fn read(path: &Path) -> Result<Self, SpecError> {
-        let text = file::read_text(path)?;
+        Self::parse(path, file::read_text(path)?)
+    }
+
+    /// Checks a spec of either kind that is already in memory; `path` is where it would be.
+    ///
+    /// # Errors
+    /// As [`SpecFile::parse`] and [`Scenario::parse`].
+    pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
         if Places::read(yaml).is_ok_and(|places| places.has("frame")) {
             Scenario::parse(path, &text).map(|scenario| Self::Scenario(Box::new(scenario)))

@@ -9,6 +9,7 @@ use super::parts::{parts, readings};
 use super::printed::{Printed, printed, sums};
 use super::record::{Record, Terms};
 use super::stats::number;
+use super::store::Study;
 use super::tables::{READINGS, Results};
 
 /// The whole document. It depends on the runs alone.

@@ -6,7 +6,10 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::contest::{Contestant, Role, ablations, contestants, readings};
+use super::record::Record;
+use super::runner::Job;
 use super::setting::Setting;
+use super::store::Study;
 use crate::cost::PaperOptions;
 use crate::spec::{Scenario, SpecError};
 
@@ -68,22 +71,15 @@ pub enum ConfigError {
     },
 }
 
-impl Config {
-    /// The hash that every record carries: SHA-256 of configuration and choices,
-    /// hexadecimal.
-    #[must_use]
-    pub fn hash(&self) -> String {
-        let json = serde_json::to_vec(&(self, self.choices())).unwrap_or_default();
-        Sha256::digest(&json)
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect()
+impl Study for Config {
+    type Run = Record;
+
+    fn hash(&self) -> String {
+        sha256(&(self, self.choices()))
     }
 
-    /// What the program brings of its own: the parameters of each contestant, and of the
-    /// objective, a line each.
-    #[must_use]
-    pub fn choices(&self) -> Vec<String> {
+    /// The parameters of each contestant, and of the objective.
+    fn choices(&self) -> Vec<String> {
         let contestants = self.contestants();
         let contestants = contestants.iter().map(|of| {
             let protocol = of.protocol.name();
@@ -94,6 +90,47 @@ impl Config {
             .collect()
     }
 
+    fn names(&self) -> Vec<String> {
+        let contestants = self.contestants();
+        let maps: Vec<String> = self
+            .scenarios()
+            .unwrap_or_default()
+            .into_iter()
+            .map(|scenario| scenario.name)
+            .collect();
+        Job::all(self)
+            .into_iter()
+            .map(|job| {
+                let contestant = &contestants[job.contestant];
+                let map = maps.get(job.map).map_or("", String::as_str);
+                name(contestant.name, contestant.protocol.name(), map, job.run)
+            })
+            .collect()
+    }
+
+    fn name(run: &Record) -> String {
+        name(&run.algorithm, &run.protocol, &run.scenario, run.run)
+    }
+
+    fn hash_of(run: &Record) -> &str {
+        &run.config
+    }
+}
+
+fn name(algorithm: &str, protocol: &str, scenario: &str, run: usize) -> String {
+    format!("{algorithm} ({protocol}) on {scenario}, run {run}")
+}
+
+/// SHA-256 of something as JSON, hexadecimal.
+pub(super) fn sha256(of: &impl Serialize) -> String {
+    let json = serde_json::to_vec(of).unwrap_or_default();
+    Sha256::digest(&json)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}
+
+impl Config {
     /// What is searched.
     #[must_use]
     pub fn objective(&self) -> PaperOptions {

@@ -13,6 +13,7 @@ mod growth;
 mod output;
 mod page;
 mod parts;
+mod planner;
 mod printed;
 mod record;
 mod runner;
@@ -31,6 +32,10 @@ pub use contest::{Contestant, Method, Protocol, Role, ablations, contestants, re
 pub use deliveries::{DELIVERY_TERRAIN, Deliveries, MOST_DELIVERIES, deliveries, delivery_ground};
 pub use growth::{FleetGrowth, FleetRun};
 pub use output::write_results;
+pub use planner::{
+    BestKnown, Known, MissionText, PlannerJob, PlannerRun, PlannerStudy, planner_json, planner_md,
+    run_planner, variants,
+};
 pub use record::{Record, Terms, VehicleRecord};
 pub use runner::{Job, run};
 pub use scenario::{MOST_DIFFICULT, scenario};
@@ -38,7 +43,7 @@ pub use setting::Setting;
 pub use speed::{Level, Paper, Speed, speed};
 pub use speed_course::{Population, SpeedCourse};
 pub use stats::{Summary, friedman, rank_sum_p};
-pub use store::{Store, StoreError, merge, write_whole};
+pub use store::{Store, StoreError, Study, merge, read_kind, write_whole};
 pub use tables::Results;
 
 /// The maps that come with the program: name and text.

@@ -9,6 +9,7 @@ use super::config::Config;
 use super::contest::{Contestant, Method};
 use super::record::{Record, VehicleRecord};
 use super::setting::Setting;
+use super::store::Study;
 use crate::cost::{Batch, Controls, CostModel, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
@@ -67,6 +68,22 @@ pub fn run(
     let (contestants, hash) = (config.contestants(), config.hash());
     let mut jobs = jobs.to_vec();
     jobs.sort_by_key(|job| Reverse(effort(config, &contestants[job.contestant])));
+    let make = |job: &Job| {
+        let contestant = &contestants[job.contestant];
+        let mut record = one(config, contestant, &settings[job.map], job.run);
+        record.config.clone_from(&hash);
+        record
+    };
+    spread(&jobs, &make, done);
+}
+
+/// Makes something of each job, one job on each thread of as many as rayon would use, and
+/// hands it to `done` with the seconds it took, in no certain order, until that says false.
+pub(super) fn spread<J: Sync, R: Send>(
+    jobs: &[J],
+    make: &(dyn Fn(&J) -> R + Sync),
+    done: &(dyn Fn(R, f64) -> bool + Sync),
+) {
     let next = AtomicUsize::new(0);
     let work = || {
         // The evaluations of one run stay on its thread.
@@ -79,11 +96,8 @@ pub fn run(
                 reason = "wall times are shown, they decide nothing"
             )]
             let started = Instant::now();
-            let contestant = &contestants[job.contestant];
-            let setting = &settings[job.map];
-            let mut record = pool.install(|| one(config, contestant, setting, job.run));
-            record.config.clone_from(&hash);
-            if !done(record, started.elapsed().as_secs_f64()) {
+            let made = pool.install(|| make(job));
+            if !done(made, started.elapsed().as_secs_f64()) {
                 next.store(jobs.len(), Ordering::Relaxed);
             }
         }

@@ -11,11 +11,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
-
-use super::config::Config;
-use super::record::Record;
-use super::runner::Job;
 
 const CONFIG: &str = "study.json";
 const JOURNAL: &str = "journal.jsonl";
@@ -83,57 +80,75 @@ pub enum StoreError {
     Nothing,
 }
 
+/// A study that a folder can keep: its configuration.
+pub trait Study: Serialize + DeserializeOwned + Clone {
+    /// What one run leaves.
+    type Run: Serialize + DeserializeOwned + std::fmt::Debug;
+
+    /// Hash of all that the results depend on; every run carries it.
+    fn hash(&self) -> String;
+
+    /// What the program brings of its own, a line each.
+    fn choices(&self) -> Vec<String>;
+
+    /// What tells each run from all others, in the order of the results.
+    fn names(&self) -> Vec<String>;
+
+    /// The same of a run that was made.
+    fn name(run: &Self::Run) -> String;
+
+    /// The hash that a run carries.
+    fn hash_of(run: &Self::Run) -> &str;
+}
+
 /// Seconds of one run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Time {
-    algorithm: String,
-    protocol: String,
-    scenario: String,
-    run: usize,
+    run: String,
     seconds: f64,
 }
 
 /// The file `study.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Study {
+struct Settled<S> {
     hash: String,
-    config: Config,
+    config: S,
     choices: Vec<String>,
 }
 
 /// Finished runs, by their place in the study.
-type Finished = BTreeMap<Job, Record>;
+type Finished<S> = BTreeMap<usize, <S as Study>::Run>;
 
 /// An open folder.
 #[derive(Debug)]
-pub struct Store {
+pub struct Store<S: Study> {
     folder: PathBuf,
-    jobs: BTreeMap<String, Job>,
-    finished: Finished,
+    places: BTreeMap<String, usize>,
+    finished: Finished<S>,
     journal: File,
     times: File,
     /// Held while the folder is written; the system lets go of it when a process ends.
     _lock: File,
 }
 
-impl Store {
+impl<S: Study> Store<S> {
     /// Opens a folder for a study, with what was finished there before if `resume`.
     ///
     /// # Errors
     /// A folder that cannot be used, holds another study, or holds this one without `resume`.
-    pub fn open(folder: &Path, config: &Config, resume: bool) -> Result<Self, StoreError> {
+    pub fn open(folder: &Path, config: &S, resume: bool) -> Result<Self, StoreError> {
         fs::create_dir_all(folder).map_err(io_at(folder))?;
         let lock = locked(folder)?;
-        let jobs = jobs(config);
-        let mut finished = Finished::new();
+        let places = places(config);
+        let mut finished = Finished::<S>::new();
         if folder.join(CONFIG).exists() {
             if !resume {
                 return Err(StoreError::Occupied(folder.to_owned()));
             }
             same(folder, config)?;
             for name in [RUNS, JOURNAL] {
-                finished.extend(records(&folder.join(name), config, &jobs)?);
+                finished.extend(records(&folder.join(name), config, &places)?);
             }
         } else {
             write_whole(&folder.join(CONFIG), &json(config)?)?;
@@ -153,28 +168,25 @@ impl Store {
             journal: append(&path)?,
             times: append(&folder.join(TIMES))?,
             folder: folder.to_owned(),
-            jobs,
+            places,
             finished,
         })
     }
 
-    /// Whether a run is finished.
+    /// Whether the run at a place of the study is finished.
     #[must_use]
-    pub fn has(&self, job: &Job) -> bool {
-        self.finished.contains_key(job)
+    pub fn has(&self, place: usize) -> bool {
+        self.finished.contains_key(&place)
     }
 
     /// Keeps a finished run.
     ///
     /// # Errors
     /// A journal that cannot be written.
-    pub fn keep(&mut self, record: Record, seconds: f64) -> Result<(), StoreError> {
+    pub fn keep(&mut self, record: S::Run, seconds: f64) -> Result<(), StoreError> {
         let path = self.folder.join(JOURNAL);
         let time = Time {
-            algorithm: record.algorithm.clone(),
-            protocol: record.protocol.clone(),
-            scenario: record.scenario.clone(),
-            run: record.run,
+            run: S::name(&record),
             seconds,
         };
         let line = lines(std::iter::once(&record))?;
@@ -187,8 +199,8 @@ impl Store {
         self.times
             .write_all(time.as_bytes())
             .map_err(io_at(&path))?;
-        if let Some(job) = self.jobs.get(&key(&record)) {
-            self.finished.insert(*job, record);
+        if let Some(place) = self.places.get(&S::name(&record)) {
+            self.finished.insert(*place, record);
         }
         Ok(())
     }
@@ -197,7 +209,7 @@ impl Store {
     ///
     /// # Errors
     /// Files that cannot be written.
-    pub fn finish(self) -> Result<Vec<Record>, StoreError> {
+    pub fn finish(self) -> Result<Vec<S::Run>, StoreError> {
         write_whole(&self.folder.join(RUNS), &lines(self.finished.values())?)?;
         let path = self.folder.join(JOURNAL);
         fs::remove_file(&path).map_err(io_at(&path))?;
@@ -207,7 +219,7 @@ impl Store {
     /// Whether all runs of the study are finished, those of other shards too.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.finished.len() == self.jobs.len()
+        self.finished.len() == self.places.len()
     }
 }
 
@@ -216,28 +228,30 @@ impl Store {
 ///
 /// # Errors
 /// Shards of different configurations, with a run twice or with runs missing; files.
-pub fn merge(shards: &[PathBuf], out: &Path) -> Result<(Config, Vec<Record>), StoreError> {
+pub fn merge<S: Study>(shards: &[PathBuf], out: &Path) -> Result<(S, Vec<S::Run>), StoreError> {
     let first = shards.first().ok_or(StoreError::Nothing)?;
-    let config = read_study(first)?.config;
-    let jobs = jobs(&config);
-    let mut finished = Finished::new();
+    let config = read_study::<S>(first)?.config;
+    let places = places(&config);
+    let mut finished = Finished::<S>::new();
     let mut times = String::new();
     for shard in shards {
         same(shard, &config)?;
-        for (job, record) in records(&shard.join(RUNS), &config, &jobs)? {
-            let what = key(&record);
-            if finished.insert(job, record).is_some() {
+        for (place, record) in records(&shard.join(RUNS), &config, &places)? {
+            let what = S::name(&record);
+            if finished.insert(place, record).is_some() {
                 let folder = shard.clone();
                 return Err(StoreError::Twice { folder, what });
             }
         }
         times.push_str(&read(&shard.join(TIMES))?);
     }
-    let mut missing = jobs.iter().filter(|(_, job)| !finished.contains_key(job));
+    let mut missing = places
+        .iter()
+        .filter(|(_, place)| !finished.contains_key(place));
     if let Some((name, _)) = missing.next() {
         return Err(StoreError::Missing {
             missing: 1 + missing.count(),
-            all: jobs.len(),
+            all: places.len(),
             first: name.clone(),
         });
     }
@@ -249,6 +263,14 @@ pub fn merge(shards: &[PathBuf], out: &Path) -> Result<(Config, Vec<Record>), St
     write_whole(&out.join(TIMES), &times)?;
     write_whole(&out.join(CONFIG), &json(&config)?)?;
     Ok((config, finished.into_values().collect()))
+}
+
+/// Whether the first shard is a study of the kind `S`.
+#[must_use]
+pub fn read_kind<S: Study>(shards: &[PathBuf]) -> bool {
+    shards
+        .first()
+        .is_some_and(|first| read_study::<S>(first).is_ok())
 }
 
 /// Writes a file so that it appears whole or not at all.
@@ -286,46 +308,18 @@ pub(super) fn io_at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
     }
 }
 
-/// What tells a run from all others.
-fn key(record: &Record) -> String {
-    format!(
-        "{} ({}) on {}, run {}",
-        record.algorithm, record.protocol, record.scenario, record.run
-    )
-}
-
-/// All jobs of a study by the keys of their records.
-fn jobs(config: &Config) -> BTreeMap<String, Job> {
-    let contestants = config.contestants();
-    let maps: Vec<String> = config
-        .scenarios()
-        .unwrap_or_default()
-        .into_iter()
-        .map(|scenario| scenario.name)
-        .collect();
-    Job::all(config)
-        .into_iter()
-        .map(|job| {
-            let contestant = &contestants[job.contestant];
-            let name = format!(
-                "{} ({}) on {}, run {}",
-                contestant.name,
-                contestant.protocol.name(),
-                maps.get(job.map).map_or("", String::as_str),
-                job.run
-            );
-            (name, job)
-        })
-        .collect()
+/// The places of all runs of a study by their names.
+fn places(config: &impl Study) -> BTreeMap<String, usize> {
+    config.names().into_iter().zip(0..).collect()
 }
 
 fn read(path: &Path) -> Result<String, StoreError> {
     fs::read_to_string(path).map_err(io_at(path))
 }
 
-fn read_study(folder: &Path) -> Result<Study, StoreError> {
+fn read_study<S: Study>(folder: &Path) -> Result<Settled<S>, StoreError> {
     let path = folder.join(CONFIG);
-    let study: Study = serde_json::from_str(&read(&path)?).map_err(|error| {
+    let study = serde_json::from_str(&read(&path)?).map_err(|error| {
         let (line, what) = (error.line(), error.to_string());
         StoreError::Content { path, line, what }
     })?;
@@ -333,9 +327,9 @@ fn read_study(folder: &Path) -> Result<Study, StoreError> {
 }
 
 /// Whether a folder has this very study.
-fn same(folder: &Path, config: &Config) -> Result<(), StoreError> {
+fn same<S: Study>(folder: &Path, config: &S) -> Result<(), StoreError> {
     let short = |hash: &str| hash.chars().take(12).collect();
-    let (theirs, ours) = (read_study(folder)?.hash, config.hash());
+    let (theirs, ours) = (read_study::<S>(folder)?.hash, config.hash());
     if theirs == ours {
         return Ok(());
     }
@@ -347,11 +341,11 @@ fn same(folder: &Path, config: &Config) -> Result<(), StoreError> {
 }
 
 /// The records of a file, if it is there, without a last line that was cut.
-fn records(
+fn records<S: Study>(
     path: &Path,
-    config: &Config,
-    jobs: &BTreeMap<String, Job>,
-) -> Result<Vec<(Job, Record)>, StoreError> {
+    config: &S,
+    places: &BTreeMap<String, usize>,
+) -> Result<Vec<(usize, S::Run)>, StoreError> {
     let text = match fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -366,15 +360,15 @@ fn records(
             line,
             what,
         };
-        let record: Record =
+        let record: S::Run =
             serde_json::from_str(text).map_err(|error| bad(format!("no record: {error}")))?;
-        if record.config != hash {
+        if S::hash_of(&record) != hash {
             return Err(bad("a record of another configuration".to_owned()));
         }
-        let job = jobs
-            .get(&key(&record))
+        let place = places
+            .get(&S::name(&record))
             .ok_or_else(|| bad("a run that the study does not have".to_owned()))?;
-        found.push((*job, record));
+        found.push((*place, record));
     }
     Ok(found)
 }
@@ -396,8 +390,8 @@ fn one_line(value: &impl Serialize) -> Result<String, StoreError> {
     })
 }
 
-fn json(config: &Config) -> Result<String, StoreError> {
-    let study = Study {
+fn json(config: &impl Study) -> Result<String, StoreError> {
+    let study = Settled {
         hash: config.hash(),
         choices: config.choices(),
         config: config.clone(),

@@ -1,0 +1,161 @@
+//! What a study of the planner says, as a table and as JSON.
+
+use std::fmt::Write;
+
+use serde_json::{Value, json};
+
+use super::{BestKnown, PlannerRun, PlannerStudy, variants};
+use crate::study::stats::{Summary, number};
+
+/// Runs of one variant with one budget on one mission.
+struct Cell {
+    runs: usize,
+    /// How many keep every limit.
+    clean: usize,
+    best_known: f64,
+    /// Costs above the best known, percent.
+    above: Summary,
+    /// Share of the runs within 1 %.
+    near: f64,
+}
+
+fn cell(
+    study: &PlannerStudy,
+    runs: &[PlannerRun],
+    best: &BestKnown,
+    (variant, evaluations, mission): (&str, usize, usize),
+) -> Option<Cell> {
+    let mission = &study.missions[mission].name;
+    let mine: Vec<&PlannerRun> = runs
+        .iter()
+        .filter(|run| {
+            run.variant == variant && run.evaluations == evaluations && run.mission == *mission
+        })
+        .collect();
+    let best_known = best.0.get(mission)?.total;
+    let above: Vec<f64> = mine
+        .iter()
+        .map(|run| 100.0 * (run.total / best_known - 1.0))
+        .collect();
+    let near = above.iter().filter(|above| **above <= 1.0).count();
+    Some(Cell {
+        runs: mine.len(),
+        clean: mine.iter().filter(|run| run.clean).count(),
+        best_known,
+        above: Summary::of(&above)?,
+        near: number(near) / number(mine.len()),
+    })
+}
+
+/// A markdown table: a row for each mission, by budget, for the planner as it is; and one
+/// for each part left out, over all missions.
+#[must_use]
+pub fn planner_md(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> String {
+    let mut text = String::from("| mission | vehicles | best known |");
+    for evaluations in &study.evaluations {
+        let _ = write!(
+            text,
+            " {evaluations}: median | worst | within 1 % | clean |"
+        );
+    }
+    text.push_str("\n|---|--:|--:|");
+    text.push_str(&"--:|--:|--:|--:|".repeat(study.evaluations.len()));
+    text.push('\n');
+    for (index, mission) in study.missions.iter().enumerate() {
+        let known = best.0.get(&mission.name);
+        let _ = write!(
+            text,
+            "| {} | {} | {} |",
+            mission.name,
+            known.map_or(0, |known| known.vehicles.len()),
+            known.map_or("-".to_owned(), |known| format!("{:.4}", known.total)),
+        );
+        for &evaluations in &study.evaluations {
+            let _ = match cell(study, runs, best, ("planner", evaluations, index)) {
+                Some(cell) => write!(
+                    text,
+                    " {:.2} | {:.2} | {:.0} % | {}/{} |",
+                    cell.above.median,
+                    cell.above.worst,
+                    100.0 * cell.near,
+                    cell.clean,
+                    cell.runs
+                ),
+                None => write!(text, " - | - | - | - |"),
+            };
+        }
+        text.push('\n');
+    }
+    let _ = writeln!(
+        text,
+        "\nMedian and worst of {} seeds, percent above the best known.",
+        study.seeds
+    );
+    if study.ablations {
+        text.push_str(&ablations(study, runs, best));
+    }
+    text
+}
+
+/// A row for each variant: mean of the medians, greatest median, mean and greatest of the
+/// worst runs, over all missions.
+fn ablations(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> String {
+    let mut text = String::from("\n| planner |");
+    for evaluations in &study.evaluations {
+        let _ = write!(
+            text,
+            " {evaluations}: mean median | greatest median | mean worst | worst |"
+        );
+    }
+    text.push_str("\n|---|");
+    text.push_str(&"--:|--:|--:|--:|".repeat(study.evaluations.len()));
+    text.push('\n');
+    for (name, _) in variants(true) {
+        let _ = write!(text, "| {name} |");
+        for &evaluations in &study.evaluations {
+            let cells: Vec<Cell> = (0..study.missions.len())
+                .filter_map(|mission| cell(study, runs, best, (name, evaluations, mission)))
+                .collect();
+            let summary =
+                |of: fn(&Cell) -> f64| Summary::of(&cells.iter().map(of).collect::<Vec<_>>());
+            let (medians, worst) = (summary(|c| c.above.median), summary(|c| c.above.worst));
+            if let Some((medians, worst)) = medians.zip(worst) {
+                let _ = write!(
+                    text,
+                    " {:.2} | {:.2} | {:.2} | {:.2} |",
+                    medians.average, medians.worst, worst.average, worst.worst
+                );
+            }
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The same numbers as one document.
+#[must_use]
+pub fn planner_json(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> Value {
+    let mut rows = Vec::new();
+    for (variant, _) in variants(study.ablations) {
+        for &evaluations in &study.evaluations {
+            for (index, mission) in study.missions.iter().enumerate() {
+                let Some(cell) = cell(study, runs, best, (variant, evaluations, index)) else {
+                    continue;
+                };
+                rows.push(json!({
+                    "planner": variant,
+                    "evaluations": evaluations,
+                    "mission": mission.name,
+                    "best_known": cell.best_known,
+                    "runs": cell.runs,
+                    "clean": cell.clean,
+                    "median_percent": cell.above.median,
+                    "worst_percent": cell.above.worst,
+                    "best_percent": cell.above.best,
+                    "within_1_percent": cell.near,
+                }));
+            }
+        }
+    }
+    json!({"seeds": study.seeds, "rows": rows})
+}
