@@ -121,7 +121,14 @@ fn all_algorithms() -> Vec<Algorithm> {
 
 fn run(problem: &Analytic, algorithm: &Algorithm, budget: usize, seed: u64) -> Outcome {
     let mut rng = Seed(seed).stream("test", 0);
-    minimise(problem, algorithm, &[], budget, &mut rng, &|_| ())
+    minimise(
+        problem,
+        algorithm,
+        Starts::default(),
+        budget,
+        &mut rng,
+        &|_| (),
+    )
 }
 
 #[test]
@@ -222,7 +229,17 @@ fn the_default_begins_where_it_is_told_and_stays_near_with_a_small_scale() {
         offspring: true,
         restarts: true,
     });
-    let outcome = minimise(&problem, &algorithm, &[start], 64, &mut rng, &|_| ());
+    let outcome = minimise(
+        &problem,
+        &algorithm,
+        Starts {
+            given: &[start],
+            redraw: None,
+        },
+        64,
+        &mut rng,
+        &|_| (),
+    );
     assert!(outcome.trace[0].best < 1e-6);
 }
 

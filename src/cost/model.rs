@@ -114,6 +114,23 @@ impl CostModel {
         self
     }
 
+    /// The same model with violated limits so many times dearer: for a search that must
+    /// not buy a shorter way with a violation.
+    #[must_use]
+    pub fn with_penalties(mut self, factor: f64) -> Self {
+        let weights = &mut self.weights;
+        for penalty in [
+            &mut weights.threat,
+            &mut weights.terrain,
+            &mut weights.turn,
+            &mut weights.climb,
+            &mut weights.collision,
+        ] {
+            *penalty *= factor;
+        }
+        self
+    }
+
     /// The same model with other options for the paper's objective.
     #[must_use]
     pub fn with_paper(mut self, options: PaperOptions) -> Self {

@@ -84,17 +84,30 @@ pub struct Outcome {
     pub trace: Vec<TracePoint>,
 }
 
+/// New starts from a place: other ways to write down nearly the same thing, from which a
+/// search gets further.
+pub type Redraw<'a> = dyn Fn(&[f64], &mut ChaCha8Rng) -> Vec<Start> + 'a;
+
+/// Where the sub-swarms of [`Algorithm::Msfoa`] begin, and begin again.
+#[derive(Clone, Copy, Default)]
+pub struct Starts<'a> {
+    /// The most promising first.
+    pub given: &'a [Start],
+    /// What a swarm that gains nothing any more makes of its best place.
+    pub redraw: Option<&'a Redraw<'a>>,
+}
+
 /// Minimises a problem within a budget of evaluations.
 ///
 /// All numbers are drawn on the calling thread from `rng`; only evaluations run
 /// in parallel, so the outcome does not depend on the number of threads.
-/// `starts` are where the sub-swarms of [`Algorithm::Msfoa`] begin, the most
-/// promising first; all others start at random, as printed.
+/// Only the sub-swarms of [`Algorithm::Msfoa`] begin at `starts`; all others start at
+/// random, as printed.
 #[must_use]
 pub fn minimise<P: Problem + ?Sized>(
     problem: &P,
     algorithm: &Algorithm,
-    starts: &[Start],
+    starts: Starts<'_>,
     budget: usize,
     rng: &mut ChaCha8Rng,
     watch: &(dyn Fn(TracePoint) + Sync),

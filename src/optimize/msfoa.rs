@@ -22,7 +22,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::adapted::Adapted;
-use super::{Candidate, Evaluator, Problem};
+use super::{Candidate, Evaluator, Problem, Redraw, Starts};
 
 /// Where a sub-swarm begins.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +64,11 @@ const SURVIVAL: f64 = 0.4;
 const PATIENCE: usize = 700;
 /// What counts as gain, as a share of the cost.
 const GAIN: f64 = 2e-4;
+/// Rounds in which a tired swarm begins in a start that none has tried.
+const FRESH_ROUNDS: usize = 2;
+/// How often a tired swarm redraws its best place otherwise; else it stays there with a
+/// new shape.
+const REDRAWN: f64 = 0.7;
 /// Swarms that mate at the end of a round.
 const PARENTS: usize = 4;
 /// Global steps, in units of a start's scale.
@@ -74,8 +79,10 @@ struct Swarm {
     class: u64,
     scale: Vec<f64>,
     adapted: Adapted,
-    /// Its keenest fly so far.
+    /// Its keenest fly since it last began.
     best: Candidate,
+    /// Its keenest fly of all.
+    elite: Candidate,
     /// Evaluations since the last gain, and the cost then.
     idle: usize,
     idle_cost: f64,
@@ -83,14 +90,16 @@ struct Swarm {
 
 impl Swarm {
     fn new(start: &Start, parameters: &MsfoaParameters) -> Self {
+        let nobody = Candidate {
+            position: start.mean.clone(),
+            cost: f64::INFINITY,
+        };
         Self {
             class: start.class,
             scale: start.scale.clone(),
             adapted: Adapted::new(&start.mean, &start.scale, parameters.step, parameters.flies),
-            best: Candidate {
-                position: start.mean.clone(),
-                cost: f64::INFINITY,
-            },
+            best: nobody.clone(),
+            elite: nobody,
             idle: 0,
             idle_cost: f64::INFINITY,
         }
@@ -116,6 +125,9 @@ impl Swarm {
                 position: position.to_vec(),
                 cost,
             };
+            if cost < self.elite.cost {
+                self.elite = self.best.clone();
+            }
         }
     }
 
@@ -142,7 +154,7 @@ enum Flight {
 pub(super) fn search<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     parameters: &MsfoaParameters,
-    starts: &[Start],
+    starts: Starts<'_>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Candidate> {
     let parameters = MsfoaParameters {
@@ -151,17 +163,20 @@ pub(super) fn search<P: Problem + ?Sized>(
         group: parameters.group.max(1),
         ..*parameters
     };
-    let mut starts = starts.to_vec();
-    while starts.len() < parameters.swarms {
-        starts.push(random_start(evaluator.dimension(), rng));
+    let redraw = starts.redraw;
+    let mut given = starts.given.to_vec();
+    while given.len() < parameters.swarms {
+        given.push(random_start(evaluator.dimension(), rng));
     }
-    let mut unused = starts.iter();
+    let mut unused = given.iter();
     let mut swarms: Vec<Swarm> = unused
         .by_ref()
         .take(parameters.swarms)
         .map(|start| Swarm::new(start, &parameters))
         .collect();
     let mut left_behind = Vec::new();
+    // Swarms that stopped for another start: they take part in the race all the same.
+    let mut resting = Vec::new();
     for (round, end) in ROUND_ENDS.into_iter().enumerate() {
         let last = round + 1 == ROUND_ENDS.len();
         let round_end = share(evaluator.budget(), end);
@@ -170,22 +185,33 @@ pub(super) fn search<P: Problem + ?Sized>(
             for swarm in &mut swarms {
                 if parameters.restarts && swarm.is_tired(parameters.flies) {
                     left_behind.push(swarm.best.clone());
-                    let fresh = if round < 2 { unused.next() } else { None };
-                    begin_again(swarm, fresh, &parameters);
+                    match unused.next().filter(|_| round < FRESH_ROUNDS) {
+                        Some(start) => {
+                            let fresh = Swarm::new(start, &parameters);
+                            resting.push(std::mem::replace(swarm, fresh));
+                        }
+                        None => begin_again(evaluator, swarm, redraw, &parameters, rng),
+                    }
                 }
             }
         }
-        if !last {
-            if parameters.offspring {
-                compete(evaluator, &mut swarms, parameters.group);
-            }
+        if !last && parameters.racing {
+            swarms.append(&mut resting);
+        }
+        if !last && parameters.offspring {
+            compete(evaluator, &mut swarms, parameters.group);
         }
         if !last && parameters.racing {
             let keep = survivors(parameters.swarms, round + 1);
             left_behind.extend(drop_the_slow(&mut swarms, keep));
         }
     }
-    left_behind.extend(swarms.into_iter().map(|swarm| swarm.best));
+    left_behind.extend(
+        swarms
+            .into_iter()
+            .chain(resting)
+            .flat_map(|swarm| [swarm.best, swarm.elite]),
+    );
     left_behind.retain(|candidate| candidate.cost.is_finite());
     left_behind
 }
@@ -282,17 +308,46 @@ fn learn(swarm: &mut Swarm, flights: &[Flight], costs: &[f64], parameters: &Msfo
     }
 }
 
-/// A tired swarm begins in a fresh start, or around its keenest fly with a new shape.
-fn begin_again(swarm: &mut Swarm, fresh: Option<&Start>, parameters: &MsfoaParameters) {
-    match fresh {
-        Some(start) => *swarm = Swarm::new(start, parameters),
+/// A tired swarm begins in the best redrawing of its keenest fly, or around that with a
+/// new shape.
+fn begin_again<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    swarm: &mut Swarm,
+    redraw: Option<&Redraw<'_>>,
+    parameters: &MsfoaParameters,
+    rng: &mut ChaCha8Rng,
+) {
+    let redraw = redraw.filter(|_| rng.random_bool(REDRAWN));
+    match redraw {
+        Some(redraw) => {
+            let drawn = redraw(&swarm.elite.position, rng);
+            let rows: Vec<f64> = drawn
+                .iter()
+                .flat_map(|start| &start.mean)
+                .copied()
+                .collect();
+            let costs = evaluator.evaluate(&rows);
+            let best = drawn
+                .into_iter()
+                .zip(costs)
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            if let Some((start, _)) = best {
+                let (class, elite) = (swarm.class, swarm.elite.clone());
+                *swarm = Swarm {
+                    class,
+                    elite,
+                    ..Swarm::new(&start, parameters)
+                };
+            }
+        }
         None => {
             swarm.adapted = Adapted::new(
-                &swarm.best.position,
+                &swarm.elite.position,
                 &swarm.scale,
                 parameters.step,
                 parameters.flies,
             );
+            swarm.best = swarm.elite.clone();
             swarm.idle = 0;
             swarm.idle_cost = swarm.best.cost;
         }
@@ -306,7 +361,7 @@ fn compete<P: Problem + ?Sized>(
     swarms: &mut [Swarm],
     group: usize,
 ) {
-    swarms.sort_by(|a, b| a.best.cost.total_cmp(&b.best.cost));
+    swarms.sort_by(|a, b| a.elite.cost.total_cmp(&b.elite.cost));
     let dimension = evaluator.dimension();
     let parents = swarms.len().min(PARENTS);
     let mut rows = Vec::new();
@@ -314,8 +369,8 @@ fn compete<P: Problem + ?Sized>(
     for (g, first) in swarms[..parents].iter().enumerate() {
         for second in swarms[..parents].iter().filter(|s| s.class != first.class) {
             for cut in (group..dimension).step_by(group) {
-                rows.extend_from_slice(&first.best.position[..cut]);
-                rows.extend_from_slice(&second.best.position[cut..]);
+                rows.extend_from_slice(&first.elite.position[..cut]);
+                rows.extend_from_slice(&second.elite.position[cut..]);
                 owners.push(g);
             }
         }
@@ -323,7 +378,7 @@ fn compete<P: Problem + ?Sized>(
     let costs = evaluator.evaluate(&rows);
     for (child, &owner) in owners.iter().enumerate() {
         let swarm = &mut swarms[owner];
-        if costs[child] < swarm.best.cost {
+        if costs[child] < swarm.elite.cost {
             swarm.see(&rows[child * dimension..][..dimension], costs[child]);
             swarm.adapted.move_to(&swarm.best.position);
         }
@@ -332,7 +387,7 @@ fn compete<P: Problem + ?Sized>(
 
 /// Keeps the best swarms, one of each class; returns the best of those that go.
 fn drop_the_slow(swarms: &mut Vec<Swarm>, keep: usize) -> Vec<Candidate> {
-    swarms.sort_by(|a, b| a.best.cost.total_cmp(&b.best.cost));
+    swarms.sort_by(|a, b| a.elite.cost.total_cmp(&b.elite.cost));
     let mut classes = BTreeSet::new();
     let mut dropped = Vec::new();
     let mut kept = Vec::new();
@@ -340,7 +395,7 @@ fn drop_the_slow(swarms: &mut Vec<Swarm>, keep: usize) -> Vec<Candidate> {
         if kept.len() < keep && classes.insert(swarm.class) {
             kept.push(swarm);
         } else {
-            dropped.push(swarm.best);
+            dropped.push(swarm.elite);
         }
     }
     *swarms = kept;

@@ -137,13 +137,23 @@ impl<'a> Sampled<'a> {
     /// The samples of a course at `parameters` of [0, 1]; `margins` are those of the
     /// objective.
     pub(super) fn new(course: &Course<'a>, margins: Margins, parameters: &[f64]) -> Self {
+        Self::above(course, margins, parameters, BETWEEN_SAMPLES_M)
+    }
+
+    /// The same, with so many metres over the floor in the altitudes that are decoded.
+    pub(super) fn above(
+        course: &Course<'a>,
+        margins: Margins,
+        parameters: &[f64],
+        above_m: f64,
+    ) -> Self {
         let controls = course.controls();
         let basis = Basis::new(controls, parameters);
         let rows = (0..parameters.len()).map(|k| basis.row(k)).collect();
         Self {
             lowest: LowestSpline::new(rows, controls),
             model: course.model(margins, parameters),
-            floor: course.floor(BETWEEN_SAMPLES_M, margins.climb_fraction),
+            floor: course.floor(above_m, margins.climb_fraction),
             even: course.spec.planner.objective == Objective::Paper,
             from: course.leg.from,
             to: course.leg.to,
@@ -151,6 +161,12 @@ impl<'a> Sampled<'a> {
             basis,
             rooms: Mutex::default(),
         }
+    }
+
+    /// The same with violated limits so many times dearer.
+    pub(super) fn with_penalties(mut self, factor: f64) -> Self {
+        self.model = self.model.with_penalties(factor);
+        self
     }
 
     /// Works in a room that was used before, if there is one.
@@ -202,6 +218,26 @@ impl<'a> Sampled<'a> {
         }
         self.lowest
             .solve(&room.demand, &mut spline.amsl_m, &mut room.lowest);
+    }
+
+    /// The way of a spline in the plane, sample by sample.
+    pub(super) fn line(&self, free: impl Iterator<Item = EastNorth>) -> Vec<EastNorth> {
+        let mut spline = Spline::default();
+        spline.reset(self.from, self.to, self.controls);
+        for (j, at) in free.enumerate() {
+            spline.east_m[j + 1] = at.east_m;
+            spline.north_m[j + 1] = at.north_m;
+        }
+        let sample = |values: &[f64]| {
+            let mut out = vec![0.0; self.basis.samples()];
+            self.basis.apply(values, &mut out);
+            out
+        };
+        let (east, north) = (sample(&spline.east_m), sample(&spline.north_m));
+        east.into_iter()
+            .zip(north)
+            .map(|(east_m, north_m)| EastNorth { east_m, north_m })
+            .collect()
     }
 
     /// The decoded spline of free control points in the plane.

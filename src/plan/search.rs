@@ -1,22 +1,33 @@
 //! The search of one course: starts, swarms, and the judgement of the finalists.
 
+use rand_chacha::ChaCha8Rng;
+
 use super::course::Course;
-use super::fit::Fitter;
+use super::fit::{Fitter, Line, Warp};
 use super::objective::spatial;
 use super::problem::{Horizontal, Sampled, Spline};
-use super::starts::starts;
+use super::starts::{start, starts, summits};
 use crate::cost::{Batch, CostTerms, Margins};
 use crate::numeric::Seed;
 use crate::optimize::{
     AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
-    LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Step, TracePoint, minimise,
+    LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Start, Starts, Step,
+    TracePoint, minimise,
 };
 use crate::spec::{self, Part};
 
 /// Samples at which results are judged.
 pub(super) const JUDGED_SAMPLES: usize = 2001;
+/// Metres over the floor in the altitudes of what is judged, where samples are so near to
+/// each other that little can rise between them; the search keeps more.
+const JUDGED_ABOVE_M: f64 = 0.1;
+/// Ways in which the path of a tired swarm is drawn anew; it goes on from the best.
+const REDRAWINGS: usize = 16;
 /// Finalists that are judged.
 const JUDGED: usize = 24;
+/// How much dearer violated limits are to the default search than to the judge: a short
+/// cut through the rim of a threat can cost less than the way around it, and fails.
+const PENALTIES: f64 = 4.0;
 /// Flies of each sub-swarm of the default.
 const FLIES: usize = 16;
 
@@ -66,8 +77,12 @@ fn swarms(
 ) -> (Vec<Spline>, usize) {
     let planner = &course.spec.planner;
     let parameters = course.parameters(course.samples());
+    let dearer = match planner.objective {
+        spec::Objective::Operational if planner.has(Part::Penalties) => PENALTIES,
+        _ => 1.0,
+    };
     let problem = Horizontal {
-        sampled: Sampled::new(course, searched(course.margins), &parameters),
+        sampled: Sampled::new(course, searched(course.margins), &parameters).with_penalties(dearer),
         frame: course.frame(),
     };
     let fitter = Fitter::new(problem.sampled.rows(), parameters, course.controls());
@@ -98,22 +113,48 @@ fn swarms(
         offspring: planner.has(Part::Offspring),
         restarts: planner.has(Part::Restarts),
     });
+    let redraw =
+        |place: &[f64], rng: &mut ChaCha8Rng| redrawn(course, &problem, &fitter, place, rng);
+    let starts = Starts {
+        given: &starts,
+        redraw: planner.has(Part::Redrawing).then_some(&redraw),
+    };
     let outcome = minimise(
         &problem,
         &algorithm,
-        &starts,
+        starts,
         budget - fitted,
         &mut rng,
         &offset,
     );
     let mut finalists = outcome.finalists;
     finalists.extend(evaluator.best().cloned());
-    let fine = Sampled::new(course, course.margins, &course.parameters(JUDGED_SAMPLES));
+    let fine = Sampled::above(
+        course,
+        course.margins,
+        &course.parameters(JUDGED_SAMPLES),
+        JUDGED_ABOVE_M,
+    );
     let splines = most_promising(finalists)
         .iter()
         .map(|candidate| fine.spline(problem.free(&candidate.position)))
         .collect();
     (splines, fitted + outcome.evaluations)
+}
+
+/// The path of a candidate fitted anew, with its control points bunched in other ways.
+fn redrawn(
+    course: &Course<'_>,
+    problem: &Horizontal<'_>,
+    fitter: &Fitter,
+    place: &[f64],
+    rng: &mut ChaCha8Rng,
+) -> Vec<Start> {
+    let line = Line::new(problem.sampled.line(problem.free(place)));
+    let summits = summits(course, &line);
+    (0..REDRAWINGS)
+        .map(|_| start(problem, fitter, &line, &Warp::random(&summits, rng), 0))
+        .collect()
 }
 
 /// A little stricter than the judgement: between coarse samples a spline is steeper and
@@ -209,7 +250,14 @@ fn letter(
 ) -> (Vec<Spline>, usize) {
     let problem = spatial(course, &course.parameters(course.samples()));
     let mut rng = seed.stream("plan", stream);
-    let outcome = minimise(&problem, algorithm, &[], budget, &mut rng, watch);
+    let outcome = minimise(
+        &problem,
+        algorithm,
+        Starts::default(),
+        budget,
+        &mut rng,
+        watch,
+    );
     let splines = most_promising(outcome.finalists)
         .iter()
         .map(|candidate| {
@@ -241,7 +289,10 @@ fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
     let best = splines
         .into_iter()
         .zip(&strict)
-        .min_by(|a, b| a.1.total().total_cmp(&b.1.total()))
+        .min_by(|(_, a), (_, b)| {
+            let broken = |terms: &CostTerms| u8::from(!terms.is_clean());
+            (broken(a).cmp(&broken(b))).then(a.total().total_cmp(&b.total()))
+        })
         .map_or_else(|| course.straight(), |(spline, _)| spline);
     batch.clear(course.controls());
     batch.push(&best.controls());

@@ -136,40 +136,52 @@ fn evaluate(
     evaluator: &mut Evaluator<'_, Horizontal<'_>>,
     wanted: &[(&(Guide, Line), Warp)],
 ) -> Vec<Fit> {
-    let frame = &problem.frame;
-    let means: Vec<Vec<f64>> = wanted
+    let starts: Vec<Start> = wanted
         .par_iter()
-        .map(|((_, line), warp)| {
-            fitter
-                .fit(line, warp)
-                .into_iter()
-                .flat_map(|at: EastNorth| {
-                    let (east, north) = frame.share(at);
-                    [east, north]
-                })
-                .collect()
-        })
+        .map(|((guide, line), warp)| start(problem, fitter, line, warp, guide.class))
         .collect();
-    let costs = evaluator.evaluate(&means.concat());
-    means
+    let rows: Vec<f64> = starts
+        .iter()
+        .flat_map(|start| &start.mean)
+        .copied()
+        .collect();
+    let costs = evaluator.evaluate(&rows);
+    starts
         .into_iter()
         .zip(costs)
         .zip(wanted)
-        .map(|((mean, cost), ((guide, line), _))| {
-            #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
-            let spacing_m = line.length_m() / (mean.len() / 2 + 1) as f64;
-            let scale = frame.scale(STEP_UNIT * spacing_m, mean.len());
-            Fit {
-                class: guide.class,
-                score: 0.8 * cost + 0.2 * guide.cost,
-                start: Start {
-                    mean,
-                    scale,
-                    class: guide.class,
-                },
-            }
+        .map(|((start, cost), ((guide, _), _))| Fit {
+            class: guide.class,
+            score: 0.8 * cost + 0.2 * guide.cost,
+            start,
         })
         .collect()
+}
+
+/// The spline nearest to a line under a warp as a start.
+pub(super) fn start(
+    problem: &Horizontal<'_>,
+    fitter: &Fitter,
+    line: &Line,
+    warp: &Warp,
+    class: u64,
+) -> Start {
+    let frame = &problem.frame;
+    let mean: Vec<f64> = fitter
+        .fit(line, warp)
+        .into_iter()
+        .flat_map(|at: EastNorth| {
+            let (east, north) = frame.share(at);
+            [east, north]
+        })
+        .collect();
+    #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
+    let spacing_m = line.length_m() / (mean.len() / 2 + 1) as f64;
+    Start {
+        scale: frame.scale(STEP_UNIT * spacing_m, mean.len()),
+        mean,
+        class,
+    }
 }
 
 /// Indices of the best fit of each class, best class first.
@@ -207,7 +219,7 @@ fn rank(mut fits: Vec<Fit>) -> Vec<Start> {
 }
 
 /// Shares of the length at which the ground under a line is highest nearby.
-fn summits(course: &Course<'_>, line: &Line) -> Vec<f64> {
+pub(super) fn summits(course: &Course<'_>, line: &Line) -> Vec<f64> {
     #[expect(clippy::cast_precision_loss, reason = "a few dozen")]
     let share = |k: usize| k as f64 / (PROFILE - 1) as f64;
     let heights: Vec<f64> = (0..PROFILE)

@@ -201,17 +201,23 @@ pub enum Part {
     Offspring,
     /// Swarms that begin again when they gain nothing.
     Restarts,
+    /// Control points bunched anew when a swarm begins again.
+    Redrawing,
+    /// Violated limits dearer in the search than in the judgement.
+    Penalties,
 }
 
 impl Part {
     /// All of them, with the name that tables give to the planner without it.
-    pub const ALL: [(&'static str, Self); 6] = [
+    pub const ALL: [(&'static str, Self); 8] = [
         ("no route classes", Self::Routes),
         ("one cost field", Self::Fields),
         ("no warps", Self::Warps),
         ("no racing", Self::Racing),
         ("no offspring", Self::Offspring),
         ("no restarts", Self::Restarts),
+        ("no redrawing", Self::Redrawing),
+        ("penalties of the judge", Self::Penalties),
     ];
 }
 

@@ -13,7 +13,7 @@ use super::store::Study;
 use crate::cost::{Batch, Controls, CostModel, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
-use crate::optimize::{Algorithm, Problem, TracePoint, minimise};
+use crate::optimize::{Algorithm, Problem, Starts, TracePoint, minimise};
 use crate::path::{Flight, time_route};
 use crate::plan::{Request, plan_fleet};
 
@@ -272,7 +272,14 @@ fn printed(
             free: planner.control_points,
         };
         let mut rng = Seed(seed).stream(&purpose, stream);
-        let outcome = minimise(&problem, algorithm, &[], budget, &mut rng, &|_| ());
+        let outcome = minimise(
+            &problem,
+            algorithm,
+            Starts::default(),
+            budget,
+            &mut rng,
+            &|_| (),
+        );
         let mut found = Found {
             evaluations: outcome.evaluations,
             trace: thinned(&outcome.trace, budget),

@@ -10,7 +10,7 @@ use super::shipped_maps;
 use crate::cost::{Batch, Controls, CostModel, PaperOptions, Scratch};
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
-use crate::optimize::{Algorithm, DeParameters, Problem, minimise};
+use crate::optimize::{Algorithm, DeParameters, Problem, Starts, minimise};
 use crate::path::{Flight, time_route};
 use crate::spec::{Cylinder, Objective, Scenario, SpecError};
 use crate::world::Ground;
@@ -90,7 +90,14 @@ impl SpeedCourse {
         };
         let algorithm = Algorithm::De(DeParameters::default());
         let mut rng = Seed(1).stream("speed search", 0);
-        let found = minimise(&course, &algorithm, &[], SEARCH, &mut rng, &|_| ());
+        let found = minimise(
+            &course,
+            &algorithm,
+            Starts::default(),
+            SEARCH,
+            &mut rng,
+            &|_| (),
+        );
         course.middle = found
             .finalists
             .first()

@@ -35,7 +35,10 @@ fn cell(
     let best_known = best.0.get(mission)?.total;
     let above: Vec<f64> = mine
         .iter()
-        .map(|run| 100.0 * (run.total / best_known - 1.0))
+        .map(|run| match run.clean {
+            true => 100.0 * (run.total / best_known - 1.0),
+            false => f64::INFINITY,
+        })
         .collect();
     let near = above.iter().filter(|above| **above <= 1.0).count();
     Some(Cell {
@@ -74,9 +77,9 @@ pub fn planner_md(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -
             let _ = match cell(study, runs, best, ("planner", evaluations, index)) {
                 Some(cell) => write!(
                     text,
-                    " {:.2} | {:.2} | {:.0} % | {}/{} |",
-                    cell.above.median,
-                    cell.above.worst,
+                    " {} | {} | {:.0} % | {}/{} |",
+                    percent(cell.above.median),
+                    percent(cell.above.worst),
                     100.0 * cell.near,
                     cell.clean,
                     cell.runs
@@ -88,13 +91,23 @@ pub fn planner_md(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -
     }
     let _ = writeln!(
         text,
-        "\nMedian and worst of {} seeds, percent above the best known.",
+        "\nMedian and worst of {} seeds, percent above the best known; a run that violates a \
+         limit fails, and is worse than all that keep them.",
         study.seeds
     );
     if study.ablations {
         text.push_str(&ablations(study, runs, best));
     }
     text
+}
+
+/// Percent for people.
+fn percent(value: f64) -> String {
+    if value.is_finite() {
+        format!("{value:.2}")
+    } else {
+        "fails".to_owned()
+    }
 }
 
 /// A row for each variant: mean of the medians, greatest median, mean and greatest of the
@@ -104,11 +117,11 @@ fn ablations(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> Str
     for evaluations in &study.evaluations {
         let _ = write!(
             text,
-            " {evaluations}: mean median | greatest median | mean worst | worst |"
+            " {evaluations}: mean median | greatest median | mean worst | worst | clean |"
         );
     }
     text.push_str("\n|---|");
-    text.push_str(&"--:|--:|--:|--:|".repeat(study.evaluations.len()));
+    text.push_str(&"--:|--:|--:|--:|--:|".repeat(study.evaluations.len()));
     text.push('\n');
     for (name, _) in variants(true) {
         let _ = write!(text, "| {name} |");
@@ -118,12 +131,18 @@ fn ablations(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> Str
                 .collect();
             let summary =
                 |of: fn(&Cell) -> f64| Summary::of(&cells.iter().map(of).collect::<Vec<_>>());
+            let clean = cells.iter().map(|cell| number(cell.clean)).sum::<f64>()
+                / cells.iter().map(|cell| number(cell.runs)).sum::<f64>();
             let (medians, worst) = (summary(|c| c.above.median), summary(|c| c.above.worst));
             if let Some((medians, worst)) = medians.zip(worst) {
                 let _ = write!(
                     text,
-                    " {:.2} | {:.2} | {:.2} | {:.2} |",
-                    medians.average, medians.worst, worst.average, worst.worst
+                    " {} | {} | {} | {} | {:.1} % |",
+                    percent(medians.average),
+                    percent(medians.worst),
+                    percent(worst.average),
+                    percent(worst.worst),
+                    100.0 * clean
                 );
             }
         }
