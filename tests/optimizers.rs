@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use sortie::numeric::Seed;
 use sortie::optimize::{
     AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, LiteralParameters,
-    MfoaParameters, MsfoaParameters, Outcome, Problem, PsoParameters, Start, minimise,
+    MfoaParameters, MsfoaParameters, Outcome, Problem, PsoParameters, Start, Starts, minimise,
 };
 
 #[derive(Clone, Copy)]

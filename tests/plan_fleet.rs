@@ -7,7 +7,7 @@ use sortie::cost::Margins;
 use sortie::geodesy::{Amsl, EastNorth, LatLon};
 use sortie::numeric::approach::{Motion, closest_approach};
 use sortie::path::Flight;
-use sortie::plan::{FleetPlan, Request, plan_fleet, replan_from};
+use sortie::plan::{FleetPlan, Request, blocks, plan_fleet, replan_from};
 use sortie::spec::*;
 use sortie::world::World;
 use support::{copter, empty_spec, place, world};
@@ -394,4 +394,88 @@ fn the_fewest_and_the_most_control_points_plan() {
             vehicle.terms
         );
     }
+}
+
+/// What blocks the only vehicle of a spec, in words.
+fn blocked(spec: &MissionSpec) -> Vec<String> {
+    let (world, fleet) = plan(spec);
+    let found = blocks(spec, &world, &spec.vehicles[0], &fleet.vehicles[0]);
+    assert_eq!(found.is_empty(), fleet.vehicles[0].terms.is_clean());
+    found.into_iter().map(|block| block.what).collect()
+}
+
+#[test]
+fn a_goal_behind_a_closed_ring_is_blocked_by_threats_of_the_ring_and_no_others() {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    let metres_per_degree = 89_800.0;
+    for k in 0..8 {
+        let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
+        let at = place(
+            EAST.lat_deg + 1500.0 * angle.sin() / 111_000.0,
+            EAST.lon_deg + 1500.0 * angle.cos() / metres_per_degree,
+        );
+        spec.threats.push(threat(&format!("ring-{k}"), at, 700.0));
+    }
+    spec.threats.push(threat("aside", SOUTH, 500.0));
+    let found = blocked(&spec);
+    assert!(!found.is_empty());
+    assert!(
+        found.iter().all(|what| what.starts_with("threat ring-")),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn where_all_is_threat_the_threat_is_named() {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    let middle = place(36.30, -84.25);
+    spec.threats.push(threat("everywhere", middle, 6000.0));
+    spec.area.south_west = place(36.28, -84.33);
+    spec.area.north_east = place(36.32, -84.17);
+    assert_eq!(blocked(&spec), ["threat everywhere"]);
+}
+
+#[test]
+fn a_pass_that_no_turn_fits_into_is_named_by_what_stands_beside_it() {
+    // Two walls of threats with passes far apart: through one, then at once through the other.
+    let mut fast = copter("alpha", 1, WEST, EAST);
+    fast.speed_mps = 40.0;
+    fast.accel_mps2 = 1.0;
+    let mut spec = empty_spec(vec![fast]);
+    for row in 0..=20 {
+        let lat = 36.25 + 0.005 * f64::from(row);
+        for (wall, lon, open) in [("a", -84.26, 18), ("b", -84.245, 2)] {
+            if row != open {
+                spec.threats
+                    .push(threat(&format!("{wall}-{row}"), place(lat, lon), 300.0));
+            }
+        }
+    }
+    spec.area.south_west = place(36.249, -84.33);
+    spec.area.north_east = place(36.351, -84.17);
+    let found = blocked(&spec);
+    let named = |wall: &str| found.iter().any(|what| what.contains(wall));
+    assert!(named(" a-") || named(" b-"), "{found:?}");
+}
+
+#[test]
+fn a_ridge_above_the_ceiling_is_named_with_its_height() {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    let hills = (0..25).map(|k| Hill {
+        place: place(36.18 + 0.01 * f64::from(k), -84.25),
+        height_m: 900.0,
+        radius_m: 1500.0,
+    });
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(300.0),
+        hills: hills.collect(),
+    };
+    spec.area.max_amsl = Amsl(800.0);
+    let found = blocked(&spec);
+    assert!(
+        found
+            .iter()
+            .any(|what| what.starts_with("the ground") || what.starts_with("the ceiling")),
+        "{found:?}"
+    );
 }

@@ -17,6 +17,7 @@ use super::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
+use crate::plan::blocks;
 use crate::report;
 use crate::spec::{OnLinkLoss, SpecFile};
 use crate::world::{self, World};
@@ -99,7 +100,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         document["upload"] = delivery.as_ref().map_or(Value::Null, Delivery::json);
         out(report::json_text(&document).trim_end())?;
     } else {
-        tell(&file, &dispatched, delivery.as_ref(), &watch)?;
+        tell(&file, &world, &dispatched, delivery.as_ref(), &watch)?;
         out(&format!("files in {}", target.display()))?;
     }
     if !passes {
@@ -151,6 +152,7 @@ fn plan(file: &SpecFile, world: &World, seed: u64) -> Dispatched {
 /// The table an operator reads.
 fn tell(
     file: &SpecFile,
+    world: &World,
     dispatched: &Dispatched,
     delivery: Option<&Delivery>,
     watch: &Stopwatch,
@@ -212,7 +214,7 @@ fn tell(
     }
     out(&rows.to_string())?;
     if !review.passes() {
-        for line in blocked(file, dispatched) {
+        for line in blocked(file, world, dispatched) {
             out(&format!("{} {line}", paint.bad("FAIL")))?;
         }
         out(&table::failures(review, paint))?;
@@ -241,24 +243,23 @@ fn tell(
     Ok(())
 }
 
-/// The vehicles for which no path was found that keeps every limit, and which it breaks.
-fn blocked(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
+/// The vehicles for which no path was found that keeps every limit, and what blocks them.
+fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<String> {
     let vehicles = file.spec.vehicles.iter().zip(&dispatched.plan.vehicles);
     vehicles
         .filter(|(_, plan)| !plan.terms.is_clean())
         .map(|(vehicle, plan)| {
-            let terms = &plan.terms;
-            let broken: Vec<&str> = [
-                (terms.threat, "threats, zones or the area"),
-                (terms.terrain, "height above ground or the ceiling"),
-                (terms.turn, "turns"),
-                (terms.climb, "climb or descent"),
-                (terms.collision, "separation from earlier vehicles"),
-            ]
-            .into_iter()
-            .filter(|(term, _)| *term > 0.0)
-            .map(|(_, name)| name)
-            .collect();
+            let mut broken: Vec<String> = blocks(&file.spec, world, vehicle, plan)
+                .into_iter()
+                .map(|block| {
+                    let at = world.frame.from_plan(block.at.at);
+                    let (lat, lon) = (at.lat_deg, at.lon_deg);
+                    format!("{} ({}, worst at {lat:.5}, {lon:.5})", block.what, block.how)
+                })
+                .collect();
+            if plan.terms.collision > 0.0 {
+                broken.push("separation from earlier vehicles".to_owned());
+            }
             let by: Vec<&str> = plan
                 .blocked_by
                 .iter()
@@ -272,7 +273,7 @@ fn blocked(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
             format!(
                 "{}: no path was found from start to goal that keeps every limit; the best breaks {}{by}",
                 vehicle.id,
-                broken.join(", ")
+                broken.join("; ")
             )
         })
         .collect()

@@ -13,6 +13,7 @@ mod leeway;
 mod lowest;
 mod objective;
 mod obstacles;
+mod obstructed;
 mod pivot;
 mod problem;
 mod search;
@@ -23,6 +24,7 @@ mod vehicle;
 pub use columns::ColumnConflict;
 pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
 pub use objective::objective;
+pub use obstructed::{Block, blocks};
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;

@@ -124,7 +124,10 @@ fn too_low_or_high(world: &World, points: &[PlanPoint]) -> Vec<Block> {
         .map(|point| (*point, world.max_amsl.0 - point.amsl.0));
     if let Some((at, room_m)) = least(below).filter(|worst| worst.1 < -HAIR_M) {
         found.push(Block {
-            what: format!("the ceiling over ground {:.0} m high", world.ground.height_m(at.at)),
+            what: format!(
+                "the ceiling over ground {:.0} m high",
+                world.ground.height_m(at.at)
+            ),
             how: format!("{:.0} m above it", -room_m),
             at,
         });
@@ -134,16 +137,19 @@ fn too_low_or_high(world: &World, points: &[PlanPoint]) -> Vec<Block> {
 
 /// The steepest place, if it is steeper than the vehicle climbs or descends.
 fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Block> {
-    let slopes = routes.iter().flat_map(|route| route.windows(2)).map(|pair| {
-        let run_m = pair[0].at.distance_m(pair[1].at).max(1e-6);
-        let slope = (pair[1].amsl.0 - pair[0].amsl.0) / run_m;
-        let limit = if slope > 0.0 {
-            limits.climb.at(pair[1].amsl)
-        } else {
-            limits.descent.at(pair[0].amsl)
-        };
-        (pair[0], limit - slope.abs(), slope, limit)
-    });
+    let slopes = routes
+        .iter()
+        .flat_map(|route| route.windows(2))
+        .map(|pair| {
+            let run_m = pair[0].at.distance_m(pair[1].at).max(1e-6);
+            let slope = (pair[1].amsl.0 - pair[0].amsl.0) / run_m;
+            let limit = if slope > 0.0 {
+                limits.climb.at(pair[1].amsl)
+            } else {
+                limits.descent.at(pair[0].amsl)
+            };
+            (pair[0], limit - slope.abs(), slope, limit)
+        });
     let worst = slopes.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let (at, room, slope, limit) = worst;
     (room < 0.0).then(|| Block {

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
-use crate::plan::{FleetPlan, Route, VehiclePlan};
+use crate::plan::{FleetPlan, Route, VehiclePlan, blocks};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::verify::{Margin, Moment, Review};
 use crate::world::World;
@@ -60,12 +60,26 @@ pub struct PlannedVehicle {
     pub gap: Option<f64>,
     /// Objective evaluations spent.
     pub evaluations: usize,
+    /// Which limits the best path breaks, if none was found that keeps them all.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub breaks: Vec<BlockEntry>,
     /// How often it was planned: again where a plan met earlier vehicles or failed verification.
     pub plans: usize,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
     pub path: Vec<PathPoint>,
+}
+
+/// Something that the best path found goes through or does not manage.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BlockEntry {
+    /// What, in words: a threat or zone by its id, the ground, a turn.
+    pub what: String,
+    /// By how much, in words.
+    pub how: String,
+    /// Where it is worst.
+    pub at: ControlPoint,
 }
 
 /// The terms of the objective as they enter the total.
@@ -178,7 +192,7 @@ pub fn plan_json(
             .map(|(vehicle, planned)| PlannedVehicle {
                 gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
                 blocked_by: ids(spec, &planned.blocked_by),
-                ..planned_vehicle(vehicle, planned, world)
+                ..planned_vehicle(spec, vehicle, planned, world)
             })
             .collect(),
     }
@@ -214,7 +228,12 @@ pub(super) fn verdict(passes: bool) -> &'static str {
     if passes { "pass" } else { "fail" }
 }
 
-fn planned_vehicle(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> PlannedVehicle {
+fn planned_vehicle(
+    spec: &MissionSpec,
+    vehicle: &Vehicle,
+    planned: &VehiclePlan,
+    world: &World,
+) -> PlannedVehicle {
     PlannedVehicle {
         id: vehicle.id.clone(),
         sysid: vehicle.sysid,
@@ -227,6 +246,14 @@ fn planned_vehicle(vehicle: &Vehicle, planned: &VehiclePlan, world: &World) -> P
         estimate: finite(planned.estimate),
         gap: finite(planned.gap()),
         evaluations: planned.evaluations,
+        breaks: blocks(spec, world, vehicle, planned)
+            .into_iter()
+            .map(|block| BlockEntry {
+                at: control_point(block.at, world),
+                what: block.what,
+                how: block.how,
+            })
+            .collect(),
         plans: planned.plans,
         control_points: planned
             .routes

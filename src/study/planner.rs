@@ -49,6 +49,8 @@ pub struct MissionText {
     pub file: String,
     /// The spec, or a scenario of the paper's kind, YAML.
     pub text: String,
+    /// How many vehicles it has.
+    pub vehicles: usize,
 }
 
 /// One run to be made.
@@ -111,39 +113,42 @@ impl MissionText {
     /// # Errors
     /// A text that is no good spec.
     pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
-        let name = match Document::parse(path, text.clone())? {
-            Document::Mission(file) => file.spec.name,
-            Document::Scenario(scenario) => scenario.name,
+        let (name, vehicles) = match Document::parse(path, text.clone())? {
+            Document::Mission(file) => (file.spec.name, file.spec.vehicles.len()),
+            Document::Scenario(scenario) => (scenario.name, scenario.vehicles.len()),
         };
-        let file = path.display().to_string();
-        Ok(Self { name, file, text })
+        Ok(Self {
+            name,
+            file: path.display().to_string(),
+            text,
+            vehicles,
+        })
     }
 
     /// The generated mission of a seed; difficulties take turns from 1 to the greatest.
-    #[must_use]
-    pub fn generated(seed: u64) -> Self {
+    ///
+    /// # Errors
+    /// None, unless the generator writes what is no good spec.
+    pub fn generated(seed: u64) -> Result<Self, SpecError> {
         let difficulty = 1 + seed.wrapping_sub(1) % u64::from(MOST_DIFFICULT);
         let difficulty = u8::try_from(difficulty).unwrap_or(MOST_DIFFICULT);
-        Self {
-            name: format!("scenario-{seed}-{difficulty}"),
-            file: format!("scenario-{seed}-{difficulty}.yaml"),
-            text: scenario(seed, difficulty),
-        }
+        let file = format!("scenario-{seed}-{difficulty}.yaml");
+        Self::parse(Path::new(&file), scenario(seed, difficulty))
     }
 
     /// The paper's three maps with eight free control points.
-    #[must_use]
-    pub fn paper() -> [Self; 3] {
+    ///
+    /// # Errors
+    /// None, unless one of them is broken.
+    pub fn paper() -> Result<Vec<Self>, SpecError> {
         [
-            ("s1-8", include_str!("../../missions/paper/s1-8.yaml")),
-            ("s2-8", include_str!("../../missions/paper/s2-8.yaml")),
-            ("s3-8", include_str!("../../missions/paper/s3-8.yaml")),
+            ("s1-8.yaml", include_str!("../../missions/paper/s1-8.yaml")),
+            ("s2-8.yaml", include_str!("../../missions/paper/s2-8.yaml")),
+            ("s3-8.yaml", include_str!("../../missions/paper/s3-8.yaml")),
         ]
-        .map(|(name, text)| Self {
-            name: name.to_owned(),
-            file: format!("{name}.yaml"),
-            text: text.to_owned(),
-        })
+        .into_iter()
+        .map(|(file, text)| Self::parse(Path::new(file), text.to_owned()))
+        .collect()
     }
 
     /// Loads it; the operational objective is searched, whatever it says.

@@ -15,6 +15,9 @@ use crate::study::{
 /// Seeds of the generated missions that no planner was tuned on.
 const UNSEEN: std::ops::RangeInclusive<u64> = 101..=120;
 
+/// Shipped missions of more vehicles are left to `study fleet`.
+const LARGE: usize = 10;
+
 pub(super) fn run(arguments: &args::Planner) -> Result<(), Failure> {
     let study = PlannerStudy {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -99,13 +102,19 @@ pub(super) fn write_table(
 /// The missions that were named and generated; or else the paper's, all in the folder of
 /// shipped missions, and the generated ones that nothing was tuned on.
 fn missions(arguments: &args::Planner) -> Result<Vec<MissionText>, Failure> {
-    let generated = |range: std::ops::RangeInclusive<u64>| range.map(MissionText::generated);
+    let generated = |range: std::ops::RangeInclusive<u64>| -> Result<Vec<MissionText>, Failure> {
+        range
+            .map(|seed| Ok(MissionText::generated(seed)?))
+            .collect()
+    };
     if !arguments.specs.is_empty() || arguments.generated.is_some() {
         let mut all = read(&arguments.specs)?;
-        all.extend(arguments.generated.clone().into_iter().flat_map(generated));
+        if let Some(range) = arguments.generated.clone() {
+            all.extend(generated(range)?);
+        }
         return Ok(all);
     }
-    let mut all: Vec<MissionText> = MissionText::paper().into();
+    let mut all: Vec<MissionText> = MissionText::paper()?;
     let folder = &arguments.missions;
     let unreadable = |error: std::io::Error| {
         let message = format!("{}: cannot be read: {error}", folder.display());
@@ -119,8 +128,9 @@ fn missions(arguments: &args::Planner) -> Result<Vec<MissionText>, Failure> {
         }
     }
     shipped.sort();
-    all.extend(read(&shipped)?);
-    all.extend(generated(UNSEEN));
+    let fits = |mission: &MissionText| mission.vehicles <= LARGE;
+    all.extend(read(&shipped)?.into_iter().filter(fits));
+    all.extend(generated(UNSEEN)?);
     Ok(all)
 }
 

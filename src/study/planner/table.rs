@@ -70,7 +70,7 @@ pub fn planner_md(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -
             text,
             "| {} | {} | {} |",
             mission.name,
-            known.map_or(0, |known| known.vehicles.len()),
+            mission.vehicles,
             known.map_or("-".to_owned(), |known| format!("{:.4}", known.total)),
         );
         for &evaluations in &study.evaluations {
