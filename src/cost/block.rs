@@ -238,7 +238,7 @@ impl Threat {
             let beyond = (low[axis] - center).max(center - high[axis]).max(0.0);
             gap_sq += beyond * beyond;
         }
-        gap_sq.simd_le(self.reach_m * self.reach_m).any_true()
+        gap_sq.simd_le(self.reach_sq).any_true()
     }
 }
 
@@ -260,11 +260,6 @@ impl Danger for Chords {
         let zero = splat(simd, 0.0);
         let from = [a[0] - threat.center[0], a[1] - threat.center[1]];
         let from_sq = from[0] * from[0] + from[1] * from[1];
-        // Most pieces are further away than they are long.
-        let reach_m = step.run_m + threat.reach_m;
-        if !from_sq.simd_lt(reach_m * reach_m).any_true() {
-            return;
-        }
         let square = step.run_sq;
         let outside = from_sq - threat.radius_m * threat.radius_m;
         let half = from[0] * step.east_m + from[1] * step.north_m;

@@ -17,8 +17,8 @@ pub(super) struct Threat {
     pub(super) radius_m: f64,
     /// One over the radius, 1/m.
     pub(super) per_radius: f64,
-    /// What is further away than this is outside for certain, whatever rounding does, metres.
-    pub(super) reach_m: f64,
+    /// What is further away than this, squared, is outside for certain, whatever rounding does.
+    pub(super) reach_sq: f64,
 }
 
 /// A no-fly zone, widened by its margin.
@@ -109,7 +109,7 @@ impl Threat {
             center,
             radius_m,
             per_radius: 1.0 / radius_m,
-            reach_m: radius_m * (1.0 + 1e-9),
+            reach_sq: radius_m * radius_m * (1.0 + 1e-9),
         }
     }
 
