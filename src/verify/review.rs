@@ -312,7 +312,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         "the real ArduPlane leaves this model: one plane and one QuadPlane (4.7.0-dev, simulated, 18 m/s, no wind, bank of 34 degrees) \
          were 3.3 s of their climb under a slope upwards (3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s) and as much over one downwards, \
          swung out of corners by 3 m (5 degrees), 10 m (43 degrees) and 29 m (89 degrees), \
-         made 4.6 % more over the ground than their indicated airspeed, and the plane climbed out at twice its planned climb, 9 s early at its start: \
+         made 4.6 % more over the ground than their indicated airspeed, and the plane climbed out at 2.5 times its planned climb, 9 s early at its start: \
          leave that much room; separation in time from other vehicles is not sure",
     );
     add(
