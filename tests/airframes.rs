@@ -541,9 +541,14 @@ fn wings_are_neither_flown_nor_led_onto_new_paths() {
     }
 }
 
-/// The clearance of a flight whose long leg descends by 10 m, to 70 m above level ground, over a
-/// hill of 5 m near its beginning.
-fn clearance_over_a_small_descent(autopilot: Autopilot, slope_min_m: Option<f32>) -> f64 {
+/// The clearance of a flight over level ground, 80 m above it until the end of its long leg and
+/// from there on by so much higher, with a hill of so many metres near the beginning of that leg;
+/// and how long the leg takes, seconds.
+fn clearance_with_a_change(
+    autopilot: Autopilot,
+    (change_m, hill_m): (f32, f64),
+    slope_min_m: Option<f32>,
+) -> (f64, f64) {
     let mut spec = empty_spec(vec![plane(autopilot)]);
     let mut mission = built(&spec, &world(&spec));
     let places: Vec<_> = mission.items.iter().map(Item::place).collect();
@@ -556,7 +561,7 @@ fn clearance_over_a_small_descent(autopilot: Autopilot, slope_min_m: Option<f32>
         .expect("legs");
     for item in &mut mission.items[end..] {
         if item.command == command::NAV_WAYPOINT {
-            item.z -= 10.0;
+            item.z += change_m;
         }
     }
     mission
@@ -574,18 +579,19 @@ fn clearance_over_a_small_descent(autopilot: Autopilot, slope_min_m: Option<f32>
         base: Amsl(400.0),
         hills: vec![Hill {
             place: place(begin.lat_deg, begin.lon_deg + 500.0 / 89_700.0),
-            height_m: 5.0,
+            height_m: hill_m,
             radius_m: 100.0,
         }],
     };
     let review = verify::review(&spec, &world(&spec), &[(0, &mission)]);
-    margin(&review, "terrain clearance").value
+    let flown_s = length_m(end) / spec.vehicles[0].speed_mps;
+    (margin(&review, "terrain clearance").value, flown_s)
 }
 
 #[test]
 fn arduplane_flies_a_small_descent_at_once_unless_its_parameters_say_otherwise() {
     let near = |autopilot, slope_min_m, wanted_m: f64| {
-        let clearance_m = clearance_over_a_small_descent(autopilot, slope_min_m);
+        let (clearance_m, _) = clearance_with_a_change(autopilot, (-10.0, 5.0), slope_min_m);
         assert!(
             (clearance_m - wanted_m).abs() < 0.5,
             "{autopilot:?} {slope_min_m:?}: {clearance_m}"
@@ -598,4 +604,20 @@ fn arduplane_flies_a_small_descent_at_once_unless_its_parameters_say_otherwise()
     near(Autopilot::ArduPilot, Some(11.0), 65.0);
     near(Autopilot::ArduPilot, Some(0.0), 65.0);
     near(Autopilot::Px4, None, 70.0);
+}
+
+#[test]
+fn arduplane_is_judged_three_seconds_of_its_climb_below_an_upward_slope() {
+    for change_m in [200.0_f32, 400.0] {
+        let clearance_m = |autopilot| clearance_with_a_change(autopilot, (change_m, 0.0), None);
+        let (lagging_m, flown_s) = clearance_m(Autopilot::ArduPilot);
+        let expected_m = 80.0 - 3.3 * f64::from(change_m) / flown_s;
+        assert!(expected_m < 79.0, "a climb to speak of: {expected_m}");
+        assert!(
+            (lagging_m - expected_m).abs() < 0.2,
+            "{lagging_m} {expected_m}"
+        );
+        let (exact_m, _) = clearance_m(Autopilot::Px4);
+        assert!((exact_m - 80.0).abs() < 0.1, "{exact_m}");
+    }
 }

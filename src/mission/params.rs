@@ -48,6 +48,11 @@ pub fn other_name(name: &str) -> Option<&'static str> {
     }
 }
 
+/// Share of the planned airspeed below which a QuadPlane's rotors may help. With 18 at a planned
+/// 18 m/s they did some 40 times on one way, and it sank 36 m under its line (ArduPlane 4.7.0-dev of
+/// December 2025, simulated).
+const ASSIST_SHARE: f64 = 0.7;
+
 /// Bank at which the planned load factor is reached, degrees.
 fn bank_deg(vehicle: &Vehicle) -> f64 {
     (1.0 / vehicle.max_load_factor).acos().to_degrees()
@@ -83,6 +88,11 @@ fn arduplane(vehicle: &Vehicle, wing: &Wing, has_fence: bool) -> Vec<Parameter> 
         "radius of circles where no item states one",
     );
     if vehicle.airframe == Airframe::Vtol {
+        list.add(
+            "Q_ASSIST_SPEED",
+            (ASSIST_SHARE * vehicle.speed_mps).floor(),
+            "airspeed below which the rotors help, not at the planned one, m/s",
+        );
         list.add(
             "Q_WP_SPEED_UP",
             vehicle.climb_mps * 100.0,

@@ -179,7 +179,8 @@ fn around(wanted: f64, span: Span, step: f64) -> Vec<f64> {
         }
     }
     all.extend([span.least, span.most]);
-    all.sort_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()));
+    let miss = |value: f64| (value - wanted).abs();
+    all.sort_by(|a, b| miss(*a).total_cmp(&miss(*b)).then(a.total_cmp(b)));
     all.dedup();
     all
 }

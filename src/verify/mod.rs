@@ -55,6 +55,10 @@
 //! on (before 4.7 `GLIDE_SLOPE_MIN`; of the parameters, else 15 m; 0: never). Where the change is
 //! smaller, the leg is judged at the altitude of its end as well.
 //!
+//! **Lag.** ArduPlane is 3.3 s of its climb below a slope upwards and as much above one downwards,
+//! and still on the leg after: legs are judged there as well, in space, by the greater of their own
+//! climb and that of the leg before. Not where the ground is followed, nor on climb-out and glide.
+//!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
 //! row; PX4 then goes on to the item's place where that is more than `tolerance_m` away,
 //! and rests. A landing flies to its place at the altitude that the vehicle has, rests,
@@ -71,7 +75,6 @@
 //! motion is judged in chords within 0.02 m, ground that is followed within 0.1 m:
 //! clearance over arcs and separation come out short by that, never long.
 
-mod at_once;
 mod chord;
 mod contract;
 mod contract_wing;
@@ -89,6 +92,7 @@ mod ribbon;
 mod separation;
 mod space;
 mod surface;
+mod tecs;
 mod wing;
 mod winged;
 mod worst;

@@ -6,12 +6,12 @@ use crate::path::{SLOW_LANDING_M, slow_landing_mps};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
-use super::at_once;
 use super::chord::Phase;
 use super::decode::{self, Height, Order, Step, Unknown};
 use super::flight::{End, Flight, Legs, Mark, Slope};
 use super::legs::{self, Knot};
 use super::ribbon::Ribbon;
+use super::tecs;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
 const SAME_PLACE_M: f64 = 0.025;
@@ -42,7 +42,7 @@ pub(super) fn fly(
         speed_mps: known_speed_mps(mission),
         knots: Vec::new(),
         moving_mps: 0.0,
-        at_once_m: at_once::threshold_m(mission),
+        at_once_m: tecs::threshold_m(mission),
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.ribbon.chords;
@@ -417,7 +417,7 @@ impl Pilot<'_> {
         };
         self.flight
             .take_stock(&legs, &self.ribbon.chords, self.ribbon.t_s);
-        self.lay_at_once(&knots, &firsts)
+        self.lay_beside(&knots, &firsts)
     }
 
     /// Altitude above the sea, and above the ground if the item says so.

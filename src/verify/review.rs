@@ -305,12 +305,13 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     );
     add(
         any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
-        "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else 15 m) at once: such legs are judged at the altitude of their end too, but not the separation there",
+        "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else 15 m) at once, \
+         and is 3.3 s of its climb under a slope upwards and as much over one downwards (measured: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s): \
+         such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
     );
     add(
         any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
-        "the real ArduPlane leaves this model: one plane and one QuadPlane (4.7.0-dev, simulated, 18 m/s, no wind, bank of 34 degrees) \
-         were 3.3 s of their climb under a slope upwards (3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s) and as much over one downwards, \
+        "the real ArduPlane leaves this model in other ways too: one plane and one QuadPlane (4.7.0-dev, simulated, 18 m/s, no wind, bank of 34 degrees) \
          swung out of corners by 3 m (5 degrees), 10 m (43 degrees) and 29 m (89 degrees), \
          made 4.6 % more over the ground than their indicated airspeed, and the plane climbed out at 2.5 times its planned climb, 9 s early at its start: \
          leave that much room; separation in time from other vehicles is not sure",

@@ -42,6 +42,14 @@ impl AltitudeLine {
         self.part((1.0, 1.0))
     }
 
+    /// So many metres higher.
+    pub(super) fn raised(&self, by_m: f64) -> Self {
+        Self {
+            follows: self.follows,
+            value_m: (self.value_m.0 + by_m, self.value_m.1 + by_m),
+        }
+    }
+
     fn part(&self, (from, to): (f64, f64)) -> Self {
         Self {
             follows: self.follows,

@@ -34,6 +34,7 @@ fn plan_json_has_the_keys_of_the_contract() {
         "estimate",
         "gap",
         "evaluations",
+        "plans",
         "control_points",
         "path",
     ];
