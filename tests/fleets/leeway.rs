@@ -52,7 +52,7 @@ fn set(command: u16, parameter: usize, value: f32) -> impl Fn(&mut VehicleMissio
 fn what_the_mission_holds_is_judged_by_window_and_range() {
     let fleet = planned("shared-goal");
     let late = &fleet.0.vehicles[1];
-    assert_eq!((late.departures().most, late.speeds().least), (35.0, 6.0));
+    assert_eq!((late.departures().most, late.speeds().least), (35.0, 8.0));
     let delay = |delay_s| set(command::NAV_DELAY, 0, delay_s);
     let speed = |speed_mps| set(command::DO_CHANGE_SPEED, 1, speed_mps);
     assert!(judged(&fleet, |_| ()).passes());
@@ -122,13 +122,18 @@ fn files_outside_the_window_are_not_accepted() {
         said
     };
     let said = run(&["plan", spec, "--out", "out"], 0);
-    assert!(said.contains("note: late: takes off at 35 s"), "{said}");
     let plan = fs::read_to_string(place.path().join("out/plan.json")).expect("a plan");
     let plan: serde_json::Value = serde_json::from_str(&plan).expect("JSON");
     let (early, late) = (&plan["vehicles"][0], &plan["vehicles"][1]);
     assert_eq!(early["gives_way_to"], serde_json::Value::Null);
     assert_eq!(late["gives_way_to"][0], "early");
-    assert_eq!(late["depart_s"], 35.0);
+    let depart_s = late["depart_s"].as_f64().expect("a time");
+    assert!(
+        (20.0..=35.0).contains(&depart_s) && depart_s > 20.0,
+        "{depart_s}"
+    );
+    let note = format!("note: late: takes off at {depart_s} s");
+    assert!(said.contains(&note), "{note} in {said}");
     assert!(late["speed_mps"].as_f64().is_some_and(|speed| speed < 10.0));
     let params = fs::read_to_string(place.path().join("out/late.params")).expect("parameters");
     let speed = late["speed_mps"].as_f64().expect("a speed");
@@ -142,7 +147,7 @@ fn files_outside_the_window_are_not_accepted() {
 
     let waypoints = place.path().join("out/late.waypoints");
     let good = fs::read_to_string(&waypoints).expect("a mission");
-    let later = good.replace("\t93\t35\t", "\t93\t45\t");
+    let later = good.replace(&format!("\t93\t{depart_s}\t"), "\t93\t45\t");
     assert!(later != good, "{good}");
     fs::write(&waypoints, later).expect("written");
     let said = run(
