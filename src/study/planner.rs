@@ -15,7 +15,7 @@ use super::setting::Setting;
 use super::store::Study;
 use crate::cost::PaperOptions;
 use crate::plan::{Request, plan_fleet};
-use crate::spec::{Document, MissionSpec, Objective, Part, SpecError};
+use crate::spec::{Document, Finish, MissionSpec, Objective, Part, SpecError};
 use crate::world::{self, World};
 
 pub use best::{BestKnown, Known};
@@ -160,7 +160,12 @@ impl MissionText {
             }
             Document::Scenario(scenario) => {
                 let setting = Setting::new(*scenario, PaperOptions::default());
-                (setting.spec, setting.world)
+                let mut spec = setting.spec;
+                // All have one goal: who is there must be gone when the next arrives.
+                for vehicle in &mut spec.vehicles {
+                    vehicle.finish = Finish::Land;
+                }
+                (spec, setting.world)
             }
         };
         spec.planner.objective = Objective::Operational;
