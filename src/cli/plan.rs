@@ -1,5 +1,6 @@
 //! `sortie plan`: the main job.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -18,9 +19,13 @@ use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::plan::blocks;
-use crate::report;
-use crate::spec::{OnLinkLoss, SpecFile};
+use crate::report::{self, worst_first};
+use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
+use crate::verify::{Margin, Review};
 use crate::world::{self, World};
+
+/// Most vehicles of the table; of more, those with the tightest margins.
+const MOST_LISTED: usize = 40;
 
 /// Seconds spent in each stage: printed and in `timing.json`, never in a result.
 struct Stopwatch {
@@ -187,7 +192,9 @@ fn tell(
         "separation",
         "on board",
     ]);
-    for (index, vehicle) in spec.vehicles.iter().enumerate() {
+    let shown = tightest_first(spec, review);
+    for &index in &shown {
+        let vehicle = &spec.vehicles[index];
         let id = vehicle.id.as_str();
         let plan = &dispatched.plan.vehicles[index];
         let items = dispatched
@@ -204,15 +211,20 @@ fn tell(
             format!("{:.1} km", plan.length_m() / 1000.0),
             table::clock(plan.duration_s()),
             items.map_or("-".to_owned(), |items| items.to_string()),
-            table::tightest(review, id, |what| what == "terrain clearance"),
-            table::tightest(review, id, |what| {
-                what.starts_with("threat ") || what.starts_with("zone ")
-            }),
-            table::tightest(review, id, |what| what == "separation"),
+            table::tightest(review, id, is_clearance),
+            table::tightest(review, id, is_of_a_place),
+            table::tightest(review, id, is_separation),
             on_board(review.accepts(id), report),
         ]);
     }
     out(&rows.to_string())?;
+    if shown.len() < spec.vehicles.len() {
+        let left = spec.vehicles.len() - shown.len();
+        out(&format!(
+            "the {} vehicles with the tightest margins; {left} more keep every limit and are in review.html",
+            shown.len()
+        ))?;
+    }
     if !review.passes() {
         for line in blocked(file, world, dispatched) {
             out(&format!("{} {line}", paint.bad("FAIL")))?;
@@ -241,6 +253,42 @@ fn tell(
             .dim("note: on_link_loss is kept for flying the fleet; no mission file can hold it"))?;
     }
     Ok(())
+}
+
+fn is_clearance(what: &str) -> bool {
+    what == "terrain clearance"
+}
+
+fn is_of_a_place(what: &str) -> bool {
+    what.starts_with("threat ") || what.starts_with("zone ")
+}
+
+fn is_separation(what: &str) -> bool {
+    what == "separation"
+}
+
+/// The vehicles of the table: all, in order of priority, or of a large fleet those that are
+/// nearest to a limit of its columns, the worst first; whoever breaks any limit comes before.
+fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
+    let count = spec.vehicles.len();
+    if count <= MOST_LISTED {
+        return (0..count).collect();
+    }
+    let ids = spec.vehicles.iter().map(|vehicle| vehicle.id.as_str());
+    let mut places: BTreeMap<&str, usize> = ids.zip(0..).collect();
+    let mut shown = Vec::new();
+    let columns = [is_clearance, is_of_a_place, is_separation];
+    let counts = |margin: &&Margin| !margin.ok || columns.iter().any(|is| is(&margin.what));
+    for margin in worst_first(review).into_iter().filter(counts) {
+        for id in std::iter::once(&margin.vehicle).chain(&margin.other) {
+            if margin.ok && shown.len() >= MOST_LISTED {
+                return shown;
+            }
+            shown.extend(places.remove(id.as_str()));
+        }
+    }
+    shown.extend(places.into_values());
+    shown
 }
 
 /// The vehicles for which no path was found that keeps every limit, and what blocks them.

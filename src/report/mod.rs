@@ -20,6 +20,7 @@ pub use documents::{
 pub use flown::{FlownError, FlownFacts};
 pub use page::{flight_html, review_html};
 pub use picture::review_svg;
+pub use words::worst_first;
 
 use crate::mission::VehicleMission;
 use crate::plan::FleetPlan;

@@ -32,6 +32,13 @@ pub(super) fn ranked(review: &Review) -> Vec<Ranked<'_>> {
     ranked
 }
 
+/// The margins of a review: broken limits first, then kept ones, each from the tightest.
+#[must_use]
+pub fn worst_first(review: &Review) -> Vec<&Margin> {
+    let ranked = ranked(review).into_iter();
+    ranked.map(|entry| entry.margin).collect()
+}
+
 /// Whether the value says how near the limit is. A count that is all it must be
 /// (26 of 26 items, 0 of 0 faults) is at its limit without being near anything.
 pub(super) fn measures(margin: &Margin) -> bool {
