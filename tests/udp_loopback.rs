@@ -5,12 +5,14 @@ mod transfers;
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream, UdpSocket};
+use std::thread;
 use std::time::Duration;
 
 use serialport::{SerialPort, TTYPort};
 
 use sortie::link::{
-    Decoder, Encoder, Failure, Job, List, Refusal, Time, Verdict, Version, upload_fleet,
+    Decoder, Encoder, Failure, Job, List, Refusal, Time, TransferReport, Verdict, Version,
+    upload_fleet,
 };
 use sortie::mission::VehicleMission;
 use sortie::spec::{Autopilot, Link};
@@ -338,28 +340,43 @@ fn a_simulated_vehicle_stops_when_it_is_dropped() {
     UdpSocket::bind(address).expect("the port is free again");
 }
 
-#[test]
-fn two_vehicles_with_one_system_id_on_one_link_are_never_called_loaded() {
+/// An upload to a port to which two vehicles of one system id speak, the second one so much later.
+fn uploaded_to_twins(second_after: Duration) -> TransferReport {
     let port = UdpSocket::bind("127.0.0.1:0").expect("a free port");
     let ground = port.local_addr().expect("bound");
     drop(port);
-    let _vehicles = [1, 2].map(|_| {
+    let vehicle = move || {
         spawn(&Simulated {
             speak_to: Some(ground),
             ..Simulated::on_loopback(Profile::ArduPilot, 1, Some(HOME))
         })
         .expect("a free port")
+    };
+    let _first = vehicle();
+    let second = thread::spawn(move || {
+        thread::sleep(second_after);
+        vehicle()
     });
     let mission = mission(Autopilot::ArduPilot, 300);
     let report = upload(1, &Link::UdpIn(ground.to_string()), &mission, false);
-    let Verdict::Failed(failure) = report.verdict else {
-        panic!("{report:?}");
-    };
-    let text = failure.to_string();
-    assert!(
-        text.starts_with("system 1 speaks from 127.0.0.1:"),
-        "{text}"
-    );
+    drop(second.join());
+    report
+}
+
+#[test]
+fn two_vehicles_with_one_system_id_on_one_link_are_never_called_loaded() {
+    // Together, and when the first is loaded already.
+    for second_after in [Duration::ZERO, Duration::from_millis(700)] {
+        let report = uploaded_to_twins(second_after);
+        let Verdict::Failed(failure) = report.verdict else {
+            panic!("{second_after:?}: {report:?}");
+        };
+        let text = failure.to_string();
+        assert!(
+            text.starts_with("system 1 speaks from 127.0.0.1:"),
+            "{text}"
+        );
+    }
 }
 
 /// A vehicle that neither reads nor writes MAVLink 2, until its socket is gone.

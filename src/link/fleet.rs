@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 use std::io;
+use std::net::SocketAddr;
 
 use super::codec::Version;
 use super::message::List;
@@ -21,6 +22,9 @@ use crate::spec::Link;
 const GROUND_STATION: u8 = 245;
 /// Our component id, `MAV_COMP_ID_MISSIONPLANNER`.
 const COMPONENT: u8 = 190;
+
+/// Two vehicles that speak once a second are both heard, and the first of them again, within this.
+const WATCH_MS: u64 = 2200;
 
 /// One vehicle's transfer.
 #[derive(Clone, Copy, Debug)]
@@ -179,17 +183,14 @@ fn run_link(
         }
     };
     let mut driver = Driver::new(radio, jobs, us);
-    if let Err(error) = driver.run(progress) {
+    let ran = driver.run(progress).and_then(|()| driver.watch());
+    if let Err(error) = ran {
         let (now, failure) = (driver.radio.now(), failure(error));
         for session in &mut driver.sessions {
             session.abort(now, failure.clone());
         }
     }
-    driver
-        .sessions
-        .iter()
-        .filter_map(|session| session.report().cloned())
-        .collect()
+    driver.reports()
 }
 
 /// The sessions of one link.
@@ -198,6 +199,10 @@ struct Driver<'a> {
     sessions: Vec<Session<'a>>,
     jobs: Vec<Job<'a>>,
     shown: Vec<Option<Progress>>,
+    /// When the first message came.
+    heard: Option<Time>,
+    /// System ids that spoke from two addresses when all was done.
+    twins: BTreeMap<u8, [SocketAddr; 2]>,
 }
 
 impl<'a> Driver<'a> {
@@ -222,6 +227,8 @@ impl<'a> Driver<'a> {
             sessions: sessions.collect(),
             jobs: jobs.to_vec(),
             shown: vec![None; jobs.len()],
+            heard: None,
+            twins: BTreeMap::new(),
         }
     }
 
@@ -244,8 +251,45 @@ impl<'a> Driver<'a> {
         }
     }
 
+    /// A transfer may be over before a second vehicle of the same system id has said a word:
+    /// where anyone may speak, all are listened to for as long as they are silent.
+    fn watch(&mut self) -> io::Result<()> {
+        let is_loaded =
+            |session: &Session<'_>| session.report().is_some_and(TransferReport::is_verified);
+        let Some(heard) = self.heard.filter(|_| self.radio.is_open()) else {
+            return Ok(());
+        };
+        let until = Time(heard.0 + WATCH_MS);
+        while self.sessions.iter().any(is_loaded) && self.radio.now() < until {
+            for heard in self.radio.receive(until)? {
+                if let Heard::Twins(sysid, at) = heard {
+                    self.twins.insert(sysid, at);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// What became of every vehicle.
+    fn reports(&self) -> Vec<TransferReport> {
+        let mut reports = Vec::new();
+        for (session, job) in self.sessions.iter().zip(&self.jobs) {
+            let mut report = session.report().cloned();
+            let twins = self.twins.get(&job.sysid).filter(|_| !job.force);
+            if let (Some(report), Some(&at)) = (&mut report, twins) {
+                if report.is_verified() {
+                    let sysid = job.sysid;
+                    report.verdict = Verdict::Failed(Failure::Twins { sysid, at });
+                }
+            }
+            reports.extend(report);
+        }
+        reports
+    }
+
     fn handle(&mut self, heard: Heard) {
         let now = self.radio.now();
+        self.heard.get_or_insert(now);
         match heard {
             Heard::Message(sender, version, message) => {
                 for session in &mut self.sessions {

@@ -67,6 +67,11 @@ impl<'a> Radio<'a> {
         Time(u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX))
     }
 
+    /// Whether anyone may speak on this link, and not one peer alone.
+    pub(super) fn is_open(&self) -> bool {
+        self.wire.remote().is_none()
+    }
+
     /// Waits for messages, at most until `due`.
     pub(super) fn receive(&mut self, due: Time) -> io::Result<Vec<Heard>> {
         let mut buffer = [0; 2048];
