@@ -231,7 +231,7 @@ def alone(spec, folder):
 
 def generate(seed, folder):
     """A generated scenario that no planner was tuned on; difficulties in turn."""
-    difficulty = 1 + seed % 10
+    difficulty = 1 + (seed - 1) % 10
     spec = folder / f"scenario-{seed}-{difficulty}.yaml"
     command = [SORTIE, "study", "scenario", "--seed", str(seed), "--difficulty", str(difficulty)]
     subprocess.run([*command, "-o", spec], check=True, stdout=subprocess.DEVNULL)
