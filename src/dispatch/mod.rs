@@ -33,9 +33,12 @@ pub enum Stage {
     Verifying(usize),
 }
 
-/// Most rounds of planning. What a few stricter rounds cannot mend is a conflict
-/// in the spec, and an operator wants to hear of it soon.
-const MAX_ROUNDS: usize = 5;
+/// Rounds of planning that every fleet has. What a few stricter rounds cannot mend is a
+/// conflict in the spec, and an operator wants to hear of it soon.
+const ROUNDS: usize = 5;
+/// Most rounds while each leaves fewer failures than all before: in a large fleet one that
+/// gives way to a mended vehicle may fail for the first time in a late round.
+const MOST_ROUNDS: usize = 12;
 
 /// Plans the fleet, and plans again what fails, with stricter margins where it failed.
 ///
@@ -75,8 +78,9 @@ pub fn dispatch(
     };
     let mut latest = judge(1, plan_again(1, &strictness, None));
     let mut best = latest.clone();
-    for round in 2..=MAX_ROUNDS {
-        if latest.review.passes() {
+    let mut mends = true;
+    for round in 2..=MOST_ROUNDS {
+        if latest.review.passes() || round > ROUNDS && !mends {
             break;
         }
         let again = strictness.tighten(spec, world, &latest.plan, &latest.review);
@@ -87,7 +91,8 @@ pub fn dispatch(
             round,
             plan_again(round, &strictness, Some((&latest.plan, &again))),
         );
-        if failures(&latest) < failures(&best) {
+        mends = failures(&latest) < failures(&best);
+        if mends {
             best = latest.clone();
         }
         best.rounds = round;

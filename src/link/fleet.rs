@@ -276,11 +276,11 @@ impl<'a> Driver<'a> {
         for (session, job) in self.sessions.iter().zip(&self.jobs) {
             let mut report = session.report().cloned();
             let twins = self.twins.get(&job.sysid).filter(|_| !job.force);
-            if let (Some(report), Some(&at)) = (&mut report, twins) {
-                if report.is_verified() {
-                    let sysid = job.sysid;
-                    report.verdict = Verdict::Failed(Failure::Twins { sysid, at });
-                }
+            if let (Some(report), Some(&at)) = (&mut report, twins)
+                && report.is_verified()
+            {
+                let sysid = job.sysid;
+                report.verdict = Verdict::Failed(Failure::Twins { sysid, at });
             }
             reports.extend(report);
         }
