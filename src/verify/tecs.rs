@@ -16,6 +16,8 @@ const DEFAULT_M: f64 = 15.0;
 /// December 2025, simulated, 3.1 to 3.7 m at 1.15 m/s, 5.2 m at 1.6 m/s, 10.9 m at 2.9 m/s,
 /// and most of it still on the next leg.
 const LAG_S: f64 = 3.3;
+/// Legs that are flown faster have no length to speak of, seconds.
+const LEAST_S: f64 = 1e-3;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
 const HAIR_M: f64 = 0.01;
 
@@ -65,11 +67,13 @@ impl Pilot<'_> {
             if line.change_m().abs() < self.at_once_m {
                 self.ribbon.lay_unflown(ends, when, &line.end())?;
             }
-            let climb_mps = line.change_m() / (when.1 - when.0).max(f64::MIN_POSITIVE);
-            if line.follows || !climb_mps.is_finite() {
+            let flown_s = when.1 - when.0;
+            // A leg without length is no slope.
+            if line.follows || flown_s < LEAST_S {
                 before_mps = 0.0;
                 continue;
             }
+            let climb_mps = line.change_m() / flown_s;
             let (most_mps, least_mps) = (climb_mps.max(before_mps), climb_mps.min(before_mps));
             for offset_m in [-LAG_S * most_mps.max(0.0), -LAG_S * least_mps.min(0.0)] {
                 if offset_m.abs() > HAIR_M {
