@@ -16,7 +16,7 @@ use sortie::spec::{
     EndPoint, Finish, Hill, MissionSpec, Objective, Placement, TerrainSource, Threat, Weights, Zone,
 };
 use sortie::world::World;
-use support::{copter, empty_spec, place, world};
+use support::{EAST, WEST, copter, empty_spec, place, world};
 
 const FREE: usize = 8;
 
@@ -111,14 +111,6 @@ fn model(
     (model, leg)
 }
 
-const WEST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.34,
-};
-const EAST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.16,
-};
 const SOUTH: LatLon = LatLon {
     lat_deg: 36.225,
     lon_deg: -84.25,

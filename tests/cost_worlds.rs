@@ -11,25 +11,16 @@ use rand::{Rng, RngExt};
 use sortie::cost::{
     Batch, Controls, CostModel, Dispatch, Leg, Margins, PaperOptions, Scratch, ThreatForm,
 };
-use sortie::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
+use sortie::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
 use sortie::numeric::Seed;
 use sortie::numeric::bspline::uniform_parameters;
 use sortie::path::{Flight, time_route};
 use sortie::spec::{Finish, MissionSpec, Objective, Weights};
 use sortie::world::{Disc, Ground, PlanZone, World};
-use support::{copter, empty_spec, world};
+use support::{EAST, WEST, copter, empty_spec, world};
 
 /// Half a side of the map, metres.
 const HALF_M: f64 = 10_000.0;
-
-const WEST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.34,
-};
-const EAST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.16,
-};
 
 /// An empty world to be filled.
 static EMPTY: LazyLock<(MissionSpec, World)> = LazyLock::new(|| {

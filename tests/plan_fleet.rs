@@ -7,7 +7,7 @@ use sortie::cost::Margins;
 use sortie::geodesy::{Amsl, EastNorth, LatLon};
 use sortie::numeric::approach::{Motion, closest_approach};
 use sortie::path::Flight;
-use sortie::plan::{FleetPlan, Request, blocks, plan_fleet, replan_from};
+use sortie::plan::{FleetPlan, Request, breaks, plan_fleet, replan_from};
 use sortie::spec::*;
 use sortie::world::World;
 use support::{copter, empty_spec, place, world};
@@ -396,10 +396,10 @@ fn the_fewest_and_the_most_control_points_plan() {
     }
 }
 
-/// What blocks the only vehicle of a spec, in words.
+/// What breaks the only vehicle of a spec, in words.
 fn blocked(spec: &MissionSpec) -> Vec<String> {
     let (world, fleet) = plan(spec);
-    let found = blocks(spec, &world, &spec.vehicles[0], &fleet.vehicles[0]);
+    let found = breaks(spec, &world, &spec.vehicles[0], &fleet.vehicles[0]);
     assert_eq!(found.is_empty(), fleet.vehicles[0].terms.is_clean());
     found.into_iter().map(|block| block.what).collect()
 }

@@ -18,7 +18,7 @@ use super::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
-use crate::plan::blocks;
+use crate::plan::breaks;
 use crate::report::{self, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
 use crate::verify::{Margin, Review};
@@ -291,13 +291,13 @@ fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
     shown
 }
 
-/// The vehicles for which no path was found that keeps every limit, and what blocks them.
+/// The vehicles for which no path was found that keeps every limit, and what breaks them.
 fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<String> {
     let vehicles = file.spec.vehicles.iter().zip(&dispatched.plan.vehicles);
     vehicles
         .filter(|(_, plan)| !plan.terms.is_clean())
         .map(|(vehicle, plan)| {
-            let mut broken: Vec<String> = blocks(&file.spec, world, vehicle, plan)
+            let mut broken: Vec<String> = breaks(&file.spec, world, vehicle, plan)
                 .into_iter()
                 .map(|block| {
                     let at = world.frame.from_plan(block.at.at);

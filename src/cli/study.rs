@@ -2,7 +2,7 @@
 
 mod planner;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -177,6 +177,14 @@ fn short(config: &impl Study) -> String {
     )
 }
 
+/// What a file holds.
+fn read_text(path: &Path) -> Result<String, Failure> {
+    std::fs::read_to_string(path).map_err(|error| {
+        let message = format!("{}: cannot be read: {error}", path.display());
+        Failure::new(Failure::INPUT, message)
+    })
+}
+
 /// The maps that were named, or those that come with the program.
 fn maps(named: &[PathBuf]) -> Result<Vec<MapText>, Failure> {
     if named.is_empty() {
@@ -191,10 +199,7 @@ fn maps(named: &[PathBuf]) -> Result<Vec<MapText>, Failure> {
     named
         .iter()
         .map(|path| {
-            let text = std::fs::read_to_string(path).map_err(|error| {
-                let message = format!("{}: cannot be read: {error}", path.display());
-                Failure::new(Failure::INPUT, message)
-            })?;
+            let text = read_text(path)?;
             let file = path.file_name().unwrap_or(path.as_os_str());
             let file = file.to_string_lossy().into_owned();
             Ok(MapText { file, text })

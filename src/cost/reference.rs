@@ -17,15 +17,11 @@ pub(super) struct Curve {
 impl Curve {
     /// Reads a candidate's spline.
     pub(super) fn new(model: &CostModel, controls: &Controls<'_>) -> Self {
-        let read = |values: &[f64]| {
-            let mut out = vec![0.0; model.path.fine.samples()];
-            model.path.fine.apply(values, &mut out);
-            out
-        };
+        let basis = &model.path.fine;
         Self {
-            east_m: read(controls.east_m),
-            north_m: read(controls.north_m),
-            amsl_m: read(controls.amsl_m),
+            east_m: basis.sampled(controls.east_m),
+            north_m: basis.sampled(controls.north_m),
+            amsl_m: basis.sampled(controls.amsl_m),
         }
     }
 

@@ -12,7 +12,6 @@ use super::readiness::STANDS_M;
 use super::record::{Fix, Flown};
 use super::reference::Reference;
 use super::settings::SettingsCheck;
-use crate::geodesy::{Amsl, LatLon};
 use crate::link::{
     Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order, Position, Reading,
     Session, Time,
@@ -259,20 +258,15 @@ impl<'a> Craft<'a> {
     }
 
     fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
-        if (position.x, position.y) == (0, 0) {
-            // It does not know yet.
+        if !position.is_known() {
             return;
         }
         let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
-        let [north, east, _] = position.velocity_cmps.map(f64::from);
         let fix = Fix {
             t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
-            place: LatLon {
-                lat_deg: f64::from(position.x) / 1e7,
-                lon_deg: f64::from(position.y) / 1e7,
-            },
-            amsl: Amsl(f64::from(position.amsl_mm) / 1000.0),
-            speed_mps: north.hypot(east) / 100.0,
+            place: position.place(),
+            amsl: position.amsl(),
+            speed_mps: position.ground_speed_mps(),
             item: self.item,
             items: self.total.unwrap_or(0),
         };
@@ -281,7 +275,7 @@ impl<'a> Craft<'a> {
             return;
         }
         self.latest = Some((at_ms, fix));
-        let is_up = f64::from(position.above_home_mm) / 1000.0 > AIRBORNE_M;
+        let is_up = position.above_home_m() > AIRBORNE_M;
         if matches!(self.stage, Stage::Flying | Stage::Starting) {
             if is_up && !self.airborne {
                 self.airborne = true;

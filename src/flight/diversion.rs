@@ -92,10 +92,7 @@ impl<'a> Diversion<'a> {
         }
         match message {
             Message::Flight(FlightMessage::Position(position)) => {
-                self.here = Some(LatLon {
-                    lat_deg: f64::from(position.x) / 1e7,
-                    lon_deg: f64::from(position.y) / 1e7,
-                });
+                self.here = Some(position.place());
             }
             Message::Flight(FlightMessage::CommandAck {
                 command, result, ..

@@ -12,10 +12,7 @@ pub(super) const STANDS_M: f64 = 15.0;
 
 /// The place of a home.
 pub(super) fn place(home: &Home) -> LatLon {
-    LatLon {
-        lat_deg: f64::from(home.x) / 1e7,
-        lon_deg: f64::from(home.y) / 1e7,
-    }
+    LatLon::of_e7(home.x, home.y)
 }
 
 /// In what the reported home differs from the assumed one, if that matters.

@@ -34,10 +34,9 @@ impl Reference {
     #[must_use]
     pub fn new(mission: &VehicleMission, track: &Track, world: &World) -> Self {
         let home = PlanPoint {
-            at: world.frame.to_plan(LatLon {
-                lat_deg: f64::from(mission.home.x) / 1e7,
-                lon_deg: f64::from(mission.home.y) / 1e7,
-            }),
+            at: world
+                .frame
+                .to_plan(LatLon::of_e7(mission.home.x, mission.home.y)),
             amsl: Amsl(f64::from(mission.home.amsl_m)),
         };
         let mut waypoints = vec![Waypoint {

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use super::clock::Offset;
 use super::end::End;
 use super::record::{Fix, Flight, Flown, Plan, Record};
-use crate::geodesy::{Amsl, LatLon};
 use crate::link::{Decoder, FlightMessage, Heartbeat, Message, Position};
 use crate::spec::Autopilot;
 
@@ -160,18 +159,14 @@ impl Reading {
     }
 
     fn position(&mut self, at_ms: f64, position: &Position) {
-        if (position.x, position.y) == (0, 0) {
+        if !position.is_known() {
             return;
         }
-        let [north, east, _] = position.velocity_cmps.map(f64::from);
         let fix = Fix {
             t_s: self.offset.align(f64::from(position.boot_ms), at_ms) / 1000.0,
-            place: LatLon {
-                lat_deg: f64::from(position.x) / 1e7,
-                lon_deg: f64::from(position.y) / 1e7,
-            },
-            amsl: Amsl(f64::from(position.amsl_mm) / 1000.0),
-            speed_mps: north.hypot(east) / 100.0,
+            place: position.place(),
+            amsl: position.amsl(),
+            speed_mps: position.ground_speed_mps(),
             item: self.item,
             items: self.items,
         };

@@ -88,6 +88,15 @@ impl LatLon {
         }
     }
 
+    /// A place as MAVLink has it, latitude and longitude in 1e-7 degrees; not checked.
+    #[must_use]
+    pub fn of_e7(lat_e7: i32, lon_e7: i32) -> Self {
+        Self {
+            lat_deg: f64::from(lat_e7) / 1e7,
+            lon_deg: f64::from(lon_e7) / 1e7,
+        }
+    }
+
     /// Straight distance through the earth, metres; 1 cm short of the way along it at 20 km.
     #[must_use]
     pub fn chord_m(self, other: Self) -> f64 {

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::message::Address;
+use crate::geodesy::{Amsl, LatLon};
 
 /// A command, its answer, or what a vehicle says of its flight.
 #[derive(Clone, Debug, PartialEq)]
@@ -186,6 +187,39 @@ pub struct Position {
     pub above_home_mm: i32,
     /// Velocity north, east and down, cm/s.
     pub velocity_cmps: [i16; 3],
+}
+
+impl Position {
+    /// Whether it says anything: 0/0 is said before the vehicle knows.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        (self.x, self.y) != (0, 0)
+    }
+
+    /// Where.
+    #[must_use]
+    pub fn place(&self) -> LatLon {
+        LatLon::of_e7(self.x, self.y)
+    }
+
+    /// How high.
+    #[must_use]
+    pub fn amsl(&self) -> Amsl {
+        Amsl(f64::from(self.amsl_mm) / 1000.0)
+    }
+
+    /// Height above home, metres.
+    #[must_use]
+    pub fn above_home_m(&self) -> f64 {
+        f64::from(self.above_home_mm) / 1000.0
+    }
+
+    /// Speed over the ground, m/s.
+    #[must_use]
+    pub fn ground_speed_mps(&self) -> f64 {
+        let [north, east, _] = self.velocity_cmps.map(f64::from);
+        north.hypot(east) / 100.0
+    }
 }
 
 /// `MAV_LANDED_STATE`.

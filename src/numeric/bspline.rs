@@ -88,6 +88,17 @@ impl Basis {
         (self.first[k], [0, 1, 2, 3].map(|i| self.weights[i][k]))
     }
 
+    /// [`Self::apply`] into a new vector.
+    ///
+    /// # Panics
+    /// When `values` has fewer than [`Self::control_points`] numbers.
+    #[must_use]
+    pub fn sampled(&self, values: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.samples()];
+        self.apply(values, &mut out);
+        out
+    }
+
     /// One coordinate of the curve at all samples, from that of the control points.
     ///
     /// # Panics

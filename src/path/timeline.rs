@@ -7,6 +7,7 @@
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
 use crate::numeric::approach::Motion;
+use crate::numeric::tracks::Track;
 use crate::path::{SLOW_LANDING_M, TimedPoint, slow_landing_mps, wing};
 use crate::spec::{Finish, Vehicle};
 use crate::world::Stations;
@@ -174,6 +175,12 @@ impl Flight {
         self.points
             .windows(2)
             .map(move |pair| Motion::between(place(&pair[0]), place(&pair[1])))
+    }
+
+    /// Its motions as conflicts with others are looked for.
+    #[must_use]
+    pub fn track(&self) -> Track {
+        Track::new(self.motions().collect())
     }
 
     /// Where the vehicle is at a time; `None` while it stands on the ground.

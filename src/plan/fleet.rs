@@ -24,7 +24,6 @@
 use super::settle::Fleet;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::Margins;
-use crate::geodesy::PlanPoint;
 use crate::numeric::tracks::Nearness;
 use crate::path::{Flight, flight};
 use crate::spec::MissionSpec;
@@ -41,6 +40,18 @@ pub struct Request<'a> {
     pub extra_parameters: Vec<Vec<f64>>,
     /// Told while the search goes on, from several threads at once.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+}
+
+impl Request<'_> {
+    /// Margins of one vehicle.
+    pub(super) fn margins_of(&self, index: usize) -> Margins {
+        self.margins.get(index).copied().unwrap_or_default()
+    }
+
+    /// Parameters at which one vehicle's path is sampled besides.
+    pub(super) fn extra_parameters_of(&self, index: usize) -> &[f64] {
+        self.extra_parameters.get(index).map_or(&[], Vec::as_slice)
+    }
 }
 
 /// How far planning has come.
@@ -127,14 +138,9 @@ pub(super) fn flight_of(
     index: usize,
     plan: &VehiclePlan,
 ) -> Flight {
-    let points: Vec<Vec<PlanPoint>> = plan
-        .routes
-        .iter()
-        .map(|route| route.path.iter().map(|timed| timed.point).collect())
-        .collect();
     let mut vehicle = spec.vehicles[index].clone();
     plan.settle(&mut vehicle);
-    flight(&vehicle, &world.stations[index], &points)
+    flight(&vehicle, &world.stations[index], &plan.points())
 }
 
 /// When a flight is too near to an earlier one, as the objective sees it too.

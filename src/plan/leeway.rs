@@ -14,7 +14,6 @@ use super::search::JUDGED_SAMPLES;
 use super::vehicle::sum;
 use super::{Route, VehiclePlan};
 use crate::cost::{Batch, CostTerms, Leg, Margins};
-use crate::geodesy::PlanPoint;
 use crate::numeric::tracks::Track;
 use crate::path::{TimedPoint, route_start_s, time_route, way_speed_mps};
 use crate::spec::{MissionSpec, Span, Vehicle};
@@ -203,7 +202,7 @@ fn retimed(
     plan.settle(&mut vehicle);
     let mut start_s = route_start_s(&vehicle, &world.stations[index]);
     for route in &mut plan.routes {
-        let points: Vec<PlanPoint> = route.path.iter().map(|timed| timed.point).collect();
+        let points = route.points();
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
             continue;
         };
@@ -222,7 +221,7 @@ fn judged(
     index: usize,
     plan: &VehiclePlan,
 ) -> [CostTerms; 2] {
-    let margins = request.margins.get(index).copied().unwrap_or_default();
+    let margins = request.margins_of(index);
     let mut sums = [CostTerms::default(); 2];
     for route in &plan.routes {
         let (Some(first), Some(last)) = (route.path.first(), route.path.last()) else {
@@ -239,10 +238,7 @@ fn judged(
             },
             earlier: &[],
             margins,
-            extra: request
-                .extra_parameters
-                .get(index)
-                .map_or(&[], Vec::as_slice),
+            extra: request.extra_parameters_of(index),
         };
         let parameters = course.parameters(JUDGED_SAMPLES);
         let mut batch = Batch::new(course.controls());

@@ -1,6 +1,7 @@
 //! Paths for a fleet, one vehicle after the other in order of priority.
 
-mod blocked;
+mod blockers;
+mod breaks;
 mod classes;
 mod columns;
 mod course;
@@ -13,7 +14,6 @@ mod leeway;
 mod lowest;
 mod objective;
 mod obstacles;
-mod obstructed;
 mod pivot;
 mod problem;
 mod search;
@@ -21,10 +21,10 @@ mod settle;
 mod starts;
 mod vehicle;
 
+pub use breaks::{Break, breaks};
 pub use columns::ColumnConflict;
 pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
 pub use objective::objective;
-pub use obstructed::{Block, blocks};
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
@@ -77,6 +77,14 @@ pub struct Route {
     pub path: Vec<TimedPoint>,
 }
 
+impl Route {
+    /// The points of its path.
+    #[must_use]
+    pub fn points(&self) -> Vec<PlanPoint> {
+        self.path.iter().map(|timed| timed.point).collect()
+    }
+}
+
 impl FleetPlan {
     /// The spec with the departures and speeds that were chosen. Missions are made from it, and
     /// judged against the spec itself.
@@ -126,6 +134,12 @@ impl VehiclePlan {
 }
 
 impl VehiclePlan {
+    /// The points of each route.
+    #[must_use]
+    pub fn points(&self) -> Vec<Vec<PlanPoint>> {
+        self.routes.iter().map(Route::points).collect()
+    }
+
     /// Horizontal and vertical way of all routes, metres.
     #[must_use]
     pub fn length_m(&self) -> f64 {

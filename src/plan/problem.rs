@@ -186,14 +186,19 @@ impl<'a> Sampled<'a> {
             .collect()
     }
 
-    /// The lowest spline over free control points in the plane.
-    pub(super) fn decode(&self, free: impl Iterator<Item = EastNorth>, room: &mut Room) {
-        let spline = &mut room.spline;
+    /// A spline in the plane between the ends, through its free control points.
+    fn outline(&self, free: impl Iterator<Item = EastNorth>, spline: &mut Spline) {
         spline.reset(self.from, self.to, self.controls);
         for (j, at) in free.enumerate() {
             spline.east_m[j + 1] = at.east_m;
             spline.north_m[j + 1] = at.north_m;
         }
+    }
+
+    /// The lowest spline over free control points in the plane.
+    pub(super) fn decode(&self, free: impl Iterator<Item = EastNorth>, room: &mut Room) {
+        let spline = &mut room.spline;
+        self.outline(free, spline);
         let samples = self.basis.samples();
         room.east_m.resize(samples, 0.0);
         room.north_m.resize(samples, 0.0);
@@ -223,19 +228,10 @@ impl<'a> Sampled<'a> {
     /// The way of a spline in the plane, sample by sample.
     pub(super) fn line(&self, free: impl Iterator<Item = EastNorth>) -> Vec<EastNorth> {
         let mut spline = Spline::default();
-        spline.reset(self.from, self.to, self.controls);
-        for (j, at) in free.enumerate() {
-            spline.east_m[j + 1] = at.east_m;
-            spline.north_m[j + 1] = at.north_m;
-        }
-        let sample = |values: &[f64]| {
-            let mut out = vec![0.0; self.basis.samples()];
-            self.basis.apply(values, &mut out);
-            out
-        };
-        let (east, north) = (sample(&spline.east_m), sample(&spline.north_m));
+        self.outline(free, &mut spline);
+        let east = self.basis.sampled(&spline.east_m);
         east.into_iter()
-            .zip(north)
+            .zip(self.basis.sampled(&spline.north_m))
             .map(|(east_m, north_m)| EastNorth { east_m, north_m })
             .collect()
     }

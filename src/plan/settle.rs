@@ -140,7 +140,7 @@ impl<'a> Fleet<'a> {
 
     /// Goes through the drafts of a vehicle, as they hold against all that stand now.
     fn step(&self, index: usize, chain: &mut [Draft]) -> Step {
-        let nearness = nearness(self.spec, self.margins(index));
+        let nearness = nearness(self.spec, self.request.margins_of(index));
         let mut avoids = self.first_avoids(index);
         for (number, draft) in chain.iter_mut().enumerate() {
             if draft.checked < self.plans.len() {
@@ -230,7 +230,7 @@ impl<'a> Fleet<'a> {
         });
         let flight = flight_of(self.spec, self.world, index, &plan);
         Draft {
-            track: Track::new(flight.motions().collect()),
+            track: flight.track(),
             flight,
             plan,
             kept: kept.is_some(),
@@ -259,13 +259,9 @@ impl<'a> Fleet<'a> {
         let Some(way) = way.map(|first| &first.plan) else {
             return plan_vehicle(spec, world, request, index, avoids, &earlier, estimated);
         };
-        let nearness = nearness(spec, self.margins(index));
+        let nearness = nearness(spec, self.request.margins_of(index));
         let mut others = Tracks::new(&nearness);
-        others.extend(
-            earlier
-                .iter()
-                .map(|flight| Track::new(flight.motions().collect())),
-        );
+        others.extend(earlier.iter().map(|flight| flight.track()));
         let is_apart = |columns: &Track| others.near(columns, &nearness, 0).is_empty();
         let mut settled = spec.clone();
         settled.vehicles[index].depart_s = free_departure_s(spec, world, index, way, &is_apart);
@@ -293,11 +289,10 @@ impl<'a> Fleet<'a> {
         let mut way = way.clone();
         // At the time that is looked for there is none.
         way.terms.collision = 0.0;
-        let nearness = nearness(spec, self.margins(index));
+        let nearness = nearness(spec, self.request.margins_of(index));
         let is_apart = |plan: &VehiclePlan| {
             let flight = flight_of(spec, world, index, plan);
-            let track = Track::new(flight.motions().collect());
-            self.tracks.near(&track, &nearness, 0).is_empty()
+            self.tracks.near(&flight.track(), &nearness, 0).is_empty()
         };
         let plan = at_another_time(spec, world, request, index, &way, &is_apart)?;
         Some(VehiclePlan {
@@ -327,10 +322,6 @@ impl<'a> Fleet<'a> {
         self.flights.push(last.flight);
         self.is_new.push(!last.kept);
         self.tracks.extend([last.track]);
-    }
-
-    fn margins(&self, index: usize) -> Margins {
-        self.request.margins.get(index).copied().unwrap_or_default()
     }
 }
 

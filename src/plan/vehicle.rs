@@ -61,11 +61,8 @@ pub(super) fn plan_vehicle(
             index,
             leg: Leg { from, to, start_s },
             earlier,
-            margins: request.margins.get(index).copied().unwrap_or_default(),
-            extra: request
-                .extra_parameters
-                .get(index)
-                .map_or(&[], Vec::as_slice),
+            margins: request.margins_of(index),
+            extra: request.extra_parameters_of(index),
         };
         let budget =
             (spec.planner.evaluations - plan.evaluations) / (legs.len() - plan.routes.len());
@@ -102,14 +99,9 @@ fn to_u64(index: usize) -> u64 {
 /// A found spline as a timed path.
 fn route(course: &Course<'_>, found: &Found) -> Route {
     let basis = Basis::new(course.controls(), &course.parameters(PATH_POINTS));
-    let sample = |values: &[f64]| {
-        let mut out = vec![0.0; basis.samples()];
-        basis.apply(values, &mut out);
-        out
-    };
-    let east_m = sample(&found.spline.east_m);
-    let north_m = sample(&found.spline.north_m);
-    let amsl_m = sample(&found.spline.amsl_m);
+    let east_m = basis.sampled(&found.spline.east_m);
+    let north_m = basis.sampled(&found.spline.north_m);
+    let amsl_m = basis.sampled(&found.spline.amsl_m);
     let mut points: Vec<PlanPoint> = east_m
         .into_iter()
         .zip(north_m)

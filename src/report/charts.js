@@ -164,12 +164,7 @@ const profiles = (() => {
     cards.forEach((move) => move());
   }
 
-  let width = 0;
-  whenResized(host, () => {
-    if (host.clientWidth === width) return;
-    width = host.clientWidth;
-    build();
-  });
+  whenWidened(host, build);
   whenChanged((what) => {
     if (what === "time") cards.forEach((move) => move());
     if (what === "focus" && scene.vehicles.length > MOST) build();
@@ -296,13 +291,8 @@ const separation = (() => {
     move();
   }
 
-  let width = -1;
   section.hidden = scene.vehicles.length < 2;
-  whenResized(host, () => {
-    if (host.clientWidth === width) return;
-    width = host.clientWidth;
-    build();
-  });
+  whenWidened(host, build);
   whenChanged((what) => {
     if (what === "time") move();
     if (what === "focus" && scene.vehicles.length > 5) build();
@@ -365,12 +355,7 @@ const errorsChart = (() => {
 
   section.hidden = !flown.length;
   if (!flown.length) return { build };
-  let width = -1;
-  whenResized(host, () => {
-    if (host.clientWidth === width) return;
-    width = host.clientWidth;
-    build();
-  });
+  whenWidened(host, build);
   whenChanged((what) => {
     if (what === "time") move();
     if (what === "focus") build();

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
-use crate::plan::{FleetPlan, Route, VehiclePlan, blocks};
+use crate::plan::{FleetPlan, Route, VehiclePlan, breaks};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::verify::{Margin, Moment, Review};
 use crate::world::World;
@@ -246,7 +246,7 @@ fn planned_vehicle(
         estimate: finite(planned.estimate),
         gap: finite(planned.gap()),
         evaluations: planned.evaluations,
-        breaks: blocks(spec, world, vehicle, planned)
+        breaks: breaks(spec, world, vehicle, planned)
             .into_iter()
             .map(|block| BlockEntry {
                 at: control_point(block.at, world),

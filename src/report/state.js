@@ -54,6 +54,16 @@ function whenResized(watched, act) {
   new ResizeObserver(() => requestAnimationFrame(act)).observe(watched);
 }
 
+/** Builds now, and again after an element has got another width. */
+function whenWidened(host, build) {
+  let width = -1;
+  whenResized(host, () => {
+    if (host.clientWidth === width) return;
+    width = host.clientWidth;
+    build();
+  });
+}
+
 /** The next of 1, 2, 5, 10, ... at or above. */
 function roundStep(least) {
   const decade = 10 ** Math.floor(Math.log10(least));

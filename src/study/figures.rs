@@ -182,9 +182,7 @@ fn curve(control_points: &[[f64; 3]], plot: &Plot) -> Vec<[f64; 2]> {
     let basis = Basis::uniform(control_points.len(), PATH_POINTS);
     let axis = |axis: usize| {
         let values: Vec<f64> = control_points.iter().map(|point| point[axis]).collect();
-        let mut out = vec![0.0; PATH_POINTS];
-        basis.apply(&values, &mut out);
-        out
+        basis.sampled(&values)
     };
     axis(0)
         .into_iter()

@@ -165,13 +165,9 @@ impl Found {
     /// The flight that later vehicles see: as many points as the search has samples.
     fn flight(&self, setting: &Setting, vehicle: usize) -> Flight {
         let basis = Basis::uniform(self.east_m.len(), setting.spec.planner.samples);
-        let coordinate = |values: &[f64]| {
-            let mut out = vec![0.0; basis.samples()];
-            basis.apply(values, &mut out);
-            out
-        };
-        let (east, north) = (coordinate(&self.east_m), coordinate(&self.north_m));
-        let points: Vec<PlanPoint> = coordinate(&self.amsl_m)
+        let (east, north) = (basis.sampled(&self.east_m), basis.sampled(&self.north_m));
+        let points: Vec<PlanPoint> = basis
+            .sampled(&self.amsl_m)
             .into_iter()
             .zip(east.into_iter().zip(north))
             .map(|(amsl_m, (east_m, north_m))| PlanPoint::new(east_m, north_m, Amsl(amsl_m)))

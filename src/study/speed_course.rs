@@ -156,9 +156,7 @@ impl SpeedCourse {
                     let controls: Vec<f64> = (0..10_u8)
                         .map(|i| from + (to - from) * f64::from(i) / 9.0)
                         .collect();
-                    let mut out = vec![0.0; SAMPLES];
-                    basis.apply(&controls, &mut out);
-                    out
+                    basis.sampled(&controls)
                 };
                 let (from, to) = (leg.from, leg.to);
                 let east_m = coordinate(from.at.east_m, to.at.east_m);

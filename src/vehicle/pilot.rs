@@ -114,10 +114,7 @@ impl Pilot {
                 sysid,
             ),
             surroundings,
-            frame: LocalFrame::new(LatLon {
-                lat_deg: f64::from(home.x) / 1e7,
-                lon_deg: f64::from(home.y) / 1e7,
-            }),
+            frame: LocalFrame::new(LatLon::of_e7(home.x, home.y)),
             home_m,
             body: Body {
                 at_m: [0.0, 0.0, home_m],

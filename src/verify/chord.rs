@@ -42,6 +42,28 @@ pub(super) struct Chord {
 }
 
 impl Chord {
+    /// A straight line that is judged in space, not in time.
+    pub(super) fn unflown(
+        (row, phase): (usize, Phase),
+        (from_s, to_s): (f64, f64),
+        (from, to): (PlanPoint, PlanPoint),
+    ) -> Self {
+        Self {
+            row,
+            phase,
+            from_s,
+            to_s,
+            from,
+            to,
+            error_m: 0.0,
+            bow_m: 0.0,
+            agl_m: None,
+            slope_from_m: None,
+            grounded: false,
+            flown: false,
+        }
+    }
+
     /// The point at a fraction of the chord.
     pub(super) fn at(&self, u: f64) -> PlanPoint {
         let mix = |a: f64, b: f64| a + (b - a) * u;

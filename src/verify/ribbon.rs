@@ -185,19 +185,10 @@ impl<'a> Ribbon<'a> {
         let middle_s = 0.5 * (from_s + self.t_s);
         let (corner, next) = (&knots[piece.leg + 1], &knots[piece.leg + 2]);
         let mut end = |knot: &Knot, (from, to), (from_s, to_s), line: AltitudeLine| {
+            let ends = (here_at(from), here_at(to));
             let chord = Chord {
-                row: knot.row,
-                phase: knot.phase,
-                from_s,
-                to_s,
-                from: here_at(from),
-                to: here_at(to),
-                error_m: 0.0,
-                bow_m: 0.0,
-                agl_m: None,
                 slope_from_m: knot.slope_from_m,
-                grounded: false,
-                flown: false,
+                ..Chord::unflown((knot.row, knot.phase), (from_s, to_s), ends)
             };
             self.lay(chord, &line)
         };
@@ -221,24 +212,11 @@ impl<'a> Ribbon<'a> {
     pub(super) fn lay_unflown(
         &mut self,
         (from, to): (&Knot, &Knot),
-        (from_s, to_s): (f64, f64),
+        when_s: (f64, f64),
         line: &AltitudeLine,
     ) -> Result<(), Unknown> {
-        let chord = Chord {
-            row: to.row,
-            phase: to.phase,
-            from_s,
-            to_s,
-            from: here_at(from.at),
-            to: here_at(to.at),
-            error_m: 0.0,
-            bow_m: 0.0,
-            agl_m: None,
-            slope_from_m: None,
-            grounded: false,
-            flown: false,
-        };
-        self.lay(chord, line)
+        let ends = (here_at(from.at), here_at(to.at));
+        self.lay(Chord::unflown((to.row, to.phase), when_s, ends), line)
     }
 
     /// Lays one chord with its altitudes; over terrain that is followed, several.

@@ -202,23 +202,11 @@ impl Pilot<'_> {
     /// the straight way to the middle, which is judged in space alone.
     fn straight_in(&mut self, row: usize, from: Knot, middle: EastNorth, amsl_m: f64) {
         let t_s = self.ribbon.t_s;
-        let chord = Chord {
-            row,
-            phase: self.phase,
-            from_s: t_s,
-            to_s: t_s,
-            from: from.point(),
-            to: PlanPoint {
-                at: middle,
-                amsl: Amsl(amsl_m),
-            },
-            error_m: 0.0,
-            bow_m: 0.0,
-            agl_m: None,
-            slope_from_m: None,
-            grounded: false,
-            flown: false,
+        let to = PlanPoint {
+            at: middle,
+            amsl: Amsl(amsl_m),
         };
+        let chord = Chord::unflown((row, self.phase), (t_s, t_s), (from.point(), to));
         self.ribbon.chords.push(chord);
     }
 

@@ -11,6 +11,16 @@ pub fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
     LatLon { lat_deg, lon_deg }
 }
 
+/// 16 km from `EAST`, over the made ground of the tests.
+pub const WEST: LatLon = LatLon {
+    lat_deg: 36.30,
+    lon_deg: -84.34,
+};
+pub const EAST: LatLon = LatLon {
+    lat_deg: 36.30,
+    lon_deg: -84.16,
+};
+
 /// An ArduPilot copter that flies from one place to another at 80 m above ground.
 pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
     let airborne = |place| EndPoint {

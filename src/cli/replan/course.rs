@@ -3,7 +3,7 @@
 use super::look::Seen;
 use crate::cli::fly::Sorties;
 use crate::flight::{Reference, Waypoint};
-use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command, frame};
 use crate::spec::Autopilot;
 use crate::verify::Track;
@@ -68,13 +68,9 @@ impl Course {
         }
         let first = usize::from(planned.autopilot == Autopilot::Px4);
         let row = (usize::from(seen.seq) + first).max(1);
-        let place = LatLon {
-            lat_deg: f64::from(seen.position.x) / 1e7,
-            lon_deg: f64::from(seen.position.y) / 1e7,
-        };
         let mut here = PlanPoint {
-            at: sorties.world.frame.to_plan(place),
-            amsl: Amsl(f64::from(seen.position.amsl_mm) / 1000.0),
+            at: sorties.world.frame.to_plan(seen.position.place()),
+            amsl: seen.position.amsl(),
         };
         let nowhen = Track {
             vehicle: String::new(),
@@ -96,7 +92,7 @@ impl Course {
         // A mission that was given in the air does not begin at home.
         let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
         let origin = origin.map_or(here, |w| w.point);
-        let stands = f64::from(seen.position.above_home_mm) / 1000.0 < AIRBORNE_M;
+        let stands = seen.position.above_home_m() < AIRBORNE_M;
         let mut rises_s = 0.0;
         let rising = held
             .items

@@ -36,7 +36,7 @@ pub(super) fn record(
                 .iter()
                 .filter_map(|item| {
                     let place = item.place()?;
-                    Some(json!({"lat_deg": place.lat_deg, "lon_deg": place.lon_deg, "amsl_m": item.z}))
+                    Some(json!({"lat_deg": place.lat_deg, "lon_deg": place.lon_deg, "frame": item.frame, "z_m": item.z}))
                 })
                 .collect();
             json!({

@@ -137,12 +137,6 @@ fn missions(arguments: &args::Planner) -> Result<Vec<MissionText>, Failure> {
 fn read(paths: &[PathBuf]) -> Result<Vec<MissionText>, Failure> {
     paths
         .iter()
-        .map(|path| {
-            let text = std::fs::read_to_string(path).map_err(|error| {
-                let message = format!("{}: cannot be read: {error}", path.display());
-                Failure::new(Failure::INPUT, message)
-            })?;
-            Ok(MissionText::parse(path, text)?)
-        })
+        .map(|path| Ok(MissionText::parse(path, super::read_text(path)?)?))
         .collect()
 }

@@ -1,4 +1,4 @@
-//! What stands in the way of a path that could not keep every limit, by name and place.
+//! The limits that a path breaks, by the name and place of what stands in its way.
 
 use geo::{Contains, Point};
 
@@ -10,7 +10,7 @@ use crate::world::World;
 
 /// Something a path goes through or does not manage, where it is worst.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Block {
+pub struct Break {
     /// What, in words: `threat radar-1`, `zone town`, `the ground`, `a turn`.
     pub what: String,
     /// By how much it is worst, in words.
@@ -26,21 +26,17 @@ const HAIR_M: f64 = 0.01;
 /// least bad that was found. Earlier vehicles are not among it. Empty if the path keeps
 /// every limit.
 #[must_use]
-pub fn blocks(
+pub fn breaks(
     spec: &MissionSpec,
     world: &World,
     vehicle: &Vehicle,
     plan: &VehiclePlan,
-) -> Vec<Block> {
+) -> Vec<Break> {
     if plan.terms.is_clean() {
         return Vec::new();
     }
     let mut found = Vec::new();
-    let routes: Vec<Vec<PlanPoint>> = plan
-        .routes
-        .iter()
-        .map(|route| route.path.iter().map(|timed| timed.point).collect())
-        .collect();
+    let routes = plan.points();
     let points = routes.concat();
     if plan.terms.threat > 0.0 {
         found.extend(entered(spec, world, &points));
@@ -51,7 +47,7 @@ pub fn blocks(
     let limits = VehicleLimits::of(vehicle);
     if plan.terms.turn > 0.0 {
         let tightest = triples(&routes).map(|[a, b, c]| (b, radius_m(a.at, b.at, c.at)));
-        found.extend(least(tightest).map(|(at, radius_m)| Block {
+        found.extend(least(tightest).map(|(at, radius_m)| Break {
             what: format!("a turn{}", beside(spec, world, at, limits.turn_radius_m)),
             how: format!(
                 "radius {radius_m:.0} m, {:.0} m is what the vehicle can fly",
@@ -67,14 +63,14 @@ pub fn blocks(
 }
 
 /// Threats, zones and the edge of the area, each where the path is deepest in it.
-fn entered(spec: &MissionSpec, world: &World, points: &[PlanPoint]) -> Vec<Block> {
+fn entered(spec: &MissionSpec, world: &World, points: &[PlanPoint]) -> Vec<Break> {
     let mut found = Vec::new();
     for (threat, disc) in spec.threats.iter().zip(&world.threats) {
         let depths = points
             .iter()
             .map(|at| (*at, at.at.distance_m(disc.center) - disc.radius_m));
         if let Some((at, outside_m)) = least(depths).filter(|worst| worst.1 < -HAIR_M) {
-            found.push(Block {
+            found.push(Break {
                 what: format!("threat {}", threat.id),
                 how: format!("{:.0} m inside", -outside_m),
                 at,
@@ -88,7 +84,7 @@ fn entered(spec: &MissionSpec, world: &World, points: &[PlanPoint]) -> Vec<Block
         });
         let inside: Vec<PlanPoint> = inside.collect();
         if let Some(at) = inside.get(inside.len() / 2) {
-            found.push(Block {
+            found.push(Break {
                 what: format!("zone {}", named.id),
                 how: "inside".to_owned(),
                 at: *at,
@@ -97,7 +93,7 @@ fn entered(spec: &MissionSpec, world: &World, points: &[PlanPoint]) -> Vec<Block
     }
     let outside: Vec<&PlanPoint> = points.iter().filter(|at| !world.in_area(at.at)).collect();
     if let Some(at) = outside.get(outside.len() / 2) {
-        found.push(Block {
+        found.push(Break {
             what: "the edge of the area".to_owned(),
             how: "outside".to_owned(),
             at: **at,
@@ -107,13 +103,13 @@ fn entered(spec: &MissionSpec, world: &World, points: &[PlanPoint]) -> Vec<Block
 }
 
 /// Ground and ceiling, each where the path is worst.
-fn too_low_or_high(world: &World, points: &[PlanPoint]) -> Vec<Block> {
+fn too_low_or_high(world: &World, points: &[PlanPoint]) -> Vec<Break> {
     let mut found = Vec::new();
     let above = points
         .iter()
         .map(|point| (*point, point.amsl.0 - world.ground.height_m(point.at)));
     if let Some((at, agl_m)) = least(above).filter(|worst| worst.1 < world.min_agl.0 - HAIR_M) {
-        found.push(Block {
+        found.push(Break {
             what: format!("the ground, {:.0} m high", at.amsl.0 - agl_m),
             how: format!("{agl_m:.0} m above it instead of {:.0} m", world.min_agl.0),
             at,
@@ -123,7 +119,7 @@ fn too_low_or_high(world: &World, points: &[PlanPoint]) -> Vec<Block> {
         .iter()
         .map(|point| (*point, world.max_amsl.0 - point.amsl.0));
     if let Some((at, room_m)) = least(below).filter(|worst| worst.1 < -HAIR_M) {
-        found.push(Block {
+        found.push(Break {
             what: format!(
                 "the ceiling over ground {:.0} m high",
                 world.ground.height_m(at.at)
@@ -136,7 +132,7 @@ fn too_low_or_high(world: &World, points: &[PlanPoint]) -> Vec<Block> {
 }
 
 /// The steepest place, if it is steeper than the vehicle climbs or descends.
-fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Block> {
+fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Break> {
     let slopes = routes
         .iter()
         .flat_map(|route| route.windows(2))
@@ -152,7 +148,7 @@ fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Block> 
         });
     let worst = slopes.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let (at, room, slope, limit) = worst;
-    (room < 0.0).then(|| Block {
+    (room < 0.0).then(|| Break {
         what: format!("a {}", if slope > 0.0 { "climb" } else { "descent" }),
         how: format!(
             "{:.1} degrees, {:.1} is what the vehicle can fly",

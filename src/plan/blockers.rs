@@ -6,7 +6,7 @@ use super::FleetPlan;
 use super::fleet::{Request, nearness};
 use super::vehicle::plan_vehicle;
 use crate::cost::Margins;
-use crate::numeric::tracks::{Track, Tracks};
+use crate::numeric::tracks::Tracks;
 use crate::path::Flight;
 use crate::spec::MissionSpec;
 use crate::world::World;
@@ -17,9 +17,8 @@ impl FleetPlan {
     /// apart from them by breaking another limit, those that its way alone would meet.
     pub fn name_blockers(&mut self, spec: &MissionSpec, world: &World, request: &Request<'_>) {
         let flights = self.flights(spec, world);
-        let track = |flight: &Flight| Track::new(flight.motions().collect());
         let mut tracks = Tracks::new(&nearness(spec, Margins::default()));
-        tracks.extend(flights.iter().map(track));
+        tracks.extend(flights.iter().map(Flight::track));
         let blocked: Vec<(usize, Vec<usize>)> = self
             .vehicles
             .par_iter()
@@ -32,7 +31,7 @@ impl FleetPlan {
                     return (index, Vec::new());
                 }
                 let near = |own: &Flight, margins: Margins| {
-                    let mut near = tracks.near(&track(own), &nearness(spec, margins), 0);
+                    let mut near = tracks.near(&own.track(), &nearness(spec, margins), 0);
                     near.retain(|other| *other < index);
                     near
                 };
@@ -40,7 +39,7 @@ impl FleetPlan {
                 if plan.terms.collision > 0.0 && !met.is_empty() {
                     return (index, met);
                 }
-                let margins = request.margins.get(index).copied().unwrap_or_default();
+                let margins = request.margins_of(index);
                 let alone = super::fleet::flight_of(spec, world, index, &alone);
                 (index, near(&alone, margins))
             })
