@@ -18,7 +18,7 @@ use crate::flight::{Assignment, Event, Fleet, Options, Reference};
 use crate::formats;
 use crate::link::Links;
 use crate::mission::{VehicleMission, command};
-use crate::spec::{Leeway, Link, MissionSpec, SpecFile, Vehicle};
+use crate::spec::{Leeway, Link, MissionSpec, SpecFile};
 use crate::vehicle::{self, Running, Simulated, Surroundings};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
@@ -78,7 +78,6 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
 /// The plan in its folder, of the spec that was named, verified again.
 pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> {
     let asked = SpecFile::read(spec)?;
-    copters_alone(&asked.spec)?;
     let folder = match dir {
         Some(dir) => dir.to_owned(),
         None => Path::new("out").join(&asked.spec.name),
@@ -145,19 +144,6 @@ fn settle(spec: &mut MissionSpec, missions: &[(usize, VehicleMission)], review: 
     }
 }
 
-/// Planes and VTOL have other modes in flight, and our simulated vehicles move like copters:
-/// what a flight of theirs would show is not what was planned.
-fn copters_alone(spec: &MissionSpec) -> Result<(), Failure> {
-    let winged = |vehicle: &&Vehicle| vehicle.airframe.has_wing();
-    spec.vehicles.iter().find(winged).map_or(Ok(()), |vehicle| {
-        let message = format!(
-            "{} has a wing: only copters are flown and led onto new paths; upload its mission, and start it from a ground station",
-            vehicle.id
-        );
-        Err(Failure::new(Failure::VERDICT, message))
-    })
-}
-
 /// In the air vehicles are told apart by system id alone, whatever their link.
 pub(super) fn told_apart(spec: &MissionSpec) -> Result<(), Failure> {
     for (index, vehicle) in spec.vehicles.iter().enumerate() {
@@ -194,12 +180,19 @@ fn reach(
         let surroundings = Surroundings {
             terrain: Some(Arc::clone(&terrain)),
             wind: spec.wind,
+            heading_rad: this
+                .wing
+                .and_then(|wing| wing.takeoff_heading_rad)
+                .unwrap_or(0.0),
             noise_m: arguments.noise,
             seed: spec.planner.seed,
             params: params.map(|p| (p.name.clone(), p.value)).collect(),
         };
         let home = Some(mission.home);
-        let vehicle = Simulated::on_loopback(this.autopilot.into(), this.sysid, home);
+        let vehicle = Simulated {
+            airframe: this.airframe,
+            ..Simulated::on_loopback(this.autopilot.into(), this.sysid, home)
+        };
         let running =
             vehicle::spawn_in(&vehicle, surroundings, arguments.speedup).map_err(|error| {
                 let message = format!("{}: the simulated vehicle does not start: {error}", this.id);
@@ -252,7 +245,9 @@ fn waits_itself(mission: &VehicleMission) -> bool {
     let before = mission
         .items
         .iter()
-        .take_while(|item| item.command != command::NAV_TAKEOFF);
+        .take_while(|item| {
+            ![command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
+        });
     before
         .into_iter()
         .any(|item| item.command == command::NAV_DELAY)

@@ -21,7 +21,7 @@ use super::upload;
 use crate::flight::{Line, PopUp};
 use crate::geodesy::LatLon;
 use crate::link::Links;
-use crate::spec::{Link, Threat};
+use crate::spec::{Link, MissionSpec, SpecFile, Threat, Vehicle};
 
 use course::Course;
 use look::{Clock, Look, Sight};
@@ -47,6 +47,7 @@ struct Decision {
 }
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
+    copters_alone(&SpecFile::read(&arguments.spec)?.spec)?;
     let sorties = fly::read(&arguments.spec, arguments.dir.as_deref())?;
     let threat = threat(&sorties, &arguments.threat)?;
     let call = Call::heard(&sorties);
@@ -155,6 +156,19 @@ fn lay_down(call: Option<&(Call, Said)>, lines: &[Line]) -> Result<(), Failure> 
 
 fn failed(message: impl Into<String>) -> Failure {
     Failure::new(Failure::TRANSFER, message)
+}
+
+/// A way that begins in the air is one that a vehicle can rise to, for the plan and the verdict;
+/// a wing cannot.
+fn copters_alone(spec: &MissionSpec) -> Result<(), Failure> {
+    let winged = |vehicle: &&Vehicle| vehicle.airframe.has_wing();
+    spec.vehicles.iter().find(winged).map_or(Ok(()), |vehicle| {
+        let message = format!(
+            "{} has a wing: only copters are led onto new paths; hold it where it flies, or let it fly on",
+            vehicle.id
+        );
+        Err(Failure::new(Failure::VERDICT, message))
+    })
 }
 
 /// `LAT,LON,RADIUS` as a threat with a name of its own.

@@ -1,6 +1,7 @@
 //! One vehicle of the fleet, from the first heartbeat to the end of its flight.
 
 mod checks;
+mod lap;
 
 use std::collections::VecDeque;
 
@@ -17,7 +18,8 @@ use crate::link::{
     Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
+use lap::Lap;
 
 /// How long arming is tried, milliseconds: position estimates settle after a start.
 const ARMING_MS: u64 = 20_000;
@@ -27,6 +29,8 @@ const AGAIN_MS: u64 = 1000;
 const AIRBORNE_M: f64 = 1.5;
 /// A vehicle that stays for ever has come to its place this near, metres.
 const ARRIVED_M: f64 = 5.0;
+/// A plane that rolled out stands this near the place of its landing, metres.
+const RUNS_OUT_M: f64 = 150.0;
 /// Slower than this a vehicle stays where it is, m/s.
 const STILL_MPS: f64 = 0.5;
 /// Most of its texts that are kept while it is armed.
@@ -108,6 +112,7 @@ pub(super) struct Craft<'a> {
     airborne: bool,
     pub(super) told: Option<Told>,
     pub(super) in_mission: bool,
+    lap: Lap,
     pub(super) flown: Flown,
     outbox: VecDeque<Message>,
     said: VecDeque<String>,
@@ -155,6 +160,7 @@ impl<'a> Craft<'a> {
             airborne: false,
             told: None,
             in_mission: false,
+            lap: Lap::default(),
             flown: Flown::default(),
             outbox: VecDeque::new(),
             said: VecDeque::new(),
@@ -289,7 +295,7 @@ impl<'a> Craft<'a> {
 
     fn heartbeat(&mut self, beat: Heartbeat) {
         let was = self.in_mission;
-        self.in_mission = modes::is_mission(self.autopilot(), beat.custom_mode);
+        self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
         match self.stage {
             Stage::Flying if !beat.is_armed() => {
                 let end = match (self.airborne, self.told) {
@@ -318,7 +324,11 @@ impl<'a> Craft<'a> {
             (Some(place), Some((_, fix))) => place.chord_m(fix.place),
             _ => f64::INFINITY,
         };
-        if self.of.reference.lands && away_m <= STANDS_M {
+        let near_m = match self.of.mission.airframe {
+            Airframe::Plane => RUNS_OUT_M,
+            Airframe::Copter | Airframe::Vtol => STANDS_M,
+        };
+        if self.of.reference.lands && away_m <= near_m {
             End::Landed
         } else {
             End::Failed(format!(
@@ -335,7 +345,7 @@ impl<'a> Craft<'a> {
             && self.asking.is_none()
         {
             self.arming = Some((until, Time(u64::MAX)));
-            self.command(modes::arm(self.autopilot()));
+            self.command(modes::arm(self.of.mission));
         }
         if let Some((address, _)) = self.vehicle {
             self.request(now, address, interval_us);
@@ -379,12 +389,12 @@ impl<'a> Craft<'a> {
     pub(super) fn arm(&mut self, now: Time) {
         self.stage = Stage::Arming;
         self.arming = Some((now + ARMING_MS, Time(u64::MAX)));
-        self.command(modes::arm(self.autopilot()));
+        self.command(modes::arm(self.of.mission));
     }
 
     pub(super) fn start(&mut self) {
         self.stage = Stage::Starting;
-        self.command([modes::start(self.autopilot())]);
+        self.command([modes::start(self.of.mission)]);
     }
 
     pub(super) fn disarm(&mut self) {
@@ -397,11 +407,33 @@ impl<'a> Craft<'a> {
         if !matches!(self.stage, Stage::Flying | Stage::Starting) {
             return;
         }
-        self.told = Some(told);
-        self.command([match told {
-            Told::Hold => modes::hold(self.autopilot()),
-            Told::Land => modes::land(self.autopilot()),
-        }]);
+        let order = match told {
+            Told::Hold => Some(modes::hold(self.of.mission)),
+            Told::Land => modes::land(self.of.mission),
+        };
+        match order {
+            Some(order) => {
+                self.told = Some(told);
+                self.command([order]);
+            }
+            None => self.land_by_mission(),
+        }
+    }
+
+    /// A plane comes down on the approach of its mission, the only one that was judged.
+    fn land_by_mission(&mut self) {
+        if self.of.reference.lands {
+            self.said
+                .push_back("lands as planned, at the end of its mission".to_owned());
+            self.told = None;
+            if !self.in_mission {
+                self.command([modes::start(self.of.mission)]);
+            }
+        } else {
+            self.said
+                .push_back("has no landing in its mission: it circles where it is".to_owned());
+            self.tell(Told::Hold);
+        }
     }
 
     fn obeyed(&mut self) {
@@ -446,7 +478,13 @@ impl<'a> Craft<'a> {
     /// Whether it stays at the end of its mission, or where it was told to.
     pub(super) fn look_whether_it_stays(&mut self) {
         let Some((_, fix)) = self.latest else { return };
-        if !matches!(self.stage, Stage::Flying) || !self.airborne || fix.speed_mps > STILL_MPS {
+        if !matches!(self.stage, Stage::Flying) || !self.airborne {
+            return;
+        }
+        if self.of.mission.airframe.has_wing() {
+            return self.look_whether_it_circles(fix);
+        }
+        if fix.speed_mps > STILL_MPS {
             return;
         }
         if self.told == Some(Told::Hold) && self.asking.is_none() {
@@ -463,6 +501,25 @@ impl<'a> Craft<'a> {
         let is_there = place.is_some_and(|place| place.chord_m(fix.place) < ARRIVED_M);
         if !self.of.reference.lands && self.in_mission && self.item >= rows && is_there {
             self.end(End::Loitering);
+        }
+    }
+
+    /// A wing stays where it has flown a whole circle.
+    fn look_whether_it_circles(&mut self, fix: Fix) {
+        let Some((_, beat)) = self.vehicle else {
+            return;
+        };
+        let is_held = self.told == Some(Told::Hold)
+            && self.asking.is_none()
+            && modes::is_circling(self.of.mission, beat.custom_mode);
+        let rows = self.total.unwrap_or(self.of.mission.items.len());
+        let reference = &self.of.reference;
+        let stays = !reference.lands && self.in_mission && self.item >= rows;
+        let at = reference.frame().to_plan(fix.place);
+        if !is_held && !(stays && reference.is_on_circle(at)) {
+            self.lap = Lap::default();
+        } else if self.lap.is_whole_with(at) {
+            self.end(if is_held { End::Held } else { End::Loitering });
         }
     }
 

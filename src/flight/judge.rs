@@ -6,7 +6,7 @@ use super::record::{Fix, Flight, Record};
 use super::reference::{Deviation, Reference, to_segment};
 use super::report::{FlightReport, Passage, Spread, VehicleReport};
 use crate::geodesy::{EastNorth, PlanPoint};
-use crate::spec::MissionSpec;
+use crate::spec::{Airframe, MissionSpec};
 use crate::verify::Margin;
 use crate::world::World;
 
@@ -20,6 +20,7 @@ pub(super) struct Trail<'a> {
     pub(super) flight: &'a Flight,
     /// Of each position: which of the plans it was flown by.
     plan_of: Vec<usize>,
+    pub(super) airframe: Airframe,
     pub(super) points: Vec<PlanPoint>,
 }
 
@@ -28,7 +29,7 @@ pub(super) struct Trail<'a> {
 #[must_use]
 pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport {
     let flights = record.flights.iter();
-    let trails: Vec<Trail<'_>> = flights.map(|flight| Trail::new(flight, world)).collect();
+    let trails: Vec<Trail<'_>> = flights.map(|f| Trail::new(f, spec, world)).collect();
     let mut margins: Vec<Margin> = trails
         .iter()
         .flat_map(|trail| trail.margins(spec, world, &record.popups))
@@ -45,7 +46,9 @@ pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport
 }
 
 impl<'a> Trail<'a> {
-    pub(super) fn new(flight: &'a Flight, world: &World) -> Self {
+    pub(super) fn new(flight: &'a Flight, spec: &MissionSpec, world: &World) -> Self {
+        let mut fleet = spec.vehicles.iter();
+        let this = fleet.find(|vehicle| vehicle.id == flight.vehicle);
         let point = |fix: &Fix| PlanPoint {
             at: world.frame.to_plan(fix.place),
             amsl: fix.amsl,
@@ -53,6 +56,7 @@ impl<'a> Trail<'a> {
         Self {
             flight,
             plan_of: flight.plan_of_each(),
+            airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
             points: flight.flown.fixes.iter().map(point).collect(),
         }
     }
@@ -71,12 +75,10 @@ impl<'a> Trail<'a> {
     }
 
     /// Indices of positions on the route: neither in the column of the takeoff nor in that
-    /// of the landing.
+    /// of the landing; of a plane, neither on its climb-out nor on its glide.
     pub(super) fn on_route(&self) -> impl Iterator<Item = usize> {
         let first = self.flight.plans.first().map(|plan| &plan.reference);
         let home = first.and_then(|plan| plan.waypoints.first().map(|w| w.point.at));
-        let takeoff = first.and_then(|plan| plan.waypoints.get(1));
-        let takeoff = takeoff.map_or(0, |w| w.item);
         (0..self.points.len()).filter(move |&index| {
             let at = self.points[index].at;
             let near = |place: Option<EastNorth>| {
@@ -84,9 +86,28 @@ impl<'a> Trail<'a> {
             };
             let plan = self.plan(index).filter(|plan| plan.lands);
             let end = plan.and_then(|plan| plan.waypoints.last().map(|w| w.point.at));
-            let rises = self.plan_of[index] == 0 && self.fixes()[index].item <= takeoff;
-            !rises && !near(home) && !near(end)
+            match self.airframe {
+                Airframe::Plane => !self.rises(index) && !self.glides(index),
+                Airframe::Copter | Airframe::Vtol => {
+                    !self.rises(index) && !near(home) && !near(end)
+                }
+            }
         })
+    }
+
+    /// Whether it is on its takeoff.
+    pub(super) fn rises(&self, index: usize) -> bool {
+        let first = self.flight.plans.first().map(|plan| &plan.reference);
+        let takeoff = first.and_then(|plan| plan.waypoints.get(1));
+        self.plan_of[index] == 0 && self.fixes()[index].item <= takeoff.map_or(0, |w| w.item)
+    }
+
+    /// Whether a plane is on the glide to its landing.
+    pub(super) fn glides(&self, index: usize) -> bool {
+        let plan = self.plan(index).filter(|plan| plan.lands);
+        let last = plan.and_then(|plan| plan.waypoints.last());
+        let glides = self.airframe == Airframe::Plane;
+        glides && last.is_some_and(|last| self.fixes()[index].item >= last.item)
     }
 
     /// Where each waypoint of each plan was passed while it was flown.
@@ -121,6 +142,12 @@ impl<'a> Trail<'a> {
                 }
                 let (distance_m, share) =
                     to_segment(waypoint.point, self.points[at], self.points[at + 1]);
+                if waypoint.radius_m > 0.0 && distance_m <= waypoint.radius_m {
+                    // It comes to the rim of its circle here.
+                    best = Some((0.0, fixes[at].t_s, at));
+                    break;
+                }
+                let distance_m = (distance_m - waypoint.radius_m).max(0.0);
                 if best.is_none_or(|(least, ..)| distance_m < least - 0.05) {
                     let t_s = fixes[at].t_s + share * (fixes[at + 1].t_s - fixes[at].t_s);
                     best = Some((distance_m, t_s, at));

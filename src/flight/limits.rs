@@ -4,10 +4,13 @@ use super::judge::{GAP_S, Trail};
 use super::record::{Fix, PopUp};
 use crate::geodesy::PlanPoint;
 use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
-use crate::spec::{MissionSpec, Separation};
+use crate::spec::{Airframe, MissionSpec, Separation};
 use crate::verify::{Margin, Moment, Sense};
 use crate::world::{Disc, World};
 
+/// On a climb-out or glide the ground must stay this share of the height above the runway below
+/// the vehicle, as in the verdict on the plan.
+const SLOPE_SHARE: f64 = 0.5;
 /// Higher above the ground than this a vehicle is in the air and must keep its distance, metres.
 const GROUNDED_M: f64 = 1.0;
 
@@ -47,6 +50,7 @@ impl Trail<'_> {
             unit: "m",
         };
         margins.extend(self.worst(least, clearance));
+        margins.extend(self.slopes(spec, world));
         let ceiling = Bound {
             what: "ceiling".to_owned(),
             limit: spec.area.max_amsl.0,
@@ -86,6 +90,46 @@ impl Trail<'_> {
         let outside = all().filter(|(_, point)| !world.in_area(point.at));
         margins.push(self.count(none("outside the area".to_owned()), outside.map(|(f, _)| f)));
         margins
+    }
+
+    /// On its climb-out and its glide a plane must be as high as the verdict wants it there:
+    /// a share of its height above the runway, until that is the minimum height.
+    fn slopes(&self, spec: &MissionSpec, world: &World) -> Option<Margin> {
+        let ground = |fix: &Fix| world.terrain.height(fix.place).map_or(f64::NAN, |g| g.0);
+        let is_down = |fix: &&Fix| fix.amsl.0 - ground(fix) <= GROUNDED_M;
+        let on = |part: &dyn Fn(usize) -> bool| -> Vec<&Fix> {
+            let all = (0..self.fixes().len()).filter(|&index| part(index));
+            all.map(|index| &self.fixes()[index]).collect()
+        };
+        let parts = match self.airframe {
+            Airframe::Plane => [on(&|index| self.rises(index)), on(&|index| self.glides(index))],
+            Airframe::Copter | Airframe::Vtol => return None,
+        };
+        let [rises, glides] = &parts;
+        let lift_off = rises.iter().rev().copied().find(is_down);
+        let lift_off = lift_off.or(rises.first().copied());
+        let touchdown = glides.iter().copied().find(is_down);
+        let touchdown = touchdown.or(glides.last().copied());
+        let spare = |part: &[&Fix], runway: Option<&Fix>| -> Vec<(f64, usize)> {
+            let runway_m = runway.map_or(f64::NAN, ground);
+            let wanted_m = |fix: &Fix| {
+                let share_m = SLOPE_SHARE * (fix.amsl.0 - runway_m);
+                share_m.min(spec.area.min_agl.0)
+            };
+            let up = part.iter().enumerate().filter(|(_, fix)| !is_down(fix));
+            up.map(|(index, fix)| (fix.amsl.0 - ground(fix) - wanted_m(fix), index))
+                .collect()
+        };
+        let (up, down) = (spare(rises, lift_off), spare(glides, touchdown));
+        let up = up.into_iter().map(|(value, index)| (value, rises[index]));
+        let down = down.into_iter().map(|(value, index)| (value, glides[index]));
+        let bound = Bound {
+            what: "takeoff and landing clearance".to_owned(),
+            limit: 0.0,
+            sense: Sense::AtLeast,
+            unit: "m to spare",
+        };
+        self.worst(bound, up.chain(down))
     }
 
     /// Times of which nothing is known.

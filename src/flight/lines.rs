@@ -93,6 +93,14 @@ struct WaypointLine {
     lon_deg: f64,
     amsl_m: f64,
     t_s: f64,
+    /// A wing circles around it for ever; 0 for a place that is flown to.
+    #[serde(default, skip_serializing_if = "is_none")]
+    radius_m: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
+fn is_none(radius_m: &f64) -> bool {
+    *radius_m <= 0.0
 }
 
 /// A threat on a line.
@@ -166,6 +174,7 @@ impl Line {
                 lon_deg: place.lon_deg,
                 amsl_m: waypoint.point.amsl.0,
                 t_s: rounded(waypoint.t_s),
+                radius_m: waypoint.radius_m,
             }
         };
         Self::Plan {
@@ -206,6 +215,7 @@ impl PlanLine {
                     amsl: Amsl(line.amsl_m),
                 },
                 t_s: line.t_s,
+                radius_m: line.radius_m,
             })
         };
         let waypoints = self.waypoints.into_iter().map(waypoint);

@@ -38,7 +38,7 @@ pub fn flight_page(
     let flown: Vec<FlownFacts> = record
         .flights
         .iter()
-        .map(|flight| facts(flight, &world))
+        .map(|flight| facts(flight, &spec, &world))
         .collect();
     let input = ReviewInput {
         spec: &spec,
@@ -67,12 +67,12 @@ fn track(flight: &Flight) -> Track {
     }
 }
 
-fn facts(flight: &Flight, world: &World) -> FlownFacts {
+fn facts(flight: &Flight, spec: &MissionSpec, world: &World) -> FlownFacts {
     let ways = flight.plans.iter().map(|plan| {
         let waypoints = plan.reference.waypoints.iter();
         waypoints.map(|waypoint| waypoint.point).collect()
     });
-    let errors = Trail::new(flight, world)
+    let errors = Trail::new(flight, spec, world)
         .deviations()
         .map(|(t_s, of)| FlownError {
             t_s,

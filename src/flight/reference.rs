@@ -3,6 +3,7 @@
 use super::record::Fix;
 use crate::geodesy::{AboveHome, Agl, Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
+use crate::spec::Airframe;
 use crate::verify::{Moment, Track};
 use crate::world::World;
 
@@ -15,7 +16,13 @@ pub struct Waypoint {
     pub point: PlanPoint,
     /// When the plan has it there, seconds after T0.
     pub t_s: f64,
+    /// A wing circles around it for ever, metres; 0 for a place that is flown to.
+    pub radius_m: f64,
 }
+
+/// A wing is on a circle that is flown this share of its radius too wide, and this far, metres.
+const WIDE_SHARE: f64 = 0.25;
+const WIDE_M: f64 = 20.0;
 
 /// The waypoints of a mission in order of time, from its takeoff.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,15 +50,17 @@ impl Reference {
             item: 0,
             point: home,
             t_s: track.moments.first().map_or(0.0, |moment| moment.t_s),
+            radius_m: 0.0,
         }];
         let mut lands = false;
         for (index, item) in mission.items.iter().enumerate() {
             let before = waypoints.last().map_or(home, |last| last.point);
-            let Some(point) = point(item, before, home, world) else {
+            let Some(point) = point(item, before, home, (mission.airframe, world)) else {
                 continue;
             };
-            lands = item.command == command::NAV_LAND;
-            if lands && point.at.distance_m(before.at) > 1.0 {
+            lands = [command::NAV_LAND, command::NAV_VTOL_LAND].contains(&item.command);
+            let glides = mission.airframe == Airframe::Plane;
+            if lands && !glides && point.at.distance_m(before.at) > 1.0 {
                 // It flies there at the altitude it has, then comes down.
                 waypoints.push(Waypoint {
                     item: index + 1,
@@ -60,12 +69,14 @@ impl Reference {
                         ..point
                     },
                     t_s: f64::NAN,
+                    radius_m: 0.0,
                 });
             }
             waypoints.push(Waypoint {
                 item: index + 1,
                 point,
                 t_s: f64::NAN,
+                radius_m: circle_m(item, mission),
             });
         }
         let mut reference = Self {
@@ -76,6 +87,14 @@ impl Reference {
         };
         reference.take_times(&track.moments, world);
         reference
+    }
+
+    /// Whether a place is about on the circle that the flight ends with.
+    pub(super) fn is_on_circle(&self, at: EastNorth) -> bool {
+        self.waypoints.last().is_some_and(|last| {
+            last.radius_m > 0.0
+                && last.point.at.distance_m(at) <= (1.0 + WIDE_SHARE) * last.radius_m + WIDE_M
+        })
     }
 
     /// From waypoints whose times are known.
@@ -120,6 +139,8 @@ impl Reference {
                 .filter(|pair| pair[1].1 >= last_s)
                 .map(|pair| {
                     let (distance_m, share) = to_segment(waypoint.point, pair[0].0, pair[1].0);
+                    // A circle is reached where its rim is.
+                    let distance_m = (distance_m - waypoint.radius_m).max(CHORD_M);
                     (distance_m, pair[0].1 + share * (pair[1].1 - pair[0].1))
                 })
                 .min_by(|a, b| a.0.total_cmp(&b.0));
@@ -160,6 +181,9 @@ impl Reference {
     }
 }
 
+/// The chords of a circle are no further off than this, metres.
+const CHORD_M: f64 = 1.0;
+
 /// How far a point is from a leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
@@ -196,10 +220,23 @@ impl Deviation {
             east_m: mix(from.point.at.east_m, to.point.at.east_m),
             north_m: mix(from.point.at.north_m, to.point.at.north_m),
         };
-        Self {
+        let straight = Self {
             cross_track_m: point.at.distance_m(foot),
             above_m: point.amsl.0 - mix(from.point.amsl.0, to.point.amsl.0),
             t_s: mix(from.t_s, to.t_s),
+        };
+        if to.radius_m <= 0.0 {
+            return straight;
+        }
+        let round = Self {
+            cross_track_m: (point.at.distance_m(to.point.at) - to.radius_m).abs(),
+            above_m: point.amsl.0 - to.point.amsl.0,
+            t_s: to.t_s,
+        };
+        if round.distance_m() < straight.distance_m() {
+            round
+        } else {
+            straight
         }
     }
 
@@ -227,8 +264,29 @@ pub(super) fn to_segment(point: PlanPoint, from: PlanPoint, to: PlanPoint) -> (f
     (dot(&off, &off).sqrt(), share)
 }
 
+/// The radius of the circle that a wing stays on at an item, metres; 0 where it does not.
+fn circle_m(item: &Item, mission: &VehicleMission) -> f64 {
+    let circles =
+        mission.airframe.has_wing() && item.command == command::NAV_LOITER_UNLIM;
+    if !circles {
+        return 0.0;
+    }
+    let own_m = f64::from(item.params[2]).abs();
+    let names = ["WP_LOITER_RAD", "NAV_LOITER_RAD"];
+    let mut params = mission.params.iter();
+    match params.find(|param| names.contains(&param.name.as_str())) {
+        Some(param) if own_m.is_nan() || own_m <= 0.0 => f64::from(param.value).abs(),
+        _ => own_m,
+    }
+}
+
 /// Where an item goes; `None` for one that goes nowhere.
-fn point(item: &Item, before: PlanPoint, home: PlanPoint, world: &World) -> Option<PlanPoint> {
+fn point(
+    item: &Item,
+    before: PlanPoint,
+    home: PlanPoint,
+    (airframe, world): (Airframe, &World),
+) -> Option<PlanPoint> {
     let place = || item.place().filter(|_| (item.x, item.y) != (0, 0));
     let ground = |place: LatLon| world.terrain.height(place).ok();
     let amsl = |at: Option<LatLon>| {
@@ -241,8 +299,12 @@ fn point(item: &Item, before: PlanPoint, home: PlanPoint, world: &World) -> Opti
         }
     };
     match item.command {
-        command::NAV_TAKEOFF => Some(PlanPoint {
-            at: home.at,
+        command::NAV_TAKEOFF | command::NAV_VTOL_TAKEOFF => Some(PlanPoint {
+            at: match (airframe, place()) {
+                // It climbs out on the way there.
+                (Airframe::Plane, Some(place)) => world.frame.to_plan(place),
+                _ => home.at,
+            },
             amsl: amsl(Some(world.frame.from_plan(home.at)))?,
         }),
         command::NAV_WAYPOINT | command::NAV_LOITER_TIME | command::NAV_LOITER_UNLIM => {
@@ -252,7 +314,7 @@ fn point(item: &Item, before: PlanPoint, home: PlanPoint, world: &World) -> Opti
                 amsl: amsl(Some(place))?,
             })
         }
-        command::NAV_LAND => {
+        command::NAV_LAND | command::NAV_VTOL_LAND => {
             let at = place().map_or(before.at, |place| world.frame.to_plan(place));
             let amsl = ground(world.frame.from_plan(at))?;
             Some(PlanPoint { at, amsl })

@@ -159,6 +159,11 @@ fn px4_wing(
         corner_cut_m(options),
         "a waypoint is reached within this: mission.tolerance_m",
     );
+    list.add(
+        "NAV_FW_ALT_RAD",
+        ANY_HEIGHT_M,
+        "a waypoint is passed so far off its altitude, m: PX4 would circle there, on a way nobody judged",
+    );
     if let (Airframe::Plane, Some(landing)) = (vehicle.airframe, wing.landing) {
         list.add(
             STEEPEST_GLIDE,
@@ -172,13 +177,13 @@ fn px4_wing(
             vehicle,
             ["planned climb on rotors", "planned descent on rotors"],
         );
-        if vehicle.depart_s > 0.0 {
-            list.add(
-                "COM_DISARM_PRFLT",
-                -1.0,
-                "stay armed on the ground until the departure",
-            );
-        }
+    }
+    if vehicle.depart_s > 0.0 {
+        list.add(
+            "COM_DISARM_PRFLT",
+            -1.0,
+            "stay armed on the ground until the departure",
+        );
     }
     if has_fence {
         list.add(
@@ -189,6 +194,9 @@ fn px4_wing(
     }
     list.parameters
 }
+
+/// PX4's widest acceptance of altitudes (`NAV_FW_ALT_RAD`), metres.
+const ANY_HEIGHT_M: f64 = 200.0;
 
 /// PX4's steepest glide, degrees; a landing on a steeper one is refused.
 pub(super) const STEEPEST_GLIDE: &str = "FW_LND_ANG";

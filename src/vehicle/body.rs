@@ -89,6 +89,12 @@ impl Weathering {
         self.gust
     }
 
+    /// How fast the air moves in the present gust, m/s: so much that what is carried by it is
+    /// accelerated as above.
+    pub(super) fn gust_mps(&self) -> [f64; 2] {
+        self.gust.map(|gust| gust * MEMORY_S)
+    }
+
     /// Where the vehicle thinks it is.
     pub(super) fn sensed(&self, at_m: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|axis| at_m[axis] + self.error[axis])

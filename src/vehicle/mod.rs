@@ -2,6 +2,8 @@
 
 mod air;
 mod body;
+mod guide;
+mod height;
 mod mode;
 mod pilot;
 mod profile;
@@ -11,6 +13,7 @@ mod server;
 mod settings;
 mod steer;
 mod surroundings;
+mod wing;
 
 pub use air::Weather;
 pub use profile::Profile;

@@ -4,6 +4,7 @@
 //! verdict: what one of them has wrong, the other shows.
 
 mod mission;
+mod wing;
 
 use super::body::{Body, Weathering};
 use super::mode::Mode;
@@ -11,9 +12,12 @@ use super::profile::Profile;
 use super::settings::{Limits, Settings};
 use super::steer::{self, Leg};
 use super::surroundings::Surroundings;
+use super::wing::Wing;
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame};
 use crate::link::{LandedState, Time};
 use crate::mission::{Home, Item};
+use crate::spec::Airframe;
+use wing::Winged;
 
 /// One step, milliseconds.
 pub(super) const STEP_MS: u64 = 50;
@@ -41,6 +45,8 @@ pub(super) enum Doing {
     Sinking { at_m: [f64; 3] },
     /// Has touched down.
     Landed { at: Time },
+    /// Is carried by its wing, or about to be.
+    OnWing(Winged),
 }
 
 /// What happens at the end of a leg.
@@ -69,12 +75,15 @@ pub(super) enum Event {
 #[derive(Clone, Debug)]
 pub(super) struct Pilot {
     profile: Profile,
+    airframe: Airframe,
     pub(super) settings: Settings,
     surroundings: Surroundings,
     weathering: Weathering,
     frame: LocalFrame,
     home_m: f64,
     body: Body,
+    /// What carries it, while a wing does.
+    wing: Option<Wing>,
     pub(super) custom_mode: u32,
     pub(super) armed: bool,
     armed_at: Time,
@@ -100,13 +109,10 @@ impl Pilot {
         now: Time,
     ) -> Self {
         let home_m = f64::from(home.amsl_m);
-        let mut settings = Settings::of(profile);
-        for (name, value) in &surroundings.params {
-            settings.set(name, *value);
-        }
-        Self {
+        let mut pilot = Self {
             profile,
-            settings,
+            airframe: Airframe::Copter,
+            settings: Settings::of(profile, Airframe::Copter),
             weathering: Weathering::new(
                 surroundings.wind,
                 surroundings.noise_m,
@@ -120,6 +126,7 @@ impl Pilot {
                 at_m: [0.0, 0.0, home_m],
                 velocity_mps: [0.0; 3],
             },
+            wing: None,
             custom_mode: Mode::first(profile),
             armed: false,
             armed_at: now,
@@ -130,12 +137,34 @@ impl Pilot {
             speed_mps: None,
             clock: now,
             events: Vec::new(),
+        };
+        pilot.set_up();
+        pilot
+    }
+
+    /// The same on another airframe.
+    pub(super) fn on(mut self, airframe: Airframe) -> Self {
+        self.airframe = airframe;
+        self.settings = Settings::of(self.profile, airframe);
+        self.set_up();
+        self
+    }
+
+    /// Parameters other than those it comes with.
+    fn set_up(&mut self) {
+        for (name, value) in &self.surroundings.params {
+            self.settings.set(name, *value);
         }
     }
 
     /// What it does in its mode.
     pub(super) fn mode(&self) -> Mode {
-        Mode::of(self.profile, self.custom_mode)
+        Mode::of(self.profile, self.airframe, self.custom_mode)
+    }
+
+    /// The number of a mode.
+    pub(super) fn number(&self, mode: Mode) -> u32 {
+        mode.number(self.profile, self.airframe)
     }
 
     /// The item at work, without home.
@@ -155,6 +184,7 @@ impl Pilot {
         match self.doing {
             Doing::Rising { .. } => LandedState::TAKEOFF,
             Doing::Sinking { .. } => LandedState::LANDING,
+            Doing::OnWing(winged) => winged.landed_state(),
             _ if self.airborne => LandedState::IN_AIR,
             _ => LandedState::ON_GROUND,
         }
@@ -175,7 +205,9 @@ impl Pilot {
         if self.armed {
             return Ok(());
         }
-        if self.profile == Profile::ArduPilot && self.mode() == Mode::Mission {
+        // ArduPlane does arm in AUTO, and goes.
+        let copter = !self.airframe.has_wing();
+        if self.profile == Profile::ArduPilot && copter && self.mode() == Mode::Mission {
             return Err("Arm: Mode not armable");
         }
         self.armed = true;
@@ -196,7 +228,7 @@ impl Pilot {
 
     /// Changes the mode. A mission must be there to be flown.
     pub(super) fn set_mode(&mut self, custom_mode: u32, items: &[Item]) -> bool {
-        let mode = Mode::of(self.profile, custom_mode);
+        let mode = Mode::of(self.profile, self.airframe, custom_mode);
         if mode == Mode::Mission && items.is_empty() {
             return false;
         }
@@ -210,7 +242,7 @@ impl Pilot {
 
     /// Takes the mission up where it is, or from its beginning.
     pub(super) fn start_mission(&mut self, items: &[Item]) -> bool {
-        self.set_mode(Mode::Mission.number(self.profile), items)
+        self.set_mode(self.number(Mode::Mission), items)
     }
 
     /// Goes on with another item.
@@ -249,6 +281,7 @@ impl Pilot {
                 self.begin(items, None);
             }
             _ if !self.airborne => self.doing = Doing::Standing,
+            _ if self.airframe.has_wing() => self.enter_winged(mode),
             Mode::Hold => {
                 let at_m = self.stopping_point();
                 self.doing = Doing::Holding { at_m, until: None };
@@ -304,7 +337,7 @@ impl Pilot {
         let wanted = match self.doing {
             Doing::Standing => return self.idle(&limits),
             Doing::Landed { at } => {
-                if self.clock >= at + DISARM_MS {
+                if self.clock >= at + self.disarm_ms() {
                     self.armed = false;
                     self.stand();
                 }
@@ -339,12 +372,21 @@ impl Pilot {
                 steer::hold_mps(at_m, place, &limits)
             }
             Doing::Sinking { at_m: place } => self.sink(place, at_m, &limits),
+            Doing::OnWing(winged) => return self.step_winged(winged, at_m, items),
         };
         if matches!(self.doing, Doing::Landed { .. }) {
             return;
         }
         self.body
             .step(wanted, &limits, self.weathering.gust(), STEP_S);
+    }
+
+    /// From touchdown until the motors stop, milliseconds.
+    fn disarm_ms(&self) -> u64 {
+        match self.airframe {
+            Airframe::Plane => self.settings.wing().disarm_ms,
+            Airframe::Copter | Airframe::Vtol => DISARM_MS,
+        }
     }
 
     /// Motors that run for nothing are stopped.

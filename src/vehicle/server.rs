@@ -123,6 +123,7 @@ impl Vehicle {
     #[must_use]
     pub fn on(mut self, airframe: Airframe) -> Self {
         self.airframe = airframe;
+        self.pilot = self.pilot.map(|pilot| pilot.on(airframe));
         self
     }
 

@@ -1,14 +1,19 @@
 //! The parameters of a simulated vehicle, and how it flies by them.
 
+mod wing;
+
 use std::collections::BTreeMap;
+
+pub(super) use wing::{Follows, Passes, WingLimits};
 
 use super::profile::Profile;
 use crate::link::ParamValue;
+use crate::spec::Airframe;
 
 /// `MAV_PARAM_TYPE_INT32`.
 const INT_32: u8 = 6;
 
-/// Those that shape a flight, with the values an ArduCopter 4.6 comes with.
+/// Those that shape a flight on rotors, with the values an ArduCopter 4.6 comes with.
 const ARDUPILOT: &[(&str, f32)] = &[
     ("WPNAV_SPEED", 1000.0),
     ("WPNAV_ACCEL", 250.0),
@@ -53,10 +58,11 @@ const PX4_WHOLE: &[&str] = &["GF_ACTION"];
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Settings {
     profile: Profile,
+    airframe: Airframe,
     values: BTreeMap<String, f32>,
 }
 
-/// How a vehicle flies: m, m/s, m/s^2.
+/// How a vehicle flies on rotors: m, m/s, m/s^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
     pub(super) speed_mps: f64,
@@ -79,15 +85,22 @@ pub(super) struct Limits {
 
 impl Settings {
     /// What a vehicle comes with.
-    pub(super) fn of(profile: Profile) -> Self {
-        let defaults = match profile {
-            Profile::ArduPilot | Profile::Generic => ARDUPILOT,
-            Profile::Px4 => PX4,
+    pub(super) fn of(profile: Profile, airframe: Airframe) -> Self {
+        let defaults: &[&[(&str, f32)]] = match (profile, airframe) {
+            (Profile::ArduPilot | Profile::Generic, Airframe::Copter) => &[ARDUPILOT],
+            (Profile::ArduPilot | Profile::Generic, Airframe::Plane) => &[wing::ARDUPLANE],
+            (Profile::ArduPilot | Profile::Generic, Airframe::Vtol) => {
+                &[wing::ARDUPLANE, wing::QUADPLANE]
+            }
+            (Profile::Px4, Airframe::Copter) => &[PX4],
+            (Profile::Px4, Airframe::Plane) => &[wing::PX4_WING],
+            (Profile::Px4, Airframe::Vtol) => &[PX4, wing::PX4_WING, wing::PX4_VTOL],
         };
         let named = |&(name, value): &(&str, f32)| (name.to_owned(), value);
         Self {
             profile,
-            values: defaults.iter().map(named).collect(),
+            airframe,
+            values: defaults.concat().iter().map(named).collect(),
         }
     }
 
@@ -132,9 +145,11 @@ impl Settings {
 
     /// How the vehicle flies by them.
     pub(super) fn limits(&self) -> Limits {
-        match self.profile {
-            Profile::Px4 => self.px4(),
-            Profile::ArduPilot | Profile::Generic => self.ardupilot(),
+        match (self.profile, self.airframe) {
+            (Profile::Px4, Airframe::Vtol) => self.px4_vtol(),
+            (Profile::Px4, Airframe::Copter | Airframe::Plane) => self.px4(),
+            (_, Airframe::Vtol) => self.quadplane(),
+            (_, Airframe::Copter | Airframe::Plane) => self.ardupilot(),
         }
     }
 

@@ -10,8 +10,11 @@ use crate::world::Terrain;
 pub struct Surroundings {
     /// The ground; without it all of it is as high as home.
     pub terrain: Option<Arc<Terrain>>,
-    /// The steady part of it is held against; its gusts are not.
+    /// Rotors hold against the steady part of it, a wing is carried by it; its gusts move both.
     pub wind: Option<Wind>,
+    /// Where a plane points before it takes off, radians clockwise from north. `ArduPlane`
+    /// takes off along it, whatever its mission says.
+    pub heading_rad: f64,
     /// Standard deviation of its idea of where it is, metres.
     pub noise_m: f64,
     /// Seed of gusts and noise; every vehicle draws its own from it.

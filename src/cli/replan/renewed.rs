@@ -93,6 +93,7 @@ impl Renewed {
             item: self.ahead,
             point: self.origin,
             t_s: now_s,
+            radius_m: 0.0,
         };
         self.plan.reference = Reference::of_waypoints(
             std::iter::once(origin).chain(ahead).collect(),

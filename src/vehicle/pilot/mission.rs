@@ -18,6 +18,9 @@ impl Pilot {
     pub(super) fn begin(&mut self, items: &[Item], from_m: Option<[f64; 3]>) {
         let here = self.sensed();
         let from_m = from_m.unwrap_or(here);
+        if self.airframe.has_wing() {
+            return self.begin_winged(items, from_m);
+        }
         while let Some(item) = items.get(self.at) {
             let doing = match item.command {
                 command::NAV_TAKEOFF if !self.airborne => self
@@ -77,6 +80,7 @@ impl Pilot {
             return;
         }
         let from_m = match self.doing {
+            Doing::OnWing(winged) => winged.end_m(self.profile, at_m),
             Doing::Flying { leg, .. } => leg.to_m,
             Doing::Holding { at_m, .. } => at_m,
             Doing::Rising { amsl_m } => [at_m[0], at_m[1], amsl_m],
@@ -251,7 +255,7 @@ impl Pilot {
     }
 
     /// An item's point: east, north, altitude.
-    fn point_m(&self, item: &Item, before_m: [f64; 3]) -> Option<[f64; 3]> {
+    pub(super) fn point_m(&self, item: &Item, before_m: [f64; 3]) -> Option<[f64; 3]> {
         let to = self.frame.to_plan(place(item)?);
         let at_m = [to.east_m, to.north_m, before_m[2]];
         let amsl_m = self.altitude_m(item, at_m)?;
@@ -259,7 +263,7 @@ impl Pilot {
     }
 
     /// An item's altitude above the sea, over a place.
-    fn altitude_m(&self, item: &Item, at_m: [f64; 3]) -> Option<f64> {
+    pub(super) fn altitude_m(&self, item: &Item, at_m: [f64; 3]) -> Option<f64> {
         let z_m = f64::from(item.z);
         match frame::canonical(item.frame) {
             frame::GLOBAL => Some(z_m),
@@ -271,7 +275,7 @@ impl Pilot {
 }
 
 /// The place of an item; to an autopilot 0, 0 is none.
-fn place(item: &Item) -> Option<LatLon> {
+pub(super) fn place(item: &Item) -> Option<LatLon> {
     if (item.x, item.y) == (0, 0) {
         return None;
     }
@@ -286,7 +290,7 @@ fn stay(item: &Item) -> Hold {
     }
 }
 
-fn milliseconds(seconds: f32) -> u64 {
+pub(super) fn milliseconds(seconds: f32) -> u64 {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

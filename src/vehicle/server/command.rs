@@ -87,9 +87,9 @@ impl Vehicle {
                 self.tell_current();
                 accepted(is_done)
             }
-            Command::LOITER => accepted(self.set_mode(Mode::Hold.number(self.profile))),
-            Command::LAND => accepted(self.set_mode(Mode::Land.number(self.profile))),
-            Command::RETURN => accepted(self.set_mode(Mode::Return.number(self.profile))),
+            Command::LOITER => accepted(self.set_named(Mode::Hold)),
+            Command::LAND => accepted(self.set_named(Mode::Land)),
+            Command::RETURN => accepted(self.set_named(Mode::Return)),
             _ => CommandResult::UNSUPPORTED,
         }
     }
@@ -134,6 +134,10 @@ impl Vehicle {
         let items = self.items(List::Mission).to_vec();
         let pilot = self.pilot.as_mut();
         pilot.is_some_and(|pilot| pilot.set_mode(custom_mode, &items))
+    }
+
+    fn set_named(&mut self, mode: Mode) -> bool {
+        self.set_mode(mode.number(self.profile, self.airframe))
     }
 
     /// ArduPilot counts home as 0.
