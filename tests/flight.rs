@@ -5,30 +5,18 @@
     clippy::cast_precision_loss
 )]
 
+#[path = "support/sky.rs"]
+mod sky;
 mod support;
 
-use std::sync::Arc;
-
-use sortie::dispatch::{Dispatched, dispatch};
+use sky::{Planned, Sky, US, parameters, plan};
+use sortie::dispatch::dispatch;
 use sortie::flight::*;
 use sortie::link::*;
-use sortie::mission::{Item, VehicleMission, command};
-use sortie::spec::{Autopilot, MissionSpec, OnLinkLoss, Vehicle as Spec};
+use sortie::mission::{Item, command};
+use sortie::spec::{Autopilot, OnLinkLoss, Vehicle as Spec};
 use sortie::vehicle::{Surroundings, Vehicle};
-use sortie::world::World;
-use support::{copter, empty_spec, place, world};
-
-const US: Address = Address {
-    system: 245,
-    component: 190,
-};
-
-/// A fleet that is planned, and its vehicles.
-struct Planned {
-    spec: MissionSpec,
-    world: World,
-    dispatched: Dispatched,
-}
+use support::{copter, place};
 
 /// Three side by side, a kilometre each; the second is a PX4, the third starts later.
 fn three() -> Vec<Spec> {
@@ -43,207 +31,6 @@ fn three() -> Vec<Spec> {
     fleet[1].autopilot = Autopilot::Px4;
     fleet[2].depart_s = 30.0;
     fleet
-}
-
-fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Planned {
-    let mut spec = empty_spec(vehicles);
-    spec.on_link_loss = on_link_loss;
-    spec.planner.evaluations = 1000;
-    let world = world(&spec);
-    let dispatched = dispatch(&spec, &world, 1, &|_| {});
-    assert!(
-        dispatched.review.passes(),
-        "{:?}",
-        dispatched.review.margins
-    );
-    Planned {
-        spec,
-        world,
-        dispatched,
-    }
-}
-
-impl Planned {
-    fn references(&self) -> Vec<Reference> {
-        let missions = self.dispatched.missions.iter();
-        missions
-            .zip(&self.dispatched.review.tracks)
-            .map(|((_, mission), track)| Reference::new(mission, track, &self.world))
-            .collect()
-    }
-
-    /// Vehicles that stand at home with the parameters of the plan.
-    fn vehicles(&self) -> Vec<Vehicle> {
-        let terrain = Arc::new(self.world.terrain.clone());
-        let missions = self.dispatched.missions.iter();
-        missions
-            .map(|(index, mission)| {
-                let this = &self.spec.vehicles[*index];
-                let surroundings = Surroundings {
-                    terrain: Some(Arc::clone(&terrain)),
-                    params: parameters(mission),
-                    ..Surroundings::default()
-                };
-                let profile = this.autopilot.into();
-                Vehicle::within(
-                    profile,
-                    this.sysid,
-                    Some(mission.home),
-                    surroundings,
-                    Time(0),
-                )
-            })
-            .collect()
-    }
-
-    fn fleet(&self, set_params: bool, upload: bool) -> Fleet<'_> {
-        let missions = self.dispatched.missions.iter().zip(self.references());
-        let assignments = missions
-            .map(|((index, mission), reference)| Assignment {
-                vehicle: &self.spec.vehicles[*index].id,
-                sysid: self.spec.vehicles[*index].sysid,
-                mission,
-                reference,
-                start_s: 0.0,
-                upload,
-            })
-            .collect();
-        let options = Options {
-            speedup: 1.0,
-            set_params,
-            force: false,
-            on_link_loss: self.spec.on_link_loss,
-            position_s: 0.2,
-        };
-        Fleet::new(assignments, options, US, Time(0))
-    }
-
-    fn judge(&self, sky: &Sky<'_>) -> FlightReport {
-        judge(&self.spec, &self.world, &self.record(sky))
-    }
-
-    fn record(&self, sky: &Sky<'_>) -> Record {
-        let plans = self.dispatched.missions.iter().zip(self.references());
-        let plans = plans.map(|((_, mission), reference)| Plan {
-            items: mission.items.len(),
-            reference,
-        });
-        let flights = sky
-            .fleet
-            .flown()
-            .zip(plans)
-            .map(|((id, flown), plan)| Flight {
-                vehicle: id.to_owned(),
-                plans: vec![plan],
-                flown: flown.clone(),
-            });
-        Record {
-            flights: flights.collect(),
-            ..Record::default()
-        }
-    }
-}
-
-fn parameters(mission: &VehicleMission) -> Vec<(String, f32)> {
-    let params = mission.params.iter();
-    params.map(|p| (p.name.clone(), p.value)).collect()
-}
-
-/// Vehicles and the ground station that watches them, under one clock.
-struct Sky<'a> {
-    fleet: Fleet<'a>,
-    vehicles: Vec<Vehicle>,
-    now: Time,
-    /// System ids that cannot be heard and do not hear.
-    cut: Vec<u8>,
-    events: Vec<Event>,
-    /// What was heard, as ground stations capture it.
-    capture: Vec<u8>,
-}
-
-impl<'a> Sky<'a> {
-    fn new(fleet: Fleet<'a>, vehicles: Vec<Vehicle>) -> Self {
-        Self {
-            fleet,
-            vehicles,
-            now: Time(0),
-            cut: Vec::new(),
-            events: Vec::new(),
-            capture: Vec::new(),
-        }
-    }
-
-    fn step(&mut self) {
-        self.now = self.now + 20;
-        self.fleet.handle_timeout(self.now);
-        while let Some((system, message)) = self.fleet.poll_transmit() {
-            for vehicle in &mut self.vehicles {
-                if vehicle.address().system == system && !self.cut.contains(&system) {
-                    vehicle.handle(self.now, US, &message);
-                }
-            }
-        }
-        for vehicle in &mut self.vehicles {
-            vehicle.handle_timeout(self.now);
-            let from = vehicle.address();
-            while let Some(message) = vehicle.poll_transmit() {
-                if !self.cut.contains(&from.system) {
-                    let stamp = 1000 * self.now.0 + 1_700_000_000_000_000;
-                    self.capture.extend(stamp.to_be_bytes());
-                    self.capture.extend(Encoder::new(from).encode(&message));
-                    self.fleet.handle(self.now, from, &message);
-                }
-            }
-        }
-        self.events
-            .extend(std::iter::from_fn(|| self.fleet.poll_event()));
-    }
-
-    /// Until so many seconds after T0.
-    fn fly_to(&mut self, t_s: f64) {
-        while self.fleet.t_s(self.now).unwrap_or(-1.0) < t_s {
-            assert!(self.fleet.outcome().is_none(), "{:?}", self.events);
-            assert!(self.now.0 < 3_600_000, "no T0 within an hour");
-            self.step();
-        }
-    }
-
-    fn fly_out(&mut self) -> Outcome {
-        while self.fleet.outcome().is_none() {
-            assert!(self.now.0 < 3_600_000, "still flying after an hour");
-            self.step();
-        }
-        self.fleet.outcome().expect("it is over").clone()
-    }
-
-    fn says(&self, vehicle: &str, text: &str) -> bool {
-        let of = |event: &&Event| event.vehicle.as_deref() == Some(vehicle);
-        self.events
-            .iter()
-            .filter(of)
-            .any(|event| event.text.contains(text))
-    }
-
-    fn order(&mut self, index: usize, command: u16) {
-        let target = self.vehicles[index].address();
-        let order = Command::new(command, []);
-        let message = Message::Flight(FlightMessage::Command { target, order });
-        let other = Address {
-            system: 255,
-            component: 190,
-        };
-        self.vehicles[index].handle(self.now, other, &message);
-    }
-
-    fn end(&self, index: usize) -> End {
-        self.fleet
-            .flown()
-            .nth(index)
-            .expect("a vehicle")
-            .1
-            .end
-            .clone()
-    }
 }
 
 #[test]

@@ -242,12 +242,9 @@ fn assignments<'a>(
 
 /// Whether the delay before the takeoff is in the mission: then it is not waited for here too.
 fn waits_itself(mission: &VehicleMission) -> bool {
-    let before = mission
-        .items
-        .iter()
-        .take_while(|item| {
-            ![command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
-        });
+    let before = mission.items.iter().take_while(|item| {
+        ![command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
+    });
     before
         .into_iter()
         .any(|item| item.command == command::NAV_DELAY)

@@ -516,7 +516,8 @@ impl<'a> Craft<'a> {
         let reference = &self.of.reference;
         let stays = !reference.lands && self.in_mission && self.item >= rows;
         let at = reference.frame().to_plan(fix.place);
-        if !is_held && !(stays && reference.is_on_circle(at)) {
+        let circles = is_held || stays && reference.is_on_circle(at);
+        if !circles {
             self.lap = Lap::default();
         } else if self.lap.is_whole_with(at) {
             self.end(if is_held { End::Held } else { End::Loitering });

@@ -102,7 +102,10 @@ impl Trail<'_> {
             all.map(|index| &self.fixes()[index]).collect()
         };
         let parts = match self.airframe {
-            Airframe::Plane => [on(&|index| self.rises(index)), on(&|index| self.glides(index))],
+            Airframe::Plane => [
+                on(&|index| self.rises(index)),
+                on(&|index| self.glides(index)),
+            ],
             Airframe::Copter | Airframe::Vtol => return None,
         };
         let [rises, glides] = &parts;
@@ -122,7 +125,9 @@ impl Trail<'_> {
         };
         let (up, down) = (spare(rises, lift_off), spare(glides, touchdown));
         let up = up.into_iter().map(|(value, index)| (value, rises[index]));
-        let down = down.into_iter().map(|(value, index)| (value, glides[index]));
+        let down = down
+            .into_iter()
+            .map(|(value, index)| (value, glides[index]));
         let bound = Bound {
             what: "takeoff and landing clearance".to_owned(),
             limit: 0.0,

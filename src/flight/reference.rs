@@ -266,8 +266,7 @@ pub(super) fn to_segment(point: PlanPoint, from: PlanPoint, to: PlanPoint) -> (f
 
 /// The radius of the circle that a wing stays on at an item, metres; 0 where it does not.
 fn circle_m(item: &Item, mission: &VehicleMission) -> f64 {
-    let circles =
-        mission.airframe.has_wing() && item.command == command::NAV_LOITER_UNLIM;
+    let circles = mission.airframe.has_wing() && item.command == command::NAV_LOITER_UNLIM;
     if !circles {
         return 0.0;
     }

@@ -37,7 +37,11 @@ impl Height {
             Follows::Filtered { filter_s, error_s } => {
                 let rate_mps = (self.limited_m - self.filtered_m) / filter_s;
                 self.filtered_m += (self.limited_m - self.filtered_m) * dt_s / (dt_s + filter_s);
-                let made_good_m = if on_approach { filter_s * rate_mps } else { 0.0 };
+                let made_good_m = if on_approach {
+                    filter_s * rate_mps
+                } else {
+                    0.0
+                };
                 rate_mps + (self.filtered_m + made_good_m - here_m) / error_s
             }
             Follows::Shared {

@@ -76,13 +76,7 @@ impl Wing {
     }
 
     /// Flies for a while.
-    pub(super) fn step(
-        &mut self,
-        body: &mut Body,
-        wanted: &Wanted,
-        air_mps: [f64; 2],
-        dt_s: f64,
-    ) {
+    pub(super) fn step(&mut self, body: &mut Body, wanted: &Wanted, air_mps: [f64; 2], dt_s: f64) {
         let bank_rad = (wanted.across_mps2 / GRAVITY_MPS2).atan();
         let bank_rad = bank_rad.clamp(-wanted.bank_rad, wanted.bank_rad);
         let roll = ((bank_rad - self.bank_rad) / ROLL_S).clamp(-ROLL_RATE, ROLL_RATE);

@@ -34,10 +34,7 @@ pub(in crate::vehicle) enum Winged {
         lands: bool,
     },
     /// Glides to the ground at the end of a leg; since its flare from a height, with a sink.
-    Gliding {
-        leg: Leg,
-        flare: Option<(f64, f64)>,
-    },
+    Gliding { leg: Leg, flare: Option<(f64, f64)> },
     /// Runs out on its wheels.
     RunningOut,
 }
@@ -231,13 +228,7 @@ impl Pilot {
         self.wing = Some(wing);
     }
 
-    fn climb_out(
-        &mut self,
-        takeoff: Takeoff,
-        at_m: [f64; 3],
-        items: &[Item],
-        limits: &WingLimits,
-    ) {
+    fn climb_out(&mut self, takeoff: Takeoff, at_m: [f64; 3], items: &[Item], limits: &WingLimits) {
         let across_mps2 = self.motion(at_m).along(&takeoff.line, limits);
         let airspeed_mps = self.wing.map_or(0.0, |wing| wing.airspeed_mps);
         let climb_mps = (airspeed_mps * takeoff.pitch_rad.sin()).min(limits.climb_mps);

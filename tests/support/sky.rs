@@ -1,0 +1,238 @@
+//! A fleet and the ground station that watches it, under one virtual clock.
+#![allow(dead_code, unreachable_pub, missing_docs)]
+
+use std::sync::Arc;
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::flight::*;
+use sortie::link::*;
+use sortie::mission::VehicleMission;
+use sortie::spec::{MissionSpec, OnLinkLoss, Vehicle as Spec, Wind};
+use sortie::vehicle::{Surroundings, Vehicle};
+use sortie::world::World;
+
+use super::support::{empty_spec, world};
+
+pub const US: Address = Address {
+    system: 245,
+    component: 190,
+};
+
+/// A fleet that is planned, and its vehicles.
+pub struct Planned {
+    pub spec: MissionSpec,
+    pub world: World,
+    pub dispatched: Dispatched,
+}
+
+pub fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Planned {
+    let mut spec = empty_spec(vehicles);
+    spec.on_link_loss = on_link_loss;
+    spec.planner.evaluations = 1000;
+    let world = world(&spec);
+    let dispatched = dispatch(&spec, &world, 1, &|_| {});
+    assert!(
+        dispatched.review.passes(),
+        "{:?}",
+        dispatched.review.margins
+    );
+    Planned {
+        spec,
+        world,
+        dispatched,
+    }
+}
+
+impl Planned {
+    pub fn references(&self) -> Vec<Reference> {
+        let missions = self.dispatched.missions.iter();
+        missions
+            .zip(&self.dispatched.review.tracks)
+            .map(|((_, mission), track)| Reference::new(mission, track, &self.world))
+            .collect()
+    }
+
+    /// Vehicles that stand at home with the parameters of the plan.
+    pub fn vehicles(&self) -> Vec<Vehicle> {
+        self.vehicles_in(self.spec.wind)
+    }
+
+    /// The same in a wind of our own.
+    pub fn vehicles_in(&self, wind: Option<Wind>) -> Vec<Vehicle> {
+        let terrain = Arc::new(self.world.terrain.clone());
+        let missions = self.dispatched.missions.iter();
+        missions
+            .map(|(index, mission)| {
+                let this = &self.spec.vehicles[*index];
+                let surroundings = Surroundings {
+                    terrain: Some(Arc::clone(&terrain)),
+                    params: parameters(mission),
+                    wind,
+                    heading_rad: this
+                        .wing
+                        .and_then(|wing| wing.takeoff_heading_rad)
+                        .unwrap_or(0.0),
+                    ..Surroundings::default()
+                };
+                let profile = this.autopilot.into();
+                Vehicle::within(
+                    profile,
+                    this.sysid,
+                    Some(mission.home),
+                    surroundings,
+                    Time(0),
+                )
+                .on(this.airframe)
+            })
+            .collect()
+    }
+
+    pub fn fleet(&self, set_params: bool, upload: bool) -> Fleet<'_> {
+        let missions = self.dispatched.missions.iter().zip(self.references());
+        let assignments = missions
+            .map(|((index, mission), reference)| Assignment {
+                vehicle: &self.spec.vehicles[*index].id,
+                sysid: self.spec.vehicles[*index].sysid,
+                mission,
+                reference,
+                start_s: 0.0,
+                upload,
+            })
+            .collect();
+        let options = Options {
+            speedup: 1.0,
+            set_params,
+            force: false,
+            on_link_loss: self.spec.on_link_loss,
+            position_s: 0.2,
+        };
+        Fleet::new(assignments, options, US, Time(0))
+    }
+
+    pub fn judge(&self, sky: &Sky<'_>) -> FlightReport {
+        judge(&self.spec, &self.world, &self.record(sky))
+    }
+
+    pub fn record(&self, sky: &Sky<'_>) -> Record {
+        let plans = self.dispatched.missions.iter().zip(self.references());
+        let plans = plans.map(|((_, mission), reference)| Plan {
+            items: mission.items.len(),
+            reference,
+        });
+        let flights = sky
+            .fleet
+            .flown()
+            .zip(plans)
+            .map(|((id, flown), plan)| Flight {
+                vehicle: id.to_owned(),
+                plans: vec![plan],
+                flown: flown.clone(),
+            });
+        Record {
+            flights: flights.collect(),
+            ..Record::default()
+        }
+    }
+}
+
+pub fn parameters(mission: &VehicleMission) -> Vec<(String, f32)> {
+    let params = mission.params.iter();
+    params.map(|p| (p.name.clone(), p.value)).collect()
+}
+
+/// Vehicles and the ground station that watches them, under one clock.
+pub struct Sky<'a> {
+    pub fleet: Fleet<'a>,
+    pub vehicles: Vec<Vehicle>,
+    pub now: Time,
+    /// System ids that cannot be heard and do not hear.
+    pub cut: Vec<u8>,
+    pub events: Vec<Event>,
+    /// What was heard, as ground stations capture it.
+    pub capture: Vec<u8>,
+}
+
+impl<'a> Sky<'a> {
+    pub fn new(fleet: Fleet<'a>, vehicles: Vec<Vehicle>) -> Self {
+        Self {
+            fleet,
+            vehicles,
+            now: Time(0),
+            cut: Vec::new(),
+            events: Vec::new(),
+            capture: Vec::new(),
+        }
+    }
+
+    pub fn step(&mut self) {
+        self.now = self.now + 20;
+        self.fleet.handle_timeout(self.now);
+        while let Some((system, message)) = self.fleet.poll_transmit() {
+            for vehicle in &mut self.vehicles {
+                if vehicle.address().system == system && !self.cut.contains(&system) {
+                    vehicle.handle(self.now, US, &message);
+                }
+            }
+        }
+        for vehicle in &mut self.vehicles {
+            vehicle.handle_timeout(self.now);
+            let from = vehicle.address();
+            while let Some(message) = vehicle.poll_transmit() {
+                if !self.cut.contains(&from.system) {
+                    let stamp = 1000 * self.now.0 + 1_700_000_000_000_000;
+                    self.capture.extend(stamp.to_be_bytes());
+                    self.capture.extend(Encoder::new(from).encode(&message));
+                    self.fleet.handle(self.now, from, &message);
+                }
+            }
+        }
+        self.events
+            .extend(std::iter::from_fn(|| self.fleet.poll_event()));
+    }
+
+    /// Until so many seconds after T0.
+    pub fn fly_to(&mut self, t_s: f64) {
+        while self.fleet.t_s(self.now).unwrap_or(-1.0) < t_s {
+            assert!(self.fleet.outcome().is_none(), "{:?}", self.events);
+            assert!(self.now.0 < 3_600_000, "no T0 within an hour");
+            self.step();
+        }
+    }
+
+    pub fn fly_out(&mut self) -> Outcome {
+        while self.fleet.outcome().is_none() {
+            assert!(self.now.0 < 3_600_000, "still flying after an hour");
+            self.step();
+        }
+        self.fleet.outcome().expect("it is over").clone()
+    }
+
+    pub fn says(&self, vehicle: &str, text: &str) -> bool {
+        let of = |event: &&Event| event.vehicle.as_deref() == Some(vehicle);
+        self.events
+            .iter()
+            .filter(of)
+            .any(|event| event.text.contains(text))
+    }
+
+    pub fn order(&mut self, index: usize, command: u16) {
+        let target = self.vehicles[index].address();
+        let order = Command::new(command, []);
+        let message = Message::Flight(FlightMessage::Command { target, order });
+        let other = Address {
+            system: 255,
+            component: 190,
+        };
+        self.vehicles[index].handle(self.now, other, &message);
+    }
+
+    pub fn end(&self, index: usize) -> End {
+        self.fleet
+            .flown()
+            .nth(index)
+            .expect("a vehicle")
+            .1
+            .end
+            .clone()
+    }
+}
