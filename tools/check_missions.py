@@ -93,7 +93,9 @@ def compare(spec_path, files, margins):
     touches = spec.get("origin", middle)
     origin = touches["lat"], touches["lon"]
     slack, vertical = spec["separation"]["time_slack_s"], spec["separation"].get("vertical_m")
-    horizon = max(flight.horizon() for flight in flights.values()) + slack + 1
+    fleet = list(flights.values())
+    late = max(flight.late for flight in fleet) + max(flight.takeoff_late(fleet[0]) for flight in fleet)
+    horizon = max(flight.horizon() for flight in fleet) + slack + late + 1
     for flight in flights.values():
         flight.stay_until(horizon)
     threats = {f"threat {threat['id']}": threat for threat in spec.get("threats", [])}

@@ -2,12 +2,14 @@
 
 mod dubins;
 mod landing;
+mod lateness;
 mod limits;
 mod timeline;
 mod wing;
 
 pub use dubins::{Pose, Turns, turns};
 pub use landing::{SLOW_LANDING_M, slow_landing_mps};
+pub use lateness::{STOP_LATE_S, are_late_alike, takeoff_lateness_s};
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route};
 pub use wing::{

@@ -37,6 +37,8 @@ pub(super) struct Chord {
     pub(super) slope_from_m: Option<f64>,
     /// Whether the vehicle is on the ground at the lower end.
     pub(super) grounded: bool,
+    /// By how much the vehicle may be late here, for the stops behind it, seconds.
+    pub(super) late_s: f64,
     /// Whether it is flown: the ends of a leg beside a fillet are judged in space, not in time.
     pub(super) flown: bool,
 }
@@ -60,6 +62,7 @@ impl Chord {
             agl_m: None,
             slope_from_m: None,
             grounded: false,
+            late_s: 0.0,
             flown: false,
         }
     }

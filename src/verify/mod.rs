@@ -67,11 +67,17 @@
 //! above, flies straight to home, and lands. A vehicle that loiters, or whose mission
 //! ends in the air, stays for ever.
 //!
+//! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,
+//! may be up to 8 s late and a plane up to 9 s early; two of one autopilot and airframe are so alike.
+//! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
+//! on its own. `src/path/lateness.rs` says what was measured.
+//!
 //! **Margins.** Clearance is taken along whole legs as far as their corners, and along
 //! the arcs, the columns of takeoff and landing aside; threats everywhere, as the
 //! horizontal distance to the axis less the radius. Separation is the distance, by
 //! horizontal distance and difference of altitude, of one vehicle at `t` and the other at
-//! `u`, both in the air, for every `|t - u| <= time_slack_s`. Curved and accelerated
+//! `u`, both in the air, for every `u - t` between `-time_slack_s` and `time_slack_s`, each
+//! widened by what the two may be late or early against each other. Curved and accelerated
 //! motion is judged in chords within 0.02 m, ground that is followed within 0.1 m:
 //! clearance over arcs and separation come out short by that, never long.
 

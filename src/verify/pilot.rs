@@ -2,7 +2,7 @@
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::VehicleMission;
-use crate::path::{SLOW_LANDING_M, slow_landing_mps};
+use crate::path::{SLOW_LANDING_M, STOP_LATE_S, slow_landing_mps};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
@@ -417,6 +417,9 @@ impl Pilot<'_> {
         };
         self.flight
             .take_stock(&legs, &self.ribbon.chords, self.ribbon.t_s);
+        if last_mps <= 0.0 {
+            self.ribbon.late_s += STOP_LATE_S;
+        }
         self.lay_beside(&knots, &firsts)
     }
 

@@ -17,6 +17,8 @@ pub(super) struct Ribbon<'a> {
     surface: Surface<'a>,
     pub(super) chords: Vec<Chord>,
     pub(super) t_s: f64,
+    /// By how much the vehicle may be late, for the stops so far, seconds.
+    pub(super) late_s: f64,
 }
 
 /// Altitude along a leg: a straight line above the sea, or above the ground.
@@ -65,6 +67,7 @@ impl<'a> Ribbon<'a> {
             surface: Surface::new(&world.terrain),
             chords: Vec::new(),
             t_s: 0.0,
+            late_s: 0.0,
         }
     }
 
@@ -90,6 +93,7 @@ impl<'a> Ribbon<'a> {
             agl_m: None,
             slope_from_m: None,
             grounded,
+            late_s: self.late_s,
             flown: true,
         });
     }
@@ -149,6 +153,7 @@ impl<'a> Ribbon<'a> {
             agl_m: None,
             slope_from_m: knots[piece.leg + 1].slope_from_m,
             grounded: false,
+            late_s: self.late_s,
             flown: true,
         };
         let from_s = self.t_s;

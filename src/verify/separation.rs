@@ -8,7 +8,8 @@ use crate::numeric::approach::{
     Approach, Motion, closest_approach, closest_horizontal, least_ratio,
 };
 use crate::numeric::tracks::{Nearness, Track, Tracks};
-use crate::spec::Separation;
+use crate::path::{are_late_alike, takeoff_lateness_s};
+use crate::spec::{Separation, Span, Vehicle};
 
 use super::chord::Chord;
 use super::{Margin, Moment, Sense};
@@ -26,12 +27,13 @@ struct Bounds {
     low: Vector3<f64>,
     high: Vector3<f64>,
     error_m: f64,
+    late_s: f64,
 }
 
 /// The chords of one vehicle and a binary tree of boxes around them.
 #[derive(Clone, Debug)]
 pub(super) struct Timeline<'a> {
-    id: &'a str,
+    vehicle: &'a Vehicle,
     chords: Vec<&'a Chord>,
     /// Heap order: the children of `n` are `2 n + 1` and `2 n + 2`.
     bounds: Vec<Option<Bounds>>,
@@ -48,11 +50,35 @@ enum Distance {
     Vertical,
 }
 
-/// A distance, and how far departures may shift.
+/// A distance, and by how much the second of two vehicles may be shifted against the first.
 #[derive(Clone, Copy)]
 struct Metric {
     distance: Distance,
-    slack_s: f64,
+    shift_s: Span,
+}
+
+/// By how much the second of two vehicles may be shifted against the first without any shift of
+/// departures, seconds: by the lateness of both where they are not late alike.
+fn takeoff_shift_s(a: &Vehicle, b: &Vehicle) -> Span {
+    if are_late_alike(a, b) {
+        return Span {
+            least: 0.0,
+            most: 0.0,
+        };
+    }
+    let (late, other) = (takeoff_lateness_s(a), takeoff_lateness_s(b));
+    Span {
+        least: late.least - other.most,
+        most: late.most - other.least,
+    }
+}
+
+/// That, with the stops behind each of them.
+fn with_stops_s(shift_s: Span, late_s: f64, other_late_s: f64) -> Span {
+    Span {
+        least: shift_s.least - other_late_s,
+        most: shift_s.most + late_s,
+    }
 }
 
 /// The nearest that two vehicles come: chord indices, times, distance less the errors.
@@ -64,7 +90,7 @@ struct Nearest {
 }
 
 impl<'a> Timeline<'a> {
-    pub(super) fn new(id: &'a str, chords: &'a [Chord]) -> Self {
+    pub(super) fn new(vehicle: &'a Vehicle, chords: &'a [Chord]) -> Self {
         let chords: Vec<&Chord> = chords.iter().filter(|chord| chord.flown).collect();
         let leaves = chords.len().next_power_of_two();
         let mut bounds: Vec<Option<Bounds>> = vec![None; leaves - 1];
@@ -76,7 +102,11 @@ impl<'a> Timeline<'a> {
                 (one, other) => one.or(other),
             };
         }
-        Self { id, chords, bounds }
+        Self {
+            vehicle,
+            chords,
+            bounds,
+        }
     }
 
     fn leaf(&self, node: usize) -> Option<usize> {
@@ -99,6 +129,7 @@ impl Bounds {
             low: from.inf(&to),
             high: from.sup(&to),
             error_m: chord.error_m,
+            late_s: chord.late_s,
         }
     }
 
@@ -109,13 +140,16 @@ impl Bounds {
             low: self.low.inf(&other.low),
             high: self.high.sup(&other.high),
             error_m: self.error_m.max(other.error_m),
+            late_s: self.late_s.max(other.late_s),
         }
     }
 
     /// At least so far apart is anything in the two boxes; infinite if never at the same time.
     fn apart_m(&self, other: &Self, metric: &Metric) -> f64 {
-        let late_s = (self.from_s - other.to_s).max(other.from_s - self.to_s);
-        if late_s > metric.slack_s {
+        let shift_s = with_stops_s(metric.shift_s, self.late_s, other.late_s);
+        let is_later = other.from_s - self.to_s > shift_s.most;
+        let is_earlier = self.from_s - other.to_s > -shift_s.least;
+        if is_later || is_earlier {
             return f64::INFINITY;
         }
         let gap = (self.low - other.high)
@@ -136,7 +170,12 @@ impl Metric {
     /// The closest approach of two chords, less what the chords may be off.
     fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
         let error_m = a.error_m + b.error_m;
-        let (p, q, slack_s) = (motion(a), motion(b), self.slack_s);
+        let shift_s = with_stops_s(self.shift_s, a.late_s, b.late_s);
+        let (middle_s, slack_s) = (
+            0.5 * (shift_s.least + shift_s.most),
+            0.5 * (shift_s.most - shift_s.least),
+        );
+        let (p, q) = (motion(a), moved(motion(b), -middle_s));
         let found = match self.distance {
             Distance::Space => closest_approach(&p, &q, slack_s),
             Distance::Horizontal(level_m) => closest_horizontal(&p, &q, slack_s, level_m + error_m),
@@ -147,6 +186,7 @@ impl Metric {
         Some(Approach {
             // Not `max`, which would take a NaN for 0.
             value: if less_m < 0.0 { 0.0 } else { less_m },
+            u_s: found.u_s + middle_s,
             ..found
         })
     }
@@ -160,6 +200,15 @@ fn position(chord: &Chord, u: f64) -> Vector3<f64> {
 fn motion(chord: &Chord) -> Motion {
     let end = |t_s, u| (t_s, position(chord, u).into());
     Motion::between(end(chord.from_s, 0.0), end(chord.to_s, 1.0))
+}
+
+/// The same motion at another time.
+fn moved(motion: Motion, by_s: f64) -> Motion {
+    Motion {
+        t0_s: motion.t0_s + by_s,
+        t1_s: motion.t1_s + by_s,
+        ..motion
+    }
 }
 
 /// The nearest that two vehicles come, if nearer than `below_m`: a walk down both
@@ -266,11 +315,16 @@ impl Near {
         const HAIR_M: f64 = 1e-3;
         let chords = timelines.iter().flat_map(|timeline| &timeline.chords);
         let error_m = chords.map(|chord| chord.error_m).fold(0.0, f64::max);
+        let fleet = timelines.iter().map(|timeline| {
+            let late_s = timeline.span().map_or(0.0, |span| span.late_s);
+            (timeline.vehicle, late_s)
+        });
+        let late_s = most_shift_s(fleet);
         let allowed_m = 2.0 * error_m + HAIR_M;
         let nearness = Nearness {
             distance_m: below_m + allowed_m,
             vertical_m: separation.vertical_m.map(|level_m| level_m + allowed_m),
-            slack_s: separation.time_slack_s,
+            slack_s: separation.time_slack_s + late_s,
         };
         let mut tracks = Tracks::new(&nearness);
         tracks.extend(timelines.iter().map(|timeline| {
@@ -283,6 +337,24 @@ impl Near {
     fn after(&self, first: usize) -> Vec<usize> {
         let own = &self.tracks.all()[first];
         self.tracks.near(own, &self.nearness, first + 1)
+    }
+}
+
+/// The most that two of these may be shifted against each other by what autopilots are late,
+/// seconds; each comes with what its stops make it late by.
+pub(super) fn most_shift_s<'a>(fleet: impl Iterator<Item = (&'a Vehicle, f64)>) -> f64 {
+    let (mut least_s, mut most_s, mut stops_s) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut first, mut are_alike) = (None, true);
+    for (vehicle, late_s) in fleet {
+        let late = takeoff_lateness_s(vehicle);
+        (least_s, most_s) = (least_s.min(late.least), most_s.max(late.most));
+        stops_s = stops_s.max(late_s);
+        are_alike &= are_late_alike(first.get_or_insert(vehicle), vehicle);
+    }
+    if are_alike {
+        stops_s
+    } else {
+        stops_s + most_s - least_s
     }
 }
 
@@ -303,9 +375,14 @@ fn pair_margin(
     frame: &LocalFrame,
     below_m: f64,
 ) -> Option<Margin> {
+    let slack_s = separation.time_slack_s;
+    let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
     let metric = |distance| Metric {
         distance,
-        slack_s: separation.time_slack_s,
+        shift_s: Span {
+            least: shift_s.least - slack_s,
+            most: shift_s.most + slack_s,
+        },
     };
     let Some(level_m) = separation.vertical_m else {
         let found = nearest(a, b, &metric(Distance::Space), below_m);
@@ -347,9 +424,19 @@ fn judge(
     let there = moment(other, found.times_s.1);
     let shift_s = found.times_s.1 - found.times_s.0;
     let split = if how.is_empty() { "" } else { "; " };
+    let alone_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let alone_s = with_stops_s(alone_s, mine.late_s, other.late_s);
+    let lateness = if alone_s.most > alone_s.least {
+        format!(
+            ", of it {:.1} to {:.1} s by what autopilots are late",
+            alone_s.least, alone_s.most
+        )
+    } else {
+        String::new()
+    };
     Margin {
-        vehicle: a.id.to_owned(),
-        other: Some(b.id.to_owned()),
+        vehicle: a.vehicle.id.clone(),
+        other: Some(b.vehicle.id.clone()),
         what: "separation".to_owned(),
         value: found.distance_m,
         limit: limit_m,
@@ -358,8 +445,8 @@ fn judge(
         at: Some(moment(mine, found.times_s.0)),
         ok: found.distance_m >= limit_m,
         note: format!(
-            "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s",
-            b.id, there.item, there.t_s
+            "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s{lateness}",
+            b.vehicle.id, there.item, there.t_s
         ),
     }
 }
@@ -372,13 +459,15 @@ fn never_together(
     below_m: f64,
 ) -> Option<Margin> {
     let (p, q) = (a.span()?, b.span()?);
-    let gap_s = (p.from_s - q.to_s).max(q.from_s - p.to_s);
+    let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let shift_s = with_stops_s(shift_s, p.late_s, q.late_s);
+    let gap_s = (p.from_s - q.to_s + shift_s.least).max(q.from_s - p.to_s - shift_s.most);
     if below_m.is_finite() || gap_s <= 0.0 {
         return None;
     }
     Some(Margin {
-        vehicle: a.id.to_owned(),
-        other: Some(b.id.to_owned()),
+        vehicle: a.vehicle.id.clone(),
+        other: Some(b.vehicle.id.clone()),
         what: "separation".to_owned(),
         value: gap_s,
         limit: separation.time_slack_s,
@@ -393,7 +482,8 @@ fn never_together(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geodesy::{Amsl, LatLon, PlanPoint};
+    use crate::geodesy::{Agl, Amsl, LatLon, PlanPoint};
+    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement};
     use crate::verify::chord::Phase;
     use proptest::prelude::*;
 
@@ -414,8 +504,98 @@ mod tests {
             agl_m: None,
             slope_from_m: None,
             grounded: false,
+            late_s: 0.0,
             flown: true,
         }
+    }
+
+    fn vehicle(autopilot: Autopilot, airframe: Airframe) -> Vehicle {
+        let place = LatLon {
+            lat_deg: 36.0,
+            lon_deg: -84.0,
+        };
+        let end = EndPoint {
+            place,
+            altitude: Placement::Agl(Agl(80.0)),
+        };
+        Vehicle {
+            id: "v".to_owned(),
+            sysid: 1,
+            autopilot,
+            airframe,
+            link: Link::Sim,
+            home: place,
+            start: end,
+            goal: end,
+            finish: Finish::Land,
+            speed_mps: 10.0,
+            max_load_factor: 1.2,
+            max_climb_rad: None,
+            max_descent_rad: None,
+            climb_mps: 4.0,
+            descent_mps: 2.0,
+            accel_mps2: 2.0,
+            depart_s: 0.0,
+            leeway: Leeway::default(),
+            return_amsl: None,
+            wing: None,
+        }
+    }
+
+    /// One along a line at 10 m/s, and one across it that is there 100 s later than it.
+    fn crossing() -> [Vec<Chord>; 2] {
+        let at = |east, north| PlanPoint::new(east, north, Amsl(100.0));
+        [
+            vec![chord(
+                (0.0, at(-1000.0, 0.0)),
+                (200.0, at(1000.0, 0.0)),
+                0.0,
+            )],
+            vec![chord(
+                (100.0, at(0.0, -1000.0)),
+                (300.0, at(0.0, 1000.0)),
+                0.0,
+            )],
+        ]
+    }
+
+    /// The shortest distance of the two that cross, metres, found with so much slack.
+    fn crossed_m(vehicles: [&Vehicle; 2], late_s: [f64; 2], time_slack_s: f64) -> f64 {
+        let [mut one, mut other] = crossing();
+        one[0].late_s = late_s[0];
+        other[0].late_s = late_s[1];
+        let timelines = [
+            Timeline::new(vehicles[0], &one),
+            Timeline::new(vehicles[1], &other),
+        ];
+        let separation = Separation {
+            distance_m: 50.0,
+            vertical_m: None,
+            time_slack_s,
+        };
+        let frame = LocalFrame::new(vehicles[0].home);
+        margins(&timelines, &separation, &frame)[0].value
+    }
+
+    #[test]
+    fn vehicles_that_are_late_alike_are_not_shifted_and_others_by_what_they_may_be_late() {
+        let copter = vehicle(Autopilot::ArduPilot, Airframe::Copter);
+        let other = vehicle(Autopilot::Px4, Airframe::Copter);
+        let plane = vehicle(Autopilot::ArduPilot, Airframe::Plane);
+        // 100 s apart at the crossing and 10 m/s: each second of shift takes 10 / sqrt(2) m.
+        let expected = |shift_s: f64| (1000.0 - 10.0 * shift_s) / 2.0_f64.sqrt();
+        let is = |found: f64, shift_s: f64| {
+            let off_m = (found - expected(shift_s)).abs();
+            assert!(off_m < 1e-6, "{found} m, not {} m", expected(shift_s));
+        };
+        is(crossed_m([&copter, &copter], [0.0, 0.0], 5.0), 5.0);
+        is(crossed_m([&copter, &other], [0.0, 0.0], 5.0), 13.0);
+        // The first may be 8 s late and the second 9 s early, and not the other way round.
+        is(crossed_m([&copter, &plane], [0.0, 0.0], 5.0), 22.0);
+        is(crossed_m([&plane, &copter], [0.0, 0.0], 5.0), 5.0);
+        // A stop behind the first brings it nearer to the second; one behind the second does not.
+        is(crossed_m([&copter, &copter], [4.5, 0.0], 5.0), 9.5);
+        is(crossed_m([&copter, &copter], [0.0, 4.5], 5.0), 5.0);
     }
 
     /// A flight through some places; every third stays at the last for ever.
@@ -429,6 +609,10 @@ mod tests {
                 let next_s = t_s + pair[1].1;
                 chords.push(chord((t_s, pair[0].0), (next_s, pair[1].0), pair[1].2));
                 t_s = next_s;
+            }
+            if let Some(last) = chords.last_mut() {
+                // As after a stop.
+                last.late_s = 2.0 * last.error_m;
             }
             if finish == 0 {
                 let last = way[way.len() - 1].0;
@@ -447,11 +631,19 @@ mod tests {
             distance_m in 20.0..120.0_f64,
             vertical_m in prop::option::of(5.0..40.0_f64),
             time_slack_s in prop_oneof![Just(0.0), 0.0..8.0_f64],
+            is_mixed in any::<bool>(),
         ) {
             let separation = Separation { distance_m, vertical_m, time_slack_s };
             let frame = LocalFrame::new(LatLon { lat_deg: 36.0, lon_deg: -84.0 });
-            let timelines: Vec<Timeline<'_>> =
-                fleet.iter().map(|chords| Timeline::new("v", chords)).collect();
+            let kinds = [
+                vehicle(Autopilot::ArduPilot, Airframe::Copter),
+                vehicle(Autopilot::Px4, Airframe::Plane),
+            ];
+            let timelines: Vec<Timeline<'_>> = fleet
+                .iter()
+                .enumerate()
+                .map(|(index, chords)| Timeline::new(&kinds[index % (1 + usize::from(is_mixed))], chords))
+                .collect();
             let all = |first: usize| (first + 1..timelines.len()).collect();
             let by_all = margins_of(&timelines, &all, &separation, &frame, NEAR * distance_m);
             prop_assert_eq!(margins(&timelines, &separation, &frame), by_all);

@@ -11,6 +11,7 @@ from .earth import A, axes, distance, ecef, geodetic
 G = 9.80665
 SAME_M = 0.025
 SLOW_M = 10.0
+TAKEOFF_LATE, STOP_LATE = 8.0, 4.5
 WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 93, 178
 
 
@@ -101,6 +102,7 @@ class Motion:
     start: float
     end: float
     fastest: tuple  # greatest speeds across and up
+    late: float = 0.0  # by how much it may be late, for the stops before it
 
     def fraction(self, t):
         if self.end <= self.start or math.isinf(self.end):
@@ -127,6 +129,7 @@ class Flight:
         self.ardupilot = vehicle["autopilot"] == "ardupilot"
         self.motions, self.judged, self.follows = [], [], False
         self.speed, self.t, self.knots, self.turned = vehicle["speed_mps"], 0.0, [], 0.0
+        self.late = 0.0
         home = items[0]["at"]
         self.home = Knot(home, float(ground.height(*home)))
         self.fly(items[1:])
@@ -221,7 +224,7 @@ class Flight:
         self.lift(ground, rate=min(self.vehicle["descent_mps"], 0.5 if self.ardupilot else 0.7))
 
     def add(self, shape, part, speed, lasts, fastest):
-        self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest))
+        self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest, self.late))
         self.t += lasts
 
     def stop(self):
@@ -243,6 +246,7 @@ class Flight:
             self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], knots[i + 1].speed)
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
+        self.late += STOP_LATE
 
     def corners(self, knots, legs):
         """Half the change of course at each knot, and what its arc takes of both legs."""
@@ -331,6 +335,16 @@ class Flight:
         return max(
             float(np.linalg.norm(ecef(*shape.place(ends)) - ecef(*origin), axis=-1).max()) for shape in self.judged
         )
+
+    def late_at(self, t):
+        """By how much the vehicle may be late at times, for the stops before."""
+        starts = np.array([motion.start for motion in self.motions])
+        late = np.array([motion.late for motion in self.motions])
+        return late[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
+
+    def takeoff_late(self, other):
+        """By how much the other of two copters may be late against this one, or early, from their takeoffs on."""
+        return 0.0 if self.ardupilot == other.ardupilot else TAKEOFF_LATE
 
     def horizon(self):
         return max(m.end if math.isfinite(m.end) else m.start for m in self.motions)

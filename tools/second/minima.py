@@ -87,8 +87,10 @@ def separation(a, b, slack, vertical, loose):
     where the altitudes differ by less (for the verdict, by less than `loose` more), else vertical."""
     spans = [(f.motions[0].start, f.motions[-1].end) for f in (a, b)]
     (a0, a1), (b0, b1) = spans
-    gap = max(a0 - b1, b0 - a1)
-    if gap > slack:
+    late = a.takeoff_late(b)
+    gap = max(a0 - b1 - b.late, b0 - a1 - a.late) - late
+    slack += late
+    if gap > slack - late:
         return "gap", gap, 0.0, 0.0
     if vertical is None:
         return "m", *search(a, b, slack, spans, "space"), loose
@@ -105,6 +107,7 @@ class Pair:
     def __init__(self, a, b, slack, spans, kind, level):
         self.a, self.b, self.slack, self.kind, self.level = a, b, slack, kind, level
         (self.a0, self.a1), (self.b0, self.b1) = spans
+        self.widest = slack + max(a.late, b.late)
         self.fast_a, self.fast_b = Fastest(a), Fastest(b)
 
     def values(self, t, s):
@@ -112,7 +115,7 @@ class Pair:
         t, u = np.clip(t, self.a0, self.a1), np.clip(t + s, self.b0, self.b1)
         (p, p_amsl), (q, q_amsl) = self.a.where(t), self.b.where(u)
         across, up = np.linalg.norm(p - q, axis=-1), np.abs(p_amsl - q_amsl)
-        counts = np.abs(t - u) <= self.slack + 1e-9
+        counts = (u - t <= self.slack + self.a.late_at(t) + 1e-9) & (t - u <= self.slack + self.b.late_at(u) + 1e-9)
         if self.kind == "horizontal":
             return across, up, counts & (up < self.level)
         return (np.hypot(across, up) if self.kind == "space" else up), up, counts
@@ -124,12 +127,22 @@ class Pair:
         across, up = change[:, 0], change[:, 1]
         return {"space": np.hypot(across, up), "horizontal": across, "vertical": up}[self.kind], up
 
+    def allowed(self, t, s):
+        """The nearest shifts that count, or nearly: before its stops a vehicle is less late."""
+        return np.clip(s, -self.slack - self.b.late_at(t), self.slack + self.a.late_at(t))
+
+    def may_count(self, t, s, ht, hs):
+        """Whether cells of these half widths hold a shift that counts: stops make late, and never less so later."""
+        later = s - hs <= self.slack + self.a.late_at(t + ht)
+        return later & (-s - hs <= self.slack + self.b.late_at(t + s + ht + hs))
+
     def descend(self, t, s, step):
         """A low value near some places: the compass, with smaller and smaller steps."""
-        east, north = (x.ravel() for x in np.meshgrid([-1, 0, 1], [-1, 0, 1] if self.slack > 0 else [0]))
+        east, north = (x.ravel() for x in np.meshgrid([-1, 0, 1], [-1, 0, 1] if self.widest > 0 else [0]))
         best = math.inf
         while step > 1e-5 and len(t):
-            grid_t, grid_s = t[:, None] + step * east, np.clip(s[:, None] + step * north, -self.slack, self.slack)
+            grid_t, grid_s = t[:, None] + step * east, s[:, None] + step * north
+            grid_s = self.allowed(grid_t, grid_s)
             values, _, counts = (x.reshape(grid_t.shape) for x in self.values(grid_t.ravel(), grid_s.ravel()))
             values = np.where(counts, values, math.inf)
             pick, rows = values.argmin(axis=1), np.arange(len(t))
@@ -141,6 +154,7 @@ class Pair:
 def search(a, b, slack, spans, kind, level=0.0):
     """Cells of time and shift, halved wherever they may hold something lower than the best sample."""
     pair = Pair(a, b, slack, spans, kind, level)
+    slack = pair.widest
     start, end = max(pair.a0, pair.b0 - slack), min(pair.a1, pair.b1 + slack)
     n, m = max(1, math.ceil((end - start) / 2)), max(1, math.ceil(slack))
     ht, hs = (end - start) / n / 2, slack / m
@@ -150,10 +164,12 @@ def search(a, b, slack, spans, kind, level=0.0):
     best, low = math.inf, math.inf
     while len(t):
         near = np.abs(t + s - np.clip(t + s, pair.b0, pair.b1)) <= ht + hs
+        near &= pair.may_count(t, s, ht, hs)
         t, s = t[near], s[near]
-        values, up, counts = pair.values(t, s)
-        best = min(best, float(values[counts].min(initial=math.inf)))
-        lowest = np.argsort(np.where(counts, values, math.inf))[:30]
+        values, up, _ = pair.values(t, s)
+        sampled, _, counts = pair.values(t, pair.allowed(t, s))
+        best = min(best, float(sampled[counts].min(initial=math.inf)))
+        lowest = np.argsort(np.where(counts, sampled, math.inf))[:30]
         best = min(best, pair.descend(t[lowest], s[lowest], max(ht, hs)))
         reach, reach_up = pair.reach(t, s, ht, hs)
         keep = values - reach < best - slip(best)
