@@ -527,15 +527,15 @@ fn the_shipped_plane_plans_and_passes_in_a_wind() {
 }
 
 #[test]
-fn wings_are_not_led_onto_new_paths() {
+fn planes_are_not_led_onto_new_paths() {
     let run = std::process::Command::new(assert_cmd::cargo::cargo_bin("sortie"))
         .args(["replan", "--threat", "36.3,-84.2,300"])
-        .arg(missions().join("vtol-px4.yaml"))
+        .arg(missions().join("plane-px4.yaml"))
         .output()
         .expect("sortie runs");
     let told = String::from_utf8_lossy(&run.stderr);
     assert_eq!(run.status.code(), Some(4), "{told}");
-    assert!(told.contains("kestrel has a wing"), "{told}");
+    assert!(told.contains("gannet is a plane"), "{told}");
 }
 
 /// The clearance of a flight over level ground, 80 m above it until the end of its long leg and

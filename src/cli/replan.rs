@@ -21,7 +21,7 @@ use super::upload;
 use crate::flight::{Line, PopUp};
 use crate::geodesy::LatLon;
 use crate::link::Links;
-use crate::spec::{Link, MissionSpec, SpecFile, Threat, Vehicle};
+use crate::spec::{Airframe, Link, MissionSpec, SpecFile, Threat};
 
 use course::Course;
 use look::{Clock, Look, Sight};
@@ -35,6 +35,8 @@ const SENDING: f64 = 2.0;
 const SENDING_S: f64 = 0.2;
 /// What a vehicle may be early or late on its way, seconds of its own time.
 const SPARE_S: f64 = 3.0;
+/// In thin air a wing is so much faster than its airspeed says, at 2000 m above the sea.
+const THIN_AIR: f64 = 1.1;
 /// How often it is planned again because it took too long.
 const TRIES: usize = 3;
 
@@ -47,7 +49,7 @@ struct Decision {
 }
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
-    copters_alone(&SpecFile::read(&arguments.spec)?.spec)?;
+    are_led(&SpecFile::read(&arguments.spec)?.spec)?;
     let sorties = fly::read(&arguments.spec, arguments.dir.as_deref())?;
     let threat = threat(&sorties, &arguments.threat)?;
     let call = Call::heard(&sorties);
@@ -158,17 +160,21 @@ fn failed(message: impl Into<String>) -> Failure {
     Failure::new(Failure::TRANSFER, message)
 }
 
-/// A way that begins in the air is one that a vehicle can rise to, for the plan and the verdict;
-/// a wing cannot.
-fn copters_alone(spec: &MissionSpec) -> Result<(), Failure> {
-    let winged = |vehicle: &&Vehicle| vehicle.airframe.has_wing();
-    spec.vehicles.iter().find(winged).map_or(Ok(()), |vehicle| {
-        let message = format!(
-            "{} has a wing: only copters are led onto new paths; hold it where it flies, or let it fly on",
-            vehicle.id
-        );
-        Err(Failure::new(Failure::VERDICT, message))
-    })
+/// To plan and verdict a way that begins in the air is one that a vehicle rises to. A plane cannot,
+/// and what leads straight to an approach is not planned from there.
+fn are_led(spec: &MissionSpec) -> Result<(), Failure> {
+    for vehicle in &spec.vehicles {
+        let why = match vehicle.airframe {
+            Airframe::Plane => "is a plane: only copters and VTOL are led onto new paths",
+            Airframe::Vtol if vehicle.wing.is_some_and(|wing| wing.landing.is_some()) => {
+                "has an approach: only VTOL that land from anywhere are led onto new paths"
+            }
+            Airframe::Vtol | Airframe::Copter => continue,
+        };
+        let message = format!("{} {why}; hold it, or let it fly on", vehicle.id);
+        return Err(Failure::new(Failure::VERDICT, message));
+    }
+    Ok(())
 }
 
 /// `LAT,LON,RADIUS` as a threat with a name of its own.
@@ -273,7 +279,11 @@ fn situation<'a>(
             let why = "meets the threat and stands on the ground: disarm it and plan it anew";
             return Err(impossible(&vehicle.id, why));
         }
-        let lead_m = (lead_s - course.rises_s).max(0.0) * vehicle.speed_mps;
+        let mut fastest_mps = vehicle.fastest_mps();
+        if vehicle.airframe.has_wing() {
+            fastest_mps *= THIN_AIR;
+        }
+        let lead_m = (lead_s - course.rises_s).max(0.0) * fastest_mps;
         let Some(parting) = course.after(lead_m) else {
             let why = format!(
                 "is at the end of its way within {lead_s:.0} s, before it can have a new one: hold or land it"

@@ -113,28 +113,37 @@ impl Trail<'_> {
         let lift_off = lift_off.or(rises.first().copied());
         let touchdown = glides.iter().copied().find(is_down);
         let touchdown = touchdown.or(glides.last().copied());
-        let spare = |part: &[&Fix], runway: Option<&Fix>| -> Vec<(f64, usize)> {
+        let spare = |part: &[&Fix], runway: Option<&Fix>| -> Vec<(f64, f64, Moment)> {
             let runway_m = runway.map_or(f64::NAN, ground);
             let wanted_m = |fix: &Fix| {
                 let share_m = SLOPE_SHARE * (fix.amsl.0 - runway_m);
                 share_m.min(spec.area.min_agl.0)
             };
-            let up = part.iter().enumerate().filter(|(_, fix)| !is_down(fix));
-            up.map(|(index, fix)| (fix.amsl.0 - ground(fix) - wanted_m(fix), index))
+            let up = part.iter().filter(|fix| !is_down(fix));
+            up.map(|fix| (fix.amsl.0 - ground(fix), wanted_m(fix), moment(fix)))
                 .collect()
         };
-        let (up, down) = (spare(rises, lift_off), spare(glides, touchdown));
-        let up = up.into_iter().map(|(value, index)| (value, rises[index]));
-        let down = down
+        let mut all = spare(rises, lift_off);
+        all.extend(spare(glides, touchdown));
+        let left_m = |of: &(f64, f64, Moment)| of.0 - of.1;
+        // What is not a number is the worst of all.
+        let badness = |of: &(f64, f64, Moment)| match left_m(of) {
+            left_m if left_m.is_nan() => f64::INFINITY,
+            left_m => -left_m,
+        };
+        let (value, limit, at) = all
             .into_iter()
-            .map(|(value, index)| (value, glides[index]));
+            .max_by(|a, b| badness(a).total_cmp(&badness(b)))?;
         let bound = Bound {
             what: "takeoff and landing clearance".to_owned(),
-            limit: 0.0,
+            limit,
             sense: Sense::AtLeast,
-            unit: "m to spare",
+            unit: "m",
         };
-        self.worst(bound, up.chain(down))
+        Some(Margin {
+            ok: value >= limit,
+            ..bound.margin(self.id(), value, Some(at))
+        })
     }
 
     /// Times of which nothing is known.

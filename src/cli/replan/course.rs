@@ -36,6 +36,8 @@ pub(super) struct Course {
     pub(super) stands: bool,
     /// Index into `ahead` of a goal that it turns back at.
     pub(super) via: Option<usize>,
+    /// A wing ends its way on a circle so wide, metres; 0 for who does not.
+    pub(super) circle_m: f64,
 }
 
 /// Where a course is left for a new path.
@@ -94,16 +96,14 @@ impl Course {
         let origin = origin.map_or(here, |w| w.point);
         let stands = seen.position.above_home_m() < AIRBORNE_M;
         let mut rises_s = 0.0;
-        let rising = held
-            .items
-            .get(row - 1)
-            .is_some_and(|item| item.command == command::NAV_TAKEOFF);
+        let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some(&(_, top))) = (rising, ahead.first()) {
             let climb_mps = sorties.file.spec.vehicles[vehicle].climb_mps;
             rises_s = (top.amsl.0 - here.amsl.0).max(0.0) / climb_mps;
             here = PlanPoint { at: here.at, ..top };
             ahead.remove(0);
         }
+        let circle_m = waypoints.last().map_or(0.0, |last| last.radius_m);
         let station = sorties.world.stations.get(vehicle);
         let via = station.and_then(|station| {
             let is_goal = |(_, point): &(usize, PlanPoint)| point.distance_m(station.goal) < GOAL_M;
@@ -121,6 +121,7 @@ impl Course {
             lands: reference.lands,
             stands,
             via,
+            circle_m,
         })
     }
 
@@ -189,7 +190,7 @@ impl Course {
         let items = self.held.items.iter().enumerate().skip(self.at);
         items
             .filter(|(_, item)| item.command != command::NAV_DELAY)
-            .filter(|(_, item)| item.command != command::NAV_TAKEOFF)
+            .filter(|(_, item)| !is_takeoff(item))
             .map(|(_, item)| above_the_sea(item, &self.held.home))
             .collect()
     }
@@ -210,12 +211,16 @@ impl Course {
         let none = || {
             // A takeoff that is under way is not begun again.
             let items = self.held.items.iter().skip(self.at);
-            let takes_no_way =
-                |item: &&Item| item.command == command::NAV_TAKEOFF || item.place().is_none();
+            let takes_no_way = |item: &&Item| is_takeoff(item) || item.place().is_none();
             self.at + items.take_while(takes_no_way).count()
         };
         last.map_or_else(none, |(index, _)| index + 1)
     }
+}
+
+/// Whether an item is a takeoff.
+pub(super) fn is_takeoff(item: &Item) -> bool {
+    [command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
 }
 
 /// An item with an altitude above the sea, if it has one above home.

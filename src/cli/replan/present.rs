@@ -14,7 +14,9 @@ use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, VehicleMission, command};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{AltitudeReference, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle};
+use crate::spec::{
+    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle,
+};
 use crate::verify::{self, Margin};
 use crate::world::{Disc, Stations, World};
 
@@ -22,6 +24,8 @@ use crate::world::{Disc, Stations, World};
 const EVALUATIONS: usize = 6000;
 /// With less way than this before it a vehicle is at its end, metres.
 const AT_END_M: f64 = 4.0;
+/// A way to a circle begins so many radii before its middle.
+const OUTSIDE: f64 = 3.0;
 /// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
 /// leave the path by one. What fails is planned again with more.
 const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
@@ -204,7 +208,7 @@ impl<'a> Present<'a> {
     /// A vehicle that is not concerned goes on as it does.
     fn keep(&mut self, course: &Course) {
         let at_its_end;
-        let course = if course.way_m() < AT_END_M {
+        let course = if course.way_m() < AT_END_M.max(OUTSIDE * course.circle_m) {
             at_its_end = self.at_its_end(course);
             &at_its_end
         } else {
@@ -234,13 +238,14 @@ impl<'a> Present<'a> {
     }
 
     /// A vehicle that stays at its end, or comes down there: for the verdict it begins a few
-    /// metres beside, no lower than may be flown, so that there is a way to be judged and
+    /// metres beside, a wing outside of its circle, no lower than may be flown, so that there is a way to be judged and
     /// its whole column counts.
     fn at_its_end(&self, course: &Course) -> Course {
         let place = course.ahead.last().map_or(course.here, |(_, place)| *place);
         let least_m = ground(&self.world, place).0 + self.spec.area.min_agl.0;
         let amsl = Amsl(place.amsl.0.max(least_m + self.spec.mission.tolerance_m));
-        let here = PlanPoint::new(place.at.east_m, place.at.north_m - AT_END_M, amsl);
+        let beside_m = AT_END_M.max(OUTSIDE * course.circle_m);
+        let here = PlanPoint::new(place.at.east_m, place.at.north_m - beside_m, amsl);
         Course {
             here,
             ..course.clone()
@@ -262,10 +267,14 @@ impl<'a> Present<'a> {
         mission
             .items
             .retain(|item| item.command != command::NAV_DELAY);
-        #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
-        let delay_s = depart_s as f32;
-        let wait = Item::without_place(command::NAV_DELAY, [delay_s, -1.0, -1.0, -1.0]);
-        mission.items.insert(0, wait);
+        // ArduPlane does not wait by itself: the verdict knows when it is launched.
+        let is_launched = vehicle.airframe.has_wing() && vehicle.autopilot == Autopilot::ArduPilot;
+        if !is_launched {
+            #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
+            let delay_s = depart_s as f32;
+            let wait = Item::without_place(command::NAV_DELAY, [delay_s, -1.0, -1.0, -1.0]);
+            mission.items.insert(0, wait);
+        }
         let vehicle = Vehicle {
             depart_s,
             ..vehicle.clone()

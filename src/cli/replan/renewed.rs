@@ -1,6 +1,6 @@
 //! The new mission of a vehicle in flight, as it is sent and as its flight is held against it.
 
-use super::course::{Course, Parting};
+use super::course::{Course, Parting, is_takeoff};
 use crate::flight::{Plan, Reference, Waypoint};
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::mission::{Item, VehicleMission, command};
@@ -105,7 +105,7 @@ impl Renewed {
 
 /// Items before the first that is flown to after a takeoff.
 pub(super) fn head_len(items: &[Item]) -> usize {
-    let is_head = |item: &&Item| item.command == command::NAV_TAKEOFF || item.place().is_none();
+    let is_head = |item: &&Item| is_takeoff(item) || item.place().is_none();
     items.iter().take_while(is_head).count()
 }
 
