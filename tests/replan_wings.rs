@@ -44,7 +44,7 @@ fn planned(spec: &str) -> (tempfile::TempDir, PathBuf) {
 fn fly(folder: &Path) -> Child {
     Command::new(cargo_bin("sortie"))
         .current_dir(folder)
-        .args(["fly", "lanes.yaml", "--speedup", "12"])
+        .args(["fly", "lanes.yaml", "--speedup", "16"])
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())

@@ -11,7 +11,7 @@ use super::table::Rows;
 use crate::link::List;
 use crate::mission;
 use crate::spec::SpecFile;
-use crate::vehicle::{self, Profile, Running, Simulated, Weather};
+use crate::vehicle::{self, Profile, Running, Simulated, Surroundings, Weather};
 use crate::world;
 
 pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
@@ -27,7 +27,14 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
             Some(ProfileName::Px4) => Profile::Px4,
             Some(ProfileName::Generic) => Profile::Generic,
         };
-        let vehicle = vehicle::spawn(&Simulated {
+        let surroundings = Surroundings {
+            heading_rad: this
+                .wing
+                .and_then(|wing| wing.takeoff_heading_rad)
+                .unwrap_or(0.0),
+            ..Surroundings::default()
+        };
+        let simulated = Simulated {
             profile,
             airframe: this.airframe,
             sysid: this.sysid,
@@ -39,8 +46,8 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
                 delay_ms: arguments.delay,
                 seed: arguments.seed,
             },
-        })
-        .map_err(|error| {
+        };
+        let vehicle = vehicle::spawn_in(&simulated, surroundings, 1.0).map_err(|error| {
             let message = format!("{}: the vehicle does not start: {error}", this.id);
             Failure::new(Failure::TRANSFER, message)
         })?;

@@ -443,6 +443,7 @@ fn stage_word(craft: &Craft<'_>) -> &'static str {
         (Stage::Arming, _) => "arms",
         (Stage::Armed, _) => "armed",
         (Stage::Starting, _) => "starts",
+        (Stage::Flying, Some(Told::Hold)) if craft.of.mission.airframe.has_wing() => "circles",
         (Stage::Flying, Some(Told::Hold)) => "stops",
         (Stage::Flying, Some(Told::Land)) => "lands",
         (Stage::Flying, None) if craft.in_mission => "flies",

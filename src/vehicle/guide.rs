@@ -103,3 +103,88 @@ impl Motion {
 pub(super) fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(TAU) - PI
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::Airframe;
+    use crate::vehicle::body::Body;
+    use crate::vehicle::profile::Profile;
+    use crate::vehicle::settings::Settings;
+    use crate::vehicle::wing::{Wanted, Wing};
+
+    const STEP_S: f64 = 0.05;
+
+    /// Flies for a while from the origin northward in an air that moves, and tells where to.
+    fn flown(
+        profile: Profile,
+        air_mps: [f64; 2],
+        seconds: f64,
+        across: impl Fn(&Motion, &WingLimits) -> f64,
+    ) -> [f64; 2] {
+        let limits = Settings::of(profile, Airframe::Plane).wing();
+        let mut body = Body {
+            at_m: [0.0; 3],
+            velocity_mps: [air_mps[0], 18.0 + air_mps[1], 0.0],
+        };
+        let mut wing = Wing::of(&body, 0.0, air_mps);
+        let mut t_s = 0.0;
+        while t_s < seconds {
+            let motion = Motion {
+                at_m: [body.at_m[0], body.at_m[1]],
+                velocity_mps: [body.velocity_mps[0], body.velocity_mps[1]],
+            };
+            let wanted = Wanted {
+                across_mps2: across(&motion, &limits),
+                bank_rad: limits.bank_rad,
+                climb_mps: 0.0,
+                airspeed_mps: 18.0,
+            };
+            wing.step(&mut body, &wanted, air_mps, STEP_S);
+            t_s += STEP_S;
+        }
+        [body.at_m[0], body.at_m[1]]
+    }
+
+    #[test]
+    fn a_leg_is_found_from_beside_it_and_held_in_a_wind_from_anywhere() {
+        for profile in [Profile::ArduPilot, Profile::Px4] {
+            for air_mps in [[0.0, 0.0], [6.0, 0.0], [-4.0, 5.0], [0.0, -6.0]] {
+                for beside_m in [-150.0, 40.0, 300.0] {
+                    let leg = Leg {
+                        from_m: [beside_m, -100.0, 0.0],
+                        to_m: [beside_m, 5000.0, 0.0],
+                    };
+                    let at_m = flown(profile, air_mps, 90.0, |motion, limits| {
+                        motion.along(&leg, limits)
+                    });
+                    assert!(
+                        (at_m[0] - beside_m).abs() < 0.5,
+                        "{profile:?} {air_mps:?}: {at_m:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_circle_is_found_and_held_to_either_side() {
+        for profile in [Profile::ArduPilot, Profile::Px4] {
+            for air_mps in [[0.0, 0.0], [5.0, 0.0]] {
+                for radius_m in [100.0, -100.0] {
+                    for seconds in [100.0, 107.0, 120.0] {
+                        let middle_m = [50.0, 600.0];
+                        let at_m = flown(profile, air_mps, seconds, |motion, limits| {
+                            motion.around(middle_m, radius_m, limits).0
+                        });
+                        let away_m = (at_m[0] - middle_m[0]).hypot(at_m[1] - middle_m[1]);
+                        assert!(
+                            (away_m - 100.0).abs() < 8.0,
+                            "{profile:?} {air_mps:?} {radius_m}: {away_m}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
