@@ -64,7 +64,7 @@ fn every_shipped_wing_flies_its_mission_and_its_limits_hold() {
     for spec in &shipped {
         well(sortie(&["plan", "--out"], spec, &out(spec)), spec);
     }
-    let fly = |spec: &Path| sortie(&["fly", "--speedup", "40", "--dir"], spec, &out(spec));
+    let fly = |spec: &Path| sortie(&["fly", "--speedup", "30", "--dir"], spec, &out(spec));
     let flying: Vec<Child> = shipped.iter().map(|spec| fly(spec)).collect();
     for ((child, spec), (_, end)) in flying.into_iter().zip(&shipped).zip(SHIPPED) {
         let flown = well(child, spec);

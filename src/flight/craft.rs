@@ -1,6 +1,7 @@
 //! One vehicle of the fleet, from the first heartbeat to the end of its flight.
 
 mod checks;
+mod ending;
 mod lap;
 
 use std::collections::VecDeque;
@@ -9,7 +10,6 @@ use super::asking::{Answer, Asking};
 use super::clock::Offset;
 use super::end::End;
 use super::modes;
-use super::readiness::STANDS_M;
 use super::record::{Fix, Flown};
 use super::reference::Reference;
 use super::settings::SettingsCheck;
@@ -18,7 +18,7 @@ use crate::link::{
     Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
-use crate::spec::{Airframe, Autopilot};
+use crate::spec::Autopilot;
 use lap::Lap;
 
 /// How long arming is tried, milliseconds: position estimates settle after a start.
@@ -27,12 +27,6 @@ const ARMING_MS: u64 = 20_000;
 const AGAIN_MS: u64 = 1000;
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
-/// A vehicle that stays for ever has come to its place this near, metres.
-const ARRIVED_M: f64 = 5.0;
-/// A plane that rolled out stands this near the place of its landing, metres.
-const RUNS_OUT_M: f64 = 150.0;
-/// Slower than this a vehicle stays where it is, m/s.
-const STILL_MPS: f64 = 0.5;
 /// Most of its texts that are kept while it is armed.
 const MOST_WARNINGS: usize = 5;
 
@@ -316,27 +310,6 @@ impl<'a> Craft<'a> {
         }
     }
 
-    /// It stopped its motors by itself: where it should, or elsewhere.
-    fn landing(&self) -> End {
-        let planned = self.of.mission.items.iter().rev();
-        let place = planned.filter_map(crate::mission::Item::place).next();
-        let away_m = match (place, self.latest) {
-            (Some(place), Some((_, fix))) => place.chord_m(fix.place),
-            _ => f64::INFINITY,
-        };
-        let near_m = match self.of.mission.airframe {
-            Airframe::Plane => RUNS_OUT_M,
-            Airframe::Copter | Airframe::Vtol => STANDS_M,
-        };
-        if self.of.reference.lands && away_m <= near_m {
-            End::Landed
-        } else {
-            End::Failed(format!(
-                "stopped its motors {away_m:.0} m from the end of its mission"
-            ))
-        }
-    }
-
     /// Does what is due. `interval_us` is how often positions are wanted.
     pub(super) fn tick(&mut self, now: Time, interval_us: f32) {
         self.work(now);
@@ -420,22 +393,6 @@ impl<'a> Craft<'a> {
         }
     }
 
-    /// A plane comes down on the approach of its mission, the only one that was judged.
-    fn land_by_mission(&mut self) {
-        if self.of.reference.lands {
-            self.said
-                .push_back("lands as planned, at the end of its mission".to_owned());
-            self.told = None;
-            if !self.in_mission {
-                self.command([modes::start(self.of.mission)]);
-            }
-        } else {
-            self.said
-                .push_back("has no landing in its mission: it circles where it is".to_owned());
-            self.tell(Told::Hold);
-        }
-    }
-
     fn obeyed(&mut self) {
         if !self.orders.is_empty() {
             return;
@@ -473,55 +430,6 @@ impl<'a> Craft<'a> {
         let said = std::mem::take(&mut self.warnings);
         let why = std::iter::once(what.to_owned()).chain(said);
         self.stage = Stage::Refused(vec![why.collect::<Vec<_>>().join("; ")]);
-    }
-
-    /// Whether it stays at the end of its mission, or where it was told to.
-    pub(super) fn look_whether_it_stays(&mut self) {
-        let Some((_, fix)) = self.latest else { return };
-        if !matches!(self.stage, Stage::Flying) || !self.airborne {
-            return;
-        }
-        if self.of.mission.airframe.has_wing() {
-            return self.look_whether_it_circles(fix);
-        }
-        if fix.speed_mps > STILL_MPS {
-            return;
-        }
-        if self.told == Some(Told::Hold) && self.asking.is_none() {
-            return self.end(End::Held);
-        }
-        // Another mission may have been given to it meanwhile.
-        let rows = self.total.unwrap_or(self.of.mission.items.len());
-        let place = self
-            .of
-            .mission
-            .items
-            .last()
-            .and_then(crate::mission::Item::place);
-        let is_there = place.is_some_and(|place| place.chord_m(fix.place) < ARRIVED_M);
-        if !self.of.reference.lands && self.in_mission && self.item >= rows && is_there {
-            self.end(End::Loitering);
-        }
-    }
-
-    /// A wing stays where it has flown a whole circle.
-    fn look_whether_it_circles(&mut self, fix: Fix) {
-        let Some((_, beat)) = self.vehicle else {
-            return;
-        };
-        let is_held = self.told == Some(Told::Hold)
-            && self.asking.is_none()
-            && modes::is_circling(self.of.mission, beat.custom_mode);
-        let rows = self.total.unwrap_or(self.of.mission.items.len());
-        let reference = &self.of.reference;
-        let stays = !reference.lands && self.in_mission && self.item >= rows;
-        let at = reference.frame().to_plan(fix.place);
-        let circles = is_held || stays && reference.is_on_circle(at);
-        if !circles {
-            self.lap = Lap::default();
-        } else if self.lap.is_whole_with(at) {
-            self.end(if is_held { End::Held } else { End::Loitering });
-        }
     }
 
     pub(super) fn end(&mut self, end: End) {
