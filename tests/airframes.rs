@@ -85,6 +85,7 @@ fn plane(autopilot: Autopilot) -> Vehicle {
             }),
             loiter_radius_m: 100.0,
             wind: None,
+            ceiling: Amsl(1500.0),
         }),
         ..support::copter("heron", 1, start, goal)
     }

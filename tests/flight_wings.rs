@@ -131,6 +131,7 @@ fn plane(id: &str, sysid: u8, autopilot: Autopilot, lat: f64) -> Vehicle {
             }),
             loiter_radius_m: 100.0,
             wind: None,
+            ceiling: Amsl(1500.0),
         }),
         ..support::copter(id, sysid, start, goal)
     }

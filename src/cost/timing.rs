@@ -43,7 +43,7 @@ impl Timing {
         };
         Self {
             start_s: leg.start_s,
-            speed_mps: way_speed_mps(vehicle, leg.from.at, leg.to.at),
+            speed_mps: way_speed_mps(vehicle, leg.from, leg.to),
             accel_mps2: vehicle.accel_mps2,
             after,
             after_km: spec.separation.distance_m / 1000.0,

@@ -1,9 +1,11 @@
 //! The earth: WGS84, ECEF, the local frame, the geoid, and what an altitude refers to.
 
 mod altitude;
+mod atmosphere;
 mod frame;
 mod geoid;
 
 pub use altitude::{AboveHome, Agl, Amsl, Ellipsoid};
+pub use atmosphere::true_airspeed_ratio;
 pub use frame::{EastNorth, GeodesyError, LatLon, LocalFrame, PlanPoint};
 pub use geoid::Geoid;

@@ -4,8 +4,9 @@
 //! Where a later firmware has another name, both are written, and a vehicle knows one of them.
 
 use super::item::Parameter;
+use crate::geodesy::Amsl;
 use crate::path::{SLOW_LANDING_M, VehicleLimits, slow_landing_mps};
-use crate::spec::{Airframe, Autopilot, MissionOptions, Vehicle, Wing};
+use crate::spec::{Airframe, Autopilot, MissionOptions, Vehicle, Wing, turn_radius_by_load_m};
 
 /// Turn radius of a vehicle at its planned speed, metres.
 #[must_use]
@@ -76,8 +77,12 @@ fn arduplane(vehicle: &Vehicle, wing: &Wing, has_fence: bool) -> Vec<Parameter> 
     list.add("TECS_SINK_MAX", vehicle.descent_mps, descent);
     list.add(
         "WP_RADIUS",
-        turn_radius_m(vehicle).ceil(),
-        "turns onto the next leg begin no further before a waypoint than this",
+        turn_radius_by_load_m(
+            vehicle.fastest_at_mps(vehicle.speed_mps, Amsl(0.0)),
+            vehicle.max_load_factor,
+        )
+        .ceil(),
+        "turns onto the next leg begin no further before a waypoint than this, at sea level",
     );
     let [new, old] = ALTITUDE_SLOPE_MIN;
     list.add(new, 1.0, "smaller changes of altitude are flown at once, m");

@@ -158,7 +158,7 @@ fn winged(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> 
 fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], vehicle: &Vehicle) {
     for &point in way {
         if let Some(&last) = points.last() {
-            let speed_mps = wing::way_speed_mps(vehicle, last.point.at, point.at);
+            let speed_mps = wing::way_speed_mps(vehicle, last.point, point);
             let t_s = last.t_s + last.point.at.distance_m(point.at) / speed_mps;
             points.push(TimedPoint { point, t_s });
         }
@@ -269,7 +269,7 @@ fn append_route(points: &mut Vec<TimedPoint>, route: &[PlanPoint], vehicle: &Veh
 /// The speed over the ground to plan a route with, m/s.
 fn speed_between(vehicle: &Vehicle, route: &[PlanPoint]) -> f64 {
     match route {
-        [first, .., last] => wing::way_speed_mps(vehicle, first.at, last.at),
+        [first, .., last] => wing::way_speed_mps(vehicle, *first, *last),
         _ => vehicle.speed_mps,
     }
 }

@@ -45,7 +45,7 @@ pub fn climb_out(
     top: Amsl,
 ) -> ClimbOut {
     let limits = VehicleLimits::of(vehicle);
-    let speed_mps = speed_on(vehicle, heading_rad);
+    let speed_mps = speed_on(vehicle, heading_rad, top);
     let run_m = speed_mps * speed_mps / (2.0 * limits.accel_mps2);
     let lift_off = along(home, heading_rad, run_m);
     let rise_m = (top.0 - ground(lift_off).0).max(0.0);
@@ -163,18 +163,19 @@ pub fn join(
 
 /// The speed over the ground to plan with on a course, m/s; the planned one where the wind
 /// is too strong for any.
-fn speed_on(vehicle: &Vehicle, course_rad: f64) -> f64 {
+fn speed_on(vehicle: &Vehicle, course_rad: f64, at: Amsl) -> f64 {
     let speed_mps = vehicle.speed_mps;
     vehicle
-        .ground_speed_mps(speed_mps, course_rad)
+        .ground_speed_mps(speed_mps, at, course_rad)
         .unwrap_or(speed_mps)
 }
 
-/// The speed over the ground to plan a way between two places with, m/s: that on the
-/// straight one.
+/// The speed over the ground to plan a way between two points with, m/s: that on the
+/// straight one, halfway up.
 #[must_use]
-pub fn way_speed_mps(vehicle: &Vehicle, from: EastNorth, to: EastNorth) -> f64 {
-    speed_on(vehicle, heading_rad(from, to))
+pub fn way_speed_mps(vehicle: &Vehicle, from: PlanPoint, to: PlanPoint) -> f64 {
+    let halfway = Amsl(0.5 * (from.amsl.0 + to.amsl.0));
+    speed_on(vehicle, heading_rad(from.at, to.at), halfway)
 }
 
 /// The course from a place to another, radians clockwise from north.

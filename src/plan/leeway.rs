@@ -206,7 +206,7 @@ fn retimed(
         let (Some(first), Some(last)) = (points.first(), points.last()) else {
             continue;
         };
-        let speed_mps = way_speed_mps(&vehicle, first.at, last.at);
+        let speed_mps = way_speed_mps(&vehicle, *first, *last);
         route.path = time_route(&points, start_s, speed_mps, vehicle.accel_mps2);
         start_s = route.path.last().map_or(start_s, |last| last.t_s);
     }

@@ -119,7 +119,7 @@ fn route(course: &Course<'_>, found: &Found) -> Route {
         path: time_route(
             &points,
             course.leg.start_s,
-            way_speed_mps(course.vehicle(), course.leg.from.at, course.leg.to.at),
+            way_speed_mps(course.vehicle(), course.leg.from, course.leg.to),
             course.vehicle().accel_mps2,
         ),
     }

@@ -1,6 +1,6 @@
 //! A vehicle of the checked spec: what it is, where it goes, what it can.
 
-use crate::geodesy::{Agl, Amsl, LatLon};
+use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
 use super::model::Wind;
 
@@ -26,7 +26,7 @@ pub struct Vehicle {
     pub goal: EndPoint,
     /// What happens at the goal.
     pub finish: Finish,
-    /// Planned speed, m/s: over the ground, on a wing through the air.
+    /// Planned speed, m/s: over the ground, on a wing the indicated airspeed.
     pub speed_mps: f64,
     /// Turn overload n_max; the turn radius is `v^2 / (g sqrt(n^2 - 1))`.
     pub max_load_factor: f64,
@@ -89,6 +89,8 @@ pub struct Wing {
     pub loiter_radius_m: f64,
     /// The wind of the spec: it carries what holds its airspeed.
     pub wind: Option<Wind>,
+    /// The ceiling of the area, where a wing is fastest at its indicated airspeed.
+    pub ceiling: Amsl,
 }
 
 /// The straight approach to a landing.
@@ -129,20 +131,41 @@ impl Vehicle {
         })
     }
 
-    /// Greatest speed over the ground, m/s: the planned one, on a wing and the wind's.
+    /// Greatest speed over the ground, m/s: the planned one, on a wing that at the ceiling of
+    /// the area, and the wind's.
     #[must_use]
     pub fn fastest_mps(&self) -> f64 {
-        self.carried_by()
-            .map_or(self.speed_mps, |wind| self.speed_mps + wind.speed_mps)
+        match self.wing {
+            Some(wing) => self.fastest_at_mps(self.speed_mps, wing.ceiling),
+            None => self.speed_mps,
+        }
     }
 
-    /// Speed over the ground on a course (radians clockwise from north) at a commanded
-    /// speed: on a wing an airspeed. None if the wind is too strong to hold that course.
+    /// Greatest speed over the ground at a commanded speed and an altitude, m/s.
     #[must_use]
-    pub fn ground_speed_mps(&self, speed_mps: f64, course_rad: f64) -> Option<f64> {
+    pub fn fastest_at_mps(&self, speed_mps: f64, at: Amsl) -> f64 {
+        let wind_mps = self.carried_by().map_or(0.0, |wind| wind.speed_mps);
+        self.through_air_mps(speed_mps, at) + wind_mps
+    }
+
+    /// A commanded speed as it moves the vehicle at an altitude, m/s: on a wing the indicated
+    /// airspeed, in the thinner air above the sea a greater true one.
+    fn through_air_mps(&self, speed_mps: f64, at: Amsl) -> f64 {
+        match self.wing {
+            Some(_) => speed_mps * true_airspeed_ratio(at),
+            None => speed_mps,
+        }
+    }
+
+    /// Speed over the ground on a course (radians clockwise from north) at an altitude and a
+    /// commanded speed: on a wing an indicated airspeed. None if the wind is too strong to
+    /// hold that course.
+    #[must_use]
+    pub fn ground_speed_mps(&self, speed_mps: f64, at: Amsl, course_rad: f64) -> Option<f64> {
+        let through_mps = self.through_air_mps(speed_mps, at);
         match self.carried_by() {
-            Some(wind) => wind.ground_speed_mps(speed_mps, course_rad),
-            None => Some(speed_mps),
+            Some(wind) => wind.ground_speed_mps(through_mps, course_rad),
+            None => Some(through_mps),
         }
     }
 

@@ -4,6 +4,8 @@
 //! A point with an airspeed, a heading and a bank; its turns are coordinated, and its motor
 //! and rudders follow commands as assumed here, not as measured on an aircraft.
 
+use crate::geodesy::{Amsl, true_airspeed_ratio};
+
 use super::body::Body;
 use super::height::Height;
 
@@ -49,11 +51,9 @@ pub(super) struct Wanted {
     pub(super) airspeed_mps: f64,
 }
 
-/// True airspeed over equivalent airspeed at an altitude of the standard atmosphere (ISO 2533,
-/// below 11 km): `sqrt(1.225 / density)`.
+/// True airspeed over equivalent airspeed at an altitude, metres.
 pub(super) fn true_over_equivalent(amsl_m: f64) -> f64 {
-    let density = (1.0 - 2.255_77e-5 * amsl_m.clamp(-500.0, 11_000.0)).powf(4.2559);
-    density.sqrt().recip()
+    true_airspeed_ratio(Amsl(amsl_m))
 }
 
 impl Wing {

@@ -37,6 +37,9 @@ pub(super) struct Chord {
     pub(super) slope_from_m: Option<f64>,
     /// Whether the vehicle is on the ground at the lower end.
     pub(super) grounded: bool,
+    /// Where a real vehicle may be further from it than `error_m`, by so much, metres: for the
+    /// separation, what is nearer to the ground is judged by unflown chords.
+    pub(super) wide_m: f64,
     /// By how much the vehicle may be late here, for the stops behind it, seconds.
     pub(super) late_s: f64,
     /// Whether it is flown: the ends of a leg beside a fillet are judged in space, not in time.
@@ -62,6 +65,7 @@ impl Chord {
             agl_m: None,
             slope_from_m: None,
             grounded: false,
+            wide_m: 0.0,
             late_s: 0.0,
             flown: false,
         }

@@ -85,12 +85,11 @@ pub(super) struct Run {
     pub(super) peak_mps: Vec<f64>,
 }
 
-/// The turn radius at a commanded speed, metres: it grows with the square of the greatest
-/// speed over the ground.
-fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64) -> f64 {
+/// The turn radius at a commanded speed and an altitude, metres: it grows with the square of
+/// the greatest speed over the ground.
+fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64, at: Amsl) -> f64 {
     let limits = VehicleLimits::of(vehicle);
-    let wind_mps = limits.fastest_mps - vehicle.speed_mps;
-    let ratio = (speed_mps + wind_mps) / limits.fastest_mps;
+    let ratio = vehicle.fastest_at_mps(speed_mps, at) / limits.fastest_mps;
     limits.turn_radius_m * ratio * ratio
 }
 
@@ -102,17 +101,24 @@ pub(super) fn ground_speeds(knots: &[Knot], vehicle: &Vehicle) -> Result<Vec<f64
     let legs = knots.windows(2);
     legs.map(|pair| {
         let course_rad = heading_rad(pair[0].at, pair[1].at);
-        ground_speed(vehicle, &pair[1], course_rad)
+        let halfway = Amsl(0.5 * (pair[0].amsl_m + pair[1].amsl_m));
+        ground_speed(vehicle, &pair[1], halfway, course_rad)
     })
     .collect()
 }
 
-/// The speed over the ground on a course, as commanded on the leg that leads to a knot, m/s.
+/// The speed over the ground on a course at an altitude, as commanded on the leg that leads to
+/// a knot, m/s.
 ///
 /// # Errors
 /// The wind does not let the vehicle hold that course.
-pub(super) fn ground_speed(vehicle: &Vehicle, to: &Knot, course_rad: f64) -> Result<f64, Unknown> {
-    let ground_mps = vehicle.ground_speed_mps(to.speed_mps, course_rad);
+pub(super) fn ground_speed(
+    vehicle: &Vehicle,
+    to: &Knot,
+    at: Amsl,
+    course_rad: f64,
+) -> Result<f64, Unknown> {
+    let ground_mps = vehicle.ground_speed_mps(to.speed_mps, at, course_rad);
     ground_mps.ok_or_else(|| Unknown {
         row: to.row,
         why: format!(
@@ -262,7 +268,8 @@ fn corners(knots: &[Knot], vehicle: &Vehicle) -> Vec<Corner> {
         // The tangent of a full reversal has no end: 89.9 degrees are long enough to fail.
         let half_rad = (0.5 * turn_rad.abs()).min(89.9_f64.to_radians());
         let speed_mps = trio[1].speed_mps.max(trio[2].speed_mps);
-        let wanted_m = turn_radius_m(vehicle, speed_mps) * half_rad.tan();
+        let at = Amsl(trio[1].amsl_m);
+        let wanted_m = turn_radius_m(vehicle, speed_mps, at) * half_rad.tan();
         corners[index + 1] = Corner {
             turn_rad,
             wanted_m,

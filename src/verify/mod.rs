@@ -46,7 +46,11 @@
 //!   stop, do not allow it. On the straight parts the vehicle speeds up, cruises and
 //!   slows down with `accel_mps2`.
 //!
-//! **Wind.** A copter holds its ground speed in any wind. On a wing speeds are airspeeds `a`: on a
+//! **Air.** On a wing commanded speeds are indicated airspeeds. At an altitude `z` its speed through
+//! the air `a` is greater by `(1 - 2.25577e-5 z)^-2.12794` (the standard atmosphere): on a leg at that
+//! of its middle, for the radius of a corner at that of the corner.
+//!
+//! **Wind.** A copter holds its ground speed in any wind. A wing with the airspeed `a` on a
 //! course that the wind `w` crosses at an angle `e` off its origin it makes `sqrt(a^2 - (w sin
 //! e)^2) - w cos e` over the ground, and what cannot make 1 m/s is not judged from there on. `R`
 //! is that of `a + w`. Along an arc the ground speed changes evenly from one leg's to the other's.
@@ -58,6 +62,11 @@
 //! **Lag.** ArduPlane is 3.3 s of its climb below a slope upwards and as much above one downwards,
 //! and still on the leg after: legs are judged there as well, in space, by the greater of their own
 //! climb and that of the leg before. Not where the ground is followed, nor on climb-out and glide.
+//!
+//! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/l1.rs`: the way that it gives
+//! is judged in space besides the legs, and for the separation the vehicle is anywhere within what
+//! that way is beside the legs 2 s before and after, and late by what it takes longer. A climb-out
+//! of ArduPlane is judged 14 m higher from 0.4 of it on, and straight on from there to the next place.
 //!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
 //! row; PX4 then goes on to the item's place where that is more than `tolerance_m` away,
@@ -89,6 +98,7 @@ mod doubt;
 mod fence;
 mod flight;
 mod home;
+mod l1;
 mod legs;
 mod outline;
 mod pilot;
@@ -98,6 +108,7 @@ mod ribbon;
 mod separation;
 mod space;
 mod surface;
+mod swing;
 mod tecs;
 mod wing;
 mod winged;

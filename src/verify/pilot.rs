@@ -9,6 +9,7 @@ use crate::world::{Stations, Terrain, World};
 use super::chord::Phase;
 use super::decode::{self, Height, Order, Step, Unknown};
 use super::flight::{End, Flight, Legs, Mark, Slope};
+use super::l1::Guidance;
 use super::legs::{self, Knot};
 use super::ribbon::Ribbon;
 use super::tecs;
@@ -43,6 +44,8 @@ pub(super) fn fly(
         knots: Vec::new(),
         moving_mps: 0.0,
         at_once_m: tecs::threshold_m(mission),
+        guidance: Guidance::of(vehicle, mission),
+        early_top: None,
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.ribbon.chords;
@@ -91,6 +94,10 @@ pub(super) struct Pilot<'a> {
     pub(super) moving_mps: f64,
     /// Smaller changes of altitude are not spread along the leg, metres.
     pub(super) at_once_m: f64,
+    /// What steers it, if that is known to leave its legs.
+    pub(super) guidance: Option<Guidance>,
+    /// Where a plane may have the height of its takeoff, until it goes on from there.
+    pub(super) early_top: Option<PlanPoint>,
 }
 
 impl Pilot<'_> {
@@ -417,10 +424,12 @@ impl Pilot<'_> {
         };
         self.flight
             .take_stock(&legs, &self.ribbon.chords, self.ribbon.t_s);
+        self.lay_beside(&knots, &firsts)?;
+        self.lay_swings(&knots, &grounds_mps, &firsts)?;
         if last_mps <= 0.0 {
             self.ribbon.late_s += STOP_LATE_S;
         }
-        self.lay_beside(&knots, &firsts)
+        Ok(())
     }
 
     /// Altitude above the sea, and above the ground if the item says so.

@@ -93,6 +93,7 @@ impl<'a> Ribbon<'a> {
             agl_m: None,
             slope_from_m: None,
             grounded,
+            wide_m: 0.0,
             late_s: self.late_s,
             flown: true,
         });
@@ -153,6 +154,7 @@ impl<'a> Ribbon<'a> {
             agl_m: None,
             slope_from_m: knots[piece.leg + 1].slope_from_m,
             grounded: false,
+            wide_m: 0.0,
             late_s: self.late_s,
             flown: true,
         };
@@ -222,6 +224,17 @@ impl<'a> Ribbon<'a> {
     ) -> Result<(), Unknown> {
         let ends = (here_at(from.at), here_at(to.at));
         self.lay(Chord::unflown((to.row, to.phase), when_s, ends), line)
+    }
+
+    /// Lays a piece of a leg that may be flown beside its line, to be judged in space: from one
+    /// place to another, each at the altitude of a fraction of the leg.
+    pub(super) fn lay_aside(
+        &mut self,
+        chord: Chord,
+        fractions: (f64, f64),
+        line: &AltitudeLine,
+    ) -> Result<(), Unknown> {
+        self.lay(chord, &line.part(fractions))
     }
 
     /// Lays one chord with its altitudes; over terrain that is followed, several.

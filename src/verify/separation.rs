@@ -128,7 +128,7 @@ impl Bounds {
             to_s: chord.to_s,
             low: from.inf(&to),
             high: from.sup(&to),
-            error_m: chord.error_m,
+            error_m: chord.error_m + chord.wide_m,
             late_s: chord.late_s,
         }
     }
@@ -169,7 +169,7 @@ impl Bounds {
 impl Metric {
     /// The closest approach of two chords, less what the chords may be off.
     fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
-        let error_m = a.error_m + b.error_m;
+        let error_m = a.error_m + a.wide_m + b.error_m + b.wide_m;
         let shift_s = with_stops_s(self.shift_s, a.late_s, b.late_s);
         let (middle_s, slack_s) = (
             0.5 * (shift_s.least + shift_s.most),
@@ -314,7 +314,9 @@ impl Near {
         /// More than rounding may take from a distance, metres.
         const HAIR_M: f64 = 1e-3;
         let chords = timelines.iter().flat_map(|timeline| &timeline.chords);
-        let error_m = chords.map(|chord| chord.error_m).fold(0.0, f64::max);
+        let error_m = chords
+            .map(|chord| chord.error_m + chord.wide_m)
+            .fold(0.0, f64::max);
         let fleet = timelines.iter().map(|timeline| {
             let late_s = timeline.span().map_or(0.0, |span| span.late_s);
             (timeline.vehicle, late_s)
@@ -504,6 +506,7 @@ mod tests {
             agl_m: None,
             slope_from_m: None,
             grounded: false,
+            wide_m: 0.0,
             late_s: 0.0,
             flown: true,
         }

@@ -7,6 +7,7 @@ use crate::spec::Autopilot;
 use super::decode::Unknown;
 use super::legs::Knot;
 use super::pilot::Pilot;
+use super::ribbon::AltitudeLine;
 
 /// Default of `ALT_SLOPE_MIN` (`ArduPlane/Parameters.cpp`, 4.7.0-dev of December 2025), metres.
 const DEFAULT_M: f64 = 15.0;
@@ -39,50 +40,66 @@ pub(super) fn threshold_m(mission: &VehicleMission) -> f64 {
 }
 
 impl Pilot<'_> {
-    /// Lays the legs also where ArduPlane may be beside their lines, to be judged in space: at
-    /// the altitude of its end a leg with a small change, flown at once; below or above its line
-    /// one that is a slope or follows one, by the lag. Over followed ground no lag was measured
-    /// and none is laid. `firsts` are the first chords of the legs.
+    /// Lays the legs also where ArduPlane may be over or under their lines, to be judged in
+    /// space. `firsts` are the first chords of the legs.
     pub(super) fn lay_beside(&mut self, knots: &[Knot], firsts: &[usize]) -> Result<(), Unknown> {
-        if self.at_once_m <= 0.0 {
-            return Ok(());
+        let lines = self.lines_beside(knots, firsts)?;
+        for ((pair, when), lines) in knots.windows(2).zip(self.times_s(firsts)).zip(&lines) {
+            for line in lines {
+                self.ribbon.lay_unflown((&pair[0], &pair[1]), when, line)?;
+            }
         }
-        let begin_s = |leg: usize, chords: &[super::chord::Chord], end_s: f64| {
+        Ok(())
+    }
+
+    /// When each leg begins and ends, seconds.
+    pub(super) fn times_s(&self, firsts: &[usize]) -> Vec<(f64, f64)> {
+        let chords = &self.ribbon.chords;
+        let end_s = self.ribbon.t_s;
+        let begin_s = |leg: usize| {
             let first = firsts.get(leg).and_then(|first| chords.get(*first));
             first.map_or(end_s, |chord| chord.from_s)
         };
-        let times: Vec<f64> = (0..=firsts.len())
-            .map(|leg| begin_s(leg, &self.ribbon.chords, self.ribbon.t_s))
-            .collect();
+        (0..firsts.len())
+            .map(|leg| (begin_s(leg), begin_s(leg + 1)))
+            .collect()
+    }
+
+    /// For each leg the altitudes beside its own line: at that of its end where the change is
+    /// small and flown at once; below or above its line where it is a slope or follows one, by
+    /// the lag. Over followed ground no lag was measured and none is given.
+    pub(super) fn lines_beside(
+        &self,
+        knots: &[Knot],
+        firsts: &[usize],
+    ) -> Result<Vec<Vec<AltitudeLine>>, Unknown> {
+        let mut all = Vec::new();
         let mut before_mps = 0.0;
-        for (leg, pair) in knots.windows(2).enumerate() {
-            let ends = (&pair[0], &pair[1]);
-            let when = (times[leg], times[leg + 1]);
-            let line = self.ribbon.altitude_line(ends.0, ends.1)?;
+        for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
+            let mut lines = Vec::new();
+            let line = self.ribbon.altitude_line(&pair[0], &pair[1])?;
             // A climb-out and a glide are always slopes, and judged by half of their height.
-            if ends.1.slope_from_m.is_some() {
-                before_mps = 0.0;
-                continue;
-            }
-            if line.change_m().abs() < self.at_once_m {
-                self.ribbon.lay_unflown(ends, when, &line.end())?;
+            let is_free = self.at_once_m <= 0.0 || pair[1].slope_from_m.is_some();
+            if !is_free && line.change_m().abs() < self.at_once_m {
+                lines.push(line.end());
             }
             let flown_s = when.1 - when.0;
             // A leg without length is no slope.
-            if line.follows || flown_s < LEAST_S {
+            if is_free || line.follows || flown_s < LEAST_S {
                 before_mps = 0.0;
+                all.push(lines);
                 continue;
             }
             let climb_mps = line.change_m() / flown_s;
             let (most_mps, least_mps) = (climb_mps.max(before_mps), climb_mps.min(before_mps));
             for offset_m in [-LAG_S * most_mps.max(0.0), -LAG_S * least_mps.min(0.0)] {
                 if offset_m.abs() > HAIR_M {
-                    self.ribbon
-                        .lay_unflown(ends, when, &line.raised(offset_m))?;
+                    lines.push(line.raised(offset_m));
                 }
             }
             before_mps = climb_mps;
+            all.push(lines);
         }
-        Ok(())
+        Ok(all)
     }
 }

@@ -11,6 +11,7 @@ use super::flight::{Circle, End, Mark};
 use super::legs::{Knot, ground_speed};
 use super::pilot::Pilot;
 use super::space::SLOPE_SHARE;
+use super::swing::{EARLY_SHARE, OVERSHOOT_M};
 
 /// Chords of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
@@ -58,8 +59,34 @@ impl Pilot<'_> {
         self.knots = vec![first];
         let top = self.own_speed(self.knot(row, climb.top.at, top_m, None));
         self.knots.extend(self.in_two(&first, top, ground_m));
+        self.steep_climb(&first, &top);
         self.phase = Phase::Route;
         Ok(())
+    }
+
+    /// ArduPlane climbs out more steeply, goes over the height that it climbs to, and on to the
+    /// next place from where it first has it.
+    fn steep_climb(&mut self, lift_off: &Knot, top: &Knot) {
+        if self.guidance.is_none() {
+            return;
+        }
+        let mix = |a: f64, b: f64| a + (b - a) * EARLY_SHARE;
+        let over = |at: EastNorth| PlanPoint {
+            at,
+            amsl: Amsl(top.amsl_m + OVERSHOOT_M),
+        };
+        let early = EastNorth {
+            east_m: mix(lift_off.at.east_m, top.at.east_m),
+            north_m: mix(lift_off.at.north_m, top.at.north_m),
+        };
+        let t_s = self.ribbon.t_s;
+        let ends = (over(early), over(top.at));
+        let chord = Chord::unflown((top.row, self.phase), (t_s, t_s), ends);
+        self.ribbon.chords.push(chord);
+        self.early_top = Some(PlanPoint {
+            at: early,
+            amsl: Amsl(top.amsl_m),
+        });
     }
 
     /// Glides from where it is to the ground at a place.
@@ -242,7 +269,7 @@ impl Pilot<'_> {
         for index in 0..count {
             let ends = (at(index), at(index + 1));
             let course_rad = heading_rad(ends.0.at, ends.1.at);
-            let step_s = step_m / ground_speed(self.vehicle, &rim, course_rad)?;
+            let step_s = step_m / ground_speed(self.vehicle, &rim, Amsl(rim.amsl_m), course_rad)?;
             self.ribbon.straight((row, self.phase), ends, step_s, false);
             if let Some(chord) = self.ribbon.chords.last_mut() {
                 chord.error_m = CHORD_ERROR_M;

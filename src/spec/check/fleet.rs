@@ -181,6 +181,7 @@ impl Checker<'_> {
             load_factor,
             descent_mps,
             wind,
+            ceiling: map.map_or(Amsl(0.0), |map| map.area.max_amsl),
             way_to_start_m: from.zip(own_home).map(|(start, home)| start.chord_m(home)),
         };
         let wing = self.wing(path, raw, &flown);

@@ -3,6 +3,7 @@
 use super::super::raw;
 use super::super::{Airframe, Landing, Wind, Wing, turn_radius_by_load_m};
 use super::Checker;
+use crate::geodesy::{Amsl, true_airspeed_ratio};
 
 /// A plane stands at least this far from its start, metres.
 const LEAST_RUN_M: f64 = 10.0;
@@ -18,6 +19,8 @@ pub(super) struct Flown {
     pub(super) load_factor: f64,
     pub(super) descent_mps: f64,
     pub(super) wind: Option<Wind>,
+    /// Of the area.
+    pub(super) ceiling: Amsl,
     /// From a home of its own to the start, metres.
     pub(super) way_to_start_m: Option<f64>,
 }
@@ -25,14 +28,19 @@ pub(super) struct Flown {
 impl Flown {
     /// Greatest speed over the ground, m/s.
     fn fastest_mps(&self) -> f64 {
-        self.speed_mps + self.wind.map_or(0.0, |wind| wind.speed_mps)
+        self.true_mps() + self.wind.map_or(0.0, |wind| wind.speed_mps)
+    }
+
+    /// Greatest speed through the air, m/s.
+    fn true_mps(&self) -> f64 {
+        self.speed_mps * true_airspeed_ratio(self.ceiling)
     }
 
     /// Speed over the ground on a course; where the wind is too strong for that, the verdict
     /// says so.
     fn ground_speed_mps(&self, course_rad: f64) -> f64 {
-        let carried = |wind: Wind| wind.ground_speed_mps(self.speed_mps, course_rad);
-        self.wind.and_then(carried).unwrap_or(self.speed_mps)
+        let carried = |wind: Wind| wind.ground_speed_mps(self.true_mps(), course_rad);
+        self.wind.and_then(carried).unwrap_or(self.true_mps())
     }
 }
 
@@ -67,6 +75,7 @@ impl Checker<'_> {
             landing: self.landing(&at("landing"), raw, flown),
             loiter_radius_m: self.loiter_radius(&at("loiter_radius_m"), raw, flown),
             wind: flown.wind,
+            ceiling: flown.ceiling,
         })
     }
 
@@ -134,7 +143,7 @@ impl Checker<'_> {
         if radius_m < least_m {
             let found = format!("{radius_m} m, tighter than the turn radius");
             let allowed = format!(
-                "at least {:.1} m at {} m/s and a load factor of {}",
+                "at least {:.1} m at {:.1} m/s and a load factor of {}",
                 (least_m * 10.0).ceil() / 10.0,
                 flown.fastest_mps(),
                 flown.load_factor
