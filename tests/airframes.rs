@@ -423,7 +423,8 @@ fn seconds_between(review: &Review, rows: (usize, usize)) -> f64 {
 
 #[test]
 fn the_time_on_a_long_leg_is_that_of_the_wind_triangle() {
-    // The route of 6277 m eastward is flown at 15 m/s through the air.
+    // The route of 6277 m eastward is flown at an indicated airspeed of 15 m/s, 480 m above the
+    // sea: by the standard atmosphere 1.16955 kg/m^3, not 1.225, and 15.352 m/s through the air.
     let spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);
     let (mission, still) = judged(&spec);
     let places: Vec<_> = mission.items.iter().map(Item::place).collect();
@@ -436,14 +437,14 @@ fn the_time_on_a_long_leg_is_that_of_the_wind_triangle() {
         .expect("rows");
     assert!(length_m(row) > 3000.0);
     let calm_s = seconds_between(&still, (row, row + 1));
-    assert!((calm_s - length_m(row) / 15.0).abs() < 4.0, "{calm_s}");
+    assert!((calm_s - length_m(row) / 15.352).abs() < 4.0, "{calm_s}");
     for (from_deg, ground_mps) in [
-        (90.0, 10.0),
-        (270.0, 20.0),
-        // 5 m/s across: sqrt(225 - 25).
-        (0.0, 14.142_135),
-        // 3.5355 m/s across and with it: sqrt(225 - 12.5) + 3.5355.
-        (225.0, 18.113_01),
+        (90.0, 10.352),
+        (270.0, 20.352),
+        // 5 m/s across: sqrt(15.352^2 - 25).
+        (0.0, 14.5145),
+        // 3.5355 m/s across and with it: sqrt(15.352^2 - 12.5) + 3.5355.
+        (225.0, 18.4744),
     ] {
         // Other radii would be other waypoints: the same mission, judged in wind.
         let world = world(&spec);

@@ -14,6 +14,7 @@ use serde_json::Value;
 use sky::{Planned, Sky, plan};
 use sortie::dispatch::dispatch;
 use sortie::flight::*;
+use sortie::geodesy::Amsl;
 use sortie::spec::*;
 use support::place;
 

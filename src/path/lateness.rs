@@ -1,10 +1,14 @@
 //! How much later than the flight model real autopilots are.
 //!
-//! Measured on three ArduCopters in ArduPilot's simulator, still air, under `sortie fly` on
-//! `missions/sitl-ardupilot.yaml` at 10 m/s: the takeoff was over 5.5 to 6.0 s late (motors that
-//! spin up, jerk upwards), waypoints were passed 6.1 to 8.5 s late (4.7.0-dev; 6 s with 4.6.0-dev),
-//! and after the one stop with a turn back the vehicle was 10.5 s late, 4.4 s more than before it:
-//! the jerk of `WPNAV_JERK` at either side of a stop.
+//! Measured on ArduCopter 4.7.0-dev of December 2025 in ArduPilot's simulator, still air, under
+//! `sortie fly`, at 10 m/s. Three on the level `missions/sitl-ardupilot.yaml`: 5.5 to 6.0 s late over
+//! their homes (motors that spin up, jerk upwards), 6.1 to 8.5 s at waypoints, 10.5 s after a stop
+//! with a turn back, 4.4 s more than before it (`WPNAV_JERK`). Two over the ridge of Jacksboro: 8.3 s
+//! and, where slopes change by 7 degrees, 11.6 s at waypoints, 16.4 s after a stop, 4.2 s more than
+//! before it. ArduCopter 4.6.0-dev was 6 s late on the first of these.
+//!
+//! ArduPlane (4.7.0-dev, simulated): a plane was 7 to 8 s early at its start, as it runs and climbs
+//! faster than planned; a QuadPlane was 1 s late over its home.
 
 use crate::spec::{Airframe, Span, Vehicle};
 
@@ -14,7 +18,8 @@ pub const STOP_LATE_S: f64 = 4.5;
 
 /// By how much a vehicle may be late from its takeoff on, seconds. Any lateness in the span may
 /// be: a vehicle with lighter propellers, or a simulated one, is less late than those measured.
-/// It is the same for two vehicles of one autopilot and airframe.
+/// It is taken to be the same for two vehicles of one autopilot and airframe: those measured were
+/// within 5.5 s of each other, which is for `time_slack_s` to cover.
 ///
 /// Measured on ArduCopter, assumed of PX4 and of rotors under a wing.
 #[must_use]
@@ -22,7 +27,7 @@ pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
     match vehicle.airframe {
         Airframe::Copter | Airframe::Vtol => Span {
             least: 0.0,
-            most: 8.0,
+            most: 12.0,
         },
         Airframe::Plane => Span {
             least: -9.0,

@@ -77,7 +77,7 @@
 //! ends in the air, stays for ever.
 //!
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,
-//! may be up to 8 s late and a plane up to 9 s early; two of one autopilot and airframe are so alike.
+//! may be up to 12 s late and a plane up to 9 s early; two of one autopilot and airframe are so alike.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
 //! on its own. `src/path/lateness.rs` says what was measured.
 //!

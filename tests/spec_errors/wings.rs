@@ -23,16 +23,17 @@ fn wind_widens_circles_and_steepens_a_glide_with_it() {
             found[0].path, found[0].found, found[0].allowed
         )
     };
-    // 20^2 / (9.80665 sqrt(1.2^2 - 1)) = 61.49.
+    // At 1500 m the standard atmosphere has 1.0581 kg/m^3, not 1.225, and 15 m/s are 16.14:
+    // 21.14^2 / (9.80665 sqrt(1.2^2 - 1)) = 68.7.
     let circle = windy("0", "loiter_radius_m: 80", "loiter_radius_m: 60");
     assert!(
-        circle.contains("loiter_radius_m") && circle.contains("at least 61.5 m at 20 m/s"),
+        circle.contains("loiter_radius_m") && circle.contains("at least 68.8 m at 21.1 m/s"),
         "{circle}"
     );
-    // Landing with 5 m/s behind at 20 m/s: atan(3 / 20).
+    // Landing with 5 m/s behind at 21.14 m/s: atan(3 / 21.14).
     let glide = windy("225", "glide_deg: 5", "glide_deg: 10");
     assert!(
-        glide.contains("glide_deg") && glide.contains("at most 8.5"),
+        glide.contains("glide_deg") && glide.contains("at most 8.1"),
         "{glide}"
     );
 }
@@ -64,8 +65,8 @@ fn a_plane_is_read_with_its_headings_in_radians() {
 fn a_radius_that_is_not_given_has_room_around_the_turn_radius() {
     let text = plane().replace("    loiter_radius_m: 80\n", "");
     let wing = good(&text).vehicles[0].wing.expect("a wing");
-    // 34.6 m at 15 m/s and 1.2 g, and a quarter more.
-    assert!((wing.loiter_radius_m - 44.0).abs() < 1e-9, "{wing:?}");
+    // 40.1 m at 1.2 g and 15 m/s, which are 16.14 m/s at the ceiling of 1500 m, and a quarter more.
+    assert!((wing.loiter_radius_m - 51.0).abs() < 1e-9, "{wing:?}");
 }
 
 #[test]
@@ -98,14 +99,14 @@ fn a_plane_stands_away_from_its_start() {
 fn a_circle_is_not_tighter_than_the_vehicle_can_turn() {
     let (path, words) = broken("loiter_radius_m: 80", "loiter_radius_m: 30");
     assert_eq!(path, "vehicles[0].loiter_radius_m");
-    assert!(words.contains("at least 34.6 m"), "{words}");
+    assert!(words.contains("at least 40.1 m"), "{words}");
 }
 
 #[test]
 fn a_glide_sinks_no_faster_than_the_vehicle_may() {
     let (path, words) = broken("glide_deg: 5", "glide_deg: 15");
     assert_eq!(path, "vehicles[0].landing.glide_deg");
-    assert!(words.contains("at most 11.3 (descent_mps 3)"), "{words}");
+    assert!(words.contains("at most 10.5 (descent_mps 3)"), "{words}");
     assert_eq!(
         broken("glide_deg: 5", "glide_deg: 0.5").0,
         "vehicles[0].landing.glide_deg"

@@ -11,7 +11,7 @@ from .earth import A, axes, distance, ecef, geodetic
 G = 9.80665
 SAME_M = 0.025
 SLOW_M = 10.0
-TAKEOFF_LATE, STOP_LATE = 8.0, 4.5
+TAKEOFF_LATE, STOP_LATE = 12.0, 4.5
 WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 93, 178
 
 
