@@ -620,3 +620,36 @@ fn arduplane_is_judged_three_seconds_of_its_climb_below_an_upward_slope() {
         assert!((exact_m - 80.0).abs() < 0.1, "{exact_m}");
     }
 }
+
+/// How far a vtol that turns north by a right angle stays from a threat east of its second leg,
+/// metres; the threat is 120 m beside the leg, 70 m of them outside of it.
+fn clearance_outside_a_corner(autopilot: Autopilot) -> f64 {
+    let mut vehicle = vtol(autopilot);
+    vehicle.goal.place = place(36.33, -84.25);
+    let mut spec = empty_spec(vec![vehicle]);
+    spec.threats.push(Threat {
+        id: "mast".to_owned(),
+        kind: String::new(),
+        place: place(36.30 + 60.0 / 110_990.0, -84.25 + 120.0 / 89_740.0),
+        radius_m: 50.0,
+    });
+    let world = world(&spec);
+    let stations = &world.stations[0];
+    let corner = sortie::geodesy::PlanPoint {
+        at: world.frame.to_plan(place(36.30, -84.25)),
+        ..stations.start
+    };
+    let route = time_route(&[stations.start, corner, stations.goal], 0.0, 15.0, 2.5);
+    let mission = mission::build(&spec, &world, 0, &[route]).expect("a mission");
+    let review = verify::review(&spec, &world, &[(0, &mission)]);
+    margin(&review, "threat mast").value
+}
+
+#[test]
+fn arduplane_is_judged_where_it_swings_out_of_a_corner() {
+    let exact_m = clearance_outside_a_corner(Autopilot::Px4);
+    assert!((exact_m - 70.0).abs() < 1.0, "{exact_m}");
+    // A second implementation of the law, in Python, has it 23.8 m outside, 59 m after the corner.
+    let swung_m = exact_m - clearance_outside_a_corner(Autopilot::ArduPilot);
+    assert!((swung_m - 23.8).abs() < 0.5, "{swung_m}");
+}

@@ -118,8 +118,11 @@ impl Pilot<'_> {
             let half = |at: EastNorth| share(pair[0].at, pair[1].at, at) >= 0.5;
             let chords = &self.ribbon.chords[first.min(end)..end];
             let planned = chords.iter().find(|chord| chord.flown && half(chord.to.at));
-            let of_leg = fixes.iter().filter(|fix| fix.leg == leg);
-            let flown = of_leg.clone().find(|fix| half(fix.at)).or(of_leg.last());
+            let mut of_leg = fixes.iter().filter(|fix| fix.leg == leg);
+            let flown = of_leg
+                .clone()
+                .find(|fix| half(fix.at))
+                .or(of_leg.next_back());
             let (Some(planned), Some(flown)) = (planned, flown) else {
                 continue;
             };
