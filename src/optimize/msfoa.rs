@@ -29,7 +29,7 @@ use super::{Candidate, Evaluator, Problem, Redraw, Starts};
 pub struct Start {
     /// Centre, in the unit cube.
     pub mean: Vec<f64>,
-    /// Unit of the steps, per variable; the first steps deviate by 0.4 of it.
+    /// Unit of the steps, per variable.
     pub scale: Vec<f64>,
     /// Starts of one class lead to the same valley: later rounds keep one of each.
     pub class: u64,

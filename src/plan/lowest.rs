@@ -17,10 +17,13 @@
 //! candidates give equal bytes whatever was solved before. Where slopes and floor
 //! cannot be met together the slopes are given up: the objective will tell.
 
+mod violated;
+
 use fearless_simd::{Level, dispatch, prelude::*};
 use nalgebra::DMatrix;
 
-use super::pivot::{Basis, Constraint, PAD, greatest};
+use self::violated::TOLERANCE_M;
+use super::pivot::{Basis, Constraint};
 
 /// The weights of one sample: index of the first of four control points, and the
 /// weight of each.
@@ -29,8 +32,6 @@ pub(super) type Row = (usize, [f64; 4]);
 /// A sample where an end point weighs more than this does not constrain: the free
 /// control points could meet it only by leaping.
 const END_WEIGHT: f64 = 0.85;
-/// Violation that counts as none, metres.
-const TOLERANCE_M: f64 = 1e-6;
 
 /// Finds the lowest spline over a floor, for one fixed parametrisation.
 #[derive(Clone, Debug)]
@@ -78,7 +79,18 @@ pub(super) struct Workspace {
     dual: Vec<f64>,
     pivot_row: Vec<f64>,
     bounds: Vec<f64>,
+    /// Constraints to be let into the basis.
+    entering: Vec<Constraint>,
     basis: Basis,
+    /// Whether `basis` solved a neighbour, so that the next one may begin with it.
+    solved: bool,
+}
+
+impl Workspace {
+    /// The next floor begins with the first basis, not with that of the last one solved.
+    pub(super) fn begin_anew(&mut self) {
+        self.solved = false;
+    }
 }
 
 impl LowestSpline {
@@ -178,17 +190,17 @@ impl LowestSpline {
         let base = low - (high - low) - 100.0;
         self.price_controls(&demand.weights, work);
         work.floor.clear();
-        let floors = demand.floor_m.iter().zip(&self.binding);
-        work.floor.extend(floors.map(|(floor_m, binding)| {
-            if *binding {
-                floor_m - base
-            } else {
-                f64::NEG_INFINITY
-            }
-        }));
+        work.floor
+            .extend(demand.floor_m.iter().map(|floor_m| floor_m - base));
+        self.unbind_ends(
+            demand,
+            (amsl_m[0], amsl_m[self.controls - 1]),
+            &mut work.floor,
+        );
         for with_slopes in [true, false] {
             self.start(demand, amsl_m, base, work);
             if self.pivot_until_feasible(simd, demand, with_slopes, work) {
+                work.solved = with_slopes;
                 let last = self.controls - 1;
                 for (altitude, z) in amsl_m[1..last].iter_mut().zip(&work.z[1..last]) {
                     *altitude = base + z;
@@ -196,7 +208,31 @@ impl LowestSpline {
                 return;
             }
         }
+        work.solved = false;
         self.lift(&demand.floor_m, amsl_m);
+    }
+
+    /// Near the ends the floor binds only as far as a flight at the slope limits reaches it.
+    fn unbind_ends(&self, demand: &Demand, (from_m, to_m): (f64, f64), floor: &mut [f64]) {
+        let samples = floor.len();
+        let mut risen_m = from_m;
+        for k in (0..samples).take_while(|&k| !self.binding[k]) {
+            if k > 0 {
+                risen_m += demand.up_m[k - 1];
+            }
+            if k == 0 || demand.floor_m[k] > risen_m {
+                floor[k] = f64::NEG_INFINITY;
+            }
+        }
+        let mut to_go_m = to_m;
+        for k in (0..samples).rev().take_while(|&k| !self.binding[k]) {
+            if k + 1 < samples {
+                to_go_m += demand.down_m[k];
+            }
+            if k + 1 == samples || demand.floor_m[k] > to_go_m {
+                floor[k] = f64::NEG_INFINITY;
+            }
+        }
     }
 
     /// What the altitude of each control point costs.
@@ -210,20 +246,22 @@ impl LowestSpline {
         }
     }
 
-    /// Loads the first basis, or, if that is not dual feasible, the cold one: all at
-    /// base. The cold one always is, because altitude costs are not negative.
+    /// Keeps the basis of the neighbour solved before, if there is one, else loads the
+    /// first one, or, if neither is dual feasible, the cold one: all at base. That always
+    /// is, because altitude costs are not negative.
     fn start(&self, demand: &Demand, amsl_m: &[f64], base: f64, work: &mut Workspace) {
         let (free, last) = (self.controls - 2, self.controls - 1);
         work.z.clear();
         work.z.resize(self.controls, 0.0);
         work.z[0] = amsl_m[0] - base;
         work.z[last] = amsl_m[last] - base;
+        if std::mem::take(&mut work.solved) && self.touches(demand, work) {
+            return;
+        }
         if let Some(first) = &self.first {
             work.basis.active.clone_from(&first.active);
             work.basis.inverse.clone_from(&first.inverse);
-            self.price(work);
-            if work.dual.iter().all(|&y| y >= 0.0) {
-                self.touch_floor(first, demand, base, work);
+            if self.touches(demand, work) {
                 return;
             }
         }
@@ -237,20 +275,30 @@ impl LowestSpline {
         self.price(work);
     }
 
-    /// Altitudes in the first basis.
-    fn touch_floor(&self, first: &Basis, demand: &Demand, base: f64, work: &mut Workspace) {
+    /// Altitudes in the basis; false if it is not dual feasible, or holds a floor that
+    /// does not bind.
+    fn touches(&self, demand: &Demand, work: &mut Workspace) -> bool {
+        self.price(work);
+        if work.dual.iter().any(|&y| y < 0.0) {
+            return false;
+        }
         let last = self.controls - 1;
+        let ends = |k: usize| self.weight(k, 0) * work.z[0] + self.weight(k, last) * work.z[last];
         work.bounds.clear();
-        for active in &first.active {
+        for active in &work.basis.active {
             work.bounds.push(match *active {
-                Constraint::Floor(k) => {
-                    let ends = self.weight(k, 0) * work.z[0] + self.weight(k, last) * work.z[last];
-                    demand.floor_m[k] - base - ends
-                }
-                _ => 0.0,
+                Constraint::Floor(k) => work.floor[k] - ends(k),
+                Constraint::Up(k) => ends(k + 1) - ends(k) - demand.up_m[k],
+                Constraint::Down(k) => ends(k) - ends(k + 1) - demand.down_m[k],
+                Constraint::Base(_) => 0.0,
             });
         }
-        first.add_times(&work.bounds, &mut work.z[1..last]);
+        if work.bounds.iter().any(|bound| !bound.is_finite()) {
+            return false;
+        }
+        work.z[1..last].fill(0.0);
+        work.basis.add_times(&work.bounds, &mut work.z[1..last]);
+        true
     }
 
     /// Dual values of the basis.
@@ -258,60 +306,6 @@ impl LowestSpline {
         let prices = &work.cost[1..self.controls - 1];
         work.basis
             .times(prices.iter().copied().enumerate(), &mut work.dual);
-    }
-
-    /// The most violated constraint and by how much, metres.
-    #[inline(always)]
-    fn most_violated<S: Simd>(
-        &self,
-        simd: S,
-        demand: &Demand,
-        with_slopes: bool,
-        work: &mut Workspace,
-    ) -> Option<(Constraint, f64)> {
-        let count = self.rows.len();
-        work.samples.resize(count, 0.0);
-        for &(first, from, to) in &self.spans {
-            let z = &work.z[first..first + 4];
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i| &self.columns[i][from..to]);
-            let weights = a.iter().zip(b).zip(c).zip(d);
-            for (altitude, (((a, b), c), d)) in work.samples[from..to].iter_mut().zip(weights) {
-                *altitude = a * z[0] + b * z[1] + c * z[2] + d * z[3];
-            }
-        }
-        let pieces = if with_slopes { count - 1 } else { 0 };
-        let padded = (count + 2 * pieces).next_multiple_of(PAD);
-        work.gaps.resize(padded, f64::NEG_INFINITY);
-        work.gaps[count + 2 * pieces..].fill(f64::NEG_INFINITY);
-        let (floors, slopes) = work.gaps.split_at_mut(count);
-        for ((gap, floor), altitude) in floors.iter_mut().zip(&work.floor).zip(&work.samples) {
-            *gap = floor - altitude;
-        }
-        let (ups, downs) = slopes.split_at_mut(pieces);
-        let rises = work.samples[1..].iter().zip(&work.samples);
-        let limits = demand.up_m.iter().zip(&demand.down_m);
-        for (((up, down), (b, a)), (up_m, down_m)) in
-            ups.iter_mut().zip(downs).zip(rises).zip(limits)
-        {
-            *up = b - a - up_m;
-            *down = a - b - down_m;
-        }
-        let (index, violation) = greatest(simd, &work.gaps);
-        let mut worst = (None, TOLERANCE_M);
-        if violation > TOLERANCE_M {
-            let constraint = match index.checked_sub(count) {
-                None => Constraint::Floor(index),
-                Some(piece) if piece < pieces => Constraint::Up(piece),
-                Some(piece) => Constraint::Down(piece - pieces),
-            };
-            worst = (Some(constraint), violation);
-        }
-        for (control, z) in work.z.iter().enumerate().take(self.controls - 1).skip(1) {
-            if -z > worst.1 {
-                worst = (Some(Constraint::Base(control)), -z);
-            }
-        }
-        worst.0.map(|constraint| (constraint, worst.1))
     }
 
     /// Dual simplex; false if the constraints contradict one another, or if it does not
@@ -324,36 +318,50 @@ impl LowestSpline {
         with_slopes: bool,
         work: &mut Workspace,
     ) -> bool {
-        let (free, last) = (self.controls - 2, self.controls - 1);
-        for _ in 0..10 * free + 50 {
-            let Some((entering, violation)) = self.most_violated(simd, demand, with_slopes, work)
-            else {
+        for _ in 0..10 * self.controls + 30 {
+            self.most_violated(simd, demand, with_slopes, work);
+            if work.entering.is_empty() {
                 return true;
-            };
-            // The entering row in terms of the basis.
-            let (basis, row) = (&mut work.basis, &mut work.pivot_row);
-            let minus = |entry: (usize, f64)| (entry.0, -entry.1);
-            match entering {
-                Constraint::Floor(k) => basis.times(self.free_weights(k), row),
-                Constraint::Up(k) => {
-                    let next = self.free_weights(k + 1).map(minus);
-                    basis.times(self.free_weights(k).chain(next), row);
-                }
-                Constraint::Down(k) => {
-                    let this = self.free_weights(k).map(minus);
-                    basis.times(this.chain(self.free_weights(k + 1)), row);
-                }
-                Constraint::Base(control) => {
-                    basis.times(std::iter::once((control - 1, 1.0)), row);
+            }
+            for n in 0..work.entering.len() {
+                let entering = work.entering[n];
+                let violation = self.violation(entering, demand, work);
+                if violation > TOLERANCE_M && !self.pivot((entering, violation), work) {
+                    return false;
                 }
             }
-            let Some(leaving) = Basis::leaving(row, &work.dual) else {
-                return false;
-            };
-            let z = &mut work.z[1..last];
-            basis.exchange(leaving, (entering, violation), row, &mut work.dual, z);
         }
         false
+    }
+
+    /// Lets a violated constraint into the basis; false if none can leave for it, which is
+    /// then because the constraints contradict one another.
+    #[inline(always)]
+    fn pivot(&self, (entering, violation): (Constraint, f64), work: &mut Workspace) -> bool {
+        let last = self.controls - 1;
+        // The entering row in terms of the basis.
+        let (basis, row) = (&mut work.basis, &mut work.pivot_row);
+        let minus = |entry: (usize, f64)| (entry.0, -entry.1);
+        match entering {
+            Constraint::Floor(k) => basis.times(self.free_weights(k), row),
+            Constraint::Up(k) => {
+                let next = self.free_weights(k + 1).map(minus);
+                basis.times(self.free_weights(k).chain(next), row);
+            }
+            Constraint::Down(k) => {
+                let this = self.free_weights(k).map(minus);
+                basis.times(this.chain(self.free_weights(k + 1)), row);
+            }
+            Constraint::Base(control) => {
+                basis.times(std::iter::once((control - 1, 1.0)), row);
+            }
+        }
+        let Some(leaving) = Basis::leaving(row, &work.dual) else {
+            return false;
+        };
+        let z = &mut work.z[1..last];
+        basis.exchange(leaving, (entering, violation), row, &mut work.dual, z);
+        true
     }
 
     /// The fallback: every control point as high as the floor anywhere it reaches.
@@ -408,6 +416,57 @@ mod tests {
     fn over_a_flat_floor_the_path_is_flat() {
         let z = solve(&[460.0; 101], &[1.0; 101], (460.0, 460.0), 1.0);
         assert!(z.iter().all(|z| (z - 460.0).abs() < 1e-3), "{z:?}");
+    }
+
+    #[test]
+    fn near_an_end_the_floor_is_kept_as_far_as_slopes_reach_it() {
+        let rows = rows(10, 2001);
+        let altitude_over = |bump_m: f64| {
+            let mut demand = Demand {
+                floor_m: vec![100.0; 2001],
+                up_m: vec![0.05; 2000],
+                down_m: vec![0.05; 2000],
+                weights: vec![1.0; 2001],
+                ground_m: Vec::new(),
+            };
+            demand.floor_m[8] += bump_m;
+            let mut z = vec![100.0; 10];
+            LowestSpline::new(rows.clone(), 10).solve(&demand, &mut z, &mut Workspace::default());
+            altitudes(&rows, &z)[8]
+        };
+        assert!(altitude_over(0.3) > 100.3 - 1e-5);
+        // 0.4 m is the most that eight steps climb.
+        assert!(altitude_over(0.5) < 100.1);
+    }
+
+    #[test]
+    fn a_neighbour_s_basis_changes_the_way_to_the_answer_and_not_the_answer() {
+        let rows = rows(26, 101);
+        let lowest = LowestSpline::new(rows.clone(), 26);
+        let mut warm = Workspace::default();
+        for shift in 0..20 {
+            let floor_m = (0..101)
+                .map(|k| 100.0 + 60.0 * (f64::from(k + shift) * 0.17).sin())
+                .collect();
+            let demand = Demand {
+                floor_m,
+                up_m: vec![9.0; 100],
+                down_m: vec![8.0; 100],
+                weights: (0..101)
+                    .map(|k| 1.0 + 0.01 * f64::from(k * shift % 7))
+                    .collect(),
+                ground_m: Vec::new(),
+            };
+            let solved = |work: &mut Workspace| {
+                let mut z = vec![170.0; 26];
+                lowest.solve(&demand, &mut z, work);
+                z
+            };
+            let (warm, cold) = (solved(&mut warm), solved(&mut Workspace::default()));
+            for (a, b) in warm.iter().zip(&cold) {
+                assert!((a - b).abs() < 1e-6, "{warm:?} {cold:?}");
+            }
+        }
     }
 
     #[test]

@@ -57,10 +57,11 @@ impl Basis {
     /// ratio of dual value and entry, the first of equals. None if there is no limit.
     #[inline(always)]
     pub(super) fn leaving(row: &[f64], dual: &[f64]) -> Option<usize> {
-        let mut least = (None, f64::INFINITY);
+        let mut least = (None, 1.0, 0.0);
         for (i, (&entry, &dual)) in row.iter().zip(dual).enumerate() {
-            if entry > PIVOT && dual / entry < least.1 {
-                least = (Some(i), dual / entry);
+            // dual / entry < least.1 / least.2, without a division.
+            if entry > PIVOT && dual * least.2 < least.1 * entry {
+                least = (Some(i), dual, entry);
             }
         }
         least.0

@@ -267,6 +267,9 @@ impl Problem for Horizontal<'_> {
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
         self.sampled.in_room(|room| {
             room.batch.clear(self.sampled.controls);
+            // Candidates of one call lie near each other: each begins where the one before
+            // ended, the first where all do, so that equal calls give equal bytes.
+            room.lowest.begin_anew();
             for candidate in candidates.chunks_exact(self.dimension()) {
                 self.sampled.decode(self.free(candidate), room);
                 room.batch.push(&room.spline.controls());

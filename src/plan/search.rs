@@ -28,6 +28,9 @@ const JUDGED: usize = 24;
 /// How much dearer violated limits are to the default search than to the judge: a short
 /// cut through the rim of a threat can cost less than the way around it, and fails.
 const PENALTIES: f64 = 4.0;
+/// First steps, in units of a start's scale: starts lie well, so that larger steps lose more
+/// of what a start knows than they find.
+const STEP: f64 = 0.2;
 /// Flies of each sub-swarm of the default.
 const FLIES: usize = 16;
 
@@ -107,7 +110,7 @@ fn swarms(
         swarms,
         flies: planner.population.map_or(FLIES, |flies| flies / swarms),
         threshold: planner.threshold.unwrap_or(f64::INFINITY),
-        step: if planner.step.is_some() { 1.0 } else { 0.4 },
+        step: if planner.step.is_some() { 1.0 } else { STEP },
         group: 2,
         racing: planner.has(Part::Racing),
         offspring: planner.has(Part::Offspring),

@@ -15,10 +15,13 @@ use super::problem::Horizontal;
 use crate::geodesy::EastNorth;
 use crate::optimize::{Evaluator, Start};
 use crate::spec::Part;
+use crate::world::World;
 
 /// Slope limits of the three fields, in units of the vehicle's: one field is not
 /// enough, because dilation raises valleys beside ridges as well.
 const SLOPE_FACTORS: [f64; 3] = [1.0, 2.5, f64::INFINITY];
+/// A gap between threats of fewer cells than this asks for a grid twice as fine.
+const GAP_CELLS: f64 = 3.0;
 /// Most guides that are fitted.
 const MAX_GUIDES: usize = 60;
 /// Warped fits of one class.
@@ -87,15 +90,15 @@ fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
         false => &SLOPE_FACTORS[..1],
     };
     let nodes = if budget >= 20_000 { 81 } else { 41 };
+    let narrowest_m = narrowest_gap_m(course.world);
     let prices = course.prices();
     let (near, whole) = (course.near_box(), course.frame());
     let search = |south_west, north_east| {
-        let relief = Relief::new(
-            course.world,
-            Grid::over(south_west, north_east, nodes),
-            &prices,
-            Reading::Wary,
-        );
+        let mut grid = Grid::over(south_west, north_east, nodes);
+        if narrowest_m < GAP_CELLS * grid.spacing_m {
+            grid = Grid::over(south_west, north_east, 2 * nodes - 1);
+        }
+        let relief = Relief::new(course.world, grid, &prices, Reading::Wary);
         let fields: Vec<Field> = factors
             .par_iter()
             .map(|factor| relief.field(factor * course.slope(), &prices))
@@ -118,6 +121,20 @@ fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
         return search(whole.south_west, whole.north_east);
     }
     found
+}
+
+/// The least distance between the rims of two threats that do not touch, metres.
+fn narrowest_gap_m(world: &World) -> f64 {
+    let mut least_m = f64::INFINITY;
+    for (index, one) in world.threats.iter().enumerate() {
+        for other in &world.threats[..index] {
+            let gap_m = one.center.distance_m(other.center) - one.radius_m - other.radius_m;
+            if gap_m > 0.0 {
+                least_m = least_m.min(gap_m);
+            }
+        }
+    }
+    least_m
 }
 
 /// The straight line as a guide.

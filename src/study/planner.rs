@@ -160,12 +160,20 @@ impl MissionText {
             }
             Document::Scenario(scenario) => {
                 let setting = Setting::new(*scenario, PaperOptions::default());
-                let mut spec = setting.spec;
+                let (mut spec, mut world) = (setting.spec, setting.world);
+                // The objective reads the ground from a grid, which may lie a little above
+                // the surface that starts and goals stand on.
+                for stations in &mut world.stations {
+                    for end in [&mut stations.start, &mut stations.goal] {
+                        let least_m = world.ground.height_m(end.at) + world.min_agl.0 + 1e-3;
+                        end.amsl.0 = end.amsl.0.max(least_m);
+                    }
+                }
                 // All have one goal: who is there must be gone when the next arrives.
                 for vehicle in &mut spec.vehicles {
                     vehicle.finish = Finish::Land;
                 }
-                (spec, setting.world)
+                (spec, world)
             }
         };
         spec.planner.objective = Objective::Operational;

@@ -26,6 +26,8 @@ const HILL_SPACING: f64 = 0.8;
 const RIDGE_OVER_HILL: f64 = 2.2155;
 /// Narrowest gap in a belt, metres: six times the turn radius at 15 m/s.
 const LEAST_GAP_M: f64 = 540.0;
+/// Free control points: up to six gaps and passes, each with a turn before and behind it.
+const CONTROL_POINTS: usize = 24;
 /// Threats of a pocket.
 const POCKET: usize = 6;
 
@@ -272,6 +274,7 @@ impl Draft {
                 threat.radius_m
             );
         }
+        let _ = writeln!(text, "planner: {{control_points: {CONTROL_POINTS}}}");
         let speed_mps = if self.length_m > 20_000.0 { 25 } else { 15 };
         text.push_str("vehicles:\n");
         for (index, (start, goal)) in self.ends.iter().enumerate() {

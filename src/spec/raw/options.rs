@@ -41,9 +41,10 @@ pub(in crate::spec) struct Planner {
     /// Evaluations of the objective for each vehicle.
     #[schemars(range(min = 100, max = 100_000_000))]
     pub(in crate::spec) evaluations: u64,
-    /// Free control points of the spline.
+    /// Free control points of the spline; absent: 16 for `msfoa`, 8 for the paper's algorithms
+    /// and objective.
     #[schemars(range(min = 2, max = 30))]
-    pub(in crate::spec) control_points: u64,
+    pub(in crate::spec) control_points: Option<u64>,
     /// Samples of the path in the objective.
     #[schemars(range(min = 11, max = 2001))]
     pub(in crate::spec) samples: u64,
@@ -69,7 +70,7 @@ impl Default for Planner {
             objective: Objective::Operational,
             seed: 1,
             evaluations: 40_000,
-            control_points: 8,
+            control_points: None,
             samples: 101,
             weights: Weights::default(),
             swarms: None,
