@@ -8,6 +8,7 @@ use super::objective::spatial;
 use super::problem::{Horizontal, Sampled, Spline};
 use super::starts::{start, starts, summits};
 use crate::cost::{Batch, CostTerms, Margins};
+use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
 use crate::optimize::{
     AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
@@ -132,12 +133,7 @@ fn swarms(
     );
     let mut finalists = outcome.finalists;
     finalists.extend(evaluator.best().cloned());
-    let fine = Sampled::above(
-        course,
-        course.margins,
-        &course.parameters(JUDGED_SAMPLES),
-        JUDGED_ABOVE_M,
-    );
+    let fine = fine(course);
     let splines = most_promising(finalists)
         .iter()
         .map(|candidate| fine.spline(problem.free(&candidate.position)))
@@ -283,12 +279,7 @@ fn most_promising(mut finalists: Vec<Candidate>) -> Vec<Candidate> {
 /// The best of some splines at fine sampling. Chosen with the margins that verification
 /// asked for, reported without.
 fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
-    let parameters = course.parameters(JUDGED_SAMPLES);
-    let mut batch = Batch::new(course.controls());
-    for spline in &splines {
-        batch.push(&spline.controls());
-    }
-    let strict = course.model(course.margins, &parameters).judge(&batch);
+    let strict = judged(course, &splines, course.margins);
     let best = splines
         .into_iter()
         .zip(&strict)
@@ -297,8 +288,43 @@ fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
             (broken(a).cmp(&broken(b))).then(a.total().total_cmp(&b.total()))
         })
         .map_or_else(|| course.straight(), |(spline, _)| spline);
-    batch.clear(course.controls());
-    batch.push(&best.controls());
-    let plain = course.model(Margins::default(), &parameters).judge(&batch);
+    let plain = judged(course, std::slice::from_ref(&best), Margins::default());
     (best, plain.first().copied().unwrap_or_default())
+}
+
+/// Terms of splines at fine sampling, with some margins.
+fn judged(course: &Course<'_>, splines: &[Spline], margins: Margins) -> Vec<CostTerms> {
+    let mut batch = Batch::new(course.controls());
+    for spline in splines {
+        batch.push(&spline.controls());
+    }
+    course
+        .model(margins, &course.parameters(JUDGED_SAMPLES))
+        .judge(&batch)
+}
+
+/// The same way in the plane at the altitudes that the course's margins now ask for, if it
+/// then keeps all of them: what is too low by a hand's breadth need not be searched again.
+pub(super) fn lifted(course: &Course<'_>, outline: &[EastNorth]) -> Option<Found> {
+    let spline = fine(course).spline(outline.iter().copied());
+    let splines = std::slice::from_ref(&spline);
+    let is_clean = judged(course, splines, course.margins)
+        .iter()
+        .all(CostTerms::is_clean);
+    let terms = judged(course, splines, Margins::default());
+    is_clean.then(|| Found {
+        terms: terms.first().copied().unwrap_or_default(),
+        spline,
+        evaluations: 1,
+    })
+}
+
+/// The course as results are judged.
+fn fine<'a>(course: &Course<'a>) -> Sampled<'a> {
+    Sampled::above(
+        course,
+        course.margins,
+        &course.parameters(JUDGED_SAMPLES),
+        JUDGED_ABOVE_M,
+    )
 }

@@ -5,12 +5,12 @@ use rayon::prelude::*;
 
 use super::fleet::{Request, flight_of, nearness};
 use super::leeway::{at_another_time, free_departure_s, has_leeway};
-use super::vehicle::plan_vehicle;
+use super::vehicle::{lift_vehicle, plan_vehicle};
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::Margins;
 use crate::numeric::tracks::{Nearness, Track, Tracks};
 use crate::path::Flight;
-use crate::spec::{MissionSpec, Objective};
+use crate::spec::{Algorithm, MissionSpec, Objective};
 use crate::world::World;
 
 /// Vehicles that are planned around all before them from the start.
@@ -223,6 +223,7 @@ impl<'a> Fleet<'a> {
         let is_last = chain.len() > 1 && around.is_some();
         let for_want = around.filter(|_| is_last).map(|last| counted(&last.plan));
         let ready = kept.cloned().or(at_another_time).or(for_want);
+        let ready = ready.or_else(|| self.lifted(index, &avoids, old?));
         let plan = ready.unwrap_or_else(|| {
             let before = chain.last().map(|draft| &draft.plan);
             let estimated = before.or(old).map(|plan| plan.estimate);
@@ -241,6 +242,22 @@ impl<'a> Fleet<'a> {
         }
     }
 
+    /// The plan of the earlier round, lifted to the margins that it failed, where the altitude is
+    /// not searched.
+    fn lifted(&self, index: usize, avoids: &[usize], old: &VehiclePlan) -> Option<VehiclePlan> {
+        let decodes = self.spec.planner.algorithm == Algorithm::Msfoa;
+        if !decodes || self.has_leeway(index) || old.avoids != avoids {
+            return None;
+        }
+        let earlier = self.flights_of(avoids);
+        lift_vehicle(self.spec, self.world, self.request, index, old, &earlier)
+    }
+
+    fn flights_of(&self, vehicles: &[usize]) -> Vec<Flight> {
+        let flights = vehicles.iter().map(|&other| self.flights[other].clone());
+        flights.collect()
+    }
+
     /// A plan around some of those that stand. Who has leeway takes off when nobody of them is
     /// in the way of its takeoff and landing.
     fn around(
@@ -251,10 +268,7 @@ impl<'a> Fleet<'a> {
         estimated: Option<f64>,
     ) -> VehiclePlan {
         let (spec, world, request) = (self.spec, self.world, self.request);
-        let earlier: Vec<Flight> = avoids
-            .iter()
-            .map(|&other| self.flights[other].clone())
-            .collect();
+        let earlier = self.flights_of(&avoids);
         let way = chain.first().filter(|_| self.has_leeway(index));
         let Some(way) = way.map(|first| &first.plan) else {
             return plan_vehicle(spec, world, request, index, avoids, &earlier, estimated);

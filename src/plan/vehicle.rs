@@ -3,10 +3,10 @@
 use super::course::Course;
 use super::estimate::estimate;
 use super::fleet::{Progress, Request};
-use super::search::{Found, search};
+use super::search::{Found, lifted, search};
 use super::{Route, VehiclePlan};
 use crate::cost::{CostTerms, Leg};
-use crate::geodesy::{Amsl, PlanPoint};
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
 use crate::path::{Flight, homeward_end, route_start_s, time_route, way_speed_mps};
 use crate::spec::{Finish, MissionSpec, Vehicle};
@@ -39,31 +39,15 @@ pub(super) fn plan_vehicle(
     earlier: &[Flight],
     estimated: Option<f64>,
 ) -> VehiclePlan {
-    let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
-    let legs = legs(vehicle, stations);
-    let mut start_s = route_start_s(vehicle, stations);
-    let mut plan = VehiclePlan {
-        depart_s: vehicle.depart_s,
-        speed_mps: vehicle.speed_mps,
-        routes: Vec::new(),
-        terms: CostTerms::default(),
-        bound: 0.0,
-        estimate: 0.0,
-        evaluations: 0,
-        plans: 1,
-        avoids,
-        blocked_by: Vec::new(),
-    };
+    let legs = legs(&spec.vehicles[index], &world.stations[index]);
+    let mut plan = empty(spec, index, avoids);
     for (stream, (from, to)) in (2 * to_u64(index)..).zip(legs.iter().copied()) {
-        let course = Course {
-            world,
-            spec,
-            index,
-            leg: Leg { from, to, start_s },
-            earlier,
-            margins: request.margins_of(index),
-            extra: request.extra_parameters_of(index),
+        let leg = Leg {
+            from,
+            to,
+            start_s: plan.ends_s(spec, world, index),
         };
+        let course = course(spec, world, request, index, leg, earlier);
         let budget =
             (spec.planner.evaluations - plan.evaluations) / (legs.len() - plan.routes.len());
         let spent = plan.evaluations;
@@ -80,16 +64,98 @@ pub(super) fn plan_vehicle(
             || search(&course, budget, Seed(request.seed), stream, &watch),
             || estimated.map_or_else(|| estimate(&course, budget), |_| 0.0),
         );
-        plan.bound += course.bound();
         plan.estimate += estimate;
-        plan.terms = sum(&plan.terms, &found.terms);
-        plan.evaluations += found.evaluations;
-        let route = route(&course, &found);
-        start_s = route.path.last().map_or(start_s, |last| last.t_s);
-        plan.routes.push(route);
+        plan.add(&course, &found);
     }
     plan.estimate = estimated.unwrap_or(plan.estimate);
     plan
+}
+
+/// An old plan's ways in the plane at the altitudes that are now asked for, if they keep every
+/// margin among the `earlier` flights.
+pub(super) fn lift_vehicle(
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+    index: usize,
+    old: &VehiclePlan,
+    earlier: &[Flight],
+) -> Option<VehiclePlan> {
+    let legs = legs(&spec.vehicles[index], &world.stations[index]);
+    let mut plan = empty(spec, index, old.avoids.clone());
+    for ((from, to), route) in legs.into_iter().zip(&old.routes) {
+        let leg = Leg {
+            from,
+            to,
+            start_s: plan.ends_s(spec, world, index),
+        };
+        let course = course(spec, world, request, index, leg, earlier);
+        let inner = route.control_points.len().saturating_sub(1);
+        let outline: Vec<EastNorth> = route
+            .control_points
+            .get(1..inner)?
+            .iter()
+            .map(|p| p.at)
+            .collect();
+        plan.add(&course, &lifted(&course, &outline)?);
+    }
+    plan.estimate = old.estimate;
+    Some(plan)
+}
+
+/// A plan without routes.
+fn empty(spec: &MissionSpec, index: usize, avoids: Vec<usize>) -> VehiclePlan {
+    let vehicle = &spec.vehicles[index];
+    VehiclePlan {
+        depart_s: vehicle.depart_s,
+        speed_mps: vehicle.speed_mps,
+        routes: Vec::new(),
+        terms: CostTerms::default(),
+        bound: 0.0,
+        estimate: 0.0,
+        evaluations: 0,
+        plans: 1,
+        avoids,
+        blocked_by: Vec::new(),
+    }
+}
+
+fn course<'a>(
+    spec: &'a MissionSpec,
+    world: &'a World,
+    request: &'a Request<'_>,
+    index: usize,
+    leg: Leg,
+    earlier: &'a [Flight],
+) -> Course<'a> {
+    Course {
+        world,
+        spec,
+        index,
+        leg,
+        earlier,
+        margins: request.margins_of(index),
+        extra: request.extra_parameters_of(index),
+    }
+}
+
+impl VehiclePlan {
+    /// When the last of its routes ends, or the first may begin, seconds after T0.
+    fn ends_s(&self, spec: &MissionSpec, world: &World, index: usize) -> f64 {
+        let last = self.routes.last().and_then(|route| route.path.last());
+        last.map_or_else(
+            || route_start_s(&spec.vehicles[index], &world.stations[index]),
+            |last| last.t_s,
+        )
+    }
+
+    /// Adds what was found for its next leg.
+    fn add(&mut self, course: &Course<'_>, found: &Found) {
+        self.bound += course.bound();
+        self.terms = sum(&self.terms, &found.terms);
+        self.evaluations += found.evaluations;
+        self.routes.push(route(course, found));
+    }
 }
 
 fn to_u64(index: usize) -> u64 {
