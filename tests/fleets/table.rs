@@ -111,7 +111,7 @@ fn of_a_large_fleet_the_table_shows_the_forty_nearest_to_a_limit_the_worst_first
   goal_grid: {south_west: {lat: 36.282, lon: -84.285}, rows: 42, columns: 1, spacing_m: 100}\n";
     let spec = SPEC
         .replace("  csv: tables/pair.csv\n", lanes)
-        .replace("evaluations: 500", "evaluations: 100")
+        .replace("evaluations: 500", "evaluations: 100, control_points: 8")
         + "separation: {distance_m: 20, time_slack_s: 0}
 threats: [{id: tower, kind: tower, lat: 36.31823, lon: -84.2875, radius_m: 20}]\n";
     fs::write(folder.path().join("pair.yaml"), spec).expect("written");
