@@ -126,7 +126,7 @@ fn spec(name: &str, vehicles: usize, evaluations: usize) -> String {
          separation: {{distance_m: 50, vertical_m: 25, time_slack_s: 5}}\n\
          \n\
          # For each plan. Forty times as many make the fleet less than 3 % cheaper.\n\
-         planner: {{seed: 1, evaluations: {evaluations}}}\n\
+         planner: {{seed: 1, evaluations: {evaluations}, control_points: 8}}\n\
          mission: {{altitude: amsl, tolerance_m: 5, fence: true}}\n",
         place(name)
     )
