@@ -46,6 +46,7 @@ pub(super) fn fly(
         at_once_m: tecs::threshold_m(mission),
         guidance: Guidance::of(vehicle, mission),
         early_top: None,
+        lag_s: tecs::lag_s(mission),
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.ribbon.chords;
@@ -98,6 +99,8 @@ pub(super) struct Pilot<'a> {
     pub(super) guidance: Option<Guidance>,
     /// Where a plane may have the height of its takeoff, until it goes on from there.
     pub(super) early_top: Option<PlanPoint>,
+    /// So many seconds of its climb it is beside a slope; 0 for none.
+    pub(super) lag_s: f64,
 }
 
 impl Pilot<'_> {

@@ -323,6 +323,11 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
          such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
     );
     add(
+        any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing()),
+        "PX4 on a wing is 3.5 s of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
+         such legs are judged there too; not that a leg has the altitude of its end NAV_LOITER_RAD before it",
+    );
+    add(
         any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
         "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default 17 and 0.75), WP_RADIUS and ROLL_LIMIT_DEG, \
          at 0.7 of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \

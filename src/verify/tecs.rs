@@ -1,5 +1,5 @@
-//! Altitudes beside the line of a leg, which ArduPlane flies: its altitude and speed controller
-//! (TECS) follows a slope late, and small changes of altitude are no slopes.
+//! Altitudes beside the line of a leg, which wings fly: their altitude and speed controller (TECS)
+//! follows a slope late, and to ArduPlane small changes of altitude are no slopes.
 
 use crate::mission::{ALTITUDE_SLOPE_MIN, VehicleMission};
 use crate::spec::Autopilot;
@@ -17,6 +17,9 @@ const DEFAULT_M: f64 = 15.0;
 /// December 2025, simulated, 3.1 to 3.7 m at 1.15 m/s, 5.2 m at 1.6 m/s, 10.9 m at 2.9 m/s,
 /// and most of it still on the next leg.
 const LAG_S: f64 = 3.3;
+/// The same with PX4: `(1 - FW_T_HRATE_FF) * FW_T_ALT_TC`, by its sources (`TECS.cpp`) and the
+/// defaults 0.3 and 5 s; assumed, not measured.
+const PX4_LAG_S: f64 = 3.5;
 /// Legs that are flown faster have no length to speak of, seconds.
 const LEAST_S: f64 = 1e-3;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
@@ -39,8 +42,17 @@ pub(super) fn threshold_m(mission: &VehicleMission) -> f64 {
     }
 }
 
+/// So many seconds of its climb a vehicle is beside a slope; none but on a wing.
+pub(super) fn lag_s(mission: &VehicleMission) -> f64 {
+    match mission.autopilot {
+        _ if !mission.airframe.has_wing() => 0.0,
+        Autopilot::ArduPilot => LAG_S,
+        Autopilot::Px4 => PX4_LAG_S,
+    }
+}
+
 impl Pilot<'_> {
-    /// Lays the legs also where ArduPlane may be over or under their lines, to be judged in
+    /// Lays the legs also where a wing may be over or under their lines, to be judged in
     /// space. `firsts` are the first chords of the legs.
     pub(super) fn lay_beside(&mut self, knots: &[Knot], firsts: &[usize]) -> Result<(), Unknown> {
         let lines = self.lines_beside(knots, firsts)?;
@@ -79,7 +91,7 @@ impl Pilot<'_> {
             let mut lines = Vec::new();
             let line = self.ribbon.altitude_line(&pair[0], &pair[1])?;
             // A climb-out and a glide are always slopes, and judged by half of their height.
-            let is_free = self.at_once_m <= 0.0 || pair[1].slope_from_m.is_some();
+            let is_free = self.lag_s <= 0.0 || pair[1].slope_from_m.is_some();
             if !is_free && line.change_m().abs() < self.at_once_m {
                 lines.push(line.end());
             }
@@ -92,7 +104,8 @@ impl Pilot<'_> {
             }
             let climb_mps = line.change_m() / flown_s;
             let (most_mps, least_mps) = (climb_mps.max(before_mps), climb_mps.min(before_mps));
-            for offset_m in [-LAG_S * most_mps.max(0.0), -LAG_S * least_mps.min(0.0)] {
+            for lag_mps in [most_mps.max(0.0), least_mps.min(0.0)] {
+                let offset_m = -self.lag_s * lag_mps;
                 if offset_m.abs() > HAIR_M {
                     lines.push(line.raised(offset_m));
                 }
