@@ -66,7 +66,7 @@ fn arduplane(vehicle: &Vehicle, wing: &Wing, has_fence: bool) -> Vec<Parameter> 
     list.add(
         "AIRSPEED_CRUISE",
         vehicle.speed_mps,
-        "planned speed, m/s, through the air",
+        "planned speed, m/s, indicated airspeed",
     );
     list.add(
         "ROLL_LIMIT_DEG",
@@ -147,7 +147,7 @@ fn px4_wing(
     list.add(
         "FW_AIRSPD_TRIM",
         vehicle.speed_mps,
-        "planned speed, m/s, through the air",
+        "planned speed, m/s, indicated airspeed",
     );
     list.add("FW_R_LIM", bank_deg(vehicle), "bank of max_load_factor");
     list.add("FW_T_CLMB_MAX", vehicle.climb_mps, climb);

@@ -50,7 +50,7 @@ pub(in crate::spec) struct Vehicle {
     pub(in crate::spec) goal: EndPoint,
     /// At the goal: land; loiter there for ever; or return along a planned path and land at home.
     pub(in crate::spec) finish: Finish,
-    /// Planned speed, m/s: over the ground; of planes and vtol through the air.
+    /// Planned speed, m/s: over the ground; of planes and vtol the indicated airspeed.
     #[schemars(range(min = 0.5, max = 100))]
     pub(in crate::spec) speed_mps: f64,
     /// Turn overload n; the turn radius is v^2 / (g sqrt(n^2 - 1)). Absent: 1.15, a bank of 30 degrees.
