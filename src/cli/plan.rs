@@ -20,7 +20,7 @@ use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::plan::breaks;
 use crate::report::{self, worst_first};
-use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
+use crate::spec::{MOST_CONTROL_POINTS, MissionSpec, OnLinkLoss, SpecFile};
 use crate::verify::{Margin, Review};
 use crate::world::{self, World};
 
@@ -314,7 +314,11 @@ fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<Strin
                 .filter_map(|&other| file.spec.vehicles.get(other))
                 .map(|other| other.id.as_str())
                 .collect();
+            let bends = file.spec.planner.control_points;
             let by = match by[..] {
+                [] if bends < MOST_CONTROL_POINTS => format!(
+                    "; it may bend more often with planner.control_points above {bends}, up to {MOST_CONTROL_POINTS}"
+                ),
                 [] => String::new(),
                 _ => format!("; alone it would have one: {} in its way", are(&by)),
             };

@@ -15,9 +15,9 @@ mod whereabouts;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
-    Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MissionOptions, MissionSpec,
-    Objective, OnLinkLoss, Part, Planner, Rally, Separation, TerrainSource, Threat, Weights, Wind,
-    Zone,
+    Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
+    MissionOptions, MissionSpec, Objective, OnLinkLoss, Part, Planner, Rally, Separation,
+    TerrainSource, Threat, Weights, Wind, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;

@@ -156,6 +156,9 @@ impl Separation {
     }
 }
 
+/// Most free control points of a spline.
+pub const MOST_CONTROL_POINTS: usize = 30;
+
 /// How paths are searched.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planner {

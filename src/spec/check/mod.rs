@@ -23,8 +23,8 @@ use std::ops::RangeInclusive;
 use super::raw;
 use super::whereabouts::{Whereabouts, in_order};
 use super::{
-    Algorithm, AltitudeReference, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss,
-    Planner, Separation, Weights, Wind,
+    Algorithm, AltitudeReference, Issue, MOST_CONTROL_POINTS, MissionOptions, MissionSpec,
+    Objective, OnLinkLoss, Planner, Separation, Weights, Wind,
 };
 use crate::geodesy::LatLon;
 
@@ -174,7 +174,11 @@ impl Checker<'_> {
             seed: raw.seed,
             evaluations: self.count("planner.evaluations", raw.evaluations, 100..=100_000_000),
             control_points: raw.control_points.map_or(own_control_points(raw), |count| {
-                self.count("planner.control_points", count, 2..=30)
+                self.count(
+                    "planner.control_points",
+                    count,
+                    2..=MOST_CONTROL_POINTS as u64,
+                )
             }),
             samples: self.count("planner.samples", raw.samples, 11..=2001),
             weights,
