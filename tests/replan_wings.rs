@@ -29,7 +29,7 @@ vehicles:
      start: {lat: 36.3200, lon: -84.280, agl_m: 60}, goal: {lat: 36.3200, lon: -84.240, agl_m: 60}, finish: land,
      loiter_radius_m: 80}
 separation: {distance_m: 100, time_slack_s: 5}
-planner: {algorithm: msfoa, seed: 1, evaluations: 2000}
+planner: {algorithm: msfoa, seed: 1, evaluations: 2000, control_points: 8}
 ";
 
 fn planned(spec: &str) -> (tempfile::TempDir, PathBuf) {
