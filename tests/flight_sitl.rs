@@ -4,8 +4,12 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::Mutex;
 
 use assert_cmd::cargo::cargo_bin;
+
+/// Whoever holds it has the ports of the simulators.
+static PORTS: Mutex<()> = Mutex::new(());
 
 /// Simulators that end when this is dropped.
 struct Simulators(Vec<Child>);
@@ -82,6 +86,7 @@ fn three_ardupilot_copters_fly_their_missions_and_the_limits_hold() {
     let Some(binary) = binary("SORTIE_ARDUPILOT_SITL") else {
         return;
     };
+    let _ports = PORTS.lock();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let parameters = "default_params/copter.parm";
     let copters = [
@@ -123,6 +128,7 @@ fn three_ardupilot_wings_fly_their_missions_and_the_limits_hold() {
     let Some(binary) = binary("SORTIE_ARDUPLANE_SITL") else {
         return;
     };
+    let _ports = PORTS.lock();
     let folder = tempfile::tempdir().expect("a temporary folder");
     let plane = "models/plane.parm";
     let wings = [
