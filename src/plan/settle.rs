@@ -227,7 +227,7 @@ impl<'a> Fleet<'a> {
         let plan = ready.unwrap_or_else(|| {
             let before = chain.last().map(|draft| &draft.plan);
             let estimated = before.or(old).map(|plan| plan.estimate);
-            self.around(index, avoids, chain, estimated)
+            self.or_alone(index, self.around(index, avoids, chain, estimated))
         });
         let flight = flight_of(self.spec, self.world, index, &plan);
         Draft {
@@ -280,6 +280,36 @@ impl<'a> Fleet<'a> {
         let mut settled = spec.clone();
         settled.vehicles[index].depart_s = free_departure_s(spec, world, index, way, &is_apart);
         plan_vehicle(&settled, world, request, index, avoids, &earlier, estimated)
+    }
+
+    /// A plan that breaks a limit gives way to that of the vehicle alone, if this keeps all and
+    /// meets nobody of whom it had to avoid.
+    fn or_alone(&self, index: usize, plan: VehiclePlan) -> VehiclePlan {
+        if plan.terms.is_clean() || plan.avoids.is_empty() || self.has_leeway(index) {
+            return plan;
+        }
+        let (spec, world, request) = (self.spec, self.world, self.request);
+        let estimated = Some(plan.estimate);
+        let alone = plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated);
+        let nearness = nearness(spec, request.margins_of(index));
+        let track = flight_of(spec, world, index, &alone).track();
+        let met = self.tracks.near(&track, &nearness, 0);
+        let meets = met.iter().any(|other| plan.avoids.contains(other));
+        let (evaluations, plans) = (
+            plan.evaluations + alone.evaluations,
+            plan.plans + alone.plans,
+        );
+        let better = if alone.terms.is_clean() && !meets {
+            alone
+        } else {
+            plan.clone()
+        };
+        VehiclePlan {
+            avoids: plan.avoids,
+            evaluations,
+            plans,
+            ..better
+        }
     }
 
     /// The way that a vehicle would fly alone.

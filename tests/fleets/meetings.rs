@@ -325,3 +325,38 @@ fn a_vehicle_without_a_path_is_told_who_is_in_its_way() {
     assert!(!dispatched.review.passes());
     assert_eq!(blocked(&dispatched), [vec![], Vec::<usize>::new()]);
 }
+
+/// A row of threats with one slot, and two vehicles side by side whose own ways through it keep
+/// them apart.
+#[test]
+fn a_vehicle_whose_own_way_meets_nobody_flies_it_though_none_was_found_around_the_others() {
+    let threats: String = (0..16)
+        .map(|n| {
+            let lat = match n {
+                0..=7 => -35.3621 - 0.0026 * f64::from(n),
+                _ => -35.3589 + 0.0026 * f64::from(n - 8),
+            };
+            format!("  - {{id: w{n}, lat: {lat:.4}, lon: 149.1690, radius_m: 150}}\n")
+        })
+        .collect();
+    let text = format!(
+        "sortie: 1
+name: slot
+area: {{south_west: {{lat: -35.375, lon: 149.150}}, north_east: {{lat: -35.345, lon: 149.185}}, min_agl_m: 30, max_amsl_m: 704}}
+terrain: {{flat: {{amsl_m: 584}}}}
+threats:
+{threats}fleet:
+  id: d{{n}}
+  start_grid: {{south_west: {{lat: -35.366, lon: 149.152}}, rows: 1, columns: 2, spacing_m: 120}}
+  goal_grid: {{south_west: {{lat: -35.366, lon: 149.179}}, rows: 1, columns: 2, spacing_m: 120}}
+  defaults: {{autopilot: ardupilot, link: sim, start: {{agl_m: 60}}, goal: {{agl_m: 60}}, finish: land, speed_mps: 10}}
+separation: {{distance_m: 50, time_slack_s: 5}}
+planner: {{evaluations: 4000}}
+"
+    );
+    let file = SpecFile::parse(&folder().join("slot.yaml"), text)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let world = world::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    let dispatched = dispatch(&file.spec, &world, 1, &|_| ());
+    assert!(dispatched.review.passes(), "{:?}", failed(&dispatched));
+}

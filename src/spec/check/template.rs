@@ -20,14 +20,17 @@ fn counted(inside: &str, number: u64) -> Option<String> {
         None => (inside, 1_usize),
     };
     let (from, count) = match sum.split_once('+') {
-        Some((from, count)) => (from.parse().ok()?, count),
-        None => (0_u64, sum),
+        Some((from, count)) => (from.parse::<u32>().ok()?, count),
+        None => (0, sum),
     };
-    let step: u64 = match count.strip_suffix('n')? {
+    // Of 32 bits, so that no vehicle's number leads out of 64.
+    let step: u32 = match count.strip_suffix('n')? {
         "" => 1,
         step => step.strip_suffix('*')?.parse().ok()?,
     };
-    let value = step.checked_mul(number)?.checked_add(from)?;
+    let value = u64::from(step)
+        .checked_mul(number)?
+        .checked_add(u64::from(from))?;
     Some(format!("{value:0digits$}"))
 }
 
@@ -48,7 +51,18 @@ mod tests {
             assert_eq!(filled(template, 7).as_deref(), Some(text), "{template}");
         }
         for template in [
-            "{", "}", "{}", "{x}", "{n:3}", "{n+1}", "{-1+n}", "{n:099}", "{{n}}",
+            "{",
+            "}",
+            "{}",
+            "{x}",
+            "{n:3}",
+            "{n+1}",
+            "{-1+n}",
+            "{n:099}",
+            "{{n}}",
+            "{4294967296*n}",
+            "{9223372036854775807*n}",
+            "{18446744073709551614+n}",
         ] {
             assert_eq!(filled(template, 7), None, "{template}");
         }
