@@ -215,11 +215,11 @@ impl<'a> Flying<'a> {
             .and_then(|answers| answers.try_recv().ok());
         let Some(answer) = answer else { return };
         self.answers = None;
-        match answer.trim() {
+        match answer.trim().to_ascii_lowercase().as_str() {
             "h" | "hold" => fleet.intervene(now, Intervention::Hold),
             "l" | "land" => fleet.intervene(now, Intervention::Land),
             "q" | "quit" => self.leave(fleet, now),
-            _ => note("they fly on"),
+            _ => note("they fly on; Ctrl-C asks again"),
         }
     }
 
