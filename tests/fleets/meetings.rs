@@ -351,7 +351,6 @@ threats:
   goal_grid: {{south_west: {{lat: -35.366, lon: 149.179}}, rows: 1, columns: 2, spacing_m: 120}}
   defaults: {{autopilot: ardupilot, link: sim, start: {{agl_m: 60}}, goal: {{agl_m: 60}}, finish: land, speed_mps: 10}}
 separation: {{distance_m: 50, time_slack_s: 5}}
-planner: {{evaluations: 4000}}
 "
     );
     let file = SpecFile::parse(&folder().join("slot.yaml"), text)
