@@ -72,37 +72,15 @@ fn every_autopilot_and_airframe_plans_verifies_uploads_and_reads_back() {
 
 /// A plane that takes off eastward, flies 6 km east and lands eastward.
 fn plane(autopilot: Autopilot) -> Vehicle {
-    let (start, goal) = (place(36.30, -84.28), place(36.30, -84.21));
     Vehicle {
         autopilot,
-        airframe: Airframe::Plane,
         home: place(36.30, -84.30),
-        wing: Some(Wing {
-            takeoff_heading_rad: Some(FRAC_PI_2),
-            landing: Some(Landing {
-                heading_rad: FRAC_PI_2,
-                glide_rad: 6_f64.to_radians(),
-            }),
-            loiter_radius_m: 100.0,
-            wind: None,
-            ceiling: Amsl(1500.0),
-        }),
-        ..support::copter("heron", 1, start, goal)
+        ..support::plane("heron", 1, place(36.30, -84.28), place(36.30, -84.21))
     }
 }
 
 fn vtol(autopilot: Autopilot) -> Vehicle {
-    let plane = plane(autopilot);
-    Vehicle {
-        airframe: Airframe::Vtol,
-        home: plane.start.place,
-        wing: plane.wing.map(|wing| Wing {
-            takeoff_heading_rad: None,
-            landing: None,
-            ..wing
-        }),
-        ..plane
-    }
+    support::vtol(plane(autopilot))
 }
 
 /// The mission of the only vehicle along straight routes.

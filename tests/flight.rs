@@ -9,8 +9,7 @@
 mod sky;
 mod support;
 
-use sky::{Planned, Sky, US, parameters, plan};
-use sortie::dispatch::dispatch;
+use sky::{Sky, US, parameters, plan, plan_shipped};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::mission::{Item, command};
@@ -66,20 +65,7 @@ fn three_fly_their_plan_and_the_limits_hold() {
 
 #[test]
 fn the_shipped_fleet_flies_over_the_mountains_and_its_limits_hold() {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/jacksboro.yaml");
-    let file = sortie::spec::SpecFile::read(&path).expect("the spec");
-    let world = sortie::world::load(&file).expect("the terrain");
-    let mut spec = file.spec;
-    spec.planner.evaluations = 6000;
-    let dispatched = dispatch(&spec, &world, 1, &|_| {});
-    let failed = dispatched.review.margins.iter().filter(|margin| !margin.ok);
-    let failed: Vec<_> = failed.collect();
-    assert!(failed.is_empty(), "{failed:?}");
-    let plan = Planned {
-        spec,
-        world,
-        dispatched,
-    };
+    let plan = plan_shipped("jacksboro", |spec| spec.planner.evaluations = 6000);
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
     let report = plan.judge(&sky);

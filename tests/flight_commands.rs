@@ -3,17 +3,19 @@
 #[path = "support/command.rs"]
 #[allow(unreachable_pub)]
 mod command;
+#[path = "support/in_flight.rs"]
+#[allow(unreachable_pub)]
+mod in_flight;
 
 use std::net::{SocketAddr, UdpSocket};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use assert_cmd::cargo::cargo_bin;
 use command::{sortie, text};
+use in_flight::{take_off, wait_for};
 use serde_json::Value;
 
 /// Two copters on parallel lanes 600 m apart, 2.4 km each.
@@ -137,59 +139,6 @@ fn without_a_plan_or_with_another_spec_nothing_is_started() {
     let output = sortie(folder.path(), &["fly", "lanes.yaml"]);
     assert_eq!(output.status.code(), Some(4));
     assert!(text(&output.stderr).contains("another spec"));
-}
-
-/// A flight in a process of its own.
-struct Flight(Child);
-
-impl Drop for Flight {
-    fn drop(&mut self) {
-        // Already over is as good.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// Every line of the record that is being written.
-fn lines(runs: &Path) -> Vec<Value> {
-    let entries = std::fs::read_dir(runs).into_iter().flatten().flatten();
-    let is_record = |name: &str| name.starts_with("flight-") && name.ends_with(".jsonl");
-    let records = entries.filter(|e| is_record(&e.file_name().to_string_lossy()));
-    let texts = records.map(|record| std::fs::read_to_string(record.path()).unwrap_or_default());
-    let parse = |line: &str| serde_json::from_str(line).ok();
-    texts
-        .flat_map(|text| text.lines().filter_map(parse).collect::<Vec<Value>>())
-        .collect()
-}
-
-/// Waits until the record of the flight has a position of a vehicle this late.
-fn wait_for(runs: &Path, vehicle: &str, t_s: f64) {
-    #[allow(clippy::disallowed_methods)]
-    let began = Instant::now();
-    while began.elapsed() < Duration::from_secs(120) {
-        let is_late = |line: &Value| {
-            line["vehicle"] == vehicle
-                && line["lat_deg"].is_f64()
-                && line["t_s"].as_f64().is_some_and(|t| t > t_s)
-        };
-        if lines(runs).iter().any(is_late) {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(50));
-    }
-    panic!("{vehicle} was not flown for {t_s} s within two minutes");
-}
-
-fn take_off(folder: &Path, spec: &str, speedup: &str) -> Flight {
-    let child = Command::new(cargo_bin("sortie"))
-        .current_dir(folder)
-        .args(["fly", spec, "--speedup", speedup])
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("sortie runs");
-    Flight(child)
 }
 
 /// One position of a vehicle: metres east and north of 36.3 N 84.25 W, and what it said.

@@ -5,16 +5,14 @@
 mod sky;
 mod support;
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
 use serde_json::Value;
 
-use sky::{Planned, Sky, plan};
-use sortie::dispatch::dispatch;
+use sky::{Planned, Sky, plan, plan_shipped};
 use sortie::flight::*;
-use sortie::geodesy::Amsl;
 use sortie::spec::*;
 use support::place;
 
@@ -91,24 +89,14 @@ fn every_shipped_wing_flies_its_mission_and_its_limits_hold() {
 #[test]
 fn every_shipped_wing_flies_its_mission_in_wind_too() {
     for (name, end) in SHIPPED {
-        let path = missions().join(name).with_extension("yaml");
-        let file = SpecFile::read(&path).expect("the spec");
-        let world = sortie::world::load(&file).expect("the terrain");
-        let mut spec = file.spec;
-        let wind = Some(Wind {
-            from_rad: 240_f64.to_radians(),
-            speed_mps: 5.0,
+        let plan = plan_shipped(name, |spec| {
+            spec.wind = Some(Wind {
+                from_rad: 240_f64.to_radians(),
+                speed_mps: 5.0,
+            });
+            let wing = spec.vehicles[0].wing.as_mut().expect("a wing");
+            (wing.wind, wing.loiter_radius_m) = (spec.wind, 100.0);
         });
-        spec.wind = wind;
-        let wing = spec.vehicles[0].wing.as_mut().expect("a wing");
-        (wing.wind, wing.loiter_radius_m) = (wind, 100.0);
-        let dispatched = dispatch(&spec, &world, 1, &|_| {});
-        assert!(dispatched.review.passes(), "{name}");
-        let plan = Planned {
-            spec,
-            world,
-            dispatched,
-        };
         let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
         assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
         let report = plan.judge(&sky);
@@ -119,37 +107,15 @@ fn every_shipped_wing_flies_its_mission_in_wind_too() {
 
 /// Takes off eastward, flies 3 km east, and lands eastward or circles.
 fn plane(id: &str, sysid: u8, autopilot: Autopilot, lat: f64) -> Vehicle {
-    let (start, goal) = (place(lat, -84.28), place(lat, -84.245));
     Vehicle {
         autopilot,
-        airframe: Airframe::Plane,
         home: place(lat, -84.30),
-        wing: Some(Wing {
-            takeoff_heading_rad: Some(FRAC_PI_2),
-            landing: Some(Landing {
-                heading_rad: FRAC_PI_2,
-                glide_rad: 6_f64.to_radians(),
-            }),
-            loiter_radius_m: 100.0,
-            wind: None,
-            ceiling: Amsl(1500.0),
-        }),
-        ..support::copter(id, sysid, start, goal)
+        ..support::plane(id, sysid, place(lat, -84.28), place(lat, -84.245))
     }
 }
 
 fn vtol(id: &str, sysid: u8, autopilot: Autopilot, lat: f64) -> Vehicle {
-    let plane = plane(id, sysid, autopilot, lat);
-    Vehicle {
-        airframe: Airframe::Vtol,
-        home: plane.start.place,
-        wing: plane.wing.map(|wing| Wing {
-            takeoff_heading_rad: None,
-            landing: None,
-            ..wing
-        }),
-        ..plane
-    }
+    support::vtol(plane(id, sysid, autopilot, lat))
 }
 
 /// Both airframes on both autopilots, a kilometre apart; the planes land, and so on.

@@ -3,13 +3,14 @@
 #[path = "support/command.rs"]
 #[allow(unreachable_pub)]
 mod command;
+#[path = "support/in_flight.rs"]
+#[allow(unreachable_pub)]
+mod in_flight;
 
-use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
 
-use assert_cmd::cargo::cargo_bin;
 use command::{sortie, text};
+use in_flight::{lines, take_off, wait_for};
 use serde_json::Value;
 
 /// Three VTOL on parallel lanes, a kilometre and two apart, 5 km and 3.6 km each.
@@ -41,33 +42,6 @@ fn planned(spec: &str) -> (tempfile::TempDir, PathBuf) {
     (folder, runs)
 }
 
-fn fly(folder: &Path) -> Child {
-    Command::new(cargo_bin("sortie"))
-        .current_dir(folder)
-        .args(["fly", "lanes.yaml", "--speedup", "16"])
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("sortie runs")
-}
-
-/// The lines of the record of the flight in a folder; a last one may be cut off.
-fn lines(runs: &Path) -> Vec<Value> {
-    let files = std::fs::read_dir(runs).into_iter().flatten().flatten();
-    let mut records = files.map(|file| file.path()).filter(|path| {
-        let name = path.file_name().and_then(|name| name.to_str());
-        name.is_some_and(|name| name.starts_with("flight-") && name.ends_with(".jsonl"))
-    });
-    let text = records
-        .next()
-        .and_then(|path| std::fs::read_to_string(path).ok());
-    let text = text.unwrap_or_default();
-    text.lines()
-        .filter_map(|line| serde_json::from_str(line).ok())
-        .collect()
-}
-
 /// Times and speeds of a vehicle on its wing.
 fn speeds(lines: &[Value], vehicle: &str, from_s: f64) -> Vec<(f64, f64)> {
     let of = |line: &&Value| line["vehicle"] == vehicle && line["lat_deg"].is_f64();
@@ -78,30 +52,18 @@ fn speeds(lines: &[Value], vehicle: &str, from_s: f64) -> Vec<(f64, f64)> {
         .collect()
 }
 
-fn wait_until(runs: &Path, vehicle: &str, t_s: f64) {
-    #[allow(clippy::disallowed_methods)]
-    let began = Instant::now();
-    while began.elapsed() < Duration::from_secs(120) {
-        if !speeds(&lines(runs), vehicle, t_s).is_empty() {
-            return;
-        }
-        std::thread::sleep(Duration::from_millis(50));
-    }
-    panic!("{vehicle} was not flown for {t_s} s within two minutes");
-}
-
 #[test]
 fn vtol_in_flight_go_around_a_popup_threat_without_a_stop_and_one_is_not_touched() {
     let (folder, runs) = planned(SPEC);
-    let mut flight = fly(folder.path());
-    wait_until(&runs, "osprey", 60.0);
+    let mut flight = take_off(folder.path(), "lanes.yaml", "16");
+    wait_for(&runs, "osprey", 60.0);
     let threat = "--threat=36.2945,-84.245,500";
     let output = sortie(folder.path(), &["replan", "lanes.yaml", threat]);
     let told = text(&output.stdout);
     assert!(output.status.success(), "{told}{}", text(&output.stderr));
     assert_eq!(told.matches("on its new path").count(), 2, "{told}");
     assert_eq!(told.matches("not touched").count(), 1, "{told}");
-    let status = flight.wait().expect("it ends");
+    let status = flight.0.wait().expect("it ends");
     let flown = std::fs::read(runs.join("flight.json")).expect("flight.json");
     let flown: Value = serde_json::from_slice(&flown).expect("JSON");
     assert_eq!(flown["verdict"], "pass", "{flown:#}");

@@ -9,6 +9,7 @@
 
 use std::fmt;
 
+use super::accept_item as item;
 use super::accept_wing as wing;
 use super::commands::{ARDUPILOT, CommandRule, PX4, Place};
 use super::item::{Item, VehicleMission, command, frame};
@@ -79,28 +80,28 @@ pub struct Limits {
 /// What one autopilot takes on one kind of airframe.
 pub(super) struct Profile {
     pub(super) limits: Limits,
-    commands: &'static [CommandRule],
+    pub(super) commands: &'static [CommandRule],
     /// Commands to which latitude 0, longitude 0 means where the vehicle is: Mission
     /// Planner writes takeoffs so.
-    here: &'static [u16],
+    pub(super) here: &'static [u16],
     /// Frames of items with a place.
-    place_frames: &'static [u8],
+    pub(super) place_frames: &'static [u8],
     /// Frames of items without one; any if absent.
-    command_frames: Option<&'static [u8]>,
+    pub(super) command_frames: Option<&'static [u8]>,
     /// Whether a NaN is read as "default" in every parameter.
-    any_nan: bool,
+    pub(super) any_nan: bool,
     /// Altitudes beyond do not fit, metres.
-    max_altitude_m: f32,
+    pub(super) max_altitude_m: f32,
     /// The first target of a jump: ArduPilot counts home as 0, PX4 does not count it.
-    first_jump: u16,
+    pub(super) first_jump: u16,
     /// Longest hold at a waypoint, seconds.
-    max_hold_s: f32,
+    pub(super) max_hold_s: f32,
     /// Whether a landing may look for a beacon, in its `param2`.
-    lands_by_beacon: bool,
+    pub(super) lands_by_beacon: bool,
     /// A takeoff must end this far above the acceptance radius.
-    takeoff_over_radius_m: Option<f32>,
+    pub(super) takeoff_over_radius_m: Option<f32>,
     /// The command that takes this airframe off.
-    takeoff: u16,
+    pub(super) takeoff: u16,
     /// The command that lands it.
     pub(super) landing: u16,
     /// What is refused or misread on a wing alone.
@@ -248,15 +249,15 @@ enum Check {
 static RULES: &[(&str, Check)] = &[
     ("something to fly", Check::Mission(something_to_fly)),
     ("item count", Check::Mission(item_count)),
-    ("known command", Check::Item(known_command)),
-    ("frame", Check::Item(allowed_frame)),
-    ("finite parameters", Check::Item(finite_parameters)),
-    ("latitude", Check::Item(latitude)),
-    ("longitude", Check::Item(longitude)),
-    ("a real place", Check::Item(real_place)),
-    ("altitude", Check::Item(altitude)),
-    ("hold time", Check::Item(hold_time)),
-    ("precision landing", Check::Item(precision_landing)),
+    ("known command", Check::Item(item::known_command)),
+    ("frame", Check::Item(item::allowed_frame)),
+    ("finite parameters", Check::Item(item::finite_parameters)),
+    ("latitude", Check::Item(item::latitude)),
+    ("longitude", Check::Item(item::longitude)),
+    ("a real place", Check::Item(item::real_place)),
+    ("altitude", Check::Item(item::altitude)),
+    ("hold time", Check::Item(item::hold_time)),
+    ("precision landing", Check::Item(item::precision_landing)),
     ("jump target", Check::Mission(jump_target)),
     ("takeoff first", Check::Mission(takeoff_first)),
     ("takeoff altitude", Check::Mission(takeoff_altitude)),
@@ -304,14 +305,14 @@ pub fn problems(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
 }
 
 impl Profile {
-    fn rule(&self, item: &Item) -> Option<&'static CommandRule> {
+    pub(super) fn rule(&self, item: &Item) -> Option<&'static CommandRule> {
         self.commands
             .iter()
             .find(|rule| rule.command == item.command)
     }
 
     /// Whether the item goes somewhere: its command has a place and its frame is not that of commands.
-    fn has_place(&self, item: &Item) -> bool {
+    pub(super) fn has_place(&self, item: &Item) -> bool {
         match self.rule(item).map(|rule| rule.place) {
             Some(Place::Needed) => true,
             Some(Place::Optional) => item.frame != frame::MISSION,
@@ -333,93 +334,6 @@ fn item_count(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Fin
         (
             0,
             (format!("{count} items"), format!("{limit}, home aside")),
-        )
-    })
-}
-
-fn known_command(profile: &Profile, item: &Item) -> Option<Finding> {
-    profile.rule(item).is_none().then(|| {
-        (
-            format!("command {}", item.command),
-            "the commands this autopilot knows".to_owned(),
-        )
-    })
-}
-
-fn allowed_frame(profile: &Profile, item: &Item) -> Option<Finding> {
-    let allowed = if profile.has_place(item) {
-        profile.place_frames
-    } else {
-        profile.rule(item)?;
-        profile.command_frames?
-    };
-    (!allowed.contains(&item.frame)).then(|| (format!("frame {}", item.frame), list(allowed)))
-}
-
-fn finite_parameters(profile: &Profile, item: &Item) -> Option<Finding> {
-    let nan_allowed = profile.rule(item).map_or([false; 4], |rule| rule.nan);
-    (0..4).find_map(|index| {
-        let value = item.params[index];
-        let nan_allowed = profile.any_nan || nan_allowed[index];
-        if value.is_finite() || (value.is_nan() && nan_allowed) {
-            return None;
-        }
-        let allowed = if nan_allowed {
-            "a number or NaN"
-        } else {
-            "a number"
-        };
-        Some((format!("param{} is {value}", index + 1), allowed.to_owned()))
-    })
-}
-
-fn latitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.has_place(item) && item.x.unsigned_abs() > 900_000_000)
-        .then(|| (degrees(item.x), "-90 to 90 degrees".to_owned()))
-}
-
-fn longitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.has_place(item) && item.y.unsigned_abs() > 1_800_000_000)
-        .then(|| (degrees(item.y), "-180 to 180 degrees".to_owned()))
-}
-
-/// ArduPilot takes 0, 0 for "here"; PX4 flies to the Gulf of Guinea.
-fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
-    let goes = profile.has_place(item) && !profile.here.contains(&item.command);
-    (goes && (item.x, item.y) == (0, 0)).then(|| {
-        (
-            "latitude 0, longitude 0".to_owned(),
-            "a place on purpose".to_owned(),
-        )
-    })
-}
-
-fn altitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    let limit_m = profile.max_altitude_m;
-    let fits = item.z.is_finite() && item.z.abs() < limit_m;
-    (profile.has_place(item) && !fits)
-        .then(|| (format!("{} m", item.z), format!("within {limit_m} m")))
-}
-
-fn hold_time(profile: &Profile, item: &Item) -> Option<Finding> {
-    let holds = [command::NAV_WAYPOINT, command::NAV_LOITER_TIME].contains(&item.command);
-    let hold_s = item.params[0];
-    (holds && hold_s.is_finite() && !(0.0..=profile.max_hold_s).contains(&hold_s)).then(|| {
-        (
-            format!("{hold_s} s"),
-            format!("0 to {} s", profile.max_hold_s),
-        )
-    })
-}
-
-/// A precision landing leaves the place of the item for that of a beacon, after a search for it.
-fn precision_landing(profile: &Profile, item: &Item) -> Option<Finding> {
-    let mode = item.params[1];
-    let looks = item.command == command::NAV_LAND && profile.lands_by_beacon;
-    (looks && mode.is_finite() && mode.abs() > 0.0).then(|| {
-        (
-            format!("param2 is {mode}"),
-            "0: a landing at its place".to_owned(),
         )
     })
 }
@@ -487,13 +401,4 @@ fn takeoff_altitude(profile: &Profile, mission: &VehicleMission) -> Option<(usiz
             ),
         )
     })
-}
-
-fn degrees(e7: i32) -> String {
-    format!("{}", f64::from(e7) / 1e7)
-}
-
-fn list(frames: &[u8]) -> String {
-    let names: Vec<String> = frames.iter().map(u8::to_string).collect();
-    format!("frame {}", names.join(", "))
 }

@@ -2,6 +2,7 @@
 
 mod accept;
 mod accept_fence;
+mod accept_item;
 mod accept_wing;
 mod build;
 mod commands;

@@ -87,8 +87,8 @@ pub(super) fn distance_m(point: Point, from: Point, to: Point) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geodesy::LatLon;
-    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement, Vehicle};
+    use crate::spec::Vehicle;
+    use crate::spec::fixtures::copter;
     use proptest::prelude::*;
 
     use crate::mission::encode::quarter_up;
@@ -98,41 +98,16 @@ mod tests {
     fn keep() -> Keep {
         Keep {
             tolerance_m: 5.0,
-            limits: VehicleLimits::of(&copter()),
+            limits: VehicleLimits::of(&Vehicle {
+                speed_mps: 15.0,
+                accel_mps2: 2.5,
+                max_climb_rad: Some(15_f64.to_radians()),
+                max_descent_rad: Some(10_f64.to_radians()),
+                climb_mps: 5.0,
+                descent_mps: 3.0,
+                ..copter()
+            }),
             zero: Some(Amsl(0.0)),
-        }
-    }
-
-    fn copter() -> Vehicle {
-        let place = LatLon {
-            lat_deg: 36.0,
-            lon_deg: -84.0,
-        };
-        let end = EndPoint {
-            place,
-            altitude: Placement::Amsl(Amsl(500.0)),
-        };
-        Vehicle {
-            id: "alpha".to_owned(),
-            sysid: 1,
-            autopilot: Autopilot::ArduPilot,
-            airframe: Airframe::Copter,
-            link: Link::Sim,
-            home: place,
-            start: end,
-            goal: end,
-            finish: Finish::Land,
-            speed_mps: 15.0,
-            max_load_factor: 1.2,
-            max_climb_rad: Some(15_f64.to_radians()),
-            max_descent_rad: Some(10_f64.to_radians()),
-            climb_mps: 5.0,
-            descent_mps: 3.0,
-            accel_mps2: 2.5,
-            depart_s: 0.0,
-            leeway: Leeway::default(),
-            return_amsl: None,
-            wing: None,
         }
     }
 

@@ -22,8 +22,7 @@ pub const STOP_LATE_S: f64 = 4.5;
 /// within 5.5 s of each other, which is for `time_slack_s` to cover.
 ///
 /// Measured on ArduCopter, assumed of PX4 and of rotors under a wing.
-#[must_use]
-pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
+fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
     match vehicle.airframe {
         Airframe::Copter | Airframe::Vtol => Span {
             least: 0.0,
@@ -37,7 +36,51 @@ pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
 }
 
 /// Whether two vehicles are late alike: of one autopilot and airframe.
-#[must_use]
-pub fn are_late_alike(one: &Vehicle, other: &Vehicle) -> bool {
+fn are_late_alike(one: &Vehicle, other: &Vehicle) -> bool {
     (one.autopilot, one.airframe) == (other.autopilot, other.airframe)
+}
+
+/// By how much the second of two vehicles may be shifted against the first without any shift of
+/// departures, seconds: by the lateness of both where they are not late alike.
+#[must_use]
+pub fn takeoff_shift_s(a: &Vehicle, b: &Vehicle) -> Span {
+    if are_late_alike(a, b) {
+        return Span {
+            least: 0.0,
+            most: 0.0,
+        };
+    }
+    let (late, other) = (takeoff_lateness_s(a), takeoff_lateness_s(b));
+    Span {
+        least: late.least - other.most,
+        most: late.most - other.least,
+    }
+}
+
+/// That, with the stops behind each of them.
+#[must_use]
+pub fn with_stops_s(shift_s: Span, late_s: f64, other_late_s: f64) -> Span {
+    Span {
+        least: shift_s.least - other_late_s,
+        most: shift_s.most + late_s,
+    }
+}
+
+/// The most that two of these may be shifted against each other by what autopilots are late,
+/// seconds; each comes with what its stops make it late by.
+#[must_use]
+pub fn most_shift_s<'a>(fleet: impl Iterator<Item = (&'a Vehicle, f64)>) -> f64 {
+    let (mut least_s, mut most_s, mut stops_s) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let (mut first, mut are_alike) = (None, true);
+    for (vehicle, late_s) in fleet {
+        let late = takeoff_lateness_s(vehicle);
+        (least_s, most_s) = (least_s.min(late.least), most_s.max(late.most));
+        stops_s = stops_s.max(late_s);
+        are_alike &= are_late_alike(first.get_or_insert(vehicle), vehicle);
+    }
+    if are_alike {
+        stops_s
+    } else {
+        stops_s + most_s - least_s
+    }
 }

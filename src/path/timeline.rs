@@ -327,40 +327,17 @@ fn between(from: PlanPoint, to: PlanPoint, share: f64) -> PlanPoint {
 #[cfg(test)]
 mod tests {
     use super::{flight, route_start_s, time_route};
-    use crate::geodesy::{Agl, Amsl, LatLon, PlanPoint};
-    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement, Vehicle};
+    use crate::geodesy::{Amsl, PlanPoint};
+    use crate::spec::fixtures::copter;
+    use crate::spec::{Autopilot, Finish, Vehicle};
     use crate::world::Stations;
 
     fn vehicle(finish: Finish) -> Vehicle {
-        let place = LatLon {
-            lat_deg: 0.0,
-            lon_deg: 0.0,
-        };
-        let end = EndPoint {
-            place,
-            altitude: Placement::Agl(Agl(80.0)),
-        };
         Vehicle {
-            id: "alpha".to_owned(),
-            sysid: 1,
             autopilot: Autopilot::Px4,
-            airframe: Airframe::Copter,
-            link: Link::Sim,
-            home: place,
-            start: end,
-            goal: end,
             finish,
-            speed_mps: 10.0,
-            max_load_factor: 1.2,
-            max_climb_rad: None,
-            max_descent_rad: None,
-            climb_mps: 4.0,
-            descent_mps: 2.0,
-            accel_mps2: 2.0,
             depart_s: 30.0,
-            leeway: Leeway::default(),
-            return_amsl: None,
-            wing: None,
+            ..copter()
         }
     }
 

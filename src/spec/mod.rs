@@ -2,6 +2,8 @@
 
 mod check;
 mod file;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod issue;
 mod link;
 mod model;

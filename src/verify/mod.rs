@@ -111,6 +111,7 @@ mod space;
 mod surface;
 mod swing;
 mod tecs;
+mod timeline;
 mod wing;
 mod winged;
 mod worst;

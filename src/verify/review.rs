@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command};
+use crate::path::most_shift_s;
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
@@ -13,8 +14,9 @@ use super::fence::Fence;
 use super::flight::{End, Flight};
 use super::home;
 use super::pilot;
-use super::separation::{self, Timeline};
+use super::separation;
 use super::space::Space;
+use super::timeline::Timeline;
 use super::{Margin, Moment, Review, Track};
 
 /// Most points of one track.
@@ -52,7 +54,7 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         .iter()
         .map(|sortie| sortie.flight.last_s())
         .fold(0.0, f64::max);
-    let late_s = separation::most_shift_s(sorties.iter().map(|sortie| {
+    let late_s = most_shift_s(sorties.iter().map(|sortie| {
         let chords = sortie.flight.chords.iter();
         let late_s = chords.map(|chord| chord.late_s).fold(0.0, f64::max);
         (sortie.vehicle, late_s)

@@ -82,20 +82,10 @@ impl<'a> Ribbon<'a> {
         let from_s = self.t_s;
         self.t_s += duration_s;
         self.chords.push(Chord {
-            row,
-            phase,
-            from_s,
-            to_s: self.t_s,
-            from,
-            to,
-            error_m: 0.0,
-            bow_m: 0.0,
-            agl_m: None,
-            slope_from_m: None,
             grounded,
-            wide_m: 0.0,
             late_s: self.late_s,
             flown: true,
+            ..Chord::unflown((row, phase), (from_s, self.t_s), (from, to))
         });
     }
 

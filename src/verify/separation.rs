@@ -1,264 +1,20 @@
 //! Pairwise separation, from takeoff to touchdown, at the worst allowed shift.
 
-use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::geodesy::LocalFrame;
-use crate::numeric::approach::{
-    Approach, Motion, closest_approach, closest_horizontal, least_ratio,
-};
 use crate::numeric::tracks::{Nearness, Track, Tracks};
-use crate::path::{are_late_alike, takeoff_lateness_s};
-use crate::spec::{Separation, Span, Vehicle};
+use crate::path::{most_shift_s, takeoff_shift_s, with_stops_s};
+use crate::spec::{Separation, Span};
 
 use super::chord::Chord;
+use super::timeline::{Distance, Metric, Nearest, Timeline, motion, nearest};
 use super::{Margin, Moment, Sense};
 
 /// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
 const LISTED_FLEET: usize = 16;
 /// "Near", in separation distances.
 const NEAR: f64 = 2.0;
-
-/// A box in space and time around some chords.
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
-    from_s: f64,
-    to_s: f64,
-    low: Vector3<f64>,
-    high: Vector3<f64>,
-    error_m: f64,
-    late_s: f64,
-}
-
-/// The chords of one vehicle and a binary tree of boxes around them.
-#[derive(Clone, Debug)]
-pub(super) struct Timeline<'a> {
-    vehicle: &'a Vehicle,
-    chords: Vec<&'a Chord>,
-    /// Heap order: the children of `n` are `2 n + 1` and `2 n + 2`.
-    bounds: Vec<Option<Bounds>>,
-}
-
-/// What is measured between two vehicles, metres.
-#[derive(Clone, Copy)]
-enum Distance {
-    /// In three dimensions.
-    Space,
-    /// Horizontally, where the vertical distance is below this.
-    Horizontal(f64),
-    /// Vertically.
-    Vertical,
-}
-
-/// A distance, and by how much the second of two vehicles may be shifted against the first.
-#[derive(Clone, Copy)]
-struct Metric {
-    distance: Distance,
-    shift_s: Span,
-}
-
-/// By how much the second of two vehicles may be shifted against the first without any shift of
-/// departures, seconds: by the lateness of both where they are not late alike.
-fn takeoff_shift_s(a: &Vehicle, b: &Vehicle) -> Span {
-    if are_late_alike(a, b) {
-        return Span {
-            least: 0.0,
-            most: 0.0,
-        };
-    }
-    let (late, other) = (takeoff_lateness_s(a), takeoff_lateness_s(b));
-    Span {
-        least: late.least - other.most,
-        most: late.most - other.least,
-    }
-}
-
-/// That, with the stops behind each of them.
-fn with_stops_s(shift_s: Span, late_s: f64, other_late_s: f64) -> Span {
-    Span {
-        least: shift_s.least - other_late_s,
-        most: shift_s.most + late_s,
-    }
-}
-
-/// The nearest that two vehicles come: chord indices, times, distance less the errors.
-#[derive(Clone, Copy, Debug)]
-struct Nearest {
-    distance_m: f64,
-    chords: (usize, usize),
-    times_s: (f64, f64),
-}
-
-impl<'a> Timeline<'a> {
-    pub(super) fn new(vehicle: &'a Vehicle, chords: &'a [Chord]) -> Self {
-        let chords: Vec<&Chord> = chords.iter().filter(|chord| chord.flown).collect();
-        let leaves = chords.len().next_power_of_two();
-        let mut bounds: Vec<Option<Bounds>> = vec![None; leaves - 1];
-        bounds.extend(chords.iter().map(|chord| Some(Bounds::of(chord))));
-        bounds.resize(2 * leaves - 1, None);
-        for node in (0..leaves - 1).rev() {
-            bounds[node] = match (bounds[2 * node + 1], bounds[2 * node + 2]) {
-                (Some(a), Some(b)) => Some(a.around(&b)),
-                (one, other) => one.or(other),
-            };
-        }
-        Self {
-            vehicle,
-            chords,
-            bounds,
-        }
-    }
-
-    fn leaf(&self, node: usize) -> Option<usize> {
-        let first = self.bounds.len() / 2;
-        node.checked_sub(first)
-    }
-
-    /// The whole time in the air.
-    fn span(&self) -> Option<Bounds> {
-        self.bounds.first().copied().flatten()
-    }
-}
-
-impl Bounds {
-    fn of(chord: &Chord) -> Self {
-        let (from, to) = (position(chord, 0.0), position(chord, 1.0));
-        Self {
-            from_s: chord.from_s,
-            to_s: chord.to_s,
-            low: from.inf(&to),
-            high: from.sup(&to),
-            error_m: chord.error_m + chord.wide_m,
-            late_s: chord.late_s,
-        }
-    }
-
-    fn around(&self, other: &Self) -> Self {
-        Self {
-            from_s: self.from_s.min(other.from_s),
-            to_s: self.to_s.max(other.to_s),
-            low: self.low.inf(&other.low),
-            high: self.high.sup(&other.high),
-            error_m: self.error_m.max(other.error_m),
-            late_s: self.late_s.max(other.late_s),
-        }
-    }
-
-    /// At least so far apart is anything in the two boxes; infinite if never at the same time.
-    fn apart_m(&self, other: &Self, metric: &Metric) -> f64 {
-        let shift_s = with_stops_s(metric.shift_s, self.late_s, other.late_s);
-        let is_later = other.from_s - self.to_s > shift_s.most;
-        let is_earlier = self.from_s - other.to_s > -shift_s.least;
-        if is_later || is_earlier {
-            return f64::INFINITY;
-        }
-        let gap = (self.low - other.high)
-            .sup(&(other.low - self.high))
-            .sup(&Vector3::zeros());
-        let error_m = self.error_m + other.error_m;
-        let apart_m = match metric.distance {
-            Distance::Space => gap.norm(),
-            Distance::Horizontal(level_m) if gap.z > level_m + error_m => f64::INFINITY,
-            Distance::Horizontal(_) => gap.xy().norm(),
-            Distance::Vertical => gap.z,
-        };
-        apart_m - error_m
-    }
-}
-
-impl Metric {
-    /// The closest approach of two chords, less what the chords may be off.
-    fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
-        let error_m = a.error_m + a.wide_m + b.error_m + b.wide_m;
-        let shift_s = with_stops_s(self.shift_s, a.late_s, b.late_s);
-        let (middle_s, slack_s) = (
-            0.5 * (shift_s.least + shift_s.most),
-            0.5 * (shift_s.most - shift_s.least),
-        );
-        let (p, q) = (motion(a), moved(motion(b), -middle_s));
-        let found = match self.distance {
-            Distance::Space => closest_approach(&p, &q, slack_s),
-            Distance::Horizontal(level_m) => closest_horizontal(&p, &q, slack_s, level_m + error_m),
-            // Beside an endless horizontal limit only the vertical distance counts, here in metres.
-            Distance::Vertical => least_ratio(&p, &q, slack_s, f64::INFINITY, 1.0),
-        }?;
-        let less_m = found.value - error_m;
-        Some(Approach {
-            // Not `max`, which would take a NaN for 0.
-            value: if less_m < 0.0 { 0.0 } else { less_m },
-            u_s: found.u_s + middle_s,
-            ..found
-        })
-    }
-}
-
-fn position(chord: &Chord, u: f64) -> Vector3<f64> {
-    let point = chord.at(u);
-    Vector3::new(point.at.east_m, point.at.north_m, point.amsl.0)
-}
-
-fn motion(chord: &Chord) -> Motion {
-    let end = |t_s, u| (t_s, position(chord, u).into());
-    Motion::between(end(chord.from_s, 0.0), end(chord.to_s, 1.0))
-}
-
-/// The same motion at another time.
-fn moved(motion: Motion, by_s: f64) -> Motion {
-    Motion {
-        t0_s: motion.t0_s + by_s,
-        t1_s: motion.t1_s + by_s,
-        ..motion
-    }
-}
-
-/// The nearest that two vehicles come, if nearer than `below_m`: a walk down both
-/// trees at once, nearer pairs of boxes first.
-fn nearest(a: &Timeline<'_>, b: &Timeline<'_>, metric: &Metric, below_m: f64) -> Option<Nearest> {
-    let mut best: Option<Nearest> = None;
-    let mut limit_m = below_m;
-    let apart = |x: usize, y: usize| match (a.bounds.get(x), b.bounds.get(y)) {
-        (Some(Some(p)), Some(Some(q))) => p.apart_m(q, metric),
-        _ => f64::INFINITY,
-    };
-    let mut open = vec![(apart(0, 0), 0, 0)];
-    while let Some((apart_m, x, y)) = open.pop() {
-        if apart_m >= limit_m {
-            continue;
-        }
-        if let (Some(i), Some(j)) = (a.leaf(x), b.leaf(y)) {
-            let Some(found) = metric.measure(a.chords[i], b.chords[j]) else {
-                continue;
-            };
-            if found.value < limit_m {
-                limit_m = found.value;
-                best = Some(Nearest {
-                    distance_m: found.value,
-                    chords: (i, j),
-                    times_s: (found.t_s, found.u_s),
-                });
-            }
-            continue;
-        }
-        // The box that lasts longer is opened.
-        let lasts = |bounds: Option<&Option<Bounds>>| match bounds {
-            Some(Some(bounds)) => bounds.to_s - bounds.from_s,
-            _ => 0.0,
-        };
-        let opens_a = b.leaf(y).is_some()
-            || (a.leaf(x).is_none() && lasts(a.bounds.get(x)) >= lasts(b.bounds.get(y)));
-        let pairs = if opens_a {
-            [(2 * x + 1, y), (2 * x + 2, y)]
-        } else {
-            [(x, 2 * y + 1), (x, 2 * y + 2)]
-        };
-        let mut children = pairs.map(|(x, y)| (apart(x, y), x, y));
-        if children[0].0 < children[1].0 {
-            children.swap(0, 1);
-        }
-        open.extend(children.iter().filter(|child| child.0 < limit_m));
-    }
-    best
-}
 
 /// The margins of all pairs (of a large fleet: of those that come near).
 pub(super) fn margins(
@@ -339,24 +95,6 @@ impl Near {
     fn after(&self, first: usize) -> Vec<usize> {
         let own = &self.tracks.all()[first];
         self.tracks.near(own, &self.nearness, first + 1)
-    }
-}
-
-/// The most that two of these may be shifted against each other by what autopilots are late,
-/// seconds; each comes with what its stops make it late by.
-pub(super) fn most_shift_s<'a>(fleet: impl Iterator<Item = (&'a Vehicle, f64)>) -> f64 {
-    let (mut least_s, mut most_s, mut stops_s) = (0.0_f64, 0.0_f64, 0.0_f64);
-    let (mut first, mut are_alike) = (None, true);
-    for (vehicle, late_s) in fleet {
-        let late = takeoff_lateness_s(vehicle);
-        (least_s, most_s) = (least_s.min(late.least), most_s.max(late.most));
-        stops_s = stops_s.max(late_s);
-        are_alike &= are_late_alike(first.get_or_insert(vehicle), vehicle);
-    }
-    if are_alike {
-        stops_s
-    } else {
-        stops_s + most_s - least_s
     }
 }
 
@@ -484,8 +222,9 @@ fn never_together(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geodesy::{Agl, Amsl, LatLon, PlanPoint};
-    use crate::spec::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement};
+    use crate::geodesy::{Amsl, LatLon, PlanPoint};
+    use crate::spec::fixtures::copter;
+    use crate::spec::{Airframe, Autopilot, Vehicle};
     use crate::verify::chord::Phase;
     use proptest::prelude::*;
 
@@ -495,53 +234,17 @@ mod tests {
         error_m: f64,
     ) -> Chord {
         Chord {
-            row: 1,
-            phase: Phase::Route,
-            from_s,
-            to_s,
-            from,
-            to,
             error_m,
-            bow_m: 0.0,
-            agl_m: None,
-            slope_from_m: None,
-            grounded: false,
-            wide_m: 0.0,
-            late_s: 0.0,
             flown: true,
+            ..Chord::unflown((1, Phase::Route), (from_s, to_s), (from, to))
         }
     }
 
     fn vehicle(autopilot: Autopilot, airframe: Airframe) -> Vehicle {
-        let place = LatLon {
-            lat_deg: 36.0,
-            lon_deg: -84.0,
-        };
-        let end = EndPoint {
-            place,
-            altitude: Placement::Agl(Agl(80.0)),
-        };
         Vehicle {
-            id: "v".to_owned(),
-            sysid: 1,
             autopilot,
             airframe,
-            link: Link::Sim,
-            home: place,
-            start: end,
-            goal: end,
-            finish: Finish::Land,
-            speed_mps: 10.0,
-            max_load_factor: 1.2,
-            max_climb_rad: None,
-            max_descent_rad: None,
-            climb_mps: 4.0,
-            descent_mps: 2.0,
-            accel_mps2: 2.0,
-            depart_s: 0.0,
-            leeway: Leeway::default(),
-            return_amsl: None,
-            wing: None,
+            ..copter()
         }
     }
 

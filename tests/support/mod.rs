@@ -3,6 +3,8 @@
 
 pub mod peers;
 
+use std::f64::consts::FRAC_PI_2;
+
 use sortie::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 use sortie::spec::*;
 use sortie::world::{Terrain, World};
@@ -48,6 +50,38 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         leeway: Leeway::default(),
         return_amsl: None,
         wing: None,
+    }
+}
+
+/// A plane that takes off and lands eastward.
+pub fn plane(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
+    Vehicle {
+        airframe: Airframe::Plane,
+        wing: Some(Wing {
+            takeoff_heading_rad: Some(FRAC_PI_2),
+            landing: Some(Landing {
+                heading_rad: FRAC_PI_2,
+                glide_rad: 6_f64.to_radians(),
+            }),
+            loiter_radius_m: 100.0,
+            wind: None,
+            ceiling: Amsl(1500.0),
+        }),
+        ..copter(id, sysid, start, goal)
+    }
+}
+
+/// The same on rotors at its two ends: it rises at its start.
+pub fn vtol(plane: Vehicle) -> Vehicle {
+    Vehicle {
+        airframe: Airframe::Vtol,
+        home: plane.start.place,
+        wing: plane.wing.map(|wing| Wing {
+            takeoff_heading_rad: None,
+            landing: None,
+            ..wing
+        }),
+        ..plane
     }
 }
 

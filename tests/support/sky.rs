@@ -1,13 +1,14 @@
 //! A fleet and the ground station that watches it, under one virtual clock.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
+use std::path::Path;
 use std::sync::Arc;
 
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::mission::VehicleMission;
-use sortie::spec::{MissionSpec, OnLinkLoss, Vehicle as Spec, Wind};
+use sortie::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle as Spec, Wind};
 use sortie::vehicle::{Surroundings, Vehicle};
 use sortie::world::World;
 
@@ -36,6 +37,25 @@ pub fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Planned {
         "{:?}",
         dispatched.review.margins
     );
+    Planned {
+        spec,
+        world,
+        dispatched,
+    }
+}
+
+/// A shipped mission, planned after a change of its spec.
+pub fn plan_shipped(name: &str, change: impl FnOnce(&mut MissionSpec)) -> Planned {
+    let missions = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions");
+    let path = missions.join(name).with_extension("yaml");
+    let file = SpecFile::read(&path).expect("the spec");
+    let world = sortie::world::load(&file).expect("the terrain");
+    let mut spec = file.spec;
+    change(&mut spec);
+    let dispatched = dispatch(&spec, &world, 1, &|_| {});
+    let failed = dispatched.review.margins.iter().filter(|margin| !margin.ok);
+    let failed: Vec<_> = failed.collect();
+    assert!(failed.is_empty(), "{name}: {failed:?}");
     Planned {
         spec,
         world,

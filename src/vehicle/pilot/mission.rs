@@ -55,11 +55,7 @@ impl Pilot {
                 self.doing = doing;
                 return;
             }
-            // ArduPilot tells of every item that it has done; PX4 of those that go somewhere.
-            if self.profile == Profile::ArduPilot {
-                self.events.push(Event::Reached(self.at));
-            }
-            self.at += 1;
+            self.pass_item();
         }
         // The mission is over. In the air, the vehicle stays where it came to.
         self.at = items.len().saturating_sub(1);
@@ -70,6 +66,15 @@ impl Pilot {
             self.under_way = false;
             Doing::Standing
         };
+    }
+
+    /// An item that took no time is done.
+    pub(super) fn pass_item(&mut self) {
+        // ArduPilot tells of every item that it has done; PX4 of those that go somewhere.
+        if self.profile == Profile::ArduPilot {
+            self.events.push(Event::Reached(self.at));
+        }
+        self.at += 1;
     }
 
     /// The item at work is done. Outside of a mission there is no next one.

@@ -5,7 +5,7 @@ use super::{Following, Takeoff, Winged};
 use crate::mission::{Item, command};
 use crate::spec::Airframe;
 use crate::vehicle::mode::Mode;
-use crate::vehicle::pilot::{Doing, Event, Pilot};
+use crate::vehicle::pilot::{Doing, Pilot};
 use crate::vehicle::profile::Profile;
 use crate::vehicle::settings::{Passes, WingLimits};
 use crate::vehicle::steer::{self, Leg};
@@ -26,10 +26,7 @@ impl Pilot {
                 self.doing = doing;
                 return;
             }
-            if self.profile == Profile::ArduPilot {
-                self.events.push(Event::Reached(self.at));
-            }
-            self.at += 1;
+            self.pass_item();
         }
         self.at = items.len().saturating_sub(1);
         if !self.airborne {

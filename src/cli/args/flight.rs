@@ -1,0 +1,61 @@
+//! What was typed after `fly` and `replan`.
+
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct Fly {
+    /// The mission spec (YAML) that was planned
+    pub(in crate::cli) spec: PathBuf,
+    /// The folder that `plan` wrote [default: out/<name>]
+    #[arg(long, value_name = "DIR")]
+    pub(in crate::cli) dir: Option<PathBuf>,
+    /// Reach a vehicle elsewhere: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    #[arg(long, value_name = "ID=ADDR")]
+    pub(in crate::cli) link: Vec<String>,
+    /// Transfer the missions first, instead of only comparing what is on board
+    #[arg(long)]
+    pub(in crate::cli) upload: bool,
+    /// Set the parameters that the verdict assumes where they differ
+    #[arg(long)]
+    pub(in crate::cli) set_params: bool,
+    /// How much faster than the clock on the wall the vehicles' time goes: simulators only
+    #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = speedup)]
+    pub(in crate::cli) speedup: f64,
+    /// Standard deviation of the positions of simulated vehicles, metres
+    #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = metres)]
+    pub(in crate::cli) noise: f64,
+    /// Fly although parameters, home or place differ from the plan
+    #[arg(long)]
+    pub(in crate::cli) force: bool,
+    /// Print flight.json instead of the table
+    #[arg(long)]
+    pub(in crate::cli) json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct Replan {
+    /// The mission spec (YAML) that is being flown
+    pub(in crate::cli) spec: PathBuf,
+    /// The folder that `plan` wrote [default: out/<name>]
+    #[arg(long, value_name = "DIR")]
+    pub(in crate::cli) dir: Option<PathBuf>,
+    /// The threat that was not there: degrees and metres
+    #[arg(long, value_name = "LAT,LON,RADIUS", allow_hyphen_values = true)]
+    pub(in crate::cli) threat: String,
+    /// Reach a vehicle elsewhere than `fly` says it does: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    #[arg(long, value_name = "ID=ADDR")]
+    pub(in crate::cli) link: Vec<String>,
+    /// Seed instead of the spec's
+    #[arg(long, value_name = "N")]
+    pub(in crate::cli) seed: Option<u64>,
+}
+
+fn speedup(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|n| (0.1..=100.0).contains(n));
+    found.ok_or_else(|| "not a number from 0.1 to 100".to_owned())
+}
+
+fn metres(text: &str) -> Result<f64, String> {
+    let found = text.parse().ok().filter(|n| (0.0..=20.0).contains(n));
+    found.ok_or_else(|| "not a number from 0 to 20".to_owned())
+}

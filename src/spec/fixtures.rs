@@ -1,0 +1,38 @@
+//! What tests of other folders begin with.
+
+use super::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement, Vehicle};
+use crate::geodesy::{Agl, LatLon};
+
+/// A copter at 10 m/s with 2 m/s^2 that lands at its goal; all its places are one.
+pub(crate) fn copter() -> Vehicle {
+    let place = LatLon {
+        lat_deg: 36.0,
+        lon_deg: -84.0,
+    };
+    let end = EndPoint {
+        place,
+        altitude: Placement::Agl(Agl(80.0)),
+    };
+    Vehicle {
+        id: "alpha".to_owned(),
+        sysid: 1,
+        autopilot: Autopilot::ArduPilot,
+        airframe: Airframe::Copter,
+        link: Link::Sim,
+        home: place,
+        start: end,
+        goal: end,
+        finish: Finish::Land,
+        speed_mps: 10.0,
+        max_load_factor: 1.2,
+        max_climb_rad: None,
+        max_descent_rad: None,
+        climb_mps: 4.0,
+        descent_mps: 2.0,
+        accel_mps2: 2.0,
+        depart_s: 0.0,
+        leeway: Leeway::default(),
+        return_amsl: None,
+        wing: None,
+    }
+}
