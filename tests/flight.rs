@@ -283,10 +283,25 @@ fn a_lost_link_is_shown_and_all_hold_if_the_spec_says_so() {
     let status = sky.fleet.status(sky.now);
     assert!(status[1].lost_s.is_some_and(|s| s > 5.0), "{status:?}");
     sky.fly_out();
+    assert!(!sky.says("bravo", "link is back"), "{:?}", sky.events);
     assert_eq!((sky.end(0), sky.end(2)), (End::Held, End::Held));
     assert!(matches!(sky.end(1), End::Failed(_)));
     let report = plan.judge(&sky);
     assert!(!report.passes());
+}
+
+#[test]
+fn whoever_is_left_flying_with_a_dead_link_is_not_said_to_be_back() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(60.0);
+    sky.cut.push(2);
+    sky.fly_to(70.0);
+    sky.fleet.intervene(sky.now, Intervention::Leave);
+    sky.fly_out();
+    assert!(sky.says("bravo", "link lost"), "{:?}", sky.events);
+    assert!(!sky.says("bravo", "link is back"), "{:?}", sky.events);
+    assert_eq!(sky.end(1), End::LeftFlying);
 }
 
 #[test]

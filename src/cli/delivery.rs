@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::console::{Paint, out};
 use super::failure::Failure;
-use super::folder;
 use super::output;
+use super::runs;
 use super::table::Rows;
 use crate::link::{TransferReport, Verdict};
 
@@ -103,12 +103,8 @@ impl Delivery {
     /// Writes the record to `DIR.runs/`, under its time and as the newest.
     pub(super) fn record(&self, target: &Path) -> Result<(), Failure> {
         let text = report_text(&self.json());
-        let folder = folder::runs_folder(target);
-        let seconds = seconds_since_1970();
-        output::write_file(
-            &folder.join(format!("upload-{seconds}.json")),
-            text.as_bytes(),
-        )?;
+        let folder = runs::folder(target);
+        output::write_file(&runs::named(&folder, "upload", "json"), text.as_bytes())?;
         output::write_file(&folder.join("upload.json"), text.as_bytes())?;
         Ok(())
     }

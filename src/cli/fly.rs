@@ -2,6 +2,8 @@
 
 mod call;
 mod flying;
+mod journal;
+mod settings;
 mod show;
 
 use std::collections::BTreeMap;
@@ -12,12 +14,12 @@ use super::args;
 use super::console::{Paint, note};
 use super::failure::Failure;
 use super::review;
+use super::runs;
 use super::table;
 use super::upload;
 use crate::flight::{Assignment, Event, Fleet, Options, Reference};
-use crate::formats;
 use crate::link::Links;
-use crate::mission::{VehicleMission, command};
+use crate::mission::{VehicleMission, command, cruise_speed_mps};
 use crate::spec::{Leeway, Link, MissionSpec, SpecFile};
 use crate::vehicle::{self, Running, Simulated, Surroundings};
 use crate::verify::{self, Review};
@@ -41,6 +43,7 @@ pub(super) struct Sorties {
 
 pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let sorties = read(&arguments.spec, arguments.dir.as_deref())?;
+    let _held = runs::hold(&runs::folder(&sorties.folder), "fly")?;
     let told = upload::links(&sorties.file, &arguments.link)?;
     let (simulated, links) = reach(arguments, &sorties, &told)?;
     let references = references(&sorties);
@@ -64,14 +67,13 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let open = Links::open(&systems)
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
     let call = Call::new(&sorties, &links, arguments.speedup);
-    call.announce(None)?;
     let mut flying = Flying::begin(&sorties, &open, &call, arguments, !simulated.is_empty())?;
     let mut fleet = fleet(open.us(), flying.now());
     flying.note_plans(&sorties, &references)?;
-    let flown = flying.fly(&mut fleet);
+    call.announce(None)?;
+    flying.fly(&mut fleet);
     // Nobody can be reached there any more.
     call.withdraw();
-    flown?;
     flying.end(&fleet, &sorties, arguments)
 }
 
@@ -102,15 +104,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
     }
     let world = world::load(&file)?;
     let mut missions = review::read(&file, &files)?;
-    for (vehicle, mission) in &mut missions {
-        let path = folder.join(format!("{}.params", file.spec.vehicles[*vehicle].id));
-        let text = std::fs::read_to_string(&path).map_err(|error| {
-            Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
-        })?;
-        mission.params = formats::params::read(&text).map_err(|error| {
-            Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
-        })?;
-    }
+    settings::read(&file.spec, &folder, &mut missions)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
     if !review.passes() {
@@ -119,6 +113,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         return Err(Failure::new(Failure::VERDICT, message));
     }
     settle(&mut file.spec, &missions, &review);
+    settings::refuse_edited(&file.spec, &folder, &missions)?;
     Ok(Sorties {
         file,
         folder,
@@ -135,10 +130,10 @@ fn settle(spec: &mut MissionSpec, missions: &[(usize, VehicleMission)], review: 
         if let (Some(_), Some(first)) = (vehicle.leeway.depart_s, track.moments.first()) {
             vehicle.depart_s = first.t_s;
         }
-        let mut items = mission.items.iter().rev();
-        let speed = items.find(|item| item.command == command::DO_CHANGE_SPEED);
-        if let (Some(_), Some(speed)) = (vehicle.leeway.speed_mps, speed) {
-            vehicle.speed_mps = f64::from(speed.params[1]);
+        if let (Some(span), Some(speed_mps)) = (vehicle.leeway.speed_mps, cruise_speed_mps(mission))
+        {
+            // What lies outside is found when the parameters are compared.
+            vehicle.speed_mps = speed_mps.clamp(span.least, span.most);
         }
         vehicle.leeway = Leeway::default();
     }

@@ -1,7 +1,6 @@
 //! The files of an output folder: what `plan` writes and `upload` reads.
 
 use std::collections::BTreeMap;
-use std::ffi::OsStr;
 use std::fs;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
@@ -42,14 +41,6 @@ pub(super) fn plan_document(
 /// SHA-256 of the table of vehicles that a spec names.
 fn table_sha256(file: &SpecFile) -> Option<String> {
     file.table.as_ref().map(|table| sha256(&table.text))
-}
-
-/// Where records of uploads and flights of an output folder go: `DIR.runs`.
-pub(super) fn runs_folder(out: &Path) -> PathBuf {
-    let out = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
-    let mut name = out.file_name().map(OsStr::to_owned).unwrap_or_default();
-    name.push(".runs");
-    out.with_file_name(name)
 }
 
 /// Writes everything that `plan` leaves, whole or not at all.

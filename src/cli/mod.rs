@@ -19,6 +19,7 @@ mod progress;
 mod replan;
 mod review;
 mod review_flight;
+mod runs;
 mod study;
 mod study_fleet;
 mod table;

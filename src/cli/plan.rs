@@ -13,6 +13,7 @@ use super::delivery::{self, Delivery};
 use super::failure::Failure;
 use super::folder;
 use super::progress::Progress;
+use super::runs;
 use super::table::{self, Rows};
 use super::upload;
 use super::usage;
@@ -71,15 +72,19 @@ impl Stopwatch {
 pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
     let mut watch = Stopwatch::start();
     let file = SpecFile::read(&arguments.spec)?;
+    let target = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| PathBuf::from("out").join(&file.spec.name));
+    if runs::is_flown(&target) {
+        let message = format!("{} is being flown, and not replaced", target.display());
+        return Err(Failure::new(Failure::OUTPUT, message));
+    }
     let world = world::load(&file)?;
     watch.lap("read_s");
     let seed = arguments.seed.unwrap_or(file.spec.planner.seed);
     let dispatched = plan(&file, &world, seed);
     watch.lap("plan_s");
-    let target = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&file.spec.name));
     folder::write(&target, &file, &world, &dispatched, &|| watch.json())?;
     watch.lap("write_s");
 

@@ -8,18 +8,20 @@
 mod course;
 mod divert;
 mod look;
+mod popup;
 mod present;
 mod renewed;
 mod told;
 
 use super::args;
 use super::console::{Paint, note, out};
+use super::delivery;
 use super::failure::Failure;
 use super::fly::{self, Call, Said, Sorties};
+use super::runs;
 use super::table;
 use super::upload;
 use crate::flight::{Line, PopUp};
-use crate::geodesy::LatLon;
 use crate::link::Links;
 use crate::spec::{Airframe, Link, MissionSpec, SpecFile, Threat};
 
@@ -50,13 +52,24 @@ struct Decision {
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     are_led(&SpecFile::read(&arguments.spec)?.spec)?;
-    let sorties = fly::read(&arguments.spec, arguments.dir.as_deref())?;
-    let threat = threat(&sorties, &arguments.threat)?;
+    let mut sorties = fly::read(&arguments.spec, arguments.dir.as_deref())?;
+    let _held = runs::hold(&runs::folder(&sorties.folder), "replan")?;
     let call = Call::heard(&sorties);
+    let popups = call.as_ref().map(|(call, _)| call.popups());
+    let mut popups = popups.unwrap_or_default();
+    let threat = popup::threat(&sorties.file.spec, &popups, &arguments.threat)?;
+    popups.push(threat.clone());
+    popup::add(&mut sorties, &popups);
     let said = call
         .as_ref()
         .map(|(_, said)| said.clone())
         .unwrap_or_default();
+    let popup = PopUp {
+        from_s: t_s(&said, delivery::milliseconds_since_1970()),
+        threat: threat.clone(),
+    };
+    // Whatever comes of it: the flight is held against the threat from now on.
+    lay_down(call.as_ref(), &[Line::of_popup(&popup)])?;
     let links = links(&sorties, arguments, &said)?;
     let fleet = &sorties.file.spec.vehicles;
     let systems: Vec<(u8, &Link)> = links
@@ -67,14 +80,8 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         .map_err(|(link, error)| failed(format!("{link}: {error}; nothing was sent")))?;
     let clock = Clock::start();
     let mut look = Look::read(&open, &clock, &sorties)?;
-    let decision = decide(&sorties, &threat, &said, &clock, &mut look, arguments.seed)?;
-    let popup = PopUp {
-        from_s: t_s(&said, decision.sight.unix_ms),
-        threat: threat.clone(),
-    };
-    let mut lines = vec![Line::of_popup(&popup)];
+    let decision = decide(&sorties, &popups, &said, &clock, &mut look, arguments.seed)?;
     if !decision.replanned.review.passes() {
-        lay_down(call.as_ref(), &lines)?;
         out(&table::failures(
             &decision.replanned.review,
             Paint::for_stdout(),
@@ -82,9 +89,11 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         let message = "no new paths that pass verification; nothing was sent";
         return Err(Failure::new(Failure::VERDICT, message));
     }
+    let mut lines = Vec::new();
+    let since_s = t_s(&said, decision.sight.unix_ms);
     for renewed in &decision.replanned.renewed {
         let id = &fleet[renewed.vehicle].id;
-        lines.push(Line::of_plan(id, popup.from_s, &renewed.plan));
+        lines.push(Line::of_plan(id, since_s, &renewed.plan));
     }
     lay_down(call.as_ref(), &lines)?;
     let told = divert::divert(&open, &clock, &sorties, &decision);
@@ -100,7 +109,7 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
 /// Plans, and again with more time when it took more than was allowed for.
 fn decide(
     sorties: &Sorties,
-    threat: &Threat,
+    popups: &[Threat],
     said: &Said,
     clock: &Clock,
     look: &mut Look<'_>,
@@ -118,7 +127,7 @@ fn decide(
         let lead_s = (planning_s + sending_s) * pace + SPARE_S;
         let courses = courses(sorties, &sight)?;
         let now_s = t_s(said, sight.unix_ms);
-        let situation = situation(sorties, threat, &courses, (now_s, lead_s), seed)?;
+        let situation = situation(sorties, popups, &courses, (now_s, lead_s), seed)?;
         let replanned = present::replan(&situation);
         let planned_s = clock.seconds() - sight.at_s;
         if planned_s <= planning_s || !replanned.review.passes() {
@@ -177,34 +186,6 @@ fn are_led(spec: &MissionSpec) -> Result<(), Failure> {
     Ok(())
 }
 
-/// `LAT,LON,RADIUS` as a threat with a name of its own.
-fn threat(sorties: &Sorties, text: &str) -> Result<Threat, Failure> {
-    let usage = || {
-        let message = format!("--threat {text}: not of the form LAT,LON,RADIUS_M");
-        Failure::new(Failure::USAGE, message)
-    };
-    let numbers: Vec<f64> = text
-        .split(',')
-        .map(|part| part.trim().parse().ok().filter(|n: &f64| n.is_finite()))
-        .collect::<Option<_>>()
-        .ok_or_else(usage)?;
-    let [lat_deg, lon_deg, radius_m] = numbers[..] else {
-        return Err(usage());
-    };
-    let place = LatLon::new(lat_deg, lon_deg).map_err(|_| usage())?;
-    if radius_m <= 0.0 {
-        return Err(usage());
-    }
-    let taken = |id: &str| sorties.file.spec.threats.iter().any(|t| t.id == id);
-    let id = (1..).map(|n| format!("popup-{n}")).find(|id| !taken(id));
-    Ok(Threat {
-        id: id.unwrap_or_default(),
-        kind: "popup".to_owned(),
-        place,
-        radius_m,
-    })
-}
-
 /// Where the vehicles are reached: as told, as the running `fly` says, or as the spec says.
 fn links(
     sorties: &Sorties,
@@ -260,18 +241,20 @@ fn impossible(id: &str, why: &str) -> Failure {
 /// Who is concerned, and where those part from their course; `now_s` after T0.
 fn situation<'a>(
     sorties: &'a Sorties,
-    threat: &'a Threat,
+    popups: &[Threat],
     courses: &[Course],
     (now_s, lead_s): (f64, f64),
     seed: Option<u64>,
 ) -> Result<Situation<'a>, Failure> {
     let spec = &sorties.file.spec;
-    let center = sorties.world.frame.to_plan(threat.place);
-    let distance_m = threat.radius_m + spec.mission.tolerance_m;
+    let meets = |course: &Course, threat: &Threat| {
+        let center = sorties.world.frame.to_plan(threat.place);
+        course.meets(center, threat.radius_m + spec.mission.tolerance_m)
+    };
     let (concerned, others): (Vec<Course>, Vec<Course>) = courses
         .iter()
         .cloned()
-        .partition(|course| course.meets(center, distance_m));
+        .partition(|course| popups.iter().any(|threat| meets(course, threat)));
     let mut parted = Vec::new();
     for course in concerned {
         let vehicle = &spec.vehicles[course.vehicle];
@@ -294,7 +277,6 @@ fn situation<'a>(
     }
     Ok(Situation {
         sorties,
-        threat,
         others,
         concerned: parted,
         now_s,

@@ -364,8 +364,10 @@ impl<'a> Fleet<'a> {
     fn look_for_the_lost(&mut self, now: Time) {
         let mut said = Vec::new();
         for (craft, lost) in self.crafts.iter().zip(&mut self.lost) {
-            let is_lost = silence_s(craft, now, self.options.speedup).is_some()
-                && !matches!(craft.stage, Stage::Ended);
+            if matches!(craft.stage, Stage::Ended) {
+                continue;
+            }
+            let is_lost = silence_s(craft, now, self.options.speedup).is_some();
             if is_lost != *lost {
                 *lost = is_lost;
                 let text = if is_lost { "link lost" } else { "link is back" };

@@ -204,6 +204,24 @@ impl Line {
     }
 }
 
+impl ThreatLine {
+    /// The threat that came up so many seconds after T0.
+    ///
+    /// # Errors
+    /// Its place is none on earth, in words.
+    pub fn popup(self, t_s: f64) -> Result<PopUp, String> {
+        Ok(PopUp {
+            from_s: t_s,
+            threat: Threat {
+                place: place(self.lat_deg, self.lon_deg)?,
+                id: self.id,
+                kind: "popup".to_owned(),
+                radius_m: self.radius_m,
+            },
+        })
+    }
+}
+
 impl PlanLine {
     fn plan(self, frame: LocalFrame) -> Result<Plan, String> {
         let waypoint = |line: WaypointLine| {
@@ -306,18 +324,7 @@ impl Reading {
                 let plan = plan.plan(self.frame)?;
                 self.of(&vehicle).plans.push(plan);
             }
-            Line::Threat { t_s, threat } => {
-                let place = place(threat.lat_deg, threat.lon_deg)?;
-                self.record.popups.push(PopUp {
-                    from_s: t_s,
-                    threat: Threat {
-                        id: threat.id,
-                        kind: "popup".to_owned(),
-                        place,
-                        radius_m: threat.radius_m,
-                    },
-                });
-            }
+            Line::Threat { t_s, threat } => self.record.popups.push(threat.popup(t_s)?),
             Line::Fix(line) => {
                 let fix = Fix {
                     t_s: line.t_s,

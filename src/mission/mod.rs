@@ -22,4 +22,6 @@ pub use differ::read_differently;
 pub use encode::home_at;
 pub use fence::missing_from_fence;
 pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
-pub use params::{ALTITUDE_SLOPE_MIN, corner_cut_m, other_name, turn_radius_m};
+pub use params::{
+    ALTITUDE_SLOPE_MIN, corner_cut_m, cruise_speed_mps, other_name, parameters, turn_radius_m,
+};

@@ -3,7 +3,7 @@
 //! Names as in ArduCopter 4.6 (centimetres), ArduPlane 4.6 (metres) and PX4 1.16 to 1.18 (metres).
 //! Where a later firmware has another name, both are written, and a vehicle knows one of them.
 
-use super::item::Parameter;
+use super::item::{Parameter, VehicleMission};
 use crate::geodesy::Amsl;
 use crate::path::{SLOW_LANDING_M, VehicleLimits, slow_landing_mps};
 use crate::spec::{Airframe, Autopilot, MissionOptions, Vehicle, Wing, turn_radius_by_load_m};
@@ -19,8 +19,9 @@ fn corner_accel_mps2(vehicle: &Vehicle) -> f64 {
     vehicle.speed_mps * vehicle.speed_mps / turn_radius_m(vehicle)
 }
 
-/// The parameters for one vehicle.
-pub(super) fn parameters(
+/// The parameters for one vehicle whose home is so high above the sea, with or without a fence.
+#[must_use]
+pub fn parameters(
     vehicle: &Vehicle,
     options: &MissionOptions,
     home_amsl_m: f64,
@@ -32,6 +33,22 @@ pub(super) fn parameters(
         (Autopilot::ArduPilot, Some(wing)) => arduplane(vehicle, &wing, has_fence),
         (Autopilot::Px4, Some(wing)) => px4_wing(vehicle, &wing, options, has_fence),
     }
+}
+
+/// The cruise speed that the mission's parameters set, m/s.
+#[must_use]
+pub fn cruise_speed_mps(mission: &VehicleMission) -> Option<f64> {
+    let of = |name: &str| {
+        let found = mission.params.iter().find(|param| param.name == name)?;
+        Some(f64::from(found.value))
+    };
+    match (mission.autopilot, mission.airframe.has_wing()) {
+        (Autopilot::ArduPilot, false) => of("WPNAV_SPEED").map(|cm| cm / 100.0),
+        (Autopilot::Px4, false) => of("MPC_XY_CRUISE"),
+        (Autopilot::ArduPilot, true) => of("AIRSPEED_CRUISE"),
+        (Autopilot::Px4, true) => of("FW_AIRSPD_TRIM"),
+    }
+    .filter(|speed| speed.is_finite() && *speed > 0.0)
 }
 
 /// The smallest change of altitude that ArduPlane spreads along a leg, whole metres: its name since

@@ -19,7 +19,7 @@ pub use issue::{Issue, SpecError};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Part, Planner, Rally, Separation,
-    TerrainSource, Threat, Weights, Wind, Zone,
+    THREAT_RADIUS_M, TerrainSource, Threat, Weights, Wind, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;

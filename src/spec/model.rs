@@ -1,5 +1,6 @@
 //! The checked spec. Whoever holds a [`MissionSpec`] need not check it again.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
@@ -99,6 +100,9 @@ pub struct Hill {
     /// Distance at which the height has fallen to 1/e, metres.
     pub radius_m: f64,
 }
+
+/// What the radius of a threat, or of a hill, may be, metres.
+pub const THREAT_RADIUS_M: RangeInclusive<f64> = 1.0..=500_000.0;
 
 /// A vertical cylinder of infinite height.
 #[derive(Clone, Debug, PartialEq)]

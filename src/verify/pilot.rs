@@ -1,7 +1,7 @@
 //! The vehicle as its orders are obeyed, one after the other.
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
-use crate::mission::VehicleMission;
+use crate::mission::{VehicleMission, cruise_speed_mps};
 use crate::path::{SLOW_LANDING_M, STOP_LATE_S, slow_landing_mps};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, Terrain, World};
@@ -40,7 +40,7 @@ pub(super) fn fly(
         airborne: false,
         ended: false,
         phase: Phase::Join,
-        speed_mps: known_speed_mps(mission),
+        speed_mps: cruise_speed_mps(mission),
         knots: Vec::new(),
         moving_mps: 0.0,
         at_once_m: tecs::threshold_m(mission),
@@ -58,21 +58,6 @@ pub(super) fn fly(
 pub(super) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
     let waits_elsewhere = autopilot == Autopilot::Px4 || vehicle.airframe.has_wing();
     waits_elsewhere && vehicle.leeway.depart_s.is_none()
-}
-
-/// The cruise speed that the mission's parameters set, m/s.
-fn known_speed_mps(mission: &VehicleMission) -> Option<f64> {
-    let of = |name: &str| {
-        let found = mission.params.iter().find(|param| param.name == name)?;
-        Some(f64::from(found.value))
-    };
-    match (mission.autopilot, mission.airframe.has_wing()) {
-        (Autopilot::ArduPilot, false) => of("WPNAV_SPEED").map(|cm| cm / 100.0),
-        (Autopilot::Px4, false) => of("MPC_XY_CRUISE"),
-        (Autopilot::ArduPilot, true) => of("AIRSPEED_CRUISE"),
-        (Autopilot::Px4, true) => of("FW_AIRSPD_TRIM"),
-    }
-    .filter(|speed| speed.is_finite() && *speed > 0.0)
 }
 
 pub(super) struct Pilot<'a> {

@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 
 use super::Sorties;
 use crate::cli::failure::Failure;
-use crate::cli::{folder, output};
+use crate::cli::{output, runs};
 use crate::flight::Line;
 use crate::report;
-use crate::spec::Link;
+use crate::spec::{Link, Threat};
 
 /// The two files, and what the first of them says.
 pub(in crate::cli) struct Call {
@@ -37,7 +37,7 @@ impl Call {
         let missions = sorties.missions.iter().zip(links);
         let links = missions.map(|((index, _), link)| (fleet[*index].id.clone(), link.to_string()));
         Self {
-            runs: folder::runs_folder(&sorties.folder),
+            runs: runs::folder(&sorties.folder),
             said: Said {
                 links: links.collect(),
                 speedup,
@@ -48,11 +48,11 @@ impl Call {
 
     /// What the flight under way says, if there is one.
     pub(in crate::cli) fn heard(sorties: &Sorties) -> Option<(Self, Said)> {
-        let runs = folder::runs_folder(&sorties.folder);
-        let bytes = std::fs::read(runs.join("links.json")).ok()?;
+        let folder = runs::folder(&sorties.folder);
+        let bytes = std::fs::read(folder.join("links.json")).ok()?;
         let said: Said = serde_json::from_slice(&bytes).ok()?;
         let call = Self {
-            runs,
+            runs: folder,
             said: said.clone(),
         };
         Some((call, said))
@@ -94,6 +94,16 @@ impl Call {
             text.push('\n');
         }
         file.write_all(text.as_bytes())
+    }
+
+    /// The threats that were laid down so far.
+    pub(in crate::cli) fn popups(&self) -> Vec<Threat> {
+        let (lines, _) = self.taken_up(0);
+        let popup = |line: &String| match serde_json::from_str(line).ok()? {
+            Line::Threat { t_s, threat } => threat.popup(t_s).ok().map(|popup| popup.threat),
+            _ => None,
+        };
+        lines.iter().filter_map(popup).collect()
     }
 
     /// Whole lines that were laid down after the first `taken` bytes, and how many bytes

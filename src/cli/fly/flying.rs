@@ -1,21 +1,20 @@
 //! The driver of a fleet in flight: clock, links, record, screen, keyboard.
 
-use std::io::{BufRead, BufWriter, IsTerminal, Write};
-use std::path::{Path, PathBuf};
+use std::io::{BufRead, IsTerminal};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use super::call::Call;
+use super::journal::{Journal, text};
 use super::show::{self, Show};
 use super::{Sorties, args};
 use crate::cli::console::{note, out};
 use crate::cli::failure::Failure;
-use crate::cli::{delivery, folder, output};
-use crate::flight::{
-    self, Fleet, FlightReport, Flown, Intervention, Line, Outcome, Plan, Reference,
-};
+use crate::cli::{delivery, output, runs};
+use crate::flight::{self, Fleet, FlightReport, Intervention, Line, Outcome, Plan, Reference};
 use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
 use crate::report;
@@ -29,11 +28,11 @@ const UNDERWAY_MS: u64 = 250;
 pub(super) struct Flying<'a> {
     links: &'a Links,
     began: Instant,
-    record: BufWriter<std::fs::File>,
-    path: PathBuf,
+    journal: Journal,
     runs: PathBuf,
     call: &'a Call,
-    written: Vec<Written>,
+    /// What could not be written, each once.
+    unwritten: Vec<String>,
     /// Bytes taken from what `replan` laid down, and when that is looked for again.
     taken: (usize, Time),
     show: Show,
@@ -51,19 +50,8 @@ impl<'a> Flying<'a> {
         arguments: &args::Fly,
         are_simulated: bool,
     ) -> Result<Self, Failure> {
-        let runs = folder::runs_folder(&sorties.folder);
-        let t0_unix_s = delivery::seconds_since_1970();
-        let path = runs.join(format!("flight-{t0_unix_s}.jsonl"));
-        let mut record = std::fs::File::create(&path).map_err(|error| unwritable(&path, &error))?;
-        let fleet = &sorties.file.spec.vehicles;
-        let ids = sorties.missions.iter();
-        let head = Line::Head {
-            sortie: env!("CARGO_PKG_VERSION").to_owned(),
-            spec_sha256: folder::sha256(&sorties.file.text),
-            speedup: arguments.speedup,
-            vehicles: ids.map(|(index, _)| fleet[*index].id.clone()).collect(),
-        };
-        writeln!(record, "{}", text(&head)).map_err(|error| unwritable(&path, &error))?;
+        let runs = runs::folder(&sorties.folder);
+        let journal = Journal::begin(&runs, sorties, arguments)?;
         let interrupts = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&interrupts);
         ctrlc::set_handler(move || {
@@ -78,11 +66,10 @@ impl<'a> Flying<'a> {
         Ok(Self {
             links,
             began,
-            record: BufWriter::new(record),
-            path,
+            journal,
             runs,
             call,
-            written: Vec::new(),
+            unwritten: Vec::new(),
             taken: (0, Time(0)),
             show: Show::new(arguments.json),
             interrupts,
@@ -96,8 +83,9 @@ impl<'a> Flying<'a> {
         Time(u64::try_from(self.began.elapsed().as_millis()).unwrap_or(u64::MAX))
     }
 
-    /// Until the flight is over, or was not begun.
-    pub(super) fn fly(&mut self, fleet: &mut Fleet<'_>) -> Result<(), Failure> {
+    /// Until the flight is over, or was not begun. Nothing that cannot be written ends it: whoever
+    /// is in the air is watched to the ground.
+    pub(super) fn fly(&mut self, fleet: &mut Fleet<'_>) {
         let mut parting: Option<Time> = None;
         loop {
             let now = self.now();
@@ -105,7 +93,7 @@ impl<'a> Flying<'a> {
             while let Some((system, message)) = fleet.poll_transmit() {
                 self.links.send(system, message);
             }
-            self.write(fleet)?;
+            self.write(fleet);
             self.heed(fleet, now);
             self.show.fleet(fleet, now);
             match fleet.outcome() {
@@ -156,43 +144,48 @@ impl<'a> Flying<'a> {
             text(&Line::of_plan(&fleet[*index].id, 0.0, &plan))
         });
         let lines: Vec<String> = lines.collect();
-        self.put(&lines)
+        self.journal.put(&lines)
     }
 
     /// Events to the screen; all that happened to the record.
-    fn write(&mut self, fleet: &mut Fleet<'_>) -> Result<(), Failure> {
+    fn write(&mut self, fleet: &mut Fleet<'_>) {
         let mut lines: Vec<String> = Vec::new();
         while let Some(event) = fleet.poll_event() {
             if event.text.ends_with(": T0") {
                 let t0_unix_ms = delivery::milliseconds_since_1970();
                 let t0_unix_s = t0_unix_ms / 1000;
-                self.call.announce(Some(t0_unix_ms))?;
+                let announced = self.call.announce(Some(t0_unix_ms));
+                self.note_unwritten(fleet, announced);
                 lines.push(text(&Line::Start { t0_unix_s }));
             }
             lines.push(text(&Line::of_event(&event)));
-            self.show.event(&event)?;
+            let shown = self.show.event(&event);
+            self.note_unwritten(fleet, shown);
         }
-        for (index, (vehicle, flown)) in fleet.flown().enumerate() {
-            if self.written.len() <= index {
-                self.written.push(Written::default());
-            }
-            lines.extend(self.written[index].fresh(vehicle, flown));
-        }
+        lines.extend(self.journal.fresh(fleet.flown()));
         let now = self.now();
         if now >= self.taken.1 || fleet.outcome().is_some() {
             let (fresh, taken) = self.call.taken_up(self.taken.0);
             lines.extend(fresh);
             self.taken = (taken, now + UNDERWAY_MS);
         }
-        self.put(&lines)
+        let written = self.journal.put(&lines);
+        self.note_unwritten(fleet, written);
     }
 
-    fn put(&mut self, lines: &[String]) -> Result<(), Failure> {
-        let written = lines
-            .iter()
-            .try_for_each(|line| writeln!(self.record, "{line}"))
-            .and_then(|()| self.record.flush());
-        written.map_err(|error| unwritable(&self.path, &error))
+    /// Says once what cannot be written. On the ground that ends the flight, in the air it does not.
+    fn note_unwritten(&mut self, fleet: &mut Fleet<'_>, written: Result<(), Failure>) {
+        let Err(failure) = written else { return };
+        if self.unwritten.contains(&failure.message) {
+            return;
+        }
+        if fleet.t_s(self.now()).is_some() {
+            let so = "the vehicles are watched on";
+            note(&format!("{}; {so}", failure.message));
+        } else {
+            fleet.trouble(self.now(), None, &failure.message);
+        }
+        self.unwritten.push(failure.message);
     }
 
     /// Ctrl-C asks; without a terminal the vehicles are left as they are.
@@ -238,7 +231,7 @@ impl<'a> Flying<'a> {
         arguments: &args::Fly,
     ) -> Result<(), Failure> {
         if let Some(Outcome::NotStarted(why)) = fleet.outcome() {
-            return Err(not_started(why));
+            return Err(not_started(why, !self.unwritten.is_empty()));
         }
         let ends = fleet.flown().map(|(vehicle, flown)| {
             text(&Line::End {
@@ -247,68 +240,66 @@ impl<'a> Flying<'a> {
             })
         });
         let ends: Vec<String> = ends.collect();
-        self.put(&ends)?;
-        // What was written is judged: whoever judges it again finds the same.
-        let record =
-            std::fs::read_to_string(&self.path).map_err(|error| unwritable(&self.path, &error))?;
+        let ended = self.journal.put(&ends);
+        self.unwritten
+            .extend(ended.err().map(|failure| failure.message));
+        if self.journal.is_broken {
+            let why = self.unwritten.join("; ");
+            let message = format!("{why}: the record breaks off, and the flight is not judged");
+            return Err(Failure::new(Failure::OUTPUT, message));
+        }
+        let judged = self.judge(sorties, arguments)?;
+        match self.unwritten.first() {
+            Some(what) => Err(Failure::new(Failure::OUTPUT, what)),
+            None => verdict(&judged),
+        }
+    }
+
+    /// What was written is judged: whoever judges it again finds the same.
+    fn judge(&self, sorties: &Sorties, arguments: &args::Fly) -> Result<FlightReport, Failure> {
+        let path = self.journal.path();
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let message = format!("cannot read {}: {error}", path.display());
+            Failure::new(Failure::OUTPUT, message)
+        })?;
         let spec = &sorties.file.spec;
-        let record = flight::read_record(&record, sorties.world.frame)
+        let record = flight::read_record(&text, sorties.world.frame)
             .map_err(|error| Failure::new(Failure::OUTPUT, error.to_string()))?;
         let judged = flight::judge(spec, &sorties.world, &record);
-        let text = report::json_text(&flight::flight_json(&record, &judged));
-        let named = self.path.with_extension("json");
-        output::write_file(&named, text.as_bytes())?;
-        output::write_file(&self.runs.join("flight.json"), text.as_bytes())?;
+        let document = report::json_text(&flight::flight_json(&record, &judged));
         let missions: Vec<(usize, &VehicleMission)> =
             sorties.missions.iter().map(|(v, m)| (*v, m)).collect();
         let page = flight::flight_page(spec, &sorties.world, &record, &judged, &missions);
-        output::write_file(&self.path.with_extension("html"), page.as_bytes())?;
-        output::write_file(&self.runs.join("flight.html"), page.as_bytes())?;
-        let copied = std::fs::copy(&self.path, self.runs.join("flight.jsonl"));
-        copied.map_err(|error| unwritable(&self.path, &error))?;
+        let written = self.keep([("json", &document), ("html", &page), ("jsonl", &text)]);
+        // Whether or not that went well, the operator sees how the flight went.
         if arguments.json {
-            out(text.trim_end())?;
+            out(document.trim_end())?;
         } else {
             show::report(&judged)?;
-            out(&format!("{}", named.display()))?;
+            out(&format!("{}", path.with_extension("json").display()))?;
         }
-        verdict(&judged)
+        written?;
+        Ok(judged)
+    }
+
+    /// Writes the documents of the flight beside its record, and as those of the newest.
+    fn keep(&self, documents: [(&str, &String); 3]) -> Result<(), Failure> {
+        for (ending, text) in documents {
+            let named = self.journal.path().with_extension(ending);
+            if named != self.journal.path() {
+                output::write_file(&named, text.as_bytes())?;
+            }
+            let newest = self.runs.join("flight").with_extension(ending);
+            output::write_file(&newest, text.as_bytes())?;
+        }
+        Ok(())
     }
 }
 
-/// How much of a vehicle's flight is in the record.
-#[derive(Clone, Copy, Default)]
-struct Written {
-    fixes: usize,
-    reached: usize,
-}
-
-impl Written {
-    /// What is not there yet.
-    fn fresh(&mut self, vehicle: &str, flown: &Flown) -> Vec<String> {
-        let fixes = flown.fixes.get(self.fixes..).unwrap_or_default();
-        let reached = flown.reached.get(self.reached..).unwrap_or_default();
-        (self.fixes, self.reached) = (flown.fixes.len(), flown.reached.len());
-        let fixes = fixes.iter().map(|fix| text(&Line::of_fix(vehicle, fix)));
-        let reached = reached.iter().map(|&(reached, t_s)| {
-            text(&Line::Reached {
-                t_s,
-                vehicle: vehicle.to_owned(),
-                reached,
-            })
-        });
-        fixes.chain(reached).collect()
-    }
-}
-
-fn text(line: &Line) -> String {
-    // A line holds text and numbers alone.
-    serde_json::to_string(line).unwrap_or_default()
-}
-
-fn not_started(why: &[(String, String)]) -> Failure {
+fn not_started(why: &[(String, String)], is_unwritten: bool) -> Failure {
     for (vehicle, problem) in why {
-        note(&format!("{vehicle}: {problem}"));
+        let colon = if vehicle.is_empty() { "" } else { ": " };
+        note(&format!("{vehicle}{colon}{problem}"));
     }
     let hint = if why
         .iter()
@@ -318,7 +309,12 @@ fn not_started(why: &[(String, String)]) -> Failure {
     } else {
         ""
     };
-    Failure::new(Failure::TRANSFER, format!("none was started{hint}"))
+    let code = if is_unwritten {
+        Failure::OUTPUT
+    } else {
+        Failure::TRANSFER
+    };
+    Failure::new(code, format!("none was started{hint}"))
 }
 
 fn verdict(judged: &FlightReport) -> Result<(), Failure> {
@@ -327,11 +323,6 @@ fn verdict(judged: &FlightReport) -> Result<(), Failure> {
     }
     let message = "the flight did not keep its limits, or did not end as planned";
     Err(Failure::new(Failure::TRANSFER, message))
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    let message = format!("cannot write {}: {error}", path.display());
-    Failure::new(Failure::OUTPUT, message)
 }
 
 /// Reads one line while the flight goes on.

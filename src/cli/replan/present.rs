@@ -15,10 +15,10 @@ use crate::mission::{self, Item, VehicleMission, command};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{
-    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle,
+    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Vehicle,
 };
 use crate::verify::{self, Margin};
-use crate::world::{Disc, Stations, World};
+use crate::world::{Stations, World};
 
 /// Evaluations for each leg: a new path is wanted now.
 const EVALUATIONS: usize = 6000;
@@ -34,7 +34,6 @@ const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
 /// its course, and how long after T0 it is now.
 pub(super) struct Situation<'a> {
     pub(super) sorties: &'a Sorties,
-    pub(super) threat: &'a Threat,
     pub(super) others: Vec<Course>,
     pub(super) concerned: Vec<(Course, Parting)>,
     pub(super) now_s: f64,
@@ -84,11 +83,6 @@ impl<'a> Present<'a> {
             problems: Vec::new(),
             now_s: 0.0,
         };
-        present.spec.threats.push(given.threat.clone());
-        present.world.threats.push(Disc {
-            center: world.frame.to_plan(given.threat.place),
-            radius_m: given.threat.radius_m,
-        });
         present.world.stations.clear();
         // Altitudes above home would be above a home that is none.
         present.spec.mission.altitude = AltitudeReference::Amsl;

@@ -9,7 +9,7 @@ use crate::cli::console::out;
 use crate::cli::failure::Failure;
 use crate::cli::fly::Sorties;
 use crate::cli::table::Rows;
-use crate::cli::{delivery, folder, output};
+use crate::cli::{output, runs};
 use crate::report;
 use crate::spec::Threat;
 
@@ -58,11 +58,10 @@ pub(super) fn record(
         "planning_s": decision.planned_s,
         "vehicles": vehicles,
     });
-    let runs = folder::runs_folder(&sorties.folder);
+    let folder = runs::folder(&sorties.folder);
     let text = report::json_text(&document);
-    let named = format!("replan-{}.json", delivery::seconds_since_1970());
-    output::write_file(&runs.join(named), text.as_bytes())?;
-    output::write_file(&runs.join("replan.json"), text.as_bytes())?;
+    output::write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
+    output::write_file(&folder.join("replan.json"), text.as_bytes())?;
     Ok(())
 }
 

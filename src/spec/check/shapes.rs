@@ -1,18 +1,15 @@
 //! Single things on the map: the source of the ground, threats, zones, rally points.
 
-use std::ops::RangeInclusive;
 use std::path::{Component, Path, PathBuf};
 
 use geo::algorithm::line_intersection::{LineIntersection, line_intersection};
 use geo::{Area as _, Line};
 
 use super::super::raw;
-use super::super::{ELEVATION_ENDINGS, Hill, Rally, TerrainSource, Threat};
+use super::super::{ELEVATION_ENDINGS, Hill, Rally, THREAT_RADIUS_M, TerrainSource, Threat};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
-/// Radius of a threat or hill, metres.
-const RADIUS_M: RangeInclusive<f64> = 1.0..=500_000.0;
 /// Least area of a zone; what has less is a line.
 const MIN_ZONE_M2: f64 = 1.0;
 /// Most corners of one zone.
@@ -56,7 +53,7 @@ impl Checker<'_> {
                     let height_m =
                         self.number(&format!("{path}.height_m"), hill.height_m, -9000.0..=9000.0);
                     let radius_m =
-                        self.number(&format!("{path}.radius_m"), hill.radius_m, RADIUS_M);
+                        self.number(&format!("{path}.radius_m"), hill.radius_m, THREAT_RADIUS_M);
                     let place = self.place(&path, hill.lat, hill.lon);
                     hills.extend(place.map(|place| Hill {
                         place,
@@ -105,12 +102,12 @@ impl Checker<'_> {
 
     pub(super) fn threat(&mut self, path: &str, raw: &raw::Threat) -> Option<Threat> {
         self.label(&format!("{path}.id"), &raw.id);
-        let radius_m = self.number(&format!("{path}.radius_m"), raw.radius_m, RADIUS_M);
+        let radius_m = self.number(&format!("{path}.radius_m"), raw.radius_m, THREAT_RADIUS_M);
         let place = self.place(path, raw.lat, raw.lon)?;
         let kind = raw.kind.clone().unwrap_or_else(|| "threat".to_owned());
         self.label(&format!("{path}.kind"), &kind);
         // A radius that is wrong already must not swallow every start and goal as well.
-        RADIUS_M.contains(&radius_m).then(|| Threat {
+        THREAT_RADIUS_M.contains(&radius_m).then(|| Threat {
             id: raw.id.clone(),
             kind,
             place,

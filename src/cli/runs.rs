@@ -1,0 +1,73 @@
+//! `DIR.runs/`: the records of uploads and flights beside a plan, and who is at work on it.
+
+use std::ffi::OsStr;
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use super::delivery;
+use super::failure::Failure;
+
+/// The folder of the records of the plan in `out`.
+pub(super) fn folder(out: &Path) -> PathBuf {
+    let out = std::path::absolute(out).unwrap_or_else(|_| out.to_owned());
+    let mut name = out.file_name().map(OsStr::to_owned).unwrap_or_default();
+    name.push(".runs");
+    out.with_file_name(name)
+}
+
+/// A file for a new record, named after the time; with a number when that second has one already.
+pub(super) fn named(runs: &Path, what: &str, ending: &str) -> PathBuf {
+    let seconds = delivery::seconds_since_1970();
+    let first = runs.join(format!("{what}-{seconds}.{ending}"));
+    let more = (2..).map(|n| runs.join(format!("{what}-{seconds}-{n}.{ending}")));
+    let mut names = std::iter::once(first.clone()).chain(more);
+    // A link counts, wherever it leads.
+    let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
+    names.find(is_free).unwrap_or(first)
+}
+
+/// Held while one command is at work on a plan; the system lets go of it when the command ends,
+/// however it ends.
+pub(super) struct Held {
+    _file: File,
+}
+
+/// Holds a plan for one command, `fly` or `replan`.
+///
+/// # Errors
+/// Another one has it, or its file cannot be written.
+pub(super) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
+    let path = runs.join(format!(".{command}.lock"));
+    let unwritable = |error: std::io::Error| {
+        let message = format!("cannot write {}: {error}", path.display());
+        Failure::new(Failure::OUTPUT, message)
+    };
+    fs::create_dir_all(runs).map_err(unwritable)?;
+    let mut options = File::options();
+    let file = options.create(true).truncate(false).write(true).open(&path);
+    let file = file.map_err(unwritable)?;
+    match file.try_lock() {
+        Ok(()) => Ok(Held { _file: file }),
+        Err(TryLockError::WouldBlock) => {
+            let message = format!(
+                "another `sortie {command}` is at work on this plan (it holds {}); nothing was started",
+                path.display()
+            );
+            Err(Failure::new(Failure::TRANSFER, message))
+        }
+        // A file system without locks keeps nobody apart.
+        Err(TryLockError::Error(error)) if error.kind() == std::io::ErrorKind::Unsupported => {
+            Ok(Held { _file: file })
+        }
+        Err(TryLockError::Error(error)) => Err(unwritable(error)),
+    }
+}
+
+/// Whether a flight by the plan in `out` goes on.
+pub(super) fn is_flown(out: &Path) -> bool {
+    let path = folder(out).join(".fly.lock");
+    let Ok(file) = File::options().write(true).open(path) else {
+        return false;
+    };
+    matches!(file.try_lock(), Err(TryLockError::WouldBlock))
+}
