@@ -72,6 +72,28 @@ fn costs_are_the_same_as_text_and_as_bytes_in_one_batch_and_in_many() {
 }
 
 #[test]
+fn a_map_of_the_paper_is_evaluated_under_the_operational_objective() {
+    let evaluate = ["evaluate", "missions/paper/s1-8.yaml", "--vehicle", "uav1"];
+    let asked = sortie(&evaluate).arg("--dimension").output().unwrap();
+    assert_eq!(String::from_utf8(asked.stdout).unwrap().trim(), "24");
+    let lines: String = rows(50, 24)
+        .chunks(24)
+        .map(|row| {
+            let words: Vec<String> = row.iter().map(f64::to_string).collect();
+            words.join(" ") + "\n"
+        })
+        .collect();
+    let output = sortie(&evaluate).write_stdin(lines).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let costs = String::from_utf8(output.stdout).unwrap();
+    let costs: Vec<f64> = costs.lines().map(|line| line.parse().unwrap()).collect();
+    assert_eq!(costs.len(), 50);
+    // From (5, 10) to (92, 88) km: no way is shorter than the straight one.
+    let straight_km = 87.0_f64.hypot(78.0);
+    assert!(costs.iter().all(|cost| *cost > straight_km), "{costs:?}");
+}
+
+#[test]
 fn one_who_sends_all_candidates_before_it_reads_a_cost_is_answered_all_the_same() {
     // Costs of 160 kB, where a pipe holds 64.
     let (count, dimension) = (20_000, dimension());

@@ -21,6 +21,7 @@ import argparse
 import functools
 import itertools
 import json
+import os
 import resource
 import statistics
 import subprocess
@@ -34,7 +35,7 @@ import numpy as np
 import yaml
 
 ROOT = Path(__file__).resolve().parent.parent
-SORTIE = ROOT / "target/release/sortie"
+SORTIE = Path(os.environ.get("SORTIE", ROOT / "target/release/sortie"))
 
 class Objective:
     """One `sortie evaluate` process; batches in, costs out."""
@@ -221,7 +222,7 @@ def alone(spec, folder):
     copy = folder / Path(spec).name
     copy.write_text(yaml.safe_dump(document, sort_keys=False))
     terrain = document["terrain"]
-    if "file" in terrain:
+    if document.get("frame") != "local" and "file" in terrain:
         there = folder / terrain["file"]
         there.parent.mkdir(parents=True, exist_ok=True)
         if not there.exists():
@@ -244,19 +245,25 @@ def children_s():
 
 
 def run_ours(spec, evaluations, seed):
-    """The whole of `sortie plan`: cost of the vehicle judged at 2001 samples, processor time."""
+    """The vehicle's cost judged at 2001 samples, and processor time: of the whole of `sortie
+    plan`; of a map with `frame: local`, which cannot be flown, of `sortie study planner`."""
     with tempfile.TemporaryDirectory() as folder:
         copy, _ = alone(spec, Path(folder))
+        out = Path(folder) / "out"
         document = yaml.safe_load(copy.read_text())
-        document["planner"] = {"evaluations": evaluations}
-        copy.write_text(yaml.safe_dump(document, sort_keys=False))
+        if document.get("frame") == "local":
+            command = ["study", "planner", copy, "--out", out, "--seeds", 1, "--seed", seed]
+            command += ["--evaluations", evaluations, "--best-known", out / "none"]
+        else:
+            document.setdefault("planner", {})["evaluations"] = evaluations
+            copy.write_text(yaml.safe_dump(document, sort_keys=False))
+            command = ["plan", copy, "--out", out, "--seed", seed, "--json"]
         before = children_s()
-        done = subprocess.run(
-            [SORTIE, "plan", copy, "--out", Path(folder) / "out", "--seed", str(seed), "--json"],
-            capture_output=True,
-            check=False,
-        )
+        done = subprocess.run([SORTIE, *map(str, command)], capture_output=True, check=False)
         took = children_s() - before
+        if document.get("frame") == "local":
+            (line,) = (out / "runs.jsonl").read_text().splitlines()
+            return {"cost": json.loads(line)["vehicles"][0], "cpu_s": took}
         return {"cost": json.loads(done.stdout)["vehicles"][0]["cost"]["total"], "cpu_s": took}
 
 

@@ -89,7 +89,7 @@ const EVALUATE: &str = "A candidate is 3 x control_points numbers, in the unit c
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
-    /// The mission spec (YAML)
+    /// The mission spec (YAML), or a map with `frame: local`, under the operational objective
     pub(super) spec: PathBuf,
     /// The vehicle whose path it is
     #[arg(long, value_name = "ID")]

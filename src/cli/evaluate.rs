@@ -12,7 +12,8 @@ use super::failure::Failure;
 use crate::optimize::Problem;
 use crate::path::Flight;
 use crate::plan::{Request, objective, plan_fleet};
-use crate::spec::{MissionSpec, SpecFile};
+use crate::spec::{Document, MissionSpec};
+use crate::study::Arena;
 use crate::world::{self, World};
 
 /// Bytes that are read at once.
@@ -21,8 +22,16 @@ const CHUNK: usize = 1 << 20;
 const ROWS: usize = 64;
 
 pub(super) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
-    let file = SpecFile::read(&arguments.spec)?;
-    let spec = &file.spec;
+    let (spec, world) = match Document::read(&arguments.spec)? {
+        Document::Mission(file) => {
+            let world = world::load(&file)?;
+            (file.spec, world)
+        }
+        Document::Scenario(scenario) => {
+            let arena = Arena::of(*scenario);
+            (arena.spec, arena.world)
+        }
+    };
     let known = || {
         let ids: Vec<&str> = spec.vehicles.iter().map(|one| one.id.as_str()).collect();
         ids.join(", ")
@@ -42,10 +51,9 @@ pub(super) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
     if arguments.dimension {
         return out(&dimension.to_string());
     }
-    let world = world::load(&file)?;
-    let earlier = flights_before(spec, &world, vehicle);
+    let earlier = flights_before(&spec, &world, vehicle);
     let samples = arguments.samples.unwrap_or(spec.planner.samples);
-    let problem = objective(spec, &world, vehicle, &earlier, samples);
+    let problem = objective(&spec, &world, vehicle, &earlier, samples);
     let input = io::stdin().lock();
     answering(io::stdout(), |answers| {
         if arguments.binary {

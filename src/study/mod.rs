@@ -33,8 +33,8 @@ pub use deliveries::{DELIVERY_TERRAIN, Deliveries, MOST_DELIVERIES, deliveries, 
 pub use growth::{FleetGrowth, FleetRun};
 pub use output::write_results;
 pub use planner::{
-    BestKnown, Known, MissionText, PlannerJob, PlannerRun, PlannerStudy, planner_json, planner_md,
-    run_planner, variants,
+    Arena, BestKnown, Known, MissionText, PlannerJob, PlannerRun, PlannerStudy, planner_json,
+    planner_md, run_planner, variants,
 };
 pub use record::{Record, Terms, VehicleRecord};
 pub use runner::{Job, run};

@@ -15,7 +15,7 @@ use super::setting::Setting;
 use super::store::Study;
 use crate::cost::PaperOptions;
 use crate::plan::{Request, plan_fleet};
-use crate::spec::{Document, Finish, MissionSpec, Objective, Part, SpecError};
+use crate::spec::{Document, Finish, MissionSpec, Objective, Part, Scenario, SpecError};
 use crate::world::{self, World};
 
 pub use best::{BestKnown, Known};
@@ -93,8 +93,10 @@ pub struct PlannerRun {
 /// A mission, ready to be planned.
 #[derive(Clone, Debug)]
 pub struct Arena {
-    spec: MissionSpec,
-    world: World,
+    /// What is planned.
+    pub spec: MissionSpec,
+    /// Where.
+    pub world: World,
 }
 
 /// The planner as it is, and without one part at a time if `ablations`.
@@ -153,31 +155,38 @@ impl MissionText {
 
     /// Loads it; the operational objective is searched, whatever it says.
     fn arena(&self) -> Result<Arena, SpecError> {
-        let (mut spec, world) = match Document::parse(Path::new(&self.file), self.text.clone())? {
+        match Document::parse(Path::new(&self.file), self.text.clone())? {
             Document::Mission(file) => {
                 let world = world::load(&file)?;
-                (file.spec, world)
+                let mut spec = file.spec;
+                spec.planner.objective = Objective::Operational;
+                Ok(Arena { spec, world })
             }
-            Document::Scenario(scenario) => {
-                let setting = Setting::new(*scenario, PaperOptions::default());
-                let (mut spec, mut world) = (setting.spec, setting.world);
-                // The objective reads the ground from a grid, which may lie a little above
-                // the surface that starts and goals stand on.
-                for stations in &mut world.stations {
-                    for end in [&mut stations.start, &mut stations.goal] {
-                        let least_m = world.ground.height_m(end.at) + world.min_agl.0 + 1e-3;
-                        end.amsl.0 = end.amsl.0.max(least_m);
-                    }
-                }
-                // All have one goal: who is there must be gone when the next arrives.
-                for vehicle in &mut spec.vehicles {
-                    vehicle.finish = Finish::Land;
-                }
-                (spec, world)
+            Document::Scenario(scenario) => Ok(Arena::of(*scenario)),
+        }
+    }
+}
+
+impl Arena {
+    /// A scenario of the paper's kind under the operational objective.
+    #[must_use]
+    pub fn of(scenario: Scenario) -> Self {
+        let setting = Setting::new(scenario, PaperOptions::default());
+        let (mut spec, mut world) = (setting.spec, setting.world);
+        // The objective reads the ground from a grid, which may lie a little above
+        // the surface that starts and goals stand on.
+        for stations in &mut world.stations {
+            for end in [&mut stations.start, &mut stations.goal] {
+                let least_m = world.ground.height_m(end.at) + world.min_agl.0 + 1e-3;
+                end.amsl.0 = end.amsl.0.max(least_m);
             }
-        };
+        }
+        // All have one goal: who is there must be gone when the next arrives.
+        for vehicle in &mut spec.vehicles {
+            vehicle.finish = Finish::Land;
+        }
         spec.planner.objective = Objective::Operational;
-        Ok(Arena { spec, world })
+        Self { spec, world }
     }
 }
 
