@@ -37,8 +37,6 @@ const SENDING: f64 = 2.0;
 const SENDING_S: f64 = 0.2;
 /// What a vehicle may be early or late on its way, seconds of its own time.
 const SPARE_S: f64 = 3.0;
-/// In thin air a wing is so much faster than its airspeed says, at 2000 m above the sea.
-const THIN_AIR: f64 = 1.1;
 /// How often it is planned again because it took too long.
 const TRIES: usize = 3;
 
@@ -262,11 +260,7 @@ fn situation<'a>(
             let why = "meets the threat and stands on the ground: disarm it and plan it anew";
             return Err(impossible(&vehicle.id, why));
         }
-        let mut fastest_mps = vehicle.fastest_mps();
-        if vehicle.airframe.has_wing() {
-            fastest_mps *= THIN_AIR;
-        }
-        let lead_m = (lead_s - course.rises_s).max(0.0) * fastest_mps;
+        let lead_m = (lead_s - course.rises_s).max(0.0) * vehicle.fastest_mps();
         let Some(parting) = course.after(lead_m) else {
             let why = format!(
                 "is at the end of its way within {lead_s:.0} s, before it can have a new one: hold or land it"

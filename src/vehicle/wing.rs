@@ -4,13 +4,11 @@
 //! A point with an airspeed, a heading and a bank; its turns are coordinated, and its motor
 //! and rudders follow commands as assumed here, not as measured on an aircraft.
 
-use crate::geodesy::{Amsl, true_airspeed_ratio};
+use crate::spec::GRAVITY_MPS2;
 
 use super::body::Body;
 use super::height::Height;
 
-/// Standard gravity, m/s^2.
-pub(super) const GRAVITY_MPS2: f64 = 9.806_65;
 /// How fast the motor and the drag change the airspeed, m/s^2.
 const ACCEL_MPS2: f64 = 2.5;
 /// How long errors of bank, of airspeed and of climb last, seconds.
@@ -49,11 +47,6 @@ pub(super) struct Wanted {
     pub(super) climb_mps: f64,
     /// True airspeed, m/s.
     pub(super) airspeed_mps: f64,
-}
-
-/// True airspeed over equivalent airspeed at an altitude, metres.
-pub(super) fn true_over_equivalent(amsl_m: f64) -> f64 {
-    true_airspeed_ratio(Amsl(amsl_m))
 }
 
 impl Wing {
@@ -126,13 +119,6 @@ impl Wing {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_standard_atmosphere_makes_five_percent_more_at_a_thousand_metres() {
-        assert!((true_over_equivalent(0.0) - 1.0).abs() < 1e-9);
-        assert!((true_over_equivalent(1000.0) - 1.0497).abs() < 5e-4);
-        assert!((true_over_equivalent(2000.0) - 1.1031).abs() < 5e-4);
-    }
 
     #[test]
     fn a_steady_turn_has_the_radius_of_its_bank_and_drifts_with_the_wind() {

@@ -4,6 +4,7 @@ mod items;
 mod landing;
 
 use super::{Doing, Event, Pilot, STEP_S};
+use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::link::LandedState;
 use crate::mission::Item;
 use crate::spec::Airframe;
@@ -12,7 +13,7 @@ use crate::vehicle::mode::Mode;
 use crate::vehicle::profile::Profile;
 use crate::vehicle::settings::{Passes, WingLimits};
 use crate::vehicle::steer::{self, Leg};
-use crate::vehicle::wing::{Wanted, Wing, true_over_equivalent};
+use crate::vehicle::wing::{Wanted, Wing};
 
 /// Slower than this on its wheels it stands, m/s.
 const STANDS_MPS: f64 = 0.1;
@@ -189,7 +190,7 @@ impl Pilot {
             across_mps2,
             bank_rad: self.settings.wing().bank_rad,
             climb_mps,
-            airspeed_mps: airspeed_mps * true_over_equivalent(self.body.at_m[2]),
+            airspeed_mps: airspeed_mps * true_airspeed_ratio(Amsl(self.body.at_m[2])),
         };
         let air_mps = self.air_mps();
         wing.step(&mut self.body, &wanted, air_mps, STEP_S);
@@ -219,7 +220,7 @@ impl Pilot {
         let mut wing = self.wing.unwrap_or(standing);
         wing.roll(&mut self.body, f64::INFINITY, air_mps, STEP_S);
         self.body.at_m[2] = self.ground_m(self.body.at_m);
-        let ratio = true_over_equivalent(self.body.at_m[2]);
+        let ratio = true_airspeed_ratio(Amsl(self.body.at_m[2]));
         if wing.airspeed_mps >= limits.least_airspeed_mps * ratio {
             self.airborne = true;
             wing = Wing::of(&self.body, heading_rad, air_mps);

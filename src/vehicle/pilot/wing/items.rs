@@ -2,6 +2,7 @@
 
 use super::super::mission::{milliseconds, place};
 use super::{Following, Takeoff, Winged};
+use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::mission::{Item, command};
 use crate::spec::Airframe;
 use crate::vehicle::mode::Mode;
@@ -9,7 +10,6 @@ use crate::vehicle::pilot::{Doing, Pilot};
 use crate::vehicle::profile::Profile;
 use crate::vehicle::settings::{Passes, WingLimits};
 use crate::vehicle::steer::{self, Leg};
-use crate::vehicle::wing::true_over_equivalent;
 
 /// The line of a takeoff along a heading, metres.
 const AHEAD_M: f64 = 10_000.0;
@@ -148,7 +148,7 @@ impl Pilot {
         let own_m = item.map_or(0.0, |item| f64::from(item.params[1]));
         match limits.passes {
             Passes::Turning { radius_m } => {
-                let ratio = true_over_equivalent(at_m[2]);
+                let ratio = true_airspeed_ratio(Amsl(at_m[2]));
                 let quarter_m = (radius_m * ratio * ratio).min(self.motion(at_m).ahead_m(limits));
                 let share = self.next_turn_deg(leg, items).min(90.0) / 90.0;
                 let before_m = if own_m > 0.0 {
