@@ -41,39 +41,67 @@ impl fmt::Display for SpecError {
             if index > 0 {
                 writeln!(f)?;
             }
-            issue.place(&self.file, f)?;
-            write!(f, ": {}", issue.found)?;
-            if !issue.allowed.is_empty() {
-                write!(f, " (allowed: {})", issue.allowed)?;
-            }
+            write!(f, "{}", visible(&issue.sentence(&self.file)))?;
         }
         Ok(())
     }
 }
 
 impl Issue {
+    fn sentence(&self, file: &str) -> String {
+        let place = self.place(file);
+        let found = &self.found;
+        if self.allowed.is_empty() {
+            format!("{place}: {found}")
+        } else {
+            format!("{place}: {found} (allowed: {})", self.allowed)
+        }
+    }
+
     /// `spec.yaml:17:18: vehicles[0].start.lat`, or `fleet.csv: row 4, column 2 (start_lat)`.
-    fn place(&self, file: &str, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(table) = &self.table else {
-            write!(f, "{file}")?;
-            if let Some((line, column)) = self.position {
-                write!(f, ":{line}:{column}")?;
-            }
-            if !self.path.is_empty() {
-                write!(f, ": {}", self.path)?;
-            }
-            return Ok(());
+    fn place(&self, file: &str) -> String {
+        let mut place = self.table.as_deref().unwrap_or(file).to_owned();
+        match (&self.table, self.position) {
+            (_, None) => {}
+            (None, Some((line, column))) => place += &format!(":{line}:{column}"),
+            (Some(_), Some((row, 0))) => place += &format!(": row {row}"),
+            (Some(_), Some((row, column))) => place += &format!(": row {row}, column {column}"),
+        }
+        match &self.table {
+            _ if self.path.is_empty() => place,
+            None => format!("{place}: {}", self.path),
+            Some(_) => format!("{place} ({})", self.path),
+        }
+    }
+}
+
+/// A text out of a file as a terminal may have it: what commands the terminal is written out.
+fn visible(text: &str) -> String {
+    let show = |sign: char| {
+        let is_command = sign.is_control();
+        let written = is_command.then(|| sign.escape_default().to_string());
+        written.unwrap_or_else(|| sign.to_string())
+    };
+    text.chars().map(show).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Issue, SpecError};
+
+    #[test]
+    fn what_a_file_says_does_not_command_the_terminal() {
+        let error = SpecError {
+            file: "spec.yaml".to_owned(),
+            issues: vec![Issue {
+                path: "\u{1b}[2Jname".to_owned(),
+                table: Some("fleet.csv".to_owned()),
+                position: Some((4, 2)),
+                found: "bell\u{7}".to_owned(),
+                allowed: "a name".to_owned(),
+            }],
         };
-        write!(f, "{table}")?;
-        if let Some((row, column)) = self.position {
-            write!(f, ": row {row}")?;
-            if column > 0 {
-                write!(f, ", column {column}")?;
-            }
-        }
-        if !self.path.is_empty() {
-            write!(f, " ({})", self.path)?;
-        }
-        Ok(())
+        let told = "fleet.csv: row 4, column 2 (\\u{1b}[2Jname): bell\\u{7} (allowed: a name)";
+        assert_eq!(error.to_string(), told);
     }
 }
