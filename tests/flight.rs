@@ -114,6 +114,7 @@ fn a_flight_is_judged_alike_from_its_record_and_from_a_capture_of_its_links() {
             vehicle: flight.vehicle.clone(),
             sysid: plan.spec.vehicles[*index].sysid,
             autopilot: mission.autopilot,
+            airframe: mission.airframe,
             plan: flight.plans[0].clone(),
         })
         .collect();

@@ -119,6 +119,17 @@ vehicles:"
     std::fs::write(folder.path().join("none.jsonl"), "{}\n{}\n").expect("written");
     let (code, _, errors) = review(&["lanes.yaml", "none.jsonl"]);
     assert_eq!(code, Some(3), "{errors}");
+    // Another plan in the record is told of; a spec of another place is none for it.
+    let edited = lines.replacen("\"items\":", "\"items\":1", 1);
+    std::fs::write(runs.join("edited.jsonl"), edited).expect("written");
+    let (_, _, told) = review(&["out/lanes.runs/edited.jsonl"]);
+    assert!(told.contains("is not its mission"), "{told}");
+    assert!(!review(&[record]).2.contains("is not its mission"));
+    let elsewhere = SPEC.replace("lat: 36.", "lat: 37.");
+    std::fs::write(folder.path().join("elsewhere.yaml"), elsewhere).expect("written");
+    let (code, _, told) = review(&["elsewhere.yaml", record]);
+    assert_eq!(code, Some(3), "{told}");
+    assert!(told.contains("was never in the area"), "{told}");
     assert!(
         errors.contains("line 1: is no line of a flight record"),
         "{errors}"

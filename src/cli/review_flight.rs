@@ -9,12 +9,15 @@ use super::fly;
 use super::folder;
 use super::output;
 use super::review;
-use crate::flight::{self, Capture, Plan, Record, Reference};
+use crate::flight::{self, Capture, Fix, Plan, Record, Reference, Waypoint};
 use crate::mission::VehicleMission;
 use crate::report;
 use crate::spec::SpecFile;
-use crate::verify;
+use crate::verify::{self, Track};
 use crate::world::{self, World};
+
+/// Two waypoints nearer than this are one, metres.
+const ALIKE_M: f64 = 0.1;
 
 /// Whether a file holds a flight.
 pub(super) fn is_flight(path: &Path) -> bool {
@@ -60,7 +63,9 @@ pub(super) fn run(
     let record = if path.extension().is_some_and(|ending| ending == "tlog") {
         capture(path, &file, &world, &missions)?
     } else {
-        recorded(path, &file, &world)?
+        let record = recorded(path, &file, &world)?;
+        compare(path, &record, &world, (&file, &missions));
+        record
     };
     let record = of_fleet(record, path, &file)?;
     deliver(&file, &world, &record, &missions, arguments)
@@ -88,6 +93,7 @@ fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failu
     let record = flight::read_record(&text, world.frame).map_err(|error| bad(error.to_string()))?;
     let hash = folder::sha256(&file.text);
     if record.spec_sha256 != hash {
+        fits(path, &record, file, world)?;
         note(&format!(
             "note: {} was flown by another spec than {}; the limits are those of the latter",
             path.display(),
@@ -95,6 +101,68 @@ fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failu
         ));
     }
     Ok(record)
+}
+
+/// A record of another spec is judged where that of this one is.
+fn fits(path: &Path, record: &Record, file: &SpecFile, world: &World) -> Result<(), Failure> {
+    for flight in &record.flights {
+        let mut fixes = flight.flown.fixes.iter();
+        let is_in = |fix: &Fix| world.in_area(world.frame.to_plan(fix.place));
+        if fixes.len() > 0 && !fixes.any(is_in) {
+            let message = format!(
+                "{}: was flown by another spec than {}: {} was never in the area of the latter",
+                path.display(),
+                file.path.display(),
+                flight.vehicle
+            );
+            return Err(Failure::new(Failure::INPUT, message));
+        }
+    }
+    Ok(())
+}
+
+/// Says whose plan in the record is not that of the missions at hand.
+fn compare(
+    path: &Path,
+    record: &Record,
+    world: &World,
+    (file, missions): (&SpecFile, &[(usize, VehicleMission)]),
+) {
+    let nowhen = |vehicle: &str| Track {
+        vehicle: vehicle.to_owned(),
+        moments: Vec::new(),
+    };
+    for (index, mission) in missions {
+        let id = &file.spec.vehicles[*index].id;
+        let mut flights = record.flights.iter();
+        let flight = flights.find(|flight| flight.vehicle == *id);
+        let Some(plan) = flight.and_then(|flight| flight.plans.first()) else {
+            continue;
+        };
+        let held = Reference::new(mission, &nowhen(id), world);
+        let is_alike = plan.items == mission.items.len()
+            && plan.reference.lands == held.lands
+            && plan.reference.waypoints.len() == held.waypoints.len()
+            && plan
+                .reference
+                .waypoints
+                .iter()
+                .zip(&held.waypoints)
+                .all(alike);
+        if !is_alike {
+            note(&format!(
+                "note: the plan of {id} in {} is not its mission; the flight is judged by the plan in the record",
+                path.display()
+            ));
+        }
+    }
+}
+
+/// Whether two waypoints are one, as encoded.
+fn alike((a, b): (&Waypoint, &Waypoint)) -> bool {
+    a.item == b.item
+        && a.point.distance_m(b.point) < ALIKE_M
+        && (a.radius_m - b.radius_m).abs() < ALIKE_M
 }
 
 fn capture(
@@ -122,6 +190,7 @@ fn capture(
                 vehicle: vehicle.id.clone(),
                 sysid: vehicle.sysid,
                 autopilot: vehicle.autopilot,
+                airframe: vehicle.airframe,
                 plan: Plan {
                     items: mission.items.len(),
                     reference: Reference::new(mission, track, world),

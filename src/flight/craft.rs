@@ -2,13 +2,13 @@
 
 mod checks;
 mod ending;
-mod lap;
 
 use std::collections::VecDeque;
 
 use super::asking::{Answer, Asking};
 use super::clock::Offset;
 use super::end::End;
+use super::lap::Lap;
 use super::modes;
 use super::record::{Fix, Flown};
 use super::reference::Reference;
@@ -19,7 +19,6 @@ use crate::link::{
 };
 use crate::mission::{Home, VehicleMission};
 use crate::spec::Autopilot;
-use lap::Lap;
 
 /// How long arming is tried, milliseconds: position estimates settle after a start.
 const ARMING_MS: u64 = 20_000;

@@ -1,6 +1,7 @@
 //! A vehicle in flight is given another mission and goes on with it, without a stop.
 
 use super::asking::{Answer, Asking};
+use super::proof::BESIDE_M;
 use super::reference::to_segment;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::link::{
@@ -12,10 +13,6 @@ use crate::spec::Autopilot;
 
 /// `MAV_MISSION_TYPE_MISSION`.
 const MISSION: u8 = 0;
-
-/// Farther than this from its new path when it takes it, a vehicle has left what was
-/// verified, metres: what a copter may be beside its way, and its position late.
-const BESIDE_M: f64 = 30.0;
 
 /// What a vehicle in flight shall go on with.
 #[derive(Clone, Copy, Debug)]

@@ -1,19 +1,20 @@
 //! What was flown against the plan and against the limits of the spec.
 
-use super::end::End;
 use super::limits::separation;
 use super::record::{Fix, Flight, Record};
 use super::reference::{Deviation, Reference, to_segment};
 use super::report::{FlightReport, Passage, Spread, VehicleReport};
 use crate::geodesy::{EastNorth, PlanPoint};
-use crate::spec::{Airframe, MissionSpec};
+use crate::spec::{Airframe, MissionSpec, Vehicle};
 use crate::verify::Margin;
-use crate::world::World;
+use crate::world::{Stations, World};
 
 /// Around home and the place of landing the minimum height does not hold, metres.
 const COLUMN_M: f64 = 25.0;
 /// Between two positions this far apart in time nothing is known, seconds.
 pub(super) const GAP_S: f64 = 5.0;
+/// A vehicle that is given a new plan this near to several of its legs is on the first, metres.
+const ALIKE_M: f64 = 5.0;
 
 /// One vehicle's flight in planning coordinates.
 pub(super) struct Trail<'a> {
@@ -21,7 +22,19 @@ pub(super) struct Trail<'a> {
     /// Of each position: which of the plans it was flown by.
     plan_of: Vec<usize>,
     pub(super) airframe: Airframe,
+    /// As the spec has it; none for a stranger.
+    pub(super) vehicle: Option<&'a Vehicle>,
+    pub(super) stations: Option<Stations>,
     pub(super) points: Vec<PlanPoint>,
+}
+
+/// One plan as far as it was flown.
+pub(super) struct Part<'a> {
+    pub(super) plan: &'a Reference,
+    /// The positions that were flown by it, of all.
+    pub(super) fixes: std::ops::Range<usize>,
+    /// Index of the first of its waypoints that was ahead.
+    pub(super) ahead: usize,
 }
 
 /// Judges a flight by its record. The world is that of the spec; threats that came up on
@@ -32,7 +45,10 @@ pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport
     let trails: Vec<Trail<'_>> = flights.map(|f| Trail::new(f, spec, world)).collect();
     let mut margins: Vec<Margin> = trails
         .iter()
-        .flat_map(|trail| trail.margins(spec, world, &record.popups))
+        .flat_map(|trail| {
+            let limits = trail.margins(spec, world, &record.popups);
+            limits.into_iter().chain(trail.proof(spec, world))
+        })
         .collect();
     for (index, first) in trails.iter().enumerate() {
         for second in &trails[index + 1..] {
@@ -46,9 +62,10 @@ pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport
 }
 
 impl<'a> Trail<'a> {
-    pub(super) fn new(flight: &'a Flight, spec: &MissionSpec, world: &World) -> Self {
+    pub(super) fn new(flight: &'a Flight, spec: &'a MissionSpec, world: &World) -> Self {
         let mut fleet = spec.vehicles.iter();
-        let this = fleet.find(|vehicle| vehicle.id == flight.vehicle);
+        let index = fleet.position(|vehicle| vehicle.id == flight.vehicle);
+        let this = index.and_then(|index| spec.vehicles.get(index));
         let point = |fix: &Fix| PlanPoint {
             at: world.frame.to_plan(fix.place),
             amsl: fix.amsl,
@@ -57,6 +74,8 @@ impl<'a> Trail<'a> {
             flight,
             plan_of: flight.plan_of_each(),
             airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
+            vehicle: this,
+            stations: index.and_then(|index| world.stations.get(index).copied()),
             points: flight.flown.fixes.iter().map(point).collect(),
         }
     }
@@ -72,6 +91,11 @@ impl<'a> Trail<'a> {
     fn plan(&self, fix: usize) -> Option<&Reference> {
         let plan = *self.plan_of.get(fix)?;
         self.flight.plans.get(plan).map(|plan| &plan.reference)
+    }
+
+    /// Whether the plan of a position follows the ground.
+    pub(super) fn follows_ground(&self, fix: usize) -> bool {
+        self.plan(fix).is_some_and(Reference::follows_ground)
     }
 
     /// Indices of positions on the route: neither in the column of the takeoff nor in that
@@ -110,30 +134,46 @@ impl<'a> Trail<'a> {
         glides && last.is_some_and(|last| self.fixes()[index].item >= last.item)
     }
 
-    /// Where each waypoint of each plan was passed while it was flown.
-    fn passages(&self) -> Vec<Passage> {
-        let mut found = Vec::new();
-        for (number, plan) in self.flight.plans.iter().enumerate() {
+    /// The plans that were flown, one after the other.
+    pub(super) fn parts(&self) -> impl Iterator<Item = Part<'a>> {
+        let plans = self.flight.plans.iter().enumerate();
+        plans.filter_map(|(number, plan)| {
             let from = self.plan_of.partition_point(|&of| of < number);
             let to = self.plan_of.partition_point(|&of| of <= number);
-            if from < to {
-                found.extend(self.passages_of(&plan.reference, from, to));
-            }
+            (from < to).then(|| Part {
+                plan: &plan.reference,
+                fixes: from..to,
+                ahead: self.ahead(&plan.reference, from),
+            })
+        })
+    }
+
+    /// Index of the first waypoint of a plan that is ahead at a position: what a plan that
+    /// was taken up in flight has before that was passed by the plan before it.
+    fn ahead(&self, plan: &Reference, from: usize) -> usize {
+        if from == 0 {
+            return 1;
         }
-        found
+        let legs = plan.waypoints.windows(2).enumerate();
+        let legs = legs.filter(|(_, leg)| leg[1].item >= self.fixes()[from].item);
+        let away = legs.map(|(index, leg)| {
+            let (away_m, _) = to_segment(self.points[from], leg[0].point, leg[1].point);
+            (index + 1, away_m)
+        });
+        let away: Vec<(usize, f64)> = away.collect();
+        let least_m = away.iter().map(|leg| leg.1).fold(f64::INFINITY, f64::min);
+        let on = away.iter().find(|leg| leg.1 <= least_m + ALIKE_M);
+        on.map_or(plan.waypoints.len(), |leg| leg.0)
     }
 
     /// The nearest of the ways between two positions, one waypoint after the other.
-    fn passages_of(&self, plan: &Reference, mut from: usize, to: usize) -> Vec<Passage> {
-        let fixes = &self.fixes()[..to];
-        let (begun, reached) = (from > 0, &self.flight.flown.reached);
-        let (first_item, ends_s) = (fixes[from].item, fixes[to - 1].t_s);
+    pub(super) fn passages(&self, part: &Part<'_>) -> Vec<Passage> {
+        let (plan, mut from) = (part.plan, part.fixes.start);
+        let fixes = &self.fixes()[..part.fixes.end];
+        let reached = &self.flight.flown.reached;
+        let ends_s = fixes.last().map_or(0.0, |last| last.t_s);
         let mut found = Vec::new();
-        for (index, waypoint) in plan.waypoints.iter().enumerate().skip(1) {
-            if begun && waypoint.item < first_item {
-                // Passed by the plan before.
-                continue;
-            }
+        for (index, waypoint) in plan.waypoints.iter().enumerate().skip(part.ahead) {
             let next = plan.waypoints.get(index + 1).map_or(usize::MAX, |w| w.item);
             let mut best: Option<(f64, f64, usize)> = None;
             for at in from..fixes.len().saturating_sub(1) {
@@ -170,33 +210,26 @@ impl<'a> Trail<'a> {
         found
     }
 
-    /// When each position on the route was how far from the plan.
-    pub(super) fn deviations(&self) -> impl Iterator<Item = (f64, Deviation)> {
+    /// Each position on the route, by its index, and how far it was from the plan.
+    pub(super) fn deviations(&self) -> impl Iterator<Item = (usize, Deviation)> {
         self.on_route().filter_map(|index| {
-            let fix = &self.fixes()[index];
-            let of = self.plan(index)?.deviation(fix.item, self.points[index])?;
-            Some((fix.t_s, of))
+            let item = self.fixes()[index].item;
+            let of = self.plan(index)?.deviation(item, self.points[index])?;
+            Some((index, of))
         })
     }
 
     fn report(&self) -> VehicleReport {
         let deviations: Vec<Deviation> = self.deviations().map(|(_, of)| of).collect();
-        let end = &self.flight.flown.end;
-        let lands = self.flight.plans.last().map(|plan| plan.reference.lands);
-        let ended_as_planned = match end {
-            End::Landed => lands == Some(true),
-            End::Loitering => lands == Some(false),
-            _ => false,
-        };
         let spread = |of: fn(&Deviation) -> f64| Spread::of(deviations.iter().map(of).collect());
         VehicleReport {
             vehicle: self.id().to_owned(),
-            end: end.words().to_owned(),
-            ended_as_planned,
+            end: self.flight.flown.end.words().to_owned(),
+            ended_as_planned: self.ends_as_planned(),
             fixes: self.fixes().len(),
             cross_track_m: spread(|deviation| deviation.cross_track_m),
             altitude_error_m: spread(|deviation| deviation.above_m.abs()),
-            passages: self.passages(),
+            passages: self.parts().flat_map(|part| self.passages(&part)).collect(),
         }
     }
 }

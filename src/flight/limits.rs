@@ -14,7 +14,7 @@ const SLOPE_SHARE: f64 = 0.5;
 /// Higher above the ground than this a vehicle is in the air and must keep its distance, metres.
 const GROUNDED_M: f64 = 1.0;
 
-fn moment(fix: &Fix) -> Moment {
+pub(super) fn moment(fix: &Fix) -> Moment {
     Moment {
         place: fix.place,
         amsl: fix.amsl,
@@ -148,9 +148,12 @@ impl Trail<'_> {
 
     /// Times of which nothing is known.
     fn gaps(&self) -> Vec<Margin> {
+        let first = self.fixes().first();
+        let before = first.map(|first| (first.t_s - self.since_s(), first));
         let pairs = self.fixes().windows(2);
         let longest = pairs
             .map(|pair| (pair[1].t_s - pair[0].t_s, &pair[0]))
+            .chain(before)
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let bound = Bound {
             what: "longest time without a position".to_owned(),
@@ -162,7 +165,7 @@ impl Trail<'_> {
     }
 
     /// The worst of values; one that is not a number is the worst of all.
-    fn worst<'f>(
+    pub(super) fn worst<'f>(
         &self,
         bound: Bound,
         values: impl Iterator<Item = (f64, &'f Fix)>,
@@ -218,15 +221,15 @@ impl Trail<'_> {
 }
 
 /// A limit without its value.
-struct Bound {
-    what: String,
-    limit: f64,
-    sense: Sense,
-    unit: &'static str,
+pub(super) struct Bound {
+    pub(super) what: String,
+    pub(super) limit: f64,
+    pub(super) sense: Sense,
+    pub(super) unit: &'static str,
 }
 
 impl Bound {
-    fn margin(self, vehicle: &str, value: f64, at: Option<Moment>) -> Margin {
+    pub(super) fn margin(self, vehicle: &str, value: f64, at: Option<Moment>) -> Margin {
         Margin {
             vehicle: vehicle.to_owned(),
             other: None,

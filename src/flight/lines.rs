@@ -1,13 +1,10 @@
-//! `flight.jsonl`: one thing that happened on each line, and the record made of them again.
-
-use std::collections::BTreeMap;
+//! `flight.jsonl`: one thing that happened on each line.
 
 use serde::{Deserialize, Serialize};
 
 use super::document::rounded;
-use super::end::End;
 use super::fleet::Event;
-use super::record::{Fix, Flight, Plan, PopUp, Record};
+use super::record::{Fix, Plan, PopUp};
 use super::reference::{Reference, Waypoint};
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::spec::Threat;
@@ -63,7 +60,7 @@ pub enum Line {
     End {
         /// Id in the spec.
         vehicle: String,
-        /// In the words of [`End::words`].
+        /// In the words of [`super::End::words`].
         end: String,
     },
     /// Something that an operator read.
@@ -106,34 +103,24 @@ fn is_none(radius_m: &f64) -> bool {
 /// A threat on a line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ThreatLine {
-    id: String,
-    lat_deg: f64,
-    lon_deg: f64,
-    radius_m: f64,
+    pub(super) id: String,
+    pub(super) lat_deg: f64,
+    pub(super) lon_deg: f64,
+    pub(super) radius_m: f64,
 }
 
 /// A position on a line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FixLine {
-    t_s: f64,
-    vehicle: String,
-    lat_deg: f64,
-    lon_deg: f64,
-    amsl_m: f64,
-    speed_mps: f64,
-    item: usize,
+    pub(super) t_s: f64,
+    pub(super) vehicle: String,
+    pub(super) lat_deg: f64,
+    pub(super) lon_deg: f64,
+    pub(super) amsl_m: f64,
+    pub(super) speed_mps: f64,
+    pub(super) item: usize,
     #[serde(default)]
-    items: usize,
-}
-
-/// A line that says nothing, or what cannot be.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("line {line}: {why}")]
-pub struct Broken {
-    /// From 1.
-    pub line: usize,
-    /// What is wrong.
-    pub why: String,
+    pub(super) items: usize,
 }
 
 impl Line {
@@ -223,7 +210,7 @@ impl ThreatLine {
 }
 
 impl PlanLine {
-    fn plan(self, frame: LocalFrame) -> Result<Plan, String> {
+    pub(super) fn plan(self, frame: LocalFrame) -> Result<Plan, String> {
         let waypoint = |line: WaypointLine| {
             let place = place(line.lat_deg, line.lon_deg)?;
             Ok(Waypoint {
@@ -238,6 +225,15 @@ impl PlanLine {
         };
         let waypoints = self.waypoints.into_iter().map(waypoint);
         let waypoints = waypoints.collect::<Result<Vec<_>, String>>()?;
+        if waypoints.len() < 2 {
+            return Err("a plan leads from one place to another at least".to_owned());
+        }
+        if waypoints.windows(2).any(|pair| pair[1].item < pair[0].item) {
+            return Err("the items of a plan go up".to_owned());
+        }
+        if waypoints.iter().any(|waypoint| waypoint.radius_m < 0.0) {
+            return Err("the radius of a circle is not negative".to_owned());
+        }
         Ok(Plan {
             items: self.items,
             reference: Reference::of_waypoints(waypoints, (self.end_s, self.lands), frame),
@@ -245,109 +241,6 @@ impl PlanLine {
     }
 }
 
-fn place(lat_deg: f64, lon_deg: f64) -> Result<LatLon, String> {
+pub(super) fn place(lat_deg: f64, lon_deg: f64) -> Result<LatLon, String> {
     LatLon::new(lat_deg, lon_deg).map_err(|error| error.to_string())
-}
-
-/// Reads a record; `frame` is that of the spec.
-///
-/// # Errors
-/// [`Broken`], with the first line that is none of a record. A last line that was cut off
-/// is left out: so does a flight end whose computer stopped.
-pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
-    let mut reading = Reading {
-        frame,
-        record: Record {
-            speedup: 1.0,
-            ..Record::default()
-        },
-        places: BTreeMap::new(),
-    };
-    let count = text.lines().count();
-    for (index, text) in text.lines().enumerate() {
-        if text.trim().is_empty() {
-            continue;
-        }
-        let broken = |why: String| Broken {
-            line: index + 1,
-            why,
-        };
-        match serde_json::from_str::<Line>(text) {
-            Ok(line) => reading.take(line).map_err(broken)?,
-            Err(_) if index + 1 == count && count > 1 => {}
-            Err(_) => return Err(broken("is no line of a flight record".to_owned())),
-        }
-    }
-    if reading.record.flights.is_empty() {
-        let why = "no position of any vehicle".to_owned();
-        return Err(Broken { line: 1, why });
-    }
-    Ok(reading.record)
-}
-
-struct Reading {
-    frame: LocalFrame,
-    record: Record,
-    places: BTreeMap<String, usize>,
-}
-
-impl Reading {
-    fn of(&mut self, vehicle: &str) -> &mut Flight {
-        let flights = &mut self.record.flights;
-        let index = *self.places.entry(vehicle.to_owned()).or_insert_with(|| {
-            flights.push(Flight {
-                vehicle: vehicle.to_owned(),
-                plans: Vec::new(),
-                flown: super::Flown::default(),
-            });
-            flights.len() - 1
-        });
-        &mut flights[index]
-    }
-
-    fn take(&mut self, line: Line) -> Result<(), String> {
-        match line {
-            Line::Head {
-                spec_sha256,
-                speedup,
-                vehicles,
-                ..
-            } => {
-                self.record.spec_sha256 = spec_sha256;
-                self.record.speedup = speedup;
-                for vehicle in &vehicles {
-                    self.of(vehicle);
-                }
-            }
-            Line::Start { t0_unix_s } => self.record.t0_unix_s = t0_unix_s,
-            Line::Plan { vehicle, plan, .. } => {
-                let plan = plan.plan(self.frame)?;
-                self.of(&vehicle).plans.push(plan);
-            }
-            Line::Threat { t_s, threat } => self.record.popups.push(threat.popup(t_s)?),
-            Line::Fix(line) => {
-                let fix = Fix {
-                    t_s: line.t_s,
-                    place: place(line.lat_deg, line.lon_deg)?,
-                    amsl: Amsl(line.amsl_m),
-                    speed_mps: line.speed_mps,
-                    item: line.item,
-                    items: line.items,
-                };
-                let fixes = &mut self.of(&line.vehicle).flown.fixes;
-                if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
-                    return Err(format!("{} is not later than the line before", line.t_s));
-                }
-                fixes.push(fix);
-            }
-            Line::Reached {
-                t_s,
-                vehicle,
-                reached,
-            } => self.of(&vehicle).flown.reached.push((reached, t_s)),
-            Line::End { vehicle, end } => self.of(&vehicle).flown.end = End::of_words(&end),
-            Line::Event { .. } => {}
-        }
-        Ok(())
-    }
 }

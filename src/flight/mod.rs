@@ -4,6 +4,7 @@
 //! driver hands in messages and the time, sends what `poll_transmit` gives, and comes
 //! back at `poll_timeout`.
 
+mod arrival;
 mod asking;
 mod clock;
 mod craft;
@@ -12,11 +13,15 @@ mod document;
 mod end;
 mod fleet;
 mod judge;
+mod lap;
 mod limits;
 mod lines;
+mod misread;
 mod modes;
 mod page;
+mod proof;
 mod readiness;
+mod reading;
 mod record;
 mod reference;
 mod report;
@@ -29,8 +34,9 @@ pub use document::{FlightDocument, flight_json};
 pub use end::End;
 pub use fleet::{Event, Fleet, Intervention, Options, Outcome, Status};
 pub use judge::judge;
-pub use lines::{Broken, Line, read_record};
+pub use lines::Line;
 pub use page::flight_page;
+pub use reading::{Broken, read_record};
 pub use record::{Fix, Flight, Flown, Plan, PopUp, Record};
 pub use reference::{Deviation, Reference, Waypoint};
 pub use report::{FlightReport, Passage, Spread, VehicleReport};

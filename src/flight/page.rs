@@ -72,10 +72,11 @@ fn facts(flight: &Flight, spec: &MissionSpec, world: &World) -> FlownFacts {
         let waypoints = plan.reference.waypoints.iter();
         waypoints.map(|waypoint| waypoint.point).collect()
     });
-    let errors = Trail::new(flight, spec, world)
+    let trail = Trail::new(flight, spec, world);
+    let errors = trail
         .deviations()
-        .map(|(t_s, of)| FlownError {
-            t_s,
+        .map(|(index, of)| FlownError {
+            t_s: trail.fixes()[index].t_s,
             cross_track_m: of.cross_track_m,
             above_m: of.above_m,
         })

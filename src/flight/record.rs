@@ -24,6 +24,8 @@ pub struct Fix {
 /// The flight of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Flown {
+    /// Since when its positions are looked for, seconds after T0; none: since its planned departure.
+    pub since_s: Option<f64>,
     /// In order of time, from T0 to the end.
     pub fixes: Vec<Fix>,
     /// When each item was said to be reached, seconds after T0.

@@ -33,6 +33,9 @@ pub struct Reference {
     pub end_s: f64,
     /// Whether it ends on the ground.
     pub lands: bool,
+    /// Whether an item is above the ground below it: between its places the altitude is then not
+    /// that of a straight line.
+    follows_ground: bool,
     frame: LocalFrame,
 }
 
@@ -83,6 +86,7 @@ impl Reference {
             waypoints,
             end_s: 0.0,
             lands,
+            follows_ground: mission.items.iter().any(follows_ground),
             frame: world.frame,
         };
         reference.take_times(&track.moments, world);
@@ -108,8 +112,13 @@ impl Reference {
             waypoints,
             end_s,
             lands,
+            follows_ground: false,
             frame,
         }
+    }
+
+    pub(super) fn follows_ground(&self) -> bool {
+        self.follows_ground
     }
 
     pub(super) fn frame(&self) -> &LocalFrame {
@@ -193,6 +202,9 @@ pub struct Deviation {
     pub above_m: f64,
     /// When the plan passes the nearest point of the leg, seconds after T0.
     pub t_s: f64,
+    /// Radius of the circle that the leg leads to, metres; 0 for one that leads to a place. It is
+    /// entered between its tangent and the straight way to its middle.
+    pub circle_m: f64,
 }
 
 impl Deviation {
@@ -224,6 +236,7 @@ impl Deviation {
             cross_track_m: point.at.distance_m(foot),
             above_m: point.amsl.0 - mix(from.point.amsl.0, to.point.amsl.0),
             t_s: mix(from.t_s, to.t_s),
+            circle_m: to.radius_m,
         };
         if to.radius_m <= 0.0 {
             return straight;
@@ -232,6 +245,7 @@ impl Deviation {
             cross_track_m: (point.at.distance_m(to.point.at) - to.radius_m).abs(),
             above_m: point.amsl.0 - to.point.amsl.0,
             t_s: to.t_s,
+            circle_m: 0.0,
         };
         if round.distance_m() < straight.distance_m() {
             round
@@ -277,6 +291,10 @@ fn circle_m(item: &Item, mission: &VehicleMission) -> f64 {
         Some(param) if own_m.is_nan() || own_m <= 0.0 => f64::from(param.value).abs(),
         _ => own_m,
     }
+}
+
+fn follows_ground(item: &Item) -> bool {
+    item.place().is_some() && frame::canonical(item.frame) == frame::GLOBAL_TERRAIN_ALT
 }
 
 /// Where an item goes; `None` for one that goes nowhere.

@@ -18,7 +18,7 @@ pub struct VehicleReport {
     pub vehicle: String,
     /// How its flight ended, in words.
     pub end: String,
-    /// Whether it ended as planned.
+    /// Whether it says that it ended as planned; whether its positions show that is among the margins.
     pub ended_as_planned: bool,
     /// Positions that were recorded.
     pub fixes: usize,

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
+use super::arrival;
 use super::clock::Offset;
 use super::end::End;
 use super::record::{Fix, Flight, Flown, Plan, Record};
 use crate::link::{Decoder, FlightMessage, Heartbeat, Message, Position};
-use crate::spec::Autopilot;
+use crate::spec::{Airframe, Autopilot};
 
 /// Bytes of the time before each frame.
 const STAMP: usize = 8;
@@ -14,9 +15,6 @@ const STAMP: usize = 8;
 const FRAME_1: usize = 8;
 const FRAME_2: usize = 12;
 const SIGNATURE: usize = 13;
-/// Nearer than this to its last place a vehicle stays there, metres across.
-const THERE_M: f64 = 10.0;
-
 /// What is known of a vehicle whose messages are in a capture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Capture {
@@ -26,6 +24,8 @@ pub struct Capture {
     pub sysid: u8,
     /// Who flies it.
     pub autopilot: Autopilot,
+    /// What it is.
+    pub airframe: Airframe,
     /// What it was to fly.
     pub plan: Plan,
 }
@@ -74,10 +74,10 @@ pub fn read_tlog(bytes: &[u8], captures: &[Capture]) -> Result<Record, String> {
             if let Message::Heartbeat(beat) = &message
                 && from.component == 1
             {
-                reading.heartbeat(*beat);
                 if beat.is_armed() {
                     t0_us.get_or_insert(at_us);
                 }
+                reading.heartbeat(*beat, milliseconds(at_us, t0_us.unwrap_or(at_us)));
             }
             if let Some(t0_us) = t0_us {
                 reading.take(milliseconds(at_us, t0_us), &message);
@@ -128,8 +128,11 @@ fn milliseconds(at_us: u64, t0_us: u64) -> f64 {
 }
 
 impl Reading {
-    fn heartbeat(&mut self, beat: Heartbeat) {
+    fn heartbeat(&mut self, beat: Heartbeat, at_ms: f64) {
         self.armed = beat.is_armed();
+        if self.armed {
+            self.flown.since_s.get_or_insert(at_ms / 1000.0);
+        }
     }
 
     fn row(&self, seq: u16) -> usize {
@@ -180,19 +183,19 @@ impl Reading {
     /// The flight, and how it ended: motors off is landed, at the end of the plan or elsewhere.
     fn flight(mut self) -> Flight {
         let reference = &self.capture.plan.reference;
-        let goal = reference.waypoints.last().map(|last| last.point.at);
-        let last = self.flown.fixes.last();
-        let away_m = match (goal, last) {
-            (Some(goal), Some(fix)) => goal.distance_m(reference.frame().to_plan(fix.place)),
-            _ => f64::INFINITY,
-        };
+        let (airframe, fixes) = (self.capture.airframe, &self.flown.fixes);
+        let last = fixes.last();
+        let away_m = last.map_or(f64::INFINITY, |fix| arrival::away_m(reference, fix.place));
+        let stays = !reference.lands && arrival::stays(reference, airframe, fixes);
         self.flown.end = match (last.is_some(), self.armed) {
             (false, _) => End::NotFlown,
-            (true, false) if away_m < THERE_M => End::Landed,
+            (true, false) if reference.lands && away_m <= arrival::landing_m(airframe) => {
+                End::Landed
+            }
             (true, false) => End::Failed(format!(
                 "stopped its motors {away_m:.0} m from the end of its mission"
             )),
-            (true, true) if !reference.lands && away_m < THERE_M => End::Loitering,
+            (true, true) if stays => End::Loitering,
             (true, true) => End::LeftFlying,
         };
         Flight {

@@ -1,34 +1,21 @@
 //! How a flight comes to its end: on the ground, or where it stays in the air.
 
-use super::lap::Lap;
 use super::{Craft, Stage, Told};
+use crate::flight::arrival::{self, STILL_MPS};
 use crate::flight::end::End;
+use crate::flight::lap::Lap;
 use crate::flight::modes;
-use crate::flight::readiness::STANDS_M;
 use crate::flight::record::Fix;
-use crate::spec::Airframe;
-
-/// A vehicle that stays for ever has come to its place this near, metres.
-const ARRIVED_M: f64 = 5.0;
-/// A plane that rolled out stands this near the place of its landing, metres.
-const RUNS_OUT_M: f64 = 150.0;
-/// Slower than this a vehicle stays where it is, m/s.
-const STILL_MPS: f64 = 0.5;
 
 impl Craft<'_> {
     /// It stopped its motors by itself: where it should, or elsewhere.
     pub(super) fn landing(&self) -> End {
-        let planned = self.of.mission.items.iter().rev();
-        let place = planned.filter_map(crate::mission::Item::place).next();
-        let away_m = match (place, self.latest) {
-            (Some(place), Some((_, fix))) => place.chord_m(fix.place),
-            _ => f64::INFINITY,
-        };
-        let near_m = match self.of.mission.airframe {
-            Airframe::Plane => RUNS_OUT_M,
-            Airframe::Copter | Airframe::Vtol => STANDS_M,
-        };
-        if self.of.reference.lands && away_m <= near_m {
+        let reference = &self.of.reference;
+        let away_m = self.latest.map_or(f64::INFINITY, |(_, fix)| {
+            arrival::away_m(reference, fix.place)
+        });
+        let near_m = arrival::landing_m(self.of.mission.airframe);
+        if reference.lands && away_m <= near_m {
             End::Landed
         } else {
             End::Failed(format!(
@@ -70,13 +57,7 @@ impl Craft<'_> {
         }
         // Another mission may have been given to it meanwhile.
         let rows = self.total.unwrap_or(self.of.mission.items.len());
-        let place = self
-            .of
-            .mission
-            .items
-            .last()
-            .and_then(crate::mission::Item::place);
-        let is_there = place.is_some_and(|place| place.chord_m(fix.place) < ARRIVED_M);
+        let is_there = arrival::hovers(&self.of.reference, &fix);
         if !self.of.reference.lands && self.in_mission && self.item >= rows && is_there {
             self.end(End::Loitering);
         }

@@ -14,25 +14,41 @@ pub(super) struct Lap {
     /// The last place that was taken, and the course to it.
     at: Option<EastNorth>,
     course_rad: Option<f64>,
-    /// To the right.
+    /// To the right: now, and the least and the most of it so far.
     turned_rad: f64,
+    span_rad: (f64, f64),
 }
 
 impl Lap {
     /// Takes in where it is, and tells whether it has turned once around.
     pub(super) fn is_whole_with(&mut self, at: EastNorth) -> bool {
+        self.take(at);
+        self.most_rad() >= TAU
+    }
+
+    /// The most that it has turned from one place to another, radians.
+    pub(super) fn most_rad(&self) -> f64 {
+        self.span_rad.1 - self.span_rad.0
+    }
+
+    /// Takes in where it is.
+    pub(super) fn take(&mut self, at: EastNorth) {
         let Some(before) = self.at else {
             self.at = Some(at);
-            return false;
+            return;
         };
         if before.distance_m(at) >= STEP_M {
             let course_rad = heading_rad(before, at);
             if let Some(last_rad) = self.course_rad {
                 self.turned_rad += (course_rad - last_rad + PI).rem_euclid(TAU) - PI;
+                let (least_rad, most_rad) = self.span_rad;
+                self.span_rad = (
+                    least_rad.min(self.turned_rad),
+                    most_rad.max(self.turned_rad),
+                );
             }
             (self.at, self.course_rad) = (Some(at), Some(course_rad));
         }
-        self.turned_rad.abs() >= TAU
     }
 }
 

@@ -1,0 +1,173 @@
+//! A record made of its lines again.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::end::End;
+use super::lines::{Line, place};
+use super::misread;
+use super::record::{Fix, Flight, Record};
+use crate::geodesy::{Amsl, LocalFrame};
+
+/// A line that says nothing, or what cannot be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {why}")]
+pub struct Broken {
+    /// From 1.
+    pub line: usize,
+    /// What is wrong.
+    pub why: String,
+}
+
+/// Reads a record; `frame` is that of the spec.
+///
+/// # Errors
+/// [`Broken`], with the first line that is none of a record: also what can only be once and
+/// is told again, and what comes after the end of a vehicle's flight. A last line that was cut
+/// off is left out: so does a flight end whose computer stopped.
+pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
+    let mut reading = Reading {
+        frame,
+        record: Record {
+            speedup: 1.0,
+            ..Record::default()
+        },
+        places: BTreeMap::new(),
+        once: BTreeSet::new(),
+        fleet: None,
+    };
+    let count = text.lines().count();
+    for (index, text) in text.lines().enumerate() {
+        if text.trim().is_empty() {
+            continue;
+        }
+        let broken = |why: String| Broken {
+            line: index + 1,
+            why,
+        };
+        match serde_json::from_str::<Line>(text) {
+            Ok(line) => reading.take(line).map_err(broken)?,
+            Err(_) if index + 1 == count && count > 1 && misread::is_cut_off(text) => {}
+            Err(_) => return Err(broken(misread::why(text))),
+        }
+    }
+    if reading.record.flights.is_empty() {
+        let why = "no position of any vehicle".to_owned();
+        return Err(Broken { line: 1, why });
+    }
+    Ok(reading.record)
+}
+
+fn end_of(vehicle: &str) -> String {
+    format!("the end of {vehicle}")
+}
+
+struct Reading {
+    frame: LocalFrame,
+    record: Record,
+    places: BTreeMap<String, usize>,
+    /// What was told and can be told once: the header, T0, the end of each vehicle.
+    once: BTreeSet<String>,
+    /// Who flies, by the header.
+    fleet: Option<BTreeSet<String>>,
+}
+
+impl Reading {
+    fn of(&mut self, vehicle: &str) -> &mut Flight {
+        let flights = &mut self.record.flights;
+        let index = *self.places.entry(vehicle.to_owned()).or_insert_with(|| {
+            flights.push(Flight {
+                vehicle: vehicle.to_owned(),
+                plans: Vec::new(),
+                flown: super::Flown::default(),
+            });
+            flights.len() - 1
+        });
+        &mut flights[index]
+    }
+
+    /// What is told of once must not be told again.
+    fn once(&mut self, what: String) -> Result<(), String> {
+        if self.once.contains(&what) {
+            return Err(format!("{what} was told before"));
+        }
+        self.once.insert(what);
+        Ok(())
+    }
+
+    /// What is told of a vehicle: of one of the fleet, from T0 to its end.
+    fn told(&self, t_s: f64, vehicle: &str) -> Result<(), String> {
+        let is_stranger = |fleet: &BTreeSet<String>| !fleet.contains(vehicle);
+        if self.fleet.as_ref().is_some_and(is_stranger) {
+            return Err(format!(
+                "{vehicle} is none of the vehicles of the first line"
+            ));
+        }
+        if self.once.contains(&end_of(vehicle)) {
+            return Err(format!("comes after the end of {vehicle}"));
+        }
+        if t_s < 0.0 {
+            return Err(format!("{t_s} s is before T0"));
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, line: Line) -> Result<(), String> {
+        match line {
+            Line::Head {
+                spec_sha256,
+                speedup,
+                vehicles,
+                ..
+            } => {
+                self.once("the header".to_owned())?;
+                self.record.spec_sha256 = spec_sha256;
+                self.record.speedup = speedup;
+                for vehicle in &vehicles {
+                    self.of(vehicle);
+                }
+                self.fleet = Some(vehicles.into_iter().collect());
+            }
+            Line::Start { t0_unix_s } => {
+                self.once("T0".to_owned())?;
+                self.record.t0_unix_s = t0_unix_s;
+            }
+            Line::Plan { t_s, vehicle, plan } => {
+                self.told(t_s, &vehicle)?;
+                let plan = plan.plan(self.frame)?;
+                self.of(&vehicle).plans.push(plan);
+            }
+            Line::Threat { t_s, threat } => self.record.popups.push(threat.popup(t_s)?),
+            Line::Fix(line) => {
+                self.told(line.t_s, &line.vehicle)?;
+                let fix = Fix {
+                    t_s: line.t_s,
+                    place: place(line.lat_deg, line.lon_deg)?,
+                    amsl: Amsl(line.amsl_m),
+                    speed_mps: line.speed_mps,
+                    item: line.item,
+                    items: line.items,
+                };
+                let fixes = &mut self.of(&line.vehicle).flown.fixes;
+                if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
+                    return Err(format!("{} is not later than the line before", line.t_s));
+                }
+                fixes.push(fix);
+            }
+            Line::Reached {
+                t_s,
+                vehicle,
+                reached,
+            } => {
+                self.told(t_s, &vehicle)?;
+                self.of(&vehicle).flown.reached.push((reached, t_s));
+            }
+            Line::End { vehicle, end } => {
+                self.told(0.0, &vehicle)?;
+                self.once(end_of(&vehicle))?;
+                self.of(&vehicle).flown.end = End::of_words(&end);
+            }
+            Line::Event { .. } => {}
+        }
+        Ok(())
+    }
+}

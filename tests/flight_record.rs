@@ -1,0 +1,376 @@
+//! A record of a flight that was not flown as planned does not pass: one honest flight, doctored.
+#![allow(clippy::cast_precision_loss)]
+
+#[path = "support/sky.rs"]
+mod sky;
+mod support;
+
+use std::sync::OnceLock;
+
+use sky::{Planned, Sky, plan};
+use sortie::flight::*;
+use sortie::geodesy::{Amsl, LatLon};
+use sortie::spec::{Finish, OnLinkLoss, Vehicle as Spec};
+use support::{copter, place};
+
+/// Alpha lands a kilometre from home, bravo lands where it stood, charlie stays in the air.
+fn three() -> Vec<Spec> {
+    let lane = |id: &str, sysid: u8, lat: f64| {
+        copter(id, sysid, place(lat, -84.26), place(lat + 0.002, -84.248))
+    };
+    let mut fleet = vec![
+        lane("alpha", 1, 36.300),
+        lane("bravo", 2, 36.308),
+        lane("charlie", 3, 36.316),
+    ];
+    fleet[1].finish = Finish::Return;
+    fleet[2].finish = Finish::Loiter;
+    fleet
+}
+
+/// The plan, and how it was flown.
+fn flown() -> &'static (Planned, Record) {
+    static FLOWN: OnceLock<(Planned, Record)> = OnceLock::new();
+    FLOWN.get_or_init(|| {
+        let plan = plan(three(), OnLinkLoss::Continue);
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        let record = plan.record(&sky);
+        drop(sky);
+        (plan, record)
+    })
+}
+
+/// What fails when the record is doctored so.
+fn failed(doctor: impl FnOnce(&mut Record)) -> Vec<(String, String)> {
+    let (plan, record) = flown();
+    let mut record = record.clone();
+    doctor(&mut record);
+    let report = judge(&plan.spec, &plan.world, &record);
+    let bad = report.margins.iter().filter(|margin| !margin.ok);
+    let bad: Vec<_> = bad.map(|m| (m.vehicle.clone(), m.what.clone())).collect();
+    let ended = report.vehicles.iter().all(|v| v.ended_as_planned);
+    assert_eq!(report.passes(), bad.is_empty() && ended, "{report:#?}");
+    bad
+}
+
+fn says(failed: &[(String, String)], vehicle: &str, what: &str) -> bool {
+    failed.iter().any(|(v, w)| v == vehicle && w == what)
+}
+
+/// The record as `fly` writes it.
+fn lines() -> Vec<String> {
+    let (_, record) = flown();
+    let mut lines = vec![Line::Head {
+        sortie: "0".to_owned(),
+        spec_sha256: "0".to_owned(),
+        speedup: 1.0,
+        vehicles: record.flights.iter().map(|f| f.vehicle.clone()).collect(),
+    }];
+    for flight in &record.flights {
+        lines.push(Line::of_plan(&flight.vehicle, 0.0, &flight.plans[0]));
+    }
+    lines.push(Line::Start { t0_unix_s: 1 });
+    for flight in &record.flights {
+        let fixes = flight.flown.fixes.iter();
+        lines.extend(fixes.map(|fix| Line::of_fix(&flight.vehicle, fix)));
+    }
+    for flight in &record.flights {
+        lines.push(Line::End {
+            vehicle: flight.vehicle.clone(),
+            end: flight.flown.end.words().to_owned(),
+        });
+    }
+    let text = lines.iter().map(serde_json::to_string);
+    text.map(|line| line.expect("JSON")).collect()
+}
+
+fn read(lines: &[String]) -> Result<Record, Broken> {
+    read_record(&lines.join("\n"), flown().0.world.frame)
+}
+
+/// Why a record is none.
+fn refusal(lines: &[String]) -> String {
+    read(lines).expect_err("a broken record").to_string()
+}
+
+#[test]
+fn an_honest_record_passes_and_every_proof_is_among_its_margins() {
+    let (plan, record) = flown();
+    assert_eq!(failed(|_| {}), Vec::new());
+    let report = judge(&plan.spec, &plan.world, record);
+    let again = read(&lines()).expect("a record");
+    let again = judge(&plan.spec, &plan.world, &again);
+    assert!(report.passes() && again.passes(), "{again:#?}");
+    let ends: Vec<&str> = report.vehicles.iter().map(|v| v.end.as_str()).collect();
+    assert_eq!(ends, ["landed", "landed", "loiters"]);
+    let of = |what: &str| report.margins.iter().filter(|m| m.what == what).count();
+    for what in [
+        "first position from home",
+        "speed between two positions",
+        "beside the planned way",
+        "over or under the planned way",
+        "waypoints missed",
+        "nearest to its goal",
+        "last position from the planned end",
+    ] {
+        assert_eq!(of(what), 3, "{what}");
+    }
+}
+
+#[test]
+fn who_never_left_home_has_not_landed_at_the_end_of_its_plan() {
+    // Alpha's landing is elsewhere; bravo's is where it stands all the time.
+    for index in [0, 1] {
+        let bad = failed(|record| {
+            let fixes = &mut record.flights[index].flown.fixes;
+            let home = fixes[0];
+            for fix in fixes {
+                (fix.place, fix.amsl) = (home.place, home.amsl);
+            }
+        });
+        let vehicle = ["alpha", "bravo"][index];
+        assert!(says(&bad, vehicle, "nearest to its goal"), "{bad:?}");
+        assert!(says(&bad, vehicle, "waypoints missed"), "{bad:?}");
+        let away = says(&bad, vehicle, "last position from the planned end");
+        assert_eq!(away, index == 0, "{bad:?}");
+    }
+}
+
+#[test]
+fn who_landed_short_of_the_planned_end_has_not_landed_there_whatever_the_record_says() {
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[0].flown.fixes;
+        fixes.truncate(fixes.len() / 2);
+        // It comes down with 2 m/s where it is.
+        let mut last = *fixes.last().expect("positions");
+        while last.amsl.0 > 400.0 {
+            last.t_s += 1.0;
+            last.amsl = Amsl((last.amsl.0 - 2.0).max(400.0));
+            fixes.push(last);
+        }
+    });
+    assert!(says(&bad, "alpha", "last position from the planned end"));
+    assert!(says(&bad, "alpha", "waypoints missed"), "{bad:?}");
+}
+
+#[test]
+fn who_is_still_in_the_air_over_its_landing_has_not_landed() {
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[0].flown.fixes;
+        fixes.retain(|fix| fix.t_s < 30.0 || fix.amsl.0 > 415.0);
+    });
+    let what = "last position from the ground";
+    assert!(says(&bad, "alpha", what), "{bad:?}");
+}
+
+#[test]
+fn who_leaves_waypoints_out_has_not_flown_its_plan() {
+    let bad = failed(|record| {
+        // Bravo turns back half way to its goal.
+        let fixes = &mut record.flights[1].flown.fixes;
+        let goal = place(36.310, -84.248);
+        fixes.retain(|fix| fix.place.chord_m(goal) > 600.0);
+        for (n, fix) in fixes.iter_mut().enumerate() {
+            fix.t_s = 0.2 * n as f64;
+        }
+    });
+    assert!(says(&bad, "bravo", "waypoints missed"), "{bad:?}");
+    assert!(says(&bad, "bravo", "nearest to its goal"), "{bad:?}");
+    assert!(bad.iter().all(|(vehicle, _)| vehicle == "bravo"), "{bad:?}");
+}
+
+#[test]
+fn who_goes_on_from_its_place_in_the_air_does_not_stay_there() {
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[2].flown.fixes;
+        fixes.last_mut().expect("positions").speed_mps = 12.0;
+    });
+    assert!(says(&bad, "charlie", "last speed"), "{bad:?}");
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[2].flown.fixes;
+        let short = fixes.len() - 50;
+        fixes.truncate(short);
+    });
+    assert!(says(&bad, "charlie", "last position from the planned end"));
+}
+
+#[test]
+fn time_without_a_position_counts_from_the_departure_on() {
+    let bad = failed(|record| {
+        record.flights[0].flown.fixes.retain(|fix| fix.t_s > 40.0);
+    });
+    assert!(says(&bad, "alpha", "longest time without a position"));
+    assert!(says(&bad, "alpha", "first position from home"), "{bad:?}");
+    // With the times of all others it began in the air.
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[0].flown.fixes;
+        fixes.retain(|fix| fix.t_s > 40.0);
+        fixes.iter_mut().for_each(|fix| fix.t_s -= 40.0);
+    });
+    assert!(says(&bad, "alpha", "first position from home"), "{bad:?}");
+}
+
+#[test]
+fn a_flight_without_any_position_or_any_plan_fails() {
+    let bad = failed(|record| record.flights[0].flown.fixes.clear());
+    assert!(says(&bad, "alpha", "flight"), "{bad:?}");
+    let (plan, record) = flown();
+    let mut record = record.clone();
+    record.flights[0].plans.clear();
+    let report = judge(&plan.spec, &plan.world, &record);
+    assert!(!report.passes() && !report.vehicles[0].ended_as_planned);
+}
+
+/// A position moved to the north and up.
+fn moved(fix: &Fix, north_m: f64, up_m: f64) -> Fix {
+    let lat_deg = fix.place.lat_deg + north_m / 111_000.0;
+    Fix {
+        place: LatLon::new(lat_deg, fix.place.lon_deg).expect("a place"),
+        amsl: Amsl(fix.amsl.0 + up_m),
+        ..*fix
+    }
+}
+
+#[test]
+fn a_flight_beside_or_over_its_way_is_not_the_one_that_was_verified() {
+    let (_, record) = flown();
+    let times = record.flights[0].flown.fixes.iter().map(|fix| fix.t_s);
+    let (begin_s, end_s) = times.fold((f64::MAX, 0.0), |(a, b): (f64, f64), t| {
+        (a.min(t), b.max(t))
+    });
+    // Away from the others, out and back slowly enough; nothing of the spec forbids it.
+    let bulge = |t_s: f64, most_m: f64| {
+        let share = (t_s - begin_s) / (end_s - begin_s);
+        most_m * (std::f64::consts::PI * share).sin()
+    };
+    let aside = |north_m: f64, up_m: f64| {
+        failed(|record| {
+            for fix in &mut record.flights[0].flown.fixes {
+                *fix = moved(fix, bulge(fix.t_s, north_m), bulge(fix.t_s, up_m));
+            }
+        })
+    };
+    let bad = aside(-200.0, 0.0);
+    assert!(says(&bad, "alpha", "beside the planned way"), "{bad:?}");
+    let bad = aside(0.0, 60.0);
+    let what = "over or under the planned way";
+    assert!(says(&bad, "alpha", what), "{bad:?}");
+    // A few metres are what positions are off, and corners cut.
+    assert_eq!(aside(-8.0, 5.0), Vec::new());
+}
+
+#[test]
+fn who_is_told_to_hold_is_not_off_its_way_and_fails_by_its_end() {
+    let bad = failed(|record| {
+        let flown = &mut record.flights[0].flown;
+        flown.end = End::Held;
+        for fix in &mut flown.fixes[300..] {
+            *fix = moved(fix, -200.0, 0.0);
+        }
+    });
+    assert!(!says(&bad, "alpha", "beside the planned way"), "{bad:?}");
+}
+
+#[test]
+fn altitudes_of_another_reference_do_not_pass() {
+    let bad = failed(|record| {
+        for fix in &mut record.flights[0].flown.fixes {
+            *fix = moved(fix, 0.0, 40.0);
+        }
+    });
+    for what in [
+        "first position from home",
+        "over or under the planned way",
+        "last position from the ground",
+    ] {
+        assert!(says(&bad, "alpha", what), "{what}: {bad:?}");
+    }
+}
+
+#[test]
+fn nobody_is_somewhere_else_at_once() {
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[0].flown.fixes;
+        // A part of its way is left out, and the time for it.
+        let (from, to) = (fixes.len() / 3, fixes.len() / 2);
+        let gone_s = fixes[to].t_s - fixes[from].t_s;
+        fixes.drain(from + 1..=to);
+        for fix in &mut fixes[from + 1..] {
+            fix.t_s -= gone_s - 0.2;
+        }
+    });
+    let what = "speed between two positions";
+    assert!(says(&bad, "alpha", what), "{bad:?}");
+}
+
+#[test]
+fn a_vehicle_that_flew_in_the_place_of_another_has_not_flown_its_own_mission() {
+    let bad = failed(|record| {
+        let [first, second, _] = &mut record.flights[..] else {
+            panic!("three");
+        };
+        std::mem::swap(&mut first.vehicle, &mut second.vehicle);
+    });
+    for vehicle in ["alpha", "bravo"] {
+        assert!(says(&bad, vehicle, "nearest to its goal"), "{bad:?}");
+        assert!(says(&bad, vehicle, "first position from home"), "{bad:?}");
+    }
+}
+
+#[test]
+fn what_can_be_told_once_and_is_told_again_is_no_record() {
+    let lines = lines();
+    let with = |index: usize, line: &str| {
+        let mut all = lines.clone();
+        all.insert(index, line.to_owned());
+        refusal(&all)
+    };
+    let count = lines.len();
+    let left = "{\"vehicle\": \"alpha\", \"end\": \"left flying\"}";
+    // Whichever of the two ends comes first.
+    assert!(with(count, left).ends_with("comes after the end of alpha"));
+    let both = with(count - 3, left);
+    let at = format!("line {}: comes after the end of alpha", count - 1);
+    assert_eq!(both, at);
+    assert!(with(count, &lines[0]).ends_with("the header was told before"));
+    assert!(with(count - 3, "{\"t0_unix_s\": 5}").ends_with("T0 was told before"));
+}
+
+#[test]
+fn what_cannot_be_in_a_record_is_refused_with_its_line() {
+    let lines = lines();
+    let position = |vehicle: &str, t_s: f64| {
+        format!(
+            "{{\"t_s\": {t_s}, \"vehicle\": \"{vehicle}\", \"lat_deg\": 36.3, \"lon_deg\": -84.26, \
+             \"amsl_m\": 400, \"speed_mps\": 0, \"item\": 1}}"
+        )
+    };
+    let with = |index: usize, line: String| {
+        let mut all = lines.clone();
+        all.insert(index, line);
+        refusal(&all)
+    };
+    let count = lines.len();
+    assert!(with(count, position("alpha", 1e4)).ends_with("comes after the end of alpha"));
+    assert!(with(5, position("alpha", -1.0)).ends_with("line 6: -1 s is before T0"));
+    assert!(with(9, position("alpha", 0.0)).contains("not later than the line before"));
+    let stranger = with(5, position("delta", 1.0));
+    assert!(stranger.contains("delta is none of the vehicles of the first line"));
+    let plan = "{\"t_s\": 0, \"vehicle\": \"alpha\", \"plan\": {\"items\": 3, \"end_s\": 9, \
+                \"lands\": true, \"waypoints\": []}}";
+    assert!(with(5, plan.to_owned()).contains("from one place to another"));
+    let why = with(5, "{\"vehicle\": \"alpha\", \"lat_deg\": 36.3}".to_owned());
+    let wanted = "line 6: is no line of a flight record: a position, but missing field";
+    assert!(why.starts_with(wanted), "{why}");
+    // Only a last line may be cut off, and then it says nothing.
+    let mut cut = lines.clone();
+    let end = cut.pop().expect("an end");
+    cut.push(end[..end.len() / 2].to_owned());
+    assert_eq!(
+        read(&cut).expect("a record").flights[2].flown.end,
+        End::NotFlown
+    );
+    cut.push(String::from("{}"));
+    assert!(refusal(&cut).contains("it is not JSON"));
+}
