@@ -125,6 +125,11 @@ vehicles:"
     let (_, _, told) = review(&["out/lanes.runs/edited.jsonl"]);
     assert!(told.contains("is not its mission"), "{told}");
     assert!(!review(&[record]).2.contains("is not its mission"));
+    let headless: Vec<&str> = lines.lines().skip(1).collect();
+    std::fs::write(runs.join("headless.jsonl"), headless.join("\n")).expect("written");
+    let (code, _, told) = review(&["out/lanes.runs/headless.jsonl"]);
+    assert_eq!(code, Some(3), "{told}");
+    assert!(told.contains("has no header"), "{told}");
     let elsewhere = SPEC.replace("lat: 36.", "lat: 37.");
     std::fs::write(folder.path().join("elsewhere.yaml"), elsewhere).expect("written");
     let (code, _, told) = review(&["elsewhere.yaml", record]);

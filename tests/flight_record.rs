@@ -374,3 +374,106 @@ fn what_cannot_be_in_a_record_is_refused_with_its_line() {
     cut.push(String::from("{}"));
     assert!(refusal(&cut).contains("it is not JSON"));
 }
+
+#[test]
+fn who_says_all_the_time_that_it_takes_off_is_held_to_its_minimum_height_all_the_same() {
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[0].flown.fixes;
+        let home = fixes[0].place;
+        let ends = fixes.last().expect("positions").place;
+        for fix in fixes {
+            fix.item = 1;
+            let columns = fix.place.chord_m(home).min(fix.place.chord_m(ends));
+            if columns > 60.0 {
+                fix.amsl = Amsl(fix.amsl.0.min(420.0));
+            }
+        }
+    });
+    assert!(says(&bad, "alpha", "terrain clearance"), "{bad:?}");
+}
+
+#[test]
+fn a_plan_that_was_given_in_flight_ends_where_the_spec_does() {
+    // As if alpha had been led somewhere else from where its plan ends.
+    let bad = failed(|record| {
+        let flight = &mut record.flights[0];
+        let fixes = &mut flight.flown.fixes;
+        let lands = flight.plans[0].items;
+        let over = fixes.iter().position(|fix| fix.item == lands);
+        fixes.truncate(over.expect("it lands"));
+        let mut last = *fixes.last().expect("positions");
+        let mut second = flight.plans[0].clone();
+        second.items += 1;
+        let ways = &mut second.reference.waypoints;
+        let [over, end] = ways[ways.len() - 2..] else {
+            panic!("a way to the landing");
+        };
+        *ways = vec![over, over, end];
+        for (item, way) in (1..).zip(ways.iter_mut()) {
+            way.item = item;
+            way.point.at.north_m -= if item > 1 { 120.0 } else { 0.0 };
+        }
+        last.items = second.items;
+        for item in [2; 60] {
+            last = moved(&last, -2.0, 0.0);
+            (last.t_s, last.item) = (last.t_s + 0.5, item);
+            fixes.push(last);
+        }
+        while last.amsl.0 > 400.0 {
+            last = moved(&last, 0.0, -1.0);
+            (last.t_s, last.item) = (last.t_s + 1.0, 3);
+            fixes.push(last);
+        }
+        flight.plans.push(second);
+    });
+    let what = "last position from where the spec ends";
+    assert_eq!(bad, [("alpha".to_owned(), what.to_owned())]);
+}
+
+#[test]
+fn a_flight_that_fly_would_have_given_up_does_not_pass() {
+    let bad = failed(|record| {
+        for flight in &mut record.flights {
+            let fixes = &mut flight.flown.fixes;
+            let mut last = *fixes.last().expect("positions");
+            for _ in 0..1000 {
+                last.t_s += 0.5;
+                fixes.push(last);
+            }
+        }
+    });
+    let what = "end of the flight".to_owned();
+    let all = ["alpha", "bravo", "charlie"].map(|id| (id.to_owned(), what.clone()));
+    assert_eq!(bad, all);
+}
+
+#[test]
+fn a_threat_between_two_positions_is_met() {
+    let (plan, record) = flown();
+    let fixes = &record.flights[0].flown.fixes;
+    let middle = fixes.len() / 2;
+    let (from, to) = (fixes[middle].place, fixes[middle + 1].place);
+    let between = LatLon::new(
+        0.5 * (from.lat_deg + to.lat_deg),
+        0.5 * (from.lon_deg + to.lon_deg),
+    );
+    let radius_m = 0.25 * from.chord_m(to);
+    let mut record = record.clone();
+    record.popups = vec![PopUp {
+        from_s: fixes[middle].t_s - 10.0,
+        threat: sortie::spec::Threat {
+            id: "pole".to_owned(),
+            kind: "popup".to_owned(),
+            place: between.expect("a place"),
+            radius_m,
+        },
+    }];
+    let report = judge(&plan.spec, &plan.world, &record);
+    let mut bad = report.margins.iter().filter(|margin| !margin.ok);
+    let met = bad.next().expect("the pole is met");
+    assert_eq!(
+        (met.vehicle.as_str(), met.what.as_str()),
+        ("alpha", "threat pole")
+    );
+    assert!(met.value < -0.9 * radius_m, "{met:?}");
+}

@@ -91,6 +91,9 @@ fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failu
     let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
     let record = flight::read_record(&text, world.frame).map_err(|error| bad(error.to_string()))?;
+    if record.spec_sha256.is_empty() {
+        return Err(bad("has no header: by which spec was it flown?".to_owned()));
+    }
     let hash = folder::sha256(&file.text);
     if record.spec_sha256 != hash {
         fits(path, &record, file, world)?;

@@ -16,8 +16,8 @@ const HEARTBEAT_MS: u64 = 1000;
 const LOST_FLIGHT_S: f64 = 5.0;
 const LOST_WALL_MS: f64 = 2500.0;
 /// A flight that has not ended this share and this many seconds after its planned end has failed.
-const LATE_SHARE: f64 = 0.25;
-const LATE_S: f64 = 90.0;
+pub(super) const LATE_SHARE: f64 = 0.25;
+pub(super) const LATE_S: f64 = 90.0;
 
 /// How a fleet is flown.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,7 @@
 //! What was flown against the plan and against the limits of the spec.
 
 use super::limits::separation;
+use super::proof::{self, BESIDE_M};
 use super::record::{Fix, Flight, Record};
 use super::reference::{Deviation, Reference, to_segment};
 use super::report::{FlightReport, Passage, Spread, VehicleReport};
@@ -21,6 +22,10 @@ pub(super) struct Trail<'a> {
     pub(super) flight: &'a Flight,
     /// Of each position: which of the plans it was flown by.
     plan_of: Vec<usize>,
+    /// How many positions are of its takeoff.
+    risen: usize,
+    /// The last position on the way to its landing.
+    landed: Option<usize>,
     pub(super) airframe: Airframe,
     /// As the spec has it; none for a stranger.
     pub(super) vehicle: Option<&'a Vehicle>,
@@ -43,11 +48,13 @@ pub(super) struct Part<'a> {
 pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport {
     let flights = record.flights.iter();
     let trails: Vec<Trail<'_>> = flights.map(|f| Trail::new(f, spec, world)).collect();
+    let plans = record.flights.iter().flat_map(|flight| &flight.plans);
+    let ends_s = plans.map(|plan| plan.reference.end_s).fold(0.0, f64::max);
     let mut margins: Vec<Margin> = trails
         .iter()
         .flat_map(|trail| {
             let limits = trail.margins(spec, world, &record.popups);
-            limits.into_iter().chain(trail.proof(spec, world))
+            limits.into_iter().chain(trail.proof(spec, world, ends_s))
         })
         .collect();
     for (index, first) in trails.iter().enumerate() {
@@ -70,14 +77,19 @@ impl<'a> Trail<'a> {
             at: world.frame.to_plan(fix.place),
             amsl: fix.amsl,
         };
-        Self {
+        let mut trail = Self {
             flight,
             plan_of: flight.plan_of_each(),
+            risen: 0,
+            landed: None,
             airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
             vehicle: this,
             stations: index.and_then(|index| world.stations.get(index).copied()),
             points: flight.flown.fixes.iter().map(point).collect(),
-        }
+        };
+        trail.risen = trail.count_rising();
+        trail.landed = (0..trail.points.len()).rfind(|&index| trail.flies_to_landing(index));
+        trail
     }
 
     pub(super) fn id(&self) -> &str {
@@ -121,17 +133,39 @@ impl<'a> Trail<'a> {
 
     /// Whether it is on its takeoff.
     pub(super) fn rises(&self, index: usize) -> bool {
-        let first = self.flight.plans.first().map(|plan| &plan.reference);
-        let takeoff = first.and_then(|plan| plan.waypoints.get(1));
-        self.plan_of[index] == 0 && self.fixes()[index].item <= takeoff.map_or(0, |w| w.item)
+        index < self.risen
     }
 
-    /// Whether a plane is on the glide to its landing.
+    /// How many of its positions are of its takeoff: until it flies to the next item or, whatever
+    /// it says of that, is further from home than a takeoff leads.
+    fn count_rising(&self) -> usize {
+        let first = self.flight.plans.first().map(|plan| &plan.reference);
+        let (home, top) = match first.map(|plan| plan.waypoints.as_slice()) {
+            Some([home, top, ..]) => (home, top),
+            _ => return 0,
+        };
+        let across_m = self.vehicle.map_or(BESIDE_M, proof::across_m);
+        // A wind from behind may carry a plane as far again.
+        let leads_m = 2.0 * home.point.at.distance_m(top.point.at) + across_m;
+        let rises = |index: &usize| {
+            self.plan_of[*index] == 0
+                && self.fixes()[*index].item <= top.item
+                && self.points[*index].at.distance_m(home.point.at) <= leads_m
+        };
+        (0..self.points.len()).take_while(rises).count()
+    }
+
+    /// Whether a plane is on the glide to its landing, or has landed: some then say that they
+    /// begin again.
     pub(super) fn glides(&self, index: usize) -> bool {
+        self.airframe == Airframe::Plane
+            && (self.flies_to_landing(index) || self.landed.is_some_and(|landed| index > landed))
+    }
+
+    fn flies_to_landing(&self, index: usize) -> bool {
         let plan = self.plan(index).filter(|plan| plan.lands);
         let last = plan.and_then(|plan| plan.waypoints.last());
-        let glides = self.airframe == Airframe::Plane;
-        glides && last.is_some_and(|last| self.fixes()[index].item >= last.item)
+        last.is_some_and(|last| self.fixes()[index].item >= last.item)
     }
 
     /// The plans that were flown, one after the other.

@@ -2,8 +2,9 @@
 
 use super::judge::{GAP_S, Trail};
 use super::record::{Fix, PopUp};
-use crate::geodesy::PlanPoint;
+use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
+use crate::numeric::geometry::point_segment_distance;
 use crate::spec::{Airframe, MissionSpec, Separation};
 use crate::verify::{Margin, Moment, Sense};
 use crate::world::{Disc, World};
@@ -73,8 +74,16 @@ impl Trail<'_> {
                 sense: Sense::AtLeast,
                 unit: "m",
             };
-            let known = all().filter(|(fix, _)| fix.t_s >= from_s);
-            let outside = known.map(|(fix, p)| (disc.center.distance_m(p.at) - disc.radius_m, fix));
+            let known = all().skip_while(|(fix, _)| fix.t_s < from_s);
+            let known: Vec<(&Fix, PlanPoint)> = known.collect();
+            // Between two positions too; the last of them is alone.
+            let next = known.iter().skip(1).chain(known.last());
+            let outside = known.iter().zip(next).map(|(&(fix, from), &(_, to))| {
+                let flat = |at: EastNorth| [at.east_m, at.north_m];
+                let ends = (flat(from.at), flat(to.at));
+                let away_m = point_segment_distance(flat(disc.center), ends.0, ends.1);
+                (away_m - disc.radius_m, fix)
+            });
             margins.extend(self.worst(rim, outside));
         }
         let none = |what: String| Bound {

@@ -4,13 +4,14 @@
 
 use super::arrival::{self, ARRIVED_M, STILL_MPS, TURNED_RAD};
 use super::end::End;
+use super::fleet::{LATE_S, LATE_SHARE};
 use super::judge::{GAP_S, Part, Trail};
 use super::limits::Bound;
 use super::readiness::STANDS_M;
 use super::record::Fix;
 use super::reference::Waypoint;
 use crate::path::VehicleLimits;
-use crate::spec::{Airframe, AltitudeReference, MissionSpec, Vehicle};
+use crate::spec::{Airframe, AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::verify::{Margin, Moment, Sense};
 use crate::world::World;
 
@@ -59,6 +60,11 @@ impl Tube {
     }
 }
 
+/// How far beside its way a vehicle may be, metres.
+pub(super) fn across_m(vehicle: &Vehicle) -> f64 {
+    Tube::of(vehicle).across_m
+}
+
 /// How a plane may leave its climb-out early.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct ClimbOut {
@@ -71,10 +77,15 @@ struct ClimbOut {
 impl Trail<'_> {
     /// Since when its positions are looked for, seconds after T0.
     pub(super) fn since_s(&self) -> f64 {
+        let heard_s = self.flight.flown.since_s;
+        heard_s.unwrap_or_else(|| self.departs_s())
+    }
+
+    /// When it was to depart, seconds after T0.
+    fn departs_s(&self) -> f64 {
         let first = self.flight.plans.first();
         let home = first.and_then(|plan| plan.reference.waypoints.first());
-        let planned_s = home.map_or(0.0, |home| home.t_s);
-        self.flight.flown.since_s.unwrap_or(planned_s)
+        home.map_or(0.0, |home| home.t_s)
     }
 
     /// Whether it ended as planned by its own word, and the last positions show it.
@@ -89,8 +100,9 @@ impl Trail<'_> {
         }
     }
 
-    /// What the positions must show of a flight besides the limits of the spec.
-    pub(super) fn proof(&self, spec: &MissionSpec, world: &World) -> Vec<Margin> {
+    /// What the positions must show of a flight besides the limits of the spec; `ends_s` is when
+    /// the planned flight of the fleet ends.
+    pub(super) fn proof(&self, spec: &MissionSpec, world: &World, ends_s: f64) -> Vec<Margin> {
         let (Some(vehicle), false) = (self.vehicle, self.fixes().is_empty()) else {
             return Vec::new();
         };
@@ -106,6 +118,8 @@ impl Trail<'_> {
             margins.push(self.missed(tube));
             margins.extend(self.goal(vehicle, tube));
             margins.extend(self.ending(world));
+            margins.extend(self.place_to_land(vehicle, spec));
+            margins.extend(self.lateness(ends_s));
         }
         margins
     }
@@ -272,6 +286,37 @@ impl Trail<'_> {
             unit: "m",
         };
         self.worst(bound, std::iter::once((away_m, fix)))
+    }
+
+    /// It landed where the spec wants it to, whatever plan it was given.
+    fn place_to_land(&self, vehicle: &Vehicle, spec: &MissionSpec) -> Option<Margin> {
+        let (last, at, stations) = (self.fixes().last()?, self.points.last()?, self.stations?);
+        let place = match (vehicle.finish, &self.flight.flown.end) {
+            (Finish::Land, End::Landed) => stations.landing,
+            (Finish::Return, End::Landed) => stations.home.at,
+            _ => return None,
+        };
+        let bound = Bound {
+            what: "last position from where the spec ends".to_owned(),
+            limit: arrival::landing_m(self.airframe) + spec.mission.tolerance_m,
+            sense: Sense::AtMost,
+            unit: "m",
+        };
+        self.worst(bound, std::iter::once((place.distance_m(at.at), last)))
+    }
+
+    /// So late that `fly` would have given it up. In a capture nobody knows when a vehicle was to
+    /// start: whoever armed it late started it late.
+    fn lateness(&self, ends_s: f64) -> Option<Margin> {
+        let bound = Bound {
+            what: "end of the flight".to_owned(),
+            limit: ends_s * (1.0 + LATE_SHARE) + LATE_S,
+            sense: Sense::AtMost,
+            unit: "s",
+        };
+        let last = self.fixes().last()?;
+        let waited_s = (self.since_s() - self.departs_s()).max(0.0);
+        self.worst(bound, std::iter::once((last.t_s - waited_s, last)))
     }
 
     /// The last positions show the end that the record tells of.
