@@ -274,6 +274,14 @@ fn moment(entry: &Ranked<'_>) -> String {
     })
 }
 
+/// A value, its unit smaller.
+fn figure(value: &str, known: bool) -> String {
+    match value.split_once(' ').filter(|_| known) {
+        Some((number, unit)) => format!("{} <small>{}</small>", escaped(number), escaped(unit)),
+        None => escaped(value),
+    }
+}
+
 fn cards(shown: &[Ranked<'_>]) -> String {
     let mut html = String::new();
     for entry in words::telling(shown, 4) {
@@ -290,7 +298,7 @@ fn cards(shown: &[Ranked<'_>]) -> String {
              <span class=\"who\">{}</span><span class=\"when\">{}</span></button>",
             if margin.ok { "ok" } else { "bad" },
             escaped(&margin.what),
-            escaped(&words::value(margin)),
+            figure(&words::value(margin), known),
             if margin.ok || !known { "" } else { "must be " },
             escaped(&if known {
                 words::limit(margin)
