@@ -518,12 +518,40 @@ fn planes_are_not_led_onto_new_paths() {
     assert!(told.contains("gannet is a plane"), "{told}");
 }
 
-/// The clearance of a flight over level ground, 80 m above it until the end of its long leg and
-/// from there on by so much higher, with a hill of so many metres near the beginning of that leg;
-/// and how long the leg takes, seconds.
+/// Where a hill is on the long leg, metres.
+#[derive(Clone, Copy)]
+enum Place {
+    AfterBegin(f64),
+    BeforeEnd(f64),
+}
+
+#[derive(Clone, Copy)]
+struct Bump {
+    height_m: f64,
+    radius_m: f64,
+    at: Place,
+}
+
+/// With a hill of so many metres near the beginning of the leg; see [`clearance_over`].
 fn clearance_with_a_change(
     autopilot: Autopilot,
     (change_m, hill_m): (f32, f64),
+    slope_min_m: Option<f32>,
+) -> (f64, f64) {
+    let hill = Bump {
+        height_m: hill_m,
+        radius_m: 100.0,
+        at: Place::AfterBegin(500.0),
+    };
+    clearance_over(autopilot, change_m, hill, slope_min_m)
+}
+
+/// The clearance of a flight over level ground with a hill, 80 m above the ground until the end of
+/// its long leg and from there on by so much higher; and how long the leg takes, seconds.
+fn clearance_over(
+    autopilot: Autopilot,
+    change_m: f32,
+    hill: Bump,
     slope_min_m: Option<f32>,
 ) -> (f64, f64) {
     let mut spec = empty_spec(vec![plane(autopilot)]);
@@ -551,13 +579,17 @@ fn clearance_with_a_change(
             value,
             why: String::new(),
         }));
-    let begin = places[end - 1].expect("a place");
+    let (begin, goal) = (places[end - 1].expect("a place"), places[end].expect("one"));
+    let (of, east_m) = match hill.at {
+        Place::AfterBegin(east_m) => (begin, east_m),
+        Place::BeforeEnd(west_m) => (goal, -west_m),
+    };
     spec.terrain = TerrainSource::Analytic {
         base: Amsl(400.0),
         hills: vec![Hill {
-            place: place(begin.lat_deg, begin.lon_deg + 500.0 / 89_700.0),
-            height_m: hill_m,
-            radius_m: 100.0,
+            place: place(of.lat_deg, of.lon_deg + east_m / 89_700.0),
+            height_m: hill.height_m,
+            radius_m: hill.radius_m,
         }],
     };
     let review = verify::review(&spec, &world(&spec), &[(0, &mission)]);
@@ -601,6 +633,21 @@ fn a_wing_is_judged_three_seconds_of_its_climb_below_an_upward_slope() {
             "{lagging_m} {expected_m}"
         );
     }
+}
+
+#[test]
+fn a_wing_of_px4_is_judged_at_the_altitude_of_a_waypoint_a_circle_before_it() {
+    // 70 m down on a leg of some 5 km: with circles of 100 m it is level 80 m before its end,
+    // 10 m over the ground, and not a metre higher.
+    let hill = Bump {
+        height_m: 8.0,
+        radius_m: 20.0,
+        at: Place::BeforeEnd(80.0),
+    };
+    let (clearance_m, flown_s) = clearance_over(Autopilot::Px4, -70.0, hill, None);
+    let slope_m = 70.0 * 80.0 / (flown_s * 15.0);
+    assert!(slope_m > 0.7, "{slope_m}");
+    assert!((clearance_m - 2.0).abs() < 0.1, "{clearance_m}");
 }
 
 /// How far a vtol that turns north by a right angle stays from a threat east of its second leg,

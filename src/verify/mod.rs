@@ -62,7 +62,8 @@
 //! **Lag.** ArduPlane is 3.3 s of its climb below a slope upwards and as much above one downwards,
 //! and still on the leg after: legs are judged there as well, in space, by the greater of their own
 //! climb and that of the leg before. Not where the ground is followed, nor on climb-out and glide.
-//! A wing of PX4 is judged likewise with 3.5 s, by its sources.
+//! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
+//! before it, by its sources.
 //!
 //! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/l1.rs`: the way that it gives
 //! is judged in space besides the legs, and for the separation the vehicle is anywhere within what

@@ -47,6 +47,7 @@ pub(super) fn fly(
         guidance: Guidance::of(vehicle, mission),
         early_top: None,
         lag_s: tecs::lag_s(mission),
+        early_m: tecs::early_m(vehicle, mission),
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.ribbon.chords;
@@ -86,6 +87,8 @@ pub(super) struct Pilot<'a> {
     pub(super) early_top: Option<PlanPoint>,
     /// So many seconds of its climb it is beside a slope; 0 for none.
     pub(super) lag_s: f64,
+    /// So far before a waypoint it has its altitude, metres.
+    pub(super) early_m: f64,
 }
 
 impl Pilot<'_> {

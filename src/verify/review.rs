@@ -327,7 +327,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     add(
         any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing()),
         "PX4 on a wing is 3.5 s of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
-         such legs are judged there too; not that a leg has the altitude of its end NAV_LOITER_RAD before it",
+         such legs are judged there too, and with the altitude of their end NAV_LOITER_RAD before it, by its sources as well (neither was measured)",
     );
     add(
         any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),

@@ -44,6 +44,14 @@ impl AltitudeLine {
         self.part((1.0, 1.0))
     }
 
+    /// The slope that is at the altitude of the end after a part of the leg already.
+    pub(super) fn steeper(&self, fraction: f64) -> Self {
+        Self {
+            follows: self.follows,
+            value_m: (self.value_m.0, self.value_m.0 + self.change_m() / fraction),
+        }
+    }
+
     /// So many metres higher.
     pub(super) fn raised(&self, by_m: f64) -> Self {
         Self {

@@ -1,13 +1,16 @@
 //! Altitudes beside the line of a leg, which wings fly: their altitude and speed controller (TECS)
 //! follows a slope late, and to ArduPlane small changes of altitude are no slopes.
 
+use crate::geodesy::{EastNorth, PlanPoint};
 use crate::mission::{ALTITUDE_SLOPE_MIN, VehicleMission};
-use crate::spec::Autopilot;
+use crate::spec::{Autopilot, Vehicle};
 
+use super::chord::Chord;
 use super::decode::Unknown;
 use super::legs::Knot;
 use super::pilot::Pilot;
 use super::ribbon::AltitudeLine;
+use super::wing;
 
 /// Default of `ALT_SLOPE_MIN` (`ArduPlane/Parameters.cpp`, 4.7.0-dev of December 2025), metres.
 const DEFAULT_M: f64 = 15.0;
@@ -51,6 +54,17 @@ pub(super) fn lag_s(mission: &VehicleMission) -> f64 {
     }
 }
 
+/// So far before a waypoint PX4 has its altitude, metres (`FixedWingPositionControl`, the altitude
+/// of a leg; assumed, not measured); none but on a wing of PX4.
+pub(super) fn early_m(vehicle: &Vehicle, mission: &VehicleMission) -> f64 {
+    match (mission.autopilot, vehicle.wing) {
+        (Autopilot::Px4, Some(wing)) => wing::loiter_radius_m(mission)
+            .unwrap_or(wing.loiter_radius_m)
+            .max(wing.loiter_radius_m),
+        _ => 0.0,
+    }
+}
+
 impl Pilot<'_> {
     /// Lays the legs also where a wing may be over or under their lines, to be judged in
     /// space. `firsts` are the first chords of the legs.
@@ -61,7 +75,42 @@ impl Pilot<'_> {
                 self.ribbon.lay_unflown((&pair[0], &pair[1]), when, line)?;
             }
         }
+        if self.early_m > 0.0 {
+            for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
+                self.lay_early(&pair[0], &pair[1], when)?;
+            }
+        }
         Ok(())
+    }
+
+    /// Lays a leg that has the altitude of its end before it.
+    fn lay_early(&mut self, from: &Knot, to: &Knot, when: (f64, f64)) -> Result<(), Unknown> {
+        let line = self.ribbon.altitude_line(from, to)?;
+        let length_m = from.at.distance_m(to.at);
+        // A climb-out and a glide are flown as they are.
+        let is_free = to.slope_from_m.is_some() || length_m < HAIR_M;
+        if is_free || line.follows || line.change_m().abs() < HAIR_M {
+            return Ok(());
+        }
+        let sloping = (1.0 - self.early_m / length_m).max(0.0);
+        let there = |at: EastNorth| PlanPoint {
+            at,
+            amsl: to.point().amsl,
+        };
+        let level_at = EastNorth {
+            east_m: from.at.east_m + sloping * (to.at.east_m - from.at.east_m),
+            north_m: from.at.north_m + sloping * (to.at.north_m - from.at.north_m),
+        };
+        let chord = |from: EastNorth, to_at: EastNorth| {
+            Chord::unflown((to.row, to.phase), when, (there(from), there(to_at)))
+        };
+        if sloping > 0.0 {
+            let slope = line.steeper(sloping);
+            self.ribbon
+                .lay_aside(chord(from.at, level_at), (0.0, sloping), &slope)?;
+        }
+        self.ribbon
+            .lay_aside(chord(level_at, to.at), (1.0, 1.0), &line)
     }
 
     /// When each leg begins and ends, seconds.

@@ -92,9 +92,16 @@ fn radius_m(param: f64, mission: &VehicleMission) -> Result<f64, String> {
     if own.is_finite() && own.abs() > 0.0 {
         return Ok(own);
     }
-    let found = mission.params.iter().find(|param| param.name == name);
-    found
-        .map(|param| f64::from(param.value))
-        .filter(|radius| radius.is_finite() && radius.abs() > 0.0)
-        .ok_or_else(|| format!("a circle without a radius, and no {name}"))
+    held_m(mission, name).ok_or_else(|| format!("a circle without a radius, and no {name}"))
+}
+
+/// The radius of circles of PX4 where no item states one, if its parameters tell.
+pub(super) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
+    held_m(mission, "NAV_LOITER_RAD").map(f64::abs)
+}
+
+/// A radius that the parameters tell.
+fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
+    let found = mission.params.iter().find(|param| param.name == name)?;
+    Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)
 }
