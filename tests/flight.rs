@@ -91,7 +91,7 @@ fn a_flight_is_judged_alike_from_its_record_and_from_a_capture_of_its_links() {
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
     let record = plan.record(&sky);
-    let mut lines = Vec::new();
+    let mut lines: Vec<Line> = sky.events.iter().map(Line::of_event).collect();
     for flight in &record.flights {
         lines.push(Line::of_plan(&flight.vehicle, 0.0, &flight.plans[0]));
         let fixes = flight.flown.fixes.iter();

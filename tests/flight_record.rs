@@ -29,15 +29,21 @@ fn three() -> Vec<Spec> {
 }
 
 /// The plan, and how it was flown.
-fn flown() -> &'static (Planned, Record) {
-    static FLOWN: OnceLock<(Planned, Record)> = OnceLock::new();
+fn flown() -> (&'static Planned, &'static Record) {
+    let (plan, record, _) = told();
+    (plan, record)
+}
+
+/// The same, and what was told of it.
+fn told() -> &'static (Planned, Record, Vec<Event>) {
+    static FLOWN: OnceLock<(Planned, Record, Vec<Event>)> = OnceLock::new();
     FLOWN.get_or_init(|| {
         let plan = plan(three(), OnLinkLoss::Continue);
         let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
         assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
-        let record = plan.record(&sky);
+        let (record, events) = (plan.record(&sky), std::mem::take(&mut sky.events));
         drop(sky);
-        (plan, record)
+        (plan, record, events)
     })
 }
 
@@ -60,7 +66,7 @@ fn says(failed: &[(String, String)], vehicle: &str, what: &str) -> bool {
 
 /// The record as `fly` writes it.
 fn lines() -> Vec<String> {
-    let (_, record) = flown();
+    let (_, record, events) = told();
     let mut lines = vec![Line::Head {
         sortie: "0".to_owned(),
         spec_sha256: "0".to_owned(),
@@ -75,6 +81,7 @@ fn lines() -> Vec<String> {
         let fixes = flight.flown.fixes.iter();
         lines.extend(fixes.map(|fix| Line::of_fix(&flight.vehicle, fix)));
     }
+    lines.extend(events.iter().map(Line::of_event));
     for flight in &record.flights {
         lines.push(Line::End {
             vehicle: flight.vehicle.clone(),
@@ -209,6 +216,28 @@ fn time_without_a_position_counts_from_the_departure_on() {
         fixes.iter_mut().for_each(|fix| fix.t_s -= 40.0);
     });
     assert!(says(&bad, "alpha", "first position from home"), "{bad:?}");
+}
+
+#[test]
+fn time_without_a_position_counts_to_the_end_that_was_told() {
+    let bad = failed(|record| {
+        let fixes = &mut record.flights[0].flown.fixes;
+        // On the ground by then, or nearly.
+        let seen = fixes.len() - 40;
+        fixes.truncate(seen);
+    });
+    let what = "longest time without a position".to_owned();
+    assert_eq!(bad, [("alpha".to_owned(), what)]);
+    let silent: Vec<String> = lines()
+        .into_iter()
+        .filter(|line| !line.contains("motors stopped"))
+        .collect();
+    let (plan, _) = flown();
+    let report = judge(&plan.spec, &plan.world, &read(&silent).expect("a record"));
+    let bad = report.margins.iter().filter(|margin| !margin.ok);
+    let bad: Vec<(&str, &str)> = bad.map(|m| (m.vehicle.as_str(), m.what.as_str())).collect();
+    let what = "end of the flight";
+    assert_eq!(bad, [("alpha", what), ("bravo", what)]);
 }
 
 #[test]
@@ -440,6 +469,7 @@ fn a_flight_that_fly_would_have_given_up_does_not_pass() {
                 last.t_s += 0.5;
                 fixes.push(last);
             }
+            flight.flown.until_s = Some(last.t_s);
         }
     });
     let what = "end of the flight".to_owned();

@@ -102,6 +102,19 @@ fn every_shipped_wing_flies_its_mission_in_wind_too() {
         let report = plan.judge(&sky);
         assert!(report.passes(), "{name}: {report:#?}");
         assert_eq!(report.vehicles[0].end, end);
+        // What a ground station captured of it says the same.
+        let (_, mission) = &plan.dispatched.missions[0];
+        let capture = Capture {
+            vehicle: plan.spec.vehicles[0].id.clone(),
+            sysid: plan.spec.vehicles[0].sysid,
+            autopilot: mission.autopilot,
+            airframe: mission.airframe,
+            plan: plan.record(&sky).flights[0].plans[0].clone(),
+        };
+        let captured = read_tlog(&sky.capture, &[capture]).expect("a capture");
+        let again = judge(&plan.spec, &plan.world, &captured);
+        assert!(again.passes(), "{name}: {again:#?}");
+        assert_eq!(again.vehicles[0].end, end);
     }
 }
 

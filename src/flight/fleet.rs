@@ -277,6 +277,9 @@ impl<'a> Fleet<'a> {
                 self.outbox.push_back((craft.of.sysid, message));
             }
             while let Some(text) = craft.poll_said() {
+                if matches!(craft.stage, Stage::Ended) && text == craft.flown.end.sentence() {
+                    craft.flown.until_s = t_s;
+                }
                 let vehicle = Some(craft.of.vehicle.to_owned());
                 self.events.push_back(Event { t_s, vehicle, text });
             }

@@ -159,10 +159,14 @@ impl Trail<'_> {
     fn gaps(&self) -> Vec<Margin> {
         let first = self.fixes().first();
         let before = first.map(|first| (first.t_s - self.since_s(), first));
+        let until_s = self.flight.flown.until_s;
+        let after = self.fixes().last().zip(until_s);
+        let after = after.map(|(last, until_s)| (until_s - last.t_s, last));
         let pairs = self.fixes().windows(2);
         let longest = pairs
             .map(|pair| (pair[1].t_s - pair[0].t_s, &pair[0]))
             .chain(before)
+            .chain(after)
             .max_by(|a, b| a.0.total_cmp(&b.0));
         let bound = Bound {
             what: "longest time without a position".to_owned(),

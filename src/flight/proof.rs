@@ -51,7 +51,7 @@ impl Tube {
                 up_m: BESIDE_M,
             };
         }
-        let turns_m = TURNS * VehicleLimits::of(vehicle).turn_radius_m;
+        let turns_m = TURNS * VehicleLimits::of(&at_its_fastest(vehicle)).turn_radius_m;
         let slopes_mps = vehicle.climb_mps.max(vehicle.descent_mps);
         Self {
             across_m: BESIDE_M.max(turns_m),
@@ -315,8 +315,12 @@ impl Trail<'_> {
             unit: "s",
         };
         let last = self.fixes().last()?;
+        let Some(until_s) = self.flight.flown.until_s else {
+            let why = "the record does not say when it ended";
+            return Some(Margin::unjudged(self.id(), bound.what, why));
+        };
         let waited_s = (self.since_s() - self.departs_s()).max(0.0);
-        self.worst(bound, std::iter::once((last.t_s - waited_s, last)))
+        self.worst(bound, std::iter::once((until_s - waited_s, last)))
     }
 
     /// The last positions show the end that the record tells of.
@@ -371,5 +375,13 @@ impl Trail<'_> {
 /// The greatest speed in any direction, m/s.
 fn fastest_mps(vehicle: &Vehicle) -> f64 {
     let upright_mps = vehicle.climb_mps.max(vehicle.descent_mps);
-    vehicle.fastest_mps().hypot(upright_mps)
+    at_its_fastest(vehicle).fastest_mps().hypot(upright_mps)
+}
+
+/// A vehicle whose speed the spec leaves open, at the greatest that it may have.
+fn at_its_fastest(vehicle: &Vehicle) -> Vehicle {
+    Vehicle {
+        speed_mps: vehicle.speeds().most,
+        ..vehicle.clone()
+    }
 }

@@ -26,6 +26,8 @@ pub struct Fix {
 pub struct Flown {
     /// Since when its positions are looked for, seconds after T0; none: since its planned departure.
     pub since_s: Option<f64>,
+    /// When it ended, seconds after T0; none for a flight that nobody saw the end of.
+    pub until_s: Option<f64>,
     /// In order of time, from T0 to the end.
     pub fixes: Vec<Fix>,
     /// When each item was said to be reached, seconds after T0.

@@ -129,9 +129,12 @@ fn milliseconds(at_us: u64, t0_us: u64) -> f64 {
 
 impl Reading {
     fn heartbeat(&mut self, beat: Heartbeat, at_ms: f64) {
-        self.armed = beat.is_armed();
+        let was_armed = std::mem::replace(&mut self.armed, beat.is_armed());
         if self.armed {
             self.flown.since_s.get_or_insert(at_ms / 1000.0);
+        }
+        if self.armed || was_armed {
+            self.flown.until_s = Some(at_ms / 1000.0);
         }
     }
 
