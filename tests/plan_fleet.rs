@@ -2,6 +2,8 @@
 
 mod support;
 
+use std::path::Path;
+
 use proptest::prelude::*;
 use sortie::cost::Margins;
 use sortie::geodesy::{Amsl, EastNorth, LatLon};
@@ -9,6 +11,7 @@ use sortie::numeric::approach::{Motion, closest_approach};
 use sortie::path::Flight;
 use sortie::plan::{FleetPlan, Request, breaks, plan_fleet, replan_from};
 use sortie::spec::*;
+use sortie::study::scenario;
 use sortie::world::World;
 use support::{copter, empty_spec, place, world};
 
@@ -221,6 +224,23 @@ fn vehicles_that_cross_keep_apart_all_the_way() {
         );
     }
     assert_eq!(plan.column_conflicts(&spec, &world), []);
+}
+
+#[test]
+fn who_meets_others_in_a_gate_waits_on_its_way_and_does_not_fly_around_the_wall() {
+    // Three vehicles with one gate in a belt; the way around it costs the last a tenth more.
+    let path = Path::new("scenario.yaml");
+    let file = match Document::parse(path, scenario(25, 5)) {
+        Ok(Document::Mission(file)) => file,
+        other => panic!("{other:?}"),
+    };
+    let world = sortie::world::load(&file).expect("the ground is analytic");
+    let mut spec = file.spec;
+    spec.planner.evaluations = 10_000;
+    let plan = plan_fleet(&spec, &world, &request(1));
+    assert!(plan.vehicles.iter().all(|of| of.terms.is_clean()));
+    let costs: Vec<f64> = plan.vehicles.iter().map(|of| of.terms.total()).collect();
+    assert!(costs[2] < 14.0, "{costs:?}");
 }
 
 #[test]

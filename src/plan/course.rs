@@ -17,6 +17,7 @@ use crate::world::World;
 const NEAR: f64 = 0.75;
 
 /// From where to where one vehicle is to fly, among which earlier flights.
+#[derive(Clone, Copy)]
 pub(super) struct Course<'a> {
     pub world: &'a World,
     pub spec: &'a MissionSpec,

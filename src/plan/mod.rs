@@ -19,6 +19,7 @@ mod problem;
 mod search;
 mod settle;
 mod starts;
+mod swerve;
 mod vehicle;
 
 pub use breaks::{Break, breaks};

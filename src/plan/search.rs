@@ -72,8 +72,8 @@ pub(super) fn search(
 }
 
 /// The default: horizontal search from route classes, altitude decoded.
-fn swarms(
-    course: &Course<'_>,
+fn swarms<'a>(
+    course: &Course<'a>,
     budget: usize,
     seed: Seed,
     stream: u64,
@@ -85,16 +85,34 @@ fn swarms(
         spec::Objective::Operational if planner.has(Part::Penalties) => PENALTIES,
         _ => 1.0,
     };
-    let problem = Horizontal {
+    let horizontal = |course: &Course<'a>| Horizontal {
         sampled: Sampled::new(course, searched(course.margins), &parameters).with_penalties(dearer),
         frame: course.frame(),
     };
-    let fitter = Fitter::new(problem.sampled.rows(), parameters, course.controls());
+    let problem = horizontal(course);
+    let alone = gives_way(course).then(|| {
+        horizontal(&Course {
+            earlier: &[],
+            ..*course
+        })
+    });
+    let rows = problem.sampled.rows();
+    let fitter = Fitter::new(rows, parameters.clone(), course.controls());
     let mut rng = seed.stream("plan", stream);
     let wanted = planner.swarms.unwrap_or(default_swarms(budget));
-    let mut evaluator = Evaluator::new(&problem, budget, watch);
-    let mut starts = starts(course, &problem, &fitter, &mut evaluator, wanted, &mut rng);
-    let fitted = evaluator.spent();
+    let mut among = Evaluator::new(&problem, budget, watch);
+    let (mut starts, fitted) = match &alone {
+        None => {
+            let starts = starts(course, &fitter, &mut among, None, wanted, &mut rng);
+            (starts, among.spent())
+        }
+        Some(alone) => {
+            let mut alone = Evaluator::new(alone, budget, &|_| ());
+            let others = Some(&mut among);
+            let starts = starts(course, &fitter, &mut alone, others, wanted, &mut rng);
+            (starts, alone.spent() + among.spent())
+        }
+    };
     let offset = move |point: TracePoint| {
         watch(TracePoint {
             evaluations: fitted + point.evaluations,
@@ -132,13 +150,21 @@ fn swarms(
         &offset,
     );
     let mut finalists = outcome.finalists;
-    finalists.extend(evaluator.best().cloned());
+    finalists.extend(among.best().cloned());
     let fine = fine(course);
     let splines = most_promising(finalists)
         .iter()
         .map(|candidate| fine.spline(problem.free(&candidate.position)))
         .collect();
     (splines, fitted + outcome.evaluations)
+}
+
+/// Whether starts give way to earlier flights. Not in the paper's experiment, whose rows
+/// stay as they are.
+fn gives_way(course: &Course<'_>) -> bool {
+    let planner = &course.spec.planner;
+    let is_paper = planner.objective == spec::Objective::Paper;
+    !course.earlier.is_empty() && !is_paper && planner.has(Part::Swerves)
 }
 
 /// The path of a candidate fitted anew, with its control points bunched in other ways.
@@ -152,7 +178,15 @@ fn redrawn(
     let line = Line::new(problem.sampled.line(problem.free(place)));
     let summits = summits(course, &line);
     (0..REDRAWINGS)
-        .map(|_| start(problem, fitter, &line, &Warp::random(&summits, rng), 0))
+        .map(|_| {
+            start(
+                &problem.frame,
+                fitter,
+                &line,
+                &Warp::random(&summits, rng),
+                0,
+            )
+        })
         .collect()
 }
 

@@ -11,7 +11,8 @@ use super::course::Course;
 use super::field::{Field, Grid, Reading, Relief};
 use super::fit::{Fitter, Line, Warp};
 use super::obstacles::Obstacles;
-use super::problem::Horizontal;
+use super::problem::{Frame, Horizontal};
+use super::swerve::{conflict_m, swerve};
 use crate::geodesy::EastNorth;
 use crate::optimize::{Evaluator, Start};
 use crate::spec::Part;
@@ -34,27 +35,38 @@ const REPEAT: f64 = 0.04;
 const STEP_UNIT: f64 = 0.3;
 /// Share of the budget for fits.
 const FIT_SHARE: usize = 20;
+/// Classes that meet earlier flights and get swerves, the most promising ones.
+const SWERVING: usize = 4;
+/// Swerves of one class.
+const SWERVES: usize = 72;
+/// Costs that differ by a smaller share are the same.
+const HAIR: f64 = 1e-9;
 /// Nodes along a profile in which summits are looked for.
 const PROFILE: usize = 65;
 
 /// A fitted spline and how promising it is.
 struct Fit {
     class: u64,
+    cost: f64,
     score: f64,
     start: Start,
 }
 
 /// Starts, the most promising first. Evaluates fits on the way, all counted.
+///
+/// Classes are ranked as if the vehicle were alone: who meets others on a short way mostly
+/// loses little by letting them pass. `alone` judges so, `among` with the earlier flights;
+/// without `among` there is one judgement only.
 pub(super) fn starts(
     course: &Course<'_>,
-    problem: &Horizontal<'_>,
     fitter: &Fitter,
-    evaluator: &mut Evaluator<'_, Horizontal<'_>>,
+    alone: &mut Evaluator<'_, Horizontal<'_>>,
+    among: Option<&mut Evaluator<'_, Horizontal<'_>>>,
     swarms: usize,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Start> {
     let planner = &course.spec.planner;
-    let lines: Vec<(Guide, Line)> = course_guides(course, evaluator.budget())
+    let lines: Vec<(Guide, Line)> = course_guides(course, alone.budget())
         .into_iter()
         .map(|guide| {
             let line = Line::new(guide.line.clone());
@@ -62,20 +74,74 @@ pub(super) fn starts(
         })
         .collect();
     let even: Vec<_> = lines.iter().map(|pair| (pair, Warp::even())).collect();
-    let mut fits = evaluate(problem, fitter, evaluator, &even);
-    let allowed = (evaluator.budget() / FIT_SHARE).saturating_sub(evaluator.spent());
+    let mut fits = evaluate(course, fitter, alone, &even);
+    let allowed = (alone.budget() / FIT_SHARE).saturating_sub(alone.spent());
     let best = best_of_classes(&fits, 2 * swarms);
     let each = match planner.has(Part::Warps) {
         true => (allowed / best.len().max(1)).min(WARPS),
         false => 0,
     };
     let mut warped = Vec::new();
-    for index in best {
+    for &index in &best {
         let summits = summits(course, &lines[index].1);
         warped.extend((0..each).map(|_| (&lines[index], Warp::random(&summits, rng))));
     }
-    fits.extend(evaluate(problem, fitter, evaluator, &warped));
+    fits.extend(evaluate(course, fitter, alone, &warped));
+    if let Some(among) = among {
+        give_way(course, fitter, among, &lines, &best, &mut fits, rng);
+    }
     rank(fits)
+}
+
+/// Adds swerves to the classes that meet earlier flights. Of what was fitted to such a class
+/// only the even fit stays, as a class beside it: mostly a swerve beats it, but it may yet
+/// pass before the others.
+fn give_way(
+    course: &Course<'_>,
+    fitter: &Fitter,
+    among: &mut Evaluator<'_, Horizontal<'_>>,
+    lines: &[(Guide, Line)],
+    best: &[usize],
+    fits: &mut Vec<Fit>,
+    rng: &mut ChaCha8Rng,
+) {
+    let rows: Vec<f64> = best
+        .iter()
+        .flat_map(|&index| &fits[index].start.mean)
+        .copied()
+        .collect();
+    let costs = among.evaluate(&rows);
+    let met: Vec<usize> = best
+        .iter()
+        .zip(costs)
+        .filter(|&(&index, cost)| cost > fits[index].cost * (1.0 + HAIR))
+        .map(|(&index, _)| index)
+        .collect();
+    let swerving = &met[..met.len().min(SWERVING)];
+    let allowed = among.budget() / FIT_SHARE / swerving.len().max(1);
+    let mut swerves: Vec<(Guide, Line)> = Vec::new();
+    for &index in swerving {
+        let (guide, line) = &lines[index];
+        let at_m = conflict_m(course, line);
+        swerves.extend((0..allowed.min(SWERVES)).map(|number| {
+            let line = swerve(course, line, at_m, number % 2 == 0, rng);
+            (guide.clone(), line)
+        }));
+    }
+    let wanted: Vec<_> = swerves.iter().map(|pair| (pair, Warp::even())).collect();
+    let swerved = evaluate(course, fitter, among, &wanted);
+    let classes: Vec<u64> = met.iter().map(|&index| fits[index].class).collect();
+    let mut index = 0;
+    fits.retain(|fit| {
+        index += 1;
+        met.contains(&(index - 1)) || !classes.contains(&fit.class)
+    });
+    for fit in fits.iter_mut().filter(|fit| classes.contains(&fit.class)) {
+        fit.class = fit.class.wrapping_add(1);
+        fit.start.class = fit.class;
+        fit.score *= 1.0 + REPEAT;
+    }
+    fits.extend(swerved);
 }
 
 /// Guides of all three fields, cheapest first, and the straight line.
@@ -148,14 +214,15 @@ fn straight(start: EastNorth, goal: EastNorth, class: u64) -> Guide {
 
 /// Fits guides under warps and evaluates them in one batch.
 fn evaluate(
-    problem: &Horizontal<'_>,
+    course: &Course<'_>,
     fitter: &Fitter,
     evaluator: &mut Evaluator<'_, Horizontal<'_>>,
     wanted: &[(&(Guide, Line), Warp)],
 ) -> Vec<Fit> {
+    let frame = course.frame();
     let starts: Vec<Start> = wanted
         .par_iter()
-        .map(|((guide, line), warp)| start(problem, fitter, line, warp, guide.class))
+        .map(|((guide, line), warp)| start(&frame, fitter, line, warp, guide.class))
         .collect();
     let rows: Vec<f64> = starts
         .iter()
@@ -169,6 +236,7 @@ fn evaluate(
         .zip(wanted)
         .map(|((start, cost), ((guide, _), _))| Fit {
             class: guide.class,
+            cost,
             score: 0.8 * cost + 0.2 * guide.cost,
             start,
         })
@@ -176,14 +244,7 @@ fn evaluate(
 }
 
 /// The spline nearest to a line under a warp as a start.
-pub(super) fn start(
-    problem: &Horizontal<'_>,
-    fitter: &Fitter,
-    line: &Line,
-    warp: &Warp,
-    class: u64,
-) -> Start {
-    let frame = &problem.frame;
+pub(super) fn start(frame: &Frame, fitter: &Fitter, line: &Line, warp: &Warp, class: u64) -> Start {
     let mean: Vec<f64> = fitter
         .fit(line, warp)
         .into_iter()

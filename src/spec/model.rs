@@ -202,6 +202,9 @@ pub enum Part {
     Fields,
     /// Control points bunched in several ways along a route.
     Warps,
+    /// Starts that give way to earlier flights; without them ways are ranked by what they cost
+    /// straight through these.
+    Swerves,
     /// Swarms that race; without that all go on to the end.
     Racing,
     /// Swarms that exchange parts of their paths.
@@ -216,10 +219,11 @@ pub enum Part {
 
 impl Part {
     /// All of them, with the name that tables give to the planner without it.
-    pub const ALL: [(&'static str, Self); 8] = [
+    pub const ALL: [(&'static str, Self); 9] = [
         ("no route classes", Self::Routes),
         ("one cost field", Self::Fields),
         ("no warps", Self::Warps),
+        ("no swerves", Self::Swerves),
         ("no racing", Self::Racing),
         ("no offspring", Self::Offspring),
         ("no restarts", Self::Restarts),
