@@ -136,6 +136,7 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
             spread(vehicle.altitude_error_m),
             latest.map_or_else(|| "-".to_owned(), |s| format!("{s:.0} s at most")),
             own("terrain clearance")
+                .filter(|margin| margin.value.is_finite())
                 .map_or_else(|| "-".to_owned(), |m| format!("{:.0} m", m.value)),
             if kept && vehicle.ended_as_planned {
                 paint.good("ok")
