@@ -387,6 +387,24 @@ fn a_wing_in_a_moderate_wind_from_anywhere_passes_as_it_is_built() {
     }
 }
 
+#[test]
+fn a_quadplane_is_judged_where_the_wind_drives_it_as_it_climbs() {
+    // 80 m at 5 m/s are 16 s: 0.31 of 5 m/s leave it 24.8 m south, and 18 m more at its first leg.
+    let clearance_m = |autopilot| {
+        let mut spec = empty_spec(vec![vtol(autopilot)]);
+        spec.threats.push(Threat {
+            id: "mast".to_owned(),
+            kind: String::new(),
+            place: place(36.30 - 150.0 / 110_990.0, -84.28),
+            radius_m: 50.0,
+        });
+        let (_, review) = judged(&in_wind(spec, 0.0, 5.0));
+        margin(&review, "threat mast").value
+    };
+    let drifted_m = clearance_m(Autopilot::Px4) - clearance_m(Autopilot::ArduPilot);
+    assert!((drifted_m - 42.8).abs() < 0.5, "{drifted_m}");
+}
+
 /// Seconds from one row of the track to another.
 fn seconds_between(review: &Review, rows: (usize, usize)) -> f64 {
     let at = |row: usize| {

@@ -97,6 +97,7 @@ mod contract;
 mod contract_wing;
 mod decode;
 mod doubt;
+mod drift;
 mod fence;
 mod flight;
 mod home;

@@ -46,6 +46,7 @@ pub(super) fn fly(
         at_once_m: tecs::threshold_m(mission),
         guidance: Guidance::of(vehicle, mission),
         early_top: None,
+        drift: None,
         lag_s: tecs::lag_s(mission),
         early_m: tecs::early_m(vehicle, mission),
     };
@@ -85,6 +86,8 @@ pub(super) struct Pilot<'a> {
     pub(super) guidance: Option<Guidance>,
     /// Where a plane may have the height of its takeoff, until it goes on from there.
     pub(super) early_top: Option<PlanPoint>,
+    /// Where the wind has driven it as it rose, until it goes on from there: metres.
+    pub(super) drift: Option<EastNorth>,
     /// So many seconds of its climb it is beside a slope; 0 for none.
     pub(super) lag_s: f64,
     /// So far before a waypoint it has its altitude, metres.
@@ -200,6 +203,7 @@ impl Pilot<'_> {
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
         self.lift(row, amsl_m, self.vehicle.climb_mps, true);
+        self.drift_up(row, self.here());
         if let Some(at) = at {
             let at = self.reach(row, at)?;
             if at.distance_m(home.at) > self.tolerance_m {
@@ -417,6 +421,7 @@ impl Pilot<'_> {
             .take_stock(&legs, &self.ribbon.chords, self.ribbon.t_s);
         self.lay_beside(&knots, &firsts)?;
         self.lay_swings(&knots, &grounds_mps, &firsts)?;
+        self.drift_onto(&knots, &firsts);
         if last_mps <= 0.0 {
             self.ribbon.late_s += STOP_LATE_S;
         }
