@@ -365,13 +365,44 @@ def table(records, scenarios, best_known, evaluations, seeds):
             if not runs:
                 print(f"| {scenario} | {method} | 0 | | | | | not run |")
                 continue
-            above = [100.0 * (run["cost"] / known - 1.0) for run in runs]
+            median, worst = above(runs, known)
             reached = time_to(records, scenario, method, evaluations, seeds, 1.01 * known)
             print(
-                f"| {scenario} | {method} | {len(runs)} | {known:.3f} | {statistics.median(above):.2f} % "
-                f"| {max(above):.2f} % | {statistics.median(run['cpu_s'] for run in runs):.2f} "
+                f"| {scenario} | {method} | {len(runs)} | {known:.3f} | {median:.2f} % "
+                f"| {worst:.2f} % | {statistics.median(run['cpu_s'] for run in runs):.2f} "
                 f"| {'never' if reached is None else f'{reached:.2f}'} |"
             )
+
+
+def above(runs, known):
+    """Median and worst above the best known cost, percent."""
+    over = [100.0 * (run["cost"] / known - 1.0) for run in runs]
+    return statistics.median(over), max(over)
+
+
+def brief(records, scenarios, best_known, evaluations, seeds):
+    """Markdown: one row a scenario, ours against the best of the others in each respect."""
+    print("| scenario | runs | best known | ours: median | worst | to 1 %, s | others: least median | least worst | first to 1 %, s |")
+    print("|---|---:|---:|---:|---:|---:|---|---|---|")
+    for scenario in scenarios:
+        known = best_known[scenario]
+        found = {m: records.of(scenario, m, evaluations, seeds) for m in [OURS, *METHODS]}
+        figures = {m: above(runs, known) for m, runs in found.items() if runs}
+        goal = 1.01 * known
+        times = {m: time_to(records, scenario, m, evaluations, seeds, goal) for m in figures}
+        others = [m for m in figures if m != OURS]
+        if OURS not in figures or not others:
+            continue
+        median = min(others, key=lambda m: figures[m][0])
+        worst = min(others, key=lambda m: figures[m][1])
+        first = min((m for m in others if times[m] is not None), key=times.get, default=None)
+        seconds = "never" if times[OURS] is None else f"{times[OURS]:.2f}"
+        print(
+            f"| {scenario} | {len(found[OURS])}, {min(len(found[m]) for m in others)} | {known:.3f} "
+            f"| {figures[OURS][0]:.2f} % | {figures[OURS][1]:.2f} % | {seconds} "
+            f"| {figures[median][0]:.2f} % {median} | {figures[worst][1]:.2f} % {worst} "
+            f"| {'never' if first is None else f'{times[first]:.2f} {first}'} |"
+        )
 
 
 def lowest(records, scenarios, kept):
@@ -391,6 +422,8 @@ def main():
     parser.add_argument("--methods", nargs="*", help="only these", choices=[OURS, *METHODS])
     parser.add_argument("--records", default=ROOT / "target/optimizers/runs.jsonl")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--as-is", action="store_true", help="no further runs, the table alone")
+    parser.add_argument("--brief", action="store_true", help="one row a scenario")
     arguments = parser.parse_args()
     seeds = range(1, arguments.seeds + 1)
     methods = arguments.methods or [OURS, *METHODS]
@@ -403,10 +436,12 @@ def main():
         jobs = list(itertools.product(specs, methods, [arguments.evaluations], seeds))
         if OURS in methods:
             jobs += itertools.product(specs, [OURS], SMALLER, seeds)
-        records.make(jobs, arguments.jobs)
+        if not arguments.as_is:
+            records.make(jobs, arguments.jobs)
     scenarios = [spec.stem for spec in specs]
     print(f"{arguments.evaluations} evaluations, {arguments.seeds} seeds, judged at 2001 samples.\n")
-    table(records, scenarios, lowest(records, scenarios, {}), arguments.evaluations, seeds)
+    show = brief if arguments.brief else table
+    show(records, scenarios, lowest(records, scenarios, {}), arguments.evaluations, seeds)
 
 
 if __name__ == "__main__":
