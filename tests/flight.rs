@@ -292,6 +292,17 @@ fn a_lost_link_is_shown_and_all_hold_if_the_spec_says_so() {
 }
 
 #[test]
+fn whoever_leaves_before_the_start_leaves_nobody_flying() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    (0..20).for_each(|_| sky.step());
+    sky.fleet.intervene(sky.now, Intervention::Leave);
+    assert!(matches!(sky.fly_out(), Outcome::NotStarted(_)));
+    assert!(!sky.says("alpha", "left flying"), "{:?}", sky.events);
+    assert_eq!(sky.end(0), End::NotFlown);
+}
+
+#[test]
 fn whoever_is_left_flying_with_a_dead_link_is_not_said_to_be_back() {
     let plan = plan(three(), OnLinkLoss::Continue);
     let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());

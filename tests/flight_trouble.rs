@@ -69,6 +69,8 @@ fn fly_in_shell(folder: &Path, before: &str, after: &str) -> (Option<i32>, Strin
 #[test]
 fn a_record_that_cannot_be_written_on_is_told_once_and_the_fleet_is_watched_to_its_end() {
     let (folder, runs) = planned();
+    let (code, told, errors) = fly_in_shell(folder.path(), "", "");
+    assert_eq!(code, Some(0), "{told}{errors}");
     // No file may have more than 48 KiB: as a disk that is full in the middle of the flight.
     let limit = "trap '' XFSZ; ulimit -f 96;";
     let (code, told, errors) = fly_in_shell(folder.path(), limit, "");
@@ -80,8 +82,28 @@ fn a_record_that_cannot_be_written_on_is_told_once_and_the_fleet_is_watched_to_i
     for line in ["alpha: landed, motors stopped", "bravo: loiters"] {
         assert!(told.contains(line), "{line} in {told}");
     }
-    assert!(!runs.join("flight.json").exists());
-    assert!(!runs.join("links.json").exists());
+    // The verdict of the flight before is not that of the newest one.
+    for name in ["flight.json", "flight.html", "flight.jsonl", "links.json"] {
+        assert!(!runs.join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn a_flight_that_does_not_begin_leaves_alone_what_is_said_of_one_that_was_cut_off() {
+    let (folder, runs) = planned();
+    fs::create_dir_all(&runs).expect("a folder");
+    for name in ["links.json", "underway.jsonl", "flight.json"] {
+        fs::write(runs.join(name), "{}\n").expect("written");
+    }
+    let dead = "--link=alpha=udpout:127.0.0.1:9";
+    let output = sortie(folder.path(), &["fly", "lanes.yaml", dead]);
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(5), "{errors}");
+    assert!(errors.contains("none was started"), "{errors}");
+    for name in ["links.json", "underway.jsonl", "flight.json"] {
+        let kept = fs::read_to_string(runs.join(name)).expect("still there");
+        assert_eq!(kept, "{}\n", "{name}");
+    }
 }
 
 #[test]

@@ -17,7 +17,7 @@ use super::review;
 use super::runs;
 use super::table;
 use super::upload;
-use crate::flight::{Assignment, Event, Fleet, Options, Reference};
+use crate::flight::{Assignment, Event, Fleet, Options, Outcome, Reference};
 use crate::link::Links;
 use crate::mission::{VehicleMission, command, cruise_speed_mps};
 use crate::spec::{Leeway, Link, MissionSpec, SpecFile};
@@ -70,10 +70,11 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let mut flying = Flying::begin(&sorties, &open, &call, arguments, !simulated.is_empty())?;
     let mut fleet = fleet(open.us(), flying.now());
     flying.note_plans(&sorties, &references)?;
-    call.announce(None)?;
     flying.fly(&mut fleet);
-    // Nobody can be reached there any more.
-    call.withdraw();
+    if fleet.outcome() == Some(&Outcome::Flown) {
+        // Nobody can be reached there any more.
+        call.withdraw();
+    }
     flying.end(&fleet, &sorties, arguments)
 }
 

@@ -53,6 +53,12 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let mut sorties = fly::read(&arguments.spec, arguments.dir.as_deref())?;
     let _held = runs::hold(&runs::folder(&sorties.folder), "replan")?;
     let call = Call::heard(&sorties);
+    let is_watched = runs::is_flown(&sorties.folder);
+    if !is_watched {
+        note(
+            "no `sortie fly` watches this fleet: its flight is not recorded, nor held against the threat",
+        );
+    }
     let popups = call.as_ref().map(|(call, _)| call.popups());
     let mut popups = popups.unwrap_or_default();
     let threat = popup::threat(&sorties.file.spec, &popups, &arguments.threat)?;

@@ -224,7 +224,7 @@ impl<'a> Fleet<'a> {
             Intervention::Land => Told::Land,
             Intervention::Leave => {
                 if !matches!(self.phase, Phase::Flying { .. }) {
-                    self.abandon(Vec::new());
+                    return self.abandon(Vec::new());
                 }
                 for craft in &mut self.crafts {
                     if !matches!(craft.stage, Stage::Ended) {

@@ -7,7 +7,7 @@ use super::fleet::Event;
 use super::record::{Fix, Plan, PopUp};
 use super::reference::{Reference, Waypoint};
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
-use crate::spec::Threat;
+use crate::spec::{THREAT_RADIUS_M, Threat};
 
 /// One line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -195,8 +195,16 @@ impl ThreatLine {
     /// The threat that came up so many seconds after T0.
     ///
     /// # Errors
-    /// Its place is none on earth, in words.
+    /// Its place is none on earth, its radius or time cannot be, in words.
     pub fn popup(self, t_s: f64) -> Result<PopUp, String> {
+        if !THREAT_RADIUS_M.contains(&self.radius_m) || t_s < 0.0 {
+            let (id, radius_m) = (&self.id, self.radius_m);
+            return Err(format!(
+                "the threat {id} of {radius_m} m at {t_s} s (allowed: {} to {} m, from 0 s on)",
+                THREAT_RADIUS_M.start(),
+                THREAT_RADIUS_M.end()
+            ));
+        }
         Ok(PopUp {
             from_s: t_s,
             threat: Threat {

@@ -58,16 +58,14 @@ impl Call {
         Some((call, said))
     }
 
-    /// Lays it open.
-    pub(super) fn announce(&self, t0_unix_ms: Option<u64>) -> Result<(), Failure> {
+    /// Lays it open, from T0 on: what is left of a flight that was cut off, whose vehicles may
+    /// still be in the air, stays until another one has begun.
+    pub(super) fn announce(&self, t0_unix_ms: u64) -> Result<(), Failure> {
         let said = Said {
-            t0_unix_ms,
+            t0_unix_ms: Some(t0_unix_ms),
             ..self.said.clone()
         };
-        if t0_unix_ms.is_none() {
-            // Left over from a flight that was cut off.
-            let _ = std::fs::remove_file(self.underway());
-        }
+        let _ = std::fs::remove_file(self.underway());
         let text = report::json_text(&said);
         output::write_file(&self.runs.join("links.json"), text.as_bytes())?;
         Ok(())

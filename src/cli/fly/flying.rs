@@ -14,7 +14,7 @@ use super::{Sorties, args};
 use crate::cli::console::{note, out};
 use crate::cli::failure::Failure;
 use crate::cli::{delivery, output, runs};
-use crate::flight::{self, Fleet, FlightReport, Intervention, Line, Outcome, Plan, Reference};
+use crate::flight::{self, End, Fleet, FlightReport, Intervention, Line, Outcome, Plan, Reference};
 use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
 use crate::report;
@@ -154,8 +154,9 @@ impl<'a> Flying<'a> {
             if event.text.ends_with(": T0") {
                 let t0_unix_ms = delivery::milliseconds_since_1970();
                 let t0_unix_s = t0_unix_ms / 1000;
-                let announced = self.call.announce(Some(t0_unix_ms));
+                let announced = self.call.announce(t0_unix_ms);
                 self.note_unwritten(fleet, announced);
+                self.forget_the_last();
                 lines.push(text(&Line::Start { t0_unix_s }));
             }
             lines.push(text(&Line::of_event(&event)));
@@ -171,6 +172,14 @@ impl<'a> Flying<'a> {
         }
         let written = self.journal.put(&lines);
         self.note_unwritten(fleet, written);
+    }
+
+    /// The newest flight is this one from now on, however it ends: no verdict of another stays.
+    fn forget_the_last(&self) {
+        for ending in ["json", "html", "jsonl"] {
+            // Not there is as good.
+            let _ = std::fs::remove_file(self.runs.join("flight").with_extension(ending));
+        }
     }
 
     /// Says once what cannot be written. On the ground that ends the flight, in the air it does not.
@@ -243,6 +252,7 @@ impl<'a> Flying<'a> {
         let ended = self.journal.put(&ends);
         self.unwritten
             .extend(ended.err().map(|failure| failure.message));
+        self.tell_who_stays(fleet);
         if self.journal.is_broken {
             let why = self.unwritten.join("; ");
             let message = format!("{why}: the record breaks off, and the flight is not judged");
@@ -252,6 +262,19 @@ impl<'a> Flying<'a> {
         match self.unwritten.first() {
             Some(what) => Err(Failure::new(Failure::OUTPUT, what)),
             None => verdict(&judged),
+        }
+    }
+
+    /// Who is in the air when nobody watches any more.
+    fn tell_who_stays(&self, fleet: &Fleet<'_>) {
+        let stays = |end: &End| matches!(end, End::Held | End::LeftFlying | End::Loitering);
+        let flown = fleet.flown().filter(|(_, flown)| stays(&flown.end));
+        let names: Vec<&str> = flown.map(|(vehicle, _)| vehicle).collect();
+        if !names.is_empty() && !self.are_simulated {
+            note(&format!(
+                "still in the air, and not watched any more: {}",
+                names.join(", ")
+            ));
         }
     }
 
@@ -270,7 +293,7 @@ impl<'a> Flying<'a> {
         let missions: Vec<(usize, &VehicleMission)> =
             sorties.missions.iter().map(|(v, m)| (*v, m)).collect();
         let page = flight::flight_page(spec, &sorties.world, &record, &judged, &missions);
-        let written = self.keep([("json", &document), ("html", &page), ("jsonl", &text)]);
+        let written = self.keep([("jsonl", &text), ("html", &page), ("json", &document)]);
         // Whether or not that went well, the operator sees how the flight went.
         if arguments.json {
             out(document.trim_end())?;
