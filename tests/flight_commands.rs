@@ -8,14 +8,14 @@ mod command;
 mod in_flight;
 
 use std::net::{SocketAddr, UdpSocket};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use command::{sortie, text};
-use in_flight::{take_off, wait_for};
+use in_flight::{planned, take_off, wait_for};
 use serde_json::Value;
 
 /// Two copters on parallel lanes 600 m apart, 2.4 km each.
@@ -33,14 +33,6 @@ separation: {distance_m: 100, time_slack_s: 5}
 planner: {algorithm: msfoa, seed: 1, evaluations: 2000}
 ";
 
-fn planned() -> tempfile::TempDir {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("lanes.yaml"), SPEC).expect("written");
-    let output = sortie(folder.path(), &["plan", "lanes.yaml"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    folder
-}
-
 fn json(path: &Path) -> Value {
     let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     serde_json::from_slice(&bytes).expect("JSON")
@@ -48,7 +40,7 @@ fn json(path: &Path) -> Value {
 
 #[test]
 fn a_fleet_flies_in_a_hurry_and_its_record_says_that_the_limits_held() {
-    let folder = planned();
+    let (folder, _) = planned("lanes", SPEC);
     let output = sortie(folder.path(), &["fly", "lanes.yaml", "--speedup", "20"]);
     let told = text(&output.stdout);
     assert!(output.status.success(), "{told}{}", text(&output.stderr));
@@ -149,7 +141,7 @@ fn without_a_plan_or_with_another_spec_nothing_is_started() {
     let output = sortie(folder.path(), &["fly", "lanes.yaml"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(text(&output.stderr).contains("sortie plan lanes.yaml"));
-    let folder = planned();
+    let (folder, _) = planned("lanes", SPEC);
     let other = SPEC.replace("min_agl_m: 30", "min_agl_m: 31");
     std::fs::write(folder.path().join("lanes.yaml"), other).expect("written");
     let output = sortie(folder.path(), &["fly", "lanes.yaml"]);
@@ -337,15 +329,6 @@ separation: {distance_m: 100, time_slack_s: 5}
 planner: {algorithm: msfoa, seed: 1, evaluations: 2000}
 ";
 
-fn planned_three(spec: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("three.yaml"), spec).expect("written");
-    let output = sortie(folder.path(), &["plan", "three.yaml"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let runs = folder.path().join("out/three.runs");
-    (folder, runs)
-}
-
 fn popup<'a>(flown: &'a Value, vehicle: &str) -> &'a Value {
     let margins = flown["margins"].as_array().expect("margins");
     let of = |margin: &&Value| margin["vehicle"] == vehicle && margin["what"] == "threat popup-1";
@@ -357,7 +340,7 @@ fn popup<'a>(flown: &'a Value, vehicle: &str) -> &'a Value {
 
 #[test]
 fn three_in_flight_meet_a_popup_threat_go_around_it_without_a_stop_and_one_is_not_touched() {
-    let (folder, runs) = planned_three(THREE);
+    let (folder, runs) = planned("three", THREE);
     let mut flight = take_off(folder.path(), "three.yaml", "8");
     wait_for(&runs, "alpha", 30.0);
     let links = json(&runs.join("links.json"));
@@ -426,7 +409,7 @@ fn three_in_flight_meet_a_popup_threat_go_around_it_without_a_stop_and_one_is_no
 
 #[test]
 fn a_vehicle_that_returns_is_led_around_a_threat_on_its_way_out_and_home() {
-    let (folder, runs) = planned_three(&THREE.replace("lon: -84.235", "lon: -84.262"));
+    let (folder, runs) = planned("three", &THREE.replace("lon: -84.235", "lon: -84.262"));
     let mut flight = take_off(folder.path(), "three.yaml", "8");
     wait_for(&runs, "charlie", 22.0);
     let threat = "--threat=36.3161,-84.2575,120";

@@ -9,12 +9,12 @@ mod command;
 mod in_flight;
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
 use command::{sortie, text};
-use in_flight::{take_off, wait_for};
+use in_flight::{planned, take_off, wait_for};
 use serde_json::Value;
 
 /// Two copters on parallel lanes 600 m apart, 1.3 km each.
@@ -31,16 +31,6 @@ vehicles:
 separation: {distance_m: 100, time_slack_s: 5}
 planner: {algorithm: msfoa, seed: 1, evaluations: 1000}
 ";
-
-/// A plan of the two, and where its records go.
-fn planned() -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    fs::write(folder.path().join("lanes.yaml"), SPEC).expect("written");
-    let output = sortie(folder.path(), &["plan", "lanes.yaml"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let runs = folder.path().join("out/lanes.runs");
-    (folder, runs)
-}
 
 fn json(path: &Path) -> Value {
     let bytes = fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
@@ -68,7 +58,7 @@ fn fly_in_shell(folder: &Path, before: &str, after: &str) -> (Option<i32>, Strin
 
 #[test]
 fn a_record_that_cannot_be_written_on_is_told_once_and_the_fleet_is_watched_to_its_end() {
-    let (folder, runs) = planned();
+    let (folder, runs) = planned("lanes", SPEC);
     let (code, told, errors) = fly_in_shell(folder.path(), "", "");
     assert_eq!(code, Some(0), "{told}{errors}");
     // No file may have more than 48 KiB: as a disk that is full in the middle of the flight.
@@ -90,7 +80,7 @@ fn a_record_that_cannot_be_written_on_is_told_once_and_the_fleet_is_watched_to_i
 
 #[test]
 fn a_flight_that_does_not_begin_leaves_alone_what_is_said_of_one_that_was_cut_off() {
-    let (folder, runs) = planned();
+    let (folder, runs) = planned("lanes", SPEC);
     fs::create_dir_all(&runs).expect("a folder");
     for name in ["links.json", "underway.jsonl", "flight.json"] {
         fs::write(runs.join(name), "{}\n").expect("written");
@@ -108,7 +98,7 @@ fn a_flight_that_does_not_begin_leaves_alone_what_is_said_of_one_that_was_cut_of
 
 #[test]
 fn a_screen_that_takes_nothing_ends_no_flight_and_starts_none() {
-    let (folder, runs) = planned();
+    let (folder, runs) = planned("lanes", SPEC);
     // Full from the beginning: nobody is started blindly.
     let (code, _, errors) = fly_in_shell(folder.path(), "", "> /dev/full");
     assert_eq!(code, Some(1), "{errors}");
@@ -126,7 +116,7 @@ fn a_screen_that_takes_nothing_ends_no_flight_and_starts_none() {
 
 #[test]
 fn one_plan_is_flown_once_at_a_time_and_not_replaced_meanwhile() {
-    let (folder, runs) = planned();
+    let (folder, runs) = planned("lanes", SPEC);
     let mut flight = take_off(folder.path(), "lanes.yaml", "8");
     wait_for(&runs, "alpha", 1.0);
     let links = fs::read(runs.join("links.json")).expect("it says where they are");
@@ -148,7 +138,7 @@ fn one_plan_is_flown_once_at_a_time_and_not_replaced_meanwhile() {
 
 #[test]
 fn parameters_that_are_not_those_of_the_plan_start_nobody() {
-    let (folder, _) = planned();
+    let (folder, _) = planned("lanes", SPEC);
     let path = folder.path().join("out/lanes/alpha.params");
     let good = fs::read_to_string(&path).expect("parameters");
     let spoilt = [
@@ -178,7 +168,7 @@ fn parameters_that_are_not_those_of_the_plan_start_nobody() {
 
 #[test]
 fn a_record_that_is_a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
-    let (folder, runs) = planned();
+    let (folder, runs) = planned("lanes", SPEC);
     fs::create_dir_all(&runs).expect("a folder");
     let diary = folder.path().join("diary.txt");
     fs::write(&diary, "mine").expect("written");
@@ -194,7 +184,7 @@ fn a_record_that_is_a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
 
 #[test]
 fn a_threat_that_is_told_too_late_to_go_around_is_still_held_against_the_flight() {
-    let (folder, runs) = planned();
+    let (folder, runs) = planned("lanes", SPEC);
     let mut flight = take_off(folder.path(), "lanes.yaml", "8");
     wait_for(&runs, "alpha", 30.0);
     // Over the last metres of alpha's way.
@@ -221,7 +211,7 @@ fn a_threat_that_is_told_too_late_to_go_around_is_still_held_against_the_flight(
 
 #[test]
 fn a_second_threat_is_gone_around_without_forgetting_the_first() {
-    let (folder, runs) = planned();
+    let (folder, runs) = planned("lanes", SPEC);
     let far = SPEC.replace("-84.251", "-84.22");
     fs::write(folder.path().join("lanes.yaml"), far).expect("written");
     let output = sortie(folder.path(), &["plan", "lanes.yaml"]);
@@ -249,7 +239,7 @@ fn a_second_threat_is_gone_around_without_forgetting_the_first() {
 
 #[test]
 fn a_threat_that_cannot_be_is_refused_with_what_is_allowed() {
-    let (folder, _) = planned();
+    let (folder, _) = planned("lanes", SPEC);
     for (threat, why) in [
         ("36.3,-84.25", "not of the form LAT,LON,RADIUS_M"),
         ("96.3,-84.25,100", "latitude \"96.3\" (allowed: -90 to 90)"),

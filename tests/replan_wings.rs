@@ -7,10 +7,8 @@ mod command;
 #[allow(unreachable_pub)]
 mod in_flight;
 
-use std::path::PathBuf;
-
 use command::{sortie, text};
-use in_flight::{lines, take_off, wait_for};
+use in_flight::{lines, planned, take_off, wait_for};
 use serde_json::Value;
 
 /// Three VTOL on parallel lanes, a kilometre and two apart, 5 km and 3.6 km each.
@@ -33,15 +31,6 @@ separation: {distance_m: 100, time_slack_s: 5}
 planner: {algorithm: msfoa, seed: 1, evaluations: 2000, control_points: 8}
 ";
 
-fn planned(spec: &str) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("lanes.yaml"), spec).expect("written");
-    let output = sortie(folder.path(), &["plan", "lanes.yaml"]);
-    assert!(output.status.success(), "{}", text(&output.stderr));
-    let runs = folder.path().join("out/lanes.runs");
-    (folder, runs)
-}
-
 /// Times and speeds of a vehicle on its wing.
 fn speeds(lines: &[Value], vehicle: &str, from_s: f64) -> Vec<(f64, f64)> {
     let of = |line: &&Value| line["vehicle"] == vehicle && line["lat_deg"].is_f64();
@@ -54,7 +43,7 @@ fn speeds(lines: &[Value], vehicle: &str, from_s: f64) -> Vec<(f64, f64)> {
 
 #[test]
 fn vtol_in_flight_go_around_a_popup_threat_without_a_stop_and_one_is_not_touched() {
-    let (folder, runs) = planned(SPEC);
+    let (folder, runs) = planned("lanes", SPEC);
     let mut flight = take_off(folder.path(), "lanes.yaml", "16");
     wait_for(&runs, "osprey", 60.0);
     let threat = "--threat=36.2945,-84.245,500";

@@ -1,11 +1,27 @@
 //! A flight by the real binary that goes on while the test does something else, and its record.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
+
+/// A folder with a spec of that name and its plan, and where its records go.
+pub fn planned(name: &str, spec: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = format!("{name}.yaml");
+    std::fs::write(folder.path().join(&file), spec).expect("written");
+    let output = Command::new(cargo_bin("sortie"))
+        .current_dir(folder.path())
+        .args(["plan", &file])
+        .output()
+        .expect("sortie runs");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    let runs = folder.path().join(format!("out/{name}.runs"));
+    (folder, runs)
+}
 
 /// A flight in a process of its own.
 pub struct Flight(pub Child);
