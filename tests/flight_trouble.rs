@@ -97,6 +97,19 @@ fn a_flight_that_does_not_begin_leaves_alone_what_is_said_of_one_that_was_cut_of
 }
 
 #[test]
+fn what_was_laid_down_for_a_flight_that_was_cut_off_is_not_held_against_the_next() {
+    let (folder, runs) = planned("lanes", SPEC);
+    fs::create_dir_all(&runs).expect("a folder");
+    let threat = "{\"t_s\":1.0,\"threat\":{\"id\":\"popup-1\",\"lat_deg\":36.3,\"lon_deg\":-84.258,\"radius_m\":200.0}}\n";
+    fs::write(runs.join("underway.jsonl"), threat).expect("written");
+    let output = sortie(folder.path(), &["fly", "lanes.yaml", "--speedup", "20"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let record = fs::read_to_string(runs.join("flight.jsonl")).expect("the record");
+    assert!(!record.contains("popup-1"));
+    assert!(!runs.join("underway.jsonl").exists());
+}
+
+#[test]
 fn a_screen_that_takes_nothing_ends_no_flight_and_starts_none() {
     let (folder, runs) = planned("lanes", SPEC);
     // Full from the beginning: nobody is started blindly.

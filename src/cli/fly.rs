@@ -70,11 +70,10 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let mut flying = Flying::begin(&sorties, &open, &call, arguments, !simulated.is_empty())?;
     let mut fleet = fleet(open.us(), flying.now());
     flying.note_plans(&sorties, &references)?;
+    call.announce(None)?;
     flying.fly(&mut fleet);
-    if fleet.outcome() == Some(&Outcome::Flown) {
-        // Nobody can be reached there any more.
-        call.withdraw();
-    }
+    // Nobody can be reached there any more.
+    call.withdraw(fleet.outcome() == Some(&Outcome::Flown));
     flying.end(&fleet, &sorties, arguments)
 }
 

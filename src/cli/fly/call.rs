@@ -14,10 +14,16 @@ use crate::flight::Line;
 use crate::report;
 use crate::spec::{Link, Threat};
 
-/// The two files, and what the first of them says.
+/// The two files: what the flight says, and what is laid down for it.
+const SAID: &str = "links.json";
+const UNDERWAY: &str = "underway.jsonl";
+
+/// What the first of them says.
 pub(in crate::cli) struct Call {
     runs: PathBuf,
     said: Said,
+    /// Both as a flight left them that was cut off: its vehicles may still be in the air.
+    left: [(&'static str, Option<Vec<u8>>); 2],
 }
 
 /// What `links.json` says.
@@ -36,8 +42,10 @@ impl Call {
         let fleet = &sorties.file.spec.vehicles;
         let missions = sorties.missions.iter().zip(links);
         let links = missions.map(|((index, _), link)| (fleet[*index].id.clone(), link.to_string()));
+        let runs = runs::folder(&sorties.folder);
         Self {
-            runs: runs::folder(&sorties.folder),
+            left: [SAID, UNDERWAY].map(|name| (name, std::fs::read(runs.join(name)).ok())),
+            runs,
             said: Said {
                 links: links.collect(),
                 speedup,
@@ -49,37 +57,46 @@ impl Call {
     /// What the flight under way says, if there is one.
     pub(in crate::cli) fn heard(sorties: &Sorties) -> Option<(Self, Said)> {
         let folder = runs::folder(&sorties.folder);
-        let bytes = std::fs::read(folder.join("links.json")).ok()?;
+        let bytes = std::fs::read(folder.join(SAID)).ok()?;
         let said: Said = serde_json::from_slice(&bytes).ok()?;
         let call = Self {
             runs: folder,
             said: said.clone(),
+            left: [(SAID, None), (UNDERWAY, None)],
         };
         Some((call, said))
     }
 
-    /// Lays it open, from T0 on: what is left of a flight that was cut off, whose vehicles may
-    /// still be in the air, stays until another one has begun.
-    pub(super) fn announce(&self, t0_unix_ms: u64) -> Result<(), Failure> {
+    /// Lays it open, before T0 and again at T0.
+    pub(super) fn announce(&self, t0_unix_ms: Option<u64>) -> Result<(), Failure> {
         let said = Said {
-            t0_unix_ms: Some(t0_unix_ms),
+            t0_unix_ms,
             ..self.said.clone()
         };
-        let _ = std::fs::remove_file(self.underway());
+        if t0_unix_ms.is_none() {
+            // What was laid down for another flight is not held against this one.
+            let _ = std::fs::remove_file(self.underway());
+        }
         let text = report::json_text(&said);
-        output::write_file(&self.runs.join("links.json"), text.as_bytes())?;
+        output::write_file(&self.runs.join(SAID), text.as_bytes())?;
         Ok(())
     }
 
-    /// The flight is over.
-    pub(super) fn withdraw(&self) {
-        // Gone already is as good.
-        let _ = std::fs::remove_file(self.runs.join("links.json"));
-        let _ = std::fs::remove_file(self.underway());
+    /// The flight is over; of one that never began nothing stays, and what was there before does.
+    pub(super) fn withdraw(&self, has_begun: bool) {
+        for (name, left) in &self.left {
+            let path = self.runs.join(name);
+            match left.as_ref().filter(|_| !has_begun) {
+                // What cannot be given back is lost; the vehicles are where they are.
+                Some(bytes) => drop(output::write_file(&path, bytes)),
+                // Gone already is as good.
+                None => drop(std::fs::remove_file(&path)),
+            }
+        }
     }
 
     fn underway(&self) -> PathBuf {
-        self.runs.join("underway.jsonl")
+        self.runs.join(UNDERWAY)
     }
 
     /// Lays lines down for the record.

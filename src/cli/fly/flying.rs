@@ -154,7 +154,7 @@ impl<'a> Flying<'a> {
             if event.text.ends_with(": T0") {
                 let t0_unix_ms = delivery::milliseconds_since_1970();
                 let t0_unix_s = t0_unix_ms / 1000;
-                let announced = self.call.announce(t0_unix_ms);
+                let announced = self.call.announce(Some(t0_unix_ms));
                 self.note_unwritten(fleet, announced);
                 self.forget_the_last();
                 lines.push(text(&Line::Start { t0_unix_s }));
