@@ -96,10 +96,7 @@ fn a_flight_is_judged_alike_from_its_record_and_from_a_capture_of_its_links() {
         lines.push(Line::of_plan(&flight.vehicle, 0.0, &flight.plans[0]));
         let fixes = flight.flown.fixes.iter();
         lines.extend(fixes.map(|fix| Line::of_fix(&flight.vehicle, fix)));
-        lines.push(Line::End {
-            vehicle: flight.vehicle.clone(),
-            end: flight.flown.end.words().to_owned(),
-        });
+        lines.push(Line::of_end(&flight.vehicle, &flight.flown));
     }
     let lines = lines
         .iter()

@@ -50,7 +50,7 @@ impl End {
         found.unwrap_or_else(|| Self::Failed(words.to_owned()))
     }
 
-    /// As an operator reads it when it happens, and as the record has it with the time.
+    /// As an operator reads it when it happens.
     pub(super) fn sentence(&self) -> String {
         match self {
             Self::Landed => "landed, motors stopped",

@@ -276,10 +276,10 @@ impl<'a> Fleet<'a> {
             while let Some(message) = craft.poll_transmit() {
                 self.outbox.push_back((craft.of.sysid, message));
             }
+            if matches!(craft.stage, Stage::Ended) {
+                craft.flown.until_s = craft.flown.until_s.or(t_s);
+            }
             while let Some(text) = craft.poll_said() {
-                if matches!(craft.stage, Stage::Ended) && text == craft.flown.end.sentence() {
-                    craft.flown.until_s = t_s;
-                }
                 let vehicle = Some(craft.of.vehicle.to_owned());
                 self.events.push_back(Event { t_s, vehicle, text });
             }

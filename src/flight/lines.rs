@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::document::rounded;
 use super::fleet::Event;
-use super::record::{Fix, Plan, PopUp};
+use super::record::{Fix, Flown, Plan, PopUp};
 use super::reference::{Reference, Waypoint};
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::spec::{THREAT_RADIUS_M, Threat};
@@ -62,6 +62,9 @@ pub enum Line {
         vehicle: String,
         /// In the words of [`super::End::words`].
         end: String,
+        /// When, seconds after T0; none where nobody saw it.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        t_s: Option<f64>,
     },
     /// Something that an operator read.
     Event {
@@ -137,6 +140,16 @@ impl Line {
             item: fix.item,
             items: fix.items,
         })
+    }
+
+    /// How a flight ended.
+    #[must_use]
+    pub fn of_end(vehicle: &str, flown: &Flown) -> Self {
+        Self::End {
+            vehicle: vehicle.to_owned(),
+            end: flown.end.words().to_owned(),
+            t_s: flown.until_s.map(rounded),
+        }
     }
 
     /// Something that happened.

@@ -33,7 +33,6 @@ pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
         },
         places: BTreeMap::new(),
         once: BTreeSet::new(),
-        read: Vec::new(),
         fleet: None,
     };
     let count = text.lines().count();
@@ -68,8 +67,6 @@ struct Reading {
     places: BTreeMap<String, usize>,
     /// What was told and can be told once: the header, T0, the end of each vehicle.
     once: BTreeSet<String>,
-    /// What an operator read of each vehicle, and when.
-    read: Vec<(String, String, f64)>,
     /// Who flies, by the header.
     fleet: Option<BTreeSet<String>>,
 }
@@ -164,21 +161,12 @@ impl Reading {
                 self.told(t_s, &vehicle)?;
                 self.of(&vehicle).flown.reached.push((reached, t_s));
             }
-            Line::End { vehicle, end } => {
-                self.told(0.0, &vehicle)?;
+            Line::End { vehicle, end, t_s } => {
+                self.told(t_s.unwrap_or(0.0), &vehicle)?;
                 self.once(end_of(&vehicle))?;
-                let end = End::of_words(&end);
-                let sentence = end.sentence();
-                let is_it = |of: &&(String, String, f64)| of.0 == vehicle && of.1 == sentence;
-                let until_s = self.read.iter().rfind(is_it).map(|read| read.2);
                 let flown = &mut self.of(&vehicle).flown;
-                (flown.end, flown.until_s) = (end, until_s);
+                (flown.end, flown.until_s) = (End::of_words(&end), t_s);
             }
-            Line::Event {
-                t_s: Some(t_s),
-                vehicle: Some(vehicle),
-                event,
-            } => self.read.push((vehicle, event, t_s)),
             Line::Event { .. } => {}
         }
         Ok(())

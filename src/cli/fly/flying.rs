@@ -242,12 +242,8 @@ impl<'a> Flying<'a> {
         if let Some(Outcome::NotStarted(why)) = fleet.outcome() {
             return Err(not_started(why, !self.unwritten.is_empty()));
         }
-        let ends = fleet.flown().map(|(vehicle, flown)| {
-            text(&Line::End {
-                vehicle: vehicle.to_owned(),
-                end: flown.end.words().to_owned(),
-            })
-        });
+        let ends = fleet.flown();
+        let ends = ends.map(|(vehicle, flown)| text(&Line::of_end(vehicle, flown)));
         let ends: Vec<String> = ends.collect();
         let ended = self.journal.put(&ends);
         self.unwritten
