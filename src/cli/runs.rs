@@ -37,7 +37,7 @@ pub(super) struct Held {
 /// # Errors
 /// Another one has it, or its file cannot be written.
 pub(super) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
-    let path = runs.join(format!(".{command}.lock"));
+    let path = lock_path(runs, command);
     let unwritable = |error: std::io::Error| {
         let message = format!("cannot write {}: {error}", path.display());
         Failure::new(Failure::OUTPUT, message)
@@ -63,9 +63,13 @@ pub(super) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
     }
 }
 
+fn lock_path(runs: &Path, command: &str) -> PathBuf {
+    runs.join(format!(".{command}.lock"))
+}
+
 /// Whether a flight by the plan in `out` goes on.
 pub(super) fn is_flown(out: &Path) -> bool {
-    let path = folder(out).join(".fly.lock");
+    let path = lock_path(&folder(out), "fly");
     let Ok(file) = File::options().write(true).open(path) else {
         return false;
     };

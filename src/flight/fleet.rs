@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::craft::{Assignment, Craft, Stage, Told};
 use super::end::End;
-use super::record::{Fix, Flown};
+use super::record::Flown;
 use crate::link::{Address, Heartbeat, Message, Time};
 use crate::spec::OnLinkLoss;
 
@@ -65,25 +65,6 @@ pub enum Outcome {
     Flown,
 }
 
-/// Where one vehicle is, for a table.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Status {
-    /// Id in the spec.
-    pub vehicle: String,
-    /// What it is doing.
-    pub stage: &'static str,
-    /// Row it flies to, and the last one.
-    pub item: (usize, usize),
-    /// Seconds behind the plan; negative ahead. None when it is on no leg of it.
-    pub behind_s: Option<f64>,
-    /// The nearest other vehicle in the air and its distance, metres.
-    pub closest: Option<(String, f64)>,
-    /// Since when nothing was heard of it, seconds, if it is lost.
-    pub lost_s: Option<f64>,
-    /// Share of the planned flight, 0 to 1.
-    pub progress: f64,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Checking,
@@ -95,9 +76,9 @@ enum Phase {
 /// A fleet on its way. Times are milliseconds of the wall's clock.
 #[derive(Debug)]
 pub struct Fleet<'a> {
-    crafts: Vec<Craft<'a>>,
-    lost: Vec<bool>,
-    options: Options,
+    pub(super) crafts: Vec<Craft<'a>>,
+    pub(super) lost: Vec<bool>,
+    pub(super) options: Options,
     phase: Phase,
     heartbeat_due: Time,
     due: Time,
@@ -390,76 +371,12 @@ impl<'a> Fleet<'a> {
             }
         }
     }
-
-    /// Where every vehicle is.
-    #[must_use]
-    pub fn status(&self, now: Time) -> Vec<Status> {
-        let t_s = self.t_s(now).unwrap_or(0.0);
-        let places: Vec<Option<Fix>> = self
-            .crafts
-            .iter()
-            .map(|craft| {
-                let flies = matches!(craft.stage, Stage::Flying);
-                craft.latest.map(|(_, fix)| fix).filter(|_| flies)
-            })
-            .collect();
-        let distance_m = |a: &Fix, b: &Fix| a.place.chord_m(b.place).hypot(a.amsl.0 - b.amsl.0);
-        let rows = self.crafts.iter().enumerate();
-        rows.map(|(index, craft)| {
-            let others = places
-                .iter()
-                .enumerate()
-                .filter(|(other, _)| *other != index);
-            let closest = places[index].and_then(|here| {
-                others
-                    .filter_map(|(other, fix)| Some((other, distance_m(&here, fix.as_ref()?))))
-                    .min_by(|a, b| a.1.total_cmp(&b.1))
-            });
-            let reference = &craft.of.reference;
-            let behind_s = places[index].and_then(|fix| reference.planned_s(&fix));
-            Status {
-                vehicle: craft.of.vehicle.to_owned(),
-                stage: stage_word(craft),
-                item: (craft.item, craft.of.mission.items.len()),
-                behind_s: behind_s.map(|planned_s| t_s - planned_s),
-                closest: closest.map(|(other, m)| (self.crafts[other].of.vehicle.to_owned(), m)),
-                lost_s: silence_s(craft, now, self.options.speedup).filter(|_| self.lost[index]),
-                progress: (behind_s.unwrap_or(0.0) / reference.end_s.max(1.0)).clamp(0.0, 1.0),
-            }
-        })
-        .collect()
-    }
 }
 
 /// For how long a vehicle has been silent, seconds of flight, if that is too long.
-fn silence_s(craft: &Craft<'_>, now: Time, speedup: f64) -> Option<f64> {
+pub(super) fn silence_s(craft: &Craft<'_>, now: Time, speedup: f64) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
     let silent_ms = (now - craft.heard) as f64;
     let silent_s = silent_ms * speedup / 1000.0;
     (silent_s > LOST_FLIGHT_S && silent_ms > LOST_WALL_MS).then_some(silent_s)
-}
-
-fn stage_word(craft: &Craft<'_>) -> &'static str {
-    match (&craft.stage, craft.told) {
-        (Stage::Sending(_), _) => "receives",
-        (Stage::Reading(_) | Stage::Checking { .. }, _) => "is checked",
-        (Stage::Ready, _) => "ready",
-        (Stage::Refused(_), _) => "not ready",
-        (Stage::Arming, _) => "arms",
-        (Stage::Armed, _) => "armed",
-        (Stage::Starting, _) => "starts",
-        (Stage::Flying, Some(Told::Hold)) if craft.of.mission.airframe.has_wing() => "circles",
-        (Stage::Flying, Some(Told::Hold)) => "stops",
-        (Stage::Flying, Some(Told::Land)) => "lands",
-        (Stage::Flying, None) if craft.in_mission => "flies",
-        (Stage::Flying, None) => "off mission",
-        (Stage::Ended, _) => match craft.flown.end {
-            End::Landed | End::LandedEarly => "landed",
-            End::Loitering => "loiters",
-            End::Held => "holds",
-            End::LeftFlying => "left",
-            End::NotFlown => "not flown",
-            End::Failed(_) => "failed",
-        },
-    }
 }

@@ -12,7 +12,7 @@ use super::record::Fix;
 use super::reference::Waypoint;
 use crate::path::VehicleLimits;
 use crate::spec::{Airframe, AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::verify::{Margin, Moment, Sense};
+use crate::verify::{EARLY_SHARE, MOST_LAG_S, Margin, Moment, SLOPE_MIN_M, Sense};
 use crate::world::World;
 
 /// Farther than this from its way a copter has left what was verified, metres: corners are cut
@@ -23,13 +23,6 @@ pub(super) const BESIDE_M: f64 = 30.0;
 /// at most. Real ArduPlane, 18 m/s: 0.6 at a right angle, 1.4 at 120 degrees, 2.2 at 150; and a
 /// QuadPlane that the wind drove away as it climbed, 59 m or 1.1.
 const TURNS: f64 = 2.0;
-/// What the verdict knows of wings over and under their legs: smaller changes of altitude are
-/// flown at once, slopes are lagged behind by so long. Metres, seconds.
-const AT_ONCE_M: f64 = 15.0;
-const LAG_S: f64 = 3.5;
-/// After this share of its planned climb-out ArduPlane has the height of it, and turns to the
-/// next place: as `verify` has it.
-const EARLY_SHARE: f64 = 0.4;
 /// A vehicle that landed is not higher or lower than this over the ground of the elevation
 /// data, metres: home may differ by 5 m, and a barometer drifts in flight. Real ones: 2.4 m.
 const GROUND_M: f64 = 10.0;
@@ -55,7 +48,7 @@ impl Tube {
         let slopes_mps = vehicle.climb_mps.max(vehicle.descent_mps);
         Self {
             across_m: BESIDE_M.max(turns_m),
-            up_m: BESIDE_M.max(AT_ONCE_M + LAG_S * slopes_mps),
+            up_m: BESIDE_M.max(SLOPE_MIN_M + MOST_LAG_S * slopes_mps),
         }
     }
 }

@@ -119,6 +119,8 @@ mod winged;
 mod worst;
 
 pub use review::review;
+pub use swing::EARLY_SHARE;
+pub use tecs::{MOST_LAG_S, SLOPE_MIN_M};
 
 use crate::geodesy::{Amsl, LatLon};
 

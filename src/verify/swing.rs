@@ -11,7 +11,7 @@ use super::pilot::Pilot;
 /// The plane of ArduPilot's simulator (ArduPlane 4.7.0-dev of December 2025, still air) had the
 /// height of its takeoff, 80 m, 246 m from where it stood, and not 508 m as planned: after this
 /// share of its planned climb from lift-off.
-pub(super) const EARLY_SHARE: f64 = 0.4;
+pub const EARLY_SHARE: f64 = 0.4;
 /// By so much it went over that height before it levelled off, metres.
 pub(super) const OVERSHOOT_M: f64 = 14.0;
 /// Ways nearer to their legs than this are not looked at, metres.

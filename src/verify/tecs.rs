@@ -13,7 +13,7 @@ use super::ribbon::AltitudeLine;
 use super::wing;
 
 /// Default of `ALT_SLOPE_MIN` (`ArduPlane/Parameters.cpp`, 4.7.0-dev of December 2025), metres.
-const DEFAULT_M: f64 = 15.0;
+pub const SLOPE_MIN_M: f64 = 15.0;
 
 /// So many seconds of its climb a vehicle is below an upward slope, and above a downward one
 /// (`TECS_HDEM_TCONST` is 3): measured on one plane and one QuadPlane, ArduPlane 4.7.0-dev of
@@ -22,7 +22,7 @@ const DEFAULT_M: f64 = 15.0;
 const LAG_S: f64 = 3.3;
 /// The same with PX4: `(1 - FW_T_HRATE_FF) * FW_T_ALT_TC`, by its sources (`TECS.cpp`) and the
 /// defaults 0.3 and 5 s; assumed, not measured.
-const PX4_LAG_S: f64 = 3.5;
+pub const MOST_LAG_S: f64 = 3.5;
 /// Legs that are flown faster have no length to speak of, seconds.
 const LEAST_S: f64 = 1e-3;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
@@ -39,7 +39,7 @@ pub(super) fn threshold_m(mission: &VehicleMission) -> f64 {
         .iter()
         .find(|param| ALTITUDE_SLOPE_MIN.contains(&param.name.as_str()));
     // Kept as a whole number. With 0 there is no slope at all.
-    match held.map_or(DEFAULT_M, |param| f64::from(param.value).trunc()) {
+    match held.map_or(SLOPE_MIN_M, |param| f64::from(param.value).trunc()) {
         metres if metres > 0.0 => metres,
         _ => f64::INFINITY,
     }
@@ -50,7 +50,7 @@ pub(super) fn lag_s(mission: &VehicleMission) -> f64 {
     match mission.autopilot {
         _ if !mission.airframe.has_wing() => 0.0,
         Autopilot::ArduPilot => LAG_S,
-        Autopilot::Px4 => PX4_LAG_S,
+        Autopilot::Px4 => MOST_LAG_S,
     }
 }
 
