@@ -7,7 +7,11 @@
 //! the vehicle looks for a block at the place it computes itself and takes no other that
 //! is more than 5 cm off. A block whose `version_minor` is 0 is not armed with.
 
+mod location;
+
 use std::collections::BTreeSet;
+
+use location::{Location, PER_DEGREE, corner_of, distance_m, e7, offset};
 
 use crate::geodesy::LatLon;
 use crate::spec::Area;
@@ -25,13 +29,6 @@ const STEP_NORTH: u16 = 24;
 const STEP_EAST: u16 = 28;
 /// Heights sent at once over MAVLink, in both directions: one bit of the bitmap.
 const PATCH: usize = 4;
-/// 1e-7 degrees in a degree.
-const PER_DEGREE: i32 = 10_000_000;
-/// Metres in 1e-7 degrees of latitude (`LOCATION_SCALING_FACTOR`), single precision.
-const SCALE_M: f32 = 0.011_131_884_5;
-/// 1e-7 degrees of latitude in a metre (`LOCATION_SCALING_FACTOR_INV`).
-const SCALE_INV: f32 = 89.832_05;
-
 /// One file of the database.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DatFile {
@@ -52,22 +49,6 @@ pub struct Database {
     /// no data there. The vehicle asks its ground station for them, and has no height
     /// without an answer.
     pub missing: usize,
-}
-
-/// A place as ArduPilot keeps it, 1e-7 degrees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Location {
-    lat: i32,
-    lon: i32,
-}
-
-impl Location {
-    fn is_in(self, area: &Area) -> bool {
-        let between = |from: f64, at: i32, to: f64| (e7(from)..=e7(to)).contains(&at);
-        let (south_west, north_east) = (area.south_west, area.north_east);
-        between(south_west.lat_deg, self.lat, north_east.lat_deg)
-            && between(south_west.lon_deg, self.lon, north_east.lon_deg)
-    }
 }
 
 /// One block of one degree square.
@@ -360,59 +341,6 @@ fn east_blocks(lat_deg: i32, lon_deg: i32, spacing_m: u16) -> u16 {
     )]
     let blocks = blocks as u16;
     blocks
-}
-
-fn corner_of(lat_deg: i32, lon_deg: i32) -> Location {
-    Location {
-        lat: lat_deg * PER_DEGREE,
-        lon: lon_deg * PER_DEGREE,
-    }
-}
-
-/// Metres north and east (`Location::get_distance_NE`).
-fn distance_m(from: Location, to: Location) -> (f32, f32) {
-    let scale = longitude_scale(i32::midpoint(from.lat, to.lat));
-    (
-        single(to.lat - from.lat) * SCALE_M,
-        single(to.lon - from.lon) * SCALE_M * scale,
-    )
-}
-
-/// The place so many metres away (`Location::offset_latlng`).
-fn offset(from: Location, north_m: i32, east_m: i32) -> Location {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "a cast of a float saturates"
-    )]
-    let whole = |e7: f64| e7 as i32;
-    let lat = from.lat + whole(f64::from(north_m) * f64::from(SCALE_INV));
-    let scale = longitude_scale(i32::midpoint(from.lat, lat));
-    let lon = whole(f64::from(east_m) * f64::from(SCALE_INV) / f64::from(scale));
-    Location {
-        lat,
-        lon: from.lon + lon,
-    }
-}
-
-/// How much shorter a degree of longitude is than one of latitude (`Location::longitude_scale`).
-fn longitude_scale(lat: i32) -> f32 {
-    let lat_rad = (f64::from(lat) / f64::from(PER_DEGREE)).to_radians();
-    single_of(f64::from(single_of(lat_rad)).cos()).max(0.01)
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "single precision is meant")]
-fn single_of(value: f64) -> f32 {
-    value as f32
-}
-
-fn single(value: i32) -> f32 {
-    single_of(f64::from(value))
-}
-
-fn e7(degrees: f64) -> i32 {
-    #[expect(clippy::cast_possible_truncation, reason = "checked degrees")]
-    let e7 = (degrees * f64::from(PER_DEGREE)).round() as i32;
-    e7
 }
 
 fn name(lat_deg: i32, lon_deg: i32) -> String {

@@ -3,12 +3,13 @@
 use super::account::row_name;
 use super::contest::{Contestant, Role};
 use super::convergence::convergence;
-use super::ground::{DANGER, bands, ends, key, legend, plot, threats, view};
+use super::ground::{DANGER, bands, ends, key, legend, plot, threats};
 use super::record::Record;
 use super::setting::Setting;
 use super::stats::number;
 use super::svg::{COLOURS, Drawing, Plot};
 use super::tables::Results;
+use super::view::view;
 use crate::numeric::Basis;
 
 /// Points of a drawn path.

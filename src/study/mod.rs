@@ -25,6 +25,7 @@ mod stats;
 mod store;
 mod svg;
 mod tables;
+mod view;
 
 pub use account::results_md;
 pub use config::{Config, ConfigError, MapText};

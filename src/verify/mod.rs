@@ -101,6 +101,7 @@ mod drift;
 mod fence;
 mod flight;
 mod home;
+mod jumps;
 mod l1;
 mod legs;
 mod outline;
