@@ -5,6 +5,7 @@
 //! and the new mission holds the places before that too: wherever on that way the vehicle
 //! takes it, it goes on.
 
+mod bound;
 mod course;
 mod divert;
 mod look;
@@ -25,6 +26,7 @@ use crate::flight::{Line, PopUp};
 use crate::link::Links;
 use crate::spec::{Airframe, Link, MissionSpec, SpecFile, Threat};
 
+use bound::{Bound, GivenUp};
 use course::Course;
 use look::{Clock, Look, Sight};
 use present::Situation;
@@ -44,6 +46,10 @@ const TRIES: usize = 3;
 struct Decision {
     courses: Vec<Course>,
     replanned: Replanned,
+    /// Who flies through a threat all the same.
+    bound: Vec<Bound>,
+    /// Whether every limit is kept besides those that the bound break.
+    is_sound: bool,
     sight: Sight,
     planned_s: f64,
 }
@@ -86,10 +92,11 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let mut look = Look::read(&open, &clock, &sorties)?;
     let decision = decide(&sorties, &popups, &said, &clock, &mut look, arguments.seed)?;
     if !decision.replanned.review.passes() {
-        out(&table::failures(
-            &decision.replanned.review,
-            Paint::for_stdout(),
-        ))?;
+        let clock = said.t0_unix_ms.map_or("now", |_| "T0");
+        let review = &decision.replanned.review;
+        out(&table::failures_since(review, Paint::for_stdout(), clock))?;
+    }
+    if !decision.is_sound {
         let message = "no new paths that pass verification; nothing was sent";
         return Err(Failure::new(Failure::VERDICT, message));
     }
@@ -103,10 +110,26 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let told = divert::divert(&open, &clock, &sorties, &decision);
     told::record(&sorties, &threat, &decision, &told)?;
     told::tell(&sorties, &decision, &told)?;
-    if told.values().all(Result::is_ok) {
-        Ok(())
-    } else {
-        Err(failed("not every vehicle is on its new path"))
+    answer(bound::sentence(&decision.bound, fleet), &told)
+}
+
+/// How it went: who cannot avoid a threat is named whatever else went well.
+fn answer(cannot: Option<String>, told: &told::Told) -> Result<(), Failure> {
+    let is_told = told.values().all(Result::is_ok);
+    match (cannot, is_told) {
+        (None, true) => Ok(()),
+        (None, false) => Err(failed("not every vehicle is on its new path")),
+        (Some(who), true) => {
+            let others = if told.is_empty() {
+                "nothing was sent"
+            } else {
+                "the others that meet a threat are on new paths"
+            };
+            Err(Failure::new(Failure::VERDICT, format!("{who}; {others}")))
+        }
+        (Some(who), false) => Err(failed(format!(
+            "{who}; and not every other vehicle is on its new path"
+        ))),
     }
 }
 
@@ -125,19 +148,32 @@ fn decide(
         1.0
     };
     let mut planning_s = PLANNING_S;
+    let mut given_up = GivenUp::new();
     for _ in 0..TRIES {
         let sight = look.sight()?;
         let sending_s = SENDING * sight.reading_s + SENDING_S;
         let lead_s = (planning_s + sending_s) * pace + SPARE_S;
         let courses = courses(sorties, &sight)?;
         let now_s = t_s(said, sight.unix_ms);
-        let situation = situation(sorties, popups, &courses, (now_s, lead_s), seed)?;
-        let replanned = present::replan(&situation);
+        let mut situation = Situation {
+            sorties,
+            popups,
+            others: Vec::new(),
+            concerned: Vec::new(),
+            bound: Vec::new(),
+            now_s,
+            seed,
+        };
+        situation.sort(&courses, lead_s, &given_up);
+        let replanned = present::replan(&mut situation, &mut given_up);
         let planned_s = clock.seconds() - sight.at_s;
-        if planned_s <= planning_s || !replanned.review.passes() {
+        let is_sound = situation.is_sound(&replanned.review);
+        if planned_s <= planning_s || !is_sound || situation.concerned.is_empty() {
             return Ok(Decision {
                 courses,
                 replanned,
+                bound: situation.bound,
+                is_sound,
                 sight,
                 planned_s,
             });
@@ -240,46 +276,4 @@ fn courses(sorties: &Sorties, sight: &Sight) -> Result<Vec<Course>, Failure> {
 
 fn impossible(id: &str, why: &str) -> Failure {
     Failure::new(Failure::VERDICT, format!("{id}: {why}; nothing was sent"))
-}
-
-/// Who is concerned, and where those part from their course; `now_s` after T0.
-fn situation<'a>(
-    sorties: &'a Sorties,
-    popups: &[Threat],
-    courses: &[Course],
-    (now_s, lead_s): (f64, f64),
-    seed: Option<u64>,
-) -> Result<Situation<'a>, Failure> {
-    let spec = &sorties.file.spec;
-    let meets = |course: &Course, threat: &Threat| {
-        let center = sorties.world.frame.to_plan(threat.place);
-        course.meets(center, threat.radius_m + spec.mission.tolerance_m)
-    };
-    let (concerned, others): (Vec<Course>, Vec<Course>) = courses
-        .iter()
-        .cloned()
-        .partition(|course| popups.iter().any(|threat| meets(course, threat)));
-    let mut parted = Vec::new();
-    for course in concerned {
-        let vehicle = &spec.vehicles[course.vehicle];
-        if course.stands {
-            let why = "meets the threat and stands on the ground: disarm it and plan it anew";
-            return Err(impossible(&vehicle.id, why));
-        }
-        let lead_m = (lead_s - course.rises_s).max(0.0) * vehicle.fastest_mps();
-        let Some(parting) = course.after(lead_m) else {
-            let why = format!(
-                "is at the end of its way within {lead_s:.0} s, before it can have a new one: hold or land it"
-            );
-            return Err(impossible(&vehicle.id, &why));
-        };
-        parted.push((course, parting));
-    }
-    Ok(Situation {
-        sorties,
-        others,
-        concerned: parted,
-        now_s,
-        seed,
-    })
 }

@@ -127,17 +127,22 @@ pub(super) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> 
     format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
 }
 
-/// Every failed margin in words.
+/// Every failed margin in words, with times after T0.
 pub(super) fn failures(review: &Review, paint: Paint) -> String {
+    failures_since(review, paint, "T0")
+}
+
+/// The same with times after something else.
+pub(super) fn failures_since(review: &Review, paint: Paint, since: &str) -> String {
     let failed = review.margins.iter().filter(|margin| !margin.ok);
     failed
-        .map(|margin| format!("{} {}", paint.bad("FAIL"), sentence(margin)))
+        .map(|margin| format!("{} {}", paint.bad("FAIL"), sentence(margin, since)))
         .collect::<Vec<_>>()
         .join("\n")
 }
 
 /// One margin in words: who, what, by how much, where, when.
-fn sentence(margin: &Margin) -> String {
+fn sentence(margin: &Margin, since: &str) -> String {
     let mut text = match &margin.other {
         Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.what),
         None => format!("{}: {}", margin.vehicle, margin.what),
@@ -153,7 +158,7 @@ fn sentence(margin: &Margin) -> String {
     }
     if let Some(at) = &margin.at {
         text += &format!(
-            ", at item {}, {:.6} {:.6}, {:.0} m AMSL, T0+{:.0} s",
+            ", at item {}, {:.6} {:.6}, {:.0} m AMSL, {since}{:+.0} s",
             at.item, at.place.lat_deg, at.place.lon_deg, at.amsl.0, at.t_s
         );
     }

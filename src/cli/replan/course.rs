@@ -142,13 +142,20 @@ impl Course {
 
     /// Whether its way comes nearer than a distance to a place.
     pub(super) fn meets(&self, center: EastNorth, distance_m: f64) -> bool {
-        let points = self.points();
-        let last = points.last().copied();
-        let pairs = points.windows(2).map(|pair| (pair[0].at, pair[1].at));
-        let alone = last.map(|last| (last.at, last.at));
-        pairs
-            .chain(alone)
-            .any(|(a, b)| away_m(center, a, b) < distance_m)
+        comes_near(&self.points(), center, distance_m)
+    }
+
+    /// The same of its way as far as a parting.
+    pub(super) fn meets_before(
+        &self,
+        parting: &Parting,
+        center: EastNorth,
+        distance_m: f64,
+    ) -> bool {
+        let mut points = self.points();
+        points.truncate(parting.kept + 1);
+        points.push(parting.point);
+        comes_near(&points, center, distance_m)
     }
 
     /// Where it is after some metres of its way; `None` beyond the end, or where it comes
@@ -233,7 +240,16 @@ fn above_the_sea(item: &Item, home: &Home) -> Item {
     item
 }
 
-/// Distance of a point of the plane from a way, metres.
+/// Whether a way comes nearer than a distance to a place.
+fn comes_near(way: &[PlanPoint], center: EastNorth, distance_m: f64) -> bool {
+    let pairs = way.windows(2).map(|pair| (pair[0].at, pair[1].at));
+    let alone = way.last().map(|last| (last.at, last.at));
+    pairs
+        .chain(alone)
+        .any(|(a, b)| away_m(center, a, b) < distance_m)
+}
+
+/// Distance of a point of the plane from a leg, metres.
 fn away_m(from: EastNorth, a: EastNorth, b: EastNorth) -> f64 {
     let (east, north) = (b.east_m - a.east_m, b.north_m - a.north_m);
     let length_sq = east * east + north * north;

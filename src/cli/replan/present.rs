@@ -5,6 +5,7 @@
 //! there on everything is as it will be flown. What is verified of a vehicle are the items
 //! that it has before it, those that it keeps and the new ones.
 
+use super::bound::{Bound, GivenUp};
 use super::course::{Course, Parting};
 use super::renewed::{Renewed, Replanned, head_len};
 use crate::cli::fly::Sorties;
@@ -15,7 +16,7 @@ use crate::mission::{self, Item, VehicleMission, command};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{
-    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Vehicle,
+    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle,
 };
 use crate::verify::{self, Margin};
 use crate::world::{Stations, World};
@@ -31,26 +32,36 @@ const OUTSIDE: f64 = 3.0;
 const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
 
 /// What is given: everyone's course, who is concerned and where each of those parts from
-/// its course, and how long after T0 it is now.
+/// its course, who flies through a threat all the same, and how long after T0 it is now.
 pub(super) struct Situation<'a> {
     pub(super) sorties: &'a Sorties,
+    /// Every threat that has come up.
+    pub(super) popups: &'a [Threat],
     pub(super) others: Vec<Course>,
     pub(super) concerned: Vec<(Course, Parting)>,
+    /// They are among the others: they keep their course.
+    pub(super) bound: Vec<Bound>,
     pub(super) now_s: f64,
     pub(super) seed: Option<u64>,
 }
 
-/// Plans the concerned around the threat and around everyone else, and judges all of it.
-pub(super) fn replan(situation: &Situation<'_>) -> Replanned {
-    let mut hands = HANDS.into_iter();
-    let mut found = Present::of(situation).replan(hands.next().unwrap_or(1.0));
-    for hand in hands {
-        if found.review.passes() {
-            break;
+/// Plans the concerned around the threat and around everyone else, and judges all of it. Those
+/// for whom there is no path keep their course, so that the others have one.
+pub(super) fn replan(situation: &mut Situation<'_>, given_up: &mut GivenUp) -> Replanned {
+    loop {
+        let mut hands = HANDS.into_iter();
+        let mut found = Present::of(situation).replan(hands.next().unwrap_or(1.0));
+        for hand in hands {
+            if situation.is_sound(&found.review) {
+                break;
+            }
+            found = Present::of(situation).replan(hand);
         }
-        found = Present::of(situation).replan(hand);
+        if situation.is_sound(&found.review) || !situation.give_up(&found.review, given_up) {
+            situation.name_what_is_broken(&found.review);
+            return found;
+        }
     }
-    found
 }
 
 /// The spec and the world as they are now, vehicle by vehicle.
@@ -220,6 +231,7 @@ impl<'a> Present<'a> {
         let straight = self.route(course, &[course.here, last], at_s).path;
         match self.head(&[straight]) {
             Ok(mut mission) => {
+                hold_fence(&mut mission, course);
                 mission.items.extend(course.items_ahead());
                 let route = self.route(course, &points, at_s);
                 self.settle(vec![route], mission);
@@ -258,6 +270,7 @@ impl<'a> Present<'a> {
         let waits_s = (vehicle.depart_s - self.given.now_s).max(0.0);
         let depart_s = self.now_s + waits_s;
         let mut mission = course.held.clone();
+        hold_fence(&mut mission, course);
         mission
             .items
             .retain(|item| item.command != command::NAV_DELAY);
@@ -384,8 +397,18 @@ impl<'a> Present<'a> {
                 renewed.time(&judged, head, (self.given.now_s, shift_s), &self.world);
             }
         }
+        // From here on times count as those of the flight do.
+        for at in review.margins.iter_mut().filter_map(|m| m.at.as_mut()) {
+            at.t_s += shift_s;
+        }
         Replanned { renewed, review }
     }
+}
+
+/// Who keeps its course keeps its fence: nothing of what came up since is in it, nor has to be.
+fn hold_fence(mission: &mut VehicleMission, course: &Course) {
+    mission.fence.clone_from(&course.held.fence);
+    mission.fence_told = false;
 }
 
 /// The ground below a point; no data is not a number, and then nothing passes.

@@ -14,7 +14,7 @@ use crate::report;
 use crate::spec::Threat;
 
 /// How each vehicle that was sent a new mission took it.
-type Told = BTreeMap<usize, Result<(), String>>;
+pub(super) type Told = BTreeMap<usize, Result<(), String>>;
 
 /// Writes what was done beside the record of the flight.
 pub(super) fn record(
@@ -47,6 +47,11 @@ pub(super) fn record(
             })
         })
         .collect();
+    let cannot_avoid: Vec<Value> = decision
+        .bound
+        .iter()
+        .map(|of| json!({"id": fleet[of.vehicle].id, "threats": of.threats, "why": of.why}))
+        .collect();
     let document = json!({
         "sortie": env!("CARGO_PKG_VERSION"),
         "threat": {
@@ -55,8 +60,10 @@ pub(super) fn record(
             "lon_deg": threat.place.lon_deg,
             "radius_m": threat.radius_m,
         },
+        "verdict": if decision.replanned.review.passes() { "pass" } else { "fail" },
         "planning_s": decision.planned_s,
         "vehicles": vehicles,
+        "cannot_avoid": cannot_avoid,
     });
     let folder = runs::folder(&sorties.folder);
     let text = report::json_text(&document);
@@ -71,14 +78,16 @@ pub(super) fn tell(sorties: &Sorties, decision: &Decision, told: &Told) -> Resul
         let index = course.vehicle;
         let renewed = &decision.replanned.renewed;
         let mission = renewed.iter().find(|of| of.vehicle == index);
-        let (what, result) = match told.get(&index) {
-            None => ("is not concerned", "not touched".to_owned()),
-            Some(Ok(())) => ("meets the threat", "on its new path".to_owned()),
-            Some(Err(why)) => ("meets the threat", why.clone()),
+        let bound = decision.bound.iter().find(|of| of.vehicle == index);
+        let (what, result) = match (told.get(&index), bound) {
+            (_, Some(bound)) => (bound.cannot(), "KEEPS ITS COURSE".to_owned()),
+            (None, None) => ("is not concerned".to_owned(), "not touched".to_owned()),
+            (Some(Ok(())), None) => ("meets a threat".to_owned(), "on its new path".to_owned()),
+            (Some(Err(why)), None) => ("meets a threat".to_owned(), why.clone()),
         };
         rows.add([
             sorties.file.spec.vehicles[index].id.clone(),
-            what.to_owned(),
+            what,
             mission.map_or_else(|| "-".to_owned(), |of| of.mission.items.len().to_string()),
             result,
         ]);

@@ -1,0 +1,193 @@
+//! Who cannot be led around a threat: it keeps its course, is named, and keeps nobody else from a
+//! new path. What it breaks is broken, and the verdict says so.
+
+use std::collections::BTreeMap;
+
+use super::course::{Course, Parting};
+use super::present::Situation;
+use crate::spec::{Threat, Vehicle};
+use crate::verify::{Margin, Review};
+
+/// Vehicles for which no path was found, by their index in the spec, and why.
+pub(super) type GivenUp = BTreeMap<usize, String>;
+
+/// A vehicle that flies through threats whatever is planned.
+#[derive(Clone, Debug)]
+pub(super) struct Bound {
+    /// Its index in the spec.
+    pub(super) vehicle: usize,
+    /// Ids of the threats that its course meets.
+    pub(super) threats: Vec<String>,
+    /// Why it is not led around them, in words.
+    pub(super) why: String,
+}
+
+impl Bound {
+    /// What it cannot do.
+    pub(super) fn cannot(&self) -> String {
+        format!("cannot avoid {}", self.threats.join(", "))
+    }
+}
+
+/// Who cannot be led around what, if anybody.
+pub(super) fn sentence(bound: &[Bound], fleet: &[Vehicle]) -> Option<String> {
+    let of = |of: &Bound| {
+        let (id, cannot, why) = (&fleet[of.vehicle].id, of.cannot(), &of.why);
+        format!("{id} {cannot} ({why}): it keeps its course, hold, land or disarm it")
+    };
+    let all: Vec<String> = bound.iter().map(of).collect();
+    (!all.is_empty()).then(|| all.join("; "))
+}
+
+impl Situation<'_> {
+    /// Sorts the courses: who is concerned and can be led away in time, who keeps its course.
+    pub(super) fn sort(&mut self, courses: &[Course], lead_s: f64, given_up: &GivenUp) {
+        for course in courses {
+            let met = self.met(course);
+            if met.is_empty() {
+                self.others.push(course.clone());
+                continue;
+            }
+            let given_up = given_up.get(&course.vehicle);
+            let parting = match given_up {
+                Some(why) => Err(why.clone()),
+                None => self.part(course, &met, lead_s),
+            };
+            match parting {
+                Ok(parting) => self.concerned.push((course.clone(), parting)),
+                Err(why) => self.bind(course.clone(), why),
+            }
+        }
+    }
+
+    /// The threats that came up and that a course meets.
+    fn met(&self, course: &Course) -> Vec<Threat> {
+        let tolerance_m = self.sorties.file.spec.mission.tolerance_m;
+        let meets = |threat: &&Threat| {
+            let center = self.sorties.world.frame.to_plan(threat.place);
+            course.meets(center, threat.radius_m + tolerance_m)
+        };
+        self.popups.iter().filter(meets).cloned().collect()
+    }
+
+    /// Where a concerned vehicle parts from its course, or why it cannot in time.
+    fn part(&self, course: &Course, met: &[Threat], lead_s: f64) -> Result<Parting, String> {
+        if course.stands {
+            return Err("it stands on the ground".to_owned());
+        }
+        let vehicle = &self.sorties.file.spec.vehicles[course.vehicle];
+        let lead_m = (lead_s - course.rises_s).max(0.0) * vehicle.fastest_mps();
+        let parting = course.after(lead_m).ok_or_else(|| {
+            format!(
+                "it is at the end of its way within {lead_s:.0} s, before it can have a new one"
+            )
+        })?;
+        for threat in met {
+            let (id, radius_m) = (&threat.id, threat.radius_m);
+            let center = self.sorties.world.frame.to_plan(threat.place);
+            let is_inside = |at| center.distance_m(at) < radius_m;
+            if is_inside(course.here.at) {
+                return Err(format!("it is inside of {id} now"));
+            }
+            if course.meets_before(&parting, center, radius_m) {
+                return Err(format!(
+                    "it is inside of {id} within {lead_s:.0} s, before it can have a new path"
+                ));
+            }
+            let goals = course.legs(&parting).into_iter().map(|(_, goal)| goal.at);
+            if goals.into_iter().any(is_inside) {
+                return Err(format!("its plan leads to a place inside of {id}"));
+            }
+        }
+        Ok(parting)
+    }
+
+    fn bind(&mut self, course: Course, why: String) {
+        let met = self.met(&course);
+        self.bound.push(Bound {
+            vehicle: course.vehicle,
+            threats: met.into_iter().map(|threat| threat.id).collect(),
+            why,
+        });
+        self.others.push(course);
+    }
+
+    /// Whether a limit that is broken is one of a threat that a vehicle is bound to meet.
+    fn is_bound_to_break(&self, margin: &Margin) -> bool {
+        let fleet = &self.sorties.file.spec.vehicles;
+        let mut bound = self.bound.iter();
+        margin.other.is_none()
+            && bound.any(|of| {
+                let mut threats = of.threats.iter();
+                fleet[of.vehicle].id == margin.vehicle
+                    && threats.any(|id| margin.what == format!("threat {id}"))
+            })
+    }
+
+    /// Whether every limit is kept besides those of the threats that the bound meet.
+    pub(super) fn is_sound(&self, review: &Review) -> bool {
+        let mut margins = review.margins.iter();
+        // Of nobody nothing is proven.
+        margins.len() > 0 && margins.all(|margin| margin.ok || self.is_bound_to_break(margin))
+    }
+
+    /// Who keeps its course, and misses the threats all the same, is not bound to meet them.
+    pub(super) fn name_what_is_broken(&mut self, review: &Review) {
+        let fleet = &self.sorties.file.spec.vehicles;
+        for of in &mut self.bound {
+            let id = &fleet[of.vehicle].id;
+            let is_broken = |threat: &String| {
+                let what = format!("threat {threat}");
+                let mut margins = review.margins.iter();
+                margins.any(|m| !m.ok && m.vehicle == *id && m.what == what)
+            };
+            of.threats.retain(is_broken);
+        }
+        self.bound.retain(|of| !of.threats.is_empty());
+    }
+
+    /// Whoever breaks limits on its new path keeps its course: one at a time, because those after it
+    /// were planned around that path. Whether there was anybody.
+    pub(super) fn give_up(&mut self, review: &Review, given_up: &mut GivenUp) -> bool {
+        let broken = review.margins.iter().filter(|margin| !margin.ok);
+        let broken: Vec<&Margin> = broken.filter(|m| !self.is_bound_to_break(m)).collect();
+        let fleet = &self.sorties.file.spec.vehicles;
+        let of = |course: &Course, is_alone: bool| {
+            let id = &fleet[course.vehicle].id;
+            let mut broken = broken.iter();
+            broken.find(|m| m.concerns(id) && (!is_alone || m.other.is_none()))
+        };
+        let alone = self
+            .concerned
+            .iter()
+            .position(|(c, _)| of(c, true).is_some());
+        // Of two that come too near each other the later one was planned around the earlier.
+        let beside = || {
+            self.concerned
+                .iter()
+                .rposition(|(c, _)| of(c, false).is_some())
+        };
+        let Some(index) = alone.or_else(beside) else {
+            return false;
+        };
+        let found = of(&self.concerned[index].0, alone.is_some());
+        let why = found.map_or_else(String::new, |margin| why(margin));
+        let (course, _) = self.concerned.remove(index);
+        given_up.insert(course.vehicle, why.clone());
+        self.bind(course, why);
+        true
+    }
+}
+
+/// Why a new path is none.
+fn why(margin: &Margin) -> String {
+    let with = margin.other.as_ref();
+    let with = with.map_or_else(String::new, |other| format!(" with {other}"));
+    let (what, unit) = (&margin.what, margin.unit);
+    let value = if margin.value.is_finite() {
+        format!(" {:.1} {unit}", margin.value)
+    } else {
+        String::new()
+    };
+    format!("no new path for it passes verification, {what}{with}{value}")
+}
