@@ -9,19 +9,15 @@
 mod sky;
 mod support;
 
-use sky::{Sky, US, parameters, plan, plan_shipped};
+use sky::{Sky, US, lane, parameters, plan, plan_shipped};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::mission::{Item, command};
 use sortie::spec::{Autopilot, OnLinkLoss, Vehicle as Spec};
 use sortie::vehicle::{Surroundings, Vehicle};
-use support::{copter, place};
 
 /// Three side by side, a kilometre each; the second is a PX4, the third starts later.
 fn three() -> Vec<Spec> {
-    let lane = |id: &str, sysid: u8, lat: f64| {
-        copter(id, sysid, place(lat, -84.26), place(lat + 0.002, -84.248))
-    };
     let mut fleet = vec![
         lane("alpha", 1, 36.300),
         lane("bravo", 2, 36.304),
@@ -268,6 +264,27 @@ fn none_is_started_when_one_is_not_as_assumed_and_what_differs_is_named() {
     vehicles[2] = at(mission.home, params);
     let mut sky = Sky::new(plan.fleet(true, true), vehicles);
     sky.fly_to(1.0);
+}
+
+#[test]
+fn who_is_silent_is_told_with_those_alone_that_are_heard_on_its_link() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let why = |vehicles: Vec<Vehicle>| {
+        let mut sky = Sky::new(plan.fleet(false, false), vehicles);
+        sky.cut.push(2);
+        let Outcome::NotStarted(why) = sky.fly_out() else {
+            panic!("bravo is silent");
+        };
+        let mut of = why.into_iter().filter(|(vehicle, _)| vehicle == "bravo");
+        of.next().expect("bravo").1
+    };
+    let silence = "no heartbeat from system 2 within 10 s";
+    assert_eq!(why(plan.vehicles()), silence);
+    // Charlie speaks where bravo should.
+    let mut vehicles = plan.vehicles();
+    vehicles.remove(1);
+    let heard = format!("{silence} (heard on the link: system 3)");
+    assert_eq!(why(vehicles), heard);
 }
 
 #[test]

@@ -8,39 +8,18 @@ mod command;
 mod in_flight;
 
 use std::net::{SocketAddr, UdpSocket};
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use command::{sortie, text};
-use in_flight::{planned, take_off, wait_for};
+use in_flight::{json, lanes, planned, take_off, wait_for};
 use serde_json::Value;
-
-/// Two copters on parallel lanes 600 m apart, 2.4 km each.
-const SPEC: &str = "
-sortie: 1
-name: lanes
-area: {south_west: {lat: 36.28, lon: -84.30}, north_east: {lat: 36.33, lon: -84.20}, min_agl_m: 30, max_amsl_m: 900}
-terrain: {flat: {amsl_m: 400}}
-vehicles:
-  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
-     start: {lat: 36.300, lon: -84.265, agl_m: 60}, goal: {lat: 36.300, lon: -84.238, agl_m: 60}, finish: land}
-  - {id: bravo, sysid: 2, autopilot: px4, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
-     start: {lat: 36.310, lon: -84.265, agl_m: 60}, goal: {lat: 36.310, lon: -84.238, agl_m: 60}, finish: loiter}
-separation: {distance_m: 100, time_slack_s: 5}
-planner: {algorithm: msfoa, seed: 1, evaluations: 2000}
-";
-
-fn json(path: &Path) -> Value {
-    let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    serde_json::from_slice(&bytes).expect("JSON")
-}
 
 #[test]
 fn a_fleet_flies_in_a_hurry_and_its_record_says_that_the_limits_held() {
-    let (folder, _) = planned("lanes", SPEC);
+    let (folder, _) = planned("lanes", &lanes("-84.238"));
     let output = sortie(folder.path(), &["fly", "lanes.yaml", "--speedup", "20"]);
     let told = text(&output.stdout);
     assert!(output.status.success(), "{told}{}", text(&output.stderr));
@@ -92,7 +71,7 @@ fn a_fleet_flies_in_a_hurry_and_its_record_says_that_the_limits_held() {
     assert!(page.contains("Flown against planned") && page.contains("class=\"planned v0\""));
     // Held against tighter limits it fails; cut short it fails; spoilt it is none.
     let post = "threats: [{id: post, kind: lookout, lat: 36.301, lon: -84.25, radius_m: 150}]";
-    let tight = SPEC.replace(
+    let tight = lanes("-84.238").replace(
         "vehicles:",
         &format!(
             "{post}
@@ -122,7 +101,7 @@ vehicles:"
     let (code, _, told) = review(&["out/lanes.runs/headless.jsonl"]);
     assert_eq!(code, Some(3), "{told}");
     assert!(told.contains("has no header"), "{told}");
-    let elsewhere = SPEC.replace("lat: 36.", "lat: 37.");
+    let elsewhere = lanes("-84.238").replace("lat: 36.", "lat: 37.");
     std::fs::write(folder.path().join("elsewhere.yaml"), elsewhere).expect("written");
     let (code, _, told) = review(&["elsewhere.yaml", record]);
     assert_eq!(code, Some(3), "{told}");
@@ -137,12 +116,12 @@ vehicles:"
 #[test]
 fn without_a_plan_or_with_another_spec_nothing_is_started() {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    std::fs::write(folder.path().join("lanes.yaml"), SPEC).expect("written");
+    std::fs::write(folder.path().join("lanes.yaml"), lanes("-84.238")).expect("written");
     let output = sortie(folder.path(), &["fly", "lanes.yaml"]);
     assert_eq!(output.status.code(), Some(3));
     assert!(text(&output.stderr).contains("sortie plan lanes.yaml"));
-    let (folder, _) = planned("lanes", SPEC);
-    let other = SPEC.replace("min_agl_m: 30", "min_agl_m: 31");
+    let (folder, _) = planned("lanes", &lanes("-84.238"));
+    let other = lanes("-84.238").replace("min_agl_m: 30", "min_agl_m: 31");
     std::fs::write(folder.path().join("lanes.yaml"), other).expect("written");
     let output = sortie(folder.path(), &["fly", "lanes.yaml"]);
     assert_eq!(output.status.code(), Some(4));

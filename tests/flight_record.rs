@@ -7,17 +7,14 @@ mod support;
 
 use std::sync::OnceLock;
 
-use sky::{Planned, Sky, plan};
+use sky::{Planned, Sky, lane, plan};
 use sortie::flight::*;
 use sortie::geodesy::{Amsl, LatLon};
 use sortie::spec::{Finish, OnLinkLoss, Vehicle as Spec};
-use support::{copter, place};
+use support::place;
 
 /// Alpha lands a kilometre from home, bravo lands where it stood, charlie stays in the air.
 fn three() -> Vec<Spec> {
-    let lane = |id: &str, sysid: u8, lat: f64| {
-        copter(id, sysid, place(lat, -84.26), place(lat + 0.002, -84.248))
-    };
     let mut fleet = vec![
         lane("alpha", 1, 36.300),
         lane("bravo", 2, 36.308),

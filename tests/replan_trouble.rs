@@ -11,34 +11,14 @@ use std::path::Path;
 use std::process::Output;
 
 use command::{sortie, text};
-use in_flight::{lines, planned, take_off, wait_for};
+use in_flight::{json, lanes, lines, planned, take_off, wait_for};
 use serde_json::Value;
-
-/// Two copters on parallel lanes 1100 m apart, 2.4 km each.
-const SPEC: &str = "
-sortie: 1
-name: lanes
-area: {south_west: {lat: 36.28, lon: -84.30}, north_east: {lat: 36.33, lon: -84.20}, min_agl_m: 30, max_amsl_m: 900}
-terrain: {flat: {amsl_m: 400}}
-vehicles:
-  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
-     start: {lat: 36.300, lon: -84.265, agl_m: 40}, goal: {lat: 36.300, lon: -84.238, agl_m: 40}, finish: land}
-  - {id: bravo, sysid: 2, autopilot: px4, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
-     start: {lat: 36.310, lon: -84.265, agl_m: 40}, goal: {lat: 36.310, lon: -84.238, agl_m: 40}, finish: loiter}
-separation: {distance_m: 100, time_slack_s: 5}
-planner: {algorithm: msfoa, seed: 1, evaluations: 1000}
-";
 
 fn replan(folder: &Path, threat: &str) -> (Output, String, String) {
     let threat = format!("--threat={threat}");
     let output = sortie(folder, &["replan", "lanes.yaml", &threat]);
     let (told, errors) = (text(&output.stdout), text(&output.stderr));
     (output, told, errors)
-}
-
-fn json(path: &Path) -> Value {
-    let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    serde_json::from_slice(&bytes).expect("JSON")
 }
 
 /// Seconds after T0 in the line that says what fails.
@@ -52,7 +32,7 @@ fn worst_s(told: &str, what: &str) -> f64 {
 
 #[test]
 fn who_is_inside_of_a_threat_is_named_each_time_and_the_others_are_led_around_theirs() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.238"));
     let mut flight = take_off(folder.path(), "lanes.yaml", "6");
     wait_for(&runs, "alpha", 35.0);
     // All around alpha.
@@ -100,7 +80,7 @@ fn who_is_inside_of_a_threat_is_named_each_time_and_the_others_are_led_around_th
 
 #[test]
 fn who_stands_on_the_ground_is_named_and_who_flies_is_led_around_the_same_threat() {
-    let later = SPEC.replace("id: bravo, ", "id: bravo, depart_s: 150, ");
+    let later = lanes("-84.238").replace("id: bravo, ", "id: bravo, depart_s: 150, ");
     let (folder, runs) = planned("lanes", &later);
     let _flight = take_off(folder.path(), "lanes.yaml", "4");
     wait_for(&runs, "alpha", 25.0);
@@ -119,7 +99,7 @@ fn who_stands_on_the_ground_is_named_and_who_flies_is_led_around_the_same_threat
 fn who_has_no_way_around_a_threat_keeps_its_course_and_nobody_else_from_a_new_one() {
     // Alpha is fenced in to the south of a wall.
     let wall = "no_fly: [{id: wall, polygon: [[36.3045, -84.299], [36.3055, -84.299], [36.3055, -84.201], [36.3045, -84.201]]}]";
-    let far = SPEC.replace("-84.238", "-84.215");
+    let far = lanes("-84.215");
     let far = far.replace("vehicles:", &format!("{wall}\nvehicles:"));
     let (folder, runs) = planned("lanes", &far);
     let _flight = take_off(folder.path(), "lanes.yaml", "4");

@@ -4,11 +4,11 @@
 #[allow(unreachable_pub)]
 mod command;
 #[path = "support/in_flight.rs"]
-#[allow(unreachable_pub)]
+#[allow(unreachable_pub, dead_code)]
 mod in_flight;
 
 use command::{sortie, text};
-use in_flight::{lines, planned, take_off, wait_for};
+use in_flight::{json, lines, planned, take_off, wait_for};
 use serde_json::Value;
 
 /// Three VTOL on parallel lanes, a kilometre and two apart, 5 km and 3.6 km each.
@@ -53,8 +53,7 @@ fn vtol_in_flight_go_around_a_popup_threat_without_a_stop_and_one_is_not_touched
     assert_eq!(told.matches("on its new path").count(), 2, "{told}");
     assert_eq!(told.matches("not touched").count(), 1, "{told}");
     let status = flight.0.wait().expect("it ends");
-    let flown = std::fs::read(runs.join("flight.json")).expect("flight.json");
-    let flown: Value = serde_json::from_slice(&flown).expect("JSON");
+    let flown = json(&runs.join("flight.json"));
     assert_eq!(flown["verdict"], "pass", "{flown:#}");
     assert!(status.success(), "{status}");
     let margins = flown["margins"].as_array().expect("margins");

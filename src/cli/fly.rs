@@ -47,8 +47,8 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let told = upload::links(&sorties.file, &arguments.link)?;
     let (simulated, links) = reach(arguments, &sorties, &told)?;
     let references = references(&sorties);
-    let fleet = |us, now| {
-        let assignments = assignments(arguments, &sorties, &references, &simulated);
+    let fleet = |open: &Links, now| {
+        let assignments = assignments(arguments, &sorties, &references, &simulated, open);
         let options = Options {
             speedup: arguments.speedup,
             set_params: arguments.set_params,
@@ -56,7 +56,7 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
             on_link_loss: sorties.file.spec.on_link_loss,
             position_s: POSITION_S,
         };
-        Fleet::new(assignments, options, us, now)
+        Fleet::new(assignments, options, open.us(), now)
     };
     let systems: Vec<(u8, &Link)> = sorties
         .missions
@@ -68,7 +68,7 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
     let call = Call::new(&sorties, &links, arguments.speedup);
     let mut flying = Flying::begin(&sorties, &open, &call, arguments, !simulated.is_empty())?;
-    let mut fleet = fleet(open.us(), flying.now());
+    let mut fleet = fleet(&open, flying.now());
     flying.note_plans(&sorties, &references)?;
     call.announce(None)?;
     flying.fly(&mut fleet);
@@ -214,6 +214,7 @@ fn assignments<'a>(
     sorties: &'a Sorties,
     references: &[Reference],
     simulated: &BTreeMap<usize, Running>,
+    open: &Links,
 ) -> Vec<Assignment<'a>> {
     let fleet = &sorties.file.spec.vehicles;
     sorties
@@ -223,6 +224,7 @@ fn assignments<'a>(
         .map(|((index, mission), reference)| Assignment {
             vehicle: &fleet[*index].id,
             sysid: fleet[*index].sysid,
+            link: open.number(fleet[*index].sysid).unwrap_or_default(),
             mission,
             reference: reference.clone(),
             start_s: if waits_itself(mission) {

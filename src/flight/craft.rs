@@ -36,6 +36,8 @@ pub struct Assignment<'a> {
     pub vehicle: &'a str,
     /// Its system id.
     pub sysid: u8,
+    /// Number of the link that it is on: what comes over others is not from it.
+    pub link: usize,
     /// What it shall hold.
     pub mission: &'a VehicleMission,
     /// The planned flight.
@@ -104,6 +106,8 @@ pub(super) struct Craft<'a> {
     total: Option<usize>,
     airborne: bool,
     pub(super) told: Option<Told>,
+    /// Whether it is seen to stay where it was told to: watched on, for others may bring it down.
+    pub(super) holds: bool,
     pub(super) in_mission: bool,
     lap: Lap,
     pub(super) flown: Flown,
@@ -152,6 +156,7 @@ impl<'a> Craft<'a> {
             total: None,
             airborne: false,
             told: None,
+            holds: false,
             in_mission: false,
             lap: Lap::default(),
             flown: Flown::default(),
@@ -293,7 +298,8 @@ impl<'a> Craft<'a> {
             Stage::Flying if !beat.is_armed() => {
                 let end = match (self.airborne, self.told) {
                     (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
-                    (true, Some(_)) => End::LandedEarly,
+                    (true, Some(Told::Hold)) => End::StoppedAfterHold,
+                    (true, Some(Told::Land)) => End::LandedEarly,
                     (true, None) => self.landing(),
                 };
                 self.end(end);
@@ -304,6 +310,9 @@ impl<'a> Craft<'a> {
             }
             Stage::Flying if !was && self.in_mission && self.airborne => {
                 self.said.push_back("is on its mission again".to_owned());
+                if self.told == Some(Told::Hold) {
+                    (self.told, self.holds) = (None, false);
+                }
             }
             _ => {}
         }
@@ -342,6 +351,8 @@ impl<'a> Craft<'a> {
                 }
                 Answer::Result(result) => {
                     let command = asking.command();
+                    // Whoever refuses to hold or to land flies on as planned.
+                    (self.told, self.holds) = (None, false);
                     self.disobeyed(now, &format!("refused command {command} with {result}"));
                 }
                 Answer::Silence => {
@@ -385,7 +396,7 @@ impl<'a> Craft<'a> {
         };
         match order {
             Some(order) => {
-                self.told = Some(told);
+                (self.told, self.holds) = (Some(told), false);
                 self.command([order]);
             }
             None => self.land_by_mission(),

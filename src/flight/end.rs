@@ -12,6 +12,8 @@ pub enum End {
     Loitering,
     /// It stays in the air because it was told to.
     Held,
+    /// It was told to stay, and stopped its motors later: somebody else brought it down.
+    StoppedAfterHold,
     /// It was told to land, and did.
     LandedEarly,
     /// It was left flying.
@@ -29,6 +31,7 @@ impl End {
             Self::Landed => "landed",
             Self::Loitering => "loiters",
             Self::Held => "held",
+            Self::StoppedAfterHold => "told to hold, then stopped its motors",
             Self::LandedEarly => "landed early",
             Self::LeftFlying => "left flying",
             Self::Failed(why) => why,
@@ -43,6 +46,7 @@ impl End {
             Self::Landed,
             Self::Loitering,
             Self::Held,
+            Self::StoppedAfterHold,
             Self::LandedEarly,
             Self::LeftFlying,
         ];
@@ -55,7 +59,8 @@ impl End {
         match self {
             Self::Landed => "landed, motors stopped",
             Self::Loitering => "loiters at the end of its mission",
-            Self::Held => "holds",
+            Self::Held => "still holds, and is not watched any more",
+            Self::StoppedAfterHold => "stopped its motors after it was told to hold",
             Self::LandedEarly => "landed where it was told to",
             Self::LeftFlying => "is left flying",
             Self::NotFlown => "was not flown",

@@ -115,10 +115,10 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    /// Takes in a message, whoever sent it.
-    pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
+    /// Takes in a message that came over a link, whoever sent it.
+    pub fn handle(&mut self, now: Time, (link, from): (usize, Address), message: &Message) {
         let clock = (now, self.flight_ms(now), self.t0_ms());
-        for craft in &mut self.crafts {
+        for craft in self.crafts.iter_mut().filter(|c| c.of.link == link) {
             craft.handle(clock, from, message);
         }
     }
@@ -207,9 +207,9 @@ impl<'a> Fleet<'a> {
                 if !matches!(self.phase, Phase::Flying { .. }) {
                     return self.abandon(Vec::new());
                 }
-                for craft in &mut self.crafts {
+                for (craft, is_lost) in self.crafts.iter_mut().zip(&self.lost) {
                     if !matches!(craft.stage, Stage::Ended) {
-                        craft.end(End::LeftFlying);
+                        craft.watch_no_more(End::LeftFlying, *is_lost);
                     }
                 }
                 return;
@@ -330,10 +330,10 @@ impl<'a> Fleet<'a> {
         }
         self.look_for_the_lost(now);
         if t_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
-            for craft in &mut self.crafts {
+            for (craft, is_lost) in self.crafts.iter_mut().zip(&self.lost) {
                 if !matches!(craft.stage, Stage::Ended) {
                     let why = format!("has not ended its flight {t_s:.0} s after T0");
-                    craft.end(End::Failed(why));
+                    craft.watch_no_more(End::Failed(why), *is_lost);
                 }
             }
         }

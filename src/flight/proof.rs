@@ -104,7 +104,7 @@ impl Trail<'_> {
         let mut margins: Vec<Margin> = self.beginning(vehicle, world).into_iter().collect();
         margins.extend(self.leaps(vehicle));
         // Whoever is told to hold or to land leaves its way, and does not end as planned.
-        if !matches!(end, End::Held | End::LandedEarly) {
+        if !matches!(end, End::Held | End::StoppedAfterHold | End::LandedEarly) {
             margins.extend(self.off_the_way(spec, tube));
         }
         if matches!(end, End::Landed | End::Loitering) {

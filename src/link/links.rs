@@ -26,8 +26,8 @@ pub struct Links {
 /// What came in over one of the links.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Arrival {
-    /// A message and its sender.
-    Message(Address, Message),
+    /// A message, the number of the link that it came over (see [`Links::number`]), its sender.
+    Message(usize, Address, Message),
     /// One system id speaks from two addresses at once.
     Twins(u8),
     /// A link has failed: which, and why.
@@ -61,8 +61,9 @@ impl Links {
                         Radio::open(link, us, None).map_err(|error| (name.clone(), error))?;
                     let (outbox, messages) = channel();
                     let (inbox, name_of) = (send.clone(), name.clone());
+                    let number = names.len();
                     std::thread::spawn(move || {
-                        if let Err(error) = serve(radio, &messages, &inbox) {
+                        if let Err(error) = serve(radio, number, &messages, &inbox) {
                             // Nobody listens any more: then it does not matter either.
                             let _ = inbox.send(Arrival::Failed(name_of, error.to_string()));
                         }
@@ -83,6 +84,12 @@ impl Links {
         self.us
     }
 
+    /// The number of a system's link, if it has one; two that share a link have the same.
+    #[must_use]
+    pub fn number(&self, system: u8) -> Option<usize> {
+        self.of.get(&system).copied()
+    }
+
     /// Sends a message to a system, if it has a link.
     pub fn send(&self, system: u8, message: Message) {
         if let Some(outbox) = self.of.get(&system).and_then(|&at| self.outboxes.get(at)) {
@@ -101,6 +108,7 @@ impl Links {
 /// One link until nobody wants it any more.
 fn serve(
     mut radio: Radio<'static>,
+    number: usize,
     messages: &Receiver<(u8, Message)>,
     inbox: &Sender<Arrival>,
 ) -> std::io::Result<()> {
@@ -114,7 +122,7 @@ fn serve(
         }
         for heard in radio.receive(radio.now() + TURN_MS)? {
             let arrival = match heard {
-                Heard::Message(from, _, message) => Arrival::Message(from, message),
+                Heard::Message(from, _, message) => Arrival::Message(number, from, message),
                 Heard::Twins(system, _) => Arrival::Twins(system),
             };
             if inbox.send(arrival).is_err() {

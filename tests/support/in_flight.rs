@@ -7,6 +7,30 @@ use std::time::{Duration, Instant};
 use assert_cmd::cargo::cargo_bin;
 use serde_json::Value;
 
+/// Two copters on parallel lanes 1100 m apart, from -84.265 to that longitude.
+pub fn lanes(goal_lon: &str) -> String {
+    let spec = "
+sortie: 1
+name: lanes
+area: {south_west: {lat: 36.28, lon: -84.30}, north_east: {lat: 36.33, lon: -84.20}, min_agl_m: 30, max_amsl_m: 900}
+terrain: {flat: {amsl_m: 400}}
+vehicles:
+  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
+     start: {lat: 36.300, lon: -84.265, agl_m: 40}, goal: {lat: 36.300, lon: GOAL, agl_m: 40}, finish: land}
+  - {id: bravo, sysid: 2, autopilot: px4, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
+     start: {lat: 36.310, lon: -84.265, agl_m: 40}, goal: {lat: 36.310, lon: GOAL, agl_m: 40}, finish: loiter}
+separation: {distance_m: 100, time_slack_s: 5}
+planner: {algorithm: msfoa, seed: 1, evaluations: 1000}
+";
+    spec.replace("GOAL", goal_lon)
+}
+
+/// A document that a command wrote.
+pub fn json(path: &Path) -> Value {
+    let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_slice(&bytes).expect("JSON")
+}
+
 /// A folder with a spec of that name and its plan, and where its records go.
 pub fn planned(name: &str, spec: &str) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a temporary folder");

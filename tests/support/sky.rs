@@ -12,7 +12,7 @@ use sortie::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle as Spec, Wind};
 use sortie::vehicle::{Surroundings, Vehicle};
 use sortie::world::World;
 
-use super::support::{empty_spec, world};
+use super::support::{copter, empty_spec, place, world};
 
 pub const US: Address = Address {
     system: 245,
@@ -24,6 +24,12 @@ pub struct Planned {
     pub spec: MissionSpec,
     pub world: World,
     pub dispatched: Dispatched,
+}
+
+/// A copter on its way of a kilometre to the east.
+pub fn lane(id: &str, sysid: u8, lat_deg: f64) -> Spec {
+    let (start, goal) = (place(lat_deg, -84.26), place(lat_deg + 0.002, -84.248));
+    copter(id, sysid, start, goal)
 }
 
 pub fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Planned {
@@ -110,9 +116,11 @@ impl Planned {
     pub fn fleet(&self, set_params: bool, upload: bool) -> Fleet<'_> {
         let missions = self.dispatched.missions.iter().zip(self.references());
         let assignments = missions
-            .map(|((index, mission), reference)| Assignment {
+            .enumerate()
+            .map(|(link, ((index, mission), reference))| Assignment {
                 vehicle: &self.spec.vehicles[*index].id,
                 sysid: self.spec.vehicles[*index].sysid,
+                link,
                 mission,
                 reference,
                 start_s: 0.0,
@@ -160,7 +168,7 @@ pub fn parameters(mission: &VehicleMission) -> Vec<(String, f32)> {
     params.map(|p| (p.name.clone(), p.value)).collect()
 }
 
-/// Vehicles and the ground station that watches them, under one clock.
+/// Vehicles, each on a link of its own, and the ground station that watches them, under one clock.
 pub struct Sky<'a> {
     pub fleet: Fleet<'a>,
     pub vehicles: Vec<Vehicle>,
@@ -194,7 +202,7 @@ impl<'a> Sky<'a> {
                 }
             }
         }
-        for vehicle in &mut self.vehicles {
+        for (link, vehicle) in self.vehicles.iter_mut().enumerate() {
             vehicle.handle_timeout(self.now);
             let from = vehicle.address();
             while let Some(message) = vehicle.poll_transmit() {
@@ -202,7 +210,7 @@ impl<'a> Sky<'a> {
                     let stamp = 1000 * self.now.0 + 1_700_000_000_000_000;
                     self.capture.extend(stamp.to_be_bytes());
                     self.capture.extend(Encoder::new(from).encode(&message));
-                    self.fleet.handle(self.now, from, &message);
+                    self.fleet.handle(self.now, (link, from), &message);
                 }
             }
         }

@@ -115,7 +115,9 @@ impl<'a> Flying<'a> {
             let Some(arrived) = arrival else { return };
             let now = self.now();
             match arrived {
-                Arrival::Message(from, message) => fleet.handle(now, from, &message),
+                Arrival::Message(link, from, message) => {
+                    fleet.handle(now, (link, from), &message);
+                }
                 Arrival::Twins(system) => {
                     let what = "speaks from two addresses at once";
                     fleet.trouble(now, Some(system), what);
@@ -218,7 +220,10 @@ impl<'a> Flying<'a> {
         let Some(answer) = answer else { return };
         self.answers = None;
         match answer.trim().to_ascii_lowercase().as_str() {
-            "h" | "hold" => fleet.intervene(now, Intervention::Hold),
+            "h" | "hold" => {
+                fleet.intervene(now, Intervention::Hold);
+                note("they are watched on, whoever brings them down; Ctrl-C asks again");
+            }
             "l" | "land" => fleet.intervene(now, Intervention::Land),
             "q" | "quit" => self.leave(fleet, now),
             _ => note("they fly on; Ctrl-C asks again"),

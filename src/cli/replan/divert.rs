@@ -58,10 +58,13 @@ pub(super) fn divert(
         }
         let mut arrival = open.receive(Duration::from_millis(5));
         for _ in 0..1000 {
-            let Some(Arrival::Message(from, message)) = arrival else {
+            let Some(Arrival::Message(link, from, message)) = arrival else {
                 break;
             };
             for (index, diversion) in &mut diversions {
+                if open.number(fleet[*index].sysid) != Some(link) {
+                    continue;
+                }
                 diversion.handle(clock.now(), from, &message);
                 // What is due goes out before the next message is looked at.
                 while let Some(message) = diversion.poll_transmit(clock.now()) {

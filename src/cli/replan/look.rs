@@ -169,10 +169,10 @@ impl<'a> Look<'a> {
             self.work(now)?;
             let mut arrival = self.open.receive(Duration::from_millis(5));
             for _ in 0..1000 {
-                let Some(Arrival::Message(from, message)) = arrival else {
+                let Some(Arrival::Message(link, from, message)) = arrival else {
                     break;
                 };
-                self.hear(from, &message);
+                self.hear((link, from), &message);
                 arrival = self.open.receive(Duration::ZERO);
             }
         }
@@ -206,11 +206,15 @@ impl<'a> Look<'a> {
         Ok(())
     }
 
-    fn hear(&mut self, from: Address, message: &Message) {
+    fn hear(&mut self, (link, from): (usize, Address), message: &Message) {
         let now = self.clock.now();
         for (index, of) in &mut self.vehicles {
+            let system = self.sorties.file.spec.vehicles[*index].sysid;
+            if self.open.number(system) != Some(link) {
+                continue;
+            }
             of.reading.handle(now, from, message);
-            if from.system != self.sorties.file.spec.vehicles[*index].sysid {
+            if from.system != system {
                 continue;
             }
             match message {

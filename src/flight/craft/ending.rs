@@ -7,6 +7,9 @@ use crate::flight::lap::Lap;
 use crate::flight::modes;
 use crate::flight::record::Fix;
 
+/// Faster than this a copter that was held flies elsewhere: gusts are slower, m/s.
+const MOVES_MPS: f64 = 2.0;
+
 impl Craft<'_> {
     /// It stopped its motors by itself: where it should, or elsewhere.
     pub(super) fn landing(&self) -> End {
@@ -29,7 +32,7 @@ impl Craft<'_> {
         if self.of.reference.lands {
             self.said
                 .push_back("lands as planned, at the end of its mission".to_owned());
-            self.told = None;
+            (self.told, self.holds) = (None, false);
             if !self.in_mission {
                 self.command([modes::start(self.of.mission)]);
             }
@@ -46,40 +49,73 @@ impl Craft<'_> {
         if !matches!(self.stage, Stage::Flying) || !self.airborne {
             return;
         }
-        if self.of.mission.airframe.has_wing() {
-            return self.look_whether_it_circles(fix);
-        }
-        if fix.speed_mps > STILL_MPS {
-            return;
-        }
-        if self.told == Some(Told::Hold) && self.asking.is_none() {
-            return self.end(End::Held);
+        if self.told == Some(Told::Hold) {
+            return self.look_whether_it_holds(fix);
         }
         // Another mission may have been given to it meanwhile.
         let rows = self.total.unwrap_or(self.of.mission.items.len());
-        let is_there = arrival::hovers(&self.of.reference, &fix);
-        if !self.of.reference.lands && self.in_mission && self.item >= rows && is_there {
+        if self.of.reference.lands || !self.in_mission || self.item < rows {
+            self.lap = Lap::default();
+            return;
+        }
+        let stays = if self.of.mission.airframe.has_wing() {
+            let at = self.of.reference.frame().to_plan(fix.place);
+            self.has_circled(fix, self.of.reference.is_on_circle(at))
+        } else {
+            arrival::hovers(&self.of.reference, &fix)
+        };
+        if stays {
             self.end(End::Loitering);
         }
     }
 
-    /// A wing stays where it has flown a whole circle.
-    fn look_whether_it_circles(&mut self, fix: Fix) {
-        let Some((_, beat)) = self.vehicle else {
+    /// Whether it stays where it was told to; and whether it still does, for whoever takes it over
+    /// may fly it elsewhere.
+    fn look_whether_it_holds(&mut self, fix: Fix) {
+        let wing = self.of.mission.airframe.has_wing();
+        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let circles = mode.is_some_and(|mode| modes::is_circling(self.of.mission, mode));
+        if self.holds {
+            let moves = if wing {
+                !circles
+            } else {
+                fix.speed_mps > MOVES_MPS
+            };
+            if moves {
+                self.holds = false;
+                self.said
+                    .push_back("does not hold any more: somebody else flies it".to_owned());
+            }
             return;
+        }
+        let obeys = self.asking.is_none();
+        self.holds = if wing {
+            self.has_circled(fix, obeys && circles)
+        } else {
+            obeys && fix.speed_mps <= STILL_MPS
         };
-        let is_held = self.told == Some(Told::Hold)
-            && self.asking.is_none()
-            && modes::is_circling(self.of.mission, beat.custom_mode);
-        let rows = self.total.unwrap_or(self.of.mission.items.len());
-        let reference = &self.of.reference;
-        let stays = !reference.lands && self.in_mission && self.item >= rows;
-        let at = reference.frame().to_plan(fix.place);
-        let circles = is_held || stays && reference.is_on_circle(at);
+        if self.holds {
+            self.said.push_back("holds".to_owned());
+        }
+    }
+
+    /// A wing stays where it has flown a whole circle.
+    fn has_circled(&mut self, fix: Fix, circles: bool) -> bool {
         if !circles {
             self.lap = Lap::default();
-        } else if self.lap.is_whole_with(at) {
-            self.end(if is_held { End::Held } else { End::Loitering });
+            return false;
         }
+        self.lap
+            .is_whole_with(self.of.reference.frame().to_plan(fix.place))
+    }
+
+    /// It is not watched any more: what was seen of it last is its end, `other` if that was no hold.
+    pub(in crate::flight) fn watch_no_more(&mut self, other: End, is_lost: bool) {
+        let end = match (self.holds, is_lost) {
+            (true, false) => End::Held,
+            (true, true) => End::Failed("held, and was not heard of since".to_owned()),
+            (false, _) => other,
+        };
+        self.end(end);
     }
 }
