@@ -14,28 +14,7 @@ use std::process::Command;
 
 use assert_cmd::cargo::cargo_bin;
 use command::{sortie, text};
-use in_flight::{planned, take_off, wait_for};
-use serde_json::Value;
-
-/// Two copters on parallel lanes 600 m apart, 1.3 km each.
-const SPEC: &str = "
-sortie: 1
-name: lanes
-area: {south_west: {lat: 36.28, lon: -84.30}, north_east: {lat: 36.33, lon: -84.20}, min_agl_m: 30, max_amsl_m: 900}
-terrain: {flat: {amsl_m: 400}}
-vehicles:
-  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
-     start: {lat: 36.300, lon: -84.265, agl_m: 40}, goal: {lat: 36.300, lon: -84.251, agl_m: 40}, finish: land}
-  - {id: bravo, sysid: 2, autopilot: px4, link: sim, speed_mps: 15, climb_mps: 5, descent_mps: 4,
-     start: {lat: 36.310, lon: -84.265, agl_m: 40}, goal: {lat: 36.310, lon: -84.251, agl_m: 40}, finish: loiter}
-separation: {distance_m: 100, time_slack_s: 5}
-planner: {algorithm: msfoa, seed: 1, evaluations: 1000}
-";
-
-fn json(path: &Path) -> Value {
-    let bytes = fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    serde_json::from_slice(&bytes).expect("JSON")
-}
+use in_flight::{json, lanes, planned, take_off, wait_for};
 
 /// The flight under a shell's limits and redirections.
 fn fly_in_shell(folder: &Path, before: &str, after: &str) -> (Option<i32>, String, String) {
@@ -58,7 +37,7 @@ fn fly_in_shell(folder: &Path, before: &str, after: &str) -> (Option<i32>, Strin
 
 #[test]
 fn a_record_that_cannot_be_written_on_is_told_once_and_the_fleet_is_watched_to_its_end() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
     let (code, told, errors) = fly_in_shell(folder.path(), "", "");
     assert_eq!(code, Some(0), "{told}{errors}");
     // No file may have more than 48 KiB: as a disk that is full in the middle of the flight.
@@ -80,7 +59,7 @@ fn a_record_that_cannot_be_written_on_is_told_once_and_the_fleet_is_watched_to_i
 
 #[test]
 fn a_flight_that_does_not_begin_leaves_alone_what_is_said_of_one_that_was_cut_off() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
     fs::create_dir_all(&runs).expect("a folder");
     for name in ["links.json", "underway.jsonl", "flight.json"] {
         fs::write(runs.join(name), "{}\n").expect("written");
@@ -98,7 +77,7 @@ fn a_flight_that_does_not_begin_leaves_alone_what_is_said_of_one_that_was_cut_of
 
 #[test]
 fn what_was_laid_down_for_a_flight_that_was_cut_off_is_not_held_against_the_next() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
     fs::create_dir_all(&runs).expect("a folder");
     let threat = "{\"t_s\":1.0,\"threat\":{\"id\":\"popup-1\",\"lat_deg\":36.3,\"lon_deg\":-84.258,\"radius_m\":200.0}}\n";
     fs::write(runs.join("underway.jsonl"), threat).expect("written");
@@ -111,7 +90,7 @@ fn what_was_laid_down_for_a_flight_that_was_cut_off_is_not_held_against_the_next
 
 #[test]
 fn a_screen_that_takes_nothing_ends_no_flight_and_starts_none() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
     // Full from the beginning: nobody is started blindly.
     let (code, _, errors) = fly_in_shell(folder.path(), "", "> /dev/full");
     assert_eq!(code, Some(1), "{errors}");
@@ -129,7 +108,7 @@ fn a_screen_that_takes_nothing_ends_no_flight_and_starts_none() {
 
 #[test]
 fn one_plan_is_flown_once_at_a_time_and_not_replaced_meanwhile() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
     let mut flight = take_off(folder.path(), "lanes.yaml", "8");
     wait_for(&runs, "alpha", 1.0);
     let links = fs::read(runs.join("links.json")).expect("it says where they are");
@@ -151,7 +130,7 @@ fn one_plan_is_flown_once_at_a_time_and_not_replaced_meanwhile() {
 
 #[test]
 fn parameters_that_are_not_those_of_the_plan_start_nobody() {
-    let (folder, _) = planned("lanes", SPEC);
+    let (folder, _) = planned("lanes", &lanes("-84.251"));
     let path = folder.path().join("out/lanes/alpha.params");
     let good = fs::read_to_string(&path).expect("parameters");
     let spoilt = [
@@ -180,8 +159,36 @@ fn parameters_that_are_not_those_of_the_plan_start_nobody() {
 }
 
 #[test]
+fn a_plan_without_a_parameter_file_and_a_file_in_the_place_of_its_records_start_nobody() {
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
+    fs::write(&runs, "mine").expect("written");
+    for command in ["fly", "upload"] {
+        let what = if command == "fly" {
+            "lanes.yaml"
+        } else {
+            "out/lanes"
+        };
+        let output = sortie(folder.path(), &[command, what]);
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{errors}");
+        let why = "lanes.runs is no folder, and one goes there for the records";
+        assert!(errors.contains(why), "{errors}");
+        assert!(errors.contains("nothing was sent or started"), "{errors}");
+    }
+    assert_eq!(fs::read_to_string(&runs).expect("still there"), "mine");
+    fs::remove_file(&runs).expect("gone");
+    let path = folder.path().join("out/lanes/bravo.params");
+    fs::remove_file(path).expect("it was there");
+    let output = sortie(folder.path(), &["fly", "lanes.yaml"]);
+    let errors = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    let why = "bravo.params: is missing: `plan` writes one for each vehicle";
+    assert!(errors.contains(why), "{errors}");
+}
+
+#[test]
 fn a_record_that_is_a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
     fs::create_dir_all(&runs).expect("a folder");
     let diary = folder.path().join("diary.txt");
     fs::write(&diary, "mine").expect("written");
@@ -197,7 +204,7 @@ fn a_record_that_is_a_link_is_replaced_and_what_it_leads_to_is_not_touched() {
 
 #[test]
 fn a_threat_that_is_told_too_late_to_go_around_is_still_held_against_the_flight() {
-    let (folder, runs) = planned("lanes", SPEC);
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
     let mut flight = take_off(folder.path(), "lanes.yaml", "8");
     wait_for(&runs, "alpha", 30.0);
     // Over the last metres of alpha's way.
@@ -224,8 +231,8 @@ fn a_threat_that_is_told_too_late_to_go_around_is_still_held_against_the_flight(
 
 #[test]
 fn a_second_threat_is_gone_around_without_forgetting_the_first() {
-    let (folder, runs) = planned("lanes", SPEC);
-    let far = SPEC.replace("-84.251", "-84.22");
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
+    let far = lanes("-84.22");
     fs::write(folder.path().join("lanes.yaml"), far).expect("written");
     let output = sortie(folder.path(), &["plan", "lanes.yaml"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -252,7 +259,7 @@ fn a_second_threat_is_gone_around_without_forgetting_the_first() {
 
 #[test]
 fn a_threat_that_cannot_be_is_refused_with_what_is_allowed() {
-    let (folder, _) = planned("lanes", SPEC);
+    let (folder, _) = planned("lanes", &lanes("-84.251"));
     for (threat, why) in [
         ("36.3,-84.25", "not of the form LAT,LON,RADIUS_M"),
         ("96.3,-84.25,100", "latitude \"96.3\" (allowed: -90 to 90)"),

@@ -90,6 +90,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
 
     let passes = dispatched.review.passes();
     let delivery = if arguments.upload && passes {
+        runs::make(&runs::folder(&target))?;
         let missions = dispatched
             .missions
             .iter()

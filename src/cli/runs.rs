@@ -15,6 +15,24 @@ pub(super) fn folder(out: &Path) -> PathBuf {
     out.with_file_name(name)
 }
 
+/// Makes the folder, before anything is done that shall be recorded there.
+///
+/// # Errors
+/// Something else is in its place, or it cannot be made.
+pub(super) fn make(runs: &Path) -> Result<(), Failure> {
+    if runs.exists() && !runs.is_dir() {
+        let message = format!(
+            "{} is no folder, and one goes there for the records of uploads and flights: move it away; nothing was sent or started",
+            runs.display()
+        );
+        return Err(Failure::new(Failure::OUTPUT, message));
+    }
+    fs::create_dir_all(runs).map_err(|error| {
+        let message = format!("cannot make the folder {}: {error}", runs.display());
+        Failure::new(Failure::OUTPUT, message)
+    })
+}
+
 /// A file for a new record, named after the time; with a number when that second has one already.
 pub(super) fn named(runs: &Path, what: &str, ending: &str) -> PathBuf {
     let seconds = delivery::seconds_since_1970();
@@ -42,7 +60,7 @@ pub(super) fn hold(runs: &Path, command: &str) -> Result<Held, Failure> {
         let message = format!("cannot write {}: {error}", path.display());
         Failure::new(Failure::OUTPUT, message)
     };
-    fs::create_dir_all(runs).map_err(unwritable)?;
+    make(runs)?;
     let mut options = File::options();
     let file = options.create(true).truncate(false).write(true).open(&path);
     let file = file.map_err(unwritable)?;

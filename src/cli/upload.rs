@@ -12,6 +12,7 @@ use super::folder;
 use super::overview::Overview;
 use super::progress::Progress;
 use super::review;
+use super::runs;
 use super::table::{self, Rows};
 use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
@@ -67,6 +68,7 @@ pub(super) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         }
         return say_what_would_be_sent(&file, &missions, &links);
     }
+    runs::make(&runs::folder(&target))?;
     let tlog = arguments.tlog.as_deref();
     let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
     delivery.record(&target)?;

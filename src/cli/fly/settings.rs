@@ -1,11 +1,16 @@
 //! The parameter files of a plan: what the verdict assumes of the vehicles.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::cli::failure::Failure;
 use crate::formats;
 use crate::mission::{self, Parameter, VehicleMission};
 use crate::spec::MissionSpec;
+
+/// Why a plan without this file is not flown.
+const MISSING: &str = "is missing: `plan` writes one for each vehicle, with the parameters that the verdict assumes \
+     of it; plan again (an empty one would not do); nothing was started";
 
 fn path_of(spec: &MissionSpec, folder: &Path, vehicle: usize) -> PathBuf {
     folder.join(format!("{}.params", spec.vehicles[vehicle].id))
@@ -20,7 +25,10 @@ pub(super) fn read(
     for (vehicle, mission) in missions {
         let path = path_of(spec, folder, *vehicle);
         let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", path.display()));
-        let text = std::fs::read_to_string(&path).map_err(|error| bad(error.to_string()))?;
+        let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
+            ErrorKind::NotFound => bad(MISSING.to_owned()),
+            _ => bad(error.to_string()),
+        })?;
         mission.params = formats::params::read(&text).map_err(|error| bad(error.to_string()))?;
     }
     Ok(())
