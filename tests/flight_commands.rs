@@ -87,6 +87,19 @@ vehicles:"
     std::fs::write(folder.path().join("half.jsonl"), half.join("\n")).expect("written");
     let (code, told, errors) = review(&["lanes.yaml", "half.jsonl"]);
     assert_eq!(code, Some(4), "{told}{errors}");
+    // In half the time nobody can have flown it.
+    let hasten = |line: &str| {
+        let mut line: Value = serde_json::from_str(line).expect("JSON");
+        if let Some(t_s) = line["t_s"].as_f64() {
+            line["t_s"] = (0.5 * t_s).into();
+        }
+        line.to_string()
+    };
+    let fast: Vec<String> = lines.lines().map(hasten).collect();
+    std::fs::write(folder.path().join("fast.jsonl"), fast.join("\n")).expect("written");
+    let (code, told, errors) = review(&["lanes.yaml", "fast.jsonl"]);
+    assert_eq!(code, Some(4), "{told}{errors}");
+    assert!(told.contains("FAIL alpha: ground speed held"), "{told}");
     std::fs::write(folder.path().join("none.jsonl"), "{}\n{}\n").expect("written");
     let (code, _, errors) = review(&["lanes.yaml", "none.jsonl"]);
     assert_eq!(code, Some(3), "{errors}");

@@ -114,6 +114,10 @@ fn an_honest_record_passes_and_every_proof_is_among_its_margins() {
         "waypoints missed",
         "nearest to its goal",
         "last position from the planned end",
+        "ground speed held",
+        "ground covered by its own speed",
+        "climb rate held",
+        "descent rate held",
     ] {
         assert_eq!(of(what), 3, "{what}");
     }
@@ -328,6 +332,58 @@ fn nobody_is_somewhere_else_at_once() {
     assert!(says(&bad, "alpha", what), "{bad:?}");
 }
 
+/// The times of a flight, so many times as fast.
+fn hasten(record: &mut Record, share: f64) {
+    for flight in &mut record.flights {
+        for plan in &mut flight.plans {
+            plan.reference.end_s *= share;
+            let ways = plan.reference.waypoints.iter_mut();
+            ways.for_each(|waypoint| waypoint.t_s *= share);
+        }
+        let flown = &mut flight.flown;
+        flown.until_s = flown.until_s.map(|t_s| t_s * share);
+        flown.fixes.iter_mut().for_each(|fix| fix.t_s *= share);
+        flown.reached.iter_mut().for_each(|(_, t_s)| *t_s *= share);
+    }
+}
+
+#[test]
+fn a_flight_in_half_the_time_cannot_have_been_flown_whatever_speeds_and_speedup_it_tells() {
+    for speedup in [1.0, 20.0, 100.0] {
+        for told in [1.0, 2.0] {
+            let bad = failed(|record| {
+                record.speedup = speedup;
+                hasten(record, 0.5);
+                let fixes = record.flights.iter_mut().map(|of| &mut of.flown.fixes);
+                fixes.flatten().for_each(|fix| fix.speed_mps *= told);
+            });
+            for vehicle in ["alpha", "bravo", "charlie"] {
+                let held = says(&bad, vehicle, "ground speed held");
+                assert!(held, "{vehicle} {speedup} {told}: {bad:?}");
+                let covered = says(&bad, vehicle, "ground covered by its own speed");
+                assert_eq!(covered, told < 1.5, "{vehicle} {speedup}: {bad:?}");
+            }
+        }
+    }
+    // Somewhat faster than planned is what vehicles are.
+    assert_eq!(failed(|record| hasten(record, 0.95)), Vec::new());
+}
+
+#[test]
+fn nobody_climbs_or_descends_much_faster_than_it_may() {
+    // A ramp of 200 m within 20 s, up and down again, over a flight that is level.
+    let what = ["climb rate held", "descent rate held"];
+    for (sign, what) in [1.0, -1.0].into_iter().zip(what) {
+        let bad = failed(|record| {
+            for fix in &mut record.flights[0].flown.fixes {
+                let since_s = (fix.t_s - 45.0).clamp(0.0, 20.0);
+                *fix = moved(fix, 0.0, sign * 10.0 * since_s);
+            }
+        });
+        assert!(says(&bad, "alpha", what), "{bad:?}");
+    }
+}
+
 #[test]
 fn a_vehicle_that_flew_in_the_place_of_another_has_not_flown_its_own_mission() {
     let bad = failed(|record| {
@@ -440,7 +496,7 @@ fn a_plan_that_was_given_in_flight_ends_where_the_spec_does() {
         last.items = second.items;
         for item in [2; 60] {
             last = moved(&last, -2.0, 0.0);
-            (last.t_s, last.item) = (last.t_s + 0.5, item);
+            (last.t_s, last.item, last.speed_mps) = (last.t_s + 0.5, item, 4.0);
             fixes.push(last);
         }
         while last.amsl.0 > 400.0 {

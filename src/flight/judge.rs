@@ -54,7 +54,9 @@ pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport
         .iter()
         .flat_map(|trail| {
             let limits = trail.margins(spec, world, &record.popups);
-            limits.into_iter().chain(trail.proof(spec, world, ends_s))
+            let proof = trail.proof(spec, world, ends_s);
+            let paces = trail.paces(record.speedup);
+            limits.into_iter().chain(proof).chain(paces)
         })
         .collect();
     for (index, first) in trails.iter().enumerate() {

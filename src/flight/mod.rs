@@ -18,6 +18,7 @@ mod limits;
 mod lines;
 mod misread;
 mod modes;
+mod pace;
 mod page;
 mod proof;
 mod readiness;

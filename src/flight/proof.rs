@@ -372,7 +372,7 @@ fn fastest_mps(vehicle: &Vehicle) -> f64 {
 }
 
 /// A vehicle whose speed the spec leaves open, at the greatest that it may have.
-fn at_its_fastest(vehicle: &Vehicle) -> Vehicle {
+pub(super) fn at_its_fastest(vehicle: &Vehicle) -> Vehicle {
     Vehicle {
         speed_mps: vehicle.speeds().most,
         ..vehicle.clone()
