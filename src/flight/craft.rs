@@ -2,6 +2,7 @@
 
 mod checks;
 mod ending;
+mod orders;
 
 use std::collections::VecDeque;
 
@@ -20,14 +21,8 @@ use crate::link::{
 use crate::mission::{Home, VehicleMission};
 use crate::spec::Autopilot;
 
-/// How long arming is tried, milliseconds: position estimates settle after a start.
-const ARMING_MS: u64 = 20_000;
-/// Between two tries, milliseconds.
-const AGAIN_MS: u64 = 1000;
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
-/// Most of its texts that are kept while it is armed.
-const MOST_WARNINGS: usize = 5;
 
 /// What one vehicle shall do.
 #[derive(Clone, Debug)]
@@ -361,85 +356,6 @@ impl<'a> Craft<'a> {
                 }
             }
         }
-    }
-
-    /// Gives commands, one after the other, each when the one before it was accepted.
-    fn command(&mut self, orders: impl IntoIterator<Item = Command>) {
-        self.asking = None;
-        self.orders = orders.into_iter().collect();
-    }
-
-    pub(super) fn arm(&mut self, now: Time) {
-        self.stage = Stage::Arming;
-        self.arming = Some((now + ARMING_MS, Time(u64::MAX)));
-        self.command(modes::arm(self.of.mission));
-    }
-
-    pub(super) fn start(&mut self) {
-        self.stage = Stage::Starting;
-        self.command([modes::start(self.of.mission)]);
-    }
-
-    pub(super) fn disarm(&mut self) {
-        self.stage = Stage::Ended;
-        self.command([modes::disarm()]);
-    }
-
-    /// Tells it to hold or to land, if it flies.
-    pub(super) fn tell(&mut self, told: Told) {
-        if !matches!(self.stage, Stage::Flying | Stage::Starting) {
-            return;
-        }
-        let order = match told {
-            Told::Hold => Some(modes::hold(self.of.mission)),
-            Told::Land => modes::land(self.of.mission),
-        };
-        match order {
-            Some(order) => {
-                (self.told, self.holds) = (Some(told), false);
-                self.command([order]);
-            }
-            None => self.land_by_mission(),
-        }
-    }
-
-    fn obeyed(&mut self) {
-        if !self.orders.is_empty() {
-            return;
-        }
-        match self.stage {
-            Stage::Arming => self.stage = Stage::Armed,
-            Stage::Starting => self.stage = Stage::Flying,
-            _ => {}
-        }
-    }
-
-    fn disobeyed(&mut self, now: Time, what: &str) {
-        self.asking = None;
-        self.orders.clear();
-        match self.stage {
-            Stage::Arming => match &mut self.arming {
-                Some((until, again)) if now < *until => *again = now + AGAIN_MS,
-                _ => self.refuse_to_arm(what),
-            },
-            Stage::Starting => self.end(End::Failed(what.to_owned())),
-            _ => self.said.push_back(what.to_owned()),
-        }
-    }
-
-    /// Keeps what it said while it was to be armed.
-    fn warn(&mut self, text: &str) {
-        let is_known = self.warnings.iter().any(|known| known == text);
-        if !is_known && self.warnings.len() < MOST_WARNINGS {
-            self.warnings.push(text.to_owned());
-        }
-    }
-
-    /// What it says of it stands beside the answer.
-    fn refuse_to_arm(&mut self, what: &str) {
-        let said = std::mem::take(&mut self.warnings);
-        let why = std::iter::once(what.to_owned()).chain(said);
-        self.stage = Stage::Refused(vec![why.collect::<Vec<_>>().join("; ")]);
     }
 
     pub(super) fn end(&mut self, end: End) {
