@@ -1,65 +1,16 @@
 //! A record of a flight that was not flown as planned does not pass: one honest flight, doctored.
 #![allow(clippy::cast_precision_loss)]
 
+#[path = "support/doctored.rs"]
+mod doctored;
 #[path = "support/sky.rs"]
 mod sky;
 mod support;
 
-use std::sync::OnceLock;
-
-use sky::{Planned, Sky, lane, plan};
+use doctored::{failed, flown, moved, says, told};
 use sortie::flight::*;
 use sortie::geodesy::{Amsl, LatLon};
-use sortie::spec::{Finish, OnLinkLoss, Vehicle as Spec};
 use support::place;
-
-/// Alpha lands a kilometre from home, bravo lands where it stood, charlie stays in the air.
-fn three() -> Vec<Spec> {
-    let mut fleet = vec![
-        lane("alpha", 1, 36.300),
-        lane("bravo", 2, 36.308),
-        lane("charlie", 3, 36.316),
-    ];
-    fleet[1].finish = Finish::Return;
-    fleet[2].finish = Finish::Loiter;
-    fleet
-}
-
-/// The plan, and how it was flown.
-fn flown() -> (&'static Planned, &'static Record) {
-    let (plan, record, _) = told();
-    (plan, record)
-}
-
-/// The same, and what was told of it.
-fn told() -> &'static (Planned, Record, Vec<Event>) {
-    static FLOWN: OnceLock<(Planned, Record, Vec<Event>)> = OnceLock::new();
-    FLOWN.get_or_init(|| {
-        let plan = plan(three(), OnLinkLoss::Continue);
-        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
-        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
-        let (record, events) = (plan.record(&sky), std::mem::take(&mut sky.events));
-        drop(sky);
-        (plan, record, events)
-    })
-}
-
-/// What fails when the record is doctored so.
-fn failed(doctor: impl FnOnce(&mut Record)) -> Vec<(String, String)> {
-    let (plan, record) = flown();
-    let mut record = record.clone();
-    doctor(&mut record);
-    let report = judge(&plan.spec, &plan.world, &record);
-    let bad = report.margins.iter().filter(|margin| !margin.ok);
-    let bad: Vec<_> = bad.map(|m| (m.vehicle.clone(), m.what.clone())).collect();
-    let ended = report.vehicles.iter().all(|v| v.ended_as_planned);
-    assert_eq!(report.passes(), bad.is_empty() && ended, "{report:#?}");
-    bad
-}
-
-fn says(failed: &[(String, String)], vehicle: &str, what: &str) -> bool {
-    failed.iter().any(|(v, w)| v == vehicle && w == what)
-}
 
 /// The record as `fly` writes it.
 fn lines() -> Vec<String> {
@@ -250,16 +201,6 @@ fn a_flight_without_any_position_or_any_plan_fails() {
     assert!(!report.passes() && !report.vehicles[0].ended_as_planned);
 }
 
-/// A position moved to the north and up.
-fn moved(fix: &Fix, north_m: f64, up_m: f64) -> Fix {
-    let lat_deg = fix.place.lat_deg + north_m / 111_000.0;
-    Fix {
-        place: LatLon::new(lat_deg, fix.place.lon_deg).expect("a place"),
-        amsl: Amsl(fix.amsl.0 + up_m),
-        ..*fix
-    }
-}
-
 #[test]
 fn a_flight_beside_or_over_its_way_is_not_the_one_that_was_verified() {
     let (_, record) = flown();
@@ -330,58 +271,6 @@ fn nobody_is_somewhere_else_at_once() {
     });
     let what = "speed between two positions";
     assert!(says(&bad, "alpha", what), "{bad:?}");
-}
-
-/// The times of a flight, so many times as fast.
-fn hasten(record: &mut Record, share: f64) {
-    for flight in &mut record.flights {
-        for plan in &mut flight.plans {
-            plan.reference.end_s *= share;
-            let ways = plan.reference.waypoints.iter_mut();
-            ways.for_each(|waypoint| waypoint.t_s *= share);
-        }
-        let flown = &mut flight.flown;
-        flown.until_s = flown.until_s.map(|t_s| t_s * share);
-        flown.fixes.iter_mut().for_each(|fix| fix.t_s *= share);
-        flown.reached.iter_mut().for_each(|(_, t_s)| *t_s *= share);
-    }
-}
-
-#[test]
-fn a_flight_in_half_the_time_cannot_have_been_flown_whatever_speeds_and_speedup_it_tells() {
-    for speedup in [1.0, 20.0, 100.0] {
-        for told in [1.0, 2.0] {
-            let bad = failed(|record| {
-                record.speedup = speedup;
-                hasten(record, 0.5);
-                let fixes = record.flights.iter_mut().map(|of| &mut of.flown.fixes);
-                fixes.flatten().for_each(|fix| fix.speed_mps *= told);
-            });
-            for vehicle in ["alpha", "bravo", "charlie"] {
-                let held = says(&bad, vehicle, "ground speed held");
-                assert!(held, "{vehicle} {speedup} {told}: {bad:?}");
-                let covered = says(&bad, vehicle, "ground covered by its own speed");
-                assert_eq!(covered, told < 1.5, "{vehicle} {speedup}: {bad:?}");
-            }
-        }
-    }
-    // Somewhat faster than planned is what vehicles are.
-    assert_eq!(failed(|record| hasten(record, 0.95)), Vec::new());
-}
-
-#[test]
-fn nobody_climbs_or_descends_much_faster_than_it_may() {
-    // A ramp of 200 m within 20 s, up and down again, over a flight that is level.
-    let what = ["climb rate held", "descent rate held"];
-    for (sign, what) in [1.0, -1.0].into_iter().zip(what) {
-        let bad = failed(|record| {
-            for fix in &mut record.flights[0].flown.fixes {
-                let since_s = (fix.t_s - 45.0).clamp(0.0, 20.0);
-                *fix = moved(fix, 0.0, sign * 10.0 * since_s);
-            }
-        });
-        assert!(says(&bad, "alpha", what), "{bad:?}");
-    }
 }
 
 #[test]

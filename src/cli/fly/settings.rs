@@ -10,7 +10,7 @@ use crate::spec::MissionSpec;
 
 /// Why a plan without this file is not flown.
 const MISSING: &str = "is missing: `plan` writes one for each vehicle, with the parameters that the verdict assumes \
-     of it; plan again (an empty one would not do); nothing was started";
+     of it; plan again; nothing was started";
 
 fn path_of(spec: &MissionSpec, folder: &Path, vehicle: usize) -> PathBuf {
     folder.join(format!("{}.params", spec.vehicles[vehicle].id))
