@@ -5,13 +5,13 @@
 //! and the new mission holds the places before that too: wherever on that way the vehicle
 //! takes it, it goes on.
 
-mod bound;
 mod course;
 mod divert;
 mod look;
 mod popup;
 mod present;
 mod renewed;
+mod situation;
 mod told;
 
 use super::args;
@@ -26,11 +26,10 @@ use crate::flight::{Line, PopUp};
 use crate::link::Links;
 use crate::spec::{Airframe, Link, MissionSpec, SpecFile, Threat};
 
-use bound::{Bound, GivenUp};
 use course::Course;
 use look::{Clock, Look, Sight};
-use present::Situation;
 use renewed::Replanned;
+use situation::{Bound, GivenUp, Situation};
 
 /// How long planning may take at first, on the wall's clock, seconds.
 const PLANNING_S: f64 = 0.8;
@@ -110,7 +109,7 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let told = divert::divert(&open, &clock, &sorties, &decision);
     told::record(&sorties, &threat, &decision, &told)?;
     told::tell(&sorties, &decision, &told)?;
-    answer(bound::sentence(&decision.bound, fleet), &told)
+    answer(situation::sentence(&decision.bound, fleet), &told)
 }
 
 /// How it went: who cannot avoid a threat is named whatever else went well.

@@ -5,10 +5,9 @@
 //! there on everything is as it will be flown. What is verified of a vehicle are the items
 //! that it has before it, those that it keeps and the new ones.
 
-use super::bound::{Bound, GivenUp};
 use super::course::{Course, Parting};
 use super::renewed::{Renewed, Replanned, head_len};
-use crate::cli::fly::Sorties;
+use super::situation::{GivenUp, Situation};
 use crate::cost::Margins;
 use crate::flight::Reference;
 use crate::geodesy::{Amsl, PlanPoint};
@@ -16,7 +15,7 @@ use crate::mission::{self, Item, VehicleMission, command};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{
-    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle,
+    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Vehicle,
 };
 use crate::verify::{self, Margin};
 use crate::world::{Stations, World};
@@ -30,20 +29,6 @@ const OUTSIDE: f64 = 3.0;
 /// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
 /// leave the path by one. What fails is planned again with more.
 const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
-
-/// What is given: everyone's course, who is concerned and where each of those parts from
-/// its course, who flies through a threat all the same, and how long after T0 it is now.
-pub(super) struct Situation<'a> {
-    pub(super) sorties: &'a Sorties,
-    /// Every threat that has come up.
-    pub(super) popups: &'a [Threat],
-    pub(super) others: Vec<Course>,
-    pub(super) concerned: Vec<(Course, Parting)>,
-    /// They are among the others: they keep their course.
-    pub(super) bound: Vec<Bound>,
-    pub(super) now_s: f64,
-    pub(super) seed: Option<u64>,
-}
 
 /// Plans the concerned around the threat and around everyone else, and judges all of it. Those
 /// for whom there is no path keep their course, so that the others have one.

@@ -1,12 +1,26 @@
-//! Who cannot be led around a threat: it keeps its course, is named, and keeps nobody else from a
-//! new path. What it breaks is broken, and the verdict says so.
+//! Who meets a threat, and can be led around it. Who cannot keeps its course, is named, and keeps
+//! nobody else from a new path: what it breaks is broken, and the verdict says so.
 
 use std::collections::BTreeMap;
 
 use super::course::{Course, Parting};
-use super::present::Situation;
+use crate::cli::fly::Sorties;
 use crate::spec::{Threat, Vehicle};
 use crate::verify::{Margin, Review};
+
+/// What is given: everyone's course, who is concerned and where each of those parts from
+/// its course, who flies through a threat all the same, and how long after T0 it is now.
+pub(super) struct Situation<'a> {
+    pub(super) sorties: &'a Sorties,
+    /// Every threat that has come up.
+    pub(super) popups: &'a [Threat],
+    pub(super) others: Vec<Course>,
+    pub(super) concerned: Vec<(Course, Parting)>,
+    /// They are among the others: they keep their course.
+    pub(super) bound: Vec<Bound>,
+    pub(super) now_s: f64,
+    pub(super) seed: Option<u64>,
+}
 
 /// Vehicles for which no path was found, by their index in the spec, and why.
 pub(super) type GivenUp = BTreeMap<usize, String>;
