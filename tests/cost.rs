@@ -349,18 +349,21 @@ proptest! {
             let (model, leg) = rough(Objective::Operational, samples);
             model.terms(&Path::moved(&leg, &moves).controls())
         };
-        let (coarse, middle, fine) = (at(101), at(1001), at(4001));
+        // As in a search, as results are judged, and finer.
+        let (coarse, middle, fine) = (at(101), at(2001), at(8001));
+        let is_cusp = fine.turn > 300.0;
         for (what, pick) in TERMS {
             let (coarse, middle, fine) = (pick(&coarse), pick(&middle), pick(&fine));
-            // At a cusp the curvature has no bound, and its mean no limit.
-            if what == "turn" && fine > 300.0 {
+            // At a cusp the curvature has no bound, and its mean no limit; the way stands still
+            // there while it goes on climbing, for less than a sample.
+            if is_cusp && ["turn", "climb"].contains(&what) {
                 continue;
             }
             let (first, second) = ((coarse - fine).abs(), (middle - fine).abs());
             prop_assert!(second <= 0.06 * fine + 0.05, "{what} {middle} {fine}");
             prop_assert!(second <= first + 0.02 * fine + 0.02, "{what} {coarse} {middle} {fine}");
             if ["length", "altitude"].contains(&what) {
-                prop_assert!(first <= 0.01 * fine, "{what} {coarse} {fine}");
+                prop_assert!(first <= 0.01 * fine + 0.001, "{what} {coarse} {fine}");
             }
         }
     }

@@ -19,7 +19,10 @@ const SPEED_MPS: f64 = 15.0;
 const ACCEL_MPS2: f64 = 2.5;
 /// 15^2 / 2.5, larger than what a load factor of 1.2 asks for.
 const RADIUS_M: f64 = 90.0;
+/// Between samples: in space they are looked at alone, in time the straight line between two
+/// is flown, which cuts an arc by the square of this over eight radii, a third of a millimetre.
 const STEP_M: f64 = 2.0;
+const FINE_STEP_M: f64 = 0.5;
 /// Behind its stop over the goal a vehicle may be late by as much as this, in steps of time.
 const LATE_STEPS: usize = 18;
 const EVERY_S: f64 = 0.25;
@@ -71,8 +74,8 @@ fn points(
         .collect()
 }
 
-/// Samples of the horizontal flight, a metre apart: legs with their corners rounded.
-fn rounded(frame: &LocalFrame, points: &[(LatLon, f64)]) -> Vec<PlanPoint> {
+/// Samples of the horizontal flight, at most `step_m` apart: legs with their corners rounded.
+fn rounded(frame: &LocalFrame, points: &[(LatLon, f64)], step_m: f64) -> Vec<PlanPoint> {
     let knots: Vec<PlanPoint> = points
         .iter()
         .map(|(place, amsl_m)| PlanPoint {
@@ -88,7 +91,7 @@ fn rounded(frame: &LocalFrame, points: &[(LatLon, f64)]) -> Vec<PlanPoint> {
         let cut_m = RADIUS_M * (0.5 * turn.abs()).tan();
         let entry = between(trio[1], trio[0], cut_m);
         let exit = between(trio[1], trio[2], cut_m);
-        line(from, entry, &mut samples);
+        line(from, entry, step_m, &mut samples);
         // The centre lies on the bisector; the arc is the pencil of directions between the ends.
         let (bx, by) = (out.0 - into.0, out.1 - into.1);
         let scale = RADIUS_M / (0.5 * turn).cos() / bx.hypot(by).max(1e-12);
@@ -97,7 +100,7 @@ fn rounded(frame: &LocalFrame, points: &[(LatLon, f64)]) -> Vec<PlanPoint> {
             trio[1].at.north_m + by * scale,
         );
         let start = (entry.at.north_m - centre.1).atan2(entry.at.east_m - centre.0);
-        let count = (RADIUS_M * turn.abs() / STEP_M).ceil().max(1.0);
+        let count = (RADIUS_M * turn.abs() / step_m).ceil().max(1.0);
         let mut index = 0.0;
         while index < count {
             let share = index / count;
@@ -111,7 +114,7 @@ fn rounded(frame: &LocalFrame, points: &[(LatLon, f64)]) -> Vec<PlanPoint> {
         }
         from = exit;
     }
-    line(from, knots[knots.len() - 1], &mut samples);
+    line(from, knots[knots.len() - 1], step_m, &mut samples);
     samples.push(knots[knots.len() - 1]);
     samples
 }
@@ -124,7 +127,7 @@ fn legs(frame: &LocalFrame, points: &[(LatLon, f64)]) -> Vec<PlanPoint> {
             at: frame.to_plan(place),
             amsl: Amsl(amsl_m),
         };
-        line(knot(pair[0]), knot(pair[1]), &mut samples);
+        line(knot(pair[0]), knot(pair[1]), STEP_M, &mut samples);
     }
     samples
 }
@@ -150,8 +153,8 @@ fn mix(a: PlanPoint, b: PlanPoint, share: f64) -> PlanPoint {
     )
 }
 
-fn line(a: PlanPoint, b: PlanPoint, samples: &mut Vec<PlanPoint>) {
-    let count = (a.at.distance_m(b.at) / STEP_M).ceil().max(1.0);
+fn line(a: PlanPoint, b: PlanPoint, step_m: f64, samples: &mut Vec<PlanPoint>) {
+    let count = (a.at.distance_m(b.at) / step_m).ceil().max(1.0);
     let mut index = 0.0;
     while index < count {
         samples.push(mix(a, b, index / count));
@@ -161,7 +164,7 @@ fn line(a: PlanPoint, b: PlanPoint, samples: &mut Vec<PlanPoint>) {
 
 /// Where the vehicle is at every step from takeoff to touchdown, and the first step behind its stop.
 fn timed(points: &[(LatLon, f64)], frame: &LocalFrame, ground_m: f64) -> (Vec<PlanPoint>, usize) {
-    let path = rounded(frame, points);
+    let path = rounded(frame, points, FINE_STEP_M);
     let mut along_m = vec![0.0];
     for pair in path.windows(2) {
         along_m.push(along_m[along_m.len() - 1] + pair[0].at.distance_m(pair[1].at));
@@ -333,7 +336,7 @@ fn compare_in_space(
     let world = World::new(&spec, terrain).expect("ground at the stations");
     let mission = encoded(&spec.vehicles[0], ground_m, &points);
     let review = review(&spec, &world, &[(0, &mission)]);
-    let mut samples = rounded(&frame, &points);
+    let mut samples = rounded(&frame, &points, STEP_M);
     samples.extend(legs(&frame, &points));
     let above_m = |sample: &PlanPoint| {
         let ground = world
