@@ -96,6 +96,19 @@ fn who_stands_on_the_ground_is_named_and_who_flies_is_led_around_the_same_threat
 }
 
 #[test]
+fn who_stands_on_the_ground_and_meets_no_threat_keeps_nobody_from_a_new_path() {
+    let later = lanes("-84.238").replace("id: bravo, ", "id: bravo, depart_s: 150, ");
+    let (folder, runs) = planned("lanes", &later);
+    let _flight = take_off(folder.path(), "lanes.yaml", "4");
+    wait_for(&runs, "alpha", 25.0);
+    let (output, told, errors) = replan(folder.path(), "36.3003,-84.246,120");
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    assert_eq!(told.matches("not touched").count(), 1, "{told}");
+    assert_eq!(json(&runs.join("replan.json"))["verdict"], "pass");
+}
+
+#[test]
 fn who_has_no_way_around_a_threat_keeps_its_course_and_nobody_else_from_a_new_one() {
     // Alpha is fenced in to the south of a wall.
     let wall = "no_fly: [{id: wall, polygon: [[36.3045, -84.299], [36.3055, -84.299], [36.3055, -84.201], [36.3045, -84.201]]}]";
