@@ -24,6 +24,8 @@ pub(super) struct Guide {
     pub class: u64,
     /// Its cost in the field it was found in.
     pub cost: f64,
+    /// Index of that field.
+    pub field: usize,
     /// From end to end.
     pub line: Vec<EastNorth>,
 }
@@ -133,9 +135,9 @@ fn move_cost(field: &Field, from: usize, to: usize, movement: &Move) -> f64 {
     cells * field.grid.spacing_m / 1000.0 * sum / count
 }
 
-/// The cheapest path of every class of a field, cheapest first.
+/// The cheapest path of every class of a field, which comes with its index; cheapest first.
 pub(super) fn guides(
-    field: &Field,
+    (index, field): (usize, &Field),
     obstacles: &Obstacles,
     start: EastNorth,
     goal: EastNorth,
@@ -163,6 +165,7 @@ pub(super) fn guides(
         .map(|(class, (cost, via))| Guide {
             class,
             cost,
+            field: index,
             line: through(grid, &from_start, &from_goal, via, start, goal),
         })
         .collect();
@@ -235,7 +238,7 @@ mod tests {
     fn classes(walls: &[(f64, f64, f64)]) -> Vec<Guide> {
         let field = field(walls);
         let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
-        guides(&field, &obstacles, START, GOAL)
+        guides((0, &field), &obstacles, START, GOAL)
     }
 
     #[test]
@@ -259,7 +262,7 @@ mod tests {
     fn the_signature_of_a_guide_is_its_class() {
         let field = field(&[(7000.0, 9000.0, 2500.0), (13_000.0, 12_000.0, 2500.0)]);
         let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
-        let guides = guides(&field, &obstacles, START, GOAL);
+        let guides = guides((0, &field), &obstacles, START, GOAL);
         assert!(guides.len() >= 3);
         for guide in guides {
             assert_eq!(obstacles.signature(&guide.line), guide.class);

@@ -115,8 +115,10 @@ pub(super) struct Relief {
     pub grid: Grid,
     /// The lowest altitude allowed; NaN where there is none.
     floor_m: Vec<f64>,
-    /// What threats and closed places cost per kilometre.
-    danger: Vec<f64>,
+    /// What threats cost per kilometre.
+    threats: Vec<f64>,
+    /// What closed places cost per kilometre.
+    closed: Vec<f64>,
 }
 
 /// How threats meet the nodes of a grid.
@@ -132,11 +134,12 @@ impl Relief {
     /// Samples a world.
     pub(super) fn new(world: &World, grid: Grid, prices: &Prices, reading: Reading) -> Self {
         let mut floor_m = Vec::with_capacity(grid.len());
-        let mut danger = Vec::with_capacity(grid.len());
+        let mut threats = Vec::with_capacity(grid.len());
+        let mut closed = Vec::with_capacity(grid.len());
         for node in 0..grid.len() {
             let at = grid.at(node);
             let floor = floor_at(world, at);
-            let threats: f64 = world
+            let of_threats: f64 = world
                 .threats
                 .iter()
                 .map(|threat| {
@@ -153,14 +156,25 @@ impl Relief {
                     }
                 })
                 .sum();
-            let closed = floor.is_none() || (reading == Reading::Wary && !world.in_area(at));
+            let is_closed = floor.is_none() || (reading == Reading::Wary && !world.in_area(at));
             floor_m.push(floor.unwrap_or(f64::NAN));
-            danger.push(threats + if closed { prices.closed } else { 0.0 });
+            threats.push(of_threats);
+            closed.push(if is_closed { prices.closed } else { 0.0 });
         }
         Self {
             grid,
             floor_m,
-            danger,
+            threats,
+            closed,
+        }
+    }
+
+    /// A field of this relief without its threats.
+    pub(super) fn ground(&self, field: &Field) -> Field {
+        let costs = field.cost.iter().zip(&self.threats);
+        Field {
+            grid: field.grid.clone(),
+            cost: costs.map(|(cost, threats)| cost - threats).collect(),
         }
     }
 
@@ -175,8 +189,8 @@ impl Relief {
         let cost = altitude_m
             .iter()
             .zip(&self.floor_m)
-            .zip(&self.danger)
-            .map(|((&altitude_m, &floor_m), danger)| {
+            .zip(self.threats.iter().zip(&self.closed))
+            .map(|((&altitude_m, &floor_m), (threats, closed))| {
                 let counted_m = if prices.above_floor {
                     altitude_m - floor_m
                 } else {
@@ -187,7 +201,7 @@ impl Relief {
                 } else {
                     counted_m.max(0.0)
                 };
-                prices.length + danger + prices.altitude * counted_m / 1000.0
+                prices.length + (threats + closed) + prices.altitude * counted_m / 1000.0
             })
             .collect();
         Field {

@@ -177,6 +177,42 @@ impl Fitter {
         }
     }
 
+    /// Weights of the control points in each sample.
+    pub(super) fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    /// Control points, ends included.
+    pub(super) fn controls(&self) -> usize {
+        self.controls
+    }
+
+    /// The spline of free control points between two ends, sample by sample.
+    pub(super) fn samples(
+        &self,
+        (from, to): (EastNorth, EastNorth),
+        free: &[EastNorth],
+    ) -> Vec<EastNorth> {
+        let control = |index: usize| match index {
+            0 => from,
+            last if last + 1 == self.controls => to,
+            inner => free[inner - 1],
+        };
+        let sample = |(first, weights): &Row| {
+            let mut sum = EastNorth {
+                east_m: 0.0,
+                north_m: 0.0,
+            };
+            for (i, weight) in weights.iter().enumerate() {
+                let at = control(first + i);
+                sum.east_m += weight * at.east_m;
+                sum.north_m += weight * at.north_m;
+            }
+            sum
+        };
+        self.rows.iter().map(sample).collect()
+    }
+
     /// The free control points of the spline nearest to a polyline.
     pub(super) fn fit(&self, line: &Line, warp: &Warp) -> Vec<EastNorth> {
         let places: Vec<EastNorth> = self

@@ -16,10 +16,12 @@ mod objective;
 mod obstacles;
 mod pivot;
 mod problem;
+mod routes;
 mod search;
 mod settle;
 mod starts;
 mod swerve;
+mod tighten;
 mod vehicle;
 
 pub use breaks::{Break, breaks};

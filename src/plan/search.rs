@@ -31,7 +31,7 @@ const JUDGED: usize = 24;
 const PENALTIES: f64 = 4.0;
 /// First steps, in units of a start's scale: starts lie well, so that larger steps lose more
 /// of what a start knows than they find.
-const STEP: f64 = 0.2;
+const STEP: f64 = 0.08;
 /// Flies of each sub-swarm of the default.
 const FLIES: usize = 16;
 

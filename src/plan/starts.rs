@@ -6,31 +6,25 @@ use std::collections::BTreeMap;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::classes::{Guide, guides};
+use super::classes::Guide;
 use super::course::Course;
-use super::field::{Field, Grid, Reading, Relief};
 use super::fit::{Fitter, Line, Warp};
-use super::obstacles::Obstacles;
 use super::problem::{Frame, Horizontal};
+use super::routes::{Routes, routes};
 use super::swerve::{conflict_m, swerve};
+use super::tighten::{Relaxed, Tightener};
 use crate::geodesy::EastNorth;
 use crate::optimize::{Evaluator, Start};
 use crate::spec::Part;
-use crate::world::World;
 
-/// Slope limits of the three fields, in units of the vehicle's: one field is not
-/// enough, because dilation raises valleys beside ridges as well.
-const SLOPE_FACTORS: [f64; 3] = [1.0, 2.5, f64::INFINITY];
-/// A gap between threats of fewer cells than this asks for a grid twice as fine.
-const GAP_CELLS: f64 = 3.0;
-/// Most guides that are fitted.
-const MAX_GUIDES: usize = 60;
 /// Warped fits of one class.
 const WARPS: usize = 24;
 /// Fits of one class that become starts.
 const FITS_PER_CLASS: usize = 3;
-/// What each further start of one class costs in the ranking.
-const REPEAT: f64 = 0.04;
+/// What each further start of one class costs in the ranking: drawn tight, they are much alike.
+const REPEAT: f64 = 0.15;
+/// What the even fit of a class that meets earlier flights costs there, beside its swerves.
+const UNSWERVED: f64 = 0.04;
 /// Unit of a start's steps, in distances between control points.
 const STEP_UNIT: f64 = 0.3;
 /// Share of the budget for fits.
@@ -45,11 +39,20 @@ const HAIR: f64 = 1e-9;
 const PROFILE: usize = 65;
 
 /// A fitted spline and how promising it is.
-struct Fit {
+#[derive(Clone)]
+struct Fit<'r> {
+    guide: &'r Guide,
     class: u64,
     cost: f64,
     score: f64,
     start: Start,
+}
+
+/// A line to fit, and the guide that it stands for.
+#[derive(Clone)]
+struct Way<'r> {
+    guide: &'r Guide,
+    line: Line,
 }
 
 /// Starts, the most promising first. Evaluates fits on the way, all counted.
@@ -66,43 +69,150 @@ pub(super) fn starts(
     rng: &mut ChaCha8Rng,
 ) -> Vec<Start> {
     let planner = &course.spec.planner;
-    let lines: Vec<(Guide, Line)> = course_guides(course, alone.budget())
-        .into_iter()
-        .map(|guide| {
-            let line = Line::new(guide.line.clone());
-            (guide, line)
-        })
-        .collect();
-    let even: Vec<_> = lines.iter().map(|pair| (pair, Warp::even())).collect();
+    let routes = routes(course, alone.budget());
+    let guides: Vec<Way<'_>> = routes.guides.iter().map(Way::of).collect();
+    let even: Vec<_> = guides.iter().map(|way| (way, Warp::even())).collect();
     let mut fits = evaluate(course, fitter, alone, &even);
+    fits.extend(tightened(course, fitter, alone, &routes, &fits));
     let allowed = (alone.budget() / FIT_SHARE).saturating_sub(alone.spent());
     let best = best_of_classes(&fits, 2 * swarms);
+    let ways: Vec<Way<'_>> = best
+        .iter()
+        .map(|&index| match guides.get(index) {
+            Some(way) => way.clone(),
+            None => fits[index].way(course, fitter),
+        })
+        .collect();
     let each = match planner.has(Part::Warps) {
         true => (allowed / best.len().max(1)).min(WARPS),
         false => 0,
     };
     let mut warped = Vec::new();
-    for &index in &best {
-        let summits = summits(course, &lines[index].1);
-        warped.extend((0..each).map(|_| (&lines[index], Warp::random(&summits, rng))));
+    for way in &ways {
+        let summits = summits(course, &way.line);
+        warped.extend((0..each).map(|_| (way, Warp::random(&summits, rng))));
     }
     fits.extend(evaluate(course, fitter, alone, &warped));
+    let leading = leading(&fits);
+    fits.extend(tightened(course, fitter, alone, &routes, &leading));
     if let Some(among) = among {
-        give_way(course, fitter, among, &lines, &best, &mut fits, rng);
+        give_way(course, fitter, among, (&ways, &best), &mut fits, rng);
     }
     rank(fits)
 }
 
-/// Adds swerves to the classes that meet earlier flights. Of what was fitted to such a class
-/// only the even fit stays, as a class beside it: mostly a swerve beats it, but it may yet
-/// pass before the others.
-fn give_way(
+impl<'r> Way<'r> {
+    fn of(guide: &'r Guide) -> Self {
+        Self {
+            guide,
+            line: Line::new(guide.line.clone()),
+        }
+    }
+}
+
+impl<'r> Fit<'r> {
+    /// A spline and what it costs.
+    fn new(guide: &'r Guide, start: Start, cost: f64) -> Self {
+        Self {
+            guide,
+            class: guide.class,
+            cost,
+            score: 0.8 * cost + 0.2 * guide.cost,
+            start,
+        }
+    }
+
+    /// The way of its spline.
+    fn way(&self, course: &Course<'_>, fitter: &Fitter) -> Way<'r> {
+        let ends = (course.leg.from.at, course.leg.to.at);
+        let free = free(&course.frame(), &self.start);
+        Way {
+            guide: self.guide,
+            line: Line::new(fitter.samples(ends, &free)),
+        }
+    }
+}
+
+/// The free control points of a start.
+fn free(frame: &Frame, start: &Start) -> Vec<EastNorth> {
+    let pairs = start.mean.chunks_exact(2);
+    pairs.map(|pair| frame.place(pair[0], pair[1])).collect()
+}
+
+/// The best fits of each class, as many as may become starts.
+fn leading<'r>(fits: &[Fit<'r>]) -> Vec<Fit<'r>> {
+    let mut order: Vec<&Fit<'r>> = fits.iter().filter(|fit| fit.score.is_finite()).collect();
+    order.sort_by(|a, b| a.score.total_cmp(&b.score));
+    let mut seen: BTreeMap<u64, usize> = BTreeMap::new();
+    order.retain(|fit| {
+        let count = seen.entry(fit.class).or_insert(0);
+        *count += 1;
+        *count <= FITS_PER_CLASS
+    });
+    order.into_iter().cloned().collect()
+}
+
+/// Fits drawn tight, and evaluated in one batch.
+fn tightened<'r>(
+    course: &Course<'_>,
+    fitter: &Fitter,
+    evaluator: &mut Evaluator<'_, Horizontal<'_>>,
+    routes: &'r Routes,
+    fits: &[Fit<'r>],
+) -> Vec<Fit<'r>> {
+    if routes.grounds.is_empty() || !course.spec.planner.has(Part::Tightening) {
+        return Vec::new();
+    }
+    let (frame, price) = (course.frame(), course.prices().threat);
+    let ends = (course.leg.from.at, course.leg.to.at);
+    let tightener = Tightener::new(fitter, ends);
+    let starts: Vec<Start> = fits
+        .par_iter()
+        .map(|fit| {
+            let relaxed = Relaxed {
+                ground: &routes.grounds[fit.guide.field],
+                threats: &course.world.threats,
+                wider_m: course.margins.threat_m,
+                price,
+            };
+            let tight = tightener.tighten(&relaxed, &free(&frame, &fit.start));
+            Start {
+                mean: mean(&frame, tight),
+                ..fit.start.clone()
+            }
+        })
+        .collect();
+    let costs = evaluator.evaluate(&rows(&starts));
+    let guides = fits.iter().map(|fit| fit.guide);
+    let fits = guides.zip(starts).zip(costs);
+    fits.map(|((guide, start), cost)| Fit::new(guide, start, cost))
+        .collect()
+}
+
+/// The numbers of free control points.
+fn mean(frame: &Frame, free: Vec<EastNorth>) -> Vec<f64> {
+    let pair = |at: EastNorth| {
+        let (east, north) = frame.share(at);
+        [east, north]
+    };
+    free.into_iter().flat_map(pair).collect()
+}
+
+/// Starts as rows of a batch.
+fn rows(starts: &[Start]) -> Vec<f64> {
+    let means = starts.iter().flat_map(|start| &start.mean);
+    means.copied().collect()
+}
+
+/// Adds swerves to the classes that meet earlier flights, by their ways and best fits. Of what
+/// was fitted to such a class only that fit stays, as a class beside it: mostly a swerve beats
+/// it, but it may yet pass before the others.
+fn give_way<'r>(
     course: &Course<'_>,
     fitter: &Fitter,
     among: &mut Evaluator<'_, Horizontal<'_>>,
-    lines: &[(Guide, Line)],
-    best: &[usize],
-    fits: &mut Vec<Fit>,
+    (ways, best): (&[Way<'r>], &[usize]),
+    fits: &mut Vec<Fit<'r>>,
     rng: &mut ChaCha8Rng,
 ) {
     let rows: Vec<f64> = best
@@ -111,148 +221,85 @@ fn give_way(
         .copied()
         .collect();
     let costs = among.evaluate(&rows);
-    let met: Vec<usize> = best
+    let met: Vec<(usize, &Way<'r>)> = best
         .iter()
+        .zip(ways)
         .zip(costs)
-        .filter(|&(&index, cost)| cost > fits[index].cost * (1.0 + HAIR))
-        .map(|(&index, _)| index)
+        .filter(|&((&index, _), cost)| cost > fits[index].cost * (1.0 + HAIR))
+        .map(|((&index, way), _)| (index, way))
         .collect();
     let swerving = &met[..met.len().min(SWERVING)];
     let allowed = among.budget() / FIT_SHARE / swerving.len().max(1);
-    let mut swerves: Vec<(Guide, Line)> = Vec::new();
-    for &index in swerving {
-        let (guide, line) = &lines[index];
-        let at_m = conflict_m(course, line);
+    let mut swerves: Vec<(Way<'r>, Warp)> = Vec::new();
+    for (_, way) in swerving {
+        let at_m = conflict_m(course, &way.line);
         swerves.extend((0..allowed.min(SWERVES)).map(|number| {
-            let line = swerve(course, line, at_m, number % 2 == 0, rng);
-            (guide.clone(), line)
+            let line = swerve(course, &way.line, at_m, number % 2 == 0, rng);
+            // Half of them with control points bunched as well.
+            let warp = match course.spec.planner.has(Part::Warps) && number % 4 > 1 {
+                true => Warp::random(&summits(course, &line), rng),
+                false => Warp::even(),
+            };
+            let guide = way.guide;
+            (Way { guide, line }, warp)
         }));
     }
-    let wanted: Vec<_> = swerves.iter().map(|pair| (pair, Warp::even())).collect();
-    let swerved = evaluate(course, fitter, among, &wanted);
-    let classes: Vec<u64> = met.iter().map(|&index| fits[index].class).collect();
+    let wanted: Vec<_> = swerves
+        .iter()
+        .map(|(way, warp)| (way, warp.clone()))
+        .collect();
+    let mut swerved = evaluate(course, fitter, among, &wanted);
+    for &(index, _) in swerving {
+        rank_as(&fits[index], &mut swerved);
+    }
+    let classes: Vec<u64> = met.iter().map(|&(index, _)| fits[index].class).collect();
+    let kept: Vec<usize> = met.iter().map(|&(index, _)| index).collect();
     let mut index = 0;
     fits.retain(|fit| {
         index += 1;
-        met.contains(&(index - 1)) || !classes.contains(&fit.class)
+        kept.contains(&(index - 1)) || !classes.contains(&fit.class)
     });
     for fit in fits.iter_mut().filter(|fit| classes.contains(&fit.class)) {
         fit.class = fit.class.wrapping_add(1);
         fit.start.class = fit.class;
-        fit.score *= 1.0 + REPEAT;
+        fit.score *= 1.0 + UNSWERVED;
     }
     fits.extend(swerved);
 }
 
-/// Guides of all three fields, cheapest first, and the straight line.
-fn course_guides(course: &Course<'_>, budget: usize) -> Vec<Guide> {
-    let (start, goal) = (course.leg.from.at, course.leg.to.at);
-    let planner = &course.spec.planner;
-    if !planner.has(Part::Routes) {
-        return vec![straight(start, goal, 0)];
-    }
-    let factors = match planner.has(Part::Fields) {
-        true => &SLOPE_FACTORS[..],
-        false => &SLOPE_FACTORS[..1],
-    };
-    let nodes = if budget >= 20_000 { 81 } else { 41 };
-    let narrowest_m = narrowest_gap_m(course.world);
-    let prices = course.prices();
-    let (near, whole) = (course.near_box(), course.frame());
-    let search = |south_west, north_east| {
-        let mut grid = Grid::over(south_west, north_east, nodes);
-        if narrowest_m < GAP_CELLS * grid.spacing_m {
-            grid = Grid::over(south_west, north_east, 2 * nodes - 1);
-        }
-        let relief = Relief::new(course.world, grid, &prices, Reading::Wary);
-        let fields: Vec<Field> = factors
-            .par_iter()
-            .map(|factor| relief.field(factor * course.slope(), &prices))
-            .collect();
-        let obstacles = Obstacles::of(&fields, start, goal);
-        let mut found: Vec<Guide> = fields
-            .par_iter()
-            .map(|field| guides(field, &obstacles, start, goal))
-            .collect::<Vec<_>>()
-            .concat();
-        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        found.truncate(MAX_GUIDES);
-        let class = obstacles.signature(&[start, goal]);
-        found.push(straight(start, goal, class));
-        found
-    };
-    let found = search(near.south_west, near.north_east);
-    // Where no way nearby is clean, one far around may be.
-    if near != whole && found[0].cost > 2.0 * course.straight_km() {
-        return search(whole.south_west, whole.north_east);
-    }
-    found
-}
-
-/// The least distance between the rims of two threats that do not touch, metres.
-fn narrowest_gap_m(world: &World) -> f64 {
-    let mut least_m = f64::INFINITY;
-    for (index, one) in world.threats.iter().enumerate() {
-        for other in &world.threats[..index] {
-            let gap_m = one.center.distance_m(other.center) - one.radius_m - other.radius_m;
-            if gap_m > 0.0 {
-                least_m = least_m.min(gap_m);
-            }
-        }
-    }
-    least_m
-}
-
-/// The straight line as a guide.
-fn straight(start: EastNorth, goal: EastNorth, class: u64) -> Guide {
-    Guide {
-        class,
-        cost: start.distance_m(goal) / 1000.0,
-        line: vec![start, goal],
+/// Ranks the best of a class's swerves as its way would rank alone, and the others behind it.
+fn rank_as(alone: &Fit<'_>, swerved: &mut [Fit<'_>]) {
+    let of_class = || swerved.iter().filter(|fit| fit.class == alone.class);
+    let least = of_class()
+        .map(|fit| fit.score)
+        .fold(f64::INFINITY, f64::min);
+    for fit in swerved.iter_mut().filter(|fit| fit.class == alone.class) {
+        fit.score *= alone.score / least;
     }
 }
 
-/// Fits guides under warps and evaluates them in one batch.
-fn evaluate(
+/// Fits ways under warps and evaluates them in one batch.
+fn evaluate<'r>(
     course: &Course<'_>,
     fitter: &Fitter,
     evaluator: &mut Evaluator<'_, Horizontal<'_>>,
-    wanted: &[(&(Guide, Line), Warp)],
-) -> Vec<Fit> {
+    wanted: &[(&Way<'r>, Warp)],
+) -> Vec<Fit<'r>> {
     let frame = course.frame();
     let starts: Vec<Start> = wanted
         .par_iter()
-        .map(|((guide, line), warp)| start(&frame, fitter, line, warp, guide.class))
+        .map(|(way, warp)| start(&frame, fitter, &way.line, warp, way.guide.class))
         .collect();
-    let rows: Vec<f64> = starts
-        .iter()
-        .flat_map(|start| &start.mean)
-        .copied()
-        .collect();
-    let costs = evaluator.evaluate(&rows);
-    starts
-        .into_iter()
-        .zip(costs)
-        .zip(wanted)
-        .map(|((start, cost), ((guide, _), _))| Fit {
-            class: guide.class,
-            cost,
-            score: 0.8 * cost + 0.2 * guide.cost,
-            start,
-        })
+    let costs = evaluator.evaluate(&rows(&starts));
+    let guides = wanted.iter().map(|(way, _)| way.guide);
+    let fits = guides.zip(starts).zip(costs);
+    fits.map(|((guide, start), cost)| Fit::new(guide, start, cost))
         .collect()
 }
 
 /// The spline nearest to a line under a warp as a start.
 pub(super) fn start(frame: &Frame, fitter: &Fitter, line: &Line, warp: &Warp, class: u64) -> Start {
-    let mean: Vec<f64> = fitter
-        .fit(line, warp)
-        .into_iter()
-        .flat_map(|at: EastNorth| {
-            let (east, north) = frame.share(at);
-            [east, north]
-        })
-        .collect();
+    let mean = mean(frame, fitter.fit(line, warp));
     #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
     let spacing_m = line.length_m() / (mean.len() / 2 + 1) as f64;
     Start {
@@ -263,7 +310,7 @@ pub(super) fn start(frame: &Frame, fitter: &Fitter, line: &Line, warp: &Warp, cl
 }
 
 /// Indices of the best fit of each class, best class first.
-fn best_of_classes(fits: &[Fit], most: usize) -> Vec<usize> {
+fn best_of_classes(fits: &[Fit<'_>], most: usize) -> Vec<usize> {
     let mut best: BTreeMap<u64, usize> = BTreeMap::new();
     for (index, fit) in fits.iter().enumerate() {
         let entry = best.entry(fit.class).or_insert(index);
@@ -278,7 +325,7 @@ fn best_of_classes(fits: &[Fit], most: usize) -> Vec<usize> {
 }
 
 /// The best fits of each class, those of one class handicapped in turn.
-fn rank(mut fits: Vec<Fit>) -> Vec<Start> {
+fn rank(mut fits: Vec<Fit<'_>>) -> Vec<Start> {
     fits.retain(|fit| fit.score.is_finite());
     fits.sort_by(|a, b| a.score.total_cmp(&b.score));
     let mut seen: BTreeMap<u64, usize> = BTreeMap::new();

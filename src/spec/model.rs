@@ -202,6 +202,8 @@ pub enum Part {
     Fields,
     /// Control points bunched in several ways along a route.
     Warps,
+    /// Fits drawn tight over the relaxed problem.
+    Tightening,
     /// Starts that give way to earlier flights; without them ways are ranked by what they cost
     /// straight through these.
     Swerves,
@@ -219,10 +221,11 @@ pub enum Part {
 
 impl Part {
     /// All of them, with the name that tables give to the planner without it.
-    pub const ALL: [(&'static str, Self); 9] = [
+    pub const ALL: [(&'static str, Self); 10] = [
         ("no route classes", Self::Routes),
         ("one cost field", Self::Fields),
         ("no warps", Self::Warps),
+        ("no tightening", Self::Tightening),
         ("no swerves", Self::Swerves),
         ("no racing", Self::Racing),
         ("no offspring", Self::Offspring),
