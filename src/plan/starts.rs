@@ -1,5 +1,5 @@
-//! Where the sub-swarms of one course begin: a spline in every route class, with its
-//! control points bunched in several ways.
+//! Where the sub-swarms of one course begin: a spline in every route class, drawn tight, with
+//! its control points bunched in several ways.
 
 use std::collections::BTreeMap;
 
@@ -76,6 +76,7 @@ pub(super) fn starts(
     fits.extend(tightened(course, fitter, alone, &routes, &fits));
     let allowed = (alone.budget() / FIT_SHARE).saturating_sub(alone.spent());
     let best = best_of_classes(&fits, 2 * swarms);
+    // The first fits are those of the guides.
     let ways: Vec<Way<'_>> = best
         .iter()
         .map(|&index| match guides.get(index) {
@@ -230,24 +231,12 @@ fn give_way<'r>(
         .collect();
     let swerving = &met[..met.len().min(SWERVING)];
     let allowed = among.budget() / FIT_SHARE / swerving.len().max(1);
-    let mut swerves: Vec<(Way<'r>, Warp)> = Vec::new();
+    let mut swerves = Vec::new();
     for (_, way) in swerving {
-        let at_m = conflict_m(course, &way.line);
-        swerves.extend((0..allowed.min(SWERVES)).map(|number| {
-            let line = swerve(course, &way.line, at_m, number % 2 == 0, rng);
-            // Half of them with control points bunched as well.
-            let warp = match course.spec.planner.has(Part::Warps) && number % 4 > 1 {
-                true => Warp::random(&summits(course, &line), rng),
-                false => Warp::even(),
-            };
-            let guide = way.guide;
-            (Way { guide, line }, warp)
-        }));
+        swerves.extend(swerves_of(course, way, allowed.min(SWERVES), rng));
     }
-    let wanted: Vec<_> = swerves
-        .iter()
-        .map(|(way, warp)| (way, warp.clone()))
-        .collect();
+    let swerves = swerves.iter().map(|(way, warp)| (way, warp.clone()));
+    let wanted: Vec<_> = swerves.collect();
     let mut swerved = evaluate(course, fitter, among, &wanted);
     for &(index, _) in swerving {
         rank_as(&fits[index], &mut swerved);
@@ -265,6 +254,28 @@ fn give_way<'r>(
         fit.score *= 1.0 + UNSWERVED;
     }
     fits.extend(swerved);
+}
+
+/// Swerves of one way, half of them with control points bunched as well.
+fn swerves_of<'r>(
+    course: &Course<'_>,
+    way: &Way<'r>,
+    count: usize,
+    rng: &mut ChaCha8Rng,
+) -> Vec<(Way<'r>, Warp)> {
+    let at_m = conflict_m(course, &way.line);
+    let has_warps = course.spec.planner.has(Part::Warps);
+    (0..count)
+        .map(|number| {
+            let line = swerve(course, &way.line, at_m, number % 2 == 0, rng);
+            let warp = match has_warps && number % 4 > 1 {
+                true => Warp::random(&summits(course, &line), rng),
+                false => Warp::even(),
+            };
+            let guide = way.guide;
+            (Way { guide, line }, warp)
+        })
+        .collect()
 }
 
 /// Ranks the best of a class's swerves as its way would rank alone, and the others behind it.
