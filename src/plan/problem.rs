@@ -43,6 +43,21 @@ impl Frame {
         )
     }
 
+    /// Places from numbers in pairs.
+    pub(super) fn places(&self, numbers: &[f64]) -> impl Iterator<Item = EastNorth> {
+        let pairs = numbers.chunks_exact(2);
+        pairs.map(|pair| self.place(pair[0], pair[1]))
+    }
+
+    /// The numbers of places, in pairs.
+    pub(super) fn shares(&self, places: impl IntoIterator<Item = EastNorth>) -> Vec<f64> {
+        let pair = |at: EastNorth| {
+            let (east, north) = self.share(at);
+            [east, north]
+        };
+        places.into_iter().flat_map(pair).collect()
+    }
+
     /// A distance in metres as steps of the two numbers, for so many numbers in pairs.
     pub(super) fn scale(&self, distance_m: f64, numbers: usize) -> Vec<f64> {
         let width_m = self.north_east.east_m - self.south_west.east_m;
@@ -225,17 +240,6 @@ impl<'a> Sampled<'a> {
             .solve(&room.demand, &mut spline.amsl_m, &mut room.lowest);
     }
 
-    /// The way of a spline in the plane, sample by sample.
-    pub(super) fn line(&self, free: impl Iterator<Item = EastNorth>) -> Vec<EastNorth> {
-        let mut spline = Spline::default();
-        self.outline(free, &mut spline);
-        let east = self.basis.sampled(&spline.east_m);
-        east.into_iter()
-            .zip(self.basis.sampled(&spline.north_m))
-            .map(|(east_m, north_m)| EastNorth { east_m, north_m })
-            .collect()
-    }
-
     /// The decoded spline of free control points in the plane.
     pub(super) fn spline(&self, free: impl Iterator<Item = EastNorth>) -> Spline {
         let mut room = Room::default();
@@ -250,15 +254,6 @@ pub(super) struct Horizontal<'a> {
     pub frame: Frame,
 }
 
-impl Horizontal<'_> {
-    /// Free control points of a candidate: pairs of east and north.
-    pub(super) fn free<'c>(&'c self, candidate: &'c [f64]) -> impl Iterator<Item = EastNorth> + 'c {
-        candidate
-            .chunks_exact(2)
-            .map(|pair| self.frame.place(pair[0], pair[1]))
-    }
-}
-
 impl Problem for Horizontal<'_> {
     fn dimension(&self) -> usize {
         2 * (self.sampled.controls - 2)
@@ -271,7 +266,7 @@ impl Problem for Horizontal<'_> {
             // ended, the first where all do, so that equal calls give equal bytes.
             room.lowest.begin_anew();
             for candidate in candidates.chunks_exact(self.dimension()) {
-                self.sampled.decode(self.free(candidate), room);
+                self.sampled.decode(self.frame.places(candidate), room);
                 room.batch.push(&room.spline.controls());
             }
             self.sampled

@@ -154,7 +154,7 @@ fn swarms<'a>(
     let fine = fine(course);
     let splines = most_promising(finalists)
         .iter()
-        .map(|candidate| fine.spline(problem.free(&candidate.position)))
+        .map(|candidate| fine.spline(problem.frame.places(&candidate.position)))
         .collect();
     (splines, fitted + outcome.evaluations)
 }
@@ -175,7 +175,9 @@ fn redrawn(
     place: &[f64],
     rng: &mut ChaCha8Rng,
 ) -> Vec<Start> {
-    let line = Line::new(problem.sampled.line(problem.free(place)));
+    let ends = (course.leg.from.at, course.leg.to.at);
+    let free: Vec<EastNorth> = problem.frame.places(place).collect();
+    let line = Line::new(fitter.samples(ends, &free));
     let summits = summits(course, &line);
     (0..REDRAWINGS)
         .map(|_| {

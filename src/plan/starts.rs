@@ -23,7 +23,7 @@ const WARPS: usize = 24;
 const FITS_PER_CLASS: usize = 3;
 /// What each further start of one class costs in the ranking: drawn tight, they are much alike.
 const REPEAT: f64 = 0.15;
-/// What the even fit of a class that meets earlier flights costs there, beside its swerves.
+/// What the fit of a class that meets earlier flights costs in the ranking, beside its swerves.
 const UNSWERVED: f64 = 0.04;
 /// Unit of a start's steps, in distances between control points.
 const STEP_UNIT: f64 = 0.3;
@@ -126,18 +126,12 @@ impl<'r> Fit<'r> {
     /// The way of its spline.
     fn way(&self, course: &Course<'_>, fitter: &Fitter) -> Way<'r> {
         let ends = (course.leg.from.at, course.leg.to.at);
-        let free = free(&course.frame(), &self.start);
+        let free: Vec<EastNorth> = course.frame().places(&self.start.mean).collect();
         Way {
             guide: self.guide,
             line: Line::new(fitter.samples(ends, &free)),
         }
     }
-}
-
-/// The free control points of a start.
-fn free(frame: &Frame, start: &Start) -> Vec<EastNorth> {
-    let pairs = start.mean.chunks_exact(2);
-    pairs.map(|pair| frame.place(pair[0], pair[1])).collect()
 }
 
 /// The best fits of each class, as many as may become starts.
@@ -176,9 +170,9 @@ fn tightened<'r>(
                 wider_m: course.margins.threat_m,
                 price,
             };
-            let tight = tightener.tighten(&relaxed, &free(&frame, &fit.start));
+            let free: Vec<EastNorth> = frame.places(&fit.start.mean).collect();
             Start {
-                mean: mean(&frame, tight),
+                mean: frame.shares(tightener.tighten(&relaxed, &free)),
                 ..fit.start.clone()
             }
         })
@@ -188,15 +182,6 @@ fn tightened<'r>(
     let fits = guides.zip(starts).zip(costs);
     fits.map(|((guide, start), cost)| Fit::new(guide, start, cost))
         .collect()
-}
-
-/// The numbers of free control points.
-fn mean(frame: &Frame, free: Vec<EastNorth>) -> Vec<f64> {
-    let pair = |at: EastNorth| {
-        let (east, north) = frame.share(at);
-        [east, north]
-    };
-    free.into_iter().flat_map(pair).collect()
 }
 
 /// Starts as rows of a batch.
@@ -310,7 +295,7 @@ fn evaluate<'r>(
 
 /// The spline nearest to a line under a warp as a start.
 pub(super) fn start(frame: &Frame, fitter: &Fitter, line: &Line, warp: &Warp, class: u64) -> Start {
-    let mean = mean(frame, fitter.fit(line, warp));
+    let mean = frame.shares(fitter.fit(line, warp));
     #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
     let spacing_m = line.length_m() / (mean.len() / 2 + 1) as f64;
     Start {
