@@ -399,6 +399,55 @@ fn a_plan_that_was_given_in_flight_ends_where_the_spec_does() {
     assert_eq!(bad, [("alpha".to_owned(), what.to_owned())]);
 }
 
+/// What a vehicle has before it at a position becomes a plan of its own, which counts its items
+/// from 1 again, as that of a PX4 vehicle that is led onto a new path.
+fn begin_again(flight: &mut Flight, from: usize) {
+    let first = flight.flown.fixes[from];
+    let mut plan = flight.plans[flight.plans.len() - 1].clone();
+    let left_out = first.item - 1;
+    plan.items += 1;
+    let ways = &mut plan.reference.waypoints;
+    let at = ways.iter().position(|way| way.item >= first.item);
+    ways.drain(..at.expect("a way ahead") - 1);
+    for (number, way) in ways.iter_mut().enumerate() {
+        way.item = way
+            .item
+            .saturating_sub(left_out)
+            .max(usize::from(number > 0));
+    }
+    for fix in &mut flight.flown.fixes[from..] {
+        (fix.item, fix.items) = (fix.item - left_out, plan.items);
+    }
+    for (item, t_s) in &mut flight.flown.reached {
+        if *t_s > first.t_s {
+            *item -= left_out;
+        }
+    }
+    flight.plans.push(plan);
+}
+
+#[test]
+fn items_of_a_plan_given_in_flight_are_not_those_of_the_same_number_before() {
+    let (plan, record) = flown();
+    let mut record = record.clone();
+    let lateness = |record: &Record| -> Vec<f64> {
+        let report = judge(&plan.spec, &plan.world, record);
+        let late = report.vehicles[0].passages.iter().map(Passage::late_s);
+        late.collect()
+    };
+    let before = lateness(&record);
+    let flight = &mut record.flights[0];
+    let fixes = flight.flown.fixes.len();
+    for from in [fixes / 2, 2 * fixes / 3] {
+        begin_again(flight, from);
+    }
+    let after = lateness(&record);
+    assert_eq!(before.len(), after.len(), "{before:?}\n{after:?}");
+    for (before, after) in before.iter().zip(&after) {
+        assert!((before - after).abs() < 1.0, "{before} {after}");
+    }
+}
+
 #[test]
 fn a_flight_that_fly_would_have_given_up_does_not_pass() {
     let bad = failed(|record| {

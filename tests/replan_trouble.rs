@@ -9,10 +9,13 @@ mod in_flight;
 
 use std::path::Path;
 use std::process::Output;
+use std::time::Duration;
 
 use command::{sortie, text};
 use in_flight::{json, lanes, lines, planned, take_off, wait_for};
 use serde_json::Value;
+use sortie::link::{Address, Command, FlightMessage, Links, Message};
+use sortie::spec::Link;
 
 fn replan(folder: &Path, threat: &str) -> (Output, String, String) {
     let threat = format!("--threat={threat}");
@@ -68,14 +71,71 @@ fn who_is_inside_of_a_threat_is_named_each_time_and_the_others_are_led_around_th
         .map(|(vehicle, what)| (vehicle.expect("an id"), what.expect("a limit")))
         .collect();
     assert_eq!(broken, [("alpha", "threat popup-1")]);
-    // When alpha is in the middle of it was told by the clock of the flight.
     let record = lines(&runs);
+    // Bravo counts the items of its new mission from the first on, and is heard to reach them.
+    let of = |line: &&Value| line["vehicle"] == "bravo";
+    let reached = record.iter().filter(of).map(|line| &line["reached"]);
+    let reached: Vec<u64> = reached.filter_map(Value::as_u64).collect();
+    assert!(reached.windows(2).any(|of| of[1] < of[0]), "{reached:?}");
+    // When alpha is in the middle of it was told by the clock of the flight.
     let of = |line: &&Value| line["vehicle"] == "alpha" && line["lat_deg"].is_f64();
     let away = |line: &Value| (line["lon_deg"].as_f64().expect("degrees") + 84.25).abs();
     let positions = record.iter().filter(of);
     let nearest = positions.min_by(|a, b| away(a).total_cmp(&away(b)));
     let passed_s = nearest.expect("positions")["t_s"].as_f64().expect("s");
     assert!((passed_s - middle_s).abs() < 8.0, "{passed_s} {middle_s}");
+}
+
+#[test]
+fn what_is_broken_from_now_on_is_told_with_the_time_height_and_item_of_now() {
+    let (folder, runs) = planned("lanes", &lanes("-84.238"));
+    let _flight = take_off(folder.path(), "lanes.yaml", "4");
+    wait_for(&runs, "alpha", 40.0);
+    // Its middle is behind alpha: nowhere ahead is nearer to it than here.
+    let (output, told, errors) = replan(folder.path(), "36.300,-84.2645,900");
+    assert_eq!(output.status.code(), Some(4), "{told}{errors}");
+    let what = "FAIL alpha: threat popup-1";
+    assert!(worst_s(&told, what) >= 40.0, "{told}");
+    let mut lines_told = told.lines();
+    let line = lines_told.find(|line| line.contains(what)).expect("a line");
+    let height_m = |m: u16| line.contains(&format!(", {m} m AMSL,"));
+    assert!((438..=442).any(height_m), "{line}");
+    let record = lines(&runs);
+    let is_told = |item: u64| line.contains(&format!("at item {item},"));
+    let of = |line: &&Value| line["vehicle"] == "alpha" && line["lat_deg"].is_f64();
+    let items = record.iter().filter(of).map(|line| &line["item"]);
+    let mut items = items.filter_map(Value::as_u64).filter(|item| *item > 1);
+    assert!(items.any(is_told), "{line}");
+}
+
+#[test]
+fn what_cannot_be_meant_is_refused_before_anything_is_recorded_or_sent() {
+    let (folder, runs) = planned("lanes", &lanes("-84.238"));
+    std::fs::create_dir_all(&runs).expect("a folder");
+    let refused = |threat: &str, code: i32, words: &str| {
+        let (output, told, errors) = replan(folder.path(), threat);
+        assert_eq!(output.status.code(), Some(code), "{told}{errors}");
+        assert!(errors.contains(words), "{words} in {errors}");
+        assert!(!runs.join("underway.jsonl").exists(), "{threat}");
+    };
+    // Latitude and longitude of a place to the east, the other way round.
+    refused("84.25,36.3,100", 2, "lies outside of the area");
+    refused("36.3,-84.25", 2, "not of the form");
+    let links = runs.join("links.json");
+    for (said, words) in [
+        ("garbage", "links.json: expected value at line 1"),
+        ("{\"links\": {}, \"speedup\": 1e300}", "allowed: 0.1 to 100"),
+        ("{\"links\": {}, \"speedup\": -1}", "allowed: 0.1 to 100"),
+    ] {
+        std::fs::write(&links, said).expect("written");
+        refused("36.3,-84.25,100", 3, words);
+    }
+    std::fs::remove_file(folder.path().join("out/lanes/plan.json")).expect("it is there");
+    refused(
+        "36.3,-84.25,100",
+        4,
+        "plan.json is not there, or not a plan",
+    );
 }
 
 #[test]
@@ -126,4 +186,75 @@ fn who_has_no_way_around_a_threat_keeps_its_course_and_nobody_else_from_a_new_on
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
     assert!(errors.contains("alpha cannot avoid popup-1"), "{errors}");
     assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+}
+
+/// Has a vehicle that is flown from here stop where it is, as another ground station would.
+fn hold(runs: &Path, vehicle: &str, system: u8) {
+    const BRAKE: f32 = 17.0;
+    let said = json(&runs.join("links.json"));
+    let link = said["links"][vehicle].as_str().expect("a link");
+    let link = Link::parse(link).expect("a link");
+    let links = Links::open(&[(system, &link)]).expect("a socket");
+    let target = Address {
+        system,
+        component: 1,
+    };
+    let order = Command::new(Command::SET_MODE, [1.0, BRAKE]);
+    links.send(
+        system,
+        Message::Flight(FlightMessage::Command { target, order }),
+    );
+    let _heard = links.receive(Duration::from_millis(500));
+}
+
+#[test]
+fn who_holds_is_not_said_to_be_on_a_new_path() {
+    let (folder, runs) = planned("lanes", &lanes("-84.238"));
+    let _flight = take_off(folder.path(), "lanes.yaml", "4");
+    wait_for(&runs, "alpha", 30.0);
+    hold(&runs, "alpha", 1);
+    wait_for(&runs, "alpha", 45.0);
+    // Both meet it.
+    let (output, told, errors) = replan(folder.path(), "36.305,-84.244,570");
+    assert_eq!(output.status.code(), Some(4), "{told}{errors}");
+    let who = "alpha cannot avoid popup-1 (it does not fly its mission";
+    assert!(errors.contains(who), "{errors}");
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    let done = json(&runs.join("replan.json"));
+    assert_eq!(done["verdict"], "fail");
+    assert_eq!(done["vehicles"][0]["id"], "bravo");
+}
+
+#[test]
+fn who_passes_a_threat_while_the_command_looks_is_named() {
+    let (folder, runs) = planned("lanes", &lanes("-84.215"));
+    let mut flight = take_off(folder.path(), "lanes.yaml", "10");
+    // Discs of 25 m along the way of alpha, told when it is about there.
+    let mut told_of = Vec::new();
+    for number in 1_u8..=5 {
+        wait_for(&runs, "alpha", 20.0 * f64::from(number) + 10.0);
+        let record = lines(&runs);
+        let of = |line: &&Value| line["vehicle"] == "alpha" && line["lat_deg"].is_f64();
+        let latest = record.iter().rfind(of).expect("a position");
+        let lon_deg = latest["lon_deg"].as_f64().expect("degrees") + 0.0001 * f64::from(number);
+        let (output, told, errors) = replan(folder.path(), &format!("36.300,{lon_deg},25"));
+        let verdict = json(&runs.join("replan.json"))["verdict"].clone();
+        let names = errors.contains(&format!("popup-{number}"));
+        told_of.push((output.status.code(), verdict, names, told + &errors));
+    }
+    flight.0.wait().expect("it ends");
+    let flown = json(&runs.join("flight.json"));
+    for margin in flown["margins"].as_array().expect("margins") {
+        let threat = margin["what"].as_str().expect("a limit");
+        let Some(number) = threat.strip_prefix("threat popup-") else {
+            continue;
+        };
+        let number: usize = number.parse().expect("a number");
+        let (code, verdict, names, said) = &told_of[number - 1];
+        if margin["vehicle"] == "alpha" && margin["ok"] == false {
+            assert_eq!((*code, *names), (Some(4), true), "{threat}: {said}");
+            assert_eq!(verdict, "fail", "{threat}: {said}");
+        }
+    }
+    assert!(told_of.iter().any(|of| of.2), "none was met");
 }

@@ -183,10 +183,14 @@ pub(super) fn refuse_edited(
     files: &BTreeMap<usize, PathBuf>,
 ) -> Result<(), Failure> {
     let edited = |what: String| {
-        let message = format!("{what}; nothing was sent (--force overrides)");
+        let message = format!("{what}; nothing was sent");
         Err(Failure::new(Failure::VERDICT, message))
     };
     let planned = planned_from(folder);
+    if planned.is_none() {
+        let plan = folder.join("plan.json");
+        return edited(format!("{} is not there, or not a plan", plan.display()));
+    }
     if planned.as_ref().map(|(spec, _)| spec) != Some(&sha256(&file.text)) {
         return edited(format!(
             "{} is not the spec that plan.json was made from",

@@ -26,7 +26,7 @@ use crate::flight::{Line, PopUp};
 use crate::link::Links;
 use crate::spec::{Airframe, Link, MissionSpec, SpecFile, Threat};
 
-use course::Course;
+use course::{Course, Since};
 use look::{Clock, Look, Sight};
 use renewed::Replanned;
 use situation::{Bound, GivenUp, Situation};
@@ -56,8 +56,14 @@ struct Decision {
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     are_led(&SpecFile::read(&arguments.spec)?.spec)?;
     let mut sorties = fly::read(&arguments.spec, arguments.dir.as_deref())?;
-    let _held = runs::hold(&runs::folder(&sorties.folder), "replan")?;
-    let call = Call::heard(&sorties);
+    let _held = runs::hold(&runs::folder(&sorties.folder), "replan").map_err(|busy| {
+        let message = format!(
+            "{}, and this threat is not recorded: tell it again",
+            busy.message
+        );
+        Failure::new(busy.code, message)
+    })?;
+    let call = Call::heard(&sorties)?;
     let is_watched = runs::is_flown(&sorties.folder);
     if !is_watched {
         note(
@@ -73,8 +79,9 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         .as_ref()
         .map(|(_, said)| said.clone())
         .unwrap_or_default();
+    let told_ms = delivery::milliseconds_since_1970();
     let popup = PopUp {
-        from_s: t_s(&said, delivery::milliseconds_since_1970()),
+        from_s: t_s(&said, told_ms),
         threat: threat.clone(),
     };
     // Whatever comes of it: the flight is held against the threat from now on.
@@ -89,7 +96,12 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         .map_err(|(link, error)| failed(format!("{link}: {error}; nothing was sent")))?;
     let clock = Clock::start();
     let mut look = Look::read(&open, &clock, &sorties)?;
-    let decision = decide(&sorties, &popups, &said, &clock, &mut look, arguments.seed)?;
+    let since = Since {
+        unix_ms: told_ms,
+        pace: pace(&said),
+    };
+    let known = (popups.as_slice(), &said, since);
+    let decision = decide(&sorties, known, &clock, &mut look, arguments.seed)?;
     if !decision.replanned.review.passes() {
         let clock = said.t0_unix_ms.map_or("now", |_| "T0");
         let review = &decision.replanned.review;
@@ -135,24 +147,19 @@ fn answer(cannot: Option<String>, told: &told::Told) -> Result<(), Failure> {
 /// Plans, and again with more time when it took more than was allowed for.
 fn decide(
     sorties: &Sorties,
-    popups: &[Threat],
-    said: &Said,
+    (popups, said, since): (&[Threat], &Said, Since),
     clock: &Clock,
     look: &mut Look<'_>,
     seed: Option<u64>,
 ) -> Result<Decision, Failure> {
-    let pace = if said.speedup > 0.0 {
-        said.speedup
-    } else {
-        1.0
-    };
+    let pace = pace(said);
     let mut planning_s = PLANNING_S;
     let mut given_up = GivenUp::new();
     for _ in 0..TRIES {
         let sight = look.sight()?;
         let sending_s = SENDING * sight.reading_s + SENDING_S;
         let lead_s = (planning_s + sending_s) * pace + SPARE_S;
-        let courses = courses(sorties, &sight)?;
+        let courses = courses(sorties, &sight, &since)?;
         let now_s = t_s(said, sight.unix_ms);
         let mut situation = Situation {
             sorties,
@@ -186,6 +193,15 @@ fn decide(
             planning_s / 1.5
         ),
     ))
+}
+
+/// How much faster than the clock the time of the vehicles goes.
+fn pace(said: &Said) -> f64 {
+    if said.speedup > 0.0 {
+        said.speedup
+    } else {
+        1.0
+    }
 }
 
 /// Seconds after T0, if that is known.
@@ -255,7 +271,7 @@ fn links(
 }
 
 /// What each vehicle in flight has before it.
-fn courses(sorties: &Sorties, sight: &Sight) -> Result<Vec<Course>, Failure> {
+fn courses(sorties: &Sorties, sight: &Sight, since: &Since) -> Result<Vec<Course>, Failure> {
     let mut courses = Vec::new();
     for (index, mission) in &sorties.missions {
         let id = &sorties.file.spec.vehicles[*index].id;
@@ -267,7 +283,7 @@ fn courses(sorties: &Sorties, sight: &Sight) -> Result<Vec<Course>, Failure> {
             note(&format!("{id}: does not fly; it is left out"));
             continue;
         };
-        let course = Course::new(sorties, *index, mission, seen);
+        let course = Course::new(sorties, *index, mission, seen, since);
         courses.push(course.map_err(|why| impossible(id, &why))?);
     }
     Ok(courses)

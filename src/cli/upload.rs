@@ -38,7 +38,13 @@ pub(super) fn run(arguments: &args::Upload) -> Result<(), Failure> {
             let target = PathBuf::from("out").join(&file.spec.name);
             (file, files, target)
         }
-        None => from_folder(&arguments.paths, arguments.force)?,
+        None => from_folder(&arguments.paths, arguments.force).map_err(|refusal| {
+            let way_out = match refusal.code {
+                Failure::VERDICT => " (--force overrides)",
+                _ => "",
+            };
+            Failure::new(refusal.code, refusal.message + way_out)
+        })?,
     };
     let links = links(&file, &arguments.link)?;
     let world = world::load(&file)?;

@@ -225,9 +225,8 @@ impl<'a> Craft<'a> {
             FlightMessage::Position(position) => self.position(flight_ms, t0_ms, position),
             FlightMessage::ItemReached { seq } => {
                 let row = self.row(*seq);
-                let is_new = self.flown.reached.iter().all(|(known, _)| *known != row);
-                if is_new && matches!(self.stage, Stage::Flying | Stage::Starting) {
-                    self.flown.reached.push((row, t_s));
+                let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
+                if flies && self.flown.reach(row, t_s) {
                     self.said.push_back(format!("item {row} reached"));
                 }
             }

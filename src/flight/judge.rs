@@ -1,5 +1,6 @@
 //! What was flown against the plan and against the limits of the spec.
 
+use super::end::End;
 use super::limits::separation;
 use super::proof::{self, BESIDE_M};
 use super::record::{Fix, Flight, Record};
@@ -207,7 +208,10 @@ impl<'a> Trail<'a> {
         let (plan, mut from) = (part.plan, part.fixes.start);
         let fixes = &self.fixes()[..part.fixes.end];
         let reached = &self.flight.flown.reached;
+        // What a plan before this one called by the same number is none of it.
+        let begins_s = fixes.get(from).filter(|_| from > 0).map(|first| first.t_s);
         let ends_s = fixes.last().map_or(0.0, |last| last.t_s);
+        let flown_by_it = begins_s.unwrap_or(f64::NEG_INFINITY)..=ends_s + GAP_S;
         let mut found = Vec::new();
         for (index, waypoint) in plan.waypoints.iter().enumerate().skip(part.ahead) {
             let next = plan.waypoints.get(index + 1).map_or(usize::MAX, |w| w.item);
@@ -232,7 +236,7 @@ impl<'a> Trail<'a> {
             let was_reached = fixes[from..].iter().any(|fix| fix.item > waypoint.item)
                 || reached
                     .iter()
-                    .any(|&(item, t_s)| item == waypoint.item && t_s <= ends_s + GAP_S);
+                    .any(|(item, t_s)| *item == waypoint.item && flown_by_it.contains(t_s));
             if let Some((distance_m, flown_s, at)) = best.filter(|_| was_reached) {
                 from = at;
                 found.push(Passage {
@@ -260,7 +264,10 @@ impl<'a> Trail<'a> {
         let spread = |of: fn(&Deviation) -> f64| Spread::of(deviations.iter().map(of).collect());
         VehicleReport {
             vehicle: self.id().to_owned(),
-            end: self.flight.flown.end.words().to_owned(),
+            end: match self.flight.flown.end {
+                End::NotFlown if !self.fixes().is_empty() => "record breaks off".to_owned(),
+                ref end => end.words().to_owned(),
+            },
             ended_as_planned: self.ends_as_planned(),
             fixes: self.fixes().len(),
             cross_track_m: spread(|deviation| deviation.cross_track_m),

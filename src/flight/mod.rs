@@ -37,6 +37,7 @@ pub use end::End;
 pub use fleet::{Event, Fleet, Intervention, Options, Outcome};
 pub use judge::judge;
 pub use lines::Line;
+pub(crate) use modes::is_mission;
 pub use page::flight_page;
 pub use reading::{Broken, read_record};
 pub use record::{Fix, Flight, Flown, Plan, PopUp, Record};

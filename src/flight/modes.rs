@@ -82,7 +82,7 @@ pub(super) fn land(of: &VehicleMission) -> Option<Command> {
 }
 
 /// Whether a vehicle in this mode flies its mission.
-pub(super) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
+pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
     match (of.autopilot, of.airframe.has_wing()) {
         (Autopilot::ArduPilot, false) => custom_mode == AUTO,
         (Autopilot::ArduPilot, true) => custom_mode == PLANE_AUTO,

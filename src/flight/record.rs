@@ -81,6 +81,18 @@ pub struct Record {
     pub popups: Vec<PopUp>,
 }
 
+impl Flown {
+    /// Takes down that an item was said to be reached; whether that is news. PX4 says it ten
+    /// times. A plan that it is given on the way begins at the first item again.
+    pub(super) fn reach(&mut self, item: usize, t_s: f64) -> bool {
+        let is_new = self.reached.last().is_none_or(|(last, _)| *last != item);
+        if is_new {
+            self.reached.push((item, t_s));
+        }
+        is_new
+    }
+}
+
 impl Flight {
     /// Which of the plans each position was flown by: a vehicle flies the next one from
     /// where it first says that it holds as many items, and those before it no longer.

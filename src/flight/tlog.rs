@@ -152,10 +152,7 @@ impl Reading {
             }
             Message::Flight(FlightMessage::ItemReached { seq }) if self.armed => {
                 let row = self.row(*seq);
-                let reached = &mut self.flown.reached;
-                if reached.iter().all(|(known, _)| *known != row) {
-                    reached.push((row, at_ms / 1000.0));
-                }
+                self.flown.reach(row, at_ms / 1000.0);
             }
             Message::Flight(FlightMessage::Position(position)) if self.armed => {
                 self.position(at_ms, position);

@@ -1,5 +1,6 @@
 //! What was typed after `fly` and `replan`.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
@@ -50,8 +51,11 @@ pub(in crate::cli) struct Replan {
     pub(in crate::cli) seed: Option<u64>,
 }
 
+/// How much faster than the clock simulated vehicles may fly.
+pub(in crate::cli) const SPEEDUP: RangeInclusive<f64> = 0.1..=100.0;
+
 fn speedup(text: &str) -> Result<f64, String> {
-    let found = text.parse().ok().filter(|n| (0.1..=100.0).contains(n));
+    let found = text.parse().ok().filter(|n| SPEEDUP.contains(n));
     found.ok_or_else(|| "not a number from 0.1 to 100".to_owned())
 }
 

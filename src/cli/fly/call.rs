@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::Sorties;
+use crate::cli::args::SPEEDUP;
 use crate::cli::failure::Failure;
 use crate::cli::{output, runs};
 use crate::flight::Line;
@@ -55,16 +56,39 @@ impl Call {
     }
 
     /// What the flight under way says, if there is one.
-    pub(in crate::cli) fn heard(sorties: &Sorties) -> Option<(Self, Said)> {
+    ///
+    /// # Errors
+    /// What is there is not what `fly` writes.
+    pub(in crate::cli) fn heard(sorties: &Sorties) -> Result<Option<(Self, Said)>, Failure> {
         let folder = runs::folder(&sorties.folder);
-        let bytes = std::fs::read(folder.join(SAID)).ok()?;
-        let said: Said = serde_json::from_slice(&bytes).ok()?;
+        let path = folder.join(SAID);
+        let unusable = |why: String| {
+            let message = format!(
+                "{}: {why}; `sortie fly` writes it, nothing was sent",
+                path.display()
+            );
+            Failure::new(Failure::INPUT, message)
+        };
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(unusable(error.to_string())),
+        };
+        let said: Said =
+            serde_json::from_slice(&bytes).map_err(|error| unusable(error.to_string()))?;
+        if !SPEEDUP.contains(&said.speedup) {
+            let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
+            return Err(unusable(format!(
+                "`speedup` {} (allowed: {least} to {most})",
+                said.speedup
+            )));
+        }
         let call = Self {
             runs: folder,
             said: said.clone(),
             left: [(SAID, None), (UNDERWAY, None)],
         };
-        Some((call, said))
+        Ok(Some((call, said)))
     }
 
     /// Lays it open, before T0 and again at T0.

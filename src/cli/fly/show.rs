@@ -146,6 +146,15 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
         ]);
     }
     out(&rows.to_string())?;
+    let stopped = judged.vehicles.iter().filter(|of| !of.ended_as_planned);
+    for of in stopped {
+        out(&format!(
+            "{} {}: {}; only who lands or stays in the air where its plan ends has flown it",
+            paint.bad("FAIL"),
+            of.vehicle,
+            of.end
+        ))?;
+    }
     for margin in judged.margins.iter().filter(|m| m.other.is_some() || !m.ok) {
         let whom = margin
             .other
@@ -170,7 +179,7 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
             margin.what,
             table::number(margin.value, 1),
             margin.unit,
-            table::number(margin.limit, 0),
+            table::number(margin.limit, 1),
             margin.note
         ))?;
     }

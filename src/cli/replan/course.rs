@@ -2,8 +2,9 @@
 
 use super::look::Seen;
 use crate::cli::fly::Sorties;
-use crate::flight::{Reference, Waypoint};
+use crate::flight::{self, Reference, Waypoint};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
 use crate::spec::Autopilot;
 use crate::verify::Track;
@@ -26,6 +27,10 @@ pub(super) struct Course {
     pub(super) here: PlanPoint,
     /// How long it rises before it is there, seconds.
     pub(super) rises_s: f64,
+    /// Where it was since the threat was told, as far as it is now.
+    pub(super) behind: Vec<PlanPoint>,
+    /// Whether it flies its mission; else it holds, or somebody flies it.
+    pub(super) in_mission: bool,
     /// Where the leg to the item that it flies to begins.
     pub(super) origin: PlanPoint,
     /// The places ahead in the air, each with the index of its item.
@@ -51,6 +56,40 @@ pub(super) struct Parting {
     pub(super) way_m: f64,
 }
 
+/// Since when a threat is held against the fleet.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Since {
+    /// Milliseconds since 1970.
+    pub(super) unix_ms: u64,
+    /// How much faster than the clock the time of the vehicles goes.
+    pub(super) pace: f64,
+}
+
+impl Since {
+    /// Where a vehicle was since then: before it was heard first, straight on as it flew then.
+    fn behind(&self, sorties: &Sorties, seen: &Seen) -> Vec<PlanPoint> {
+        let point = |position: &Position| PlanPoint {
+            at: sorties.world.frame.to_plan(position.place()),
+            amsl: position.amsl(),
+        };
+        let mut behind: Vec<PlanPoint> = seen.flown.iter().map(|(_, p)| point(p)).collect();
+        if let (Some((heard_ms, first)), Some(from)) = (seen.flown.first(), behind.first()) {
+            #[expect(clippy::cast_precision_loss, reason = "milliseconds of one command")]
+            let before_s = heard_ms.saturating_sub(self.unix_ms) as f64 / 1000.0 * self.pace;
+            let [north_m, east_m, _] = first
+                .velocity_cmps
+                .map(|cmps| f64::from(cmps) / 100.0 * before_s);
+            let then = PlanPoint::new(
+                from.at.east_m - east_m,
+                from.at.north_m - north_m,
+                from.amsl,
+            );
+            behind.insert(0, then);
+        }
+        behind
+    }
+}
+
 impl Course {
     /// From what a vehicle holds, the item it flies to, and where it is; or why nothing can
     /// be said of it.
@@ -59,6 +98,7 @@ impl Course {
         vehicle: usize,
         planned: &VehicleMission,
         seen: &Seen,
+        since: &Since,
     ) -> Result<Self, String> {
         let held = VehicleMission {
             items: seen.onboard.mission.clone(),
@@ -116,6 +156,8 @@ impl Course {
             at: row - 1,
             here,
             rises_s,
+            behind: since.behind(sorties, seen),
+            in_mission: flight::is_mission(planned, seen.beat.custom_mode),
             origin: if rising { here } else { origin },
             ahead,
             lands: reference.lands,
@@ -143,6 +185,11 @@ impl Course {
     /// Whether its way comes nearer than a distance to a place.
     pub(super) fn meets(&self, center: EastNorth, distance_m: f64) -> bool {
         comes_near(&self.points(), center, distance_m)
+    }
+
+    /// Whether it was nearer than a distance to a place since the threat was told.
+    pub(super) fn was_near(&self, center: EastNorth, distance_m: f64) -> bool {
+        comes_near(&self.behind, center, distance_m)
     }
 
     /// The same of its way as far as a parting.
@@ -192,13 +239,14 @@ impl Course {
         }
     }
 
-    /// Items from the one at work on, with altitudes above the sea instead of above home.
-    pub(super) fn items_ahead(&self) -> Vec<Item> {
+    /// Items from the one at work on, with altitudes above the sea instead of above home,
+    /// each with its row.
+    pub(super) fn items_ahead(&self) -> Vec<(usize, Item)> {
         let items = self.held.items.iter().enumerate().skip(self.at);
         items
             .filter(|(_, item)| item.command != command::NAV_DELAY)
             .filter(|(_, item)| !is_takeoff(item))
-            .map(|(_, item)| above_the_sea(item, &self.held.home))
+            .map(|(index, item)| (index + 1, above_the_sea(item, &self.held.home)))
             .collect()
     }
 

@@ -24,6 +24,8 @@ pub(super) struct Seen {
     pub(super) address: Address,
     pub(super) beat: Heartbeat,
     pub(super) position: Position,
+    /// Where it said to be since the command began, and when, milliseconds since 1970.
+    pub(super) flown: Vec<(u64, Position)>,
     /// Sequence number of the item it flies to.
     pub(super) seq: u16,
     pub(super) onboard: Onboard,
@@ -67,6 +69,7 @@ struct Looking {
     reading: Reading,
     beat: Option<(Address, Heartbeat)>,
     position: Option<Position>,
+    flown: Vec<(u64, Position)>,
     seq: Option<u16>,
 }
 
@@ -94,6 +97,7 @@ impl<'a> Look<'a> {
                 reading,
                 beat: None,
                 position: None,
+                flown: Vec::new(),
                 seq: None,
             };
             (*index, found)
@@ -128,6 +132,7 @@ impl<'a> Look<'a> {
                 address,
                 beat,
                 position: of.position.ok_or_else(|| self.silent(*index))?,
+                flown: of.flown.clone(),
                 seq: of.seq.ok_or_else(|| self.silent(*index))?,
                 onboard: onboard.clone(),
             };
@@ -224,6 +229,10 @@ impl<'a> Look<'a> {
                 Message::MissionCurrent { seq, .. } => of.seq = Some(*seq),
                 Message::Flight(FlightMessage::Position(position)) => {
                     of.position = Some(*position);
+                    if position.is_known() {
+                        of.flown
+                            .push((delivery::milliseconds_since_1970(), *position));
+                    }
                 }
                 _ => {}
             }

@@ -3,7 +3,7 @@
 use crate::cli::failure::Failure;
 use crate::cli::fly::Sorties;
 use crate::geodesy::LatLon;
-use crate::spec::{MissionSpec, THREAT_RADIUS_M, Threat};
+use crate::spec::{Area, MissionSpec, THREAT_RADIUS_M, Threat};
 use crate::world::Disc;
 
 /// `LAT,LON,RADIUS` as a threat with a name of its own.
@@ -28,6 +28,13 @@ pub(super) fn threat(
     };
     let (least, most) = (*THREAT_RADIUS_M.start(), *THREAT_RADIUS_M.end());
     let radius_m = number("radius in metres", radius, least, most)?;
+    if !touches(&spec.area, place, radius_m) {
+        let (from, to) = (spec.area.south_west, spec.area.north_east);
+        return Err(usage(format!(
+            "lies outside of the area of the mission (latitude {} to {}, longitude {} to {}); nothing was sent",
+            from.lat_deg, to.lat_deg, from.lon_deg, to.lon_deg
+        )));
+    }
     let taken = |id: &str| spec.threats.iter().chain(earlier).any(|t| t.id == id);
     let id = (1..).map(|n| format!("popup-{n}")).find(|id| !taken(id));
     Ok(Threat {
@@ -36,6 +43,17 @@ pub(super) fn threat(
         place,
         radius_m,
     })
+}
+
+/// Whether a circle lies in the area at least in part. Nobody flies where it does not: two numbers
+/// were mistaken for each other.
+fn touches(area: &Area, place: LatLon, radius_m: f64) -> bool {
+    let (from, to) = (area.south_west, area.north_east);
+    let nearest = LatLon {
+        lat_deg: place.lat_deg.clamp(from.lat_deg, to.lat_deg),
+        lon_deg: place.lon_deg.clamp(from.lon_deg, to.lon_deg),
+    };
+    place.chord_m(nearest) < radius_m
 }
 
 /// Whatever came up is there for all that is planned and judged from now on.

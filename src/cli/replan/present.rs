@@ -5,27 +5,25 @@
 //! there on everything is as it will be flown. What is verified of a vehicle are the items
 //! that it has before it, those that it keeps and the new ones.
 
+mod kept;
+mod origin;
+
 use super::course::{Course, Parting};
 use super::renewed::{Renewed, Replanned, head_len};
 use super::situation::{GivenUp, Situation};
 use crate::cost::Margins;
 use crate::flight::Reference;
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::mission::{self, Item, VehicleMission, command};
+use crate::mission::{self, Item, VehicleMission};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{
-    AltitudeReference, Autopilot, EndPoint, Finish, MissionSpec, Placement, Vehicle,
-};
+use crate::spec::{AltitudeReference, EndPoint, Finish, MissionSpec, Placement, Vehicle};
 use crate::verify::{self, Margin};
 use crate::world::{Stations, World};
+use origin::Origin;
 
 /// Evaluations for each leg: a new path is wanted now.
 const EVALUATIONS: usize = 6000;
-/// With less way than this before it a vehicle is at its end, metres.
-const AT_END_M: f64 = 4.0;
-/// A way to a circle begins so many radii before its middle.
-const OUTSIDE: f64 = 3.0;
 /// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
 /// leave the path by one. What fails is planned again with more.
 const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
@@ -56,6 +54,7 @@ struct Present<'a> {
     world: World,
     plan: FleetPlan,
     missions: Vec<VehicleMission>,
+    origins: Vec<Origin>,
     problems: Vec<Margin>,
     /// Now, on the clock of the verdict: everyone has had the time to rise.
     now_s: f64,
@@ -76,6 +75,7 @@ impl<'a> Present<'a> {
                 vehicles: Vec::new(),
             },
             missions: Vec::new(),
+            origins: Vec::new(),
             problems: Vec::new(),
             now_s: 0.0,
         };
@@ -101,8 +101,10 @@ impl<'a> Present<'a> {
         for course in &given.others {
             if course.stands {
                 self.keep_standing(course);
-            } else {
+            } else if course.in_mission {
                 self.keep(course);
+            } else {
+                self.keep_place(course);
             }
         }
         let mut renewed = Vec::new();
@@ -162,7 +164,7 @@ impl<'a> Present<'a> {
     }
 
     /// Takes the last vehicle that was added into the fleet, with its way and its items.
-    fn settle(&mut self, routes: Vec<Route>, mission: VehicleMission) {
+    fn settle(&mut self, routes: Vec<Route>, mission: VehicleMission, origin: Origin) {
         let (depart_s, speed_mps) = self
             .spec
             .vehicles
@@ -175,6 +177,7 @@ impl<'a> Present<'a> {
             ..VehiclePlan::default()
         });
         self.missions.push(mission);
+        self.origins.push(origin);
     }
 
     fn route(&self, course: &Course, path: &[PlanPoint], at_s: f64) -> Route {
@@ -193,89 +196,6 @@ impl<'a> Present<'a> {
             mission::build_course(&self.spec, &self.world, index, routes, routes.len())?;
         built.items.truncate(head_len(&built.items));
         Ok(built)
-    }
-
-    /// A vehicle that is not concerned goes on as it does.
-    fn keep(&mut self, course: &Course) {
-        let at_its_end;
-        let course = if course.way_m() < AT_END_M.max(OUTSIDE * course.circle_m) {
-            at_its_end = self.at_its_end(course);
-            &at_its_end
-        } else {
-            course
-        };
-        let points = course.points();
-        let last = points.last().copied().unwrap_or(course.here);
-        let at_s = self.now_s + course.rises_s;
-        self.add(
-            self.vehicle(course),
-            (course.here, last),
-            course.lands,
-            at_s,
-        );
-        let straight = self.route(course, &[course.here, last], at_s).path;
-        match self.head(&[straight]) {
-            Ok(mut mission) => {
-                hold_fence(&mut mission, course);
-                mission.items.extend(course.items_ahead());
-                let route = self.route(course, &points, at_s);
-                self.settle(vec![route], mission);
-            }
-            Err(error) => {
-                self.drop_last();
-                self.problem(course, "encoding", error.to_string());
-            }
-        }
-    }
-
-    /// A vehicle that stays at its end, or comes down there: for the verdict it begins a few
-    /// metres beside, a wing outside of its circle, no lower than may be flown, so that there is a way to be judged and
-    /// its whole column counts.
-    fn at_its_end(&self, course: &Course) -> Course {
-        let place = course.ahead.last().map_or(course.here, |(_, place)| *place);
-        let least_m = ground(&self.world, place).0 + self.spec.area.min_agl.0;
-        let amsl = Amsl(place.amsl.0.max(least_m + self.spec.mission.tolerance_m));
-        let beside_m = AT_END_M.max(OUTSIDE * course.circle_m);
-        let here = PlanPoint::new(place.at.east_m, place.at.north_m - beside_m, amsl);
-        Course {
-            here,
-            ..course.clone()
-        }
-    }
-
-    /// A vehicle that has not taken off will do so at its time.
-    fn keep_standing(&mut self, course: &Course) {
-        let (spec, world) = (&self.given.sorties.file.spec, &self.given.sorties.world);
-        let (Some(vehicle), Some(stations)) = (
-            spec.vehicles.get(course.vehicle),
-            world.stations.get(course.vehicle),
-        ) else {
-            return;
-        };
-        let waits_s = (vehicle.depart_s - self.given.now_s).max(0.0);
-        let depart_s = self.now_s + waits_s;
-        let mut mission = course.held.clone();
-        hold_fence(&mut mission, course);
-        mission
-            .items
-            .retain(|item| item.command != command::NAV_DELAY);
-        // ArduPlane does not wait by itself: the verdict knows when it is launched.
-        let is_launched = vehicle.airframe.has_wing() && vehicle.autopilot == Autopilot::ArduPilot;
-        if !is_launched {
-            #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
-            let delay_s = depart_s as f32;
-            let wait = Item::without_place(command::NAV_DELAY, [delay_s, -1.0, -1.0, -1.0]);
-            mission.items.insert(0, wait);
-        }
-        let vehicle = Vehicle {
-            depart_s,
-            ..vehicle.clone()
-        };
-        let route_s = route_start_s(&vehicle, stations);
-        self.spec.vehicles.push(vehicle);
-        self.world.stations.push(*stations);
-        let route = self.route(course, &course.points(), route_s);
-        self.settle(vec![route], mission);
     }
 
     /// A new path from where a concerned vehicle parts from its course.
@@ -310,14 +230,17 @@ impl<'a> Present<'a> {
         let mut new: Vec<Item> = built.items[head_len(&built.items)..].to_vec();
         let renewed = Renewed::new(course, parting, &head, &mut new, &self.world);
         let mut judged = head;
+        let mut rows = vec![course.at + 1; judged.items.len()];
         judged.items.extend(course.items_kept(parting));
         judged.items.extend(new);
+        let first = renewed.as_ref().map_or(0, |renewed| renewed.ahead);
+        rows.extend((first + 1..).take(judged.items.len() - rows.len()));
         let whole: Vec<PlanPoint> = kept
             .into_iter()
             .chain(legs.concat().into_iter().skip(1))
             .collect();
         let route = self.route(course, &whole, now_s);
-        self.settle(vec![route], judged);
+        self.settle(vec![route], judged, Origin::new(course, now_s, rows));
         if renewed.is_none() {
             let why = "its items ahead are not one after the other";
             self.problem(course, "items ahead", why);
@@ -382,18 +305,18 @@ impl<'a> Present<'a> {
                 renewed.time(&judged, head, (self.given.now_s, shift_s), &self.world);
             }
         }
-        // From here on times count as those of the flight do.
-        for at in review.margins.iter_mut().filter_map(|m| m.at.as_mut()) {
+        // From here on items, places and times are those of the flight.
+        for margin in &mut review.margins {
+            let Some(at) = &mut margin.at else { continue };
+            let mut vehicles = self.spec.vehicles.iter();
+            let of = vehicles.position(|vehicle| vehicle.id == margin.vehicle);
+            if let Some(origin) = of.and_then(|of| self.origins.get(of)) {
+                origin.moment(at);
+            }
             at.t_s += shift_s;
         }
         Replanned { renewed, review }
     }
-}
-
-/// Who keeps its course keeps its fence: nothing of what came up since is in it, nor has to be.
-fn hold_fence(mission: &mut VehicleMission, course: &Course) {
-    mission.fence.clone_from(&course.held.fence);
-    mission.fence_told = false;
 }
 
 /// The ground below a point; no data is not a number, and then nothing passes.

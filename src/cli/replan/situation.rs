@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::course::{Course, Parting};
 use crate::cli::fly::Sorties;
+use crate::geodesy::EastNorth;
 use crate::spec::{Threat, Vehicle};
 use crate::verify::{Margin, Review};
 
@@ -32,6 +33,9 @@ pub(super) struct Bound {
     pub(super) vehicle: usize,
     /// Ids of the threats that its course meets.
     pub(super) threats: Vec<String>,
+    /// Those of them that it is named for whatever the verdict on its course: it was inside of them
+    /// since the last one was told, or its course is not what it flies now.
+    pub(super) certain: Vec<String>,
     /// Why it is not led around them, in words.
     pub(super) why: String,
 }
@@ -57,6 +61,16 @@ impl Situation<'_> {
     /// Sorts the courses: who is concerned and can be led away in time, who keeps its course.
     pub(super) fn sort(&mut self, courses: &[Course], lead_s: f64, given_up: &GivenUp) {
         for course in courses {
+            if let Some(threat) = self.crossed(course).first() {
+                let id = &threat.id;
+                let why = if self.is_inside(course.here.at, threat) {
+                    format!("it is inside of {id} now")
+                } else {
+                    format!("it was inside of {id} after that was told")
+                };
+                self.bind(course.clone(), why);
+                continue;
+            }
             let met = self.met(course);
             if met.is_empty() {
                 self.others.push(course.clone());
@@ -72,6 +86,20 @@ impl Situation<'_> {
                 Err(why) => self.bind(course.clone(), why),
             }
         }
+    }
+
+    /// The threats that a vehicle was inside of since the last one was told.
+    fn crossed(&self, course: &Course) -> Vec<&Threat> {
+        let was_inside = |threat: &&Threat| {
+            let center = self.sorties.world.frame.to_plan(threat.place);
+            course.was_near(center, threat.radius_m)
+        };
+        self.popups.iter().filter(was_inside).collect()
+    }
+
+    fn is_inside(&self, at: EastNorth, threat: &Threat) -> bool {
+        let center = self.sorties.world.frame.to_plan(threat.place);
+        center.distance_m(at) < threat.radius_m
     }
 
     /// The threats that came up and that a course meets.
@@ -99,8 +127,7 @@ impl Situation<'_> {
         for threat in met {
             let (id, radius_m) = (&threat.id, threat.radius_m);
             let center = self.sorties.world.frame.to_plan(threat.place);
-            let is_inside = |at| center.distance_m(at) < radius_m;
-            if is_inside(course.here.at) {
+            if self.is_inside(course.here.at, threat) {
                 return Err(format!("it is inside of {id} now"));
             }
             if course.meets_before(&parting, center, radius_m) {
@@ -108,19 +135,35 @@ impl Situation<'_> {
                     "it is inside of {id} within {lead_s:.0} s, before it can have a new path"
                 ));
             }
-            let goals = course.legs(&parting).into_iter().map(|(_, goal)| goal.at);
-            if goals.into_iter().any(is_inside) {
+            let mut goals = course.legs(&parting).into_iter().map(|(_, goal)| goal.at);
+            if goals.any(|goal| self.is_inside(goal, threat)) {
                 return Err(format!("its plan leads to a place inside of {id}"));
             }
+        }
+        if !course.in_mission {
+            return Err("it does not fly its mission: it holds, or somebody flies it".to_owned());
         }
         Ok(parting)
     }
 
     fn bind(&mut self, course: Course, why: String) {
-        let met = self.met(&course);
+        let crossed = self.crossed(&course).into_iter();
+        let mut threats: Vec<String> = crossed.map(|threat| threat.id.clone()).collect();
+        let crossed = threats.len();
+        for threat in self.met(&course) {
+            if !threats.contains(&threat.id) {
+                threats.push(threat.id);
+            }
+        }
+        let certain = if course.in_mission {
+            crossed
+        } else {
+            threats.len()
+        };
         self.bound.push(Bound {
             vehicle: course.vehicle,
-            threats: met.into_iter().map(|threat| threat.id).collect(),
+            certain: threats[..certain].to_vec(),
+            threats,
             why,
         });
         self.others.push(course);
@@ -155,7 +198,9 @@ impl Situation<'_> {
                 let mut margins = review.margins.iter();
                 margins.any(|m| !m.ok && m.vehicle == *id && m.what == what)
             };
-            of.threats.retain(is_broken);
+            let certain = &of.certain;
+            of.threats
+                .retain(|id| certain.contains(id) || is_broken(id));
         }
         self.bound.retain(|of| !of.threats.is_empty());
     }
@@ -198,7 +243,9 @@ fn why(margin: &Margin) -> String {
     let with = margin.other.as_ref();
     let with = with.map_or_else(String::new, |other| format!(" with {other}"));
     let (what, unit) = (&margin.what, margin.unit);
-    let value = if margin.value.is_finite() {
+    let value = if !margin.note.is_empty() {
+        format!(": {}", margin.note)
+    } else if margin.value.is_finite() {
         format!(" {:.1} {unit}", margin.value)
     } else {
         String::new()

@@ -52,6 +52,7 @@ pub(super) fn record(
         .iter()
         .map(|of| json!({"id": fleet[of.vehicle].id, "threats": of.threats, "why": of.why}))
         .collect();
+    let passes = decision.replanned.review.passes() && decision.bound.is_empty();
     let document = json!({
         "sortie": env!("CARGO_PKG_VERSION"),
         "threat": {
@@ -60,7 +61,7 @@ pub(super) fn record(
             "lon_deg": threat.place.lon_deg,
             "radius_m": threat.radius_m,
         },
-        "verdict": if decision.replanned.review.passes() { "pass" } else { "fail" },
+        "verdict": if passes { "pass" } else { "fail" },
         "planning_s": decision.planned_s,
         "vehicles": vehicles,
         "cannot_avoid": cannot_avoid,
