@@ -110,3 +110,18 @@ impl Flight {
         self.flown.fixes.iter().map(of).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_item_is_reached_once_however_often_that_is_said_and_again_in_a_later_plan() {
+        let mut flown = Flown::default();
+        let said = [1, 2, 2, 2, 3, 3, 1, 2, 2];
+        let news = said.map(|item| flown.reach(item, 0.0));
+        let items: Vec<usize> = flown.reached.iter().map(|of| of.0).collect();
+        assert_eq!(items, [1, 2, 3, 1, 2]);
+        assert_eq!(news.iter().filter(|is_new| **is_new).count(), 5);
+    }
+}
