@@ -9,7 +9,7 @@ use sortie::cost::Margins;
 use sortie::geodesy::{Amsl, EastNorth, LatLon};
 use sortie::numeric::approach::{Motion, closest_approach};
 use sortie::path::Flight;
-use sortie::plan::{FleetPlan, Request, breaks, plan_fleet, replan_from};
+use sortie::plan::{FleetPlan, Parts, Request, breaks, plan_fleet, replan_from};
 use sortie::spec::*;
 use sortie::study::scenario;
 use sortie::world::World;
@@ -226,14 +226,17 @@ fn vehicles_that_cross_keep_apart_all_the_way() {
     assert_eq!(plan.column_conflicts(&spec, &world), []);
 }
 
+fn generated(seed: u64, difficulty: u8) -> SpecFile {
+    match Document::parse(Path::new("scenario.yaml"), scenario(seed, difficulty)) {
+        Ok(Document::Mission(file)) => *file,
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn who_meets_others_in_a_gate_waits_on_its_way_and_does_not_fly_around_the_wall() {
     // Three vehicles with one gate in a belt; the way around it costs the last a tenth more.
-    let path = Path::new("scenario.yaml");
-    let file = match Document::parse(path, scenario(25, 5)) {
-        Ok(Document::Mission(file)) => file,
-        other => panic!("{other:?}"),
-    };
+    let file = generated(25, 5);
     let world = sortie::world::load(&file).expect("the ground is analytic");
     let mut spec = file.spec;
     spec.planner.evaluations = 10_000;
@@ -443,6 +446,55 @@ fn a_goal_behind_a_closed_ring_is_blocked_by_threats_of_the_ring_and_no_others()
         found.iter().all(|what| what.starts_with("threat ring-")),
         "{found:?}"
     );
+}
+
+/// Whether it is proven that nobody can fly from the start of a vehicle to its goal.
+fn is_cut_off(world: &World, vehicle: usize) -> bool {
+    let stations = world.stations[vehicle];
+    Parts::of(world).are_apart(stations.start.at, stations.goal.at)
+}
+
+#[test]
+fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
+    let walls = |gap: Option<u8>| {
+        let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+        for row in (0..=20).filter(|row| gap != Some(*row)) {
+            let at = place(36.25 + 0.005 * f64::from(row), -84.25);
+            spec.threats.push(threat(&format!("wall-{row}"), at, 300.0));
+        }
+        spec.area.south_west = place(36.249, -84.33);
+        spec.area.north_east = place(36.351, -84.17);
+        spec
+    };
+    assert!(is_cut_off(&world(&walls(None)), 0));
+    assert!(!is_cut_off(&world(&walls(Some(3))), 0));
+    // A zone in the gap closes it, unless it leaves room under the ceiling.
+    let mut zoned = walls(Some(3));
+    let corners = [
+        (36.26, -84.27),
+        (36.26, -84.23),
+        (36.27, -84.23),
+        (36.27, -84.27),
+    ];
+    zoned.no_fly.push(Zone {
+        id: "gap".to_owned(),
+        polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
+        below: Some(Amsl(zoned.area.max_amsl.0 - 1.0)),
+    });
+    assert!(!is_cut_off(&world(&zoned), 0));
+    zoned.no_fly[0].below = None;
+    assert!(is_cut_off(&world(&zoned), 0));
+}
+
+#[test]
+fn of_the_generated_scenarios_those_that_nobody_can_fly_are_told_apart() {
+    let cut_off = |seed: u64, difficulty: u8| {
+        let file = generated(seed, difficulty);
+        let world = sortie::world::load(&file).expect("the ground is analytic");
+        (0..file.spec.vehicles.len()).all(|vehicle| is_cut_off(&world, vehicle))
+    };
+    assert!(cut_off(108, 8) && cut_off(120, 10));
+    assert!(!cut_off(107, 7) && !cut_off(110, 10) && !cut_off(118, 8));
 }
 
 #[test]

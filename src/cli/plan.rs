@@ -322,6 +322,10 @@ fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<Strin
                 .collect();
             let bends = file.spec.planner.control_points;
             let by = match by[..] {
+                [] if plan.cut_off => format!(
+                    "; there is none: threats, zones and ground less than {} m under the ceiling close every way",
+                    file.spec.area.min_agl.0
+                ),
                 [] if bends < MOST_CONTROL_POINTS => format!(
                     "; it may bend more often with planner.control_points above {bends}, up to {MOST_CONTROL_POINTS}"
                 ),

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::FleetPlan;
+use super::cutoff::Parts;
 use super::fleet::{Request, nearness};
 use super::vehicle::plan_vehicle;
 use crate::cost::Margins;
@@ -16,6 +17,7 @@ impl FleetPlan {
     /// if it breaks one alone too, else those that its path comes too near to. If it keeps
     /// apart from them by breaking another limit, those that its way alone would meet.
     pub fn name_blockers(&mut self, spec: &MissionSpec, world: &World, request: &Request<'_>) {
+        self.name_the_cut_off(world);
         let flights = self.flights(spec, world);
         let mut tracks = Tracks::new(&nearness(spec, Margins::default()));
         tracks.extend(flights.iter().map(Flight::track));
@@ -23,7 +25,7 @@ impl FleetPlan {
             .vehicles
             .par_iter()
             .enumerate()
-            .filter(|(index, plan)| *index > 0 && !plan.terms.is_clean())
+            .filter(|(index, plan)| *index > 0 && !plan.terms.is_clean() && !plan.cut_off)
             .map(|(index, plan)| {
                 let estimated = Some(plan.estimate);
                 let alone = plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated);
@@ -46,6 +48,18 @@ impl FleetPlan {
             .collect();
         for (index, others) in blocked {
             self.vehicles[index].blocked_by = others;
+        }
+    }
+
+    /// Says of every vehicle whose path breaks a limit whether there is any way to its goal.
+    fn name_the_cut_off(&mut self, world: &World) {
+        if self.vehicles.iter().all(|plan| plan.terms.is_clean()) {
+            return;
+        }
+        let parts = Parts::of(world);
+        for (plan, stations) in self.vehicles.iter_mut().zip(&world.stations) {
+            let (start, goal) = (stations.start.at, stations.goal.at);
+            plan.cut_off = !plan.terms.is_clean() && parts.are_apart(start, goal);
         }
     }
 }

@@ -5,6 +5,7 @@ mod breaks;
 mod classes;
 mod columns;
 mod course;
+mod cutoff;
 mod estimate;
 mod field;
 mod fit;
@@ -26,6 +27,7 @@ mod vehicle;
 
 pub use breaks::{Break, breaks};
 pub use columns::ColumnConflict;
+pub use cutoff::Parts;
 pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
 pub use objective::objective;
 
@@ -69,6 +71,8 @@ pub struct VehiclePlan {
     /// Indices of the earlier vehicles because of which its path breaks a limit, once
     /// [`FleetPlan::name_blockers`] was asked.
     pub blocked_by: Vec<usize>,
+    /// Proven, once the same was asked: nobody can fly from its start to its goal.
+    pub cut_off: bool,
 }
 
 /// One planned spline.

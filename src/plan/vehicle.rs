@@ -117,6 +117,7 @@ fn empty(spec: &MissionSpec, index: usize, avoids: Vec<usize>) -> VehiclePlan {
         plans: 1,
         avoids,
         blocked_by: Vec::new(),
+        cut_off: false,
     }
 }
 

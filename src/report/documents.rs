@@ -65,6 +65,9 @@ pub struct PlannedVehicle {
     pub breaks: Vec<BlockEntry>,
     /// How often it was planned: again where a plan met earlier vehicles or failed verification.
     pub plans: usize,
+    /// Proven: threats, zones and ground too high under the ceiling leave no way to its goal.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub cut_off: bool,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
@@ -255,6 +258,7 @@ fn planned_vehicle(
             })
             .collect(),
         plans: planned.plans,
+        cut_off: planned.cut_off,
         control_points: planned
             .routes
             .iter()

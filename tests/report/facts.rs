@@ -307,6 +307,7 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
                 plans: 1,
                 avoids: Vec::new(),
                 blocked_by: Vec::new(),
+                cut_off: false,
             })
             .collect(),
     };
