@@ -12,8 +12,8 @@ use sortie::cost::{
     Batch, Controls, CostModel, Dispatch, Leg, Margins, PaperOptions, Scratch, ThreatForm,
 };
 use sortie::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
-use sortie::numeric::Seed;
 use sortie::numeric::bspline::uniform_parameters;
+use sortie::numeric::{Basis, Seed};
 use sortie::path::{Flight, time_route};
 use sortie::spec::{Finish, MissionSpec, Objective, Weights};
 use sortie::world::{Disc, Ground, PlanZone, World};
@@ -241,6 +241,37 @@ fn margins(rng: &mut impl Rng) -> Margins {
     }
 }
 
+/// A model in a world of some shape, and paths for it.
+fn contest(
+    shape: &Shape,
+    candidates: usize,
+    rng: &mut impl Rng,
+) -> (CostModel, Vec<[Vec<f64>; 3]>) {
+    let (spec, world) = made(shape, rng);
+    let place = |[east_m, north_m]: [f64; 2], amsl_m| PlanPoint::new(east_m, north_m, Amsl(amsl_m));
+    let leg = Leg {
+        from: place(anywhere(rng), rng.random_range(100.0..900.0)),
+        to: place(anywhere(rng), rng.random_range(100.0..900.0)),
+        start_s: rng.random_range(0.0..60.0),
+    };
+    let earlier: Vec<Flight> = (0..shape.earlier).map(|_| flight(rng)).collect();
+    let parameters = uniform_parameters(shape.samples);
+    let margins = margins(rng);
+    let model = CostModel::new(&world, &spec, 0, leg, &earlier, margins, &parameters)
+        .with_paper(paper_options(rng));
+    let paths = (0..candidates).map(|_| path(&leg, shape.controls, rng));
+    let paths = paths.collect();
+    (model, paths)
+}
+
+fn controls([east_m, north_m, amsl_m]: &[Vec<f64>; 3]) -> Controls<'_> {
+    Controls {
+        east_m,
+        north_m,
+        amsl_m,
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -249,24 +280,12 @@ proptest! {
         shape in shapes(), candidates in 1_usize..20, share in 0.01..1.5_f64,
     ) {
         let rng = &mut Seed(shape.seed).stream("world", 0);
-        let (spec, world) = made(&shape, rng);
-        let place = |[east_m, north_m]: [f64; 2], amsl_m| PlanPoint::new(east_m, north_m, Amsl(amsl_m));
-        let leg = Leg {
-            from: place(anywhere(rng), rng.random_range(100.0..900.0)),
-            to: place(anywhere(rng), rng.random_range(100.0..900.0)),
-            start_s: rng.random_range(0.0..60.0),
-        };
-        let earlier: Vec<Flight> = (0..shape.earlier).map(|_| flight(rng)).collect();
-        let parameters = uniform_parameters(shape.samples);
-        let model = CostModel::new(&world, &spec, 0, leg, &earlier, margins(rng), &parameters)
-            .with_paper(paper_options(rng));
+        let (model, paths) = contest(&shape, candidates, rng);
         let mut batch = Batch::new(shape.controls + 2);
         let mut expected = Vec::new();
-        for _ in 0..candidates {
-            let [east_m, north_m, amsl_m] = path(&leg, shape.controls, rng);
-            let controls = Controls { east_m: &east_m, north_m: &north_m, amsl_m: &amsl_m };
-            batch.push(&controls);
-            expected.push(model.terms(&controls));
+        for path in &paths {
+            batch.push(&controls(path));
+            expected.push(model.terms(&controls(path)));
         }
         let cutoff = share * expected[0].total();
         for dispatch in Dispatch::all() {
@@ -282,6 +301,68 @@ proptest! {
                 if exact <= cutoff {
                     prop_assert_eq!(cut.to_bits(), exact.to_bits());
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn what_runs_up_along_a_path_ends_at_its_total_and_a_control_point_moves_only_its_own_blocks(
+        shape in shapes(), candidates in 1_usize..20, control in any::<prop::sample::Index>(),
+    ) {
+        let rng = &mut Seed(shape.seed).stream("world", 0);
+        let (model, mut paths) = contest(&shape, candidates, rng);
+        // The last path is the first with one control point moved.
+        let control = 1 + control.index(shape.controls);
+        let mut moved = paths[0].clone();
+        for axis in &mut moved {
+            axis[control] += rng.random_range(-500.0..500.0);
+        }
+        paths.push(moved);
+        let mut batch = Batch::new(shape.controls + 2);
+        for path in &paths {
+            batch.push(&controls(path));
+        }
+        let blocks = model.blocks();
+        let terms = model.judge(&batch);
+        let mut levels = Vec::new();
+        for dispatch in Dispatch::all() {
+            let model = model.clone().with_dispatch(dispatch);
+            let (mut totals, mut along) = (vec![0.0; batch.len()], vec![0.0; batch.len() * blocks]);
+            model.totals_along(&batch, &mut Scratch::default(), &mut totals, &mut along);
+            for ((terms, total), along) in terms.iter().zip(&totals).zip(along.chunks(blocks)) {
+                prop_assert_eq!(total.to_bits(), terms.total().to_bits());
+                if shape.objective == Objective::Operational {
+                    let at_the_end = along[blocks - 1] + terms.collision;
+                    prop_assert_eq!(at_the_end.to_bits(), total.to_bits());
+                    prop_assert!(along.is_sorted(), "{:?}", along);
+                } else {
+                    prop_assert!(along.iter().all(|&total| total == 0.0));
+                }
+            }
+            levels.push(along);
+        }
+        for along in &levels[1..] {
+            let same = along.iter().zip(&levels[0]).all(|(a, b)| a.to_bits() == b.to_bits());
+            prop_assert!(same);
+        }
+        let basis = Basis::new(shape.controls + 2, &uniform_parameters(shape.samples));
+        let shares = |&k: &usize| {
+            let (first, _) = basis.row(k);
+            (first..first + 4).contains(&control)
+        };
+        let mut samples = (0..shape.samples).filter(shares);
+        let Some(first) = samples.next() else { return Ok(()) };
+        let (first, last) = model.blocks_of(first, samples.last().unwrap_or(first));
+        let costs = |path: usize| {
+            let along = &levels[0][path * blocks..][..blocks];
+            let before = std::iter::once(0.0).chain(along.iter().copied());
+            along.iter().zip(before).map(|(to, from)| to - from).collect::<Vec<f64>>()
+        };
+        let rounding = 1e-9 * (terms[0].total().abs() + terms[candidates].total().abs());
+        let pairs = costs(0).into_iter().zip(costs(candidates));
+        for (block, (was, is)) in pairs.enumerate() {
+            if block < first || block > last {
+                prop_assert!((was - is).abs() <= rounding, "{block}: {was} {is}");
             }
         }
     }

@@ -210,6 +210,80 @@ fn the_default_finds_the_bottom_of_a_curved_valley() {
     );
 }
 
+/// A chain of points, drawn to places and to one another: what it costs is a sum over points and
+/// links, and each pair of variables changes few of them.
+struct Chain {
+    tells_parts: bool,
+}
+
+impl Chain {
+    const POINTS: usize = 20;
+
+    /// What a point costs, and its link to the next.
+    fn costs(row: &[f64], point: usize) -> f64 {
+        let square = |a: f64, b: f64| (a - b) * (a - b);
+        let wanted = 0.5 + 0.3 * f64::from(u8::try_from(point).expect("few points")).sin();
+        let linked = |axis: usize| {
+            let here = row[2 * point + axis];
+            let next = row.get(2 * point + 2 + axis).copied();
+            square(here, wanted) + 3.0 * next.map_or(0.0, |next| square(here, next))
+        };
+        linked(0) + linked(1)
+    }
+}
+
+impl Problem for Chain {
+    fn dimension(&self) -> usize {
+        2 * Self::POINTS
+    }
+
+    fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+        for (cost, row) in costs.iter_mut().zip(candidates.chunks(self.dimension())) {
+            *cost = (0..Self::POINTS).map(|point| Self::costs(row, point)).sum();
+        }
+    }
+
+    fn groups(&self) -> usize {
+        if self.tells_parts { Self::POINTS } else { 1 }
+    }
+
+    fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
+        self.evaluate(candidates, f64::INFINITY, costs);
+        if !self.tells_parts {
+            parts.copy_from_slice(costs);
+            return;
+        }
+        let rows = candidates.chunks(self.dimension());
+        for (parts, row) in parts.chunks_mut(Self::POINTS).zip(rows) {
+            for (point, part) in parts.iter_mut().enumerate() {
+                let touched = point.saturating_sub(1)..=point;
+                *part = touched.map(|point| Self::costs(row, point)).sum();
+            }
+        }
+    }
+}
+
+#[test]
+fn a_problem_that_tells_the_parts_of_its_costs_is_searched_faster() {
+    let found = |tells_parts, budget| {
+        let problem = Chain { tells_parts };
+        let algorithm = default_parameters();
+        let rng = &mut Seed(5).stream("test", 0);
+        let outcome = minimise(
+            &problem,
+            &algorithm,
+            Starts::default(),
+            budget,
+            rng,
+            &|_| (),
+        );
+        outcome.finalists[0].cost
+    };
+    let bottom = found(false, 30_000);
+    let (parts, whole) = (found(true, 3000) - bottom, found(false, 3000) - bottom);
+    assert!(0.0 < parts && parts < 0.3 * whole, "{parts} {whole}");
+}
+
 #[test]
 fn the_default_begins_where_it_is_told_and_stays_near_with_a_small_scale() {
     let start = Start {

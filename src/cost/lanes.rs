@@ -35,6 +35,9 @@ pub struct Scratch {
     /// Boxes of the blocks.
     pub(super) boxes: Vec<BlockBox>,
     pub(super) crossings: Vec<(f64, i32)>,
+    /// Totals up to the end of each block, if `runs_up`.
+    pub(super) running: Vec<Wide>,
+    pub(super) runs_up: bool,
 }
 
 /// A step of every lane; see [`super::operational::Step`].

@@ -3,7 +3,7 @@
 use super::batch::{Batch, Dispatch};
 use super::block::{BLOCK, BlockBox};
 use super::hazards::Hazards;
-use super::lanes::{MOST_LANES, Scratch, V};
+use super::lanes::{MOST_LANES, Scratch, V, Wide};
 use super::operational::Sums;
 use super::paper::{Paper, PaperOptions};
 use super::reference::{self, Curve};
@@ -56,7 +56,7 @@ pub struct CostModel {
     /// 1 / max(h_min, 10 m).
     pub(super) per_depth: f64,
     pub(super) straight_km: f64,
-    dispatch: Dispatch,
+    pub(super) dispatch: Dispatch,
 }
 
 /// How far above the ceiling a void reaches, metres: no altitude is allowed over it.
@@ -208,7 +208,7 @@ impl CostModel {
 
     /// The terms of the candidates from number `first` on, as many as `out` has, as many
     /// at once as the vectors have lanes.
-    fn evaluate(
+    pub(super) fn evaluate(
         &self,
         batch: &Batch,
         first: usize,
@@ -315,6 +315,8 @@ impl Scratch {
         self.curve.resize(path.samples, Default::default());
         self.along_m.resize(path.samples, Default::default());
         self.boxes.resize(blocks, BlockBox::default());
+        self.running.clear();
+        self.running.resize(blocks, Wide::default());
     }
 
     /// Puts `used` candidates from number `first` on into the lanes; the last of them also

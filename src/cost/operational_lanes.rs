@@ -69,6 +69,12 @@ pub(super) fn terms<S: Simd>(
         sums.climb = climb(&slopes, &block, sums.climb);
         sums.turn = turn(simd, model, &block, sums.turn);
         sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
+        if scratch.runs_up {
+            store::<S>(
+                total::<S>(model, &sums),
+                &mut scratch.running[start / BLOCK],
+            );
+        }
         if cutoff < f64::INFINITY && all_above::<S>(model, &sums, cutoff, out) {
             return;
         }
@@ -119,6 +125,17 @@ fn turn<S: Simd>(simd: S, model: &CostModel, block: &Block<S>, mut sum: V<S>) ->
     sum
 }
 
+/// The totals so far, summed in the order of [`CostTerms::total`].
+#[inline(always)]
+fn total<S: Simd>(model: &CostModel, sums: &Sums<V<S>>) -> V<S> {
+    let terms = model.weigh_lanes::<S>(sums);
+    terms.iter().skip(1).fold(
+        terms[0],
+        #[inline(always)]
+        |sum, term| sum + *term,
+    )
+}
+
 /// Whether the terms so far, which are then left in `out`, are above the cutoff in all lanes.
 #[inline(always)]
 fn all_above<S: Simd>(
@@ -127,14 +144,7 @@ fn all_above<S: Simd>(
     cutoff: f64,
     out: &mut [CostTerms],
 ) -> bool {
-    let terms = model.weigh_lanes::<S>(sums);
-    // In the order of [`CostTerms::total`].
-    let total = terms.iter().skip(1).fold(
-        terms[0],
-        #[inline(always)]
-        |sum, term| sum + *term,
-    );
-    let is_above = total.simd_gt(cutoff).all_true();
+    let is_above = total::<S>(model, sums).simd_gt(cutoff).all_true();
     if is_above {
         let sums = spread::<S>(sums);
         for (lane, terms) in out.iter_mut().enumerate() {

@@ -15,6 +15,7 @@ pub(super) struct Adapted {
     /// Unit of each variable.
     scale: DVector<f64>,
     sigma: f64,
+    /// Its lower triangle: the upper one is not kept.
     covariance: DMatrix<f64>,
     /// Lower Cholesky factor of the covariance.
     factor: DMatrix<f64>,
@@ -24,6 +25,14 @@ pub(super) struct Adapted {
     step_path: DVector<f64>,
     generations: i32,
     rates: Rates,
+}
+
+/// A drawn step.
+pub(super) struct Draw {
+    /// In standard normal coordinates.
+    normal: DVector<f64>,
+    /// In units of the step size and of each variable.
+    step: DVector<f64>,
 }
 
 /// Weights and learning rates; they depend on the dimension and the flies alone.
@@ -105,31 +114,61 @@ impl Adapted {
         self.step_path.fill(0.0);
     }
 
-    /// One step in standard normal coordinates.
-    pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> DVector<f64> {
-        DVector::from_fn(self.mean.len(), |_, _| normal(rng))
+    /// Draws a step.
+    pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> Draw {
+        let normal = DVector::from_fn(self.mean.len(), |_, _| normal(rng));
+        Draw {
+            step: self.stretched(&normal),
+            normal,
+        }
+    }
+
+    /// The factor times a vector.
+    fn stretched(&self, normal: &DVector<f64>) -> DVector<f64> {
+        let n = normal.len();
+        let mut step = DVector::zeros(n);
+        for (j, &share) in normal.iter().enumerate() {
+            let below = self.factor.view((j, j), (n - j, 1));
+            step.rows_mut(j, n - j).axpy(share, &below.column(0), 1.0);
+        }
+        step
     }
 
     /// The point a drawn step leads to, kept in the unit cube.
-    pub(super) fn position(&self, draw: &DVector<f64>) -> DVector<f64> {
-        let step = (&self.factor * draw).component_mul(&self.scale) * self.sigma;
+    pub(super) fn position(&self, draw: &Draw) -> DVector<f64> {
+        let step = draw.step.component_mul(&self.scale) * self.sigma;
         (&self.mean + step).map(|x| x.clamp(0.0, 1.0))
     }
 
-    /// Learns from the draws of one generation, best first; only the better half is used.
-    pub(super) fn learn(&mut self, ranked: &[&DVector<f64>]) {
+    /// Learns from the draws of one generation. `orders` are their indices, best first, for each
+    /// group of variables: the steps that are learnt from are put together, the first of what is
+    /// first in each order, and so on, as many as half the draws.
+    pub(super) fn learn(&mut self, draws: &[&Draw], orders: &[Vec<usize>]) {
         let n = self.mean.len();
         let rates = &self.rates;
-        let steps: Vec<DVector<f64>> = ranked
-            .iter()
-            .take(rates.weights.len())
-            .map(|draw| &self.factor * *draw)
-            .collect();
+        let size = n / orders.len();
+        let step = |rank: usize| {
+            DVector::from_fn(n, |variable, _| {
+                draws[orders[variable / size][rank]].step[variable]
+            })
+        };
+        let steps: Vec<DVector<f64>> = (0..rates.weights.len()).map(step).collect();
         let mut draw_mean = DVector::zeros(n);
         let mut step_mean = DVector::zeros(n);
-        for ((draw, step), &weight) in ranked.iter().zip(&steps).zip(&rates.weights) {
-            draw_mean.axpy(weight, draw, 1.0);
+        for (step, &weight) in steps.iter().zip(&rates.weights) {
             step_mean.axpy(weight, step, 1.0);
+        }
+        match orders {
+            [order] => {
+                for (&draw, &weight) in order.iter().zip(&rates.weights) {
+                    draw_mean.axpy(weight, &draws[draw].normal, 1.0);
+                }
+            }
+            // The factor has no zeros on its diagonal.
+            _ => {
+                let solved = self.factor.solve_lower_triangular(&step_mean);
+                draw_mean = solved.unwrap_or(draw_mean);
+            }
         }
         self.mean += step_mean.component_mul(&self.scale) * self.sigma;
         self.mean.apply(|x| *x = x.clamp(0.0, 1.0));
@@ -153,9 +192,10 @@ impl Adapted {
         let old = 1.0 - rates.rank_one - rates.rank_mu
             + (1.0 - gain) * rates.rank_one * rates.path * (2.0 - rates.path);
         self.covariance
-            .ger(rates.rank_one, &self.path, &self.path, old);
+            .syger(rates.rank_one, &self.path, &self.path, old);
         for (step, &weight) in steps.iter().zip(&rates.weights) {
-            self.covariance.ger(rates.rank_mu * weight, step, step, 1.0);
+            self.covariance
+                .syger(rates.rank_mu * weight, step, step, 1.0);
         }
         let growth = (rates.step / rates.damping) * (length / rates.expected_norm - 1.0);
         self.sigma = (self.sigma * growth.clamp(-1.0, 1.0).exp()).clamp(1e-9, 1e3);
@@ -201,12 +241,11 @@ mod tests {
         let valley = |p: &DVector<f64>| (p[0] - p[1]).powi(2) * 1e4 + (p[0] + p[1] - 1.2).powi(2);
         let mut adapted = Adapted::new(&[0.2, 0.1], &[1.0, 1.0], 0.1, 12);
         for _ in 0..120 {
-            let draws: Vec<DVector<f64>> = (0..12).map(|_| adapted.draw(&mut rng)).collect();
-            let mut ranked: Vec<&DVector<f64>> = draws.iter().collect();
-            ranked.sort_by(|a, b| {
-                valley(&adapted.position(a)).total_cmp(&valley(&adapted.position(b)))
-            });
-            adapted.learn(&ranked);
+            let draws: Vec<Draw> = (0..12).map(|_| adapted.draw(&mut rng)).collect();
+            let cost = |draw: usize| valley(&adapted.position(&draws[draw]));
+            let mut order: Vec<usize> = (0..12).collect();
+            order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+            adapted.learn(&draws.iter().collect::<Vec<_>>(), &[order]);
         }
         assert!(adapted.mean.iter().all(|x| (x - 0.6).abs() < 1e-6));
     }

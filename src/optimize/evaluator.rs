@@ -78,18 +78,50 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         self.trace
     }
 
+    /// Groups of variables of which parts of a cost are known.
+    #[must_use]
+    pub fn groups(&self) -> usize {
+        self.problem.groups()
+    }
+
     /// Costs of the rows of `candidates`, in order. Rows beyond the budget are
     /// not evaluated and cost infinity, as does a row whose cost is not a number.
     #[must_use]
     pub fn evaluate(&mut self, candidates: &[f64]) -> Vec<f64> {
+        let problem = self.problem;
+        let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| {
+            problem.evaluate(rows, f64::INFINITY, costs);
+        };
+        self.batch(candidates, 1, evaluate).0
+    }
+
+    /// The same, and the parts of each cost that groups of variables may change, row by row:
+    /// infinite for rows that are not evaluated.
+    #[must_use]
+    pub fn evaluate_parts(&mut self, candidates: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let problem = self.problem;
+        let evaluate = |rows: &[f64], costs: &mut [f64], parts: &mut [f64]| {
+            problem.evaluate_parts(rows, costs, parts);
+        };
+        self.batch(candidates, problem.groups(), evaluate)
+    }
+
+    fn batch(
+        &mut self,
+        candidates: &[f64],
+        groups: usize,
+        evaluate: impl Fn(&[f64], &mut [f64], &mut [f64]) + Sync,
+    ) -> (Vec<f64>, Vec<f64>) {
         let dimension = self.dimension().max(1);
         let rows = candidates.len() / dimension;
         let allowed = rows.min(self.budget - self.spent);
         let mut costs = vec![f64::INFINITY; rows];
+        let mut parts = vec![f64::INFINITY; rows * groups];
         candidates[..allowed * dimension]
             .par_chunks(ROWS_PER_TASK * dimension)
             .zip(costs[..allowed].par_chunks_mut(ROWS_PER_TASK))
-            .for_each(|(part, costs)| self.problem.evaluate(part, f64::INFINITY, costs));
+            .zip(parts[..allowed * groups].par_chunks_mut(ROWS_PER_TASK * groups))
+            .for_each(|((rows, costs), parts)| evaluate(rows, costs, parts));
         for (row, cost) in costs[..allowed].iter_mut().enumerate() {
             if cost.is_nan() {
                 *cost = f64::INFINITY;
@@ -107,7 +139,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
                 best: best.cost,
             });
         }
-        costs
+        (costs, parts)
     }
 
     fn fold(&mut self, evaluations: usize, cost: f64, position: &[f64]) {

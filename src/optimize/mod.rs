@@ -40,6 +40,21 @@ pub trait Problem: Sync {
     /// A cost above `cutoff` need not be exact, only above `cutoff`; pass
     /// `f64::INFINITY` for exact costs. A cost is never NaN.
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]);
+
+    /// Groups of variables, neighbours and equally many in each, of which it is known what part
+    /// of a cost they may change. A single one where nothing is known.
+    fn groups(&self) -> usize {
+        1
+    }
+
+    /// Exact costs of a batch, and in `parts`, `costs.len()` rows of [`Self::groups`], what of
+    /// each cost each group may change. Parts overlap where several groups change the same.
+    fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
+        self.evaluate(candidates, f64::INFINITY, costs);
+        for (parts, cost) in parts.chunks_exact_mut(self.groups()).zip(costs) {
+            parts.fill(*cost);
+        }
+    }
 }
 
 /// The algorithms, with their parameters.

@@ -17,11 +17,10 @@
 use std::collections::BTreeSet;
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::DVector;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::adapted::Adapted;
+use super::adapted::{Adapted, Draw};
 use super::{Candidate, Evaluator, Problem, Redraw, Starts};
 
 /// Where a sub-swarm begins.
@@ -146,7 +145,7 @@ impl Swarm {
 
 /// What one fly did in a generation: a draw to learn from, or a global step.
 enum Flight {
-    Local(DVector<f64>),
+    Local(Draw),
     Global,
 }
 
@@ -271,7 +270,8 @@ fn generation<P: Problem + ?Sized>(
             }
         }
     }
-    let costs = evaluator.evaluate(&rows);
+    let (costs, parts) = evaluator.evaluate_parts(&rows);
+    let groups = evaluator.groups();
     for (g, swarm) in swarms.iter_mut().enumerate() {
         let mine = g * parameters.flies..(g + 1) * parameters.flies;
         let before = swarm.best.cost;
@@ -282,30 +282,39 @@ fn generation<P: Problem + ?Sized>(
                 && before.is_finite();
             swarm.see(&rows[fly * dimension..][..dimension], costs[fly]);
         }
-        learn(swarm, &flights[mine.clone()], &costs[mine], parameters);
+        let parts = &parts[mine.start * groups..mine.end * groups];
+        learn(swarm, &flights[mine.clone()], &costs[mine], parts);
         if global_gain {
             swarm.adapted.move_to(&swarm.best.position);
         }
     }
 }
 
-/// The swarm's distribution learns from its local flies, if all were evaluated.
-fn learn(swarm: &mut Swarm, flights: &[Flight], costs: &[f64], parameters: &MsfoaParameters) {
-    let mut local: Vec<(f64, &DVector<f64>)> = flights
-        .iter()
-        .zip(costs)
-        .filter_map(|(flight, &cost)| match flight {
-            Flight::Local(draw) => Some((cost, draw)),
-            Flight::Global => None,
-        })
-        .collect();
-    local.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let needed = parameters.flies / 2;
-    let enough = local.len() >= needed && local.iter().take(needed).all(|fly| fly.0.is_finite());
-    if enough {
-        let ranked: Vec<&DVector<f64>> = local.iter().map(|fly| fly.1).collect();
-        swarm.adapted.learn(&ranked);
+/// The swarm's distribution learns from its local flies, if enough were evaluated: from steps
+/// put together group by group, each by the parts of the costs that the group may change, so
+/// that a good first half of a path is not lost for a bad second one.
+fn learn(swarm: &mut Swarm, flights: &[Flight], costs: &[f64], parts: &[f64]) {
+    let groups = parts.len() / costs.len();
+    let mut flies = Vec::new();
+    let mut draws = Vec::new();
+    for (fly, flight) in flights.iter().enumerate() {
+        if let Flight::Local(draw) = flight {
+            flies.push(fly);
+            draws.push(draw);
+        }
     }
+    let evaluated = flies.iter().filter(|&&fly| costs[fly].is_finite()).count();
+    if evaluated < flights.len() / 2 {
+        return;
+    }
+    let order = |group: usize| {
+        let part = |&fly: &usize| parts[fly * groups + group];
+        let mut ranked: Vec<(f64, usize)> = flies.iter().map(part).zip(0..).collect();
+        ranked.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        ranked.into_iter().map(|(_, draw)| draw).collect()
+    };
+    let orders: Vec<Vec<usize>> = (0..groups).map(order).collect();
+    swarm.adapted.learn(&draws, &orders);
 }
 
 /// A tired swarm begins in the best redrawing of its keenest fly, or around that with a

@@ -146,6 +146,8 @@ pub(super) struct Room {
     lowest: Workspace,
     batch: Batch,
     scratch: Scratch,
+    /// Costs as they run up along the paths of the batch.
+    along: Vec<f64>,
 }
 
 impl<'a> Sampled<'a> {
@@ -201,6 +203,17 @@ impl<'a> Sampled<'a> {
             .collect()
     }
 
+    /// First and last block of the objective that a control point has a share in.
+    fn window(&self, control: usize) -> (usize, usize) {
+        let shares = |k: &usize| {
+            let (first, _) = self.basis.row(*k);
+            (first..first + 4).contains(&control)
+        };
+        let mut samples = (0..self.basis.samples()).filter(shares);
+        let first = samples.next().unwrap_or(0);
+        self.model.blocks_of(first, samples.last().unwrap_or(first))
+    }
+
     /// A spline in the plane between the ends, through its free control points.
     fn outline(&self, free: impl Iterator<Item = EastNorth>, spline: &mut Spline) {
         spline.reset(self.from, self.to, self.controls);
@@ -252,6 +265,36 @@ impl<'a> Sampled<'a> {
 pub(super) struct Horizontal<'a> {
     pub sampled: Sampled<'a>,
     pub frame: Frame,
+    /// First and last block of the objective in which each free control point moves the path;
+    /// none if only whole paths are told apart.
+    windows: Vec<(usize, usize)>,
+}
+
+impl<'a> Horizontal<'a> {
+    /// The search of a sampled path, in `windows` or as a whole. The paper's sums are a whole.
+    pub(super) fn new(sampled: Sampled<'a>, frame: Frame, windows: bool) -> Self {
+        let free = match windows && !sampled.even {
+            true => 1..sampled.controls - 1,
+            false => 0..0,
+        };
+        Self {
+            windows: free.map(|control| sampled.window(control)).collect(),
+            sampled,
+            frame,
+        }
+    }
+
+    /// Decodes candidates into the batch of a room.
+    fn decode(&self, candidates: &[f64], room: &mut Room) {
+        room.batch.clear(self.sampled.controls);
+        // Candidates of one call lie near each other: each begins where the one before
+        // ended, the first where all do, so that equal calls give equal bytes.
+        room.lowest.begin_anew();
+        for candidate in candidates.chunks_exact(self.dimension()) {
+            self.sampled.decode(self.frame.places(candidate), room);
+            room.batch.push(&room.spline.controls());
+        }
+    }
 }
 
 impl Problem for Horizontal<'_> {
@@ -261,17 +304,40 @@ impl Problem for Horizontal<'_> {
 
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
         self.sampled.in_room(|room| {
-            room.batch.clear(self.sampled.controls);
-            // Candidates of one call lie near each other: each begins where the one before
-            // ended, the first where all do, so that equal calls give equal bytes.
-            room.lowest.begin_anew();
-            for candidate in candidates.chunks_exact(self.dimension()) {
-                self.sampled.decode(self.frame.places(candidate), room);
-                room.batch.push(&room.spline.controls());
-            }
+            self.decode(candidates, room);
             self.sampled
                 .model
                 .totals(&room.batch, cutoff, &mut room.scratch, costs);
+        });
+    }
+
+    fn groups(&self) -> usize {
+        self.windows.len().max(1)
+    }
+
+    /// The part of a control point is what its blocks cost, and all collisions: a detour makes
+    /// the whole way behind it later. What its altitude moves beyond them is not seen.
+    fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
+        if self.windows.is_empty() {
+            self.evaluate(candidates, f64::INFINITY, costs);
+            parts.copy_from_slice(costs);
+            return;
+        }
+        let model = &self.sampled.model;
+        let blocks = model.blocks();
+        self.sampled.in_room(|room| {
+            self.decode(candidates, room);
+            room.along.resize(costs.len() * blocks, 0.0);
+            model.totals_along(&room.batch, &mut room.scratch, costs, &mut room.along);
+            let along = room.along.chunks_exact(blocks).zip(costs);
+            let rows = parts.chunks_exact_mut(self.windows.len()).zip(along);
+            for (parts, (along, cost)) in rows {
+                let collisions = *cost - along[blocks - 1];
+                for (part, &(first, last)) in parts.iter_mut().zip(&self.windows) {
+                    let before = if first > 0 { along[first - 1] } else { 0.0 };
+                    *part = along[last] - before + collisions;
+                }
+            }
         });
     }
 }
@@ -319,3 +385,6 @@ impl Problem for Spatial<'_> {
         });
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -85,9 +85,10 @@ fn swarms<'a>(
         spec::Objective::Operational if planner.has(Part::Penalties) => PENALTIES,
         _ => 1.0,
     };
-    let horizontal = |course: &Course<'a>| Horizontal {
-        sampled: Sampled::new(course, searched(course.margins), &parameters).with_penalties(dearer),
-        frame: course.frame(),
+    let horizontal = |course: &Course<'a>| {
+        let sampled = Sampled::new(course, searched(course.margins), &parameters);
+        let sampled = sampled.with_penalties(dearer);
+        Horizontal::new(sampled, course.frame(), planner.has(Part::Windows))
     };
     let problem = horizontal(course);
     let alone = gives_way(course).then(|| {

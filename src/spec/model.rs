@@ -215,13 +215,15 @@ pub enum Part {
     Restarts,
     /// Control points bunched anew when a swarm begins again.
     Redrawing,
+    /// Windows of a path judged each on its own; without them flies are judged as a whole.
+    Windows,
     /// Violated limits dearer in the search than in the judgement.
     Penalties,
 }
 
 impl Part {
     /// All of them, with the name that tables give to the planner without it.
-    pub const ALL: [(&'static str, Self); 10] = [
+    pub const ALL: [(&'static str, Self); 11] = [
         ("no route classes", Self::Routes),
         ("one cost field", Self::Fields),
         ("no warps", Self::Warps),
@@ -231,6 +233,7 @@ impl Part {
         ("no offspring", Self::Offspring),
         ("no restarts", Self::Restarts),
         ("no redrawing", Self::Redrawing),
+        ("no windows", Self::Windows),
         ("penalties of the judge", Self::Penalties),
     ];
 }
