@@ -352,7 +352,7 @@ proptest! {
         };
         let mut samples = (0..shape.samples).filter(shares);
         let Some(first) = samples.next() else { return Ok(()) };
-        let (first, last) = model.blocks_of(first, samples.last().unwrap_or(first));
+        let (first, last) = model.blocks_of(first, samples.next_back().unwrap_or(first));
         let costs = |path: usize| {
             let along = &levels[0][path * blocks..][..blocks];
             let before = std::iter::once(0.0).chain(along.iter().copied());
