@@ -12,7 +12,7 @@ use std::process::Output;
 use std::time::Duration;
 
 use command::{sortie, text};
-use in_flight::{json, lanes, lines, planned, take_off, wait_for};
+use in_flight::{begin, json, lanes, lines, planned, take_off, wait_for};
 use serde_json::Value;
 use sortie::link::{Address, Command, FlightMessage, Links, Message};
 use sortie::spec::Link;
@@ -183,9 +183,8 @@ fn who_has_no_way_around_a_threat_keeps_its_course_and_nobody_else_from_a_new_on
     assert_eq!(told.matches("on its new path").count(), 1, "{told}");
 }
 
-/// Has a vehicle that is flown from here stop where it is, as another ground station would.
-fn hold(runs: &Path, vehicle: &str, system: u8) {
-    const BRAKE: f32 = 17.0;
+/// Has a vehicle that is flown from here leave its mission, as another ground station would.
+fn order(runs: &Path, vehicle: &str, system: u8, mode: f32) {
     let said = json(&runs.join("links.json"));
     let link = said["links"][vehicle].as_str().expect("a link");
     let link = Link::parse(link).expect("a link");
@@ -194,7 +193,7 @@ fn hold(runs: &Path, vehicle: &str, system: u8) {
         system,
         component: 1,
     };
-    let order = Command::new(Command::SET_MODE, [1.0, BRAKE]);
+    let order = Command::new(Command::SET_MODE, [1.0, mode]);
     links.send(
         system,
         Message::Flight(FlightMessage::Command { target, order }),
@@ -202,12 +201,71 @@ fn hold(runs: &Path, vehicle: &str, system: u8) {
     let _heard = links.receive(Duration::from_millis(500));
 }
 
+/// A copter, and a QuadPlane whose way begins with a steep descent from the top of its climb.
+const WITH_WING: &str = "
+sortie: 1
+name: lanes
+area: {south_west: {lat: -35.390, lon: 149.130}, north_east: {lat: -35.330, lon: 149.200}, min_agl_m: 30, max_amsl_m: 704}
+terrain: {flat: {amsl_m: 584}}
+vehicles:
+  - {id: alpha, sysid: 1, autopilot: px4, link: sim, start: {lat: -35.3533, lon: 149.1600, agl_m: 40},
+     goal: {lat: -35.3520, lon: 149.1750, agl_m: 40}, finish: land, speed_mps: 12, max_climb_deg: 10, max_descent_deg: 8}
+  - {id: wing, sysid: 2, autopilot: ardupilot, airframe: vtol, link: sim, start: {lat: -35.3733, lon: 149.1500, agl_m: 60},
+     goal: {lat: -35.3720, lon: 149.1760, agl_m: 60}, finish: land, loiter_radius_m: 80, speed_mps: 18,
+     max_load_factor: 1.2, max_climb_deg: 10, max_descent_deg: 8, climb_mps: 3, descent_mps: 2.5}
+separation: {distance_m: 60, vertical_m: 20, time_slack_s: 5}
+planner: {algorithm: msfoa, seed: 1, evaluations: 2000}
+";
+
+#[test]
+fn who_keeps_its_course_or_holds_keeps_nobody_from_a_new_path_wherever_on_its_way_it_is() {
+    let (folder, runs) = planned("lanes", WITH_WING);
+    let _flight = take_off(folder.path(), "lanes.yaml", "4");
+    // The wing has climbed, and goes over into its way.
+    wait_for(&runs, "wing", 28.0);
+    let (output, told, errors) = replan(folder.path(), "-35.35250,149.1690,40");
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    assert_eq!(json(&runs.join("replan.json"))["verdict"], "pass");
+    // It circles where it is.
+    const LOITER: f32 = 12.0;
+    order(&runs, "wing", 2, LOITER);
+    wait_for(&runs, "wing", 45.0);
+    let (output, told, errors) = replan(folder.path(), "-35.35220,149.1725,40");
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    assert!(told.contains("holds, or somebody flies it"), "{told}");
+}
+
+#[test]
+fn who_flies_there_and_back_goes_on_there_on_its_new_path() {
+    let there_and_back = WITH_WING.replacen("finish: land", "finish: return", 1);
+    let there_and_back = there_and_back.replace("autopilot: px4", "autopilot: ardupilot");
+    let (folder, runs) = planned("lanes", &there_and_back);
+    let fly = ["fly", "lanes.yaml", "--speedup", "5", "--noise", "1"];
+    let mut flight = begin(folder.path(), &fly);
+    wait_for(&runs, "alpha", 36.0);
+    let (output, told, errors) = replan(folder.path(), "-35.35280,149.1655,5");
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    assert_eq!(told.matches("on its new path").count(), 1, "{told}");
+    flight.0.wait().expect("it ends");
+    let flown = json(&runs.join("flight.json"));
+    let margins = flown["margins"].as_array().expect("margins").iter();
+    let of = |what: &'static str| {
+        let mut margins = margins.clone();
+        margins.find(|m| m["vehicle"] == "alpha" && m["what"] == what)
+    };
+    assert_eq!(of("waypoints missed").expect("judged")["ok"], true);
+    assert_eq!(of("nearest to its goal").expect("judged")["ok"], true);
+}
+
 #[test]
 fn who_holds_is_not_said_to_be_on_a_new_path() {
+    const BRAKE: f32 = 17.0;
     let (folder, runs) = planned("lanes", &lanes("-84.238"));
     let _flight = take_off(folder.path(), "lanes.yaml", "4");
     wait_for(&runs, "alpha", 30.0);
-    hold(&runs, "alpha", 1);
+    order(&runs, "alpha", 1, BRAKE);
     wait_for(&runs, "alpha", 45.0);
     // Both meet it.
     let (output, told, errors) = replan(folder.path(), "36.305,-84.244,570");

@@ -86,7 +86,29 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     };
     // Whatever comes of it: the flight is held against the threat from now on.
     lay_down(call.as_ref(), &[Line::of_popup(&popup)])?;
-    let links = links(&sorties, arguments, &said)?;
+    let since = Since {
+        unix_ms: told_ms,
+        pace: pace(&said),
+    };
+    let known = (popups.as_slice(), &said, since);
+    let led = lead(&sorties, known, call.as_ref(), arguments);
+    if let Err(failure) = &led {
+        told::record_failure(&sorties, &threat, &failure.message)?;
+    }
+    let (decision, told) = led?;
+    told::record(&sorties, &threat, &decision, &told)?;
+    told::tell(&sorties, &decision, &told)?;
+    answer(&decision, &sorties, &told)
+}
+
+/// Leads whoever meets a threat around it: what was decided, and how each took its new mission.
+fn lead(
+    sorties: &Sorties,
+    (popups, said, since): (&[Threat], &Said, Since),
+    call: Option<&(Call, Said)>,
+    arguments: &args::Replan,
+) -> Result<(Decision, told::Told), Failure> {
+    let links = links(sorties, arguments, said)?;
     let fleet = &sorties.file.spec.vehicles;
     let systems: Vec<(u8, &Link)> = links
         .iter()
@@ -95,13 +117,9 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let open = Links::open(&systems)
         .map_err(|(link, error)| failed(format!("{link}: {error}; nothing was sent")))?;
     let clock = Clock::start();
-    let mut look = Look::read(&open, &clock, &sorties)?;
-    let since = Since {
-        unix_ms: told_ms,
-        pace: pace(&said),
-    };
-    let known = (popups.as_slice(), &said, since);
-    let decision = decide(&sorties, known, &clock, &mut look, arguments.seed)?;
+    let mut look = Look::read(&open, &clock, sorties)?;
+    let known = (popups, said, since);
+    let decision = decide(sorties, known, &clock, &mut look, arguments.seed)?;
     if !decision.replanned.review.passes() {
         let clock = said.t0_unix_ms.map_or("now", |_| "T0");
         let review = &decision.replanned.review;
@@ -112,22 +130,23 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         return Err(Failure::new(Failure::VERDICT, message));
     }
     let mut lines = Vec::new();
-    let since_s = t_s(&said, decision.sight.unix_ms);
+    let since_s = t_s(said, decision.sight.unix_ms);
     for renewed in &decision.replanned.renewed {
         let id = &fleet[renewed.vehicle].id;
         lines.push(Line::of_plan(id, since_s, &renewed.plan));
     }
-    lay_down(call.as_ref(), &lines)?;
-    let told = divert::divert(&open, &clock, &sorties, &decision);
-    told::record(&sorties, &threat, &decision, &told)?;
-    told::tell(&sorties, &decision, &told)?;
-    answer(situation::sentence(&decision.bound, fleet), &told)
+    lay_down(call, &lines)?;
+    let told = divert::divert(&open, &clock, sorties, &decision);
+    Ok((decision, told))
 }
 
 /// How it went: who cannot avoid a threat is named whatever else went well.
-fn answer(cannot: Option<String>, told: &told::Told) -> Result<(), Failure> {
+fn answer(decision: &Decision, sorties: &Sorties, told: &told::Told) -> Result<(), Failure> {
     let is_told = told.values().all(Result::is_ok);
-    match (cannot, is_told) {
+    let cannot = situation::sentence(&decision.bound, &sorties.file.spec.vehicles);
+    let is_near = cannot.is_none() && !decision.replanned.review.passes();
+    let near = "vehicles that keep their courses come too near to each other";
+    match (cannot.or_else(|| is_near.then(|| near.to_owned())), is_told) {
         (None, true) => Ok(()),
         (None, false) => Err(failed("not every vehicle is on its new path")),
         (Some(who), true) => {
@@ -213,9 +232,10 @@ fn t_s(said: &Said, unix_ms: u64) -> f64 {
 
 fn lay_down(call: Option<&(Call, Said)>, lines: &[Line]) -> Result<(), Failure> {
     let Some((call, _)) = call else { return Ok(()) };
-    call.lay_down(lines).map_err(|error| {
+    call.lay_down(lines).map_err(|(path, error)| {
         failed(format!(
-            "the record of the flight: {error}; nothing was sent"
+            "cannot write {}: {error}; nothing was sent, and what was to be recorded is not: tell the threat again",
+            path.display()
         ))
     })
 }

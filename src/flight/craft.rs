@@ -104,6 +104,8 @@ pub(super) struct Craft<'a> {
     /// Whether it is seen to stay where it was told to: watched on, for others may bring it down.
     pub(super) holds: bool,
     pub(super) in_mission: bool,
+    /// Whether it was told of that it left its mission.
+    left: bool,
     lap: Lap,
     pub(super) flown: Flown,
     outbox: VecDeque<Message>,
@@ -153,6 +155,7 @@ impl<'a> Craft<'a> {
             told: None,
             holds: false,
             in_mission: false,
+            left: false,
             lap: Lap::default(),
             flown: Flown::default(),
             outbox: VecDeque::new(),
@@ -299,10 +302,12 @@ impl<'a> Craft<'a> {
                 self.end(end);
             }
             Stage::Flying if was && !self.in_mission && self.told.is_none() => {
+                self.left = true;
                 self.said
                     .push_back("left its mission: somebody else changed the mode".to_owned());
             }
-            Stage::Flying if !was && self.in_mission && self.airborne => {
+            Stage::Flying if !was && self.in_mission && (self.left || self.told.is_some()) => {
+                self.left = false;
                 self.said.push_back("is on its mission again".to_owned());
                 if self.told == Some(Told::Hold) {
                     (self.told, self.holds) = (None, false);

@@ -1,8 +1,8 @@
 //! A vehicle in flight is given another mission and goes on with it, without a stop.
 
 use super::asking::{Answer, Asking};
+use super::leg::leg_at;
 use super::proof::BESIDE_M;
-use super::reference::to_segment;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::link::{
     Address, Body, Command, CommandResult, FlightMessage, Heartbeat, Message, MissionMessage,
@@ -42,8 +42,8 @@ pub struct Diversion<'a> {
     session: Session<'a>,
     vehicle: Address,
     onward: Onward<'a>,
-    /// Where the vehicle was last heard to be.
-    here: Option<LatLon>,
+    /// Where the vehicle was last heard to be, and how fast it flew to the east and the north, m/s.
+    here: Option<(LatLon, (f64, f64))>,
     asking: Option<Asking>,
     /// Whether the vehicle has the new mission and goes on with it; or what is wrong.
     going: Option<Result<(), String>>,
@@ -89,7 +89,8 @@ impl<'a> Diversion<'a> {
         }
         match message {
             Message::Flight(FlightMessage::Position(position)) => {
-                self.here = Some(position.place());
+                let [north, east, _] = position.velocity_cmps.map(|cmps| f64::from(cmps) / 100.0);
+                self.here = Some((position.place(), (east, north)));
             }
             Message::Flight(FlightMessage::CommandAck {
                 command, result, ..
@@ -116,7 +117,7 @@ impl<'a> Diversion<'a> {
         if self.asking.is_some() || self.going.is_some() {
             return;
         }
-        let Some((beside_m, next)) = self.here.map(|here| self.nearest(here)) else {
+        let Some((beside_m, next)) = self.here.map(|here| self.on(here)) else {
             self.going = Some(Err(
                 "took its new mission, and does not say where".to_owned()
             ));
@@ -173,28 +174,25 @@ impl<'a> Diversion<'a> {
         }
     }
 
-    /// How far a place is from the way ahead, metres, and the item at the end of the nearest
-    /// leg: so the vehicle never turns back to a place that it has passed meanwhile.
-    fn nearest(&self, here: LatLon) -> (f64, usize) {
+    /// How far a place is from the way ahead, metres, and the item at the end of the leg that
+    /// the vehicle is on: so it never turns back to a place that it has passed meanwhile.
+    fn on(&self, (here, velocity_mps): (LatLon, (f64, f64))) -> (f64, usize) {
         let frame = LocalFrame::new(here);
         let at = |place| PlanPoint {
             at: frame.to_plan(place),
             amsl: Amsl(0.0),
         };
         let items = self.onward.mission.items.iter().enumerate();
-        let mut from = at(self.onward.origin);
-        let mut best = (f64::INFINITY, self.onward.ahead);
-        for (index, item) in items.skip(self.onward.ahead) {
-            let Some(to) = item.place().map(at) else {
-                continue;
-            };
-            let (distance_m, _) = to_segment(at(here), from, to);
-            if distance_m < best.0 {
-                best = (distance_m, index);
-            }
-            from = to;
-        }
-        best
+        let ahead = items.skip(self.onward.ahead);
+        let (numbers, places): (Vec<usize>, Vec<PlanPoint>) = ahead
+            .filter_map(|(index, item)| Some((index, at(item.place()?))))
+            .unzip();
+        let way: Vec<PlanPoint> = std::iter::once(at(self.onward.origin))
+            .chain(places)
+            .collect();
+        let on = leg_at(&way, at(here), velocity_mps);
+        on.and_then(|(leg, beside_m)| Some((beside_m, *numbers.get(leg)?)))
+            .unwrap_or((f64::INFINITY, self.onward.ahead))
     }
 
     /// The next message to send at a time, if there is one.

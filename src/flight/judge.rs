@@ -1,6 +1,7 @@
 //! What was flown against the plan and against the limits of the spec.
 
 use super::end::End;
+use super::leg::leg_at;
 use super::limits::separation;
 use super::proof::{self, BESIDE_M};
 use super::record::{Fix, Flight, Record};
@@ -15,8 +16,6 @@ use crate::world::{Stations, World};
 const COLUMN_M: f64 = 25.0;
 /// Between two positions this far apart in time nothing is known, seconds.
 pub(super) const GAP_S: f64 = 5.0;
-/// A vehicle that is given a new plan this near to several of its legs is on the first, metres.
-const ALIKE_M: f64 = 5.0;
 
 /// One vehicle's flight in planning coordinates.
 pub(super) struct Trail<'a> {
@@ -191,16 +190,26 @@ impl<'a> Trail<'a> {
         if from == 0 {
             return 1;
         }
-        let legs = plan.waypoints.windows(2).enumerate();
-        let legs = legs.filter(|(_, leg)| leg[1].item >= self.fixes()[from].item);
-        let away = legs.map(|(index, leg)| {
-            let (away_m, _) = to_segment(self.points[from], leg[0].point, leg[1].point);
-            (index + 1, away_m)
-        });
-        let away: Vec<(usize, f64)> = away.collect();
-        let least_m = away.iter().map(|leg| leg.1).fold(f64::INFINITY, f64::min);
-        let on = away.iter().find(|leg| leg.1 <= least_m + ALIKE_M);
-        on.map_or(plan.waypoints.len(), |leg| leg.0)
+        let way: Vec<PlanPoint> = plan
+            .waypoints
+            .iter()
+            .map(|waypoint| waypoint.point)
+            .collect();
+        let on = leg_at(&way, self.points[from], self.velocity_mps(from));
+        on.map_or(plan.waypoints.len(), |(leg, _)| leg + 1)
+    }
+
+    /// How fast it flies at a position, to the east and the north: towards the next one.
+    fn velocity_mps(&self, at: usize) -> (f64, f64) {
+        let Some(next) = self.fixes().get(at + 1) else {
+            return (0.0, 0.0);
+        };
+        let (from, to) = (self.points[at].at, self.points[at + 1].at);
+        let took_s = (next.t_s - self.fixes()[at].t_s).max(1e-3);
+        (
+            (to.east_m - from.east_m) / took_s,
+            (to.north_m - from.north_m) / took_s,
+        )
     }
 
     /// The nearest of the ways between two positions, one waypoint after the other.

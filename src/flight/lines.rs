@@ -9,6 +9,9 @@ use super::reference::{Reference, Waypoint};
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::spec::{THREAT_RADIUS_M, Threat};
 
+/// Times are written rounded, seconds.
+const ROUNDED_S: f64 = 0.01;
+
 /// One line.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -205,6 +208,15 @@ impl Line {
 }
 
 impl ThreatLine {
+    /// Its name, size and place, in words.
+    #[must_use]
+    pub fn words(&self) -> String {
+        format!(
+            "{}: {} m around {:.6} {:.6}",
+            self.id, self.radius_m, self.lat_deg, self.lon_deg
+        )
+    }
+
     /// The threat that came up so many seconds after T0.
     ///
     /// # Errors
@@ -251,6 +263,16 @@ impl PlanLine {
         }
         if waypoints.windows(2).any(|pair| pair[1].item < pair[0].item) {
             return Err("the items of a plan go up".to_owned());
+        }
+        if waypoints.windows(2).any(|pair| pair[1].t_s < pair[0].t_s) {
+            return Err("the times of a plan go up".to_owned());
+        }
+        let last_s = waypoints.last().map_or(0.0, |last| last.t_s);
+        if (self.end_s - last_s).abs() > ROUNDED_S {
+            return Err(format!(
+                "`end_s` {} is when the last waypoint is reached, {last_s}",
+                self.end_s
+            ));
         }
         if waypoints.iter().any(|waypoint| waypoint.radius_m < 0.0) {
             return Err("the radius of a circle is not negative".to_owned());

@@ -14,6 +14,7 @@ mod end;
 mod fleet;
 mod judge;
 mod lap;
+mod leg;
 mod limits;
 mod lines;
 mod misread;

@@ -8,6 +8,11 @@ use super::misread;
 use super::record::{Fix, Flight, Record};
 use crate::geodesy::{Amsl, LocalFrame};
 
+/// The greatest `--speedup` of simulated vehicles.
+const MOST_SPEEDUP: f64 = 100.0;
+/// A threat is recorded so soon after the last position at the latest, on the wall's clock, seconds.
+const AHEAD_S: f64 = 10.0;
+
 /// A line that says nothing, or what cannot be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {why}")]
@@ -34,6 +39,7 @@ pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
         places: BTreeMap::new(),
         once: BTreeSet::new(),
         fleet: None,
+        latest_s: 0.0,
     };
     let count = text.lines().count();
     for (index, text) in text.lines().enumerate() {
@@ -67,6 +73,8 @@ struct Reading {
     places: BTreeMap<String, usize>,
     /// What was told and can be told once: the header, T0, the end of each vehicle.
     once: BTreeSet<String>,
+    /// The latest position so far, seconds after T0.
+    latest_s: f64,
     /// Who flies, by the header.
     fleet: Option<BTreeSet<String>>,
 }
@@ -120,12 +128,22 @@ impl Reading {
                 ..
             } => {
                 self.once("the header".to_owned())?;
+                if !(0.0..=MOST_SPEEDUP).contains(&speedup) || speedup == 0.0 {
+                    return Err(format!(
+                        "`speedup` {speedup} (allowed: above 0, up to {MOST_SPEEDUP})"
+                    ));
+                }
                 self.record.spec_sha256 = spec_sha256;
                 self.record.speedup = speedup;
                 for vehicle in &vehicles {
                     self.of(vehicle);
                 }
-                self.fleet = Some(vehicles.into_iter().collect());
+                let count = vehicles.len();
+                let fleet: BTreeSet<String> = vehicles.into_iter().collect();
+                if fleet.len() < count {
+                    return Err("a vehicle is in the header twice".to_owned());
+                }
+                self.fleet = Some(fleet);
             }
             Line::Start { t0_unix_s } => {
                 self.once("T0".to_owned())?;
@@ -136,7 +154,14 @@ impl Reading {
                 let plan = plan.plan(self.frame)?;
                 self.of(&vehicle).plans.push(plan);
             }
-            Line::Threat { t_s, threat } => self.record.popups.push(threat.popup(t_s)?),
+            Line::Threat { t_s, threat } => {
+                let mut popup = threat.popup(t_s)?;
+                // A record is written as things happen: no threat comes up long after the
+                // positions before it, to count for none of those behind it.
+                let until_s = self.latest_s + AHEAD_S * self.record.speedup.max(1.0);
+                popup.from_s = popup.from_s.min(until_s);
+                self.record.popups.push(popup);
+            }
             Line::Fix(line) => {
                 self.told(line.t_s, &line.vehicle)?;
                 let fix = Fix {
@@ -152,6 +177,7 @@ impl Reading {
                     return Err(format!("{} is not later than the line before", line.t_s));
                 }
                 fixes.push(fix);
+                self.latest_s = self.latest_s.max(fix.t_s);
             }
             Line::Reached {
                 t_s,

@@ -89,9 +89,14 @@ pub fn wait_for(runs: &Path, vehicle: &str, t_s: f64) {
 }
 
 pub fn take_off(folder: &Path, spec: &str, speedup: &str) -> Flight {
+    begin(folder, &["fly", spec, "--speedup", speedup])
+}
+
+/// A command that goes on while the test does.
+pub fn begin(folder: &Path, arguments: &[&str]) -> Flight {
     let child = Command::new(cargo_bin("sortie"))
         .current_dir(folder)
-        .args(["fly", spec, "--speedup", speedup])
+        .args(arguments)
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::null())

@@ -2,7 +2,7 @@
 //! reached, when T0 was; and what `replan` lays down there for the record.
 
 use std::fs::OpenOptions;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::Sorties;
 use crate::cli::args::SPEEDUP;
 use crate::cli::failure::Failure;
-use crate::cli::{output, runs};
+use crate::cli::{delivery, output, runs};
 use crate::flight::Line;
 use crate::report;
 use crate::spec::{Link, Threat};
@@ -18,6 +18,9 @@ use crate::spec::{Link, Threat};
 /// The two files: what the flight says, and what is laid down for it.
 const SAID: &str = "links.json";
 const UNDERWAY: &str = "underway.jsonl";
+
+/// No flight takes longer, milliseconds.
+const LONGEST_MS: u64 = 48 * 3600 * 1000;
 
 /// What the first of them says.
 pub(in crate::cli) struct Call {
@@ -76,6 +79,22 @@ impl Call {
         };
         let said: Said =
             serde_json::from_slice(&bytes).map_err(|error| unusable(error.to_string()))?;
+        let now_ms = delivery::milliseconds_since_1970();
+        let is_now = |t0_ms: &u64| (now_ms.saturating_sub(LONGEST_MS)..=now_ms).contains(t0_ms);
+        if said.t0_unix_ms.as_ref().is_some_and(|t0_ms| !is_now(t0_ms)) {
+            return Err(unusable(
+                "`t0_unix_ms` is not within the last two days".to_owned(),
+            ));
+        }
+        let broken = said
+            .links
+            .iter()
+            .find(|(_, link)| Link::parse(link).is_none());
+        if let Some((vehicle, link)) = broken {
+            return Err(unusable(format!(
+                "`links.{vehicle}` {link:?} is no address (allowed: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT)"
+            )));
+        }
         if !SPEEDUP.contains(&said.speedup) {
             let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
             return Err(unusable(format!(
@@ -124,15 +143,21 @@ impl Call {
     }
 
     /// Lays lines down for the record.
-    pub(in crate::cli) fn lay_down(&self, lines: &[Line]) -> std::io::Result<()> {
+    ///
+    /// # Errors
+    /// The file that cannot be written, and why.
+    pub(in crate::cli) fn lay_down(&self, lines: &[Line]) -> Result<(), (PathBuf, io::Error)> {
         let path = self.underway();
-        let mut file = OpenOptions::new().create(true).append(true).open(path)?;
-        let mut text = String::new();
-        for line in lines {
-            text.push_str(&serde_json::to_string(line)?);
-            text.push('\n');
-        }
-        file.write_all(text.as_bytes())
+        let append = || {
+            let mut text = String::new();
+            for line in lines {
+                text.push_str(&serde_json::to_string(line)?);
+                text.push('\n');
+            }
+            let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
+            file.write_all(text.as_bytes())
+        };
+        append().map_err(|error| (path.clone(), error))
     }
 
     /// The threats that were laid down so far.

@@ -14,7 +14,9 @@ use super::{Sorties, args};
 use crate::cli::console::{note, out};
 use crate::cli::failure::Failure;
 use crate::cli::{delivery, output, runs};
-use crate::flight::{self, End, Fleet, FlightReport, Intervention, Line, Outcome, Plan, Reference};
+use crate::flight::{
+    self, End, Event, Fleet, FlightReport, Intervention, Line, Outcome, Plan, Reference,
+};
 use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
 use crate::report;
@@ -169,11 +171,41 @@ impl<'a> Flying<'a> {
         let now = self.now();
         if now >= self.taken.1 || fleet.outcome().is_some() {
             let (fresh, taken) = self.call.taken_up(self.taken.0);
-            lines.extend(fresh);
+            for line in fresh {
+                lines.extend(self.take_up(line, fleet.t_s(now)));
+            }
             self.taken = (taken, now + UNDERWAY_MS);
         }
         let written = self.journal.put(&lines);
         self.note_unwritten(fleet, written);
+    }
+
+    /// A line that `replan` laid down, and what of it an operator reads. A threat counts from now
+    /// on at the latest, whatever time it was given.
+    fn take_up(&self, line: String, t_s: Option<f64>) -> Vec<String> {
+        let (line, vehicle, what) = match serde_json::from_str(&line) {
+            Ok(Line::Threat {
+                t_s: told_s,
+                threat,
+            }) => {
+                let t_s = t_s.map_or(told_s, |now_s| told_s.min(now_s));
+                let what = format!("replan was told of a threat, {}", threat.words());
+                (text(&Line::Threat { t_s, threat }), None, what)
+            }
+            Ok(Line::Plan { vehicle, .. }) => {
+                let what = "is sent another plan by replan".to_owned();
+                (line, Some(vehicle), what)
+            }
+            _ => return vec![line],
+        };
+        let event = Event {
+            t_s,
+            vehicle,
+            text: what,
+        };
+        // A screen that takes nothing is told of by the next event.
+        let _ = self.show.event(&event);
+        vec![line, text(&Line::of_event(&event))]
     }
 
     /// The newest flight is this one from now on, however it ends: no verdict of another stays.
@@ -226,7 +258,10 @@ impl<'a> Flying<'a> {
             }
             "l" | "land" => fleet.intervene(now, Intervention::Land),
             "q" | "quit" => self.leave(fleet, now),
-            _ => note("they fly on; Ctrl-C asks again"),
+            "" => note("nothing was changed; Ctrl-C asks again"),
+            other => note(&format!(
+                "{other:?} is none of h, l and q: nothing was changed; Ctrl-C asks again"
+            )),
         }
     }
 

@@ -41,6 +41,7 @@ pub(super) fn replan(situation: &mut Situation<'_>, given_up: &mut GivenUp) -> R
             found = Present::of(situation).replan(hand);
         }
         if situation.is_sound(&found.review) || !situation.give_up(&found.review, given_up) {
+            situation.leave_to_the_plan(&mut found.review);
             situation.name_what_is_broken(&found.review);
             return found;
         }

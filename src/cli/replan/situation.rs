@@ -38,6 +38,8 @@ pub(super) struct Bound {
     pub(super) certain: Vec<String>,
     /// Why it is not led around them, in words.
     pub(super) why: String,
+    /// Whether it flies its mission.
+    in_mission: bool,
 }
 
 impl Bound {
@@ -51,7 +53,12 @@ impl Bound {
 pub(super) fn sentence(bound: &[Bound], fleet: &[Vehicle]) -> Option<String> {
     let of = |of: &Bound| {
         let (id, cannot, why) = (&fleet[of.vehicle].id, of.cannot(), &of.why);
-        format!("{id} {cannot} ({why}): it keeps its course, hold, land or disarm it")
+        let keeps = if of.in_mission {
+            "it keeps its course, hold, land or disarm it"
+        } else {
+            "nothing was sent to it"
+        };
+        format!("{id} {cannot} ({why}): {keeps}")
     };
     let all: Vec<String> = bound.iter().map(of).collect();
     (!all.is_empty()).then(|| all.join("; "))
@@ -165,6 +172,7 @@ impl Situation<'_> {
             certain: threats[..certain].to_vec(),
             threats,
             why,
+            in_mission: course.in_mission,
         });
         self.others.push(course);
     }
@@ -181,28 +189,66 @@ impl Situation<'_> {
             })
     }
 
-    /// Whether every limit is kept besides those of the threats that the bound meet.
+    /// Whether every limit is kept that a new path could break.
     pub(super) fn is_sound(&self, review: &Review) -> bool {
+        let fleet = &self.sorties.file.spec.vehicles;
+        let is_of_new_path = |margin: &Margin| {
+            let mut concerned = self.concerned.iter();
+            concerned.any(|(course, _)| margin.concerns(&fleet[course.vehicle].id))
+        };
         let mut margins = review.margins.iter();
         // Of nobody nothing is proven.
-        margins.len() > 0 && margins.all(|margin| margin.ok || self.is_bound_to_break(margin))
+        margins.len() > 0 && margins.all(|margin| margin.ok || !is_of_new_path(margin))
     }
 
-    /// Who keeps its course, and misses the threats all the same, is not bound to meet them.
+    /// Who keeps its course is judged here by the threats that came up, and by how near it comes
+    /// to others. What it flies besides was verified before it took off, and is not judged again
+    /// from the middle of a leg or a turn.
+    pub(super) fn leave_to_the_plan(&self, review: &mut Review) {
+        let fleet = &self.sorties.file.spec.vehicles;
+        review.margins.retain(|margin| {
+            let mut others = self.others.iter();
+            let keeps = others.any(|course| fleet[course.vehicle].id == margin.vehicle);
+            margin.other.is_some() || !keeps || self.popup_of(margin).is_some()
+        });
+    }
+
+    /// The threat that came up and that a limit is about.
+    fn popup_of(&self, margin: &Margin) -> Option<&Threat> {
+        let id = margin.what.strip_prefix("threat ")?;
+        self.popups.iter().find(|threat| threat.id == id)
+    }
+
+    /// Who keeps its course, and misses the threats all the same, is not bound to meet them; who
+    /// meets one all the same is.
     pub(super) fn name_what_is_broken(&mut self, review: &Review) {
         let fleet = &self.sorties.file.spec.vehicles;
+        let is_broken = |vehicle: usize, threat: &String| {
+            let (id, what) = (&fleet[vehicle].id, format!("threat {threat}"));
+            let mut margins = review.margins.iter();
+            margins.any(|m| !m.ok && m.vehicle == *id && m.what == what)
+        };
         for of in &mut self.bound {
-            let id = &fleet[of.vehicle].id;
-            let is_broken = |threat: &String| {
-                let what = format!("threat {threat}");
-                let mut margins = review.margins.iter();
-                margins.any(|m| !m.ok && m.vehicle == *id && m.what == what)
-            };
-            let certain = &of.certain;
+            let (vehicle, certain) = (of.vehicle, &of.certain);
             of.threats
-                .retain(|id| certain.contains(id) || is_broken(id));
+                .retain(|id| certain.contains(id) || is_broken(vehicle, id));
         }
         self.bound.retain(|of| !of.threats.is_empty());
+        for course in &self.others {
+            let vehicle = course.vehicle;
+            let ids = self.popups.iter().map(|threat| threat.id.clone());
+            let threats: Vec<String> = ids.filter(|id| is_broken(vehicle, id)).collect();
+            let is_named = self.bound.iter().any(|of| of.vehicle == vehicle);
+            if !is_named && !threats.is_empty() {
+                self.bound.push(Bound {
+                    vehicle,
+                    threats,
+                    certain: Vec::new(),
+                    why: "its way as flown meets it, its course does not".to_owned(),
+                    in_mission: course.in_mission,
+                });
+            }
+        }
     }
 
     /// Whoever breaks limits on its new path keeps its course: one at a time, because those after it

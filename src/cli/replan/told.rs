@@ -55,19 +55,40 @@ pub(super) fn record(
     let passes = decision.replanned.review.passes() && decision.bound.is_empty();
     let document = json!({
         "sortie": env!("CARGO_PKG_VERSION"),
-        "threat": {
-            "id": threat.id,
-            "lat_deg": threat.place.lat_deg,
-            "lon_deg": threat.place.lon_deg,
-            "radius_m": threat.radius_m,
-        },
+        "threat": threat_json(threat),
         "verdict": if passes { "pass" } else { "fail" },
         "planning_s": decision.planned_s,
         "vehicles": vehicles,
         "cannot_avoid": cannot_avoid,
     });
+    write(sorties, &document)
+}
+
+/// The same where nothing was decided, or nothing sent.
+pub(super) fn record_failure(sorties: &Sorties, threat: &Threat, why: &str) -> Result<(), Failure> {
+    let document = json!({
+        "sortie": env!("CARGO_PKG_VERSION"),
+        "threat": threat_json(threat),
+        "verdict": "fail",
+        "reason": why,
+        "vehicles": [],
+        "cannot_avoid": [],
+    });
+    write(sorties, &document)
+}
+
+fn threat_json(threat: &Threat) -> Value {
+    json!({
+        "id": threat.id,
+        "lat_deg": threat.place.lat_deg,
+        "lon_deg": threat.place.lon_deg,
+        "radius_m": threat.radius_m,
+    })
+}
+
+fn write(sorties: &Sorties, document: &Value) -> Result<(), Failure> {
     let folder = runs::folder(&sorties.folder);
-    let text = report::json_text(&document);
+    let text = report::json_text(document);
     output::write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
     output::write_file(&folder.join("replan.json"), text.as_bytes())?;
     Ok(())
@@ -82,6 +103,10 @@ pub(super) fn tell(sorties: &Sorties, decision: &Decision, told: &Told) -> Resul
         let bound = decision.bound.iter().find(|of| of.vehicle == index);
         let (what, result) = match (told.get(&index), bound) {
             (_, Some(bound)) => (bound.cannot(), "KEEPS ITS COURSE".to_owned()),
+            (None, None) if !course.in_mission && !course.stands => (
+                "holds, or somebody flies it".to_owned(),
+                "not touched".to_owned(),
+            ),
             (None, None) => ("is not concerned".to_owned(), "not touched".to_owned()),
             (Some(Ok(())), None) => ("meets a threat".to_owned(), "on its new path".to_owned()),
             (Some(Err(why)), None) => ("meets a threat".to_owned(), why.clone()),

@@ -54,6 +54,10 @@ impl Present<'_> {
     pub(super) fn keep_place(&mut self, course: &Course) {
         let staying = Course {
             ahead: vec![(course.at, course.here)],
+            circle_m: self
+                .vehicle(course)
+                .wing
+                .map_or(0.0, |wing| wing.loiter_radius_m),
             ..course.clone()
         };
         let beside = self.at_its_end(&staying);
