@@ -461,3 +461,27 @@ fn what_cannot_be_is_refused_and_what_is_not_known_is_said_to_be() {
         CommandResult::UNSUPPORTED
     );
 }
+
+#[test]
+fn px4_is_led_to_an_item_by_message_alone_and_not_while_items_are_read() {
+    let mut bench = Bench::new(Profile::Px4, set_up(Profile::Px4));
+    bench.load(&dog_leg());
+    bench.start();
+    bench.fly(20.0);
+    let refused = bench.order(Command::SET_MISSION_CURRENT, [2.0]);
+    assert_eq!(refused, CommandResult::UNSUPPORTED);
+    let target = bench.vehicle.address();
+    let set = Message::Flight(FlightMessage::SetCurrent { target, seq: 2 });
+    bench.hear_body(Body::RequestList);
+    bench.vehicle.handle(bench.now, US, &set);
+    bench.fly(1.0);
+    assert_ne!(bench.current, 2);
+    let says = bench.texts.iter().any(|text| text.contains("Busy"));
+    assert!(says, "{:?}", bench.texts);
+    let result = MissionResult::ACCEPTED;
+    let opaque_id = 0;
+    bench.hear_body(Body::Ack { result, opaque_id });
+    bench.vehicle.handle(bench.now, US, &set);
+    bench.fly(1.0);
+    assert_eq!(bench.current, 2);
+}

@@ -114,8 +114,15 @@ fn lead(
         .iter()
         .map(|(index, link)| (fleet[*index].sysid, link))
         .collect();
-    let open = Links::open(&systems)
-        .map_err(|(link, error)| failed(format!("{link}: {error}; nothing was sent")))?;
+    let open = Links::open(&systems).map_err(|(link, error)| {
+        // Only one can listen at a port.
+        let hint = if is_watched && error.kind() == std::io::ErrorKind::AddrInUse {
+            " (`sortie fly` listens there: reach the vehicle over another of its links, with --link)"
+        } else {
+            ""
+        };
+        failed(format!("{link}: {error}{hint}; nothing was sent"))
+    })?;
     let clock = Clock::start();
     let mut look = Look::read(&open, &clock, sorties)?;
     let known = (popups, said, since);

@@ -3,6 +3,7 @@
 use super::asking::{Answer, Asking};
 use super::leg::leg_at;
 use super::proof::BESIDE_M;
+use super::setting::Setting;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::link::{
     Address, Body, Command, CommandResult, FlightMessage, Heartbeat, Message, MissionMessage,
@@ -45,6 +46,8 @@ pub struct Diversion<'a> {
     /// Where the vehicle was last heard to be, and how fast it flew to the east and the north, m/s.
     here: Option<(LatLon, (f64, f64))>,
     asking: Option<Asking>,
+    /// The same by message.
+    setting: Option<Setting>,
     /// Whether the vehicle has the new mission and goes on with it; or what is wrong.
     going: Option<Result<(), String>>,
     outcome: Option<Result<(), String>>,
@@ -76,6 +79,7 @@ impl<'a> Diversion<'a> {
             onward,
             here: None,
             asking: None,
+            setting: None,
             going: None,
             outcome: None,
         }
@@ -99,6 +103,11 @@ impl<'a> Diversion<'a> {
                     asking.answered(now, *command, *result);
                 }
             }
+            Message::MissionCurrent { seq, total, .. } => {
+                if let Some(setting) = &mut self.setting {
+                    setting.heard(*seq, *total);
+                }
+            }
             Message::Mission(MissionMessage {
                 mission_type: MISSION,
                 body:
@@ -114,7 +123,7 @@ impl<'a> Diversion<'a> {
 
     /// The vehicle holds the new mission, by its own word.
     fn has_the_mission(&mut self, now: Time) {
-        if self.asking.is_some() || self.going.is_some() {
+        if self.asking.is_some() || self.setting.is_some() || self.going.is_some() {
             return;
         }
         let Some((beside_m, next)) = self.here.map(|here| self.on(here)) else {
@@ -133,13 +142,19 @@ impl<'a> Diversion<'a> {
             self.going = Some(Ok(()));
             return;
         }
-        let first = match self.onward.mission.autopilot {
-            Autopilot::ArduPilot => 1,
-            Autopilot::Px4 => 0,
-        };
-        let seq = f32::from(u16::try_from(next + first).unwrap_or(0));
-        let order = Command::new(Command::SET_MISSION_CURRENT, [seq]);
-        self.asking = Some(Asking::new(self.vehicle, order, now));
+        let whole = |count: usize| u16::try_from(count).unwrap_or(0);
+        match self.onward.mission.autopilot {
+            // It counts home.
+            Autopilot::ArduPilot => {
+                let seq = f32::from(whole(next + 1));
+                let order = Command::new(Command::SET_MISSION_CURRENT, [seq]);
+                self.asking = Some(Asking::new(self.vehicle, order, now));
+            }
+            Autopilot::Px4 => {
+                let total = whole(self.onward.mission.items.len());
+                self.setting = Some(Setting::new(self.vehicle, whole(next), total, now));
+            }
+        }
     }
 
     /// Does what is due.
@@ -159,6 +174,16 @@ impl<'a> Diversion<'a> {
                     "holds the new mission, and did not say that it goes on with it".to_owned(),
                 )),
             };
+        }
+        if let (Some(setting), None) = (&self.setting, &self.going) {
+            let why = "holds the new mission, and did not say that it goes on with it";
+            self.going = setting.outcome(now).map(|is_there| {
+                if is_there {
+                    Ok(())
+                } else {
+                    Err(why.to_owned())
+                }
+            });
         }
         let Some(report) = self.session.report() else {
             return;
@@ -197,8 +222,10 @@ impl<'a> Diversion<'a> {
 
     /// The next message to send at a time, if there is one.
     pub fn poll_transmit(&mut self, now: Time) -> Option<Message> {
-        self.session
-            .poll_transmit()
+        // First where to go on: PX4 does not listen to that while it is read.
+        let setting = self.setting.as_mut().and_then(|setting| setting.poll(now));
+        setting
+            .or_else(|| self.session.poll_transmit())
             .or_else(|| self.asking.as_mut()?.poll(now))
     }
 

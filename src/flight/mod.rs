@@ -27,6 +27,7 @@ mod reading;
 mod record;
 mod reference;
 mod report;
+mod setting;
 mod settings;
 mod status;
 mod tlog;

@@ -1,6 +1,6 @@
 //! Commands: arming, modes, the mission's start, messages and parameters on request.
 
-use super::{POSITION_MS, Vehicle};
+use super::{POSITION_MS, Transfer, Vehicle};
 use crate::link::{Address, Command, CommandResult, FlightMessage, List, Message, Time};
 use crate::vehicle::mode::Mode;
 use crate::vehicle::profile::Profile;
@@ -36,6 +36,11 @@ impl Vehicle {
                 self.report();
             }
             FlightMessage::SetCurrent { target, seq } if is_ours(target) => {
+                let is_idle = matches!(self.transfer, Transfer::Idle);
+                if self.profile == Profile::Px4 && !is_idle {
+                    self.warn("WPM: IGN WP CURR CMD: Busy");
+                    return;
+                }
                 self.set_current(*seq);
                 self.tell_current();
             }
@@ -81,7 +86,8 @@ impl Vehicle {
                 let begun = self.pilot.as_mut().map(|pilot| pilot.start_mission(&items));
                 accepted(begun.unwrap_or(false))
             }
-            Command::SET_MISSION_CURRENT => {
+            // PX4 has the message alone.
+            Command::SET_MISSION_CURRENT if self.profile != Profile::Px4 => {
                 let seq = whole(order.params[0]);
                 let is_done = seq.is_some_and(|seq| self.set_current(seq));
                 self.tell_current();
