@@ -240,6 +240,33 @@ fn a_departure_delay_separates_crossing_vehicles_until_the_slack_eats_it() {
 }
 
 #[test]
+fn a_px4_copter_may_be_later_after_every_leg() {
+    let (north, south) = (place(36.345, -84.25), place(36.255, -84.25));
+    let quarter = place(36.30, -84.28);
+    // Alpha is first at the crossing, on its second leg; beta is not nearer for being later still.
+    let apart_m = |autopilot: Autopilot| {
+        let mut alpha = copter("alpha", 1, west(), east());
+        let mut beta = copter("beta", 2, north, south);
+        (alpha.autopilot, beta.autopilot) = (autopilot, autopilot);
+        beta.depart_s = 40.0;
+        let first = level(&alpha, GROUND_M + 80.0, &[west(), quarter, east()]);
+        let mut late = level(&beta, GROUND_M + 80.0, &[north, south]);
+        late.items.insert(0, delay(40.0));
+        find(
+            &judge(&empty_spec(vec![alpha, beta]), &[&first, &late]),
+            "separation",
+        )
+        .value
+    };
+    let nearer_m = apart_m(Autopilot::ArduPilot) - apart_m(Autopilot::Px4);
+    let expected_m = 15.0 * 2.0 * 1.5 / 2_f64.sqrt();
+    assert!(
+        (nearer_m - expected_m).abs() < 1.0,
+        "{nearer_m} {expected_m}"
+    );
+}
+
+#[test]
 fn vertical_separation_counts_where_the_spec_has_one() {
     let (north, south) = (place(36.345, -84.25), place(36.255, -84.25));
     let alpha = copter("alpha", 1, west(), east());

@@ -4,7 +4,7 @@ mod ends;
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{VehicleMission, cruise_speed_mps};
-use crate::path::STOP_LATE_S;
+use crate::path::{STOP_LATE_S, leg_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, World};
 
@@ -327,6 +327,7 @@ impl Pilot<'_> {
         for piece in &run.pieces {
             if piece.leg != leg {
                 leg = piece.leg;
+                self.ribbon.late_s += leg_late_s(self.vehicle);
                 firsts[leg] = self.ribbon.chords.len();
             }
             self.ribbon.lay_piece(piece, &knots, &lines)?;

@@ -11,7 +11,7 @@ from .earth import A, axes, distance, ecef, geodetic
 G = 9.80665
 SAME_M = 0.025
 SLOW_M = 10.0
-TAKEOFF_LATE, STOP_LATE = 12.0, 4.5
+TAKEOFF_LATE, STOP_LATE, PX4_LEG_LATE = 12.0, 4.5, 1.5
 WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 93, 178
 
 
@@ -102,7 +102,7 @@ class Motion:
     start: float
     end: float
     fastest: tuple  # greatest speeds across and up
-    late: float = 0.0  # by how much it may be late, for the stops before it
+    late: float = 0.0  # by how much it may be late, for the stops and legs before it
 
     def fraction(self, t):
         if self.end <= self.start or math.isinf(self.end):
@@ -243,6 +243,7 @@ class Flight:
         half, taken = self.corners(knots, legs)
         passing = self.passing(knots, lengths, taken)
         for i, leg in enumerate(legs):
+            self.late += 0.0 if self.ardupilot else PX4_LEG_LATE
             self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], knots[i + 1].speed)
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
@@ -337,7 +338,7 @@ class Flight:
         )
 
     def late_at(self, t):
-        """By how much the vehicle may be late at times, for the stops before."""
+        """By how much the vehicle may be late at times, for the stops and legs before."""
         starts = np.array([motion.start for motion in self.motions])
         late = np.array([motion.late for motion in self.motions])
         return late[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
