@@ -1,6 +1,7 @@
-//! Missions flown by real ArduPilot, for whoever has it: `SORTIE_ARDUPILOT_SITL` names the
+//! Missions flown by real autopilots, for whoever has them: `SORTIE_ARDUPILOT_SITL` names the
 //! `arducopter` binary of a built source tree, `SORTIE_ARDUPLANE_SITL` the `arduplane` one; the
-//! tree has the parameters that the simulator starts with. Without them nothing is done.
+//! tree has the parameters that the simulator starts with. `SORTIE_PX4_SITL` names the `px4` of a
+//! build folder (`build/px4_sitl_default/bin/px4`). Without them nothing is done.
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -56,6 +57,32 @@ fn start(folder: &Path, binary: &Path, vehicles: &[(&str, &str, &str)]) -> Simul
             .args(["--sysid", &(n + 1).to_string()])
             .args(["--serial0", &format!("udpclient:127.0.0.1:{port}")])
             .args(["--home", home])
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the simulator starts")
+    });
+    Simulators(started.collect())
+}
+
+/// PX4's own simulator of a quadrotor for each place, three times as fast as the clock. Instance
+/// `n` has system id `n + 1`, and all speak to UDP port 14550.
+fn start_px4(folder: &Path, binary: &Path, places: &[[&str; 2]], amsl_m: &str) -> Simulators {
+    let build = binary.ancestors().nth(2).expect("a build folder");
+    let started = places.iter().enumerate().map(|(n, [latitude, longitude])| {
+        let own = folder.join(n.to_string());
+        std::fs::create_dir(&own).expect("a folder for each");
+        Command::new(binary)
+            .current_dir(own)
+            .args(["-i", &n.to_string(), "-d"])
+            .arg(build.join("etc"))
+            .env("PX4_SIMULATOR", "sihsim")
+            .env("PX4_SIM_MODEL", "sihsim_quadx")
+            .env("PX4_SIM_SPEED_FACTOR", "3")
+            .env("PX4_HOME_LAT", latitude)
+            .env("PX4_HOME_LON", longitude)
+            .env("PX4_HOME_ALT", amsl_m)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::null())
@@ -145,4 +172,56 @@ fn three_ardupilot_wings_fly_their_missions_and_the_limits_hold() {
     std::fs::write(&spec, WINGS).expect("a spec");
     sortie(folder.path(), &spec, &["plan"]);
     sortie(folder.path(), &spec, &FLY);
+}
+
+/// Three PX4 quadrotors whose ways cross, of which one stays in the air, one waits on the ground
+/// for its departure, and all fly no faster than the drag of their simulator lets them (9.8 m/s).
+const PX4: &str = "
+sortie: 1
+name: sitl-px4-cross
+area: {south_west: {lat: 47.385, lon: 8.535}, north_east: {lat: 47.405, lon: 8.560}, min_agl_m: 25, max_amsl_m: 608}
+terrain: {flat: {amsl_m: 488}}
+threats: [{id: mast, kind: mast, lat: 47.3958, lon: 8.5475, radius_m: 60}]
+mission: {altitude: relative}
+vehicles:
+  - {id: east, sysid: 1, autopilot: px4, link: 'udpin:127.0.0.1:14550', speed_mps: 8, finish: land,
+     start: {lat: 47.3940, lon: 8.5430, agl_m: 40}, goal: {lat: 47.3940, lon: 8.5520, agl_m: 40}}
+  - {id: north, sysid: 2, autopilot: px4, link: 'udpin:127.0.0.1:14550', speed_mps: 8, finish: loiter,
+     start: {lat: 47.3910, lon: 8.5475, agl_m: 40}, goal: {lat: 47.3970, lon: 8.5475, agl_m: 40}}
+  - {id: south, sysid: 3, autopilot: px4, link: 'udpin:127.0.0.1:14550', speed_mps: 7, finish: land, depart_s: 15,
+     start: {lat: 47.3965, lon: 8.5490, agl_m: 40}, goal: {lat: 47.3910, lon: 8.5450, agl_m: 50}}
+separation: {distance_m: 50, time_slack_s: 6}
+";
+
+#[test]
+fn three_px4_copters_fly_their_missions_and_the_limits_hold() {
+    let Some(binary) = binary("SORTIE_PX4_SITL") else {
+        return;
+    };
+    let _ports = PORTS.lock();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let spec = folder.path().join("cross.yaml");
+    std::fs::write(&spec, PX4).expect("a spec");
+    sortie(folder.path(), &spec, &["plan"]);
+    let places = [
+        ["47.3940", "8.5430"],
+        ["47.3910", "8.5475"],
+        ["47.3965", "8.5490"],
+    ];
+    let _copters = start_px4(folder.path(), &binary, &places, "488");
+    let fly = ["fly", "--upload", "--set-params", "--speedup", "3"];
+    sortie(folder.path(), &spec, &fly);
+    // The exit code has it already: said once more of what the test is named after.
+    let told = folder.path().join("out/sitl-px4-cross.runs/flight.json");
+    let told = std::fs::read_to_string(told).expect("a record of the flight");
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let margins = told["margins"].as_array().expect("margins");
+    let apart = margins
+        .iter()
+        .filter(|margin| margin["what"] == "separation");
+    let apart: Vec<f64> = apart
+        .filter_map(|margin| margin["value"].as_f64())
+        .collect();
+    assert_eq!(apart.len(), 3);
+    assert!(apart.iter().all(|apart_m| *apart_m >= 50.0), "{apart:?}");
 }
