@@ -116,6 +116,7 @@ fn lead(
         .collect();
     let open = Links::open(&systems).map_err(|(link, error)| {
         // Only one can listen at a port.
+        let is_watched = runs::is_flown(&sorties.folder);
         let hint = if is_watched && error.kind() == std::io::ErrorKind::AddrInUse {
             " (`sortie fly` listens there: reach the vehicle over another of its links, with --link)"
         } else {
