@@ -6,14 +6,17 @@
 
 use fearless_simd::prelude::*;
 
-use super::hazards::{FORBIDDEN, Hazards, Threat};
-use super::lanes::{Place, Scratch, Steps, V, Wide, segment, splat, steps, store, store_place};
+use super::hazards::Hazards;
+use super::lanes::{
+    Place, Scratch, Steps, V, Wide, load, segment, splat, steps, store, store_place,
+};
 use super::model::CostModel;
-use crate::numeric::geometry::POINT_SQ;
+use super::threat_lanes::{Danger, clear};
+use crate::numeric::geometry::{POINT_SQ, Point};
 
 /// Pieces of a block, for which hazards are culled together, and between two looks at the
 /// cutoff.
-pub(super) const BLOCK: usize = 10;
+pub(super) const BLOCK: usize = 8;
 
 /// Least and greatest east and north of every lane.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,24 +45,12 @@ pub(super) struct Block<S: Simd> {
     /// The last piece of the block before, and those of this one.
     steps: [Steps<S>; BLOCK + 1],
     along_m: V<S>,
-    low: [V<S>; 2],
-    high: [V<S>; 2],
+    /// The longest piece, horizontally.
+    pub(super) longest_m: V<S>,
+    pub(super) low: [V<S>; 2],
+    pub(super) high: [V<S>; 2],
     /// Whether a piece goes nowhere, or straight up.
-    stays: bool,
-}
-
-/// What threats do to a piece.
-pub(super) trait Danger: Copy {
-    /// Adds what one kilometre of a piece from `a` to `b` costs for a threat; `stays` where
-    /// some piece of the block may be but a point.
-    fn add<S: Simd>(
-        self,
-        simd: S,
-        threat: &Threat,
-        piece: &Piece<'_, S>,
-        stays: bool,
-        exposure: &mut V<S>,
-    );
+    pub(super) stays: bool,
 }
 
 /// One piece of every lane.
@@ -83,6 +74,7 @@ impl<S: Simd> Block<S> {
             places: [place; BLOCK + 1],
             steps: [steps::<S>(&place, &place); BLOCK + 1],
             along_m: zero,
+            longest_m: zero,
             low: [zero; 2],
             high: [zero; 2],
             stays: false,
@@ -116,17 +108,19 @@ impl<S: Simd> Block<S> {
         }
         (self.low, self.high) = (low, high);
         let mut least_sq = splat(simd, f64::INFINITY);
+        let mut longest_m = splat(simd, 0.0);
         let mut along_m = self.along_m;
         let stored = &mut scratch.along_m[self.start + 1..];
         let ends = self.places[..=self.count].windows(2);
         for ((pair, to), stored) in ends.zip(&mut self.steps[1..]).zip(stored) {
             let step = steps::<S>(&pair[0], &pair[1]);
             least_sq = least_sq.min(step.run_sq);
+            longest_m = longest_m.max(step.run_m);
             along_m += step.run_m;
             store::<S>(along_m, stored);
             *to = step;
         }
-        self.along_m = along_m;
+        (self.along_m, self.longest_m) = (along_m, longest_m);
         self.stays = least_sq.simd_le(POINT_SQ).any_true();
         let stored = &mut scratch.boxes[self.start / BLOCK];
         for axis in 0..2 {
@@ -173,20 +167,16 @@ impl<S: Simd> Block<S> {
         mut sum: V<S>,
     ) -> V<S> {
         let hazards = &model.hazards;
-        let mut exposures = [splat(simd, 0.0); BLOCK];
         let (zones, outside) = self.near_polygons(hazards);
-        let mut is_near = zones | outside != 0;
-        for threat in &hazards.threats {
-            if !threat.may_reach(simd, &self.low, &self.high) {
-                continue;
-            }
-            is_near = true;
-            for (piece, exposure) in self.pieces().zip(&mut exposures) {
-                danger.add(simd, threat, &piece, self.stays, exposure);
-            }
-        }
+        let threats = (&hazards.threats[..], danger);
+        let curve = &scratch.curve[self.start..];
+        let exposures = &mut scratch.exposures;
+        let is_near = (scratch.encounters).add(simd, self, threats, curve, exposures);
         if !is_near {
-            return sum;
+            if zones | outside == 0 {
+                return sum;
+            }
+            clear(simd, exposures);
         }
         if zones | outside != 0 {
             for (k, exposure) in exposures[..self.count].iter_mut().enumerate() {
@@ -201,7 +191,7 @@ impl<S: Simd> Block<S> {
             }
         }
         for (exposure, step) in exposures.iter().zip(self.steps()) {
-            sum += *exposure * step.length_km;
+            sum += load(simd, exposure) * step.length_km;
         }
         sum
     }
@@ -213,11 +203,7 @@ impl<S: Simd> Block<S> {
         let mut zones = 0;
         for zone in &hazards.zones {
             let (zone_low, zone_high) = zone.bounds();
-            let meets = high[0].simd_ge(zone_low[0])
-                & low[0].simd_le(zone_high[0])
-                & high[1].simd_ge(zone_low[1])
-                & low[1].simd_le(zone_high[1]);
-            zones |= meets.to_bitmask();
+            zones |= meets::<S>(low, high, &zone_low, &zone_high).to_bitmask();
         }
         let bounds = &hazards.bounds;
         let inside = low[0].simd_ge(bounds.low[0])
@@ -228,69 +214,16 @@ impl<S: Simd> Block<S> {
     }
 }
 
-impl Threat {
-    /// Whether a disc may reach into a box of any lane.
-    #[inline(always)]
-    fn may_reach<S: Simd>(&self, simd: S, low: &[V<S>; 2], high: &[V<S>; 2]) -> bool {
-        let mut gap_sq = splat(simd, 0.0);
-        for axis in 0..2 {
-            let center = splat(simd, self.center[axis]);
-            let beyond = (low[axis] - center).max(center - high[axis]).max(0.0);
-            gap_sq += beyond * beyond;
-        }
-        gap_sq.simd_le(self.reach_sq).any_true()
-    }
-}
-
-/// The exact length in a disc; see [`Threat::exposure`].
-#[derive(Clone, Copy)]
-pub(super) struct Chords;
-
-impl Danger for Chords {
-    #[inline(always)]
-    fn add<S: Simd>(
-        self,
-        simd: S,
-        threat: &Threat,
-        piece: &Piece<'_, S>,
-        stays: bool,
-        exposure: &mut V<S>,
-    ) {
-        let (a, step) = (piece.a, piece.step);
-        let zero = splat(simd, 0.0);
-        let from = [a[0] - threat.center[0], a[1] - threat.center[1]];
-        let from_sq = from[0] * from[0] + from[1] * from[1];
-        let square = step.run_sq;
-        let outside = from_sq - threat.radius_m * threat.radius_m;
-        let half = from[0] * step.east_m + from[1] * step.north_m;
-        let discriminant = half * half - square * outside;
-        // Not if the piece begins outside and leads away, or ends outside and leads there.
-        let past = half + square;
-        let outside_b = outside + (half + past);
-        let meets = discriminant.simd_gt(0.0)
-            & outside.min(half).simd_lt(0.0)
-            & outside_b.min(-past).simd_lt(0.0);
-        let points = square.simd_le(POINT_SQ);
-        let matters = meets.any_true() || stays && points.any_true();
-        if !matters {
-            return;
-        }
-        let root = discriminant.max(zero).sqrt();
-        let per_square = splat(simd, 1.0) / square.max(POINT_SQ);
-        let enter = ((-half - root) * per_square).max(0.0);
-        let leave = ((-half + root) * per_square).min(1.0);
-        let nearest = (-half * per_square).max(0.0).min(1.0);
-        let gap = [
-            from[0] + nearest * step.east_m,
-            from[1] + nearest * step.north_m,
-        ];
-        let closest = (gap[0] * gap[0] + gap[1] * gap[1]).sqrt();
-        let through = (leave - enter) * (splat(simd, FORBIDDEN) - closest * threat.per_radius);
-        let mut through = (meets & leave.simd_gt(enter)).select(through, zero);
-        if stays {
-            let over = splat(simd, FORBIDDEN) - from_sq.sqrt() * threat.per_radius;
-            through = points.select(outside.simd_lt(0.0).select(over, zero), through);
-        }
-        *exposure += through;
-    }
+/// In which lanes a box meets another one.
+#[inline(always)]
+pub(super) fn meets<S: Simd>(
+    low: &[V<S>; 2],
+    high: &[V<S>; 2],
+    other_low: &Point,
+    other_high: &Point,
+) -> <V<S> as SimdBase<S>>::Mask {
+    high[0].simd_ge(other_low[0])
+        & low[0].simd_le(other_high[0])
+        & high[1].simd_ge(other_low[1])
+        & low[1].simd_le(other_high[1])
 }

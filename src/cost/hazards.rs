@@ -17,8 +17,12 @@ pub(super) struct Threat {
     pub(super) radius_m: f64,
     /// One over the radius, 1/m.
     pub(super) per_radius: f64,
-    /// What is further away than this, squared, is outside for certain, whatever rounding does.
-    pub(super) reach_sq: f64,
+    /// What is further away than this is outside for certain, whatever rounding does: also
+    /// that of a piece of up to a million kilometres.
+    pub(super) reach_m: f64,
+    /// The box of all within reach.
+    pub(super) low: Point,
+    pub(super) high: Point,
 }
 
 /// A no-fly zone, widened by its margin.
@@ -105,11 +109,14 @@ impl Hazards {
 
 impl Threat {
     fn new(center: Point, radius_m: f64) -> Self {
+        let reach_m = radius_m * (1.0 + 1e-9) + 1e-6;
         Self {
             center,
             radius_m,
             per_radius: 1.0 / radius_m,
-            reach_sq: radius_m * radius_m * (1.0 + 1e-9),
+            reach_m,
+            low: center.map(|middle_m| middle_m - reach_m),
+            high: center.map(|middle_m| middle_m + reach_m),
         }
     }
 

@@ -12,6 +12,7 @@ use fearless_simd::prelude::*;
 use super::block::BlockBox;
 use super::hazards::Segment;
 use super::model::CostModel;
+use super::threat_lanes::{Encounters, Exposures};
 use crate::numeric::angle::{ATAN, TAN_PI_8};
 
 /// Lanes of the widest vectors.
@@ -38,6 +39,8 @@ pub struct Scratch {
     /// Totals up to the end of each block, if `runs_up`.
     pub(super) running: Vec<Wide>,
     pub(super) runs_up: bool,
+    pub(super) encounters: Encounters,
+    pub(super) exposures: Exposures,
 }
 
 /// A step of every lane; see [`super::operational::Step`].

@@ -18,6 +18,7 @@ mod paper_lanes;
 mod reference;
 mod relief;
 mod sampling;
+mod threat_lanes;
 mod timing;
 mod traffic;
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
-use super::block::{BLOCK, Block, Chords};
+use super::block::{BLOCK, Block};
 use super::lanes::{
     MOST_LANES, Place, Scratch, SlopeLanes, Steps, V, Wide, point, points, quadrant_angles,
     segment, splat, store,
@@ -14,6 +14,7 @@ use super::model::CostModel;
 use super::operational::Sums;
 use super::relief::ReliefLanes;
 use super::sampling::MOST_SUBSTEPS;
+use super::threat_lanes::Chords;
 
 /// Fine samples of a block.
 const FINE: usize = BLOCK * MOST_SUBSTEPS;

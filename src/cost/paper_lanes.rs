@@ -3,12 +3,13 @@
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
-use super::block::{BLOCK, Block, Danger, Piece};
+use super::block::{BLOCK, Block, meets};
 use super::hazards::Threat;
 use super::lanes::{MOST_LANES, Place, Scratch, SlopeLanes, V, Wide, point, points, splat, store};
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
 use super::relief::ReliefLanes;
+use super::threat_lanes::{Danger, Pieces};
 
 /// Terms of the candidates in the lanes of `scratch`, as many as `out` has.
 #[inline(always)]
@@ -118,29 +119,24 @@ impl Paper {
 
 /// `T_de` of Eq. 24 at the middle of a piece.
 impl Danger for ThreatForm {
+    /// The product is less than the square of the distance to the middle.
     #[inline(always)]
-    fn add<S: Simd>(
-        self,
-        simd: S,
-        threat: &Threat,
-        piece: &Piece<'_, S>,
-        _: bool,
-        exposure: &mut V<S>,
-    ) {
+    fn bound(self, reach_m: f64, _: f64) -> f64 {
+        reach_m * reach_m
+    }
+
+    #[inline(always)]
+    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, _: bool) -> V<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let middle = |axis: usize| (piece.a[axis] + piece.b[axis]) * 0.5;
+        let middle = |axis: usize| (of.a[axis] + of.b[axis]) * 0.5;
         let (east_m, north_m) = (middle(0) - threat.center[0], middle(1) - threat.center[1]);
         let apart_sq = east_m * east_m + north_m * north_m;
-        let radius_sq = threat.radius_m * threat.radius_m;
-        if !apart_sq.simd_lt(radius_sq).any_true() {
-            return;
-        }
-        let share_sq = apart_sq / radius_sq;
+        let share_sq = apart_sq / (threat.radius_m * threat.radius_m);
         let danger = match self {
             Self::Quartic => one / (share_sq * share_sq + 1.0),
             Self::Linear => one - share_sq.sqrt(),
         };
-        *exposure += share_sq.simd_lt(1.0).select(danger, zero);
+        share_sq.simd_lt(1.0).select(danger, zero)
     }
 }
 
@@ -161,19 +157,16 @@ fn add_collisions<S: Simd>(
             [side(&own.low[0]), side(&own.low[1])],
             [side(&own.high[0]), side(&own.high[1])],
         );
-        let mut meets = 0;
+        let mut near = 0;
         for [east_m, north_m] in model.paper.wide_boxes() {
-            let near = high[0].simd_ge(east_m[0])
-                & low[0].simd_le(east_m[1])
-                & high[1].simd_ge(north_m[0])
-                & low[1].simd_le(north_m[1]);
-            meets |= near.to_bitmask();
+            let (low_m, high_m) = ([east_m[0], north_m[0]], [east_m[1], north_m[1]]);
+            near |= meets::<S>(&low, &high, &low_m, &high_m).to_bitmask();
         }
         // The last sample of a block is the first of the next.
         let end = (start + BLOCK).min(last);
         let samples = start..if end == last { end + 1 } else { end };
         for (lane, sum) in sums.iter_mut().enumerate().take(used) {
-            if meets >> lane & 1 == 1 {
+            if near >> lane & 1 == 1 {
                 *sum = add_risks(model, scratch, lane, samples.clone(), *sum);
             }
         }

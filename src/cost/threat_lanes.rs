@@ -1,0 +1,247 @@
+//! What threats do to the pieces of a block.
+//!
+//! Where pieces are long, many threats are near a block, each to one candidate or two. So
+//! here the lanes are not candidates but pieces of one that follow each other: those that
+//! meet a threat are side by side.
+
+use fearless_simd::prelude::*;
+
+use super::block::{BLOCK, Block, meets};
+use super::hazards::{FORBIDDEN, Threat};
+use super::lanes::{MOST_LANES, V, Wide, splat, store};
+use crate::numeric::geometry::POINT_SQ;
+
+/// How the danger of a threat is measured.
+pub(super) trait Danger: Copy {
+    /// A number above the product of the vectors from a threat's centre to both ends of any
+    /// piece that the threat does something to, by its reach and the longest of the pieces.
+    fn bound(self, reach_m: f64, longest_m: f64) -> f64;
+
+    /// What one kilometre of each piece costs for a threat; `stays` where some piece may be
+    /// but a point.
+    fn exposures<S: Simd>(self, simd: S, threat: &Threat, pieces: &Pieces<S>, stays: bool) -> V<S>;
+}
+
+/// Pieces of one candidate that follow each other, one in each lane.
+#[derive(Clone, Copy)]
+pub(super) struct Pieces<S: Simd> {
+    pub(super) a: [V<S>; 2],
+    pub(super) b: [V<S>; 2],
+}
+
+/// Pieces of a block, and some more that fill the last vector.
+pub(super) const ROW: usize = BLOCK.next_multiple_of(MOST_LANES);
+
+/// What one kilometre of the pieces of a block costs, in every lane.
+pub(super) type Exposures = [Wide; ROW];
+
+/// Most pairs of a threat and a candidate that are looked at together, a bit for each.
+const PAIRS: usize = u64::BITS as usize;
+
+/// What is near a block, in memory that is kept.
+#[derive(Clone, Debug)]
+pub(super) struct Encounters {
+    /// East and north of each candidate where pieces begin or end.
+    rows: [[[f64; ROW + 1]; 2]; MOST_LANES],
+    /// Pair and first piece of those that may meet.
+    found: [(u8, u8); PAIRS * ROW / 2],
+}
+
+impl Default for Encounters {
+    fn default() -> Self {
+        Self {
+            rows: [[[0.0; ROW + 1]; 2]; MOST_LANES],
+            found: [(0, 0); PAIRS * ROW / 2],
+        }
+    }
+}
+
+impl Encounters {
+    /// What one kilometre of the pieces of a block costs for threats, if that is anything;
+    /// `curve` is where they begin and end.
+    #[inline(always)]
+    pub(super) fn add<S: Simd>(
+        &mut self,
+        simd: S,
+        block: &Block<S>,
+        (threats, danger): (&[Threat], impl Danger),
+        curve: &[[Wide; 3]],
+        exposures: &mut Exposures,
+    ) -> bool {
+        let mut is_near = false;
+        let mut laid_out = 0;
+        for threats in threats.chunks(PAIRS / V::<S>::LEN) {
+            let near = near(block, threats);
+            if near == 0 {
+                continue;
+            }
+            if !is_near {
+                is_near = true;
+                clear(simd, exposures);
+            }
+            let lanes = lanes_of::<S>(near) & !laid_out;
+            self.lay_out(&curve[..=BLOCK], lanes);
+            laid_out |= lanes;
+            let count = self.find(simd, block, (threats, danger), near);
+            for &(pair, start) in &self.found[..count] {
+                let (threat, lane) = parts::<S>(pair, threats);
+                let pieces = self.pieces(simd, lane, usize::from(start));
+                let more = danger.exposures(simd, threat, &pieces, block.stays);
+                let of = &mut exposures[usize::from(start)..][..V::<S>::LEN];
+                let more = more.as_slice();
+                for k in 0..V::<S>::LEN {
+                    of[k][lane] += more[k];
+                }
+            }
+        }
+        is_near
+    }
+
+    /// Puts the places of some candidates in rows, a bit for each.
+    #[inline(always)]
+    fn lay_out(&mut self, curve: &[[Wide; 3]], mut lanes: u64) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            let row = &mut self.rows[lane];
+            for (k, place) in curve.iter().enumerate() {
+                (row[0][k], row[1][k]) = (place[0][lane], place[1][lane]);
+            }
+            lanes &= lanes - 1;
+        }
+    }
+
+    /// Pieces of one candidate from number `start` on.
+    #[inline(always)]
+    fn pieces<S: Simd>(&self, simd: S, lane: usize, start: usize) -> Pieces<S> {
+        let [east_m, north_m] = &self.rows[lane];
+        let read = |row: &[f64; ROW + 1], from: usize| {
+            V::<S>::from_slice(simd, &row[from..from + V::<S>::LEN])
+        };
+        Pieces {
+            a: [read(east_m, start), read(north_m, start)],
+            b: [read(east_m, start + 1), read(north_m, start + 1)],
+        }
+    }
+
+    /// Finds which pieces of the pairs that are near may meet; how many of [`Self::found`]
+    /// there are then.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a bit of 64, a piece of a block"
+    )]
+    #[inline(always)]
+    fn find<S: Simd>(
+        &mut self,
+        simd: S,
+        block: &Block<S>,
+        (threats, danger): (&[Threat], impl Danger),
+        mut near: u64,
+    ) -> usize {
+        let longest_m = block.longest_m.as_slice();
+        let mut count = 0;
+        while near != 0 {
+            let pair = near.trailing_zeros() as u8;
+            let (threat, lane) = parts::<S>(pair, threats);
+            let bound = splat(simd, danger.bound(threat.reach_m, longest_m[lane]));
+            for start in (0..BLOCK).step_by(V::<S>::LEN) {
+                let product = self.pieces(simd, lane, start).product(threat);
+                self.found[count] = (pair, start as u8);
+                count += usize::from(product.simd_lt(bound).any_true());
+            }
+            near &= near - 1;
+        }
+        count
+    }
+}
+
+/// Sets the lanes in use to zero.
+#[inline(always)]
+pub(super) fn clear<S: Simd>(simd: S, exposures: &mut Exposures) {
+    for exposure in exposures {
+        store::<S>(splat(simd, 0.0), exposure);
+    }
+}
+
+/// Which threats may reach into the box of which lane: all lanes of the first threat, then
+/// those of the next.
+#[inline(always)]
+fn near<S: Simd>(block: &Block<S>, threats: &[Threat]) -> u64 {
+    let mut near = 0;
+    let mut at = 0;
+    for threat in threats {
+        let lanes = meets::<S>(&block.low, &block.high, &threat.low, &threat.high);
+        near |= lanes.to_bitmask() << at;
+        at += V::<S>::LEN;
+    }
+    near
+}
+
+/// The lanes of some pairs, a bit for each.
+#[inline(always)]
+fn lanes_of<S: Simd>(near: u64) -> u64 {
+    let all = (1 << V::<S>::LEN) - 1;
+    let threats = (0..PAIRS).step_by(V::<S>::LEN);
+    threats.fold(0, |lanes, at| lanes | near >> at & all)
+}
+
+/// Threat and lane of a pair.
+#[inline(always)]
+fn parts<S: Simd>(pair: u8, threats: &[Threat]) -> (&Threat, usize) {
+    let pair = usize::from(pair);
+    (&threats[pair / V::<S>::LEN], pair % V::<S>::LEN)
+}
+
+impl<S: Simd> Pieces<S> {
+    /// The products of the vectors from a threat's centre to both ends.
+    #[inline(always)]
+    fn product(&self, threat: &Threat) -> V<S> {
+        let (a, b, center) = (&self.a, &self.b, &threat.center);
+        (a[0] - center[0]) * (b[0] - center[0]) + (a[1] - center[1]) * (b[1] - center[1])
+    }
+}
+
+/// The exact length in a disc; see [`Threat::exposure`].
+#[derive(Clone, Copy)]
+pub(super) struct Chords;
+
+impl Danger for Chords {
+    /// A point in the disc is no further than reach `r` and half the length `l` from the
+    /// middle `m` of the piece, and the product is `m^2 - (l / 2)^2`.
+    #[inline(always)]
+    fn bound(self, reach_m: f64, longest_m: f64) -> f64 {
+        reach_m * (reach_m + longest_m)
+    }
+
+    #[inline(always)]
+    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, stays: bool) -> V<S> {
+        let zero = splat(simd, 0.0);
+        let from = [of.a[0] - threat.center[0], of.a[1] - threat.center[1]];
+        let along = [of.b[0] - of.a[0], of.b[1] - of.a[1]];
+        let from_sq = from[0] * from[0] + from[1] * from[1];
+        let square = along[0] * along[0] + along[1] * along[1];
+        let outside = from_sq - threat.radius_m * threat.radius_m;
+        let half = from[0] * along[0] + from[1] * along[1];
+        let discriminant = half * half - square * outside;
+        // Not if the piece begins outside and leads away, or ends outside and leads there.
+        let past = half + square;
+        let outside_b = outside + (half + past);
+        let meets = discriminant.simd_gt(0.0)
+            & outside.min(half).simd_lt(0.0)
+            & outside_b.min(-past).simd_lt(0.0);
+        let root = discriminant.max(zero).sqrt();
+        let per_square = splat(simd, 1.0) / square.max(POINT_SQ);
+        let enter = ((-half - root) * per_square).max(0.0);
+        let leave = ((-half + root) * per_square).min(1.0);
+        let nearest = (-half * per_square).max(0.0).min(1.0);
+        let gap = [from[0] + nearest * along[0], from[1] + nearest * along[1]];
+        let closest = (gap[0] * gap[0] + gap[1] * gap[1]).sqrt();
+        let through = (leave - enter) * (splat(simd, FORBIDDEN) - closest * threat.per_radius);
+        let through = (meets & leave.simd_gt(enter)).select(through, zero);
+        if !stays {
+            return through;
+        }
+        let over = splat(simd, FORBIDDEN) - from_sq.sqrt() * threat.per_radius;
+        let over = outside.simd_lt(0.0).select(over, zero);
+        square.simd_le(POINT_SQ).select(over, through)
+    }
+}
