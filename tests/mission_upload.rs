@@ -319,6 +319,34 @@ fn only_the_vehicle_speaking_to_us_about_this_list_counts() {
 }
 
 #[test]
+fn a_mission_that_px4_holds_and_says_it_will_not_fly_is_not_verified() {
+    let mission = mission(Profile::Px4, 5);
+    let run = |stranger: Vec<(Time, Address, Message)>| {
+        let mut scene = Scene::new(1, CLEAR, vehicle(Profile::Px4), &mission);
+        scene.stranger = stranger;
+        scene.run()
+    };
+    let fine = run(Vec::new());
+    assert_eq!(fine.verdict, Verdict::Verified);
+    let address = vehicle(Profile::Px4).address();
+    let text = "Mission rejected: starts with landing\t".to_owned();
+    let says = Message::StatusText { severity: 2, text };
+    // At once: of the mission before; a second before the end: of ours.
+    let before = run(vec![(Time(1), address, says.clone())]);
+    assert_eq!(before.verdict, Verdict::Verified);
+    let lasted = std::time::Duration::from_secs_f64(fine.seconds).as_millis();
+    let listened = Time(u64::try_from(lasted).expect("not long") - 1000);
+    let report = run(vec![(listened, address, says)]);
+    let Verdict::Failed(failure) = report.verdict else {
+        panic!("{:?}", report.verdict)
+    };
+    assert_eq!(
+        failure.to_string(),
+        "the vehicle holds the mission, and will not fly it: Mission rejected: starts with landing"
+    );
+}
+
+#[test]
 fn the_count_is_sent_again_until_the_vehicle_counts_as_silent() {
     let mut machine = upload(2);
     assert_eq!(sent(&mut machine), ["count 2"]);

@@ -133,6 +133,12 @@ pub enum Failure {
         #[source]
         error: DownloadError,
     },
+    /// The vehicle holds the mission and will not fly it.
+    #[error("the vehicle holds the mission, and will not fly it: {text}")]
+    WillNotFly {
+        /// What it says.
+        text: String,
+    },
     /// The vehicle holds something else.
     #[error("{list}: the vehicle holds something else than was sent (differences: {count}){}", said(*.complaint))]
     Different {

@@ -94,6 +94,8 @@ pub struct Session<'a> {
     version_requests: u32,
     differences: Vec<Difference>,
     texts: Vec<String>,
+    /// What the vehicle says of a mission that it holds and will not fly.
+    rejection: Option<String>,
     /// Since when the vehicle has been answering our MAVLink 2 in MAVLink 1.
     old_since: Option<Time>,
     version: Version,
@@ -142,6 +144,7 @@ impl<'a> Session<'a> {
             version_requests: 0,
             differences: Vec::new(),
             texts: Vec::new(),
+            rejection: None,
             old_since: None,
             version: Version::Two,
             report: None,
@@ -162,6 +165,7 @@ impl<'a> Session<'a> {
                 {
                     self.texts.push(text.clone());
                 }
+                self.look_for_rejection(from, text);
             }
             Message::AutopilotVersion {
                 flight_software, ..
@@ -229,7 +233,13 @@ impl<'a> Session<'a> {
                 self.meet(now, encounter);
             }
             Stage::Pausing { until } if now >= *until => self.begin_list(now),
-            Stage::Listening { until } if now >= *until => self.end(now, Verdict::Verified),
+            Stage::Listening { until } if now >= *until => {
+                let rejection = self.rejection.take();
+                let verdict = rejection.map_or(Verdict::Verified, |text| {
+                    Verdict::Failed(Failure::WillNotFly { text })
+                });
+                self.end(now, verdict);
+            }
             Stage::Meeting(_) | Stage::Pausing { .. } | Stage::Listening { .. } => {}
         }
         self.advance(now);

@@ -4,7 +4,7 @@ use super::{ORDER, Session, Stage};
 use crate::link::clear::Clear;
 use crate::link::download::{Download, DownloadError};
 use crate::link::identity;
-use crate::link::message::{AUTOPILOT_GENERIC, List, MissionResult, Route};
+use crate::link::message::{AUTOPILOT_GENERIC, Address, List, MissionResult, Route};
 use crate::link::report::{Failure, Verdict};
 use crate::link::task::{Ended, Task};
 use crate::link::time::Time;
@@ -20,6 +20,9 @@ const MOST_ROUNDS: u32 = 3;
 /// How long PX4 is listened to after the last read-back, milliseconds: it judges a mission
 /// after accepting it, and says once a second what it holds.
 const LISTEN_MS: u64 = 1200;
+
+/// How PX4 begins to say that a mission is not feasible (`FeasibilityChecker`).
+const REJECTED: &str = "Mission rejected";
 
 impl<'a> Session<'a> {
     /// What is wanted, by the rules of the autopilot that answers, if it says which it is.
@@ -190,6 +193,16 @@ impl<'a> Session<'a> {
             self.stage = Stage::Listening {
                 until: now + listen_ms,
             };
+        }
+    }
+
+    /// PX4 judges a mission once it has confirmed it, and then says alone in words that it will not
+    /// fly it. What it says before that is of the mission that it held.
+    pub(super) fn look_for_rejection(&mut self, from: Address, text: &str) {
+        let is_sent = ORDER.get(self.at) == Some(&List::Mission) && self.acknowledged;
+        let is_held = is_sent || matches!(self.stage, Stage::Listening { .. });
+        if is_held && self.is_of_vehicle(from) && text.starts_with(REJECTED) {
+            self.rejection = Some(text.trim_end().to_owned());
         }
     }
 
