@@ -88,7 +88,9 @@ fn swarms<'a>(
     let horizontal = |course: &Course<'a>| {
         let sampled = Sampled::new(course, searched(course.margins), &parameters);
         let sampled = sampled.with_penalties(dearer);
-        Horizontal::new(sampled, course.frame(), planner.has(Part::Windows))
+        // Among others a detour makes the whole way behind it later, which no window tells.
+        let windows = planner.has(Part::Windows) && course.earlier.is_empty();
+        Horizontal::new(sampled, course.frame(), windows)
     };
     let problem = horizontal(course);
     let alone = gives_way(course).then(|| {
