@@ -151,6 +151,22 @@ fn who_stands_on_the_ground_is_named_and_who_flies_is_led_around_the_same_threat
 }
 
 #[test]
+fn who_still_climbs_after_its_takeoff_keeps_its_course() {
+    let slow = lanes("-84.238").replace("climb_mps: 5", "climb_mps: 1");
+    let (folder, runs) = planned("lanes", &slow);
+    let _flight = take_off(folder.path(), "lanes.yaml", "4");
+    wait_for(&runs, "bravo", 12.0);
+    let (output, told, errors) = replan(folder.path(), "36.305,-84.246,570");
+    assert_eq!(output.status.code(), Some(4), "{told}{errors}");
+    assert_eq!(told.matches("KEEPS ITS COURSE").count(), 2, "{told}");
+    assert!(
+        errors.contains("bravo cannot avoid popup-1 (it still climbs"),
+        "{errors}"
+    );
+    assert_eq!(json(&runs.join("replan.json"))["verdict"], "fail");
+}
+
+#[test]
 fn who_stands_on_the_ground_and_meets_no_threat_keeps_nobody_from_a_new_path() {
     let later = lanes("-84.238").replace("id: bravo, ", "id: bravo, depart_s: 150, ");
     let (folder, runs) = planned("lanes", &later);

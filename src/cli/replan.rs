@@ -153,7 +153,7 @@ fn answer(decision: &Decision, sorties: &Sorties, told: &told::Told) -> Result<(
     let is_told = told.values().all(Result::is_ok);
     let cannot = situation::sentence(&decision.bound, &sorties.file.spec.vehicles);
     let is_near = cannot.is_none() && !decision.replanned.review.passes();
-    let near = "vehicles that keep their courses come too near to each other";
+    let near = "not all of who keeps its course can be judged (see above)";
     match (cannot.or_else(|| is_near.then(|| near.to_owned())), is_told) {
         (None, true) => Ok(()),
         (None, false) => Err(failed("not every vehicle is on its new path")),

@@ -245,6 +245,9 @@ fn survivors(swarms: usize, rounds: usize) -> usize {
         .max(2)
 }
 
+/// After so many parts of the evaluations, of so many, swarms learn from whole flies.
+const WHOLE: (usize, usize) = (4, 5);
+
 /// One olfactory and visual search of all swarms, evaluated as one batch.
 fn generation<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
@@ -270,8 +273,15 @@ fn generation<P: Problem + ?Sized>(
             }
         }
     }
-    let (costs, parts) = evaluator.evaluate_parts(&rows);
-    let groups = evaluator.groups();
+    // What a window leaves out does not cancel: the last of a cost is found as a whole.
+    let is_late = evaluator.spent() * WHOLE.1 > evaluator.budget() * WHOLE.0;
+    let (costs, parts, groups) = if is_late {
+        let costs = evaluator.evaluate(&rows);
+        (costs.clone(), costs, 1)
+    } else {
+        let (costs, parts) = evaluator.evaluate_parts(&rows);
+        (costs, parts, evaluator.groups())
+    };
     for (g, swarm) in swarms.iter_mut().enumerate() {
         let mine = g * parameters.flies..(g + 1) * parameters.flies;
         let before = swarm.best.cost;

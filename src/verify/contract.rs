@@ -14,7 +14,7 @@ use super::fence::Fence;
 use super::flight::{Flight, Slope};
 use super::pilot::is_launched;
 use super::worst::Worst;
-use super::{Margin, Moment, Sense};
+use super::{ITEMS_JUDGED, Margin, Moment, Sense};
 
 /// A commanded speed may differ from the planned one by this, m/s.
 const SPEED_MPS: f64 = 0.1;
@@ -77,7 +77,7 @@ impl Contract<'_> {
         vec![Margin {
             vehicle: self.id().to_owned(),
             other: None,
-            what: "items judged".to_owned(),
+            what: ITEMS_JUDGED.to_owned(),
             value: judged,
             limit: total,
             sense: Sense::AtLeast,

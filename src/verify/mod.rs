@@ -170,6 +170,9 @@ pub enum Sense {
     AtMost,
 }
 
+/// The limit that fails where not all items can be judged.
+pub(crate) const ITEMS_JUDGED: &str = "items judged";
+
 /// A place and time of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {

@@ -27,6 +27,8 @@ pub(super) struct Course {
     pub(super) here: PlanPoint,
     /// How long it rises before it is there, seconds.
     pub(super) rises_s: f64,
+    /// Whether its takeoff is not over: it must not be sent on from low down.
+    pub(super) takes_off: bool,
     /// Where it was since the threat was told, as far as it is now.
     pub(super) behind: Vec<PlanPoint>,
     /// Whether it flies its mission; else it holds, or somebody flies it.
@@ -156,6 +158,7 @@ impl Course {
             at: row - 1,
             here,
             rises_s,
+            takes_off: rising,
             behind: since.behind(sorties, seen),
             in_mission: flight::is_mission(planned, seen.beat.custom_mode),
             origin: if rising { here } else { origin },

@@ -7,7 +7,7 @@ use super::course::{Course, Parting};
 use crate::cli::fly::Sorties;
 use crate::geodesy::EastNorth;
 use crate::spec::{Threat, Vehicle};
-use crate::verify::{Margin, Review};
+use crate::verify::{ITEMS_JUDGED, Margin, Review};
 
 /// What is given: everyone's course, who is concerned and where each of those parts from
 /// its course, who flies through a threat all the same, and how long after T0 it is now.
@@ -124,6 +124,11 @@ impl Situation<'_> {
         if course.stands {
             return Err("it stands on the ground".to_owned());
         }
+        if course.takes_off {
+            let why =
+                "it still climbs after its takeoff: tell the threat again when it is on its way";
+            return Err(why.to_owned());
+        }
         let vehicle = &self.sorties.file.spec.vehicles[course.vehicle];
         let lead_m = (lead_s - course.rises_s).max(0.0) * vehicle.fastest_mps();
         let parting = course.after(lead_m).ok_or_else(|| {
@@ -201,15 +206,19 @@ impl Situation<'_> {
         margins.len() > 0 && margins.all(|margin| margin.ok || !is_of_new_path(margin))
     }
 
-    /// Who keeps its course is judged here by the threats that came up, and by how near it comes
-    /// to others. What it flies besides was verified before it took off, and is not judged again
-    /// from the middle of a leg or a turn.
+    /// Who keeps its course is judged here by the threats that came up, by how near it comes to
+    /// those on new paths, and by whether that can be known. What it flies besides was verified
+    /// before it took off, and is not judged again from the middle of a leg or a turn.
     pub(super) fn leave_to_the_plan(&self, review: &mut Review) {
         let fleet = &self.sorties.file.spec.vehicles;
-        review.margins.retain(|margin| {
+        let keeps = |id: &String| {
             let mut others = self.others.iter();
-            let keeps = others.any(|course| fleet[course.vehicle].id == margin.vehicle);
-            margin.other.is_some() || !keeps || self.popup_of(margin).is_some()
+            others.any(|course| fleet[course.vehicle].id == *id)
+        };
+        review.margins.retain(|margin| {
+            let all_keep = keeps(&margin.vehicle) && margin.other.iter().all(keeps);
+            let is_known = margin.value.is_finite() && margin.what != ITEMS_JUDGED;
+            !all_keep || !is_known || self.popup_of(margin).is_some()
         });
     }
 
@@ -276,7 +285,8 @@ impl Situation<'_> {
             return false;
         };
         let found = of(&self.concerned[index].0, alone.is_some());
-        let why = found.map_or_else(String::new, |margin| why(margin));
+        let id = &fleet[self.concerned[index].0.vehicle].id;
+        let why = found.map_or_else(String::new, |margin| why(margin, id));
         let (course, _) = self.concerned.remove(index);
         given_up.insert(course.vehicle, why.clone());
         self.bind(course, why);
@@ -284,9 +294,10 @@ impl Situation<'_> {
     }
 }
 
-/// Why a new path is none.
-fn why(margin: &Margin) -> String {
-    let with = margin.other.as_ref();
+/// Why a new path of a vehicle is none.
+fn why(margin: &Margin, id: &str) -> String {
+    let mut both = std::iter::once(&margin.vehicle).chain(&margin.other);
+    let with = both.find(|one| *one != id);
     let with = with.map_or_else(String::new, |other| format!(" with {other}"));
     let (what, unit) = (&margin.what, margin.unit);
     let value = if !margin.note.is_empty() {
