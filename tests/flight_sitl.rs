@@ -156,7 +156,7 @@ fn three_ardupilot_wings_fly_their_missions_and_the_limits_hold() {
         return;
     };
     let _ports = PORTS.lock();
-    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (folder, spec) = planned("wings.yaml", WINGS);
     let plane = "models/plane.parm";
     let wings = [
         ("plane", "-35.3633,149.1500,584,90", plane),
@@ -168,10 +168,16 @@ fn three_ardupilot_wings_fly_their_missions_and_the_limits_hold() {
         ),
     ];
     let _wings = start(folder.path(), &binary, &wings);
-    let spec = folder.path().join("wings.yaml");
-    std::fs::write(&spec, WINGS).expect("a spec");
-    sortie(folder.path(), &spec, &["plan"]);
     sortie(folder.path(), &spec, &FLY);
+}
+
+/// A folder with a spec and its plan.
+fn planned(name: &str, spec: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = folder.path().join(name);
+    std::fs::write(&file, spec).expect("a spec");
+    sortie(folder.path(), &file, &["plan"]);
+    (folder, file)
 }
 
 /// Three PX4 quadrotors whose ways cross, of which one stays in the air, one waits on the ground
@@ -199,10 +205,7 @@ fn three_px4_copters_fly_their_missions_and_the_limits_hold() {
         return;
     };
     let _ports = PORTS.lock();
-    let folder = tempfile::tempdir().expect("a temporary folder");
-    let spec = folder.path().join("cross.yaml");
-    std::fs::write(&spec, PX4).expect("a spec");
-    sortie(folder.path(), &spec, &["plan"]);
+    let (folder, spec) = planned("cross.yaml", PX4);
     let places = [
         ["47.3940", "8.5430"],
         ["47.3910", "8.5475"],

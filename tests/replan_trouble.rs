@@ -7,12 +7,12 @@ mod command;
 #[allow(unreachable_pub, dead_code)]
 mod in_flight;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::time::Duration;
 
 use command::{sortie, text};
-use in_flight::{begin, json, lanes, lines, planned, take_off, wait_for};
+use in_flight::{Flight, begin, json, lanes, lines, planned, take_off, wait_for};
 use serde_json::Value;
 use sortie::link::{Address, Command, FlightMessage, Links, Message};
 use sortie::spec::Link;
@@ -22,6 +22,18 @@ fn replan(folder: &Path, threat: &str) -> (Output, String, String) {
     let output = sortie(folder, &["replan", "lanes.yaml", &threat]);
     let (told, errors) = (text(&output.stdout), text(&output.stderr));
     (output, told, errors)
+}
+
+/// A fleet in flight at a speedup, where a vehicle is that late; and where its records go.
+fn aloft(
+    spec: &str,
+    speedup: &str,
+    (vehicle, t_s): (&str, f64),
+) -> (tempfile::TempDir, PathBuf, Flight) {
+    let (folder, runs) = planned("lanes", spec);
+    let flight = take_off(folder.path(), "lanes.yaml", speedup);
+    wait_for(&runs, vehicle, t_s);
+    (folder, runs, flight)
 }
 
 /// Seconds after T0 in the line that says what fails.
@@ -35,9 +47,7 @@ fn worst_s(told: &str, what: &str) -> f64 {
 
 #[test]
 fn who_is_inside_of_a_threat_is_named_each_time_and_the_others_are_led_around_theirs() {
-    let (folder, runs) = planned("lanes", &lanes("-84.238"));
-    let mut flight = take_off(folder.path(), "lanes.yaml", "6");
-    wait_for(&runs, "alpha", 35.0);
+    let (folder, runs, mut flight) = aloft(&lanes("-84.238"), "6", ("alpha", 35.0));
     // All around alpha.
     let (output, told, errors) = replan(folder.path(), "36.300,-84.250,1050");
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
@@ -83,9 +93,7 @@ fn who_is_inside_of_a_threat_is_named_each_time_and_the_others_are_led_around_th
 
 #[test]
 fn what_is_broken_from_now_on_is_told_with_the_time_height_and_item_of_now() {
-    let (folder, runs) = planned("lanes", &lanes("-84.238"));
-    let _flight = take_off(folder.path(), "lanes.yaml", "4");
-    wait_for(&runs, "alpha", 40.0);
+    let (folder, runs, _flight) = aloft(&lanes("-84.238"), "4", ("alpha", 40.0));
     // Its middle is behind alpha: nowhere ahead is nearer to it than here.
     let (output, told, errors) = replan(folder.path(), "36.300,-84.2645,900");
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
@@ -136,9 +144,7 @@ fn what_cannot_be_meant_is_refused_before_anything_is_recorded_or_sent() {
 #[test]
 fn who_stands_on_the_ground_is_named_and_who_flies_is_led_around_the_same_threat() {
     let later = lanes("-84.238").replace("id: bravo, ", "id: bravo, depart_s: 150, ");
-    let (folder, runs) = planned("lanes", &later);
-    let _flight = take_off(folder.path(), "lanes.yaml", "4");
-    wait_for(&runs, "alpha", 25.0);
+    let (folder, runs, _flight) = aloft(&later, "4", ("alpha", 25.0));
     let (output, told, errors) = replan(folder.path(), "36.305,-84.246,570");
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
     let who = "bravo cannot avoid popup-1 (it stands on the ground)";
@@ -153,9 +159,7 @@ fn who_stands_on_the_ground_is_named_and_who_flies_is_led_around_the_same_threat
 #[test]
 fn who_still_climbs_after_its_takeoff_keeps_its_course() {
     let slow = lanes("-84.238").replace("climb_mps: 5", "climb_mps: 1");
-    let (folder, runs) = planned("lanes", &slow);
-    let _flight = take_off(folder.path(), "lanes.yaml", "4");
-    wait_for(&runs, "bravo", 12.0);
+    let (folder, runs, _flight) = aloft(&slow, "4", ("bravo", 12.0));
     let (output, told, errors) = replan(folder.path(), "36.305,-84.246,570");
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
     assert_eq!(told.matches("KEEPS ITS COURSE").count(), 2, "{told}");
@@ -169,9 +173,7 @@ fn who_still_climbs_after_its_takeoff_keeps_its_course() {
 #[test]
 fn who_stands_on_the_ground_and_meets_no_threat_keeps_nobody_from_a_new_path() {
     let later = lanes("-84.238").replace("id: bravo, ", "id: bravo, depart_s: 150, ");
-    let (folder, runs) = planned("lanes", &later);
-    let _flight = take_off(folder.path(), "lanes.yaml", "4");
-    wait_for(&runs, "alpha", 25.0);
+    let (folder, runs, _flight) = aloft(&later, "4", ("alpha", 25.0));
     let (output, told, errors) = replan(folder.path(), "36.3003,-84.246,120");
     assert_eq!(output.status.code(), Some(0), "{told}{errors}");
     assert_eq!(told.matches("on its new path").count(), 1, "{told}");
@@ -185,9 +187,7 @@ fn who_has_no_way_around_a_threat_keeps_its_course_and_nobody_else_from_a_new_on
     let wall = "no_fly: [{id: wall, polygon: [[36.3045, -84.299], [36.3055, -84.299], [36.3055, -84.201], [36.3045, -84.201]]}]";
     let far = lanes("-84.215");
     let far = far.replace("vehicles:", &format!("{wall}\nvehicles:"));
-    let (folder, runs) = planned("lanes", &far);
-    let _flight = take_off(folder.path(), "lanes.yaml", "4");
-    wait_for(&runs, "alpha", 25.0);
+    let (folder, _, _flight) = aloft(&far, "4", ("alpha", 25.0));
     let (output, told, errors) = replan(folder.path(), "36.2925,-84.235,1450");
     assert_eq!(output.status.code(), Some(4), "{told}{errors}");
     let who = "alpha cannot avoid popup-1 (no new path for it passes verification";
@@ -278,9 +278,7 @@ fn who_flies_there_and_back_goes_on_there_on_its_new_path() {
 #[test]
 fn who_holds_is_not_said_to_be_on_a_new_path() {
     const BRAKE: f32 = 17.0;
-    let (folder, runs) = planned("lanes", &lanes("-84.238"));
-    let _flight = take_off(folder.path(), "lanes.yaml", "4");
-    wait_for(&runs, "alpha", 30.0);
+    let (folder, runs, _flight) = aloft(&lanes("-84.238"), "4", ("alpha", 30.0));
     order(&runs, "alpha", 1, BRAKE);
     wait_for(&runs, "alpha", 45.0);
     // Both meet it.

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, Subcommand};
 
-pub(super) use flight::{Fly, Replan, SPEEDUP};
+pub(super) use flight::{Fly, Replan};
 pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study};
 
 use crate::spec::Airframe;

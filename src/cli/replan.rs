@@ -152,9 +152,10 @@ fn lead(
 fn answer(decision: &Decision, sorties: &Sorties, told: &told::Told) -> Result<(), Failure> {
     let is_told = told.values().all(Result::is_ok);
     let cannot = situation::sentence(&decision.bound, &sorties.file.spec.vehicles);
-    let is_near = cannot.is_none() && !decision.replanned.review.passes();
-    let near = "not all of who keeps its course can be judged (see above)";
-    match (cannot.or_else(|| is_near.then(|| near.to_owned())), is_told) {
+    let unjudged = "not all of who keeps its course can be judged (see above)";
+    let is_unjudged = !decision.replanned.review.passes();
+    let wrong = cannot.or_else(|| is_unjudged.then(|| unjudged.to_owned()));
+    match (wrong, is_told) {
         (None, true) => Ok(()),
         (None, false) => Err(failed("not every vehicle is on its new path")),
         (Some(who), true) => {

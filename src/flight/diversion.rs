@@ -15,6 +15,9 @@ use crate::spec::Autopilot;
 /// `MAV_MISSION_TYPE_MISSION`.
 const MISSION: u8 = 0;
 
+/// What is wrong with who does not answer any more.
+const UNSAID: &str = "holds the new mission, and did not say that it goes on with it";
+
 /// What a vehicle in flight shall go on with.
 #[derive(Clone, Copy, Debug)]
 pub struct Onward<'a> {
@@ -170,20 +173,12 @@ impl<'a> Diversion<'a> {
                 Answer::Result(result) => Some(Err(format!(
                     "holds the new mission, and refused to go on with it: {result}"
                 ))),
-                Answer::Silence => Some(Err(
-                    "holds the new mission, and did not say that it goes on with it".to_owned(),
-                )),
+                Answer::Silence => Some(Err(UNSAID.to_owned())),
             };
         }
         if let (Some(setting), None) = (&self.setting, &self.going) {
-            let why = "holds the new mission, and did not say that it goes on with it";
-            self.going = setting.outcome(now).map(|is_there| {
-                if is_there {
-                    Ok(())
-                } else {
-                    Err(why.to_owned())
-                }
-            });
+            let there = |is_there: bool| is_there.then_some(()).ok_or(UNSAID.to_owned());
+            self.going = setting.outcome(now).map(there);
         }
         let Some(report) = self.session.report() else {
             return;

@@ -41,7 +41,7 @@ pub use judge::judge;
 pub use lines::Line;
 pub(crate) use modes::is_mission;
 pub use page::flight_page;
-pub use reading::{Broken, read_record};
+pub use reading::{Broken, SPEEDUP, read_record};
 pub use record::{Fix, Flight, Flown, Plan, PopUp, Record};
 pub use reference::{Deviation, Reference, Waypoint};
 pub use report::{FlightReport, Passage, Spread, VehicleReport};

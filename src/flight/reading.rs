@@ -1,6 +1,7 @@
 //! A record made of its lines again.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
 
 use super::end::End;
 use super::lines::{Line, place};
@@ -8,8 +9,8 @@ use super::misread;
 use super::record::{Fix, Flight, Record};
 use crate::geodesy::{Amsl, LocalFrame};
 
-/// The greatest `--speedup` of simulated vehicles.
-const MOST_SPEEDUP: f64 = 100.0;
+/// How much faster than the clock simulated vehicles may fly.
+pub const SPEEDUP: RangeInclusive<f64> = 0.1..=100.0;
 /// A threat is recorded so soon after the last position at the latest, on the wall's clock, seconds.
 const AHEAD_S: f64 = 10.0;
 
@@ -128,10 +129,9 @@ impl Reading {
                 ..
             } => {
                 self.once("the header".to_owned())?;
-                if !(0.0..=MOST_SPEEDUP).contains(&speedup) || speedup == 0.0 {
-                    return Err(format!(
-                        "`speedup` {speedup} (allowed: above 0, up to {MOST_SPEEDUP})"
-                    ));
+                if !SPEEDUP.contains(&speedup) {
+                    let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
+                    return Err(format!("`speedup` {speedup} (allowed: {least} to {most})"));
                 }
                 self.record.spec_sha256 = spec_sha256;
                 self.record.speedup = speedup;

@@ -14,14 +14,16 @@
 //! part of one route and the second of another (a mixture in the middle, as printed,
 //! would lead between two routes, and there the obstacle stands).
 
+mod swarm;
+
 use std::collections::BTreeSet;
-use std::f64::consts::FRAC_PI_2;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::adapted::{Adapted, Draw};
+use super::adapted::Adapted;
 use super::{Candidate, Evaluator, Problem, Redraw, Starts};
+use swarm::{Flight, Swarm};
 
 /// Where a sub-swarm begins.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,96 +61,15 @@ pub struct MsfoaParameters {
 const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
 /// Share of the swarms that survives a round.
 const SURVIVAL: f64 = 0.4;
-/// Evaluations of one swarm without gain after which it begins again.
-const PATIENCE: usize = 700;
-/// What counts as gain, as a share of the cost.
-const GAIN: f64 = 2e-4;
 /// Rounds in which a tired swarm begins in a start that none has tried.
 const FRESH_ROUNDS: usize = 2;
 /// How often a tired swarm redraws its best place otherwise; else it stays there with a
 /// new shape.
 const REDRAWN: f64 = 0.7;
+/// After so many parts of the evaluations, of so many, swarms learn from whole flies.
+const WHOLE: (usize, usize) = (4, 5);
 /// Swarms that mate at the end of a round.
 const PARENTS: usize = 4;
-/// Global steps, in units of a start's scale.
-const GLOBAL_STEP: f64 = 3.0;
-
-/// One sub-swarm.
-struct Swarm {
-    class: u64,
-    scale: Vec<f64>,
-    adapted: Adapted,
-    /// Its keenest fly since it last began.
-    best: Candidate,
-    /// Its keenest fly of all.
-    elite: Candidate,
-    /// Evaluations since the last gain, and the cost then.
-    idle: usize,
-    idle_cost: f64,
-}
-
-impl Swarm {
-    fn new(start: &Start, parameters: &MsfoaParameters) -> Self {
-        let nobody = Candidate {
-            position: start.mean.clone(),
-            cost: f64::INFINITY,
-        };
-        Self {
-            class: start.class,
-            scale: start.scale.clone(),
-            adapted: Adapted::new(&start.mean, &start.scale, parameters.step, parameters.flies),
-            best: nobody.clone(),
-            elite: nobody,
-            idle: 0,
-            idle_cost: f64::INFINITY,
-        }
-    }
-
-    /// Big steps from the keenest fly, Eq. 7 and 8 per variable.
-    fn global_fly(&self, rng: &mut ChaCha8Rng) -> Vec<f64> {
-        self.best
-            .position
-            .iter()
-            .zip(&self.scale)
-            .map(|(&x, &scale)| {
-                let step = (FRAC_PI_2 * rng.random_range(-1.0..1.0)).sin();
-                (x + GLOBAL_STEP * scale * step).clamp(0.0, 1.0)
-            })
-            .collect()
-    }
-
-    /// Visual search: the swarm remembers its keenest fly.
-    fn see(&mut self, position: &[f64], cost: f64) {
-        if cost < self.best.cost {
-            self.best = Candidate {
-                position: position.to_vec(),
-                cost,
-            };
-            if cost < self.elite.cost {
-                self.elite = self.best.clone();
-            }
-        }
-    }
-
-    /// Counts evaluations; true when too many brought no gain.
-    fn is_tired(&mut self, evaluations: usize) -> bool {
-        let needed = GAIN * self.idle_cost.abs();
-        if self.idle_cost.is_infinite() || self.idle_cost - self.best.cost > needed {
-            self.idle = 0;
-            self.idle_cost = self.best.cost;
-        } else {
-            self.idle += evaluations;
-        }
-        self.idle >= PATIENCE
-    }
-}
-
-/// What one fly did in a generation: a draw to learn from, or a global step.
-enum Flight {
-    Local(Draw),
-    Global,
-}
-
 /// Runs until the budget is spent; returns the best of every swarm there was.
 pub(super) fn search<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
@@ -245,9 +166,6 @@ fn survivors(swarms: usize, rounds: usize) -> usize {
         .max(2)
 }
 
-/// After so many parts of the evaluations, of so many, swarms learn from whole flies.
-const WHOLE: (usize, usize) = (4, 5);
-
 /// One olfactory and visual search of all swarms, evaluated as one batch.
 fn generation<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
@@ -293,38 +211,11 @@ fn generation<P: Problem + ?Sized>(
             swarm.see(&rows[fly * dimension..][..dimension], costs[fly]);
         }
         let parts = &parts[mine.start * groups..mine.end * groups];
-        learn(swarm, &flights[mine.clone()], &costs[mine], parts);
+        swarm.learn(&flights[mine.clone()], &costs[mine], parts);
         if global_gain {
             swarm.adapted.move_to(&swarm.best.position);
         }
     }
-}
-
-/// The swarm's distribution learns from its local flies, if enough were evaluated: from steps
-/// put together group by group, each by the parts of the costs that the group may change, so
-/// that a good first half of a path is not lost for a bad second one.
-fn learn(swarm: &mut Swarm, flights: &[Flight], costs: &[f64], parts: &[f64]) {
-    let groups = parts.len() / costs.len();
-    let mut flies = Vec::new();
-    let mut draws = Vec::new();
-    for (fly, flight) in flights.iter().enumerate() {
-        if let Flight::Local(draw) = flight {
-            flies.push(fly);
-            draws.push(draw);
-        }
-    }
-    let evaluated = flies.iter().filter(|&&fly| costs[fly].is_finite()).count();
-    if evaluated < flights.len() / 2 {
-        return;
-    }
-    let order = |group: usize| {
-        let part = |&fly: &usize| parts[fly * groups + group];
-        let mut ranked: Vec<(f64, usize)> = flies.iter().map(part).zip(0..).collect();
-        ranked.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        ranked.into_iter().map(|(_, draw)| draw).collect()
-    };
-    let orders: Vec<Vec<usize>> = (0..groups).map(order).collect();
-    swarm.adapted.learn(&draws, &orders);
 }
 
 /// A tired swarm begins in the best redrawing of its keenest fly, or around that with a
@@ -431,33 +322,5 @@ mod tests {
         assert_eq!(rounds(14), [6, 3, 1]);
         assert_eq!(rounds(10), [4, 2, 1]);
         assert_eq!(rounds(1), [2, 2, 1]);
-    }
-
-    #[test]
-    fn a_swarm_tires_only_without_gain() {
-        let parameters = MsfoaParameters {
-            swarms: 1,
-            flies: 16,
-            threshold: f64::INFINITY,
-            step: 0.4,
-            group: 1,
-            racing: true,
-            offspring: true,
-            restarts: true,
-        };
-        let start = Start {
-            mean: vec![0.5],
-            scale: vec![0.1],
-            class: 0,
-        };
-        let mut swarm = Swarm::new(&start, &parameters);
-        let mut cost = 100.0;
-        for _ in 0..100 {
-            cost *= 0.99;
-            swarm.see(&[0.5], cost);
-            assert!(!swarm.is_tired(16));
-        }
-        assert!((0..PATIENCE / 16).all(|_| !swarm.is_tired(16)));
-        assert!(swarm.is_tired(16));
     }
 }

@@ -1,7 +1,8 @@
 //! What was typed after `fly` and `replan`.
 
-use std::ops::RangeInclusive;
 use std::path::PathBuf;
+
+use crate::flight::SPEEDUP;
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Fly {
@@ -51,12 +52,10 @@ pub(in crate::cli) struct Replan {
     pub(in crate::cli) seed: Option<u64>,
 }
 
-/// How much faster than the clock simulated vehicles may fly.
-pub(in crate::cli) const SPEEDUP: RangeInclusive<f64> = 0.1..=100.0;
-
 fn speedup(text: &str) -> Result<f64, String> {
     let found = text.parse().ok().filter(|n| SPEEDUP.contains(n));
-    found.ok_or_else(|| "not a number from 0.1 to 100".to_owned())
+    let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
+    found.ok_or_else(|| format!("not a number from {least} to {most}"))
 }
 
 fn metres(text: &str) -> Result<f64, String> {

@@ -8,10 +8,9 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::Sorties;
-use crate::cli::args::SPEEDUP;
 use crate::cli::failure::Failure;
 use crate::cli::{delivery, output, runs};
-use crate::flight::Line;
+use crate::flight::{Line, SPEEDUP};
 use crate::report;
 use crate::spec::{Link, Threat};
 

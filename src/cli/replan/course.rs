@@ -70,11 +70,8 @@ pub(super) struct Since {
 impl Since {
     /// Where a vehicle was since then: before it was heard first, straight on as it flew then.
     fn behind(&self, sorties: &Sorties, seen: &Seen) -> Vec<PlanPoint> {
-        let point = |position: &Position| PlanPoint {
-            at: sorties.world.frame.to_plan(position.place()),
-            amsl: position.amsl(),
-        };
-        let mut behind: Vec<PlanPoint> = seen.flown.iter().map(|(_, p)| point(p)).collect();
+        let flown = seen.flown.iter().map(|(_, position)| position);
+        let mut behind: Vec<PlanPoint> = flown.map(|at| point(sorties, at)).collect();
         if let (Some((heard_ms, first)), Some(from)) = (seen.flown.first(), behind.first()) {
             #[expect(clippy::cast_precision_loss, reason = "milliseconds of one command")]
             let before_s = heard_ms.saturating_sub(self.unix_ms) as f64 / 1000.0 * self.pace;
@@ -112,10 +109,7 @@ impl Course {
         }
         let first = usize::from(planned.autopilot == Autopilot::Px4);
         let row = (usize::from(seen.seq) + first).max(1);
-        let mut here = PlanPoint {
-            at: sorties.world.frame.to_plan(seen.position.place()),
-            amsl: seen.position.amsl(),
-        };
+        let mut here = point(sorties, &seen.position);
         let nowhen = Track {
             vehicle: String::new(),
             moments: Vec::new(),
@@ -273,6 +267,14 @@ impl Course {
             self.at + items.take_while(takes_no_way).count()
         };
         last.map_or_else(none, |(index, _)| index + 1)
+    }
+}
+
+/// A position in planning coordinates.
+fn point(sorties: &Sorties, position: &Position) -> PlanPoint {
+    PlanPoint {
+        at: sorties.world.frame.to_plan(position.place()),
+        amsl: position.amsl(),
     }
 }
 

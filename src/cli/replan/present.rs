@@ -202,7 +202,7 @@ impl<'a> Present<'a> {
     /// A new path from where a concerned vehicle parts from its course.
     fn renew(&mut self, course: &Course, parting: &Parting, hand: f64) -> Option<Renewed> {
         let vehicle = self.vehicle(course);
-        let now_s = self.now_s + course.rises_s;
+        let now_s = self.now_s;
         let at_s = now_s + parting.way_m / vehicle.speed_mps;
         let mut legs = self.search(course, parting, at_s, hand);
         let kept: Vec<PlanPoint> = course.points().into_iter().take(parting.kept + 1).collect();

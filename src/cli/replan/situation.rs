@@ -130,7 +130,7 @@ impl Situation<'_> {
             return Err(why.to_owned());
         }
         let vehicle = &self.sorties.file.spec.vehicles[course.vehicle];
-        let lead_m = (lead_s - course.rises_s).max(0.0) * vehicle.fastest_mps();
+        let lead_m = lead_s * vehicle.fastest_mps();
         let parting = course.after(lead_m).ok_or_else(|| {
             format!(
                 "it is at the end of its way within {lead_s:.0} s, before it can have a new one"
@@ -182,18 +182,6 @@ impl Situation<'_> {
         self.others.push(course);
     }
 
-    /// Whether a limit that is broken is one of a threat that a vehicle is bound to meet.
-    fn is_bound_to_break(&self, margin: &Margin) -> bool {
-        let fleet = &self.sorties.file.spec.vehicles;
-        let mut bound = self.bound.iter();
-        margin.other.is_none()
-            && bound.any(|of| {
-                let mut threats = of.threats.iter();
-                fleet[of.vehicle].id == margin.vehicle
-                    && threats.any(|id| margin.what == format!("threat {id}"))
-            })
-    }
-
     /// Whether every limit is kept that a new path could break.
     pub(super) fn is_sound(&self, review: &Review) -> bool {
         let fleet = &self.sorties.file.spec.vehicles;
@@ -232,24 +220,25 @@ impl Situation<'_> {
     /// meets one all the same is.
     pub(super) fn name_what_is_broken(&mut self, review: &Review) {
         let fleet = &self.sorties.file.spec.vehicles;
-        let is_broken = |vehicle: usize, threat: &String| {
-            let (id, what) = (&fleet[vehicle].id, format!("threat {threat}"));
-            let mut margins = review.margins.iter();
-            margins.any(|m| !m.ok && m.vehicle == *id && m.what == what)
+        let broken_by = |vehicle: usize| -> Vec<String> {
+            let of = |m: &&Margin| !m.ok && m.vehicle == fleet[vehicle].id;
+            let broken = review.margins.iter().filter(of);
+            let threats = broken.filter_map(|margin| self.popup_of(margin));
+            threats.map(|threat| threat.id.clone()).collect()
         };
-        for of in &mut self.bound {
-            let (vehicle, certain) = (of.vehicle, &of.certain);
+        let mut bound = self.bound.clone();
+        for of in &mut bound {
+            let (broken, certain) = (broken_by(of.vehicle), &of.certain);
             of.threats
-                .retain(|id| certain.contains(id) || is_broken(vehicle, id));
+                .retain(|id| certain.contains(id) || broken.contains(id));
         }
-        self.bound.retain(|of| !of.threats.is_empty());
+        bound.retain(|of| !of.threats.is_empty());
         for course in &self.others {
             let vehicle = course.vehicle;
-            let ids = self.popups.iter().map(|threat| threat.id.clone());
-            let threats: Vec<String> = ids.filter(|id| is_broken(vehicle, id)).collect();
-            let is_named = self.bound.iter().any(|of| of.vehicle == vehicle);
+            let threats = broken_by(vehicle);
+            let is_named = bound.iter().any(|of| of.vehicle == vehicle);
             if !is_named && !threats.is_empty() {
-                self.bound.push(Bound {
+                bound.push(Bound {
                     vehicle,
                     threats,
                     certain: Vec::new(),
@@ -258,13 +247,14 @@ impl Situation<'_> {
                 });
             }
         }
+        self.bound = bound;
     }
 
     /// Whoever breaks limits on its new path keeps its course: one at a time, because those after it
     /// were planned around that path. Whether there was anybody.
     pub(super) fn give_up(&mut self, review: &Review, given_up: &mut GivenUp) -> bool {
         let broken = review.margins.iter().filter(|margin| !margin.ok);
-        let broken: Vec<&Margin> = broken.filter(|m| !self.is_bound_to_break(m)).collect();
+        let broken: Vec<&Margin> = broken.collect();
         let fleet = &self.sorties.file.spec.vehicles;
         let of = |course: &Course, is_alone: bool| {
             let id = &fleet[course.vehicle].id;

@@ -32,15 +32,28 @@ impl Present<'_> {
             at_s,
         );
         let straight = self.route(course, &[course.here, last], at_s).path;
-        match self.head(&[straight]) {
+        let head = self.head(&[straight]);
+        self.settle_kept(course, (&points, at_s), course.items_ahead(), head);
+    }
+
+    /// Takes the last vehicle that was added into the fleet with its way, with what begins its
+    /// mission and the items of its own that follow, each with its row.
+    fn settle_kept(
+        &mut self,
+        course: &Course,
+        (way, at_s): (&[PlanPoint], f64),
+        own: Vec<(usize, Item)>,
+        begun: Result<VehicleMission, mission::MissionError>,
+    ) {
+        match begun {
             Ok(mut mission) => {
                 hold_fence(&mut mission, course);
                 let mut rows = vec![course.at + 1; mission.items.len()];
-                for (row, item) in course.items_ahead() {
+                for (row, item) in own {
                     rows.push(row);
                     mission.items.push(item);
                 }
-                let route = self.route(course, &points, at_s);
+                let route = self.route(course, way, at_s);
                 self.settle(vec![route], mission, Origin::new(course, at_s, rows));
             }
             Err(error) => {
@@ -61,35 +74,16 @@ impl Present<'_> {
             ..course.clone()
         };
         let beside = self.at_its_end(&staying);
-        let amsl = beside.here.amsl;
-        let way = (
-            beside.here,
-            PlanPoint {
-                amsl,
-                ..course.here
-            },
-        );
-        self.add(self.vehicle(course), way, false, self.now_s);
+        let place = PlanPoint {
+            amsl: beside.here.amsl,
+            ..course.here
+        };
+        let (way, at_s) = ([beside.here, place], self.now_s);
+        self.add(self.vehicle(course), way.into(), false, at_s);
         let index = self.spec.vehicles.len() - 1;
-        let route = self.route(course, &[way.0, way.1], self.now_s);
-        let built = mission::build_course(
-            &self.spec,
-            &self.world,
-            index,
-            std::slice::from_ref(&route.path),
-            1,
-        );
-        match built {
-            Ok(mut mission) => {
-                hold_fence(&mut mission, course);
-                let rows = vec![course.at + 1; mission.items.len()];
-                self.settle(vec![route], mission, Origin::new(course, self.now_s, rows));
-            }
-            Err(error) => {
-                self.drop_last();
-                self.problem(course, "encoding", error.to_string());
-            }
-        }
+        let path = self.route(course, &way, at_s).path;
+        let built = mission::build_course(&self.spec, &self.world, index, &[path], 1);
+        self.settle_kept(course, (&way, at_s), Vec::new(), built);
     }
 
     /// A vehicle that stays at its end, or comes down there: for the verdict it begins a few
