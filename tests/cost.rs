@@ -421,6 +421,7 @@ proptest! {
             clearance_m: margin,
             threat_m: margin,
             separation_m: margin,
+            shift_s: 0.3 * margin,
             turn_fraction: 0.1,
             climb_fraction: 0.1,
         };

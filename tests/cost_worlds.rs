@@ -236,6 +236,7 @@ fn margins(rng: &mut impl Rng) -> Margins {
         clearance_m: rng.random_range(0.0..40.0),
         threat_m: rng.random_range(0.0..100.0),
         separation_m: rng.random_range(0.0..50.0),
+        shift_s: rng.random_range(0.0..20.0),
         turn_fraction: rng.random_range(0.0..0.2),
         climb_fraction: rng.random_range(0.0..0.2),
     }

@@ -82,6 +82,8 @@ pub struct Margins {
     pub threat_m: f64,
     /// More distance from earlier vehicles, horizontal and vertical, metres.
     pub separation_m: f64,
+    /// More seconds by which earlier vehicles may be shifted, either way.
+    pub shift_s: f64,
     /// Turn radius larger by this fraction of it.
     pub turn_fraction: f64,
     /// Slope limits smaller by this fraction of them.

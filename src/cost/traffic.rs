@@ -97,12 +97,13 @@ impl Traffic {
         let vertical_m = separation
             .vertical_m
             .map(|vertical_m| vertical_m + margins.separation_m);
+        let slack_s = separation.time_slack_s + margins.shift_s;
         let reach: Vec<Extent> = motions
             .iter()
-            .map(|motion| extent(motion, separation.time_slack_s, distance_m))
+            .map(|motion| extent(motion, slack_s, distance_m))
             .collect();
         let least = [
-            4.0 * separation.time_slack_s.max(5.0),
+            4.0 * slack_s.max(5.0),
             4.0 * separation.distance_m,
             4.0 * separation.distance_m,
         ];
@@ -110,7 +111,7 @@ impl Traffic {
             distance_m,
             vertical_m,
             reach_m: distance_m.hypot(vertical_m.unwrap_or(0.0)),
-            slack_s: separation.time_slack_s,
+            slack_s,
             balls: motions.iter().map(Ball::around).collect(),
             cells: Cells::new(&reach, least),
             motions,

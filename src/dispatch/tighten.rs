@@ -64,7 +64,9 @@ impl Strictness {
                 continue;
             };
             let waits = spec.vehicles[vehicle].leeway.depart_s.is_some();
-            if mends(plan, vehicle, margin, waits) && self.answer(vehicle, margin) {
+            if mends(plan, vehicle, margin, waits)
+                && self.answer(vehicle, margin, spec.separation.time_slack_s)
+            {
                 self.parameters[vehicle].extend(parameter_at(plan, vehicle, margin, world));
                 again.insert(vehicle);
             }
@@ -73,7 +75,7 @@ impl Strictness {
     }
 
     /// Whether a stricter search may mend this margin; if so, makes it stricter.
-    fn answer(&mut self, vehicle: usize, margin: &Margin) -> bool {
+    fn answer(&mut self, vehicle: usize, margin: &Margin, slack_s: f64) -> bool {
         let missing = -margin.slack();
         if !missing.is_finite() {
             return false;
@@ -83,7 +85,15 @@ impl Strictness {
         match margin.what.split(' ').next().unwrap_or_default() {
             "terrain" | "ceiling" => margins.clearance_m += missing + EXTRA_M,
             "threat" | "zone" | "area" | "fence" => margins.threat_m += missing + EXTRA_M,
-            "separation" => margins.separation_m += missing + EXTRA_M,
+            "separation" => match margin
+                .shift
+                .map(|shift| (shift.worst_s.abs(), shift.most_s()))
+            {
+                Some((worst_s, most_s)) if worst_s > slack_s + margins.shift_s => {
+                    margins.shift_s = most_s - slack_s;
+                }
+                _ => margins.separation_m += missing + EXTRA_M,
+            },
             "climb" | "descent" => {
                 margins.climb_fraction = (margins.climb_fraction + fraction).min(0.6)
             }

@@ -252,6 +252,7 @@ impl Bound {
             sense: self.sense,
             unit: self.unit,
             at,
+            shift: None,
             ok: false,
             note: String::new(),
         }

@@ -151,6 +151,6 @@ pub(super) fn nearness(spec: &MissionSpec, margins: Margins) -> Nearness {
         vertical_m: separation
             .vertical_m
             .map(|vertical_m| vertical_m + margins.separation_m),
-        slack_s: separation.time_slack_s,
+        slack_s: separation.time_slack_s + margins.shift_s,
     }
 }

@@ -104,5 +104,5 @@ fn apart_m(course: &Course<'_>) -> f64 {
     let separation = &course.spec.separation;
     separation.distance_m
         + course.margins.separation_m
-        + separation.time_slack_s * speed_mps(course)
+        + (separation.time_slack_s + course.margins.shift_s) * speed_mps(course)
 }

@@ -257,6 +257,7 @@ mod tests {
             },
             unit,
             at: None,
+            shift: None,
             ok,
             note: String::new(),
         }

@@ -89,6 +89,7 @@ impl Contract<'_> {
                 }),
                 _ => None,
             },
+            shift: None,
             ok: self.flight.unknown.is_none() && total > 0.0,
             note: match &self.flight.unknown {
                 _ if total <= 0.0 => "the mission is empty".to_owned(),
@@ -127,6 +128,7 @@ impl Contract<'_> {
             sense: Sense::AtMost,
             unit: "items",
             at: None,
+            shift: None,
             ok: value <= limit,
             note: String::new(),
         }
@@ -144,6 +146,7 @@ impl Contract<'_> {
             sense: Sense::AtMost,
             unit: "problems",
             at,
+            shift: None,
             ok: problems.is_empty(),
             note,
         };
@@ -303,6 +306,7 @@ impl Contract<'_> {
             sense: Sense::AtMost,
             unit: "missing",
             at: None,
+            shift: None,
             ok: missing.is_empty(),
             note: if missing.is_empty() {
                 String::new()

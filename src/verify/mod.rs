@@ -124,6 +124,7 @@ pub use swing::EARLY_SHARE;
 pub use tecs::{MOST_LAG_S, SLOPE_MIN_M};
 
 use crate::geodesy::{Amsl, LatLon};
+use crate::spec::Span;
 
 /// What `verify` found.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,10 +156,33 @@ pub struct Margin {
     pub unit: &'static str,
     /// Where and when it is worst, if that is anywhere.
     pub at: Option<Moment>,
+    /// Of a separation that is kept or broken at some moment: how the two are shifted there.
+    pub shift: Option<Shift>,
     /// Whether the limit is kept.
     pub ok: bool,
     /// What a reader needs to know besides; empty as a rule.
     pub note: String,
+}
+
+/// By how much the times of the second of two vehicles are shifted against the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    /// Where the separation is worst, seconds.
+    pub worst_s: f64,
+    /// What the two may be shifted by there, seconds: departures, and what autopilots are late.
+    pub allowed_s: Span,
+}
+
+impl Shift {
+    /// The most that is allowed to the side on which the separation is worst, seconds.
+    #[must_use]
+    pub fn most_s(&self) -> f64 {
+        if self.worst_s < 0.0 {
+            -self.allowed_s.least
+        } else {
+            self.allowed_s.most
+        }
+    }
 }
 
 /// Which side of a limit is good.
@@ -208,6 +232,7 @@ impl Margin {
             sense: Sense::AtLeast,
             unit: "",
             at: None,
+            shift: None,
             ok: false,
             note: note.into(),
         }

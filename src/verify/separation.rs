@@ -9,7 +9,7 @@ use crate::spec::{Separation, Span};
 
 use super::chord::Chord;
 use super::timeline::{Distance, Metric, Nearest, Timeline, motion, nearest};
-use super::{Margin, Moment, Sense};
+use super::{Margin, Moment, Sense, Shift};
 
 /// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
 const LISTED_FLEET: usize = 16;
@@ -127,19 +127,31 @@ fn pair_margin(
     let Some(level_m) = separation.vertical_m else {
         let found = nearest(a, b, &metric(Distance::Space), below_m);
         return match found {
-            Some(found) => Some(judge((a, b), found, separation.distance_m, frame, "")),
+            Some(found) => Some(judge(
+                (a, b),
+                found,
+                (separation.distance_m, slack_s),
+                frame,
+                "",
+            )),
             None => never_together(a, b, separation, below_m),
         };
     };
     if let Some(found) = nearest(a, b, &metric(Distance::Horizontal(level_m)), below_m) {
         let what = "horizontal, where the vertical distance is too small";
-        return Some(judge((a, b), found, separation.distance_m, frame, what));
+        return Some(judge(
+            (a, b),
+            found,
+            (separation.distance_m, slack_s),
+            frame,
+            what,
+        ));
     }
     if below_m.is_finite() {
         return None;
     }
     match nearest(a, b, &metric(Distance::Vertical), f64::INFINITY) {
-        Some(found) => Some(judge((a, b), found, level_m, frame, "vertical")),
+        Some(found) => Some(judge((a, b), found, (level_m, slack_s), frame, "vertical")),
         None => never_together(a, b, separation, below_m),
     }
 }
@@ -147,7 +159,7 @@ fn pair_margin(
 fn judge(
     (a, b): (&Timeline<'_>, &Timeline<'_>),
     found: Nearest,
-    limit_m: f64,
+    (limit_m, slack_s): (f64, f64),
     frame: &LocalFrame,
     how: &str,
 ) -> Margin {
@@ -183,6 +195,13 @@ fn judge(
         sense: Sense::AtLeast,
         unit: "m",
         at: Some(moment(mine, found.times_s.0)),
+        shift: Some(Shift {
+            worst_s: shift_s,
+            allowed_s: Span {
+                least: alone_s.least - slack_s,
+                most: alone_s.most + slack_s,
+            },
+        }),
         ok: found.distance_m >= limit_m,
         note: format!(
             "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s{lateness}",
@@ -214,6 +233,7 @@ fn never_together(
         sense: Sense::AtLeast,
         unit: "s",
         at: None,
+        shift: None,
         ok: gap_s >= separation.time_slack_s,
         note: "never in the air at the same time".to_owned(),
     })

@@ -83,6 +83,7 @@ impl Worst {
             sense: self.sense,
             unit,
             at: self.at,
+            shift: None,
             ok: self.room >= -ROUNDING,
             note: self.note,
         })

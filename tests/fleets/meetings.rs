@@ -359,3 +359,35 @@ separation: {{distance_m: 50, time_slack_s: 5}}
     let dispatched = dispatch(&file.spec, &world, 1, &|_| ());
     assert!(dispatched.review.passes(), "{:?}", failed(&dispatched));
 }
+
+/// Three autopilots that are late by different times, whose ways cross there and back.
+const MIXED: &str = "sortie: 1
+name: mixed
+area: {south_west: {lat: -35.390, lon: 149.130}, north_east: {lat: -35.330, lon: 149.200}, min_agl_m: 30, max_amsl_m: 704}
+terrain: {flat: {amsl_m: 584}}
+planner: {evaluations: 2000}
+vehicles:
+  - {id: c1, sysid: 1, autopilot: ardupilot, link: sim, start: {lat: -35.3633, lon: 149.1600, agl_m: 40}, goal: {lat: -35.3560, lon: 149.1720, agl_m: 40}, finish: return, speed_mps: 12, max_climb_deg: 10, max_descent_deg: 8}
+  - {id: c2, sysid: 2, autopilot: px4, link: sim, start: {lat: -35.3560, lon: 149.1600, agl_m: 40}, goal: {lat: -35.3633, lon: 149.1720, agl_m: 40}, finish: return, speed_mps: 12, max_climb_deg: 10, max_descent_deg: 8, depart_s: 20}
+  - {id: v3, sysid: 3, autopilot: ardupilot, link: sim, airframe: vtol, start: {lat: -35.3733, lon: 149.1550, agl_m: 60}, goal: {lat: -35.3500, lon: 149.1700, agl_m: 60}, finish: return, loiter_radius_m: 80, speed_mps: 18, max_load_factor: 1.2, max_climb_deg: 10, max_descent_deg: 8, climb_mps: 3, descent_mps: 2.5}
+separation: {distance_m: 60, vertical_m: 20, time_slack_s: 5}
+";
+
+#[test]
+fn vehicles_of_different_autopilots_are_planned_apart_by_what_these_are_late() {
+    let text = MIXED.to_owned();
+    let file = SpecFile::parse(&folder().join("mixed.yaml"), text)
+        .unwrap_or_else(|error| panic!("{error}"));
+    let world = world::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    for seed in 1..=5 {
+        let dispatched = dispatch(&file.spec, &world, seed, &|_| ());
+        let why = failed(&dispatched);
+        assert!(dispatched.review.passes(), "seed {seed}: {why:?}");
+        assert!(dispatched.rounds <= 4, "seed {seed}");
+        // It was the lateness that had to be planned for, and the verdict says so.
+        let mut margins = dispatched.review.margins.iter();
+        let pair = margins.find(|margin| margin.other.as_deref() == Some("c2"));
+        let shift = pair.and_then(|margin| margin.shift).expect("a pair");
+        assert!(shift.most_s() > 5.0 + 10.0, "{shift:?}");
+    }
+}

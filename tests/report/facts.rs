@@ -349,6 +349,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
                     },
                     unit,
                     at,
+                    shift: None,
                     ok,
                     note: note.to_owned(),
                 });
@@ -433,6 +434,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
                 sense: Sense::AtLeast,
                 unit: "m",
                 at: Some(at),
+                shift: None,
                 ok: nearest_m >= 100.0,
                 note: "worst shift of departure: 5 s".to_owned(),
             });

@@ -262,6 +262,7 @@ impl<'a> Present<'a> {
             clearance_m: hand_m,
             threat_m: hand_m,
             separation_m: 2.0 * hand_m,
+            shift_s: 0.0,
             turn_fraction: 0.1,
             climb_fraction: 0.05,
         };
