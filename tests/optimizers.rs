@@ -284,6 +284,82 @@ fn a_problem_that_tells_the_parts_of_its_costs_is_searched_faster() {
     assert!(0.0 < parts && parts < 0.3 * whole, "{parts} {whole}");
 }
 
+/// A way down to 0.9 in both variables with a wall across it that may be lower at first.
+struct Walled {
+    height: f64,
+    lower: Option<Box<Walled>>,
+}
+
+impl Walled {
+    fn cost(&self, row: &[f64]) -> f64 {
+        let wall = (1.0 - ((row[0] - 0.5) / 0.3).abs()).max(0.0);
+        (row[0] - 0.9).abs() + (row[1] - 0.9).abs() + self.height * wall
+    }
+
+    fn search(&self, seed: u64) -> Outcome {
+        let start = Start {
+            mean: vec![0.15, 0.9],
+            scale: vec![0.03; 2],
+            class: 0,
+        };
+        let starts = Starts {
+            given: std::slice::from_ref(&start),
+            redraw: None,
+        };
+        let Algorithm::Msfoa(parameters) = default_parameters() else {
+            unreachable!()
+        };
+        let alone = Algorithm::Msfoa(MsfoaParameters {
+            swarms: 1,
+            ..parameters
+        });
+        let mut rng = Seed(seed).stream("walled", 0);
+        minimise(self, &alone, starts, 2000, &mut rng, &|_| ())
+    }
+}
+
+impl Problem for Walled {
+    fn dimension(&self) -> usize {
+        2
+    }
+
+    fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+        for (cost, row) in costs.iter_mut().zip(candidates.chunks_exact(2)) {
+            *cost = self.cost(row);
+        }
+    }
+
+    fn eased(&self) -> Option<&dyn Problem> {
+        let lower = self.lower.as_deref()?;
+        Some(lower)
+    }
+}
+
+#[test]
+fn a_search_that_is_eased_at_first_gets_over_walls_and_ends_with_the_problem_itself() {
+    let walled = |height, lower| Walled { height, lower };
+    let high = walled(10.0, None);
+    let eased = walled(10.0, Some(Box::new(walled(0.1, None))));
+    for seed in 0..5 {
+        let stuck = high.search(seed).finalists[0].cost;
+        assert!(stuck > 0.4, "{stuck}");
+        let outcome = eased.search(seed);
+        assert!(
+            outcome.finalists[0].cost < 1e-3,
+            "{:?}",
+            outcome.finalists[0]
+        );
+        for found in &outcome.finalists {
+            let cost = high.cost(&found.position);
+            assert_eq!(found.cost.to_bits(), cost.to_bits(), "{found:?}");
+        }
+        assert!(outcome.trace.is_sorted_by(|a, b| a.best > b.best));
+        assert_eq!(outcome.evaluations, 2000);
+        // What the lower wall costs is in no trace.
+        assert!(outcome.trace[0].evaluations > 500, "{:?}", outcome.trace[0]);
+    }
+}
+
 #[test]
 fn the_default_begins_where_it_is_told_and_stays_near_with_a_small_scale() {
     let start = Start {

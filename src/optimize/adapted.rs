@@ -107,6 +107,11 @@ impl Adapted {
         }
     }
 
+    /// Its centre.
+    pub(super) fn mean(&self) -> &[f64] {
+        self.mean.as_slice()
+    }
+
     /// Moves the centre and forgets where it came from, but keeps the shape.
     pub(super) fn move_to(&mut self, mean: &[f64]) {
         self.mean.copy_from_slice(mean);

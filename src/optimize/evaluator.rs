@@ -20,6 +20,8 @@ pub struct TracePoint {
 /// keeps the best point and the trace of convergence.
 pub struct Evaluator<'a, P: Problem + ?Sized> {
     problem: &'a P,
+    /// Whether the eased problem is evaluated, if there is one.
+    is_eased: bool,
     budget: usize,
     spent: usize,
     best: Option<Candidate>,
@@ -34,6 +36,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     pub fn new(problem: &'a P, budget: usize, watch: &'a (dyn Fn(TracePoint) + Sync)) -> Self {
         Self {
             problem,
+            is_eased: false,
             budget,
             spent: 0,
             best: None,
@@ -78,6 +81,22 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         self.trace
     }
 
+    /// Evaluates the eased problem from now on, if there is one.
+    pub fn ease(&mut self) {
+        self.is_eased = self.problem.eased().is_some();
+    }
+
+    /// Evaluates the problem itself again: what the eased one cost is forgotten. Whether it was
+    /// eased.
+    pub fn tighten(&mut self) -> bool {
+        let was_eased = std::mem::replace(&mut self.is_eased, false);
+        if was_eased {
+            self.best = None;
+            self.trace.clear();
+        }
+        was_eased
+    }
+
     /// Groups of variables of which parts of a cost are known.
     #[must_use]
     pub fn groups(&self) -> usize {
@@ -88,9 +107,10 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     /// not evaluated and cost infinity, as does a row whose cost is not a number.
     #[must_use]
     pub fn evaluate(&mut self, candidates: &[f64]) -> Vec<f64> {
-        let problem = self.problem;
-        let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| {
-            problem.evaluate(rows, f64::INFINITY, costs);
+        let (problem, eased) = (self.problem, self.eased());
+        let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| match eased {
+            Some(eased) => eased.evaluate(rows, f64::INFINITY, costs),
+            None => problem.evaluate(rows, f64::INFINITY, costs),
         };
         self.batch(candidates, 1, evaluate).0
     }
@@ -99,11 +119,16 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     /// infinite for rows that are not evaluated.
     #[must_use]
     pub fn evaluate_parts(&mut self, candidates: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let problem = self.problem;
-        let evaluate = |rows: &[f64], costs: &mut [f64], parts: &mut [f64]| {
-            problem.evaluate_parts(rows, costs, parts);
+        let (problem, eased) = (self.problem, self.eased());
+        let evaluate = |rows: &[f64], costs: &mut [f64], parts: &mut [f64]| match eased {
+            Some(eased) => eased.evaluate_parts(rows, costs, parts),
+            None => problem.evaluate_parts(rows, costs, parts),
         };
         self.batch(candidates, problem.groups(), evaluate)
+    }
+
+    fn eased(&self) -> Option<&'a dyn Problem> {
+        self.problem.eased().filter(|_| self.is_eased)
     }
 
     fn batch(

@@ -41,6 +41,12 @@ pub trait Problem: Sync {
     /// `f64::INFINITY` for exact costs. A cost is never NaN.
     fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]);
 
+    /// The same variables with limits that cost less to break, where there are any: a search may
+    /// begin with that, and ends with the problem itself.
+    fn eased(&self) -> Option<&dyn Problem> {
+        None
+    }
+
     /// Groups of variables, neighbours and equally many in each, of which it is known what part
     /// of a cost they may change. A single one where nothing is known.
     fn groups(&self) -> usize {

@@ -61,6 +61,10 @@ pub struct MsfoaParameters {
 const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
 /// Share of the swarms that survives a round.
 const SURVIVAL: f64 = 0.4;
+/// Rounds that search the eased problem.
+const EASED_ROUNDS: usize = 1;
+/// Evaluations from which on it is worth it to judge again what was found in it.
+const LEAST_EASED: usize = 500;
 /// Rounds in which a tired swarm begins in a start that none has tried.
 const FRESH_ROUNDS: usize = 2;
 /// How often a tired swarm redraws its best place otherwise; else it stays there with a
@@ -70,6 +74,7 @@ const REDRAWN: f64 = 0.7;
 const WHOLE: (usize, usize) = (4, 5);
 /// Swarms that mate at the end of a round.
 const PARENTS: usize = 4;
+
 /// Runs until the budget is spent; returns the best of every swarm there was.
 pub(super) fn search<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
@@ -97,8 +102,14 @@ pub(super) fn search<P: Problem + ?Sized>(
     let mut left_behind = Vec::new();
     // Swarms that stopped for another start: they take part in the race all the same.
     let mut resting = Vec::new();
+    if evaluator.budget() >= LEAST_EASED {
+        evaluator.ease();
+    }
     for (round, end) in ROUND_ENDS.into_iter().enumerate() {
         let last = round + 1 == ROUND_ENDS.len();
+        if round == EASED_ROUNDS && evaluator.tighten() {
+            judge_again(evaluator, &mut swarms, &mut left_behind);
+        }
         let round_end = share(evaluator.budget(), end);
         while evaluator.spent() < round_end {
             generation(evaluator, &mut swarms, &parameters, rng);
@@ -134,6 +145,37 @@ pub(super) fn search<P: Problem + ?Sized>(
     );
     left_behind.retain(|candidate| candidate.cost.is_finite());
     left_behind
+}
+
+/// What swarms found in the eased problem is judged by the problem itself, with the mean that
+/// each has now; of what they left behind so many as there are swarms.
+fn judge_again<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    swarms: &mut [Swarm],
+    left_behind: &mut Vec<Candidate>,
+) {
+    left_behind.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    left_behind.truncate(swarms.len());
+    let mut all: Vec<Vec<f64>> = left_behind.drain(..).map(|left| left.position).collect();
+    for swarm in swarms.iter() {
+        let found = [&swarm.best.position, &swarm.elite.position];
+        all.extend(found.map(Vec::clone));
+        all.push(swarm.adapted.mean().to_vec());
+    }
+    let costs = evaluator.evaluate(&all.concat());
+    let mut judged = all.into_iter().zip(costs);
+    let mut judged = judged
+        .by_ref()
+        .map(|(position, cost)| Candidate { position, cost });
+    let rows = judged.len() - 3 * swarms.len();
+    left_behind.extend(judged.by_ref().take(rows));
+    for swarm in swarms {
+        if let (Some(best), Some(elite), Some(mean)) = (judged.next(), judged.next(), judged.next())
+        {
+            swarm.found(best, elite);
+            swarm.see(&mean.position, mean.cost);
+        }
+    }
 }
 
 /// A start anywhere, of its own class.

@@ -268,6 +268,8 @@ pub(super) struct Horizontal<'a> {
     /// First and last block of the objective in which each free control point moves the path;
     /// none if only whole paths are told apart.
     windows: Vec<(usize, usize)>,
+    /// The same with other penalties, to begin with.
+    eased: Option<Box<Horizontal<'a>>>,
 }
 
 impl<'a> Horizontal<'a> {
@@ -281,6 +283,15 @@ impl<'a> Horizontal<'a> {
             windows: free.map(|control| sampled.window(control)).collect(),
             sampled,
             frame,
+            eased: None,
+        }
+    }
+
+    /// A search that may begin with another of the same path.
+    pub(super) fn begun_with(self, eased: Option<Self>) -> Self {
+        Self {
+            eased: eased.map(Box::new),
+            ..self
         }
     }
 
@@ -309,6 +320,11 @@ impl Problem for Horizontal<'_> {
                 .model
                 .totals(&room.batch, cutoff, &mut room.scratch, costs);
         });
+    }
+
+    fn eased(&self) -> Option<&dyn Problem> {
+        let eased = self.eased.as_deref()?;
+        Some(eased)
     }
 
     fn groups(&self) -> usize {

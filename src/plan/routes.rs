@@ -15,6 +15,8 @@ use crate::world::World;
 const SLOPE_FACTORS: [f64; 3] = [1.0, 2.5, f64::INFINITY];
 /// A gap between threats of fewer cells than this asks for a grid twice as fine.
 const GAP_CELLS: f64 = 3.0;
+/// Evaluations from which on a fine grid pays: a coarse one misses narrow classes.
+const FINE: usize = 4000;
 /// Most guides.
 const MAX_GUIDES: usize = 60;
 
@@ -39,7 +41,7 @@ pub(super) fn routes(course: &Course<'_>, budget: usize) -> Routes {
         true => &SLOPE_FACTORS[..],
         false => &SLOPE_FACTORS[..1],
     };
-    let nodes = if budget >= 20_000 { 81 } else { 41 };
+    let nodes = if budget >= FINE { 81 } else { 41 };
     let narrowest_m = narrowest_gap_m(course.world);
     let prices = course.prices();
     let (near, whole) = (course.near_box(), course.frame());

@@ -26,9 +26,12 @@ const JUDGED_ABOVE_M: f64 = 0.1;
 const REDRAWINGS: usize = 16;
 /// Finalists that are judged.
 const JUDGED: usize = 24;
-/// How much dearer violated limits are to the default search than to the judge: a short
-/// cut through the rim of a threat can cost less than the way around it, and fails.
+/// How dear violated limits are to the default search, in units of the judge's: a short cut
+/// through the rim of a threat can cost less than the way around it, and fails.
 const PENALTIES: f64 = 4.0;
+/// How dear they are to it at first: on its way from one good path to another a swarm breaks
+/// limits, and high walls hold it where it is.
+const EASED: f64 = 0.2;
 /// First steps, in units of a start's scale: starts lie well, so that larger steps lose more
 /// of what a start knows than they find.
 const STEP: f64 = 0.08;
@@ -81,29 +84,32 @@ fn swarms<'a>(
 ) -> (Vec<Spline>, usize) {
     let planner = &course.spec.planner;
     let parameters = course.parameters(course.samples());
-    let dearer = match planner.objective {
-        spec::Objective::Operational if planner.has(Part::Penalties) => PENALTIES,
-        _ => 1.0,
+    let (at_first, penalties) = match planner.objective {
+        spec::Objective::Operational if planner.has(Part::Penalties) => (EASED, PENALTIES),
+        _ => (1.0, 1.0),
     };
-    let horizontal = |course: &Course<'a>| {
+    let horizontal = |course: &Course<'a>, penalties: f64| {
         let sampled = Sampled::new(course, searched(course.margins), &parameters);
-        let sampled = sampled.with_penalties(dearer);
+        let sampled = sampled.with_penalties(penalties);
         // Among others a detour makes the whole way behind it later, which no window tells.
         let windows = planner.has(Part::Windows) && course.earlier.is_empty();
         Horizontal::new(sampled, course.frame(), windows)
     };
-    let problem = horizontal(course);
+    let eased = (at_first < penalties).then(|| horizontal(course, at_first));
+    let problem = horizontal(course, penalties).begun_with(eased);
     let alone = gives_way(course).then(|| {
-        horizontal(&Course {
+        let lonely = Course {
             earlier: &[],
             ..*course
-        })
+        };
+        horizontal(&lonely, at_first)
     });
     let rows = problem.sampled.rows();
     let fitter = Fitter::new(rows, parameters.clone(), course.controls());
     let mut rng = seed.stream("plan", stream);
     let wanted = planner.swarms.unwrap_or(default_swarms(budget));
     let mut among = Evaluator::new(&problem, budget, watch);
+    among.ease();
     let (mut starts, fitted) = match &alone {
         None => {
             let starts = starts(course, &fitter, &mut among, None, wanted, &mut rng);

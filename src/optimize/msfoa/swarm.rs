@@ -73,6 +73,18 @@ impl Swarm {
         }
     }
 
+    /// What it found so far, by other costs than before.
+    pub(super) fn found(&mut self, best: Candidate, elite: Candidate) {
+        self.elite = if best.cost < elite.cost {
+            best.clone()
+        } else {
+            elite
+        };
+        self.idle = 0;
+        self.idle_cost = best.cost;
+        self.best = best;
+    }
+
     /// Counts evaluations; true when too many brought no gain.
     pub(super) fn is_tired(&mut self, evaluations: usize) -> bool {
         let needed = GAIN * self.idle_cost.abs();
