@@ -8,7 +8,8 @@
 //!
 //! Beyond it, as measured: swarms begin in given starts instead of anywhere; local
 //! steps are drawn from a distribution that each swarm adapts to what it smells
-//! (`adapted`); swarms race, so that the budget goes to the promising ones; one that
+//! (`adapted`); at first limits are cheap to break, so that swarms get from one good path to
+//! another (`Problem::eased`); swarms race, so that the budget goes to the promising ones; one that
 //! gains nothing any more begins again elsewhere; an offspring takes the first
 //! variables from one swarm and the rest from another, which for paths is the first
 //! part of one route and the second of another (a mixture in the middle, as printed,

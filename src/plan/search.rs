@@ -29,9 +29,9 @@ const JUDGED: usize = 24;
 /// How dear violated limits are to the default search, in units of the judge's: a short cut
 /// through the rim of a threat can cost less than the way around it, and fails.
 const PENALTIES: f64 = 4.0;
-/// How dear they are to it at first: on its way from one good path to another a swarm breaks
+/// How much of that they are at first: on its way from one good path to another a swarm breaks
 /// limits, and high walls hold it where it is.
-const EASED: f64 = 0.2;
+const EASED: f64 = 0.05;
 /// First steps, in units of a start's scale: starts lie well, so that larger steps lose more
 /// of what a start knows than they find.
 const STEP: f64 = 0.08;
@@ -84,10 +84,16 @@ fn swarms<'a>(
 ) -> (Vec<Spline>, usize) {
     let planner = &course.spec.planner;
     let parameters = course.parameters(course.samples());
-    let (at_first, penalties) = match planner.objective {
-        spec::Objective::Operational if planner.has(Part::Penalties) => (EASED, PENALTIES),
-        _ => (1.0, 1.0),
+    let operational = planner.objective == spec::Objective::Operational;
+    let factor = |part, factor| {
+        if operational && planner.has(part) {
+            factor
+        } else {
+            1.0
+        }
     };
+    let penalties = factor(Part::Penalties, PENALTIES);
+    let at_first = penalties * factor(Part::Easing, EASED);
     let horizontal = |course: &Course<'a>, penalties: f64| {
         let sampled = Sampled::new(course, searched(course.margins), &parameters);
         let sampled = sampled.with_penalties(penalties);

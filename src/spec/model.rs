@@ -219,11 +219,13 @@ pub enum Part {
     Windows,
     /// Violated limits dearer in the search than in the judgement.
     Penalties,
+    /// Violated limits cheaper at first.
+    Easing,
 }
 
 impl Part {
     /// All of them, with the name that tables give to the planner without it.
-    pub const ALL: [(&'static str, Self); 11] = [
+    pub const ALL: [(&'static str, Self); 12] = [
         ("no route classes", Self::Routes),
         ("one cost field", Self::Fields),
         ("no warps", Self::Warps),
@@ -235,6 +237,7 @@ impl Part {
         ("no redrawing", Self::Redrawing),
         ("no windows", Self::Windows),
         ("penalties of the judge", Self::Penalties),
+        ("no easing", Self::Easing),
     ];
 }
 
