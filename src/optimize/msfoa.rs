@@ -17,6 +17,7 @@
 
 mod swarm;
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 use rand::RngExt;
@@ -108,9 +109,6 @@ pub(super) fn search<P: Problem + ?Sized>(
     }
     for (round, end) in ROUND_ENDS.into_iter().enumerate() {
         let last = round + 1 == ROUND_ENDS.len();
-        if round == EASED_ROUNDS && evaluator.tighten() {
-            judge_again(evaluator, &mut swarms, &mut left_behind);
-        }
         let round_end = share(evaluator.budget(), end);
         while evaluator.spent() < round_end {
             generation(evaluator, &mut swarms, &parameters, rng);
@@ -129,6 +127,10 @@ pub(super) fn search<P: Problem + ?Sized>(
         }
         if !last && parameters.racing {
             swarms.append(&mut resting);
+        }
+        if round + 1 == EASED_ROUNDS && evaluator.tighten() {
+            judge_again(evaluator, &mut swarms, &mut left_behind);
+            judge_again(evaluator, &mut resting, &mut Vec::new());
         }
         if !last && parameters.offspring {
             compete(evaluator, &mut swarms, parameters.group);
@@ -157,25 +159,15 @@ fn judge_again<P: Problem + ?Sized>(
 ) {
     left_behind.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     left_behind.truncate(swarms.len());
-    let mut all: Vec<Vec<f64>> = left_behind.drain(..).map(|left| left.position).collect();
-    for swarm in swarms.iter() {
-        let found = [&swarm.best.position, &swarm.elite.position];
-        all.extend(found.map(Vec::clone));
-        all.push(swarm.adapted.mean().to_vec());
+    let left = left_behind.iter().map(|left| left.position.as_slice());
+    let rows: Vec<&[f64]> = left.chain(swarms.iter().flat_map(Swarm::found)).collect();
+    let costs = evaluator.evaluate(&rows.concat());
+    let (of_left, of_swarms) = costs.split_at(left_behind.len());
+    for (left, cost) in left_behind.iter_mut().zip(of_left) {
+        left.cost = *cost;
     }
-    let costs = evaluator.evaluate(&all.concat());
-    let mut judged = all.into_iter().zip(costs);
-    let mut judged = judged
-        .by_ref()
-        .map(|(position, cost)| Candidate { position, cost });
-    let rows = judged.len() - 3 * swarms.len();
-    left_behind.extend(judged.by_ref().take(rows));
-    for swarm in swarms {
-        if let (Some(best), Some(elite), Some(mean)) = (judged.next(), judged.next(), judged.next())
-        {
-            swarm.found(best, elite);
-            swarm.see(&mean.position, mean.cost);
-        }
+    for (swarm, costs) in swarms.iter_mut().zip(of_swarms.chunks_exact(3)) {
+        swarm.judge_again([costs[0], costs[1], costs[2]]);
     }
 }
 
@@ -341,18 +333,36 @@ fn compete<P: Problem + ?Sized>(
 /// Keeps the best swarms, one of each class; returns the best of those that go.
 fn drop_the_slow(swarms: &mut Vec<Swarm>, keep: usize) -> Vec<Candidate> {
     swarms.sort_by(|a, b| a.elite.cost.total_cmp(&b.elite.cost));
-    let mut classes = BTreeSet::new();
+    let (mut classes, mut stay) = (BTreeSet::new(), BTreeSet::new());
+    for place in placed(swarms) {
+        if stay.len() < keep && classes.insert(swarms[place].class) {
+            stay.insert(place);
+        }
+    }
     let mut dropped = Vec::new();
-    let mut kept = Vec::new();
-    for swarm in swarms.drain(..) {
-        if kept.len() < keep && classes.insert(swarm.class) {
-            kept.push(swarm);
+    for (place, swarm) in std::mem::take(swarms).into_iter().enumerate() {
+        if stay.contains(&place) {
+            swarms.push(Swarm {
+                eased_cost: None,
+                ..swarm
+            });
         } else {
             dropped.push(swarm.elite);
         }
     }
-    *swarms = kept;
     dropped
+}
+
+/// Places of sorted swarms in the order in which they stay: by turns who is best, and who was
+/// while limits were cheap to break, because a good path may just not be clean yet.
+fn placed(swarms: &[Swarm]) -> Vec<usize> {
+    let cost = |place: usize| swarms[place].eased_cost;
+    let mut eased: Vec<usize> = (0..swarms.len())
+        .filter(|&place| cost(place).is_some())
+        .collect();
+    eased.sort_by(|&a, &b| cost(a).partial_cmp(&cost(b)).unwrap_or(Ordering::Equal));
+    let turns = (0..swarms.len()).flat_map(|place| [Some(place), eased.get(place).copied()]);
+    turns.flatten().collect()
 }
 
 #[cfg(test)]

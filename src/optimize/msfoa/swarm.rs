@@ -25,6 +25,8 @@ pub(super) struct Swarm {
     pub(super) best: Candidate,
     /// Its keenest fly of all.
     pub(super) elite: Candidate,
+    /// What that cost in the eased problem, when this was left.
+    pub(super) eased_cost: Option<f64>,
     /// Evaluations since the last gain, and the cost then.
     pub(super) idle: usize,
     pub(super) idle_cost: f64,
@@ -42,6 +44,7 @@ impl Swarm {
             adapted: Adapted::new(&start.mean, &start.scale, parameters.step, parameters.flies),
             best: nobody.clone(),
             elite: nobody,
+            eased_cost: None,
             idle: 0,
             idle_cost: f64::INFINITY,
         }
@@ -73,16 +76,23 @@ impl Swarm {
         }
     }
 
-    /// What it found so far, by other costs than before.
-    pub(super) fn found(&mut self, best: Candidate, elite: Candidate) {
-        self.elite = if best.cost < elite.cost {
-            best.clone()
-        } else {
-            elite
-        };
+    /// What it has found: its keenest flies and the mean of all.
+    pub(super) fn found(&self) -> [&[f64]; 3] {
+        let (best, elite) = (&self.best.position, &self.elite.position);
+        [best, elite, self.adapted.mean()]
+    }
+
+    /// The costs of these by the problem itself, after an eased one.
+    pub(super) fn judge_again(&mut self, [best, elite, mean]: [f64; 3]) {
+        self.eased_cost = Some(self.elite.cost);
+        (self.best.cost, self.elite.cost) = (best, elite);
+        if best < elite {
+            self.elite = self.best.clone();
+        }
         self.idle = 0;
-        self.idle_cost = best.cost;
-        self.best = best;
+        self.idle_cost = best;
+        let middle = self.adapted.mean().to_vec();
+        self.see(&middle, mean);
     }
 
     /// Counts evaluations; true when too many brought no gain.
