@@ -6,14 +6,15 @@ use super::course::Course;
 use super::fit::{Fitter, Line, Warp};
 use super::objective::spatial;
 use super::problem::{Horizontal, Sampled, Spline};
+use super::routes::routes;
 use super::starts::{start, starts, summits};
 use crate::cost::{Batch, CostTerms, Margins};
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
 use crate::optimize::{
     AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
-    LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Start, Starts, Step,
-    TracePoint, minimise,
+    LiteralParameters, MfoaParameters, MsfoaParameters, Problem, PsoParameters, Start, Starts,
+    Step, TracePoint, minimise,
 };
 use crate::spec::{self, Part};
 
@@ -32,6 +33,9 @@ const PENALTIES: f64 = 4.0;
 /// How much of that they are at first: on its way from one good path to another a swarm breaks
 /// limits, and high walls hold it where it is.
 const EASED: f64 = 0.05;
+/// Evaluations from which on fits are made twice, by what they cost and by what they cost while
+/// limits are cheap to break: a good path may just not be clean yet.
+const FIT_TWICE: usize = 4000;
 /// First steps, in units of a start's scale: starts lie well, so that larger steps lose more
 /// of what a start knows than they find.
 const STEP: f64 = 0.08;
@@ -108,26 +112,38 @@ fn swarms<'a>(
             earlier: &[],
             ..*course
         };
-        horizontal(&lonely, at_first)
+        let eased = (at_first < penalties).then(|| horizontal(&lonely, at_first));
+        horizontal(&lonely, penalties).begun_with(eased)
     });
     let rows = problem.sampled.rows();
     let fitter = Fitter::new(rows, parameters.clone(), course.controls());
     let mut rng = seed.stream("plan", stream);
     let wanted = planner.swarms.unwrap_or(default_swarms(budget));
     let mut among = Evaluator::new(&problem, budget, watch);
-    among.ease();
-    let (mut starts, fitted) = match &alone {
-        None => {
-            let starts = starts(course, &fitter, &mut among, None, wanted, &mut rng);
-            (starts, among.spent())
+    let routes = routes(course, budget);
+    let mut lonely = alone
+        .as_ref()
+        .map(|alone| Evaluator::new(alone, budget, &|_| ()));
+    let mut fitted = |rng: &mut ChaCha8Rng, is_eased: bool| {
+        if is_eased {
+            among.ease();
         }
-        Some(alone) => {
-            let mut alone = Evaluator::new(alone, budget, &|_| ());
-            let others = Some(&mut among);
-            let starts = starts(course, &fitter, &mut alone, others, wanted, &mut rng);
-            (starts, alone.spent() + among.spent())
+        match &mut lonely {
+            None => starts(course, &fitter, &routes, &mut among, None, wanted, rng),
+            Some(alone) => {
+                if is_eased {
+                    alone.ease();
+                }
+                let others = Some(&mut among);
+                starts(course, &fitter, &routes, alone, others, wanted, rng)
+            }
         }
     };
+    let mut starts = fitted(&mut rng, false);
+    if budget >= FIT_TWICE && problem.eased().is_some() {
+        starts = by_turns(starts, fitted(&mut rng, true));
+    }
+    let fitted = among.spent() + lonely.map_or(0, |alone| alone.spent());
     let offset = move |point: TracePoint| {
         watch(TracePoint {
             evaluations: fitted + point.evaluations,
@@ -172,6 +188,14 @@ fn swarms<'a>(
         .map(|candidate| fine.spline(problem.frame.places(&candidate.position)))
         .collect();
     (splines, fitted + outcome.evaluations)
+}
+
+/// Starts of two lists by turns.
+fn by_turns(one: Vec<Start>, other: Vec<Start>) -> Vec<Start> {
+    let longer = one.len().max(other.len());
+    let (mut one, mut other) = (one.into_iter(), other.into_iter());
+    let turns = (0..longer).flat_map(|_| [one.next(), other.next()]);
+    turns.flatten().collect()
 }
 
 /// Whether starts give way to earlier flights. Not in the paper's experiment, whose rows

@@ -10,7 +10,7 @@ use super::classes::Guide;
 use super::course::Course;
 use super::fit::{Fitter, Line, Warp};
 use super::problem::{Frame, Horizontal};
-use super::routes::{Routes, routes};
+use super::routes::Routes;
 use super::swerve::{conflict_m, swerve};
 use super::tighten::{Relaxed, Tightener};
 use crate::geodesy::EastNorth;
@@ -63,18 +63,19 @@ struct Way<'r> {
 pub(super) fn starts(
     course: &Course<'_>,
     fitter: &Fitter,
+    routes: &Routes,
     alone: &mut Evaluator<'_, Horizontal<'_>>,
     among: Option<&mut Evaluator<'_, Horizontal<'_>>>,
     swarms: usize,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Start> {
     let planner = &course.spec.planner;
-    let routes = routes(course, alone.budget());
+    let first = alone.spent();
     let guides: Vec<Way<'_>> = routes.guides.iter().map(Way::of).collect();
     let even: Vec<_> = guides.iter().map(|way| (way, Warp::even())).collect();
     let mut fits = evaluate(course, fitter, alone, &even);
-    fits.extend(tightened(course, fitter, alone, &routes, &fits));
-    let allowed = (alone.budget() / FIT_SHARE).saturating_sub(alone.spent());
+    fits.extend(tightened(course, fitter, alone, routes, &fits));
+    let allowed = (alone.budget() / FIT_SHARE).saturating_sub(alone.spent() - first);
     let best = best_of_classes(&fits, 2 * swarms);
     // The first fits are those of the guides.
     let ways: Vec<Way<'_>> = best
@@ -95,7 +96,7 @@ pub(super) fn starts(
     }
     fits.extend(evaluate(course, fitter, alone, &warped));
     let leading = leading(&fits);
-    fits.extend(tightened(course, fitter, alone, &routes, &leading));
+    fits.extend(tightened(course, fitter, alone, routes, &leading));
     if let Some(among) = among {
         give_way(course, fitter, among, (&ways, &best), &mut fits, rng);
     }
