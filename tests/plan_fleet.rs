@@ -171,6 +171,37 @@ fn a_no_fly_zone_is_passed_or_flown_over_whatever_is_cheaper() {
     );
 }
 
+/// A goal just behind a wall of seven kilometres: straight through it is short.
+const WALL: &str = "sortie: 1
+name: wall
+area: {south_west: {lat: -35.405, lon: 149.11}, north_east: {lat: -35.315, lon: 149.22}, min_agl_m: 40, max_amsl_m: 704}
+terrain: {flat: {amsl_m: 584}}
+no_fly:
+  - {id: wall, polygon: [[-35.391, 149.165], [-35.391, 149.167], [-35.329, 149.167], [-35.329, 149.165]]}
+vehicles:
+  - {id: a, sysid: 1, autopilot: ardupilot, link: sim, finish: land, speed_mps: 10, start: {lat: -35.36, lon: 149.16, agl_m: 60}, goal: {lat: -35.36, lon: 149.172, agl_m: 60}}
+";
+
+#[test]
+fn a_long_way_around_a_wall_is_not_given_up_for_a_short_one_through_it() {
+    let file = SpecFile::parse(Path::new("wall.yaml"), WALL.to_owned());
+    let mut spec = file.unwrap_or_else(|error| panic!("{error}")).spec;
+    for evaluations in [600, 2000, 10_000] {
+        for seed in 1..=3 {
+            spec.planner.seed = seed;
+            spec.planner.evaluations = evaluations;
+            let (_, plan) = plan(&spec);
+            let vehicle = &plan.vehicles[0];
+            assert!(
+                vehicle.terms.is_clean(),
+                "{evaluations}: {:?}",
+                vehicle.terms
+            );
+            assert!(vehicle.terms.total() < 7.6, "{:?}", vehicle.terms);
+        }
+    }
+}
+
 #[test]
 fn a_ridge_is_crossed_at_minimum_clearance() {
     let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);

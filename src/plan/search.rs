@@ -13,8 +13,8 @@ use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
 use crate::optimize::{
     AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
-    LiteralParameters, MfoaParameters, MsfoaParameters, Problem, PsoParameters, Start, Starts,
-    Step, TracePoint, minimise,
+    LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Start, Starts, Step,
+    TracePoint, minimise,
 };
 use crate::spec::{self, Part};
 
@@ -88,16 +88,7 @@ fn swarms<'a>(
 ) -> (Vec<Spline>, usize) {
     let planner = &course.spec.planner;
     let parameters = course.parameters(course.samples());
-    let operational = planner.objective == spec::Objective::Operational;
-    let factor = |part, factor| {
-        if operational && planner.has(part) {
-            factor
-        } else {
-            1.0
-        }
-    };
-    let penalties = factor(Part::Penalties, PENALTIES);
-    let at_first = penalties * factor(Part::Easing, EASED);
+    let (at_first, penalties) = factors(course);
     let horizontal = |course: &Course<'a>, penalties: f64| {
         let sampled = Sampled::new(course, searched(course.margins), &parameters);
         let sampled = sampled.with_penalties(penalties);
@@ -120,29 +111,16 @@ fn swarms<'a>(
     let mut rng = seed.stream("plan", stream);
     let wanted = planner.swarms.unwrap_or(default_swarms(budget));
     let mut among = Evaluator::new(&problem, budget, watch);
-    let routes = routes(course, budget);
     let mut lonely = alone
         .as_ref()
         .map(|alone| Evaluator::new(alone, budget, &|_| ()));
-    let mut fitted = |rng: &mut ChaCha8Rng, is_eased: bool| {
-        if is_eased {
-            among.ease();
-        }
-        match &mut lonely {
-            None => starts(course, &fitter, &routes, &mut among, None, wanted, rng),
-            Some(alone) => {
-                if is_eased {
-                    alone.ease();
-                }
-                let others = Some(&mut among);
-                starts(course, &fitter, &routes, alone, others, wanted, rng)
-            }
-        }
-    };
-    let mut starts = fitted(&mut rng, false);
-    if budget >= FIT_TWICE && problem.eased().is_some() {
-        starts = by_turns(starts, fitted(&mut rng, true));
-    }
+    let mut starts = fitted(
+        course,
+        &fitter,
+        (&mut among, lonely.as_mut()),
+        wanted,
+        &mut rng,
+    );
     let fitted = among.spent() + lonely.map_or(0, |alone| alone.spent());
     let offset = move |point: TracePoint| {
         watch(TracePoint {
@@ -188,6 +166,55 @@ fn swarms<'a>(
         .map(|candidate| fine.spline(problem.frame.places(&candidate.position)))
         .collect();
     (splines, fitted + outcome.evaluations)
+}
+
+/// How dear violated limits are to the search at first and later, in units of the judge's.
+fn factors(course: &Course<'_>) -> (f64, f64) {
+    let planner = &course.spec.planner;
+    let operational = planner.objective == spec::Objective::Operational;
+    let factor = |part, factor| match operational && planner.has(part) {
+        true => factor,
+        false => 1.0,
+    };
+    let penalties = factor(Part::Penalties, PENALTIES);
+    (penalties * factor(Part::Easing, EASED), penalties)
+}
+
+/// Starts by what they cost and, where there are evaluations for it, by what they cost while
+/// limits are cheap to break, by turns: a good path may just not be clean yet.
+fn fitted(
+    course: &Course<'_>,
+    fitter: &Fitter,
+    (among, mut alone): (
+        &mut Evaluator<'_, Horizontal<'_>>,
+        Option<&mut Evaluator<'_, Horizontal<'_>>>,
+    ),
+    wanted: usize,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Start> {
+    let budget = among.budget();
+    let (at_first, penalties) = factors(course);
+    let routes = routes(course, budget);
+    let mut fit = |is_eased: bool| {
+        let alone = alone.as_deref_mut();
+        if is_eased {
+            among.ease();
+        }
+        match alone {
+            None => starts(course, fitter, &routes, among, None, wanted, rng),
+            Some(alone) => {
+                if is_eased {
+                    alone.ease();
+                }
+                starts(course, fitter, &routes, alone, Some(among), wanted, rng)
+            }
+        }
+    };
+    let first = fit(false);
+    if budget < FIT_TWICE || at_first >= penalties {
+        return first;
+    }
+    by_turns(first, fit(true))
 }
 
 /// Starts of two lists by turns.
