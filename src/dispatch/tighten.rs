@@ -30,7 +30,7 @@ impl Strictness {
         let margins = Margins {
             clearance_m: tolerance_m,
             threat_m: tolerance_m,
-            separation_m: 2.0 * tolerance_m,
+            separation_m: Self::separation_m(spec),
             ..Margins::default()
         };
         let fleet = spec.vehicles.len();
@@ -38,6 +38,10 @@ impl Strictness {
             margins: vec![margins; fleet],
             parameters: vec![Vec::new(); fleet],
         }
+    }
+
+    fn separation_m(spec: &MissionSpec) -> f64 {
+        2.0 * spec.mission.tolerance_m
     }
 
     /// Answers every failed margin that planning can mend; returns the vehicles that
@@ -64,9 +68,7 @@ impl Strictness {
                 continue;
             };
             let waits = spec.vehicles[vehicle].leeway.depart_s.is_some();
-            if mends(plan, vehicle, margin, waits)
-                && self.answer(vehicle, margin, spec.separation.time_slack_s)
-            {
+            if mends(plan, vehicle, margin, waits) && self.answer(vehicle, margin, spec) {
                 self.parameters[vehicle].extend(parameter_at(plan, vehicle, margin, world));
                 again.insert(vehicle);
             }
@@ -75,12 +77,15 @@ impl Strictness {
     }
 
     /// Whether a stricter search may mend this margin; if so, makes it stricter.
-    fn answer(&mut self, vehicle: usize, margin: &Margin, slack_s: f64) -> bool {
+    fn answer(&mut self, vehicle: usize, margin: &Margin, spec: &MissionSpec) -> bool {
         let missing = -margin.slack();
         if !missing.is_finite() {
             return false;
         }
+        let slack_s = spec.separation.time_slack_s;
         let margins = &mut self.margins[vehicle];
+        // Mostly some metres are enough, and in a crowd a shift asks for too much.
+        let are_metres_in_vain = margins.separation_m > Self::separation_m(spec);
         let fraction = (1.2 * missing / margin.limit.abs().max(1e-9)).clamp(LEAST_FRACTION, 0.2);
         match margin.what.split(' ').next().unwrap_or_default() {
             "terrain" | "ceiling" => margins.clearance_m += missing + EXTRA_M,
@@ -89,7 +94,9 @@ impl Strictness {
                 .shift
                 .map(|shift| (shift.worst_s.abs(), shift.most_s()))
             {
-                Some((worst_s, most_s)) if worst_s > slack_s + margins.shift_s => {
+                Some((worst_s, most_s))
+                    if are_metres_in_vain && worst_s > slack_s + margins.shift_s =>
+                {
                     margins.shift_s = most_s - slack_s;
                 }
                 _ => margins.separation_m += missing + EXTRA_M,
