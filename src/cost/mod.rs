@@ -29,6 +29,7 @@ pub use paper::{PaperOptions, ThreatForm};
 pub use relief::Relief;
 
 use crate::geodesy::PlanPoint;
+use crate::spec::Separation;
 
 /// The terms of the objective as they enter the total (design: they sum to it).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -88,6 +89,19 @@ pub struct Margins {
     pub turn_fraction: f64,
     /// Slope limits smaller by this fraction of them.
     pub climb_fraction: f64,
+}
+
+impl Margins {
+    /// A separation with what is asked for beyond it.
+    pub(crate) fn beyond(&self, separation: &Separation) -> Separation {
+        Separation {
+            distance_m: separation.distance_m + self.separation_m,
+            vertical_m: separation
+                .vertical_m
+                .map(|vertical_m| vertical_m + self.separation_m),
+            time_slack_s: separation.time_slack_s + self.shift_s,
+        }
+    }
 }
 
 /// What one route joins.

@@ -93,11 +93,11 @@ fn mean(own: &Motion, severity: impl Fn(&Motion) -> Severity) -> f64 {
 impl Traffic {
     pub(super) fn new(separation: &Separation, margins: &Margins, earlier: &[Flight]) -> Self {
         let motions: Vec<Motion> = earlier.iter().flat_map(Flight::motions).collect();
-        let distance_m = separation.distance_m + margins.separation_m;
-        let vertical_m = separation
-            .vertical_m
-            .map(|vertical_m| vertical_m + margins.separation_m);
-        let slack_s = separation.time_slack_s + margins.shift_s;
+        let Separation {
+            distance_m,
+            vertical_m,
+            time_slack_s: slack_s,
+        } = margins.beyond(separation);
         let reach: Vec<Extent> = motions
             .iter()
             .map(|motion| extent(motion, slack_s, distance_m))

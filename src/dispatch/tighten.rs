@@ -40,6 +40,7 @@ impl Strictness {
         }
     }
 
+    /// At first.
     fn separation_m(spec: &MissionSpec) -> f64 {
         2.0 * spec.mission.tolerance_m
     }
@@ -86,20 +87,17 @@ impl Strictness {
         let margins = &mut self.margins[vehicle];
         // Mostly some metres are enough, and in a crowd a shift asks for too much.
         let are_metres_in_vain = margins.separation_m > Self::separation_m(spec);
+        let beyond = margin
+            .shift
+            .filter(|shift| are_metres_in_vain && shift.worst_s.abs() > slack_s + margins.shift_s);
+        let shifted_s = beyond.map(|shift| shift.most_s());
         let fraction = (1.2 * missing / margin.limit.abs().max(1e-9)).clamp(LEAST_FRACTION, 0.2);
         match margin.what.split(' ').next().unwrap_or_default() {
             "terrain" | "ceiling" => margins.clearance_m += missing + EXTRA_M,
             "threat" | "zone" | "area" | "fence" => margins.threat_m += missing + EXTRA_M,
-            "separation" => match margin
-                .shift
-                .map(|shift| (shift.worst_s.abs(), shift.most_s()))
-            {
-                Some((worst_s, most_s))
-                    if are_metres_in_vain && worst_s > slack_s + margins.shift_s =>
-                {
-                    margins.shift_s = most_s - slack_s;
-                }
-                _ => margins.separation_m += missing + EXTRA_M,
+            "separation" => match shifted_s {
+                Some(most_s) => margins.shift_s = most_s - slack_s,
+                None => margins.separation_m += missing + EXTRA_M,
             },
             "climb" | "descent" => {
                 margins.climb_fraction = (margins.climb_fraction + fraction).min(0.6)

@@ -81,9 +81,10 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         self.trace
     }
 
-    /// Evaluates the eased problem from now on, if there is one.
-    pub fn ease(&mut self) {
+    /// Evaluates the eased problem from now on, if there is one. Whether there is.
+    pub fn ease(&mut self) -> bool {
         self.is_eased = self.problem.eased().is_some();
+        self.is_eased
     }
 
     /// Evaluates the problem itself again: what the eased one cost is forgotten. Whether it was

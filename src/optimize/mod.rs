@@ -21,7 +21,7 @@ pub use foa::FoaParameters;
 pub use iffo::IffoParameters;
 pub use literal::{LiteralParameters, Parents, Step};
 pub use mfoa::MfoaParameters;
-pub use msfoa::{MsfoaParameters, Start};
+pub use msfoa::{LEAST_EASED, MsfoaParameters, Start};
 pub use pso::PsoParameters;
 
 use rand_chacha::ChaCha8Rng;

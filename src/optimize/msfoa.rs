@@ -65,9 +65,9 @@ const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
 const SURVIVAL: f64 = 0.4;
 /// Rounds that search the eased problem.
 const EASED_ROUNDS: usize = 1;
-/// Evaluations from which on it pays: with fewer a swarm does not get clean again in time, and
-/// crowded fleets then have to be planned once more.
-const LEAST_EASED: usize = 3500;
+/// Evaluations from which on the eased problem is searched first: with fewer a swarm does not
+/// get clean again in time, and crowded fleets then have to be planned once more.
+pub const LEAST_EASED: usize = 3500;
 /// Rounds in which a tired swarm begins in a start that none has tried.
 const FRESH_ROUNDS: usize = 2;
 /// How often a tired swarm redraws its best place otherwise; else it stays there with a

@@ -145,12 +145,10 @@ pub(super) fn flight_of(
 
 /// When a flight is too near to an earlier one, as the objective sees it too.
 pub(super) fn nearness(spec: &MissionSpec, margins: Margins) -> Nearness {
-    let separation = &spec.separation;
+    let separation = margins.beyond(&spec.separation);
     Nearness {
-        distance_m: separation.distance_m + margins.separation_m,
-        vertical_m: separation
-            .vertical_m
-            .map(|vertical_m| vertical_m + margins.separation_m),
-        slack_s: separation.time_slack_s + margins.shift_s,
+        distance_m: separation.distance_m,
+        vertical_m: separation.vertical_m,
+        slack_s: separation.time_slack_s,
     }
 }

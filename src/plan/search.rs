@@ -13,8 +13,8 @@ use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
 use crate::optimize::{
     AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
-    LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Start, Starts, Step,
-    TracePoint, minimise,
+    LEAST_EASED, LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Start, Starts,
+    Step, TracePoint, minimise,
 };
 use crate::spec::{self, Part};
 
@@ -89,39 +89,41 @@ fn swarms<'a>(
     let planner = &course.spec.planner;
     let parameters = course.parameters(course.samples());
     let (at_first, penalties) = factors(course);
-    let horizontal = |course: &Course<'a>, penalties: f64| {
+    let with_penalties = |course: &Course<'a>, penalties: f64| {
         let sampled = Sampled::new(course, searched(course.margins), &parameters);
         let sampled = sampled.with_penalties(penalties);
         // Among others a detour makes the whole way behind it later, which no window tells.
         let windows = planner.has(Part::Windows) && course.earlier.is_empty();
         Horizontal::new(sampled, course.frame(), windows)
     };
-    let eased = (at_first < penalties).then(|| horizontal(course, at_first));
-    let problem = horizontal(course, penalties).begun_with(eased);
+    let can_ease = at_first < penalties && budget >= LEAST_EASED;
+    let horizontal = |course: &Course<'a>| {
+        let eased = can_ease.then(|| with_penalties(course, at_first));
+        with_penalties(course, penalties).begun_with(eased)
+    };
+    let problem = horizontal(course);
     let alone = gives_way(course).then(|| {
-        let lonely = Course {
+        horizontal(&Course {
             earlier: &[],
             ..*course
-        };
-        let eased = (at_first < penalties).then(|| horizontal(&lonely, at_first));
-        horizontal(&lonely, penalties).begun_with(eased)
+        })
     });
     let rows = problem.sampled.rows();
     let fitter = Fitter::new(rows, parameters.clone(), course.controls());
     let mut rng = seed.stream("plan", stream);
     let wanted = planner.swarms.unwrap_or(default_swarms(budget));
     let mut among = Evaluator::new(&problem, budget, watch);
-    let mut lonely = alone
+    let mut alone = alone
         .as_ref()
         .map(|alone| Evaluator::new(alone, budget, &|_| ()));
-    let mut starts = fitted(
+    let mut starts = twice_fitted(
         course,
         &fitter,
-        (&mut among, lonely.as_mut()),
+        (&mut among, alone.as_mut()),
         wanted,
         &mut rng,
     );
-    let fitted = among.spent() + lonely.map_or(0, |alone| alone.spent());
+    let fitted = among.spent() + alone.map_or(0, |alone| alone.spent());
     let offset = move |point: TracePoint| {
         watch(TracePoint {
             evaluations: fitted + point.evaluations,
@@ -182,7 +184,7 @@ fn factors(course: &Course<'_>) -> (f64, f64) {
 
 /// Starts by what they cost and, where there are evaluations for it, by what they cost while
 /// limits are cheap to break, by turns: a good path may just not be clean yet.
-fn fitted(
+fn twice_fitted(
     course: &Course<'_>,
     fitter: &Fitter,
     (among, mut alone): (
@@ -193,28 +195,19 @@ fn fitted(
     rng: &mut ChaCha8Rng,
 ) -> Vec<Start> {
     let budget = among.budget();
-    let (at_first, penalties) = factors(course);
     let routes = routes(course, budget);
-    let mut fit = |is_eased: bool| {
-        let alone = alone.as_deref_mut();
-        if is_eased {
-            among.ease();
-        }
-        match alone {
-            None => starts(course, fitter, &routes, among, None, wanted, rng),
-            Some(alone) => {
-                if is_eased {
-                    alone.ease();
-                }
-                starts(course, fitter, &routes, alone, Some(among), wanted, rng)
-            }
-        }
+    let mut fit = |among: &mut Evaluator<'_, _>, alone: Option<&mut Evaluator<'_, _>>| match alone {
+        None => starts(course, fitter, &routes, among, None, wanted, rng),
+        Some(alone) => starts(course, fitter, &routes, alone, Some(among), wanted, rng),
     };
-    let first = fit(false);
-    if budget < FIT_TWICE || at_first >= penalties {
+    let first = fit(among, alone.as_deref_mut());
+    if budget < FIT_TWICE || !among.ease() {
         return first;
     }
-    by_turns(first, fit(true))
+    if let Some(alone) = &mut alone {
+        alone.ease();
+    }
+    by_turns(first, fit(among, alone))
 }
 
 /// Starts of two lists by turns.

@@ -101,8 +101,6 @@ fn speed_mps(course: &Course<'_>) -> f64 {
 
 /// Way between two that follow each other, metres.
 fn apart_m(course: &Course<'_>) -> f64 {
-    let separation = &course.spec.separation;
-    separation.distance_m
-        + course.margins.separation_m
-        + (separation.time_slack_s + course.margins.shift_s) * speed_mps(course)
+    let separation = course.margins.beyond(&course.spec.separation);
+    separation.distance_m + separation.time_slack_s * speed_mps(course)
 }

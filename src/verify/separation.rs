@@ -119,10 +119,7 @@ fn pair_margin(
     let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
     let metric = |distance| Metric {
         distance,
-        shift_s: Span {
-            least: shift_s.least - slack_s,
-            most: shift_s.most + slack_s,
-        },
+        shift_s: with_slack(shift_s, slack_s),
     };
     let Some(level_m) = separation.vertical_m else {
         let found = nearest(a, b, &metric(Distance::Space), below_m);
@@ -153,6 +150,14 @@ fn pair_margin(
     match nearest(a, b, &metric(Distance::Vertical), f64::INFINITY) {
         Some(found) => Some(judge((a, b), found, (level_m, slack_s), frame, "vertical")),
         None => never_together(a, b, separation, below_m),
+    }
+}
+
+/// A shift, and a slack either way.
+fn with_slack(shift_s: Span, slack_s: f64) -> Span {
+    Span {
+        least: shift_s.least - slack_s,
+        most: shift_s.most + slack_s,
     }
 }
 
@@ -197,10 +202,7 @@ fn judge(
         at: Some(moment(mine, found.times_s.0)),
         shift: Some(Shift {
             worst_s: shift_s,
-            allowed_s: Span {
-                least: alone_s.least - slack_s,
-                most: alone_s.most + slack_s,
-            },
+            allowed_s: with_slack(alone_s, slack_s),
         }),
         ok: found.distance_m >= limit_m,
         note: format!(
