@@ -3,6 +3,8 @@
 #[allow(unreachable_pub)]
 #[path = "support/command.rs"]
 mod command;
+#[path = "support/ports.rs"]
+mod ports;
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -165,10 +167,7 @@ fn is_a_capture(bytes: &[u8]) {
 fn several_vehicles_on_a_link_must_be_told_apart_and_a_failure_leaves_no_file() {
     let folder = planned();
     let folder = folder.path();
-    let port = {
-        let socket = std::net::UdpSocket::bind("127.0.0.1:0").expect("a free port");
-        socket.local_addr().expect("bound").to_string()
-    };
+    let port = ports::unshared().to_string();
     let _fleet = Fleet::start(folder, 2, &["--speak-to", &port]);
     let link = format!("udpin:{port}");
     let output = sortie(folder, &["download", "--link", &link, "-o", "x.plan"]);

@@ -8,14 +8,15 @@ mod mavsdk;
 #[allow(unreachable_pub)]
 #[path = "support/peers.rs"]
 mod peers;
+#[path = "support/ports.rs"]
+mod ports;
 #[path = "support/transfers.rs"]
 mod transfers;
 
-use std::net::SocketAddr;
 use std::path::Path;
 
 use lossy_proxy::{LossyProxy, Radio};
-use mavsdk::{Peer, free_port};
+use mavsdk::Peer;
 use sortie::link::{List, TransferReport, Verdict};
 use sortie::mission::Item;
 use sortie::spec::{Autopilot, Link};
@@ -24,8 +25,7 @@ use transfers::{HOME, mission, upload, waypoint};
 
 /// Uploads to MAVSDK at that loss, and holds the verdict against what MAVSDK got.
 fn upload_to_mavsdk(python: &Path, items: i32, percent: u32, seed: u64) -> TransferReport {
-    let port = free_port();
-    let ground = SocketAddr::from(([127, 0, 0, 1], port));
+    let ground = ports::unshared();
     let proxy = LossyProxy::to(ground, Radio::losing(percent, seed));
     let peer = Peer::start(python, proxy.near.port(), 1);
     let mission = mission(Autopilot::Px4, (0..items).map(waypoint).collect());

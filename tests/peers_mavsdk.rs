@@ -8,10 +8,13 @@ mod peers;
 #[path = "support/mavsdk.rs"]
 mod mavsdk;
 
+#[path = "support/ports.rs"]
+mod ports;
+
 #[path = "support/transfers.rs"]
 mod transfers;
 
-use mavsdk::{Peer, free_port};
+use mavsdk::Peer;
 use serde_json::Value;
 use sortie::link::{List, TransferReport, Verdict};
 use sortie::mission::{Item, VehicleMission, command, frame};
@@ -75,7 +78,7 @@ fn mavsdk_takes_mission_and_fence_and_they_read_back_equal() {
     let Some(python) = peers::python() else {
         return;
     };
-    let port = free_port();
+    let port = ports::unshared().port();
     let peer = Peer::start(&python, port, 1);
     let mission = mission(Autopilot::Px4);
     let report = upload(port, 1, &mission);
@@ -91,7 +94,7 @@ fn mavsdk_takes_an_ardupilot_mission_with_home_in_front() {
     let Some(python) = peers::python() else {
         return;
     };
-    let port = free_port();
+    let port = ports::unshared().port();
     let peer = Peer::start(&python, port, 7);
     let mission = mission(Autopilot::ArduPilot);
     let report = upload(port, 7, &mission);

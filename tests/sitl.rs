@@ -4,10 +4,12 @@
 
 #[path = "support/lossy_proxy.rs"]
 mod lossy_proxy;
+#[path = "support/ports.rs"]
+mod ports;
 #[path = "support/transfers.rs"]
 mod transfers;
 
-use std::net::{SocketAddr, UdpSocket};
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
@@ -126,10 +128,7 @@ fn loaded_through_a_radio_that_loses(percent: u32, first: usize) {
     let Some(binary) = binary("SORTIE_ARDUPILOT_SITL") else {
         return;
     };
-    let grounds: Vec<SocketAddr> = (0..3)
-        .map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"))
-        .map(|socket| socket.local_addr().expect("bound"))
-        .collect();
+    let grounds: Vec<SocketAddr> = (0..3).map(|_| ports::unshared()).collect();
     let radios: Vec<LossyProxy> = (1..)
         .zip(&grounds)
         .map(|(seed, ground)| LossyProxy::to(*ground, Radio::losing(percent, seed)))

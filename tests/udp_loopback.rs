@@ -1,5 +1,7 @@
 //! Transfers over real sockets on loopback, to simulated vehicles.
 
+#[path = "support/ports.rs"]
+mod ports;
 #[path = "support/transfers.rs"]
 mod transfers;
 
@@ -71,9 +73,7 @@ fn three_vehicles_of_all_profiles_are_loaded_at_once_and_read_back() {
 
 #[test]
 fn vehicles_behind_one_port_are_told_apart_by_system_id() {
-    let port = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-    let ground = port.local_addr().expect("bound");
-    drop(port);
+    let ground = ports::unshared();
     let vehicles: Vec<Running> = (1..=3)
         .map(|sysid| {
             spawn(&Simulated {
@@ -271,9 +271,7 @@ fn a_vehicle_behind_tcp_is_loaded_too() {
 #[test]
 fn a_vehicle_that_connects_to_us_is_loaded_too() {
     let vehicle = start(Profile::ArduPilot, 1);
-    let free = TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let ground = free.local_addr().expect("bound");
-    drop(free);
+    let ground = ports::unshared();
     let address = vehicle.address();
     std::thread::spawn(move || {
         let stream = std::iter::repeat_with(|| {
@@ -334,17 +332,20 @@ fn with_force_a_single_stranger_is_loaded_by_its_own_rules() {
 
 #[test]
 fn a_simulated_vehicle_stops_when_it_is_dropped() {
-    let vehicle = start(Profile::ArduPilot, 1);
-    let address = vehicle.address();
+    let address = ports::unshared();
+    let vehicle = spawn(&Simulated {
+        listen: address,
+        ..Simulated::on_loopback(Profile::ArduPilot, 1, Some(HOME))
+    })
+    .expect("a free port");
+    assert!(UdpSocket::bind(address).is_err(), "it has the port");
     drop(vehicle);
     UdpSocket::bind(address).expect("the port is free again");
 }
 
 /// An upload to a port to which two vehicles of one system id speak, the second one so much later.
 fn uploaded_to_twins(second_after: Duration) -> TransferReport {
-    let port = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-    let ground = port.local_addr().expect("bound");
-    drop(port);
+    let ground = ports::unshared();
     let vehicle = move || {
         spawn(&Simulated {
             speak_to: Some(ground),
