@@ -26,6 +26,8 @@ pub struct Evaluator<'a, P: Problem + ?Sized> {
     spent: usize,
     best: Option<Candidate>,
     trace: Vec<TracePoint>,
+    /// The best and the trace of the problem itself, while the eased one is evaluated.
+    aside: (Option<Candidate>, Vec<TracePoint>),
     watch: &'a (dyn Fn(TracePoint) + Sync),
 }
 
@@ -41,6 +43,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
             spent: 0,
             best: None,
             trace: Vec::new(),
+            aside: (None, Vec::new()),
             watch,
         }
     }
@@ -81,19 +84,22 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         self.trace
     }
 
-    /// Evaluates the eased problem from now on, if there is one. Whether there is.
+    /// Evaluates the eased problem from now on, if there is one; the best so far is set aside.
+    /// Whether there is.
     pub fn ease(&mut self) -> bool {
-        self.is_eased = self.problem.eased().is_some();
+        if !self.is_eased && self.problem.eased().is_some() {
+            self.is_eased = true;
+            self.aside = (self.best.take(), std::mem::take(&mut self.trace));
+        }
         self.is_eased
     }
 
-    /// Evaluates the problem itself again: what the eased one cost is forgotten. Whether it was
-    /// eased.
+    /// Evaluates the problem itself again: what the eased one cost is forgotten, and the best is
+    /// what it was before. Whether it was eased.
     pub fn tighten(&mut self) -> bool {
         let was_eased = std::mem::replace(&mut self.is_eased, false);
         if was_eased {
-            self.best = None;
-            self.trace.clear();
+            (self.best, self.trace) = std::mem::take(&mut self.aside);
         }
         was_eased
     }
@@ -159,7 +165,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
             );
         }
         self.spent += allowed;
-        if let Some(best) = &self.best {
+        if let Some(best) = self.aside.0.as_ref().or(self.best.as_ref()) {
             (self.watch)(TracePoint {
                 evaluations: self.spent,
                 best: best.cost,
@@ -230,5 +236,54 @@ mod tests {
         let trace = evaluator.into_trace();
         let points: Vec<usize> = trace.iter().map(|point| point.evaluations).collect();
         assert_eq!(points, [1, 2, 4]);
+    }
+
+    /// `Counting`, and half of its costs at first.
+    struct Easing(Counting, Half);
+
+    struct Half;
+
+    impl Problem for Half {
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+            for (cost, row) in costs.iter_mut().zip(candidates.chunks(2)) {
+                *cost = 0.5 * row[0];
+            }
+        }
+    }
+
+    impl Problem for Easing {
+        fn dimension(&self) -> usize {
+            2
+        }
+
+        fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
+            self.0.evaluate(candidates, cutoff, costs);
+        }
+
+        fn eased(&self) -> Option<&dyn Problem> {
+            Some(&self.1)
+        }
+    }
+
+    #[test]
+    fn what_the_eased_problem_costs_is_neither_best_nor_shown_beside_what_is() {
+        let problem = Easing(Counting(AtomicUsize::new(0)), Half);
+        let shown = std::sync::Mutex::new(Vec::new());
+        let watch = |point: TracePoint| shown.lock().expect("no panic").push(point.best);
+        let mut evaluator = Evaluator::new(&problem, 100, &watch);
+        assert_eq!(evaluator.evaluate(&[0.6, 0.0]), [0.6]);
+        assert!(evaluator.ease());
+        assert_eq!(evaluator.evaluate(&[0.4, 0.0]), [0.2]);
+        assert!(evaluator.tighten());
+        assert_eq!(evaluator.best().map(|best| best.cost), Some(0.6));
+        assert_eq!(evaluator.evaluate(&[0.5, 0.0]), [0.5]);
+        assert_eq!(evaluator.spent(), 3);
+        let costs: Vec<f64> = evaluator.into_trace().iter().map(|at| at.best).collect();
+        assert_eq!(costs, [0.6, 0.5]);
+        assert_eq!(*shown.lock().expect("no panic"), [0.6, 0.6, 0.5]);
     }
 }

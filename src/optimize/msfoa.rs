@@ -8,23 +8,23 @@
 //!
 //! Beyond it, as measured: swarms begin in given starts instead of anywhere; local
 //! steps are drawn from a distribution that each swarm adapts to what it smells
-//! (`adapted`); at first limits are cheap to break, so that swarms get from one good path to
-//! another (`Problem::eased`); swarms race, so that the budget goes to the promising ones; one that
-//! gains nothing any more begins again elsewhere; an offspring takes the first
-//! variables from one swarm and the rest from another, which for paths is the first
-//! part of one route and the second of another (a mixture in the middle, as printed,
-//! would lead between two routes, and there the obstacle stands).
+//! (`adapted`); at first, and when a swarm begins again, limits are cheap to break, so
+//! that swarms get from one good path to another (`Problem::eased`); swarms race, so
+//! that the budget goes to the promising ones; one that gains nothing any more begins
+//! again elsewhere; an offspring takes the first variables from one swarm and the rest
+//! from another, which for paths is the first part of one route and the second of
+//! another (a mixture in the middle, as printed, would lead between two routes, and
+//! there the obstacle stands).
 
+mod race;
 mod swarm;
-
-use std::cmp::Ordering;
-use std::collections::BTreeSet;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::adapted::Adapted;
 use super::{Candidate, Evaluator, Problem, Redraw, Starts};
+use race::{drop_the_slow, survivors};
 use swarm::{Flight, Swarm};
 
 /// Where a sub-swarm begins.
@@ -61,8 +61,6 @@ pub struct MsfoaParameters {
 
 /// Shares of the budget at which the rounds of the race end.
 const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
-/// Share of the swarms that survives a round.
-const SURVIVAL: f64 = 0.4;
 /// Rounds that search the eased problem.
 const EASED_ROUNDS: usize = 1;
 /// Evaluations from which on the eased problem is searched first: with fewer a swarm does not
@@ -77,6 +75,10 @@ const REDRAWN: f64 = 0.7;
 const WHOLE: (usize, usize) = (4, 5);
 /// Swarms that mate at the end of a round.
 const PARENTS: usize = 4;
+
+/// For so many evaluations a swarm that begins again searches the eased problem: else it mostly
+/// comes back to where it was.
+const EASED_AGAIN: usize = 320;
 
 /// Runs until the budget is spent; returns the best of every swarm there was.
 pub(super) fn search<P: Problem + ?Sized>(
@@ -105,9 +107,7 @@ pub(super) fn search<P: Problem + ?Sized>(
     let mut left_behind = Vec::new();
     // Swarms that stopped for another start: they take part in the race all the same.
     let mut resting = Vec::new();
-    if evaluator.budget() >= LEAST_EASED {
-        evaluator.ease();
-    }
+    let is_eased = evaluator.budget() >= LEAST_EASED && evaluator.ease();
     for (round, end) in ROUND_ENDS.into_iter().enumerate() {
         let last = round + 1 == ROUND_ENDS.len();
         let round_end = share(evaluator.budget(), end);
@@ -121,7 +121,12 @@ pub(super) fn search<P: Problem + ?Sized>(
                             let fresh = Swarm::new(start, &parameters);
                             resting.push(std::mem::replace(swarm, fresh));
                         }
-                        None => begin_again(evaluator, swarm, redraw, &parameters, rng),
+                        None => {
+                            begin_again(evaluator, swarm, redraw, &parameters, rng);
+                            if is_eased && round >= EASED_ROUNDS {
+                                wander(evaluator, swarm, &parameters, rng);
+                            }
+                        }
                     }
                 }
             }
@@ -190,16 +195,6 @@ fn share(budget: usize, part: f64) -> usize {
     )]
     let share = (budget as f64 * part).round() as usize;
     share.min(budget)
-}
-
-/// Swarms that go on after so many rounds: at least two until the last round.
-fn survivors(swarms: usize, rounds: usize) -> usize {
-    if rounds + 1 == ROUND_ENDS.len() {
-        return 1;
-    }
-    (0..rounds)
-        .fold(swarms, |left, _| share(left * 10, SURVIVAL).div_ceil(10))
-        .max(2)
 }
 
 /// One olfactory and visual search of all swarms, evaluated as one batch.
@@ -300,6 +295,27 @@ fn begin_again<P: Problem + ?Sized>(
     }
 }
 
+/// A swarm searches the eased problem for a while, if enough is left to get clean again.
+fn wander<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    swarm: &mut Swarm,
+    parameters: &MsfoaParameters,
+    rng: &mut ChaCha8Rng,
+) {
+    let until = evaluator.spent() + EASED_AGAIN;
+    if until + 2 * EASED_AGAIN >= evaluator.budget() || !evaluator.ease() {
+        return;
+    }
+    let elite = swarm.set_out();
+    while evaluator.spent() < until {
+        generation(evaluator, std::slice::from_mut(swarm), parameters, rng);
+    }
+    evaluator.tighten();
+    let rows = [swarm.best.position.as_slice(), swarm.adapted.mean()].concat();
+    let costs = evaluator.evaluate(&rows);
+    swarm.come_back(elite, [costs[0], costs[1]]);
+}
+
 /// Competition of offspring among the best swarms: each takes the best of its
 /// children that beats its own keenest fly.
 fn compete<P: Problem + ?Sized>(
@@ -328,53 +344,5 @@ fn compete<P: Problem + ?Sized>(
             swarm.see(&rows[child * dimension..][..dimension], costs[child]);
             swarm.adapted.move_to(&swarm.best.position);
         }
-    }
-}
-
-/// Keeps the best swarms, one of each class; returns the best of those that go.
-fn drop_the_slow(swarms: &mut Vec<Swarm>, keep: usize) -> Vec<Candidate> {
-    swarms.sort_by(|a, b| a.elite.cost.total_cmp(&b.elite.cost));
-    let (mut classes, mut stay) = (BTreeSet::new(), BTreeSet::new());
-    for place in placed(swarms) {
-        if stay.len() < keep && classes.insert(swarms[place].class) {
-            stay.insert(place);
-        }
-    }
-    let mut dropped = Vec::new();
-    for (place, swarm) in std::mem::take(swarms).into_iter().enumerate() {
-        if stay.contains(&place) {
-            swarms.push(Swarm {
-                eased_cost: None,
-                ..swarm
-            });
-        } else {
-            dropped.push(swarm.elite);
-        }
-    }
-    dropped
-}
-
-/// Places of sorted swarms in the order in which they stay: by turns who is best, and who was
-/// while limits were cheap to break, because a good path may just not be clean yet.
-fn placed(swarms: &[Swarm]) -> Vec<usize> {
-    let cost = |place: usize| swarms[place].eased_cost;
-    let mut eased: Vec<usize> = (0..swarms.len())
-        .filter(|&place| cost(place).is_some())
-        .collect();
-    eased.sort_by(|&a, &b| cost(a).partial_cmp(&cost(b)).unwrap_or(Ordering::Equal));
-    let turns = (0..swarms.len()).flat_map(|place| [Some(place), eased.get(place).copied()]);
-    turns.flatten().collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_race_narrows_to_one_swarm() {
-        let rounds = |swarms| [1, 2, 3].map(|round| survivors(swarms, round));
-        assert_eq!(rounds(14), [6, 3, 1]);
-        assert_eq!(rounds(10), [4, 2, 1]);
-        assert_eq!(rounds(1), [2, 2, 1]);
     }
 }

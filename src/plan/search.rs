@@ -207,7 +207,9 @@ fn twice_fitted(
     if let Some(alone) = &mut alone {
         alone.ease();
     }
-    by_turns(first, fit(among, alone))
+    let eased = fit(among, alone);
+    among.tighten();
+    by_turns(first, eased)
 }
 
 /// Starts of two lists by turns.

@@ -95,6 +95,24 @@ impl Swarm {
         self.see(&middle, mean);
     }
 
+    /// Forgets its keenest flies, to search the eased problem; that of all is given back.
+    pub(super) fn set_out(&mut self) -> Candidate {
+        self.best.cost = f64::INFINITY;
+        std::mem::replace(&mut self.elite, self.best.clone())
+    }
+
+    /// Back from there, with the keenest fly of all before, and with what its keenest fly there
+    /// and the mean of all cost by the problem itself.
+    pub(super) fn come_back(&mut self, elite: Candidate, [best, mean]: [f64; 2]) {
+        self.elite = elite;
+        self.best.cost = f64::INFINITY;
+        let (keenest, middle) = (self.best.position.clone(), self.adapted.mean().to_vec());
+        self.see(&keenest, best);
+        self.see(&middle, mean);
+        self.idle = 0;
+        self.idle_cost = self.best.cost;
+    }
+
     /// Counts evaluations; true when too many brought no gain.
     pub(super) fn is_tired(&mut self, evaluations: usize) -> bool {
         let needed = GAIN * self.idle_cost.abs();
