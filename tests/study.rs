@@ -419,3 +419,34 @@ fn tables_and_account_are_made_of_the_runs() {
     }
     assert!(!text.contains("NaN") && !text.contains("inf"));
 }
+
+#[test]
+fn a_mission_without_a_best_known_total_is_named_and_a_lower_total_is_kept_when_asked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let best = folder.path().join("best.json");
+    let first = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/first.yaml");
+    let study = |out: &str, evaluations: &str, more: &[&str]| -> String {
+        let out = folder.path().join(out).display().to_string();
+        let (best, first) = (best.display().to_string(), first.display().to_string());
+        let mut arguments = vec!["study", "planner", &first, "--out", &out, "--seeds", "1"];
+        arguments.extend(["--evaluations", evaluations, "--best-known", &best]);
+        arguments.extend(more);
+        let done = sortie(&arguments).success();
+        String::from_utf8(done.get_output().stdout.clone()).expect("text")
+    };
+    let told = |what: &str| format!("{what} (--update keeps it)");
+    let new = format!(
+        "not in {}, held against the best of these runs: first",
+        best.display()
+    );
+    let text = study("a", "500", &[]);
+    assert!(text.contains(&told(&new)) && !best.exists(), "{text}");
+    let text = study("b", "500", &["--update"]);
+    assert!(text.contains(&format!("{new} (kept)")), "{text}");
+    let text = study("c", "4000", &[]);
+    let below = format!("below the best known of {}: first", best.display());
+    assert!(
+        text.contains(&told(&below)) && !text.contains("not in"),
+        "{text}"
+    );
+}

@@ -31,6 +31,9 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+# Before numpy reads it: on matrices of this size its threads spend time and save none.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import numpy as np
 import yaml
 

@@ -68,6 +68,9 @@ fn a_number_that_is_none_is_out_of_range() {
         only("speed_mps: 12", "speed_mps: -12").0,
         "vehicles[1].speed_mps"
     );
+    let (path, message) = only("threshold: 0.5", "threshold: .nan");
+    assert_eq!(path, "planner.threshold");
+    assert!(message.contains("a finite number"), "{message}");
     assert_eq!(
         only("evaluations: 5000", "evaluations: 100000001").0,
         "planner.evaluations"

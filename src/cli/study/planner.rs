@@ -62,6 +62,7 @@ fn tell(
 ) -> Result<(), Failure> {
     let path = &arguments.best_known;
     let mut best = BestKnown::read(path)?;
+    let known = best.clone();
     let lowered = best.lower(runs.iter());
     if arguments.update && !lowered.is_empty() {
         best.write(path)?;
@@ -73,16 +74,23 @@ fn tell(
         return out(json_text(&document).trim_end());
     }
     out(planner_md(study, runs, &best).trim_end())?;
-    if !lowered.is_empty() {
-        let kept = if arguments.update {
-            "kept"
-        } else {
-            "--update keeps it"
-        };
+    let kept = if arguments.update {
+        "kept"
+    } else {
+        "--update keeps it"
+    };
+    let (below, new): (Vec<String>, Vec<String>) = lowered
+        .into_iter()
+        .partition(|mission| known.0.contains_key(mission));
+    let path = path.display();
+    if !below.is_empty() {
+        let below = below.join(", ");
+        out(&format!("below the best known of {path}: {below} ({kept})"))?;
+    }
+    if !new.is_empty() {
+        let new = new.join(", ");
         out(&format!(
-            "below the best known of {}: {} ({kept})",
-            path.display(),
-            lowered.join(", ")
+            "not in {path}, held against the best of these runs: {new} ({kept})"
         ))?;
     }
     Ok(())

@@ -65,7 +65,11 @@ impl Checker<'_> {
     /// A number that must be finite and in range; handed through.
     fn number(&mut self, path: &str, value: f64, range: RangeInclusive<f64>) -> f64 {
         if !range.contains(&value) {
-            self.report(path, value, format!("{} to {}", range.start(), range.end()));
+            let allowed = match range == (f64::MIN..=f64::MAX) {
+                true => "a finite number".to_owned(),
+                false => format!("{} to {}", range.start(), range.end()),
+            };
+            self.report(path, value, allowed);
         }
         value
     }
