@@ -66,6 +66,9 @@ const EASED_ROUNDS: usize = 1;
 /// Evaluations from which on the eased problem is searched first: with fewer a swarm does not
 /// get clean again in time, and crowded fleets then have to be planned once more.
 pub const LEAST_EASED: usize = 3500;
+/// For so many evaluations a swarm that begins again searches the eased problem: else it mostly
+/// comes back to where it was.
+const EASED_AGAIN: usize = 320;
 /// Rounds in which a tired swarm begins in a start that none has tried.
 const FRESH_ROUNDS: usize = 2;
 /// How often a tired swarm redraws its best place otherwise; else it stays there with a
@@ -75,10 +78,6 @@ const REDRAWN: f64 = 0.7;
 const WHOLE: (usize, usize) = (4, 5);
 /// Swarms that mate at the end of a round.
 const PARENTS: usize = 4;
-
-/// For so many evaluations a swarm that begins again searches the eased problem: else it mostly
-/// comes back to where it was.
-const EASED_AGAIN: usize = 320;
 
 /// Runs until the budget is spent; returns the best of every swarm there was.
 pub(super) fn search<P: Problem + ?Sized>(
