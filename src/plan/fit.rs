@@ -9,6 +9,9 @@ use crate::geodesy::EastNorth;
 
 /// Weight that keeps each control point near its own place on the polyline.
 const RIDGE: f64 = 1e-3;
+/// How far from an extreme of the ground a control point may lie that is meant for it, as a share
+/// of the length.
+const NEARBY: f64 = 0.02;
 /// Steps in which a warp is integrated.
 const WARP_STEPS: usize = 256;
 
@@ -99,6 +102,57 @@ impl Warp {
         })
     }
 
+    /// Control points that weigh most at the parameters `peaks` lie at extremes of the ground,
+    /// shares of the length and heights there, one at each, and the others halve the widest gaps;
+    /// all at random nearby. Where extremes are as many as control points or more, between a
+    /// quarter of the points and all are so used, for the extremes that stand out.
+    pub(super) fn at_extremes(
+        peaks: &[f64],
+        extremes: &[(f64, f64)],
+        rng: &mut ChaCha8Rng,
+    ) -> Self {
+        let most = match extremes.len() >= peaks.len() {
+            true => rng.random_range((peaks.len() / 4).max(1)..=peaks.len().max(1)),
+            false => extremes.len(),
+        };
+        let mut stations: Vec<f64> = outstanding(extremes, most, rng)
+            .iter()
+            .map(|(share, _)| share + rng.random_range(-NEARBY..NEARBY))
+            .map(|share| share.clamp(NEARBY / 4.0, 1.0 - NEARBY / 4.0))
+            .collect();
+        while stations.len() < peaks.len() {
+            stations.extend([0.0, 1.0]);
+            stations.sort_by(f64::total_cmp);
+            let gaps = stations.windows(2).map(|pair| (pair[0], pair[1] - pair[0]));
+            let widest = gaps.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
+            stations.remove(0);
+            stations.pop();
+            stations.push(widest.0 + widest.1 * rng.random_range(0.35..0.65));
+        }
+        stations.sort_by(f64::total_cmp);
+        let mut knots = vec![(0.0, 0.0)];
+        knots.extend(peaks.iter().copied().zip(stations));
+        knots.push((1.0, 1.0));
+        Self::through(&knots)
+    }
+
+    /// Straight between parameters and shares of the length that belong together, from (0, 0)
+    /// to (1, 1).
+    fn through(knots: &[(f64, f64)]) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
+        let parameter = |step: usize| step as f64 / WARP_STEPS as f64;
+        let share = |parameter: f64| {
+            let after = knots.partition_point(|knot| knot.0 < parameter);
+            let after = after.clamp(1, knots.len() - 1);
+            let (low, high) = (knots[after - 1], knots[after]);
+            let part = (parameter - low.0) / (high.0 - low.0).max(1e-9);
+            low.1 + (high.1 - low.1) * part.clamp(0.0, 1.0)
+        };
+        Self {
+            shares: (0..=WARP_STEPS).map(parameter).map(share).collect(),
+        }
+    }
+
     fn of(density: impl Fn(f64) -> f64) -> Self {
         #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
         let share = |step: usize| step as f64 / WARP_STEPS as f64;
@@ -137,6 +191,24 @@ impl Warp {
         let part = at - step as f64;
         self.shares[step] + part * (self.shares[step + 1] - self.shares[step])
     }
+}
+
+/// At most so many extremes, shares of the length and heights: those between which the ground
+/// rises or falls most, about. They go in pairs, so that tops and bottoms alternate.
+fn outstanding(extremes: &[(f64, f64)], most: usize, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
+    let mut kept = extremes.to_vec();
+    while kept.len() > most + 1 {
+        let rises = kept
+            .windows(2)
+            .map(|pair| (pair[0].1 - pair[1].1).abs() * rng.random_range(0.5..2.0));
+        let least = rises.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        let at = least.map_or(0, |(at, _)| at);
+        kept.drain(at..at + 2);
+    }
+    if kept.len() > most {
+        kept.remove(rng.random_range(0..kept.len()));
+    }
+    kept
 }
 
 /// Least squares for one spline and its samples.
@@ -180,6 +252,11 @@ impl Fitter {
     /// Weights of the control points in each sample.
     pub(super) fn rows(&self) -> &[Row] {
         &self.rows
+    }
+
+    /// Parameter at which each free control point weighs most.
+    pub(super) fn peaks(&self) -> &[f64] {
+        &self.peaks[1..self.controls - 1]
     }
 
     /// Control points, ends included.
@@ -282,10 +359,34 @@ mod tests {
     }
 
     #[test]
+    fn control_points_lie_at_the_extremes_that_stand_out() {
+        let mut rng = Seed(5).stream("test", 0);
+        let ground = [(0.2, 900.0), (0.3, 895.0), (0.35, 897.0), (0.5, 0.0)];
+        let peaks = [0.25, 0.5, 0.75];
+        for _ in 0..50 {
+            let warp = Warp::at_extremes(&peaks, &ground[3..], &mut rng);
+            let is_near = |peak: &f64| (warp.share(*peak) - 0.5).abs() <= NEARBY;
+            assert!(peaks.iter().any(is_near), "{warp:?}");
+            // The notch goes with one of the tops beside it.
+            let kept = outstanding(&ground, 2, &mut rng);
+            assert!(kept == [ground[0], ground[3]] || kept == [ground[2], ground[3]]);
+        }
+    }
+
+    #[test]
     fn a_warp_runs_from_end_to_end_without_turning_back() {
         let mut rng = Seed(4).stream("test", 0);
         for _ in 0..50 {
             let warp = Warp::random(&[0.3, 0.8], &mut rng);
+            assert!(warp.share(0.0).abs() < 1e-12);
+            assert!((warp.share(1.0) - 1.0).abs() < 1e-12);
+            assert!(warp.shares.is_sorted());
+        }
+        for extremes in [0, 1, 5, 40] {
+            let extremes: Vec<(f64, f64)> = (1..=extremes)
+                .map(|k| (f64::from(k) / 41.0, 100.0 * f64::from(k % 2)))
+                .collect();
+            let warp = Warp::at_extremes(&[0.1, 0.4, 0.6, 0.9], &extremes, &mut rng);
             assert!(warp.share(0.0).abs() < 1e-12);
             assert!((warp.share(1.0) - 1.0).abs() < 1e-12);
             assert!(warp.shares.is_sorted());

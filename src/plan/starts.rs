@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -19,6 +20,8 @@ use crate::spec::Part;
 
 /// Warped fits of one class.
 const WARPS: usize = 24;
+/// Share of them with a control point at each of some extremes of the ground, where that pays.
+const ONE_EACH: f64 = 0.75;
 /// Fits of one class that become starts.
 const FITS_PER_CLASS: usize = 3;
 /// What each further start of one class costs in the ranking: drawn tight, they are much alike.
@@ -35,7 +38,7 @@ const SWERVING: usize = 4;
 const SWERVES: usize = 72;
 /// Costs that differ by a smaller share are the same.
 const HAIR: f64 = 1e-9;
-/// Nodes along a profile in which summits are looked for.
+/// Nodes along a profile in which extremes are looked for.
 const PROFILE: usize = 65;
 
 /// A fitted spline and how promising it is.
@@ -91,8 +94,15 @@ pub(super) fn starts(
     };
     let mut warped = Vec::new();
     for way in &ways {
-        let summits = summits(course, &way.line);
-        warped.extend((0..each).map(|_| (way, Warp::random(&summits, rng))));
+        let (summits, extremes) = (summits(course, &way.line), extremes(course, &way.line));
+        let is_one_each = pays_at_extremes(extremes.len(), fitter.peaks().len());
+        warped.extend((0..each).map(|_| {
+            let warp = match is_one_each && rng.random_bool(ONE_EACH) {
+                true => Warp::at_extremes(fitter.peaks(), &extremes, rng),
+                false => Warp::random(&summits, rng),
+            };
+            (way, warp)
+        }));
     }
     fits.extend(evaluate(course, fitter, alone, &warped));
     let leading = leading(&fits);
@@ -340,15 +350,38 @@ fn rank(mut fits: Vec<Fit<'_>>) -> Vec<Start> {
     ranked.into_iter().map(|(_, start)| start).collect()
 }
 
+/// Whether control points pay at extremes of the ground, one at each: where there are too few for
+/// all, a path that tops and dips with the ground is found by no other way; where there are two
+/// for each and more, the others fill the gaps. In between those few that are left over do harm.
+fn pays_at_extremes(extremes: usize, free: usize) -> bool {
+    extremes >= free || 2 * extremes <= free
+}
+
 /// Shares of the length at which the ground under a line is highest nearby.
 pub(super) fn summits(course: &Course<'_>, line: &Line) -> Vec<f64> {
-    #[expect(clippy::cast_precision_loss, reason = "a few dozen")]
-    let share = |k: usize| k as f64 / (PROFILE - 1) as f64;
-    let heights: Vec<f64> = (0..PROFILE)
-        .map(|k| course.world.ground.height_m(line.at(share(k))))
-        .collect();
+    let (shares, heights) = profile(course, line);
     (1..PROFILE - 1)
         .filter(|&k| heights[k] > heights[k - 1] && heights[k] >= heights[k + 1])
-        .map(share)
+        .map(|k| shares[k])
         .collect()
+}
+
+/// Shares of the length at which the ground under a line is highest or lowest nearby, and how
+/// high it is there.
+fn extremes(course: &Course<'_>, line: &Line) -> Vec<(f64, f64)> {
+    let (shares, heights) = profile(course, line);
+    (1..PROFILE - 1)
+        .filter(|&k| (heights[k] > heights[k - 1]) == (heights[k] >= heights[k + 1]))
+        .map(|k| (shares[k], heights[k]))
+        .collect()
+}
+
+/// Shares of the length of a line, and the heights of the ground there.
+fn profile(course: &Course<'_>, line: &Line) -> (Vec<f64>, Vec<f64>) {
+    #[expect(clippy::cast_precision_loss, reason = "a few dozen")]
+    let share = |k: usize| k as f64 / (PROFILE - 1) as f64;
+    let height_m = |share: &f64| course.world.ground.height_m(line.at(*share));
+    let shares: Vec<f64> = (0..PROFILE).map(share).collect();
+    let heights = shares.iter().map(height_m).collect();
+    (shares, heights)
 }
