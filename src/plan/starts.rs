@@ -352,9 +352,10 @@ fn rank(mut fits: Vec<Fit<'_>>) -> Vec<Start> {
 
 /// Whether control points pay at extremes of the ground, one at each: where there are too few for
 /// all, a path that tops and dips with the ground is found by no other way; where there are two
-/// for each and more, the others fill the gaps. In between those few that are left over do harm.
+/// for each and more, the others fill the gaps. In between those few that are left over do harm,
+/// and flat ground has none.
 fn pays_at_extremes(extremes: usize, free: usize) -> bool {
-    extremes >= free || 2 * extremes <= free
+    extremes >= free || (1..=free / 2).contains(&extremes)
 }
 
 /// Shares of the length at which the ground under a line is highest nearby.
