@@ -200,26 +200,44 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         substeps: usize,
         sums: &mut Sums<V<S>>,
     ) {
-        let (mut length_km, mut altitude, mut terrain) =
-            (sums.length_km, sums.altitude, sums.terrain);
-        let mut index = 0;
-        for step in block.steps() {
-            let first = &clearances[index];
-            let (mut high_km, mut deficit) = (first.altitude_km * 0.5, first.deficit * 0.5);
-            for of in &clearances[index + 1..index + substeps] {
-                high_km += of.altitude_km;
-                deficit += of.deficit;
+        let mut sum = [sums.length_km, sums.altitude, sums.terrain];
+        if substeps == 1 {
+            for (step, ends) in block.steps().iter().zip(clearances.windows(2)) {
+                self.add_piece(step, &ends[0], &[], &ends[1], &mut sum);
             }
-            index += substeps;
-            let last = &clearances[index];
-            high_km += last.altitude_km * 0.5;
-            deficit += last.deficit * 0.5;
-            let piece_km = step.length_km * self.per_substep;
-            altitude += high_km * piece_km;
-            terrain += deficit * piece_km;
-            length_km += step.length_km;
+        } else {
+            let mut index = 0;
+            for step in block.steps() {
+                let of = &clearances[index..=index + substeps];
+                let within = &of[1..substeps];
+                self.add_piece(step, &of[0], within, &of[substeps], &mut sum);
+                index += substeps;
+            }
         }
-        (sums.length_km, sums.altitude, sums.terrain) = (length_km, altitude, terrain);
+        [sums.length_km, sums.altitude, sums.terrain] = sum;
+    }
+
+    /// Adds one piece; `within` are between its ends.
+    #[inline(always)]
+    fn add_piece(
+        &self,
+        step: &Steps<S>,
+        first: &Clearances<S>,
+        within: &[Clearances<S>],
+        last: &Clearances<S>,
+        [length_km, altitude, terrain]: &mut [V<S>; 3],
+    ) {
+        let (mut high_km, mut deficit) = (first.altitude_km * 0.5, first.deficit * 0.5);
+        for of in within {
+            high_km += of.altitude_km;
+            deficit += of.deficit;
+        }
+        high_km += last.altitude_km * 0.5;
+        deficit += last.deficit * 0.5;
+        let piece_km = step.length_km * self.per_substep;
+        *altitude += high_km * piece_km;
+        *terrain += deficit * piece_km;
+        *length_km += step.length_km;
     }
 }
 
