@@ -115,24 +115,22 @@ impl Warp {
             true => rng.random_range((peaks.len() / 4).max(1)..=peaks.len().max(1)),
             false => extremes.len(),
         };
-        let mut stations: Vec<f64> = outstanding(extremes, most, rng)
-            .iter()
-            .map(|(share, _)| share + rng.random_range(-NEARBY..NEARBY))
-            .map(|share| share.clamp(NEARBY / 4.0, 1.0 - NEARBY / 4.0))
-            .collect();
-        while stations.len() < peaks.len() {
-            stations.extend([0.0, 1.0]);
-            stations.sort_by(f64::total_cmp);
+        let mut stations = vec![0.0, 1.0];
+        stations.extend(
+            outstanding(extremes, most, rng)
+                .iter()
+                .map(|(share, _)| share + rng.random_range(-NEARBY..NEARBY))
+                .map(|share| share.clamp(NEARBY / 4.0, 1.0 - NEARBY / 4.0)),
+        );
+        stations.sort_by(f64::total_cmp);
+        while stations.len() < peaks.len() + 2 {
             let gaps = stations.windows(2).map(|pair| (pair[0], pair[1] - pair[0]));
             let widest = gaps.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default();
-            stations.remove(0);
-            stations.pop();
             stations.push(widest.0 + widest.1 * rng.random_range(0.35..0.65));
+            stations.sort_by(f64::total_cmp);
         }
-        stations.sort_by(f64::total_cmp);
-        let mut knots = vec![(0.0, 0.0)];
-        knots.extend(peaks.iter().copied().zip(stations));
-        knots.push((1.0, 1.0));
+        let parameters = [&[0.0], peaks, &[1.0]].concat();
+        let knots: Vec<(f64, f64)> = parameters.into_iter().zip(stations).collect();
         Self::through(&knots)
     }
 
