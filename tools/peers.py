@@ -181,13 +181,17 @@ def pycma(budget, seed):
         restart += 1
 
 
-class PygmoProblem:
+class Spending:
+    """What pygmo copies as it likes, and what all copies spend."""
+
     def __init__(self, budget):
         self.budget = budget
 
     def __deepcopy__(self, memo):
         return self
 
+
+class PygmoProblem(Spending):
     def get_bounds(self):
         return [0.0] * self.budget.dimension, [1.0] * self.budget.dimension
 
@@ -197,14 +201,8 @@ class PygmoProblem:
         return [float(self.budget(place[None, :])[0])]
 
 
-class Generations:
+class Generations(Spending):
     """A generation as one batch, for those of pygmo that can."""
-
-    def __init__(self, budget):
-        self.budget = budget
-
-    def __deepcopy__(self, memo):
-        return self
 
     def __call__(self, problem, places):
         count = len(places) // self.budget.dimension
