@@ -5,6 +5,7 @@ use std::sync::Arc;
 use fearless_simd::{Level, dispatch, prelude::*};
 
 use super::lanes::{V, splat};
+use crate::numeric::order::{larger, smaller};
 use crate::world::Ground;
 
 /// The ground grid with what a lookup needs at hand.
@@ -200,18 +201,6 @@ fn cell(at: f64, last: f64) -> (usize, f64) {
     let at = smaller(larger(at, 0.0), last);
     let shifted = smaller(at - 0.5, last - 1.0) + ROUND;
     (low_bits(shifted), at - (shifted - ROUND))
-}
-
-/// The greater of two numbers; `b` if `a` is none. One instruction, unlike `f64::max`.
-#[inline]
-fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// The lesser of two numbers; `b` if `a` is none.
-#[inline]
-fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ pub mod approach;
 pub mod bspline;
 pub mod cells;
 pub mod geometry;
+pub mod order;
 mod seed;
 mod speed;
 pub mod tracks;

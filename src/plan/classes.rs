@@ -41,24 +41,62 @@ struct Tree {
 /// A step to another node: columns and rows.
 type Step = (isize, isize);
 
-/// A move in one of 32 directions.
+/// King's moves, knight's moves and the two longer ones between them, one of each kind, with
+/// the nodes that it passes beside its ends.
+const KINDS: [(Step, &[Step]); 5] = [
+    ((1, 0), &[]),
+    ((1, 1), &[]),
+    ((2, 1), &[(1, 0), (1, 1)]),
+    ((3, 1), &[(1, 0), (2, 1)]),
+    ((3, 2), &[(1, 1), (2, 1)]),
+];
+/// No move leads further than this along an axis.
+const REACH: usize = 3;
+
+/// A move in one of 32 directions; nodes are so many numbers further on in the grid.
 struct Move {
     step: Step,
-    /// Nodes it passes beside its ends.
-    passed: Vec<Step>,
+    length_km: f64,
+    to: isize,
+    /// Nodes it passes beside its ends, if any: they lie in the box of these.
+    passed: Option<[isize; 2]>,
 }
 
-/// All moves: king's, knight's, and the two longer ones between them.
-fn moves() -> Vec<Move> {
-    let basic: [(Step, &[Step]); 5] = [
-        ((1, 0), &[]),
-        ((1, 1), &[]),
-        ((2, 1), &[(1, 0), (1, 1)]),
-        ((3, 1), &[(1, 0), (2, 1)]),
-        ((3, 2), &[(1, 1), (2, 1)]),
-    ];
+impl Move {
+    /// The move of a step over a grid.
+    fn new(step: Step, passed: &[Step], grid: &Grid) -> Self {
+        let (columns, rows) = step;
+        #[expect(clippy::cast_precision_loss, reason = "at most three cells")]
+        let cells = (columns as f64).hypot(rows as f64);
+        let number = |(columns, rows): Step| rows * grid.columns.cast_signed() + columns;
+        Self {
+            step,
+            length_km: cells * grid.spacing_m / 1000.0,
+            to: number(step),
+            passed: match passed {
+                &[one, other] => Some([number(one), number(other)]),
+                _ => None,
+            },
+        }
+    }
+
+    /// Its kilometres from a node to the next, times the mean cost of what it passes.
+    fn cost(&self, costs: &[f64], from: usize, to: usize) -> f64 {
+        let ends = 0.5 * (costs[from] + costs[to]);
+        match self.passed {
+            None => self.length_km * ends,
+            Some([one, other]) => {
+                let passed = |number| costs[from.wrapping_add_signed(number)];
+                self.length_km * (ends + passed(one) + passed(other)) / 3.0
+            }
+        }
+    }
+}
+
+/// All moves over a grid.
+fn moves(grid: &Grid) -> Vec<Move> {
     let mut all: Vec<Move> = Vec::new();
-    for (step, passed) in basic {
+    for (step, passed) in KINDS {
         for (sx, sy) in [(1, 1), (1, -1), (-1, 1), (-1, -1)] {
             for swap in [false, true] {
                 let turn = |(x, y): Step| {
@@ -69,10 +107,8 @@ fn moves() -> Vec<Move> {
                     }
                 };
                 if all.iter().all(|known| known.step != turn(step)) {
-                    all.push(Move {
-                        step: turn(step),
-                        passed: passed.iter().map(|&step| turn(step)).collect(),
-                    });
+                    let passed: Vec<Step> = passed.iter().map(|&step| turn(step)).collect();
+                    all.push(Move::new(turn(step), &passed, grid));
                 }
             }
         }
@@ -83,7 +119,7 @@ fn moves() -> Vec<Move> {
 /// Dijkstra's algorithm from a node. Costs are not negative, so their bits sort as they do.
 fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
     let grid = &field.grid;
-    let moves = moves();
+    let moves = moves(grid);
     let mut tree = Tree {
         cost: vec![f64::INFINITY; grid.len()],
         parent: vec![usize::MAX; grid.len()],
@@ -101,14 +137,16 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
             tree.signature[node] = tree.signature[parent]
                 .wrapping_add(obstacles.crossing(grid.at(parent), grid.at(node)));
         }
+        let at_edge = grid.is_near_edge(node, REACH);
         for movement in &moves {
-            let Some(next) = grid.step(node, movement.step) else {
+            if at_edge && grid.step(node, movement.step).is_none() {
                 continue;
-            };
+            }
+            let next = node.wrapping_add_signed(movement.to);
             if settled[next] {
                 continue;
             }
-            let cost = tree.cost[node] + move_cost(field, node, next, movement);
+            let cost = tree.cost[node] + movement.cost(&field.cost, node, next);
             if cost < tree.cost[next] {
                 tree.cost[next] = cost;
                 tree.parent[next] = node;
@@ -119,22 +157,6 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
     tree
 }
 
-/// Kilometres of a move times the mean cost of what it passes.
-fn move_cost(field: &Field, from: usize, to: usize, movement: &Move) -> f64 {
-    let (columns, rows) = movement.step;
-    #[expect(clippy::cast_precision_loss, reason = "at most three cells")]
-    let cells = (columns as f64).hypot(rows as f64);
-    let ends = 0.5 * (field.cost[from] + field.cost[to]);
-    let (mut sum, mut count) = (ends, 1.0);
-    for step in &movement.passed {
-        if let Some(node) = field.grid.step(from, *step) {
-            sum += field.cost[node];
-            count += 1.0;
-        }
-    }
-    cells * field.grid.spacing_m / 1000.0 * sum / count
-}
-
 /// The cheapest path of every class of a field, which comes with its index; cheapest first.
 pub(super) fn guides(
     (index, field): (usize, &Field),
@@ -143,8 +165,8 @@ pub(super) fn guides(
     goal: EastNorth,
 ) -> Vec<Guide> {
     let grid = &field.grid;
-    let from_start = tree(field, grid.nearest(start), obstacles);
-    let from_goal = tree(field, grid.nearest(goal), obstacles);
+    let from = |end| tree(field, grid.nearest(end), obstacles);
+    let (from_start, from_goal) = rayon::join(|| from(start), || from(goal));
     let mut cheapest: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
     for node in 0..grid.len() {
         let cost = from_start.cost[node] + from_goal.cost[node];
@@ -286,7 +308,14 @@ mod tests {
     }
 
     #[test]
-    fn there_are_32_moves() {
-        assert_eq!(moves().len(), 32);
+    fn there_are_32_moves_and_each_reaches_the_node_of_its_step() {
+        let grid = field(&[]).grid;
+        let moves = moves(&grid);
+        assert_eq!(moves.len(), 32);
+        let middle = grid.len() / 2;
+        for movement in moves {
+            let to = middle.wrapping_add_signed(movement.to);
+            assert_eq!(grid.step(middle, movement.step), Some(to));
+        }
     }
 }

@@ -41,82 +41,134 @@ pub(super) fn estimate(course: &Course<'_>, budget: usize) -> f64 {
 
 /// Cost of the cheapest way through a field, kilometres times cost.
 pub(super) fn arrival(field: &Field, start: EastNorth, goal: EastNorth) -> f64 {
-    let grid = &field.grid;
     let least = field.cost.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut excess = vec![f64::INFINITY; grid.len()];
-    // Around the start the way is straight, and its cost that of the node it leads to.
-    for (node, excess) in excess.iter_mut().enumerate() {
-        let distance_m = grid.at(node).distance_m(start);
-        if distance_m <= 1.5 * grid.spacing_m {
-            *excess = distance_m / 1000.0 * (field.cost[node] - least);
-        }
-    }
-    let fixed: Vec<bool> = excess.iter().map(|e| e.is_finite()).collect();
+    let mut front = Front::new(field, start, least);
     for _ in 0..MAX_ROUNDS {
         let mut change = 0.0_f64;
         for (flip_rows, flip_columns) in
             [(false, false), (false, true), (true, true), (true, false)]
         {
-            for row in 0..grid.rows {
-                let row = if flip_rows { grid.rows - 1 - row } else { row };
-                for column in 0..grid.columns {
-                    let column = if flip_columns {
-                        grid.columns - 1 - column
-                    } else {
-                        column
-                    };
-                    let node = row * grid.columns + column;
-                    if fixed[node] {
-                        continue;
-                    }
-                    let value = upwind(field, &excess, node, start, least);
-                    if value < excess[node] {
-                        change = change.max((excess[node] - value).min(1e9));
-                        excess[node] = value;
-                    }
-                }
-            }
+            change = change.max(front.sweep(flip_rows, flip_columns));
         }
         if change < SETTLED_KM {
             break;
         }
     }
-    let at_goal = bilinear(field, &excess, goal);
-    least * start.distance_m(goal) / 1000.0 + at_goal
+    least * start.distance_m(goal) / 1000.0 + bilinear(&field.grid, &front.excess(), goal)
 }
 
-/// The excess over the straight distance at a node, from its neighbours.
-fn upwind(field: &Field, excess: &[f64], node: usize, start: EastNorth, least: f64) -> f64 {
-    let grid = &field.grid;
-    let cell_km = grid.spacing_m / 1000.0;
-    let at = grid.at(node);
-    let distance_m = at.distance_m(start).max(1e-9);
-    let slope = (
-        (at.east_m - start.east_m) / distance_m,
-        (at.north_m - start.north_m) / distance_m,
-    );
-    // Least value each axis would give alone; `slope` is the derivative of the straight
-    // distance towards growing east or north.
-    let axis = |slope: f64, back: Option<usize>, ahead: Option<usize>| {
-        let from = |other: Option<usize>, slope: f64| {
-            other.map_or(f64::INFINITY, |other| {
-                excess[other] - least * cell_km * slope
-            })
+/// The solution as far as it is known: the excess over the straight distance from the start.
+/// Around the nodes of the grid stands one more of infinite cost on each side.
+struct Front {
+    columns: usize,
+    rows: usize,
+    nodes: Vec<FrontNode>,
+}
+
+#[derive(Clone, Copy)]
+struct FrontNode {
+    excess: f64,
+    /// By how much the straight distance at the least cost grows over a cell eastward and
+    /// northward.
+    grows: [f64; 2],
+    /// Cost of crossing a cell.
+    reach: f64,
+    /// Whether the excess is given.
+    is_fixed: bool,
+}
+
+impl Front {
+    fn new(field: &Field, start: EastNorth, least: f64) -> Self {
+        let grid = &field.grid;
+        let outside = FrontNode {
+            excess: f64::INFINITY,
+            grows: [0.0; 2],
+            reach: 0.0,
+            is_fixed: true,
         };
-        from(back, slope).min(from(ahead, -slope))
-    };
-    let a = axis(slope.0, grid.step(node, (-1, 0)), grid.step(node, (1, 0)));
-    let b = axis(slope.1, grid.step(node, (0, -1)), grid.step(node, (0, 1)));
-    let reach = cell_km * field.cost[node];
-    if (a - b).abs() < reach {
-        0.5 * (a + b + (2.0 * reach * reach - (a - b) * (a - b)).sqrt())
-    } else {
-        a.min(b) + reach
+        let mut nodes = vec![outside; (grid.columns + 2) * (grid.rows + 2)];
+        let cell_km = grid.spacing_m / 1000.0;
+        for row in 0..grid.rows {
+            for column in 0..grid.columns {
+                let node = row * grid.columns + column;
+                let at = grid.at(node);
+                let distance_m = at.distance_m(start);
+                let grows = |offset_m: f64| least * cell_km * (offset_m / distance_m.max(1e-9));
+                // Around the start the way is straight, and its cost that of the node it
+                // leads to.
+                let is_fixed = distance_m <= 1.5 * grid.spacing_m;
+                let excess = match is_fixed {
+                    true => distance_m / 1000.0 * (field.cost[node] - least),
+                    false => f64::INFINITY,
+                };
+                nodes[(row + 1) * (grid.columns + 2) + column + 1] = FrontNode {
+                    excess,
+                    grows: [
+                        grows(at.east_m - start.east_m),
+                        grows(at.north_m - start.north_m),
+                    ],
+                    reach: cell_km * field.cost[node],
+                    is_fixed: excess.is_finite(),
+                };
+            }
+        }
+        Self {
+            columns: grid.columns,
+            rows: grid.rows,
+            nodes,
+        }
+    }
+
+    /// Goes over all nodes once, each after its neighbours on two sides; the greatest change.
+    fn sweep(&mut self, flip_rows: bool, flip_columns: bool) -> f64 {
+        let mut change = 0.0_f64;
+        for row in 1..=self.rows {
+            let row = if flip_rows { self.rows + 1 - row } else { row };
+            for column in 1..=self.columns {
+                let column = if flip_columns {
+                    self.columns + 1 - column
+                } else {
+                    column
+                };
+                let node = row * (self.columns + 2) + column;
+                if self.nodes[node].is_fixed {
+                    continue;
+                }
+                let (value, known) = (self.upwind(node), self.nodes[node].excess);
+                if value < known {
+                    change = change.max((known - value).min(1e9));
+                    self.nodes[node].excess = value;
+                }
+            }
+        }
+        change
+    }
+
+    /// The excess at a node, from its neighbours.
+    fn upwind(&self, node: usize) -> f64 {
+        let FrontNode { grows, reach, .. } = self.nodes[node];
+        // Least value that an axis would give alone.
+        let axis = |grows: f64, back: usize, ahead: usize| {
+            (self.nodes[back].excess - grows).min(self.nodes[ahead].excess + grows)
+        };
+        let a = axis(grows[0], node - 1, node + 1);
+        let b = axis(grows[1], node - self.columns - 2, node + self.columns + 2);
+        if (a - b).abs() < reach {
+            0.5 * (a + b + (2.0 * reach * reach - (a - b) * (a - b)).sqrt())
+        } else {
+            a.min(b) + reach
+        }
+    }
+
+    /// The excess at the nodes of the grid.
+    fn excess(&self) -> Vec<f64> {
+        let rows = self.nodes.chunks(self.columns + 2).skip(1).take(self.rows);
+        let nodes = rows.flat_map(|row| &row[1..=self.columns]);
+        nodes.map(|node| node.excess).collect()
     }
 }
 
-fn bilinear(field: &Field, values: &[f64], at: EastNorth) -> f64 {
-    let grid = &field.grid;
+fn bilinear(grid: &Grid, values: &[f64], at: EastNorth) -> f64 {
     let node = grid.nearest(at);
     let place = grid.at(node);
     let east = (at.east_m - place.east_m) / grid.spacing_m;

@@ -100,6 +100,12 @@ impl Grid {
             + index(at.east_m - self.south_west.east_m, self.columns)
     }
 
+    /// Whether fewer than so many nodes are beside a node in some direction.
+    pub(super) fn is_near_edge(&self, node: usize, nodes: usize) -> bool {
+        let (column, row) = self.place(node);
+        column.min(row) < nodes || column + nodes >= self.columns || row + nodes >= self.rows
+    }
+
     /// The node so many columns and rows away, if there is one.
     pub(super) fn step(&self, node: usize, (columns, rows): (isize, isize)) -> Option<usize> {
         let (column, row) = self.place(node);

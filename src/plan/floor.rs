@@ -1,13 +1,18 @@
 //! The floor under a horizontal spline: ground and zones, raised where the vehicle
 //! could not climb or descend fast enough.
 
+use fearless_simd::{Level, dispatch};
 use geo::{BoundingRect, Contains, Point, Polygon, Rect};
 
 use super::lowest::Demand;
 use crate::cost::Relief;
 use crate::geodesy::Amsl;
+use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
 use crate::world::World;
+
+/// What is kept beyond the minimum grows to the full over one part of the path in so many.
+const RAMP: usize = 20;
 
 /// Steepest slopes, rise over run, both positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,6 +53,7 @@ pub(super) struct FloorMaker<'a> {
     slopes: Slopes,
     /// The ground, not a number where there are no data.
     relief: Relief,
+    level: Level,
 }
 
 impl<'a> FloorMaker<'a> {
@@ -72,6 +78,7 @@ impl<'a> FloorMaker<'a> {
             over_m,
             zones,
             slopes,
+            level: Level::new(),
         }
     }
 
@@ -86,52 +93,76 @@ impl<'a> FloorMaker<'a> {
         demand: &mut Demand,
         lengths_m: &mut Vec<f64>,
     ) {
+        self.relief.read(east_m, north_m, &mut demand.ground_m);
+        dispatch!(self.level, _simd => self.fill_over(east_m, north_m, ends_m, demand, lengths_m));
+    }
+
+    /// The same where the ground is known.
+    #[inline(always)]
+    fn fill_over(
+        &self,
+        east_m: &[f64],
+        north_m: &[f64],
+        ends_m: (f64, f64),
+        demand: &mut Demand,
+        lengths_m: &mut Vec<f64>,
+    ) {
+        self.over_ground(ends_m, demand);
+        for zone in &self.zones {
+            for (floor_m, at) in demand.floor_m.iter_mut().zip(east_m.iter().zip(north_m)) {
+                *floor_m = zone.raised(*floor_m, *at.0, *at.1);
+            }
+        }
+        // Over a void the objective judges; the floor just goes on.
+        let mut known_m = ends_m.0;
+        let mut highest_m = larger(ends_m.0, ends_m.1);
+        for floor_m in &mut demand.floor_m {
+            known_m = if floor_m.is_nan() { known_m } else { *floor_m };
+            highest_m = larger(known_m, highest_m);
+            *floor_m = known_m;
+        }
+        let last = east_m.len() - 1;
+        lengths_m.resize(last, 0.0);
+        let east = east_m[..last].iter().zip(&east_m[1..]);
+        let north = north_m[..last].iter().zip(&north_m[1..]);
+        for ((length_m, east), north) in lengths_m.iter_mut().zip(east).zip(north) {
+            let (run_e, run_n) = (east.1 - east.0, north.1 - north.0);
+            *length_m = (run_e * run_e + run_n * run_n).sqrt();
+        }
+        let (climb, descent) = self.slopes.at(Amsl(highest_m));
+        for (slope, most_m) in [(climb, &mut demand.up_m), (descent, &mut demand.down_m)] {
+            most_m.resize(last, 0.0);
+            for (most_m, length_m) in most_m.iter_mut().zip(&*lengths_m) {
+                *most_m = slope * length_m;
+            }
+        }
+        raise(ends_m, demand);
+    }
+
+    /// The floor of the ground alone, with what is kept over it.
+    #[inline(always)]
+    fn over_ground(&self, ends_m: (f64, f64), demand: &mut Demand) {
+        let least_m = self.world.min_agl.0;
         let Demand {
             floor_m, ground_m, ..
         } = demand;
-        self.relief.read(east_m, north_m, ground_m);
-        floor_m.clear();
-        let mut known_m = ends_m.0;
-        let mut highest_m = ends_m.0.max(ends_m.1);
-        let least_m = self.world.min_agl.0;
-        let last = east_m.len() - 1;
-        let kept_m = |ground_m: f64, end_m: f64| {
-            (end_m - (ground_m + least_m)).clamp(0.0, self.over_m.max(0.0))
-        };
-        let (from_m, to_m) = (
-            kept_m(ground_m[0], ends_m.0),
-            kept_m(ground_m[last], ends_m.1),
-        );
-        for (k, ground_m) in ground_m.iter().enumerate() {
-            let mut raw_m = ground_m + least_m;
-            if 20 * k.min(last - k) < last {
-                let ramps = (self.ramp(from_m, k, last), self.ramp(to_m, last - k, last));
-                raw_m += ramps.0.min(ramps.1);
-            } else {
-                raw_m += self.over_m;
-            }
-            for zone in &self.zones {
-                raw_m = zone.raised(raw_m, east_m[k], north_m[k]);
-            }
-            // Over a void the objective judges; the floor just goes on.
-            if !raw_m.is_nan() {
-                known_m = raw_m;
-            }
-            highest_m = highest_m.max(known_m);
-            floor_m.push(known_m);
+        let last = ground_m.len() - 1;
+        floor_m.resize(last + 1, 0.0);
+        for (floor_m, ground_m) in floor_m.iter_mut().zip(&*ground_m) {
+            *floor_m = ground_m + least_m;
         }
-        lengths_m.clear();
-        let pairs = east_m.windows(2).zip(north_m.windows(2));
-        lengths_m.extend(pairs.map(|(east, north)| {
-            let (run_e, run_n) = (east[1] - east[0], north[1] - north[0]);
-            (run_e * run_e + run_n * run_n).sqrt()
-        }));
-        let (climb, descent) = self.slopes.at(Amsl(highest_m));
-        demand.up_m.clear();
-        demand.up_m.extend(lengths_m.iter().map(|l| climb * l));
-        demand.down_m.clear();
-        demand.down_m.extend(lengths_m.iter().map(|l| descent * l));
-        raise(ends_m, demand);
+        let kept_m = |floor_m: f64, end_m: f64| (end_m - floor_m).clamp(0.0, self.over_m.max(0.0));
+        let from_m = kept_m(floor_m[0], ends_m.0);
+        let to_m = kept_m(floor_m[last], ends_m.1);
+        let ramped = last.div_ceil(RAMP);
+        let full = ramped..=last - ramped;
+        for k in (0..ramped).chain(full.end() + 1..=last) {
+            let ramps = (self.ramp(from_m, k, last), self.ramp(to_m, last - k, last));
+            floor_m[k] += ramps.0.min(ramps.1);
+        }
+        for floor_m in &mut floor_m[full] {
+            *floor_m += self.over_m;
+        }
     }
 
     /// What is kept beyond the minimum, so many samples from an end that keeps `end_m`: it
@@ -139,7 +170,7 @@ impl<'a> FloorMaker<'a> {
     /// that begins at the minimum would else have to leap.
     fn ramp(&self, end_m: f64, samples: usize, all: usize) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "thousands of samples")]
-        let share = (20.0 * samples as f64 / all.max(1) as f64).min(1.0);
+        let share = ((RAMP * samples) as f64 / all.max(1) as f64).min(1.0);
         end_m + (self.over_m - end_m) * share
     }
 }
@@ -161,6 +192,7 @@ impl LowZone<'_> {
 /// Never above what can be reached from the ends: demanding that would only bend the
 /// path where no altitude helps. Implied by the slope limits, it saves finding them out,
 /// and stands for them where they cannot be kept.
+#[inline(always)]
 fn raise(ends_m: (f64, f64), demand: &mut Demand) {
     let Demand {
         floor_m,
@@ -171,19 +203,25 @@ fn raise(ends_m: (f64, f64), demand: &mut Demand) {
     } = demand;
     let mut to_go_m: f64 = down_m.iter().sum();
     raw_m.clone_from(floor_m);
-    for k in (0..up_m.len()).rev() {
-        floor_m[k] = floor_m[k].max(floor_m[k + 1] - up_m[k]);
-    }
-    let mut behind_m = f64::NEG_INFINITY;
-    let mut risen_m = 0.0;
-    for (k, floor) in floor_m.iter_mut().enumerate() {
-        if k > 0 {
-            risen_m += up_m[k - 1];
-            behind_m -= down_m[k - 1];
-            to_go_m -= down_m[k - 1];
+    if let Some((end_m, before_m)) = floor_m.split_last_mut() {
+        let mut ahead_m = *end_m;
+        for (floor_m, up_m) in before_m.iter_mut().zip(&*up_m).rev() {
+            ahead_m = larger(*floor_m, ahead_m - up_m);
+            *floor_m = ahead_m;
         }
-        behind_m = behind_m.max(*floor);
-        let reach_m = (ends_m.0 + risen_m).min(ends_m.1 + to_go_m);
-        *floor = raw_m[k].max(behind_m.min(reach_m));
+    }
+    let held_m = |raw_m: f64, behind_m: f64, risen_m: f64, to_go_m: f64| {
+        let reach_m = smaller(ends_m.0 + risen_m, ends_m.1 + to_go_m);
+        larger(raw_m, smaller(behind_m, reach_m))
+    };
+    let (mut behind_m, mut risen_m) = (floor_m[0], 0.0);
+    floor_m[0] = held_m(raw_m[0], behind_m, risen_m, to_go_m);
+    let steps = up_m.iter().zip(&*down_m);
+    let later = floor_m[1..].iter_mut().zip(&raw_m[1..]);
+    for ((floor_m, raw_m), (up_m, down_m)) in later.zip(steps) {
+        risen_m += up_m;
+        to_go_m -= down_m;
+        behind_m = larger(behind_m - down_m, *floor_m);
+        *floor_m = held_m(*raw_m, behind_m, risen_m, to_go_m);
     }
 }
