@@ -132,17 +132,21 @@ impl Adapted {
     fn stretched(&self, normal: &DVector<f64>) -> DVector<f64> {
         let n = normal.len();
         let mut step = DVector::zeros(n);
-        for (j, &share) in normal.iter().enumerate() {
-            let below = self.factor.view((j, j), (n - j, 1));
-            step.rows_mut(j, n - j).axpy(share, &below.column(0), 1.0);
+        let columns = self.factor.as_slice().chunks_exact(n);
+        for (j, (&share, column)) in normal.iter().zip(columns).enumerate() {
+            let below = step.as_mut_slice()[j..].iter_mut().zip(&column[j..]);
+            below.for_each(|(step, factor)| *step += share * factor);
         }
         step
     }
 
     /// The point a drawn step leads to, kept in the unit cube.
-    pub(super) fn position(&self, draw: &Draw) -> DVector<f64> {
-        let step = draw.step.component_mul(&self.scale) * self.sigma;
-        (&self.mean + step).map(|x| x.clamp(0.0, 1.0))
+    pub(super) fn position(&self, draw: &Draw) -> impl Iterator<Item = f64> {
+        let steps = draw.step.iter().zip(&self.scale);
+        let point = |(mean, (step, scale)): (&f64, (&f64, &f64))| {
+            (mean + step * scale * self.sigma).clamp(0.0, 1.0)
+        };
+        self.mean.iter().zip(steps).map(point)
     }
 
     /// Learns from the draws of one generation. `orders` are their indices, best first, for each
@@ -243,11 +247,12 @@ mod tests {
     #[test]
     fn it_learns_the_shape_of_a_narrow_valley() {
         let mut rng = Seed(2).stream("test", 0);
-        let valley = |p: &DVector<f64>| (p[0] - p[1]).powi(2) * 1e4 + (p[0] + p[1] - 1.2).powi(2);
+        let valley = |p: &[f64]| (p[0] - p[1]).powi(2) * 1e4 + (p[0] + p[1] - 1.2).powi(2);
         let mut adapted = Adapted::new(&[0.2, 0.1], &[1.0, 1.0], 0.1, 12);
         for _ in 0..120 {
             let draws: Vec<Draw> = (0..12).map(|_| adapted.draw(&mut rng)).collect();
-            let cost = |draw: usize| valley(&adapted.position(&draws[draw]));
+            let place = |draw: usize| adapted.position(&draws[draw]).collect::<Vec<f64>>();
+            let cost = |draw: usize| valley(&place(draw));
             let mut order: Vec<usize> = (0..12).collect();
             order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
             adapted.learn(&draws.iter().collect::<Vec<_>>(), &[order]);

@@ -21,6 +21,7 @@ mod swarm;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::adapted::Adapted;
 use super::{Candidate, Evaluator, Problem, Redraw, Starts};
@@ -216,7 +217,7 @@ fn generation<P: Problem + ?Sized>(
                 flights.push(Flight::Global);
             } else {
                 let draw = swarm.adapted.draw(rng);
-                rows.extend(swarm.adapted.position(&draw).iter());
+                rows.extend(swarm.adapted.position(&draw));
                 flights.push(Flight::Local(draw));
             }
         }
@@ -230,22 +231,27 @@ fn generation<P: Problem + ?Sized>(
         let (costs, parts) = evaluator.evaluate_parts(&rows);
         (costs, parts, evaluator.groups())
     };
-    for (g, swarm) in swarms.iter_mut().enumerate() {
-        let mine = g * parameters.flies..(g + 1) * parameters.flies;
+    let flies = parameters.flies;
+    let seen = rows
+        .par_chunks(flies * dimension)
+        .zip(flights.par_chunks(flies));
+    let smelt = costs
+        .par_chunks(flies)
+        .zip(parts.par_chunks(flies * groups));
+    let swarms = swarms.par_iter_mut().zip(seen).zip(smelt);
+    swarms.for_each(|((swarm, (rows, flights)), (costs, parts))| {
         let before = swarm.best.cost;
         let mut global_gain = false;
-        for fly in mine.clone() {
-            global_gain |= matches!(flights[fly], Flight::Global)
-                && costs[fly] < swarm.best.cost
-                && before.is_finite();
-            swarm.see(&rows[fly * dimension..][..dimension], costs[fly]);
+        for ((row, flight), cost) in rows.chunks(dimension).zip(flights).zip(costs) {
+            global_gain |=
+                matches!(flight, Flight::Global) && *cost < swarm.best.cost && before.is_finite();
+            swarm.see(row, *cost);
         }
-        let parts = &parts[mine.start * groups..mine.end * groups];
-        swarm.learn(&flights[mine.clone()], &costs[mine], parts);
+        swarm.learn(flights, costs, parts);
         if global_gain {
             swarm.adapted.move_to(&swarm.best.position);
         }
-    }
+    });
 }
 
 /// A tired swarm begins in the best redrawing of its keenest fly, or around that with a
