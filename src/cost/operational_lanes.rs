@@ -12,7 +12,7 @@ use super::lanes::{
 };
 use super::model::CostModel;
 use super::operational::Sums;
-use super::relief::ReliefLanes;
+use super::relief::{CellLanes, ReliefLanes};
 use super::sampling::MOST_SUBSTEPS;
 use super::threat_lanes::Chords;
 
@@ -53,7 +53,9 @@ pub(super) fn terms<S: Simd>(
     let mut block = Block::before(simd, first, scratch);
     let mut fine = [first; FINE];
     // The last of the block before, then those of this one.
-    let mut clearances = [ground.clearances(&first, model.wanted_agl_m[0]); FINE + 1];
+    let cell = ground.relief.cell(first[0], first[1]);
+    let mut cells = [cell; FINE];
+    let mut clearances = [ground.clearances(first[2], &cell, model.wanted_agl_m[0]); FINE + 1];
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let within = start * substeps + 1..(start + count) * substeps + 1;
@@ -61,8 +63,13 @@ pub(super) fn terms<S: Simd>(
         let rows = &model.path.rows[within.clone()];
         points(simd, rows, &scratch.controls, fine);
         let wanted_agl_m = &model.wanted_agl_m[within];
-        for ((at, wanted_m), of) in fine.iter().zip(wanted_agl_m).zip(&mut clearances[1..]) {
-            *of = ground.clearances(at, *wanted_m);
+        // Cells first: a loop of both waits for one height after the other.
+        for (at, cell) in fine.iter().zip(&mut cells) {
+            *cell = ground.relief.cell(at[0], at[1]);
+        }
+        let places = fine.iter().zip(&cells).zip(wanted_agl_m);
+        for (((at, cell), wanted_m), of) in places.zip(&mut clearances[1..]) {
+            *of = ground.clearances(at[2], cell, *wanted_m);
         }
         block.advance(simd, fine, substeps, scratch);
         ground.add(&block, &clearances, substeps, &mut sums);
@@ -181,10 +188,10 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
 
     /// [`CostModel::clearance`] at a fine sample.
     #[inline(always)]
-    fn clearances(&self, at: &Place<S>, wanted_agl_m: f64) -> Clearances<S> {
-        let agl_m = at[2] - self.relief.heights_m(at[0], at[1]);
+    fn clearances(&self, amsl_m: V<S>, cell: &CellLanes<S>, wanted_agl_m: f64) -> Clearances<S> {
+        let agl_m = amsl_m - self.relief.heights_in(cell);
         let below_m = (splat(self.simd, wanted_agl_m) - agl_m).max(0.0);
-        let above_m = (at[2] - self.max_amsl_m).max(0.0);
+        let above_m = (amsl_m - self.max_amsl_m).max(0.0);
         Clearances {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * 1e-3,
             deficit: (below_m + above_m) * self.per_depth,

@@ -126,18 +126,39 @@ impl Relief {
     }
 }
 
+/// Where in the grid places lie: the node in the south-west of the cell of every lane, to
+/// whose index [`ROUND`] is added, and the fractions within the cell.
+#[derive(Clone, Copy)]
+pub(super) struct CellLanes<S: Simd> {
+    node: V<S>,
+    right: V<S>,
+    up: V<S>,
+}
+
 impl<S: Simd> ReliefLanes<'_, S> {
     /// [`Relief::height_m`] in every lane.
     #[inline(always)]
     pub(super) fn heights_m(&self, east_m: V<S>, north_m: V<S>) -> V<S> {
+        self.heights_in(&self.cell(east_m, north_m))
+    }
+
+    /// The cells of places.
+    #[inline(always)]
+    pub(super) fn cell(&self, east_m: V<S>, north_m: V<S>) -> CellLanes<S> {
         let (column, right) = self.cells((east_m - self.west_m) * self.per_metre, 0);
         let (row, up) = self.cells((north_m - self.south_m) * self.per_metre, 1);
         // Whole numbers far below 2^52: exact, and the low bits are the index.
-        let corner = (row - ROUND) * self.wide + column;
-        let [south_west, north_west, south_east, north_east] = self.corners(corner);
-        let south = south_west + (south_east - south_west) * right;
-        let north = north_west + (north_east - north_west) * right;
-        let height_m = south + (north - south) * up;
+        let node = (row - ROUND) * self.wide + column;
+        CellLanes { node, right, up }
+    }
+
+    /// The heights at places in cells, metres.
+    #[inline(always)]
+    pub(super) fn heights_in(&self, cell: &CellLanes<S>) -> V<S> {
+        let [south_west, north_west, south_east, north_east] = self.corners(&cell.node);
+        let south = south_west + (south_east - south_west) * cell.right;
+        let north = north_west + (north_east - north_west) * cell.right;
+        let height_m = south + (north - south) * cell.up;
         height_m.is_nan().select(self.wall_m, height_m)
     }
 
@@ -152,7 +173,7 @@ impl<S: Simd> ReliefLanes<'_, S> {
     /// The heights at the corners of the cells with these nodes in the south-west, to whose
     /// indices [`ROUND`] is added: south-west, north-west, south-east, north-east.
     #[inline(always)]
-    fn corners(&self, nodes: V<S>) -> [V<S>; 4] {
+    fn corners(&self, nodes: &V<S>) -> [V<S>; 4] {
         let nodes = nodes.as_slice();
         let (heights_m, columns) = (self.heights_m, self.columns);
         let (mut south, mut north) = (splat(self.simd, 0.0), splat(self.simd, 0.0));
