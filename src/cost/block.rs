@@ -6,17 +6,20 @@
 
 use fearless_simd::prelude::*;
 
-use super::hazards::Hazards;
+use super::hazards::{Hazards, Segment};
 use super::lanes::{
-    Place, Scratch, Steps, V, Wide, load, segment, splat, steps, store, store_place,
+    Place, Scratch, Steps, V, Wide, load, points, splat, steps, store, store_place,
 };
 use super::model::CostModel;
+use super::sampling::MOST_SUBSTEPS;
 use super::threat_lanes::{Danger, clear};
 use crate::numeric::geometry::{POINT_SQ, Point};
 
 /// Pieces of a block, for which hazards are culled together, and between two looks at the
 /// cutoff.
 pub(super) const BLOCK: usize = 8;
+/// Fine samples of a block.
+pub(super) const FINE: usize = BLOCK * MOST_SUBSTEPS;
 
 /// Least and greatest east and north of every lane.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,8 +45,11 @@ pub(super) struct Block<S: Simd> {
     count: usize,
     /// Places at the samples, that with which it begins included.
     places: [Place<S>; BLOCK + 1],
+    /// Those at the fine samples too, if there are more.
+    fine: [Place<S>; FINE],
     /// The last piece of the block before, and those of this one.
     steps: [Steps<S>; BLOCK + 1],
+    /// Horizontal distance along the route at the end, if it is kept.
     along_m: V<S>,
     /// The longest piece, horizontally.
     pub(super) longest_m: V<S>,
@@ -61,17 +67,24 @@ pub(super) struct Piece<'a, S: Simd> {
     pub(super) step: &'a Steps<S>,
 }
 
+impl<S: Simd> Piece<'_, S> {
+    /// Altitude half way.
+    #[inline(always)]
+    pub(super) fn middle_m(&self) -> V<S> {
+        (self.a[2] + self.b[2]) * 0.5
+    }
+}
+
 impl<S: Simd> Block<S> {
     /// No pieces, before the one that begins at `place`.
     #[inline(always)]
-    pub(super) fn before(simd: S, place: Place<S>, scratch: &mut Scratch) -> Self {
+    pub(super) fn before(simd: S, place: Place<S>) -> Self {
         let zero = splat(simd, 0.0);
-        store_place::<S>(&place, &mut scratch.curve[0]);
-        store::<S>(zero, &mut scratch.along_m[0]);
         Self {
             start: 0,
             count: 0,
             places: [place; BLOCK + 1],
+            fine: [place; FINE],
             steps: [steps::<S>(&place, &place); BLOCK + 1],
             along_m: zero,
             longest_m: zero,
@@ -81,51 +94,120 @@ impl<S: Simd> Block<S> {
         }
     }
 
-    /// Goes on to the next pieces: every so many of these places are their ends.
+    /// Goes on to the next pieces, so many: each ends at every so many of the rows.
     #[inline(always)]
-    pub(super) fn advance(
+    pub(super) fn sample(
         &mut self,
         simd: S,
-        fine: &[Place<S>],
-        substeps: usize,
-        scratch: &mut Scratch,
+        rows: &[(usize, [f64; 4])],
+        (count, substeps): (usize, usize),
+        controls: &[[Wide; 3]],
     ) {
         self.places[0] = self.places[self.count];
         self.steps[0] = self.steps[self.count];
         self.start += self.count;
-        self.count = fine.len() / substeps;
-        let first = self.places[0];
+        self.count = count;
+        let ends = &mut self.places[1..=count];
+        if substeps == 1 {
+            points(simd, rows, controls, ends);
+        } else {
+            points(simd, rows, controls, &mut self.fine);
+            let mut index = substeps - 1;
+            for end in ends {
+                *end = self.fine[index];
+                index += substeps;
+            }
+        }
+        let first = &self.places[0];
         let (mut low, mut high) = ([first[0], first[1]], [first[0], first[1]]);
-        let curve = &mut scratch.curve[self.start + 1..];
-        let mut index = substeps - 1;
-        for (place, stored) in self.places[1..=self.count].iter_mut().zip(curve) {
-            let end = fine[index];
-            index += substeps;
-            *place = end;
-            store_place::<S>(&end, stored);
+        for end in &self.places[1..=count] {
             low = [low[0].min(end[0]), low[1].min(end[1])];
             high = [high[0].max(end[0]), high[1].max(end[1])];
         }
         (self.low, self.high) = (low, high);
+    }
+
+    /// Places at the fine samples, without that with which the block begins.
+    #[inline(always)]
+    pub(super) fn fine(&self, substeps: usize) -> &[Place<S>] {
+        if substeps == 1 {
+            &self.places[1..=self.count]
+        } else {
+            &self.fine[..self.count * substeps]
+        }
+    }
+
+    /// Measures the pieces. What is done `beside` with the fine samples of each has nothing to
+    /// do with that, but a processor that waits for roots can do it.
+    #[inline(always)]
+    pub(super) fn measure(
+        &mut self,
+        simd: S,
+        substeps: usize,
+        mut beside: impl FnMut(&[Place<S>]),
+    ) {
         let mut least_sq = splat(simd, f64::INFINITY);
         let mut longest_m = splat(simd, 0.0);
-        let mut along_m = self.along_m;
-        let stored = &mut scratch.along_m[self.start + 1..];
         let ends = self.places[..=self.count].windows(2);
-        for ((pair, to), stored) in ends.zip(&mut self.steps[1..]).zip(stored) {
-            let step = steps::<S>(&pair[0], &pair[1]);
-            least_sq = least_sq.min(step.run_sq);
-            longest_m = longest_m.max(step.run_m);
-            along_m += step.run_m;
-            store::<S>(along_m, stored);
-            *to = step;
+        let pieces = ends.zip(&mut self.steps[1..]);
+        if substeps == 1 {
+            for (pair, to) in pieces {
+                *to = steps::<S>(&pair[0], &pair[1]);
+                least_sq = least_sq.min(to.run_sq);
+                longest_m = longest_m.max(to.run_m);
+                beside(std::slice::from_ref(&pair[1]));
+            }
+        } else {
+            for ((pair, to), fine) in pieces.zip(self.fine.chunks_exact(substeps)) {
+                *to = steps::<S>(&pair[0], &pair[1]);
+                least_sq = least_sq.min(to.run_sq);
+                longest_m = longest_m.max(to.run_m);
+                beside(fine);
+            }
         }
-        (self.along_m, self.longest_m) = (along_m, longest_m);
+        self.longest_m = longest_m;
         self.stays = least_sq.simd_le(POINT_SQ).any_true();
+    }
+
+    /// Writes down where the pieces lie, for what is met at times that depend on whole paths.
+    #[inline(always)]
+    pub(super) fn keep(&mut self, simd: S, scratch: &mut Scratch) {
+        if self.start == 0 {
+            store_place::<S>(&self.places[0], &mut scratch.curve[0]);
+            store::<S>(splat(simd, 0.0), &mut scratch.along_m[0]);
+        }
+        let curve = &mut scratch.curve[self.start + 1..];
+        for (place, stored) in self.places[1..=self.count].iter().zip(curve) {
+            store_place::<S>(place, stored);
+        }
+        let along_m = &mut scratch.along_m[self.start + 1..];
+        for (step, stored) in self.steps[1..=self.count].iter().zip(along_m) {
+            self.along_m += step.run_m;
+            store::<S>(self.along_m, stored);
+        }
         let stored = &mut scratch.boxes[self.start / BLOCK];
         for axis in 0..2 {
-            store::<S>(low[axis], &mut stored.low[axis]);
-            store::<S>(high[axis], &mut stored.high[axis]);
+            store::<S>(self.low[axis], &mut stored.low[axis]);
+            store::<S>(self.high[axis], &mut stored.high[axis]);
+        }
+    }
+
+    /// Where the pieces begin and end; beyond the last piece anything.
+    #[inline(always)]
+    pub(super) fn places(&self) -> &[Place<S>; BLOCK + 1] {
+        &self.places
+    }
+
+    /// Piece number `k` of one lane.
+    #[inline(always)]
+    fn segment(&self, k: usize, lane: usize) -> Segment {
+        let at = |place: &Place<S>, axis: usize| place[axis].as_slice()[lane];
+        let (a, b) = (&self.places[k], &self.places[k + 1]);
+        Segment {
+            a: [at(a, 0), at(a, 1)],
+            b: [at(b, 0), at(b, 1)],
+            amsl_a_m: at(a, 2),
+            amsl_b_m: at(b, 2),
         }
     }
 
@@ -133,6 +215,12 @@ impl<S: Simd> Block<S> {
     #[inline(always)]
     pub(super) fn steps(&self) -> &[Steps<S>] {
         &self.steps[1..=self.count]
+    }
+
+    /// The pieces, after that before the first, which is none in the first block.
+    #[inline(always)]
+    pub(super) fn all_steps(&self) -> &[Steps<S>] {
+        &self.steps[..=self.count]
     }
 
     /// The pieces, that before the first included if there is one: turns are between them.
@@ -169,9 +257,8 @@ impl<S: Simd> Block<S> {
         let hazards = &model.hazards;
         let (zones, outside) = self.near_polygons(hazards);
         let threats = (&hazards.threats[..], danger);
-        let curve = &scratch.curve[self.start..];
         let exposures = &mut scratch.exposures;
-        let is_near = (scratch.encounters).add(simd, self, threats, curve, exposures);
+        let is_near = (scratch.encounters).add(simd, self, threats, exposures);
         if !is_near {
             if zones | outside == 0 {
                 return sum;
@@ -183,7 +270,7 @@ impl<S: Simd> Block<S> {
                 let mut lanes = zones | outside;
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
-                    let piece = segment(&scratch.curve, self.start + k, lane);
+                    let piece = self.segment(k, lane);
                     exposure[lane] =
                         hazards.add_polygons(&piece, exposure[lane], &mut scratch.crossings);
                     lanes &= lanes - 1;

@@ -192,12 +192,25 @@ impl<S: Simd> SlopeLanes<S> {
         }
     }
 
+    /// By how much steps rise or sink beyond their limits at an altitude, metres, if that is
+    /// above zero.
+    #[inline(always)]
+    fn excesses_m(&self, amsl_m: V<S>, step: &Steps<S>) -> V<S> {
+        let limit = self.at(amsl_m, step.rise_m);
+        step.rise_m.abs() - limit * self.share * step.run_m
+    }
+
+    /// Which steps are beyond their limits.
+    #[inline(always)]
+    pub(super) fn steep(&self, amsl_m: V<S>, step: &Steps<S>) -> <V<S> as SimdBase<S>>::Mask {
+        self.excesses_m(amsl_m, step).simd_gt(0.0)
+    }
+
     /// By how much slopes, rise over run, are beyond their limits at an altitude.
     #[inline(always)]
     pub(super) fn excesses(&self, amsl_m: V<S>, step: &Steps<S>) -> V<S> {
         let zero = splat(self.simd, 0.0);
-        let limit = self.at(amsl_m, step.rise_m);
-        let excess_m = step.rise_m.abs() - limit * self.share * step.run_m;
+        let excess_m = self.excesses_m(amsl_m, step);
         let is_steep = excess_m.simd_gt(0.0);
         if is_steep.any_true() {
             is_steep.select(excess_m / step.run_m.max(1e-3), zero)

@@ -312,8 +312,7 @@ impl Scratch {
         let blocks = (path.samples - 1).div_ceil(BLOCK);
         self.controls
             .resize(path.fine.control_points(), Default::default());
-        // The last block may have fewer pieces, and is read as if it were full.
-        self.curve.resize(path.samples + BLOCK, Default::default());
+        self.curve.resize(path.samples, Default::default());
         self.along_m.resize(path.samples, Default::default());
         self.boxes.resize(blocks, BlockBox::default());
         self.running.clear();

@@ -5,19 +5,14 @@ use std::f64::consts::PI;
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
-use super::block::{BLOCK, Block};
+use super::block::{BLOCK, Block, FINE};
 use super::lanes::{
-    MOST_LANES, Place, Scratch, SlopeLanes, Steps, V, Wide, point, points, quadrant_angles,
-    segment, splat, store,
+    MOST_LANES, Scratch, SlopeLanes, Steps, V, Wide, point, quadrant_angles, segment, splat, store,
 };
 use super::model::CostModel;
 use super::operational::Sums;
 use super::relief::{CellLanes, ReliefLanes};
-use super::sampling::MOST_SUBSTEPS;
 use super::threat_lanes::Chords;
-
-/// Fine samples of a block.
-const FINE: usize = BLOCK * MOST_SUBSTEPS;
 
 /// Clearance of every lane; see [`super::operational::Clearance`].
 #[derive(Clone, Copy)]
@@ -47,35 +42,47 @@ pub(super) fn terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
+    let keeps = !model.traffic.is_empty();
     let ground = GroundLanes::new(simd, model);
     let slopes = SlopeLanes::new(simd, model, true);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
-    let mut block = Block::before(simd, first, scratch);
-    let mut fine = [first; FINE];
-    // The last of the block before, then those of this one.
+    let mut block = Block::before(simd, first);
     let cell = ground.relief.cell(first[0], first[1]);
     let mut cells = [cell; FINE];
+    // The last of the block before, then those of this one.
     let mut clearances = [ground.clearances(first[2], &cell, model.wanted_agl_m[0]); FINE + 1];
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let within = start * substeps + 1..(start + count) * substeps + 1;
-        let fine = &mut fine[..count * substeps];
         let rows = &model.path.rows[within.clone()];
-        points(simd, rows, &scratch.controls, fine);
-        let wanted_agl_m = &model.wanted_agl_m[within];
+        block.sample(simd, rows, (count, substeps), &scratch.controls);
         // Cells first: a loop of both waits for one height after the other.
-        for (at, cell) in fine.iter().zip(&mut cells) {
+        for (at, cell) in block.fine(substeps).iter().zip(&mut cells) {
             *cell = ground.relief.cell(at[0], at[1]);
         }
-        let places = fine.iter().zip(&cells).zip(wanted_agl_m);
-        for (((at, cell), wanted_m), of) in places.zip(&mut clearances[1..]) {
-            *of = ground.clearances(at[2], cell, *wanted_m);
+        let wanted_agl_m = &model.wanted_agl_m[within];
+        let mut each = cells.iter().zip(wanted_agl_m).zip(&mut clearances[1..]);
+        block.measure(
+            simd,
+            substeps,
+            #[inline(always)]
+            |fine| {
+                for (at, ((cell, wanted_m), of)) in fine.iter().zip(&mut each) {
+                    *of = ground.clearances(at[2], cell, *wanted_m);
+                }
+            },
+        );
+        if keeps {
+            block.keep(simd, scratch);
         }
-        block.advance(simd, fine, substeps, scratch);
-        ground.add(&block, &clearances, substeps, &mut sums);
-        clearances[0] = clearances[fine.len()];
-        sums.climb = climb(&slopes, &block, sums.climb);
-        sums.turn = turn(simd, model, &block, sums.turn);
+        let (steep, tight) = ground.add(model, &slopes, &block, &clearances, substeps, &mut sums);
+        clearances[0] = clearances[count * substeps];
+        if steep {
+            sums.climb = climb(&slopes, &block, sums.climb);
+        }
+        if tight {
+            sums.turn = turn(simd, model, &block, sums.turn);
+        }
         sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
         if scratch.runs_up {
             store::<S>(
@@ -114,8 +121,7 @@ fn spread<S: Simd>(sums: &Sums<V<S>>) -> Sums<Wide> {
 #[inline(always)]
 fn climb<S: Simd>(slopes: &SlopeLanes<S>, block: &Block<S>, mut sum: V<S>) -> V<S> {
     for piece in block.pieces() {
-        let middle_m = (piece.a[2] + piece.b[2]) * 0.5;
-        sum += slopes.excesses(middle_m, piece.step) * piece.step.length_km;
+        sum += slopes.excesses(piece.middle_m(), piece.step) * piece.step.length_km;
     }
     sum
 }
@@ -198,30 +204,41 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         }
     }
 
-    /// Length, altitude and terrain of a block. The ends of a piece count half.
+    /// Length, altitude and terrain of a block, and whether a piece is too steep or turns too
+    /// tightly. The ends of a piece count half.
     #[inline(always)]
     fn add(
         &self,
+        model: &CostModel,
+        slopes: &SlopeLanes<S>,
         block: &Block<S>,
         clearances: &[Clearances<S>],
         substeps: usize,
         sums: &mut Sums<V<S>>,
-    ) {
+    ) -> (bool, bool) {
         let mut sum = [sums.length_km, sums.altitude, sums.terrain];
+        let never = splat(self.simd, 0.0).simd_gt(0.0);
+        let (mut steep, mut tight) = (never, never);
+        let pieces = block.pieces().zip(block.all_steps());
         if substeps == 1 {
-            for (step, ends) in block.steps().iter().zip(clearances.windows(2)) {
-                self.add_piece(step, &ends[0], &[], &ends[1], &mut sum);
+            for ((piece, before), ends) in pieces.zip(clearances.windows(2)) {
+                self.add_piece(piece.step, &ends[0], &[], &ends[1], &mut sum);
+                steep |= slopes.steep(piece.middle_m(), piece.step);
+                tight |= model.too_tight(self.simd, before, piece.step);
             }
         } else {
             let mut index = 0;
-            for step in block.steps() {
+            for (piece, before) in pieces {
                 let of = &clearances[index..=index + substeps];
                 let within = &of[1..substeps];
-                self.add_piece(step, &of[0], within, &of[substeps], &mut sum);
+                self.add_piece(piece.step, &of[0], within, &of[substeps], &mut sum);
                 index += substeps;
+                steep |= slopes.steep(piece.middle_m(), piece.step);
+                tight |= model.too_tight(self.simd, before, piece.step);
             }
         }
         [sums.length_km, sums.altitude, sums.terrain] = sum;
+        (steep.any_true(), tight.any_true())
     }
 
     /// Adds one piece; `within` are between its ends.

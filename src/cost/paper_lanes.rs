@@ -5,10 +5,9 @@ use fearless_simd::prelude::*;
 use super::CostTerms;
 use super::block::{BLOCK, Block, meets};
 use super::hazards::Threat;
-use super::lanes::{MOST_LANES, Place, Scratch, SlopeLanes, V, Wide, point, points, splat, store};
+use super::lanes::{MOST_LANES, Scratch, SlopeLanes, V, Wide, point, splat, store};
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
-use super::relief::ReliefLanes;
 use super::threat_lanes::{Danger, Pieces};
 
 /// Terms of the candidates in the lanes of `scratch`, as many as `out` has.
@@ -22,7 +21,12 @@ pub(super) fn terms<S: Simd>(
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let (paper, segments) = (&model.paper, model.path.samples - 1);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
-    let (altitude, terrain) = paper.height_lanes(&model.relief.lanes(simd), model, &first, 0);
+    let (relief, slopes) = (
+        model.relief.lanes(simd),
+        SlopeLanes::new(simd, model, false),
+    );
+    let ground_m = relief.heights_m(first[0], first[1]);
+    let (altitude, terrain) = paper.height_lanes::<S>(ground_m, model, first[2], 0);
     let mut sums = PaperSums {
         length_km: zero,
         altitude,
@@ -32,24 +36,34 @@ pub(super) fn terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
-    let (relief, slopes) = (
-        model.relief.lanes(simd),
-        SlopeLanes::new(simd, model, false),
-    );
-    let mut block = Block::before(simd, first, scratch);
-    let mut ends = [first; BLOCK];
+    let mut block = Block::before(simd, first);
+    let mut cells = [relief.cell(first[0], first[1]); BLOCK];
     for start in (0..segments).step_by(BLOCK) {
-        let ends = &mut ends[..BLOCK.min(segments - start)];
-        let rows = &model.path.rows[start + 1..];
-        points(simd, rows, &scratch.controls, ends);
-        let (mut altitude, mut terrain) = (sums.altitude, sums.terrain);
-        for (index, at) in (start + 1..).zip(&*ends) {
-            let (high_km, deep_km) = paper.height_lanes(&relief, model, at, index);
-            altitude += high_km;
-            terrain += deep_km;
+        let count = BLOCK.min(segments - start);
+        let rows = &model.path.rows[start + 1..=start + count];
+        block.sample(simd, rows, (count, 1), &scratch.controls);
+        for (at, cell) in block.fine(1).iter().zip(&mut cells) {
+            *cell = relief.cell(at[0], at[1]);
         }
+        let (mut altitude, mut terrain) = (sums.altitude, sums.terrain);
+        let mut cells = (start + 1..).zip(&cells);
+        block.measure(
+            simd,
+            1,
+            #[inline(always)]
+            |ends| {
+                for (at, (index, cell)) in ends.iter().zip(&mut cells) {
+                    let ground_m = relief.heights_in(cell);
+                    let (high_km, deep_km) = paper.height_lanes::<S>(ground_m, model, at[2], index);
+                    altitude += high_km;
+                    terrain += deep_km;
+                }
+            },
+        );
         (sums.altitude, sums.terrain) = (altitude, terrain);
-        block.advance(simd, ends, 1, scratch);
+        if paper.has_others() {
+            block.keep(simd, scratch);
+        }
         let (mut length_km, mut climb, mut turns) = (sums.length_km, sums.climb, sums.turns);
         for piece in block.pieces() {
             length_km += piece.step.length_km;
@@ -96,23 +110,22 @@ impl Paper {
     #[inline(always)]
     fn height_lanes<S: Simd>(
         &self,
-        relief: &ReliefLanes<'_, S>,
+        ground_m: V<S>,
         model: &CostModel,
-        at: &Place<S>,
+        amsl_m: V<S>,
         index: usize,
     ) -> (V<S>, V<S>) {
-        let ground_m = relief.heights_m(at[0], at[1]);
         let over_m = if self.options.altitude_over_ground {
-            at[2] - ground_m
+            amsl_m - ground_m
         } else {
-            at[2]
+            amsl_m
         };
         let mut high_m = over_m - model.min_agl_m;
         if !self.options.altitude_unclamped {
             high_m = high_m.max(0.0);
         }
-        let below_m = (ground_m + self.wanted_m(model, index) - at[2]).max(0.0);
-        let deep_m = below_m + (at[2] - model.max_amsl_m).max(0.0);
+        let below_m = (ground_m + self.wanted_m(model, index) - amsl_m).max(0.0);
+        let deep_m = below_m + (amsl_m - model.max_amsl_m).max(0.0);
         (high_m * 1e-3, deep_m * 1e-3)
     }
 }

@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block, meets};
 use super::hazards::{FORBIDDEN, Threat};
-use super::lanes::{MOST_LANES, V, Wide, splat, store};
+use super::lanes::{MOST_LANES, Place, V, Wide, splat, store};
 use crate::numeric::geometry::POINT_SQ;
 
 /// How the danger of a threat is measured.
@@ -57,15 +57,13 @@ impl Default for Encounters {
 }
 
 impl Encounters {
-    /// What one kilometre of the pieces of a block costs for threats, if that is anything;
-    /// `curve` is where they begin and end.
+    /// What one kilometre of the pieces of a block costs for threats, if that is anything.
     #[inline(always)]
     pub(super) fn add<S: Simd>(
         &mut self,
         simd: S,
         block: &Block<S>,
         (threats, danger): (&[Threat], impl Danger),
-        curve: &[[Wide; 3]],
         exposures: &mut Exposures,
     ) -> bool {
         let mut is_near = false;
@@ -80,7 +78,7 @@ impl Encounters {
                 clear(simd, exposures);
             }
             let lanes = lanes_of::<S>(near) & !laid_out;
-            self.lay_out(&curve[..=BLOCK], lanes);
+            self.lay_out::<S>(block.places(), lanes);
             laid_out |= lanes;
             let count = self.find(simd, block, (threats, danger), near);
             for &(pair, start) in &self.found[..count] {
@@ -99,12 +97,12 @@ impl Encounters {
 
     /// Puts the places of some candidates in rows, a bit for each.
     #[inline(always)]
-    fn lay_out(&mut self, curve: &[[Wide; 3]], mut lanes: u64) {
+    fn lay_out<S: Simd>(&mut self, places: &[Place<S>], mut lanes: u64) {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             let row = &mut self.rows[lane];
-            for (k, place) in curve.iter().enumerate() {
-                (row[0][k], row[1][k]) = (place[0][lane], place[1][lane]);
+            for (k, place) in places.iter().enumerate() {
+                (row[0][k], row[1][k]) = (place[0].as_slice()[lane], place[1].as_slice()[lane]);
             }
             lanes &= lanes - 1;
         }
