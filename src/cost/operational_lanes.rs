@@ -11,7 +11,7 @@ use super::lanes::{
 };
 use super::model::CostModel;
 use super::operational::Sums;
-use super::relief::{CellLanes, ReliefLanes};
+use super::relief::{CellLanes, Corners, ReliefLanes};
 use super::threat_lanes::Chords;
 
 /// Clearance of every lane; see [`super::operational::Clearance`].
@@ -48,9 +48,11 @@ pub(super) fn terms<S: Simd>(
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     let mut block = Block::before(simd, first);
     let cell = ground.relief.cell(first[0], first[1]);
-    let mut cells = [cell; FINE];
+    let (mut cells, mut corners) = ([cell; FINE], [Corners::default(); FINE]);
+    ground.relief.fetch(&cell, &mut corners[0]);
     // The last of the block before, then those of this one.
-    let mut clearances = [ground.clearances(first[2], &cell, model.wanted_agl_m[0]); FINE + 1];
+    let begin = ground.clearances(first[2], (&cell, &corners[0]), model.wanted_agl_m[0]);
+    let mut clearances = [begin; FINE + 1];
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let within = start * substeps + 1..(start + count) * substeps + 1;
@@ -60,18 +62,23 @@ pub(super) fn terms<S: Simd>(
         for (at, cell) in block.fine(substeps).iter().zip(&mut cells) {
             *cell = ground.relief.cell(at[0], at[1]);
         }
-        let wanted_agl_m = &model.wanted_agl_m[within];
-        let mut each = cells.iter().zip(wanted_agl_m).zip(&mut clearances[1..]);
+        let mut each = cells.iter().zip(&mut corners);
         block.measure(
             simd,
             substeps,
             #[inline(always)]
             |fine| {
-                for (at, ((cell, wanted_m), of)) in fine.iter().zip(&mut each) {
-                    *of = ground.clearances(at[2], cell, *wanted_m);
+                for (_, (cell, corners)) in fine.iter().zip(&mut each) {
+                    ground.relief.fetch(cell, corners);
                 }
             },
         );
+        let wanted_agl_m = &model.wanted_agl_m[within];
+        let places = block.fine(substeps).iter().zip(wanted_agl_m);
+        let grounds = cells.iter().zip(&corners);
+        for (((at, wanted_m), ground_of), of) in places.zip(grounds).zip(&mut clearances[1..]) {
+            *of = ground.clearances(at[2], ground_of, *wanted_m);
+        }
         if keeps {
             block.keep(simd, scratch);
         }
@@ -194,8 +201,13 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
 
     /// [`CostModel::clearance`] at a fine sample.
     #[inline(always)]
-    fn clearances(&self, amsl_m: V<S>, cell: &CellLanes<S>, wanted_agl_m: f64) -> Clearances<S> {
-        let agl_m = amsl_m - self.relief.heights_in(cell);
+    fn clearances(
+        &self,
+        amsl_m: V<S>,
+        (cell, corners): (&CellLanes<S>, &Corners),
+        wanted_agl_m: f64,
+    ) -> Clearances<S> {
+        let agl_m = amsl_m - self.relief.heights_in(cell, corners);
         let below_m = (splat(self.simd, wanted_agl_m) - agl_m).max(0.0);
         let above_m = (amsl_m - self.max_amsl_m).max(0.0);
         Clearances {

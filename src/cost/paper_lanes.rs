@@ -8,6 +8,7 @@ use super::hazards::Threat;
 use super::lanes::{MOST_LANES, Scratch, SlopeLanes, V, Wide, point, splat, store};
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
+use super::relief::Corners;
 use super::threat_lanes::{Danger, Pieces};
 
 /// Terms of the candidates in the lanes of `scratch`, as many as `out` has.
@@ -38,6 +39,7 @@ pub(super) fn terms<S: Simd>(
     };
     let mut block = Block::before(simd, first);
     let mut cells = [relief.cell(first[0], first[1]); BLOCK];
+    let mut corners = [Corners::default(); BLOCK];
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let rows = &model.path.rows[start + 1..=start + count];
@@ -45,21 +47,25 @@ pub(super) fn terms<S: Simd>(
         for (at, cell) in block.fine(1).iter().zip(&mut cells) {
             *cell = relief.cell(at[0], at[1]);
         }
-        let (mut altitude, mut terrain) = (sums.altitude, sums.terrain);
-        let mut cells = (start + 1..).zip(&cells);
+        let mut each = cells.iter().zip(&mut corners);
         block.measure(
             simd,
             1,
             #[inline(always)]
             |ends| {
-                for (at, (index, cell)) in ends.iter().zip(&mut cells) {
-                    let ground_m = relief.heights_in(cell);
-                    let (high_km, deep_km) = paper.height_lanes::<S>(ground_m, model, at[2], index);
-                    altitude += high_km;
-                    terrain += deep_km;
+                for (_, (cell, corners)) in ends.iter().zip(&mut each) {
+                    relief.fetch(cell, corners);
                 }
             },
         );
+        let (mut altitude, mut terrain) = (sums.altitude, sums.terrain);
+        let grounds = cells.iter().zip(&corners);
+        for (index, (at, (cell, corners))) in (start + 1..).zip(block.fine(1).iter().zip(grounds)) {
+            let ground_m = relief.heights_in(cell, corners);
+            let (high_km, deep_km) = paper.height_lanes::<S>(ground_m, model, at[2], index);
+            altitude += high_km;
+            terrain += deep_km;
+        }
         (sums.altitude, sums.terrain) = (altitude, terrain);
         if paper.has_others() {
             block.keep(simd, scratch);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, dispatch, prelude::*};
 
-use super::lanes::{V, splat};
+use super::lanes::{V, Wide, load, splat};
 use crate::numeric::order::{larger, smaller};
 use crate::world::Ground;
 
@@ -139,7 +139,10 @@ impl<S: Simd> ReliefLanes<'_, S> {
     /// [`Relief::height_m`] in every lane.
     #[inline(always)]
     pub(super) fn heights_m(&self, east_m: V<S>, north_m: V<S>) -> V<S> {
-        self.heights_in(&self.cell(east_m, north_m))
+        let cell = self.cell(east_m, north_m);
+        let mut corners = Corners::default();
+        self.fetch(&cell, &mut corners);
+        self.heights_in(&cell, &corners)
     }
 
     /// The cells of places.
@@ -152,10 +155,25 @@ impl<S: Simd> ReliefLanes<'_, S> {
         CellLanes { node, right, up }
     }
 
-    /// The heights at places in cells, metres.
+    /// Reads the heights at the corners of cells.
     #[inline(always)]
-    pub(super) fn heights_in(&self, cell: &CellLanes<S>) -> V<S> {
-        let [south_west, north_west, south_east, north_east] = self.corners(&cell.node);
+    pub(super) fn fetch(&self, cell: &CellLanes<S>, to: &mut Corners) {
+        let (heights_m, columns) = (self.heights_m, self.columns);
+        for (lane, node) in cell.node.as_slice().iter().enumerate() {
+            let corner = low_bits(*node);
+            // Both rows at once, so that bounds are looked at once.
+            let of = &heights_m[corner..corner + columns + 2];
+            to.south[lane] = side_by_side(of[0], of[1]);
+            to.north[lane] = side_by_side(of[columns], of[columns + 1]);
+        }
+    }
+
+    /// The heights at places in cells with these corners, metres.
+    #[inline(always)]
+    pub(super) fn heights_in(&self, cell: &CellLanes<S>, corners: &Corners) -> V<S> {
+        let row = |row: &Wide| load(self.simd, row).bitcast::<S::f32s>();
+        let (west, east) = row(&corners.south).deinterleave(row(&corners.north));
+        let ((south_west, north_west), (south_east, north_east)) = (west.widen(), east.widen());
         let south = south_west + (south_east - south_west) * cell.right;
         let north = north_west + (north_east - north_west) * cell.right;
         let height_m = south + (north - south) * cell.up;
@@ -169,27 +187,14 @@ impl<S: Simd> ReliefLanes<'_, S> {
         let shifted = (at - 0.5).min(self.last_cell[axis]) + ROUND;
         (shifted, at - (shifted - ROUND))
     }
+}
 
-    /// The heights at the corners of the cells with these nodes in the south-west, to whose
-    /// indices [`ROUND`] is added: south-west, north-west, south-east, north-east.
-    #[inline(always)]
-    fn corners(&self, nodes: &V<S>) -> [V<S>; 4] {
-        let nodes = nodes.as_slice();
-        let (heights_m, columns) = (self.heights_m, self.columns);
-        let (mut south, mut north) = (splat(self.simd, 0.0), splat(self.simd, 0.0));
-        for lane in 0..V::<S>::LEN {
-            let corner = low_bits(nodes[lane]);
-            // Both rows at once, so that bounds are looked at once.
-            let cell = &heights_m[corner..corner + columns + 2];
-            south[lane] = side_by_side(cell[0], cell[1]);
-            north[lane] = side_by_side(cell[columns], cell[columns + 1]);
-        }
-        let (west, east) = south
-            .bitcast::<S::f32s>()
-            .deinterleave(north.bitcast::<S::f32s>());
-        let (west, east) = (west.widen(), east.widen());
-        [west.0, west.1, east.0, east.1]
-    }
+/// Heights at the corners of a cell of every lane, south-west beside south-east, and
+/// north-west beside north-east: two in the bits of one number.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Corners {
+    south: Wide,
+    north: Wide,
 }
 
 /// Two numbers in the bits of one, which is how both are loaded at once.
