@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 
 use super::hazards::{Hazards, Segment};
 use super::lanes::{
-    Place, Scratch, Steps, V, Wide, load, points, splat, steps, store, store_place,
+    Lanes, Place, Scratch, Steps, V, Wide, load, points, splat, steps, store, store_place,
 };
 use super::model::CostModel;
 use super::sampling::MOST_SUBSTEPS;
@@ -147,25 +147,29 @@ impl<S: Simd> Block<S> {
         mut beside: impl FnMut(&[Place<S>]),
     ) {
         let mut least_sq = splat(simd, f64::INFINITY);
-        let mut longest_m = splat(simd, 0.0);
+        let mut most_sq = splat(simd, 0.0);
         let ends = self.places[..=self.count].windows(2);
         let pieces = ends.zip(&mut self.steps[1..]);
         if substeps == 1 {
             for (pair, to) in pieces {
                 *to = steps::<S>(&pair[0], &pair[1]);
                 least_sq = least_sq.min(to.run_sq);
-                longest_m = longest_m.max(to.run_m);
+                most_sq = most_sq.max(to.run_sq);
                 beside(std::slice::from_ref(&pair[1]));
             }
         } else {
             for ((pair, to), fine) in pieces.zip(self.fine.chunks_exact(substeps)) {
                 *to = steps::<S>(&pair[0], &pair[1]);
                 least_sq = least_sq.min(to.run_sq);
-                longest_m = longest_m.max(to.run_m);
+                most_sq = most_sq.max(to.run_sq);
                 beside(fine);
             }
         }
-        self.longest_m = longest_m;
+        if self.start == 0 {
+            // There is no turn into the first piece.
+            self.steps[0] = self.steps[1];
+        }
+        self.longest_m = most_sq.sqrt();
         self.stays = least_sq.simd_le(POINT_SQ).any_true();
     }
 
@@ -182,7 +186,7 @@ impl<S: Simd> Block<S> {
         }
         let along_m = &mut scratch.along_m[self.start + 1..];
         for (step, stored) in self.steps[1..=self.count].iter().zip(along_m) {
-            self.along_m += step.run_m;
+            self.along_m += step.run_m();
             store::<S>(self.along_m, stored);
         }
         let stored = &mut scratch.boxes[self.start / BLOCK];
@@ -217,7 +221,7 @@ impl<S: Simd> Block<S> {
         &self.steps[1..=self.count]
     }
 
-    /// The pieces, after that before the first, which is none in the first block.
+    /// The pieces, after that before the first; in the first block this is the first itself.
     #[inline(always)]
     pub(super) fn all_steps(&self) -> &[Steps<S>] {
         &self.steps[..=self.count]
@@ -308,7 +312,7 @@ pub(super) fn meets<S: Simd>(
     high: &[V<S>; 2],
     other_low: &Point,
     other_high: &Point,
-) -> <V<S> as SimdBase<S>>::Mask {
+) -> Lanes<S> {
     high[0].simd_ge(other_low[0])
         & low[0].simd_le(other_high[0])
         & high[1].simd_ge(other_low[1])

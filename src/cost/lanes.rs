@@ -17,10 +17,14 @@ use crate::numeric::angle::{ATAN, TAN_PI_8};
 
 /// Lanes of the widest vectors.
 pub(super) const MOST_LANES: usize = 8;
+/// More than rounding makes of a comparison, as a share.
+const ROUNDING: f64 = 1e-9;
 /// One number for each lane; narrower vectors use the first ones.
 pub(super) type Wide = [f64; MOST_LANES];
 /// A vector of the instructions at hand.
 pub(super) type V<S> = <S as Simd>::f64s;
+/// A choice of lanes.
+pub(super) type Lanes<S> = <V<S> as SimdBase<S>>::Mask;
 /// A point of every lane: east, north, altitude.
 pub(super) type Place<S> = [V<S>; 3];
 
@@ -50,8 +54,15 @@ pub(super) struct Steps<S: Simd> {
     pub(super) north_m: V<S>,
     pub(super) rise_m: V<S>,
     pub(super) run_sq: V<S>,
-    pub(super) run_m: V<S>,
     pub(super) length_km: V<S>,
+}
+
+impl<S: Simd> Steps<S> {
+    /// Horizontal lengths: a root, which most pieces do not need.
+    #[inline(always)]
+    pub(super) fn run_m(&self) -> V<S> {
+        self.run_sq.sqrt()
+    }
 }
 
 #[inline(always)]
@@ -123,7 +134,6 @@ pub(super) fn steps<S: Simd>(a: &Place<S>, b: &Place<S>) -> Steps<S> {
         north_m,
         rise_m,
         run_sq,
-        run_m: run_sq.sqrt(),
         length_km: (run_sq + rise_m * rise_m).sqrt() * 1e-3,
     }
 }
@@ -169,6 +179,8 @@ pub(super) struct SlopeLanes<S: Simd> {
     /// Whether they are the same at all altitudes.
     are_even: bool,
     share: V<S>,
+    /// A little less than that.
+    share_within: V<S>,
 }
 
 impl<S: Simd> SlopeLanes<S> {
@@ -189,6 +201,7 @@ impl<S: Simd> SlopeLanes<S> {
             by_speed: [splat(simd, speeds[0]), splat(simd, speeds[1])],
             are_even: model.limits.are_even(),
             share: splat(simd, model.slope_share),
+            share_within: splat(simd, model.slope_share * (1.0 - ROUNDING)),
         }
     }
 
@@ -197,13 +210,14 @@ impl<S: Simd> SlopeLanes<S> {
     #[inline(always)]
     fn excesses_m(&self, amsl_m: V<S>, step: &Steps<S>) -> V<S> {
         let limit = self.at(amsl_m, step.rise_m);
-        step.rise_m.abs() - limit * self.share * step.run_m
+        step.rise_m.abs() - limit * self.share * step.run_m()
     }
 
-    /// Which steps are beyond their limits.
+    /// Which steps may be beyond their limits: all that are, and those within rounding.
     #[inline(always)]
-    pub(super) fn steep(&self, amsl_m: V<S>, step: &Steps<S>) -> <V<S> as SimdBase<S>>::Mask {
-        self.excesses_m(amsl_m, step).simd_gt(0.0)
+    pub(super) fn may_be_steep(&self, amsl_m: V<S>, step: &Steps<S>) -> Lanes<S> {
+        let limit = self.at(amsl_m, step.rise_m) * self.share_within;
+        (step.rise_m * step.rise_m).simd_ge(limit * limit * step.run_sq)
     }
 
     /// By how much slopes, rise over run, are beyond their limits at an altitude.
@@ -213,7 +227,7 @@ impl<S: Simd> SlopeLanes<S> {
         let excess_m = self.excesses_m(amsl_m, step);
         let is_steep = excess_m.simd_gt(0.0);
         if is_steep.any_true() {
-            is_steep.select(excess_m / step.run_m.max(1e-3), zero)
+            is_steep.select(excess_m / step.run_m().max(1e-3), zero)
         } else {
             zero
         }
@@ -239,15 +253,43 @@ impl<S: Simd> SlopeLanes<S> {
 impl CostModel {
     /// Which lanes turn more tightly than they may; see [`CostModel::is_too_tight`].
     #[inline(always)]
-    pub(super) fn too_tight<S: Simd>(
-        &self,
-        simd: S,
-        into: &Steps<S>,
-        out: &Steps<S>,
-    ) -> <V<S> as SimdBase<S>>::Mask {
-        let ratio = into.run_m.min(out.run_m) * self.per_turn_radius;
+    pub(super) fn too_tight<S: Simd>(&self, simd: S, into: &Steps<S>, out: &Steps<S>) -> Lanes<S> {
+        let (into_m, out_m) = (into.run_m(), out.run_m());
+        let ratio = into_m.min(out_m) * self.per_turn_radius;
         let cosine_limit = (splat(simd, 1.0) - ratio * 0.5 * ratio).max(-1.0);
-        let dot = into.east_m * out.east_m + into.north_m * out.north_m;
-        dot.simd_lt(into.run_m * out.run_m * cosine_limit)
+        dot(into, out).simd_lt(into_m * out_m * cosine_limit)
     }
+}
+
+/// Which lanes may turn more tightly than they may, by the squares of both sides: all that do,
+/// and those within rounding.
+#[derive(Clone, Copy)]
+pub(super) struct TurnLanes<S: Simd> {
+    /// A little more than one, and half the square of one over the turn radius.
+    one: V<S>,
+    per_square: V<S>,
+}
+
+impl<S: Simd> TurnLanes<S> {
+    #[inline(always)]
+    pub(super) fn new(simd: S, model: &CostModel) -> Self {
+        let per_radius = model.per_turn_radius;
+        Self {
+            one: splat(simd, 1.0 + ROUNDING),
+            per_square: splat(simd, 0.5 * per_radius * per_radius),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn may_be_tight(&self, into: &Steps<S>, out: &Steps<S>) -> Lanes<S> {
+        let cosine = (self.one - into.run_sq.min(out.run_sq) * self.per_square).max(0.0);
+        let dot = dot(into, out);
+        (dot * dot.abs()).simd_le(into.run_sq * out.run_sq * (cosine * cosine))
+    }
+}
+
+/// Products of the horizontal vectors.
+#[inline(always)]
+pub(super) fn dot<S: Simd>(into: &Steps<S>, out: &Steps<S>) -> V<S> {
+    into.east_m * out.east_m + into.north_m * out.north_m
 }

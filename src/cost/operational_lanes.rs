@@ -7,7 +7,8 @@ use fearless_simd::prelude::*;
 use super::CostTerms;
 use super::block::{BLOCK, Block, FINE};
 use super::lanes::{
-    MOST_LANES, Scratch, SlopeLanes, Steps, V, Wide, point, quadrant_angles, segment, splat, store,
+    MOST_LANES, Scratch, SlopeLanes, Steps, TurnLanes, V, Wide, dot, point, quadrant_angles,
+    segment, splat, store,
 };
 use super::model::CostModel;
 use super::operational::Sums;
@@ -45,6 +46,7 @@ pub(super) fn terms<S: Simd>(
     let keeps = !model.traffic.is_empty();
     let ground = GroundLanes::new(simd, model);
     let slopes = SlopeLanes::new(simd, model, true);
+    let turns = TurnLanes::new(simd, model);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     let mut block = Block::before(simd, first);
     let cell = ground.relief.cell(first[0], first[1]);
@@ -82,7 +84,7 @@ pub(super) fn terms<S: Simd>(
         if keeps {
             block.keep(simd, scratch);
         }
-        let (steep, tight) = ground.add(model, &slopes, &block, &clearances, substeps, &mut sums);
+        let (steep, tight) = ground.add(&slopes, &turns, &block, &clearances, substeps, &mut sums);
         clearances[0] = clearances[count * substeps];
         if steep {
             sums.climb = climb(&slopes, &block, sums.climb);
@@ -216,13 +218,13 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         }
     }
 
-    /// Length, altitude and terrain of a block, and whether a piece is too steep or turns too
+    /// Length, altitude and terrain of a block, and whether a piece may be too steep or turn too
     /// tightly. The ends of a piece count half.
     #[inline(always)]
     fn add(
         &self,
-        model: &CostModel,
         slopes: &SlopeLanes<S>,
+        turns: &TurnLanes<S>,
         block: &Block<S>,
         clearances: &[Clearances<S>],
         substeps: usize,
@@ -235,8 +237,8 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         if substeps == 1 {
             for ((piece, before), ends) in pieces.zip(clearances.windows(2)) {
                 self.add_piece(piece.step, &ends[0], &[], &ends[1], &mut sum);
-                steep |= slopes.steep(piece.middle_m(), piece.step);
-                tight |= model.too_tight(self.simd, before, piece.step);
+                steep |= slopes.may_be_steep(piece.middle_m(), piece.step);
+                tight |= turns.may_be_tight(before, piece.step);
             }
         } else {
             let mut index = 0;
@@ -245,8 +247,8 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
                 let within = &of[1..substeps];
                 self.add_piece(piece.step, &of[0], within, &of[substeps], &mut sum);
                 index += substeps;
-                steep |= slopes.steep(piece.middle_m(), piece.step);
-                tight |= model.too_tight(self.simd, before, piece.step);
+                steep |= slopes.may_be_steep(piece.middle_m(), piece.step);
+                tight |= turns.may_be_tight(before, piece.step);
             }
         }
         [sums.length_km, sums.altitude, sums.terrain] = sum;
@@ -281,8 +283,8 @@ impl CostModel {
     /// [`CostModel::turn_excess`] where a turn is too tight.
     #[inline(always)]
     fn turn_excesses<S: Simd>(&self, simd: S, into: &Steps<S>, out: &Steps<S>) -> V<S> {
-        let ratio = into.run_m.min(out.run_m) * self.per_turn_radius;
-        let dot = into.east_m * out.east_m + into.north_m * out.north_m;
+        let ratio = into.run_m().min(out.run_m()) * self.per_turn_radius;
+        let dot = dot(into, out);
         let cross = into.east_m * out.north_m - into.north_m * out.east_m;
         let sharp_rad = quadrant_angles(simd, cross.abs(), dot.abs());
         let turn_rad = dot

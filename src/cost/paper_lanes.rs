@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 use super::CostTerms;
 use super::block::{BLOCK, Block, meets};
 use super::hazards::Threat;
-use super::lanes::{MOST_LANES, Scratch, SlopeLanes, V, Wide, point, splat, store};
+use super::lanes::{MOST_LANES, Scratch, SlopeLanes, TurnLanes, V, Wide, point, splat, store};
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
 use super::relief::Corners;
@@ -26,6 +26,7 @@ pub(super) fn terms<S: Simd>(
         model.relief.lanes(simd),
         SlopeLanes::new(simd, model, false),
     );
+    let turns = TurnLanes::new(simd, model);
     let ground_m = relief.heights_m(first[0], first[1]);
     let (altitude, terrain) = paper.height_lanes::<S>(ground_m, model, first[2], 0);
     let mut sums = PaperSums {
@@ -70,16 +71,25 @@ pub(super) fn terms<S: Simd>(
         if paper.has_others() {
             block.keep(simd, scratch);
         }
-        let (mut length_km, mut climb, mut turns) = (sums.length_km, sums.climb, sums.turns);
-        for piece in block.pieces() {
+        let mut length_km = sums.length_km;
+        let (mut steep, mut tight) = (zero.simd_gt(zero), zero.simd_gt(zero));
+        for (piece, before) in block.pieces().zip(block.all_steps()) {
             length_km += piece.step.length_km;
-            climb += slopes.excesses(piece.a[2], piece.step);
+            steep |= slopes.may_be_steep(piece.a[2], piece.step);
+            tight |= turns.may_be_tight(before, piece.step);
         }
-        for pair in block.turning().windows(2) {
-            let tight = model.too_tight(simd, &pair[0], &pair[1]);
-            turns += tight.select(one, zero);
+        sums.length_km = length_km;
+        if steep.any_true() {
+            for piece in block.pieces() {
+                sums.climb += slopes.excesses(piece.a[2], piece.step);
+            }
         }
-        (sums.length_km, sums.climb, sums.turns) = (length_km, climb, turns);
+        if tight.any_true() {
+            for pair in block.turning().windows(2) {
+                let tight = model.too_tight(simd, &pair[0], &pair[1]);
+                sums.turns += tight.select(one, zero);
+            }
+        }
         let danger = model.paper.options.threat_form;
         sums.threat = block.add_threats(simd, model, danger, scratch, sums.threat);
     }
