@@ -184,6 +184,9 @@ struct GroundLanes<'a, S: Simd> {
     relief: ReliefLanes<'a, S>,
     min_agl_m: V<S>,
     max_amsl_m: V<S>,
+    /// One over what altitudes and deficits are measured in; half of that where no ground is
+    /// read between the ends of a piece, which count half.
+    per_km: V<S>,
     per_depth: V<S>,
     per_substep: V<S>,
 }
@@ -191,12 +194,14 @@ struct GroundLanes<'a, S: Simd> {
 impl<'a, S: Simd> GroundLanes<'a, S> {
     #[inline(always)]
     fn new(simd: S, model: &'a CostModel) -> Self {
+        let share = if model.path.substeps == 1 { 0.5 } else { 1.0 };
         Self {
             simd,
             relief: model.relief.lanes(simd),
             min_agl_m: splat(simd, model.min_agl_m),
             max_amsl_m: splat(simd, model.max_amsl_m),
-            per_depth: splat(simd, model.per_depth),
+            per_km: splat(simd, 1e-3 * share),
+            per_depth: splat(simd, model.per_depth * share),
             per_substep: splat(simd, model.per_substep),
         }
     }
@@ -213,7 +218,7 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         let below_m = (splat(self.simd, wanted_agl_m) - agl_m).max(0.0);
         let above_m = (amsl_m - self.max_amsl_m).max(0.0);
         Clearances {
-            altitude_km: (agl_m - self.min_agl_m).max(0.0) * 1e-3,
+            altitude_km: (agl_m - self.min_agl_m).max(0.0) * self.per_km,
             deficit: (below_m + above_m) * self.per_depth,
         }
     }
@@ -236,7 +241,10 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         let pieces = block.pieces().zip(block.all_steps());
         if substeps == 1 {
             for ((piece, before), ends) in pieces.zip(clearances.windows(2)) {
-                self.add_piece(piece.step, &ends[0], &[], &ends[1], &mut sum);
+                let length_km = piece.step.length_km;
+                sum[0] += length_km;
+                sum[1] += (ends[0].altitude_km + ends[1].altitude_km) * length_km;
+                sum[2] += (ends[0].deficit + ends[1].deficit) * length_km;
                 steep |= slopes.may_be_steep(piece.middle_m(), piece.step);
                 tight |= turns.may_be_tight(before, piece.step);
             }
@@ -255,7 +263,7 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         (steep.any_true(), tight.any_true())
     }
 
-    /// Adds one piece; `within` are between its ends.
+    /// Adds one piece of several readings; `within` are between its ends.
     #[inline(always)]
     fn add_piece(
         &self,

@@ -102,8 +102,10 @@ pub(super) struct ReliefLanes<'a, S: Simd> {
     last_cell: [V<S>; 2],
     wide: V<S>,
     wall_m: V<S>,
-    columns: usize,
-    heights_m: &'a [f32],
+    /// The heights but for the last row, and but for the first: as many, so that bounds are
+    /// looked at once for both.
+    south: &'a [f32],
+    north: &'a [f32],
 }
 
 impl Relief {
@@ -111,6 +113,7 @@ impl Relief {
     #[inline(always)]
     pub(super) fn lanes<S: Simd>(&self, simd: S) -> ReliefLanes<'_, S> {
         let last = [self.last_column, self.last_row];
+        let (_, north) = self.ground.heights_m.split_at(self.columns as usize);
         ReliefLanes {
             simd,
             west_m: splat(simd, self.west_m),
@@ -120,8 +123,8 @@ impl Relief {
             last_cell: [splat(simd, last[0] - 1.0), splat(simd, last[1] - 1.0)],
             wide: splat(simd, f64::from(self.columns)),
             wall_m: splat(simd, self.wall_m),
-            columns: self.columns as usize,
-            heights_m: &self.ground.heights_m,
+            south: &self.ground.heights_m[..north.len()],
+            north,
         }
     }
 }
@@ -158,13 +161,11 @@ impl<S: Simd> ReliefLanes<'_, S> {
     /// Reads the heights at the corners of cells.
     #[inline(always)]
     pub(super) fn fetch(&self, cell: &CellLanes<S>, to: &mut Corners) {
-        let (heights_m, columns) = (self.heights_m, self.columns);
         for (lane, node) in cell.node.as_slice().iter().enumerate() {
-            let corner = low_bits(*node);
-            // Both rows at once, so that bounds are looked at once.
-            let of = &heights_m[corner..corner + columns + 2];
-            to.south[lane] = side_by_side(of[0], of[1]);
-            to.north[lane] = side_by_side(of[columns], of[columns + 1]);
+            let west = low_bits(*node);
+            let (south, north) = (&self.south[west..west + 2], &self.north[west..west + 2]);
+            to.south[lane] = side_by_side(south[0], south[1]);
+            to.north[lane] = side_by_side(north[0], north[1]);
         }
     }
 
