@@ -31,7 +31,7 @@ pub(super) struct Adapted {
 pub(super) struct Draw {
     /// In standard normal coordinates.
     normal: DVector<f64>,
-    /// In units of the step size and of each variable.
+    /// In units of the step size and of each variable; zero until it is taken.
     step: DVector<f64>,
 }
 
@@ -119,34 +119,28 @@ impl Adapted {
         self.step_path.fill(0.0);
     }
 
-    /// Draws a step.
+    /// Draws a step, which is not yet taken.
     pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> Draw {
-        let normal = DVector::from_fn(self.mean.len(), |_, _| normal(rng));
+        let n = self.mean.len();
         Draw {
-            step: self.stretched(&normal),
-            normal,
+            normal: DVector::from_fn(n, |_, _| normal(rng)),
+            step: DVector::zeros(n),
         }
     }
 
-    /// The factor times a vector.
-    fn stretched(&self, normal: &DVector<f64>) -> DVector<f64> {
-        let n = normal.len();
-        let mut step = DVector::zeros(n);
-        let columns = self.factor.as_slice().chunks_exact(n);
-        for (j, (&share, column)) in normal.iter().zip(columns).enumerate() {
-            let below = step.as_mut_slice()[j..].iter_mut().zip(&column[j..]);
+    /// Takes a drawn step: the point that it leads to, kept in the unit cube.
+    pub(super) fn take(&self, draw: &mut Draw, point: &mut [f64]) {
+        let step = draw.step.as_mut_slice();
+        // The factor times the normal vector.
+        let columns = self.factor.as_slice().chunks_exact(step.len());
+        for (j, (&share, column)) in draw.normal.iter().zip(columns).enumerate() {
+            let below = step[j..].iter_mut().zip(&column[j..]);
             below.for_each(|(step, factor)| *step += share * factor);
         }
-        step
-    }
-
-    /// The point a drawn step leads to, kept in the unit cube.
-    pub(super) fn position(&self, draw: &Draw) -> impl Iterator<Item = f64> {
-        let steps = draw.step.iter().zip(&self.scale);
-        let point = |(mean, (step, scale)): (&f64, (&f64, &f64))| {
-            (mean + step * scale * self.sigma).clamp(0.0, 1.0)
-        };
-        self.mean.iter().zip(steps).map(point)
+        let steps = step.iter().zip(&self.scale);
+        for (point, (mean, (step, scale))) in point.iter_mut().zip(self.mean.iter().zip(steps)) {
+            *point = (mean + step * scale * self.sigma).clamp(0.0, 1.0);
+        }
     }
 
     /// Learns from the draws of one generation. `orders` are their indices, best first, for each
@@ -250,11 +244,15 @@ mod tests {
         let valley = |p: &[f64]| (p[0] - p[1]).powi(2) * 1e4 + (p[0] + p[1] - 1.2).powi(2);
         let mut adapted = Adapted::new(&[0.2, 0.1], &[1.0, 1.0], 0.1, 12);
         for _ in 0..120 {
-            let draws: Vec<Draw> = (0..12).map(|_| adapted.draw(&mut rng)).collect();
-            let place = |draw: usize| adapted.position(&draws[draw]).collect::<Vec<f64>>();
-            let cost = |draw: usize| valley(&place(draw));
+            let mut draws: Vec<Draw> = (0..12).map(|_| adapted.draw(&mut rng)).collect();
+            let mut costs = [0.0; 12];
+            for (draw, cost) in draws.iter_mut().zip(&mut costs) {
+                let mut point = [0.0; 2];
+                adapted.take(draw, &mut point);
+                *cost = valley(&point);
+            }
             let mut order: Vec<usize> = (0..12).collect();
-            order.sort_by(|&a, &b| cost(a).total_cmp(&cost(b)));
+            order.sort_by(|&a, &b| costs[a].total_cmp(&costs[b]));
             adapted.learn(&draws.iter().collect::<Vec<_>>(), &[order]);
         }
         assert!(adapted.mean.iter().all(|x| (x - 0.6).abs() < 1e-6));

@@ -204,24 +204,31 @@ fn generation<P: Problem + ?Sized>(
     parameters: &MsfoaParameters,
     rng: &mut ChaCha8Rng,
 ) {
-    let dimension = evaluator.dimension();
-    let mut rows = Vec::with_capacity(swarms.len() * parameters.flies * dimension);
-    let mut flights = Vec::with_capacity(swarms.len() * parameters.flies);
+    let (dimension, flies) = (evaluator.dimension(), parameters.flies);
+    // All numbers are drawn in one order; what follows from them is worked out side by side.
+    let mut flights = Vec::with_capacity(swarms.len() * flies);
     for swarm in swarms.iter() {
         let task_is_global = swarm.best.cost.is_finite() && swarm.best.cost > parameters.threshold;
-        for fly in 0..parameters.flies {
-            // Half the flies of a global task keep adapting, so that a swarm that
-            // stands near a way out still finds it.
-            if task_is_global && fly % 2 == 1 {
-                rows.extend(swarm.global_fly(rng));
-                flights.push(Flight::Global);
-            } else {
-                let draw = swarm.adapted.draw(rng);
-                rows.extend(swarm.adapted.position(&draw));
-                flights.push(Flight::Local(draw));
-            }
-        }
+        // Half the flies of a global task keep adapting, so that a swarm that
+        // stands near a way out still finds it.
+        flights.extend((0..flies).map(|fly| match task_is_global && fly % 2 == 1 {
+            true => Flight::Global(swarm.global_fly(rng)),
+            false => Flight::Local(swarm.adapted.draw(rng)),
+        }));
     }
+    let mut rows = vec![0.0; flights.len() * dimension];
+    let points = rows.par_chunks_mut(flies * dimension);
+    let of_swarms = swarms.par_iter().zip(flights.par_chunks_mut(flies));
+    of_swarms
+        .zip(points)
+        .for_each(|((swarm, flights), points)| {
+            for (flight, point) in flights.iter_mut().zip(points.chunks_mut(dimension)) {
+                match flight {
+                    Flight::Local(draw) => swarm.adapted.take(draw, point),
+                    Flight::Global(place) => point.copy_from_slice(place),
+                }
+            }
+        });
     // What a window leaves out does not cancel: the last of a cost is found as a whole.
     let is_late = evaluator.spent() * WHOLE.1 > evaluator.budget() * WHOLE.0;
     let (costs, parts, groups) = if is_late {
@@ -231,7 +238,6 @@ fn generation<P: Problem + ?Sized>(
         let (costs, parts) = evaluator.evaluate_parts(&rows);
         (costs, parts, evaluator.groups())
     };
-    let flies = parameters.flies;
     let seen = rows
         .par_chunks(flies * dimension)
         .zip(flights.par_chunks(flies));
@@ -243,8 +249,9 @@ fn generation<P: Problem + ?Sized>(
         let before = swarm.best.cost;
         let mut global_gain = false;
         for ((row, flight), cost) in rows.chunks(dimension).zip(flights).zip(costs) {
-            global_gain |=
-                matches!(flight, Flight::Global) && *cost < swarm.best.cost && before.is_finite();
+            global_gain |= matches!(flight, Flight::Global(_))
+                && *cost < swarm.best.cost
+                && before.is_finite();
             swarm.see(row, *cost);
         }
         swarm.learn(flights, costs, parts);

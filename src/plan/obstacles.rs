@@ -2,6 +2,8 @@
 
 use std::cmp::Reverse;
 
+use rayon::prelude::*;
+
 use super::field::Field;
 use crate::geodesy::EastNorth;
 
@@ -27,14 +29,12 @@ pub(super) struct Obstacles {
 impl Obstacles {
     /// Obstacles of several fields over the same grid, as seen from `start` to `goal`.
     pub(super) fn of(fields: &[Field], start: EastNorth, goal: EastNorth) -> Self {
-        let mut found: Vec<(f64, EastNorth, f64)> = fields
-            .iter()
-            .flat_map(|field| {
-                maxima(field).into_iter().map(|(prominence, node)| {
-                    (prominence, field.grid.at(node), field.grid.spacing_m)
-                })
-            })
-            .collect();
+        let of_field = |field: &Field| -> Vec<(f64, EastNorth, f64)> {
+            let place =
+                |(prominence, node)| (prominence, field.grid.at(node), field.grid.spacing_m);
+            maxima(field).into_iter().map(place).collect()
+        };
+        let mut found = fields.par_iter().map(of_field).collect::<Vec<_>>().concat();
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut places: Vec<EastNorth> = Vec::new();
         for (_, at, spacing_m) in found {

@@ -1,6 +1,7 @@
 //! The search of one course: starts, swarms, and the judgement of the finalists.
 
 use rand_chacha::ChaCha8Rng;
+use rayon::prelude::*;
 
 use super::course::Course;
 use super::fit::{Fitter, Line, Warp};
@@ -240,17 +241,13 @@ fn redrawn(
     let free: Vec<EastNorth> = problem.frame.places(place).collect();
     let line = Line::new(fitter.samples(ends, &free));
     let summits = summits(course, &line);
-    (0..REDRAWINGS)
-        .map(|_| {
-            start(
-                &problem.frame,
-                fitter,
-                &line,
-                &Warp::random(&summits, rng),
-                0,
-            )
-        })
-        .collect()
+    let warps: Vec<Warp> = (0..REDRAWINGS)
+        .map(|_| Warp::random(&summits, rng))
+        .collect();
+    let frame = &problem.frame;
+    let redrawn = warps.par_iter();
+    let redrawn = redrawn.map(|warp| start(frame, fitter, &line, warp, 0));
+    redrawn.collect()
 }
 
 /// A little stricter than the judgement: between coarse samples a spline is steeper and

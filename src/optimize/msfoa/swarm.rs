@@ -153,10 +153,10 @@ impl Swarm {
     }
 }
 
-/// What one fly did in a generation: a draw to learn from, or a global step.
+/// What one fly does in a generation: a draw to learn from, or a global step to a place.
 pub(super) enum Flight {
     Local(Draw),
-    Global,
+    Global(Vec<f64>),
 }
 
 #[cfg(test)]
