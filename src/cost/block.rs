@@ -8,7 +8,8 @@ use fearless_simd::prelude::*;
 
 use super::hazards::{Hazards, Segment};
 use super::lanes::{
-    Lanes, Place, Scratch, Steps, V, Wide, load, points, splat, steps, store, store_place,
+    Lanes, Place, Scratch, SlopeLanes, Steps, TurnLanes, V, Wide, load, points, splat, steps,
+    store, store_place,
 };
 use super::model::CostModel;
 use super::sampling::MOST_SUBSTEPS;
@@ -227,13 +228,6 @@ impl<S: Simd> Block<S> {
         &self.steps[..=self.count]
     }
 
-    /// The pieces, that before the first included if there is one: turns are between them.
-    #[inline(always)]
-    pub(super) fn turning(&self) -> &[Steps<S>] {
-        let first = usize::from(self.start == 0);
-        &self.steps[first..=self.count]
-    }
-
     /// The pieces with their ends.
     #[inline(always)]
     pub(super) fn pieces(&self) -> impl Iterator<Item = Piece<'_, S>> {
@@ -302,6 +296,74 @@ impl<S: Simd> Block<S> {
             & low[1].simd_ge(bounds.low[1])
             & high[1].simd_le(bounds.high[1]);
         (zones, (!inside).to_bitmask())
+    }
+}
+
+/// Pieces of a block that may break a limit: few, so that only these are looked at closely.
+pub(super) struct Suspects<S: Simd> {
+    steep: [Lanes<S>; BLOCK],
+    tight: [Lanes<S>; BLOCK],
+    any_steep: Lanes<S>,
+    any_tight: Lanes<S>,
+}
+
+impl<S: Simd> Suspects<S> {
+    #[inline(always)]
+    pub(super) fn none(simd: S) -> Self {
+        let zero = splat(simd, 0.0);
+        let none = zero.simd_gt(zero);
+        Self {
+            steep: [none; BLOCK],
+            tight: [none; BLOCK],
+            any_steep: none,
+            any_tight: none,
+        }
+    }
+
+    /// Looks at piece number `k`, at an altitude, and at the turn into it from that before.
+    #[inline(always)]
+    pub(super) fn mark(
+        &mut self,
+        k: usize,
+        amsl_m: V<S>,
+        (before, step): (&Steps<S>, &Steps<S>),
+        (slopes, turns): &(SlopeLanes<S>, TurnLanes<S>),
+    ) {
+        let steep = slopes.may_be_steep(amsl_m, step);
+        let tight = turns.may_be_tight(before, step);
+        (self.steep[k], self.tight[k]) = (steep, tight);
+        self.any_steep |= steep;
+        self.any_tight |= tight;
+    }
+
+    /// Pieces that may be too steep.
+    #[inline(always)]
+    pub(super) fn steep<'a>(&self, block: &'a Block<S>) -> impl Iterator<Item = Piece<'a, S>> {
+        let count = if self.any_steep.any_true() { BLOCK } else { 0 };
+        let pieces = block.pieces().zip(&self.steep).take(count);
+        pieces.filter_map(
+            #[inline(always)]
+            |(piece, lanes)| lanes.any_true().then_some(piece),
+        )
+    }
+
+    /// Pieces between which a turn may be too tight. There is none into the first of all.
+    #[inline(always)]
+    pub(super) fn tight<'a>(
+        &self,
+        block: &'a Block<S>,
+    ) -> impl Iterator<Item = (&'a Steps<S>, &'a Steps<S>)> {
+        let first = usize::from(block.start == 0);
+        let count = if self.any_tight.any_true() {
+            BLOCK
+        } else {
+            first
+        };
+        let turns = block.all_steps().windows(2).zip(&self.tight);
+        turns.take(count).skip(first).filter_map(
+            #[inline(always)]
+            |(pair, lanes)| lanes.any_true().then_some((&pair[0], &pair[1])),
+        )
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
-use super::block::{BLOCK, Block, FINE};
+use super::block::{BLOCK, Block, FINE, Suspects};
 use super::lanes::{
     MOST_LANES, Scratch, SlopeLanes, Steps, TurnLanes, V, Wide, dot, point, quadrant_angles,
     segment, splat, store,
@@ -45,8 +45,10 @@ pub(super) fn terms<S: Simd>(
     };
     let keeps = !model.traffic.is_empty();
     let ground = GroundLanes::new(simd, model);
-    let slopes = SlopeLanes::new(simd, model, true);
-    let turns = TurnLanes::new(simd, model);
+    let limits = (
+        SlopeLanes::new(simd, model, true),
+        TurnLanes::new(simd, model),
+    );
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     let mut block = Block::before(simd, first);
     let cell = ground.relief.cell(first[0], first[1]);
@@ -84,13 +86,16 @@ pub(super) fn terms<S: Simd>(
         if keeps {
             block.keep(simd, scratch);
         }
-        let (steep, tight) = ground.add(&slopes, &turns, &block, &clearances, substeps, &mut sums);
+        let suspects = ground.add(&limits, &block, &clearances, substeps, &mut sums);
         clearances[0] = clearances[count * substeps];
-        if steep {
-            sums.climb = climb(&slopes, &block, sums.climb);
+        for piece in suspects.steep(&block) {
+            sums.climb += limits.0.excesses(piece.middle_m(), piece.step) * piece.step.length_km;
         }
-        if tight {
-            sums.turn = turn(simd, model, &block, sums.turn);
+        for (into, out) in suspects.tight(&block) {
+            let tight = model.too_tight(simd, into, out);
+            if tight.any_true() {
+                sums.turn += tight.select(model.turn_excesses(simd, into, out), zero);
+            }
         }
         sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
         if scratch.runs_up {
@@ -124,28 +129,6 @@ fn spread<S: Simd>(sums: &Sums<V<S>>) -> Sums<Wide> {
             wide
         },
     )
-}
-
-/// Slopes of a block, added to `sum`.
-#[inline(always)]
-fn climb<S: Simd>(slopes: &SlopeLanes<S>, block: &Block<S>, mut sum: V<S>) -> V<S> {
-    for piece in block.pieces() {
-        sum += slopes.excesses(piece.middle_m(), piece.step) * piece.step.length_km;
-    }
-    sum
-}
-
-/// Turns of a block, added to `sum`.
-#[inline(always)]
-fn turn<S: Simd>(simd: S, model: &CostModel, block: &Block<S>, mut sum: V<S>) -> V<S> {
-    for pair in block.turning().windows(2) {
-        let tight = model.too_tight(simd, &pair[0], &pair[1]);
-        if tight.any_true() {
-            let excesses = model.turn_excesses(simd, &pair[0], &pair[1]);
-            sum += tight.select(excesses, splat(simd, 0.0));
-        }
-    }
-    sum
 }
 
 /// The totals so far, summed in the order of [`CostTerms::total`].
@@ -223,58 +206,52 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         }
     }
 
-    /// Length, altitude and terrain of a block, and whether a piece may be too steep or turn too
-    /// tightly. The ends of a piece count half.
+    /// Length, altitude and terrain of a block, whose pieces' ends count half, and which pieces
+    /// may be too steep or turn too tightly.
     #[inline(always)]
     fn add(
         &self,
-        slopes: &SlopeLanes<S>,
-        turns: &TurnLanes<S>,
+        limits: &(SlopeLanes<S>, TurnLanes<S>),
         block: &Block<S>,
         clearances: &[Clearances<S>],
         substeps: usize,
         sums: &mut Sums<V<S>>,
-    ) -> (bool, bool) {
+    ) -> Suspects<S> {
         let mut sum = [sums.length_km, sums.altitude, sums.terrain];
-        let never = splat(self.simd, 0.0).simd_gt(0.0);
-        let (mut steep, mut tight) = (never, never);
-        let pieces = block.pieces().zip(block.all_steps());
+        let mut suspects = Suspects::none(self.simd);
+        let pieces = block.pieces().zip(block.all_steps()).enumerate();
         if substeps == 1 {
-            for ((piece, before), ends) in pieces.zip(clearances.windows(2)) {
+            for ((k, (piece, before)), ends) in pieces.zip(clearances.windows(2)) {
                 let length_km = piece.step.length_km;
                 sum[0] += length_km;
                 sum[1] += (ends[0].altitude_km + ends[1].altitude_km) * length_km;
                 sum[2] += (ends[0].deficit + ends[1].deficit) * length_km;
-                steep |= slopes.may_be_steep(piece.middle_m(), piece.step);
-                tight |= turns.may_be_tight(before, piece.step);
+                suspects.mark(k, piece.middle_m(), (before, piece.step), limits);
             }
         } else {
             let mut index = 0;
-            for (piece, before) in pieces {
+            for (k, (piece, before)) in pieces {
                 let of = &clearances[index..=index + substeps];
-                let within = &of[1..substeps];
-                self.add_piece(piece.step, &of[0], within, &of[substeps], &mut sum);
+                self.add_piece(piece.step, of, &mut sum);
                 index += substeps;
-                steep |= slopes.may_be_steep(piece.middle_m(), piece.step);
-                tight |= turns.may_be_tight(before, piece.step);
+                suspects.mark(k, piece.middle_m(), (before, piece.step), limits);
             }
         }
         [sums.length_km, sums.altitude, sums.terrain] = sum;
-        (steep.any_true(), tight.any_true())
+        suspects
     }
 
-    /// Adds one piece of several readings; `within` are between its ends.
+    /// Adds one piece of several readings.
     #[inline(always)]
     fn add_piece(
         &self,
         step: &Steps<S>,
-        first: &Clearances<S>,
-        within: &[Clearances<S>],
-        last: &Clearances<S>,
+        of: &[Clearances<S>],
         [length_km, altitude, terrain]: &mut [V<S>; 3],
     ) {
+        let (first, last) = (&of[0], &of[of.len() - 1]);
         let (mut high_km, mut deficit) = (first.altitude_km * 0.5, first.deficit * 0.5);
-        for of in within {
+        for of in &of[1..of.len() - 1] {
             high_km += of.altitude_km;
             deficit += of.deficit;
         }

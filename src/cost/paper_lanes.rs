@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
-use super::block::{BLOCK, Block, meets};
+use super::block::{BLOCK, Block, Suspects, meets};
 use super::hazards::Threat;
 use super::lanes::{MOST_LANES, Scratch, SlopeLanes, TurnLanes, V, Wide, point, splat, store};
 use super::model::CostModel;
@@ -22,11 +22,11 @@ pub(super) fn terms<S: Simd>(
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let (paper, segments) = (&model.paper, model.path.samples - 1);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
-    let (relief, slopes) = (
-        model.relief.lanes(simd),
+    let relief = model.relief.lanes(simd);
+    let limits = (
         SlopeLanes::new(simd, model, false),
+        TurnLanes::new(simd, model),
     );
-    let turns = TurnLanes::new(simd, model);
     let ground_m = relief.heights_m(first[0], first[1]);
     let (altitude, terrain) = paper.height_lanes::<S>(ground_m, model, first[2], 0);
     let mut sums = PaperSums {
@@ -72,23 +72,19 @@ pub(super) fn terms<S: Simd>(
             block.keep(simd, scratch);
         }
         let mut length_km = sums.length_km;
-        let (mut steep, mut tight) = (zero.simd_gt(zero), zero.simd_gt(zero));
-        for (piece, before) in block.pieces().zip(block.all_steps()) {
+        let mut suspects = Suspects::none(simd);
+        let pieces = block.pieces().zip(block.all_steps());
+        for (k, (piece, before)) in pieces.enumerate() {
             length_km += piece.step.length_km;
-            steep |= slopes.may_be_steep(piece.a[2], piece.step);
-            tight |= turns.may_be_tight(before, piece.step);
+            suspects.mark(k, piece.a[2], (before, piece.step), &limits);
         }
         sums.length_km = length_km;
-        if steep.any_true() {
-            for piece in block.pieces() {
-                sums.climb += slopes.excesses(piece.a[2], piece.step);
-            }
+        for piece in suspects.steep(&block) {
+            sums.climb += limits.0.excesses(piece.a[2], piece.step);
         }
-        if tight.any_true() {
-            for pair in block.turning().windows(2) {
-                let tight = model.too_tight(simd, &pair[0], &pair[1]);
-                sums.turns += tight.select(one, zero);
-            }
+        for (into, out) in suspects.tight(&block) {
+            let tight = model.too_tight(simd, into, out);
+            sums.turns += tight.select(one, zero);
         }
         let danger = model.paper.options.threat_form;
         sums.threat = block.add_threats(simd, model, danger, scratch, sums.threat);
@@ -155,7 +151,7 @@ impl Danger for ThreatForm {
     }
 
     #[inline(always)]
-    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, _: bool) -> V<S> {
+    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, _: bool) -> Option<V<S>> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let middle = |axis: usize| (of.a[axis] + of.b[axis]) * 0.5;
         let (east_m, north_m) = (middle(0) - threat.center[0], middle(1) - threat.center[1]);
@@ -165,7 +161,7 @@ impl Danger for ThreatForm {
             Self::Quartic => one / (share_sq * share_sq + 1.0),
             Self::Linear => one - share_sq.sqrt(),
         };
-        share_sq.simd_lt(1.0).select(danger, zero)
+        Some(share_sq.simd_lt(1.0).select(danger, zero))
     }
 }
 

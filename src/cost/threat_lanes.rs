@@ -17,9 +17,15 @@ pub(super) trait Danger: Copy {
     /// piece that the threat does something to, by its reach and the longest of the pieces.
     fn bound(self, reach_m: f64, longest_m: f64) -> f64;
 
-    /// What one kilometre of each piece costs for a threat; `stays` where some piece may be
-    /// but a point.
-    fn exposures<S: Simd>(self, simd: S, threat: &Threat, pieces: &Pieces<S>, stays: bool) -> V<S>;
+    /// What one kilometre of each piece costs for a threat, if that is anything; `stays` where
+    /// some piece may be but a point.
+    fn exposures<S: Simd>(
+        self,
+        simd: S,
+        threat: &Threat,
+        pieces: &Pieces<S>,
+        stays: bool,
+    ) -> Option<V<S>>;
 }
 
 /// Pieces of one candidate that follow each other, one in each lane.
@@ -84,7 +90,9 @@ impl Encounters {
             for &(pair, start) in &self.found[..count] {
                 let (threat, lane) = parts::<S>(pair, threats);
                 let pieces = self.pieces(simd, lane, usize::from(start));
-                let more = danger.exposures(simd, threat, &pieces, block.stays);
+                let Some(more) = danger.exposures(simd, threat, &pieces, block.stays) else {
+                    continue;
+                };
                 let of = &mut exposures[usize::from(start)..][..V::<S>::LEN];
                 let more = more.as_slice();
                 for k in 0..V::<S>::LEN {
@@ -211,7 +219,13 @@ impl Danger for Chords {
     }
 
     #[inline(always)]
-    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, stays: bool) -> V<S> {
+    fn exposures<S: Simd>(
+        self,
+        simd: S,
+        threat: &Threat,
+        of: &Pieces<S>,
+        stays: bool,
+    ) -> Option<V<S>> {
         let zero = splat(simd, 0.0);
         let from = [of.a[0] - threat.center[0], of.a[1] - threat.center[1]];
         let along = [of.b[0] - of.a[0], of.b[1] - of.a[1]];
@@ -226,6 +240,9 @@ impl Danger for Chords {
         let meets = discriminant.simd_gt(0.0)
             & outside.min(half).simd_lt(0.0)
             & outside_b.min(-past).simd_lt(0.0);
+        if !stays && !meets.any_true() {
+            return None;
+        }
         let root = discriminant.max(zero).sqrt();
         let per_square = splat(simd, 1.0) / square.max(POINT_SQ);
         let enter = ((-half - root) * per_square).max(0.0);
@@ -236,10 +253,10 @@ impl Danger for Chords {
         let through = (leave - enter) * (splat(simd, FORBIDDEN) - closest * threat.per_radius);
         let through = (meets & leave.simd_gt(enter)).select(through, zero);
         if !stays {
-            return through;
+            return Some(through);
         }
         let over = splat(simd, FORBIDDEN) - from_sq.sqrt() * threat.per_radius;
         let over = outside.simd_lt(0.0).select(over, zero);
-        square.simd_le(POINT_SQ).select(over, through)
+        Some(square.simd_le(POINT_SQ).select(over, through))
     }
 }
