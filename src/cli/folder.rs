@@ -82,27 +82,13 @@ pub(super) fn write(
         .iter()
         .map(|(id, path)| (*id, path.as_slice()))
         .collect();
-    folder.write(
-        "fleet.kml",
-        formats::kml::write(spec, world, &paths).as_bytes(),
-    )?;
-    folder.write(
-        "fleet.geojson",
-        formats::geojson::write(spec, world, &paths).as_bytes(),
-    )?;
-    let hash = sha256(&file.text);
-    let plan = plan_document(file, world, dispatched);
-    folder.write("plan.json", report::json_text(&plan).as_bytes())?;
-    folder.write(
-        "review.json",
-        report::json_text(&report::review_json(review)).as_bytes(),
-    )?;
     let missions: Vec<(usize, &VehicleMission)> = dispatched
         .missions
         .iter()
         .map(|(vehicle, mission)| (*vehicle, mission))
         .collect();
-    let page = report::review_html(&ReviewInput {
+    let hash = sha256(&file.text);
+    let input = ReviewInput {
         spec,
         world,
         plan: Some(&dispatched.plan),
@@ -111,7 +97,22 @@ pub(super) fn write(
         seed: Some(dispatched.plan.seed),
         spec_sha256: &hash,
         version: env!("CARGO_PKG_VERSION"),
-    });
+    };
+    let (page, (kml, geojson)) = rayon::join(
+        || report::review_html(&input),
+        || {
+            let kml = formats::kml::write(spec, world, &paths);
+            (kml, formats::geojson::write(spec, world, &paths))
+        },
+    );
+    folder.write("fleet.kml", kml.as_bytes())?;
+    folder.write("fleet.geojson", geojson.as_bytes())?;
+    let plan = plan_document(file, world, dispatched);
+    folder.write("plan.json", report::json_text(&plan).as_bytes())?;
+    folder.write(
+        "review.json",
+        report::json_text(&report::review_json(review)).as_bytes(),
+    )?;
     folder.write("review.html", page.as_bytes())?;
     folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
     folder.publish()?;
