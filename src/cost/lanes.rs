@@ -9,9 +9,10 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use fearless_simd::prelude::*;
 
-use super::block::BlockBox;
+use super::block::{BlockBox, FINE};
 use super::hazards::Segment;
 use super::model::CostModel;
+use super::relief::Corners;
 use super::threat_lanes::{Encounters, Exposures};
 use crate::numeric::angle::{ATAN, TAN_PI_8};
 
@@ -43,6 +44,8 @@ pub struct Scratch {
     /// Totals up to the end of each block, if `runs_up`.
     pub(super) running: Vec<Wide>,
     pub(super) runs_up: bool,
+    /// Corners of the cells of a block.
+    pub(super) corners: [Corners; FINE],
     pub(super) encounters: Encounters,
     pub(super) exposures: Exposures,
 }
@@ -201,7 +204,7 @@ impl<S: Simd> SlopeLanes<S> {
             by_speed: [splat(simd, speeds[0]), splat(simd, speeds[1])],
             are_even: model.limits.are_even(),
             share: splat(simd, model.slope_share),
-            share_within: splat(simd, model.slope_share * (1.0 - ROUNDING)),
+            share_within: splat(simd, (model.slope_share * (1.0 - ROUNDING)).max(0.0)),
         }
     }
 

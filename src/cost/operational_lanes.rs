@@ -52,10 +52,11 @@ pub(super) fn terms<S: Simd>(
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     let mut block = Block::before(simd, first);
     let cell = ground.relief.cell(first[0], first[1]);
-    let (mut cells, mut corners) = ([cell; FINE], [Corners::default(); FINE]);
-    ground.relief.fetch(&cell, &mut corners[0]);
+    let mut cells = [cell; FINE];
+    ground.relief.fetch(&cell, &mut scratch.corners[0]);
     // The last of the block before, then those of this one.
-    let begin = ground.clearances(first[2], (&cell, &corners[0]), model.wanted_agl_m[0]);
+    let corners = &scratch.corners[0];
+    let begin = ground.clearances(first[2], (&cell, corners), model.wanted_agl_m[0]);
     let mut clearances = [begin; FINE + 1];
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
@@ -66,7 +67,7 @@ pub(super) fn terms<S: Simd>(
         for (at, cell) in block.fine(substeps).iter().zip(&mut cells) {
             *cell = ground.relief.cell(at[0], at[1]);
         }
-        let mut each = cells.iter().zip(&mut corners);
+        let mut each = cells.iter().zip(&mut scratch.corners);
         block.measure(
             simd,
             substeps,
@@ -79,7 +80,7 @@ pub(super) fn terms<S: Simd>(
         );
         let wanted_agl_m = &model.wanted_agl_m[within];
         let places = block.fine(substeps).iter().zip(wanted_agl_m);
-        let grounds = cells.iter().zip(&corners);
+        let grounds = cells.iter().zip(&scratch.corners);
         for (((at, wanted_m), ground_of), of) in places.zip(grounds).zip(&mut clearances[1..]) {
             *of = ground.clearances(at[2], ground_of, *wanted_m);
         }

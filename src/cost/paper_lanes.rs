@@ -8,7 +8,6 @@ use super::hazards::Threat;
 use super::lanes::{MOST_LANES, Scratch, SlopeLanes, TurnLanes, V, Wide, point, splat, store};
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
-use super::relief::Corners;
 use super::threat_lanes::{Danger, Pieces};
 
 /// Terms of the candidates in the lanes of `scratch`, as many as `out` has.
@@ -40,7 +39,6 @@ pub(super) fn terms<S: Simd>(
     };
     let mut block = Block::before(simd, first);
     let mut cells = [relief.cell(first[0], first[1]); BLOCK];
-    let mut corners = [Corners::default(); BLOCK];
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let rows = &model.path.rows[start + 1..=start + count];
@@ -48,7 +46,7 @@ pub(super) fn terms<S: Simd>(
         for (at, cell) in block.fine(1).iter().zip(&mut cells) {
             *cell = relief.cell(at[0], at[1]);
         }
-        let mut each = cells.iter().zip(&mut corners);
+        let mut each = cells.iter().zip(&mut scratch.corners);
         block.measure(
             simd,
             1,
@@ -60,7 +58,7 @@ pub(super) fn terms<S: Simd>(
             },
         );
         let (mut altitude, mut terrain) = (sums.altitude, sums.terrain);
-        let grounds = cells.iter().zip(&corners);
+        let grounds = cells.iter().zip(&scratch.corners);
         for (index, (at, (cell, corners))) in (start + 1..).zip(block.fine(1).iter().zip(grounds)) {
             let ground_m = relief.heights_in(cell, corners);
             let (high_km, deep_km) = paper.height_lanes::<S>(ground_m, model, at[2], index);

@@ -192,7 +192,7 @@ impl<S: Simd> ReliefLanes<'_, S> {
 
 /// Heights at the corners of a cell of every lane, south-west beside south-east, and
 /// north-west beside north-east: two in the bits of one number.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Corners {
     south: Wide,
     north: Wide,
