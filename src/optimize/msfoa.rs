@@ -197,17 +197,17 @@ fn share(budget: usize, part: f64) -> usize {
     share.min(budget)
 }
 
-/// One olfactory and visual search of all swarms, evaluated as one batch.
-fn generation<P: Problem + ?Sized>(
-    evaluator: &mut Evaluator<'_, P>,
-    swarms: &mut [Swarm],
+/// The flies of one generation, swarm after swarm, and where they go, row by row. All numbers are
+/// drawn in one order; what follows from them is worked out side by side.
+fn fly_out(
+    swarms: &[Swarm],
     parameters: &MsfoaParameters,
+    dimension: usize,
     rng: &mut ChaCha8Rng,
-) {
-    let (dimension, flies) = (evaluator.dimension(), parameters.flies);
-    // All numbers are drawn in one order; what follows from them is worked out side by side.
+) -> (Vec<Flight>, Vec<f64>) {
+    let flies = parameters.flies;
     let mut flights = Vec::with_capacity(swarms.len() * flies);
-    for swarm in swarms.iter() {
+    for swarm in swarms {
         let task_is_global = swarm.best.cost.is_finite() && swarm.best.cost > parameters.threshold;
         // Half the flies of a global task keep adapting, so that a swarm that
         // stands near a way out still finds it.
@@ -229,6 +229,18 @@ fn generation<P: Problem + ?Sized>(
                 }
             }
         });
+    (flights, rows)
+}
+
+/// One olfactory and visual search of all swarms, evaluated as one batch.
+fn generation<P: Problem + ?Sized>(
+    evaluator: &mut Evaluator<'_, P>,
+    swarms: &mut [Swarm],
+    parameters: &MsfoaParameters,
+    rng: &mut ChaCha8Rng,
+) {
+    let (dimension, flies) = (evaluator.dimension(), parameters.flies);
+    let (flights, rows) = fly_out(swarms, parameters, dimension, rng);
     // What a window leaves out does not cancel: the last of a cost is found as a whole.
     let is_late = evaluator.spent() * WHOLE.1 > evaluator.budget() * WHOLE.0;
     let (costs, parts, groups) = if is_late {
