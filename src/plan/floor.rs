@@ -44,6 +44,13 @@ struct LowZone<'a> {
     below_m: f64,
 }
 
+/// Samples of a path in the plane, and the altitudes of its ends, metres.
+pub(super) struct Track<'a> {
+    pub east_m: &'a [f64],
+    pub north_m: &'a [f64],
+    pub ends_m: (f64, f64),
+}
+
 /// What the floor is made of.
 pub(super) struct FloorMaker<'a> {
     world: &'a World,
@@ -82,31 +89,22 @@ impl<'a> FloorMaker<'a> {
         }
     }
 
-    /// The demand on the altitude over samples of a path whose ends are at the given
-    /// altitudes; also fills the horizontal lengths of the segments. Slope limits are
-    /// those at the highest floor, where they are tightest.
-    pub(super) fn fill(
-        &self,
-        east_m: &[f64],
-        north_m: &[f64],
-        ends_m: (f64, f64),
-        demand: &mut Demand,
-        lengths_m: &mut Vec<f64>,
-    ) {
-        self.relief.read(east_m, north_m, &mut demand.ground_m);
-        dispatch!(self.level, _simd => self.fill_over(east_m, north_m, ends_m, demand, lengths_m));
+    /// The demand on the altitude over a track; also fills the horizontal lengths of its
+    /// segments. Slope limits are those at the highest floor, where they are tightest.
+    pub(super) fn fill(&self, track: &Track<'_>, demand: &mut Demand, lengths_m: &mut Vec<f64>) {
+        self.relief
+            .read(track.east_m, track.north_m, &mut demand.ground_m);
+        dispatch!(self.level, _simd => self.fill_over(track, demand, lengths_m));
     }
 
     /// The same where the ground is known.
     #[inline(always)]
-    fn fill_over(
-        &self,
-        east_m: &[f64],
-        north_m: &[f64],
-        ends_m: (f64, f64),
-        demand: &mut Demand,
-        lengths_m: &mut Vec<f64>,
-    ) {
+    fn fill_over(&self, track: &Track<'_>, demand: &mut Demand, lengths_m: &mut Vec<f64>) {
+        let &Track {
+            east_m,
+            north_m,
+            ends_m,
+        } = track;
         self.over_ground(ends_m, demand);
         for zone in &self.zones {
             for (floor_m, at) in demand.floor_m.iter_mut().zip(east_m.iter().zip(north_m)) {

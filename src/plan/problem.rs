@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use super::course::Course;
-use super::floor::FloorMaker;
+use super::floor::{FloorMaker, Track};
 use super::lowest::{Demand, LowestSpline, Row, Workspace};
 use crate::cost::{Batch, Controls, CostModel, Margins, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
@@ -232,13 +232,13 @@ impl<'a> Sampled<'a> {
         room.north_m.resize(samples, 0.0);
         self.basis.apply(&spline.east_m, &mut room.east_m);
         self.basis.apply(&spline.north_m, &mut room.north_m);
-        self.floor.fill(
-            &room.east_m,
-            &room.north_m,
-            (self.from.amsl.0, self.to.amsl.0),
-            &mut room.demand,
-            &mut room.lengths_m,
-        );
+        let track = Track {
+            east_m: &room.east_m,
+            north_m: &room.north_m,
+            ends_m: (self.from.amsl.0, self.to.amsl.0),
+        };
+        self.floor
+            .fill(&track, &mut room.demand, &mut room.lengths_m);
         let weights = &mut room.demand.weights;
         weights.clear();
         if self.even {

@@ -245,9 +245,10 @@ fn redrawn(
         .map(|_| Warp::random(&summits, rng))
         .collect();
     let frame = &problem.frame;
-    let redrawn = warps.par_iter();
-    let redrawn = redrawn.map(|warp| start(frame, fitter, &line, warp, 0));
-    redrawn.collect()
+    warps
+        .par_iter()
+        .map(|warp| start(frame, fitter, &line, warp, 0))
+        .collect()
 }
 
 /// A little stricter than the judgement: between coarse samples a spline is steeper and
