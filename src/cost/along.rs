@@ -3,9 +3,9 @@
 use fearless_simd::{dispatch, prelude::*};
 
 use super::block::BLOCK;
-use super::lanes::{MOST_LANES, Scratch, V};
+use super::lanes::{Scratch, V};
 use super::model::CostModel;
-use super::{Batch, CostTerms};
+use super::Batch;
 
 impl CostModel {
     /// Number of blocks of a path that [`Self::totals_along`] tells apart.
@@ -41,22 +41,17 @@ impl CostModel {
         along: &mut [f64],
     ) {
         let blocks = self.blocks();
+        assert!(along.len() >= totals.len() * blocks, "a row each");
         let lanes = dispatch!(self.dispatch.0, simd => lanes(simd));
-        let mut terms = [CostTerms::default(); MOST_LANES];
         scratch.runs_up = true;
-        // The scratch holds what ran up in one vector.
-        for (group, totals) in totals.chunks_mut(lanes).enumerate() {
-            let (first, terms) = (group * lanes, &mut terms[..totals.len()]);
-            self.evaluate(batch, first, f64::INFINITY, scratch, terms);
-            for (lane, (total, terms)) in totals.iter_mut().zip(terms).enumerate() {
-                *total = terms.total();
-                let row = &mut along[(first + lane) * blocks..][..blocks];
-                for (to, wide) in row.iter_mut().zip(&scratch.running) {
-                    *to = wide[lane];
-                }
+        self.totals(batch, f64::INFINITY, scratch, totals);
+        scratch.runs_up = false;
+        for (index, row) in along.chunks_exact_mut(blocks).enumerate().take(totals.len()) {
+            let running = &scratch.running[index / lanes * blocks..][..blocks];
+            for (to, wide) in row.iter_mut().zip(running) {
+                *to = wide[index % lanes];
             }
         }
-        scratch.runs_up = false;
     }
 }
 

@@ -55,9 +55,16 @@ impl Batch {
         self.controls
     }
 
-    /// The numbers of one candidate: all east, all north, all altitudes.
-    pub(super) fn candidate(&self, index: usize) -> &[f64] {
-        &self.values[3 * self.controls * index..][..3 * self.controls]
+    /// One candidate.
+    pub(super) fn candidate(&self, index: usize) -> Controls<'_> {
+        let values = &self.values[3 * self.controls * index..][..3 * self.controls];
+        let (east_m, others) = values.split_at(self.controls);
+        let (north_m, amsl_m) = others.split_at(self.controls);
+        Controls {
+            east_m,
+            north_m,
+            amsl_m,
+        }
     }
 }
 

@@ -8,10 +8,11 @@ use fearless_simd::prelude::*;
 
 use super::hazards::{Hazards, Segment};
 use super::lanes::{
-    Lanes, Place, Scratch, SlopeLanes, Steps, TurnLanes, V, Wide, load, points, splat, steps,
-    store, store_place,
+    Lanes, Place, Scratch, Steps, V, Wide, load, point, points, splat, steps, store, store_place,
 };
+use super::limit_lanes::LimitLanes;
 use super::model::CostModel;
+use super::relief::{CellLanes, Corners, ReliefLanes};
 use super::sampling::MOST_SUBSTEPS;
 use super::threat_lanes::{Danger, clear};
 use crate::numeric::geometry::{POINT_SQ, Point};
@@ -44,20 +45,92 @@ pub(super) struct Block<S: Simd> {
     /// The sample with which it begins.
     start: usize,
     count: usize,
+    /// Readings of the ground in each piece.
+    substeps: usize,
     /// Places at the samples, that with which it begins included.
     places: [Place<S>; BLOCK + 1],
     /// Those at the fine samples too, if there are more.
     fine: [Place<S>; FINE],
+    /// Where in the ground grid the fine samples lie.
+    cells: [CellLanes<S>; FINE],
     /// The last piece of the block before, and those of this one.
     steps: [Steps<S>; BLOCK + 1],
     /// Horizontal distance along the route at the end, if it is kept.
     along_m: V<S>,
     /// The longest piece, horizontally.
     pub(super) longest_m: V<S>,
-    pub(super) low: [V<S>; 2],
-    pub(super) high: [V<S>; 2],
+    pub(super) bounds: Bounds<S>,
     /// Whether a piece goes nowhere, or straight up.
     pub(super) stays: bool,
+    /// Whether a piece may be too steep, and a turn too tight.
+    may_be_steep: bool,
+    may_be_tight: bool,
+}
+
+/// A box around places of every lane, and the greatest altitude.
+#[derive(Clone, Copy)]
+pub(super) struct Bounds<S: Simd> {
+    pub(super) low: [V<S>; 2],
+    pub(super) high: [V<S>; 2],
+    top_m: V<S>,
+}
+
+impl<S: Simd> Bounds<S> {
+    #[inline(always)]
+    fn of(place: &Place<S>) -> Self {
+        let at = [place[0], place[1]];
+        Self {
+            low: at,
+            high: at,
+            top_m: place[2],
+        }
+    }
+
+    #[inline(always)]
+    fn widen(&mut self, place: &Place<S>) {
+        for axis in 0..2 {
+            self.low[axis] = self.low[axis].min(place[axis]);
+            self.high[axis] = self.high[axis].max(place[axis]);
+        }
+        self.top_m = self.top_m.max(place[2]);
+    }
+}
+
+/// What is seen of pieces as they are measured.
+struct Look<S: Simd> {
+    before: Steps<S>,
+    least_sq: V<S>,
+    most_sq: V<S>,
+    steep: Lanes<S>,
+    tight: Lanes<S>,
+}
+
+impl<S: Simd> Look<S> {
+    /// At those after a piece.
+    #[inline(always)]
+    fn at(simd: S, before: &Steps<S>) -> Self {
+        let zero = splat(simd, 0.0);
+        let none = zero.simd_gt(zero);
+        Self {
+            before: *before,
+            least_sq: splat(simd, f64::INFINITY),
+            most_sq: zero,
+            steep: none,
+            tight: none,
+        }
+    }
+
+    /// Measures the next one, between two ends.
+    #[inline(always)]
+    fn measure(&mut self, limits: &LimitLanes<S>, ends: &[Place<S>]) -> Steps<S> {
+        let step = steps::<S>(&ends[0], &ends[1]);
+        self.least_sq = self.least_sq.min(step.run_sq);
+        self.most_sq = self.most_sq.max(step.run_sq);
+        self.steep |= limits.may_be_steep(&step);
+        self.tight |= limits.may_be_tight(&self.before, &step);
+        self.before = step;
+        step
+    }
 }
 
 /// One piece of every lane.
@@ -77,109 +150,143 @@ impl<S: Simd> Piece<'_, S> {
 }
 
 impl<S: Simd> Block<S> {
-    /// No pieces, before the one that begins at `place`.
+    /// Room for the blocks of paths, one after the other, whose pieces have so many readings of
+    /// the ground.
     #[inline(always)]
-    pub(super) fn before(simd: S, place: Place<S>) -> Self {
+    pub(super) fn new(simd: S, substeps: usize) -> Self {
         let zero = splat(simd, 0.0);
+        let nowhere = [zero; 3];
         Self {
             start: 0,
             count: 0,
-            places: [place; BLOCK + 1],
-            fine: [place; FINE],
-            steps: [steps::<S>(&place, &place); BLOCK + 1],
+            substeps,
+            places: [nowhere; BLOCK + 1],
+            fine: [nowhere; FINE],
+            cells: [CellLanes::first(simd); FINE],
+            steps: [steps::<S>(&nowhere, &nowhere); BLOCK + 1],
             along_m: zero,
             longest_m: zero,
-            low: [zero; 2],
-            high: [zero; 2],
+            bounds: Bounds::of(&nowhere),
             stays: false,
+            may_be_steep: false,
+            may_be_tight: false,
         }
     }
 
-    /// Goes on to the next pieces, so many: each ends at every so many of the rows.
+    /// Goes back to where paths begin.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, simd: S, place: Place<S>) {
+        (self.start, self.count) = (0, 0);
+        self.places[0] = place;
+        self.along_m = splat(simd, 0.0);
+    }
+
+    /// Goes on to the next pieces, so many, whose fine samples are at these rows.
     #[inline(always)]
     pub(super) fn sample(
         &mut self,
         simd: S,
         rows: &[(usize, [f64; 4])],
-        (count, substeps): (usize, usize),
+        count: usize,
         controls: &[[Wide; 3]],
     ) {
         self.places[0] = self.places[self.count];
         self.steps[0] = self.steps[self.count];
         self.start += self.count;
         self.count = count;
+        let mut bounds = Bounds::of(&self.places[0]);
         let ends = &mut self.places[1..=count];
-        if substeps == 1 {
-            points(simd, rows, controls, ends);
+        if self.substeps == 1 {
+            for (row, end) in rows.iter().zip(ends) {
+                *end = point(simd, row, controls);
+                bounds.widen(end);
+            }
         } else {
             points(simd, rows, controls, &mut self.fine);
-            let mut index = substeps - 1;
-            for end in ends {
-                *end = self.fine[index];
-                index += substeps;
+            for (fine, end) in self.fine.chunks_exact(self.substeps).zip(ends) {
+                *end = fine[self.substeps - 1];
+                bounds.widen(end);
             }
         }
-        let first = &self.places[0];
-        let (mut low, mut high) = ([first[0], first[1]], [first[0], first[1]]);
-        for end in &self.places[1..=count] {
-            low = [low[0].min(end[0]), low[1].min(end[1])];
-            high = [high[0].max(end[0]), high[1].max(end[1])];
-        }
-        (self.low, self.high) = (low, high);
+        self.bounds = bounds;
     }
 
-    /// Places at the fine samples, without that with which the block begins.
+    /// Readings of the ground in each piece.
     #[inline(always)]
-    pub(super) fn fine(&self, substeps: usize) -> &[Place<S>] {
-        if substeps == 1 {
+    pub(super) fn substeps(&self) -> usize {
+        self.substeps
+    }
+
+    /// Finds the cells of the ground under the fine samples.
+    #[inline(always)]
+    pub(super) fn find(&mut self, relief: &ReliefLanes<'_, S>) {
+        let fine = if self.substeps == 1 {
             &self.places[1..=self.count]
         } else {
-            &self.fine[..self.count * substeps]
+            &self.fine[..self.count * self.substeps]
+        };
+        for (at, cell) in fine.iter().zip(&mut self.cells) {
+            *cell = relief.cell(at[0], at[1]);
         }
     }
 
-    /// Measures the pieces. What is done `beside` with the fine samples of each has nothing to
-    /// do with that, but a processor that waits for roots can do it.
+    /// Measures the pieces, and fetches the corners of their cells: one has nothing to do with
+    /// the other, but a processor that waits for roots can fetch.
     #[inline(always)]
     pub(super) fn measure(
         &mut self,
         simd: S,
-        substeps: usize,
-        mut beside: impl FnMut(&[Place<S>]),
+        limits: &LimitLanes<S>,
+        relief: &ReliefLanes<'_, S>,
+        corners: &mut [Corners; FINE],
     ) {
-        let mut least_sq = splat(simd, f64::INFINITY);
-        let mut most_sq = splat(simd, 0.0);
-        let ends = self.places[..=self.count].windows(2);
-        let pieces = ends.zip(&mut self.steps[1..]);
-        if substeps == 1 {
-            for (pair, to) in pieces {
-                *to = steps::<S>(&pair[0], &pair[1]);
-                least_sq = least_sq.min(to.run_sq);
-                most_sq = most_sq.max(to.run_sq);
-                beside(std::slice::from_ref(&pair[1]));
-            }
-        } else {
-            for ((pair, to), fine) in pieces.zip(self.fine.chunks_exact(substeps)) {
-                *to = steps::<S>(&pair[0], &pair[1]);
-                least_sq = least_sq.min(to.run_sq);
-                most_sq = most_sq.max(to.run_sq);
-                beside(fine);
-            }
-        }
         if self.start == 0 {
             // There is no turn into the first piece.
-            self.steps[0] = self.steps[1];
+            self.steps[0] = steps::<S>(&self.places[0], &self.places[1]);
         }
-        self.longest_m = most_sq.sqrt();
-        self.stays = least_sq.simd_le(POINT_SQ).any_true();
+        let mut look = Look::at(simd, &self.steps[0]);
+        let pieces = self.places[..=self.count].windows(2);
+        let pieces = pieces.zip(&mut self.steps[1..]);
+        if self.substeps == 1 {
+            let grounds = self.cells.iter().zip(corners);
+            for ((ends, step), (cell, corners)) in pieces.zip(grounds) {
+                *step = look.measure(limits, ends);
+                relief.fetch(cell, corners);
+            }
+        } else {
+            let cells = self.cells.chunks_exact(self.substeps);
+            let grounds = cells.zip(corners.chunks_exact_mut(self.substeps));
+            for ((ends, step), (cells, corners)) in pieces.zip(grounds) {
+                *step = look.measure(limits, ends);
+                for (cell, corners) in cells.iter().zip(corners) {
+                    relief.fetch(cell, corners);
+                }
+            }
+        }
+        self.longest_m = look.most_sq.sqrt();
+        self.stays = look.least_sq.simd_le(POINT_SQ).any_true();
+        let above = limits.are_above(self.bounds.top_m);
+        self.may_be_steep = (look.steep | above).any_true();
+        self.may_be_tight = look.tight.any_true();
+    }
+
+    /// The pieces with the places and cells of their fine samples.
+    #[inline(always)]
+    pub(super) fn grounds(&self) -> impl Iterator<Item = (&Place<S>, &CellLanes<S>)> {
+        let fine = if self.substeps == 1 {
+            &self.places[1..=self.count]
+        } else {
+            &self.fine[..self.count * self.substeps]
+        };
+        fine.iter().zip(&self.cells)
     }
 
     /// Writes down where the pieces lie, for what is met at times that depend on whole paths.
     #[inline(always)]
-    pub(super) fn keep(&mut self, simd: S, scratch: &mut Scratch) {
+    pub(super) fn keep(&mut self, scratch: &mut Scratch) {
         if self.start == 0 {
             store_place::<S>(&self.places[0], &mut scratch.curve[0]);
-            store::<S>(splat(simd, 0.0), &mut scratch.along_m[0]);
+            store::<S>(self.along_m, &mut scratch.along_m[0]);
         }
         let curve = &mut scratch.curve[self.start + 1..];
         for (place, stored) in self.places[1..=self.count].iter().zip(curve) {
@@ -192,8 +299,8 @@ impl<S: Simd> Block<S> {
         }
         let stored = &mut scratch.boxes[self.start / BLOCK];
         for axis in 0..2 {
-            store::<S>(self.low[axis], &mut stored.low[axis]);
-            store::<S>(self.high[axis], &mut stored.high[axis]);
+            store::<S>(self.bounds.low[axis], &mut stored.low[axis]);
+            store::<S>(self.bounds.high[axis], &mut stored.high[axis]);
         }
     }
 
@@ -222,16 +329,11 @@ impl<S: Simd> Block<S> {
         &self.steps[1..=self.count]
     }
 
-    /// The pieces, after that before the first; in the first block this is the first itself.
+    /// The pieces, if any of them may be too steep.
     #[inline(always)]
-    pub(super) fn all_steps(&self) -> &[Steps<S>] {
-        &self.steps[..=self.count]
-    }
-
-    /// The pieces with their ends.
-    #[inline(always)]
-    pub(super) fn pieces(&self) -> impl Iterator<Item = Piece<'_, S>> {
-        let ends = self.places[..=self.count].windows(2);
+    pub(super) fn steep(&self) -> impl Iterator<Item = Piece<'_, S>> {
+        let count = if self.may_be_steep { self.count } else { 0 };
+        let ends = self.places[..=count].windows(2);
         ends.zip(self.steps()).map(
             #[inline(always)]
             |(pair, step)| Piece {
@@ -239,6 +341,18 @@ impl<S: Simd> Block<S> {
                 b: &pair[1],
                 step,
             },
+        )
+    }
+
+    /// The pieces before and after each turn, if any of these may be too tight.
+    #[inline(always)]
+    pub(super) fn tight(&self) -> impl Iterator<Item = (&Steps<S>, &Steps<S>)> {
+        // There is no turn into the first piece.
+        let from = usize::from(self.start == 0);
+        let to = if self.may_be_tight { self.count } else { from };
+        self.steps[from..=to].windows(2).map(
+            #[inline(always)]
+            |pair| (&pair[0], &pair[1]),
         )
     }
 
@@ -284,7 +398,7 @@ impl<S: Simd> Block<S> {
     /// Which lanes need a look at zones, and which at the edge of the area.
     #[inline(always)]
     fn near_polygons(&self, hazards: &Hazards) -> (u64, u64) {
-        let (low, high) = (&self.low, &self.high);
+        let (low, high) = (&self.bounds.low, &self.bounds.high);
         let mut zones = 0;
         for zone in &hazards.zones {
             let (zone_low, zone_high) = zone.bounds();
@@ -296,74 +410,6 @@ impl<S: Simd> Block<S> {
             & low[1].simd_ge(bounds.low[1])
             & high[1].simd_le(bounds.high[1]);
         (zones, (!inside).to_bitmask())
-    }
-}
-
-/// Pieces of a block that may break a limit: few, so that only these are looked at closely.
-pub(super) struct Suspects<S: Simd> {
-    steep: [Lanes<S>; BLOCK],
-    tight: [Lanes<S>; BLOCK],
-    any_steep: Lanes<S>,
-    any_tight: Lanes<S>,
-}
-
-impl<S: Simd> Suspects<S> {
-    #[inline(always)]
-    pub(super) fn none(simd: S) -> Self {
-        let zero = splat(simd, 0.0);
-        let none = zero.simd_gt(zero);
-        Self {
-            steep: [none; BLOCK],
-            tight: [none; BLOCK],
-            any_steep: none,
-            any_tight: none,
-        }
-    }
-
-    /// Looks at piece number `k`, at an altitude, and at the turn into it from that before.
-    #[inline(always)]
-    pub(super) fn mark(
-        &mut self,
-        k: usize,
-        amsl_m: V<S>,
-        (before, step): (&Steps<S>, &Steps<S>),
-        (slopes, turns): &(SlopeLanes<S>, TurnLanes<S>),
-    ) {
-        let steep = slopes.may_be_steep(amsl_m, step);
-        let tight = turns.may_be_tight(before, step);
-        (self.steep[k], self.tight[k]) = (steep, tight);
-        self.any_steep |= steep;
-        self.any_tight |= tight;
-    }
-
-    /// Pieces that may be too steep.
-    #[inline(always)]
-    pub(super) fn steep<'a>(&self, block: &'a Block<S>) -> impl Iterator<Item = Piece<'a, S>> {
-        let count = if self.any_steep.any_true() { BLOCK } else { 0 };
-        let pieces = block.pieces().zip(&self.steep).take(count);
-        pieces.filter_map(
-            #[inline(always)]
-            |(piece, lanes)| lanes.any_true().then_some(piece),
-        )
-    }
-
-    /// Pieces between which a turn may be too tight. There is none into the first of all.
-    #[inline(always)]
-    pub(super) fn tight<'a>(
-        &self,
-        block: &'a Block<S>,
-    ) -> impl Iterator<Item = (&'a Steps<S>, &'a Steps<S>)> {
-        let first = usize::from(block.start == 0);
-        let count = if self.any_tight.any_true() {
-            BLOCK
-        } else {
-            first
-        };
-        let turns = block.all_steps().windows(2).zip(&self.tight);
-        turns.take(count).skip(first).filter_map(
-            #[inline(always)]
-            |(pair, lanes)| lanes.any_true().then_some((&pair[0], &pair[1])),
-        )
     }
 }
 

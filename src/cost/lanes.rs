@@ -9,17 +9,15 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use fearless_simd::prelude::*;
 
+use super::CostTerms;
 use super::block::{BlockBox, FINE};
 use super::hazards::Segment;
-use super::model::CostModel;
 use super::relief::Corners;
 use super::threat_lanes::{Encounters, Exposures};
 use crate::numeric::angle::{ATAN, TAN_PI_8};
 
 /// Lanes of the widest vectors.
 pub(super) const MOST_LANES: usize = 8;
-/// More than rounding makes of a comparison, as a share.
-const ROUNDING: f64 = 1e-9;
 /// One number for each lane; narrower vectors use the first ones.
 pub(super) type Wide = [f64; MOST_LANES];
 /// A vector of the instructions at hand.
@@ -41,7 +39,9 @@ pub struct Scratch {
     /// Boxes of the blocks.
     pub(super) boxes: Vec<BlockBox>,
     pub(super) crossings: Vec<(f64, i32)>,
-    /// Totals up to the end of each block, if `runs_up`.
+    /// The terms of a batch.
+    pub(super) terms: Vec<CostTerms>,
+    /// Totals up to the end of each block, group of lanes by group, if `runs_up`.
     pub(super) running: Vec<Wide>,
     pub(super) runs_up: bool,
     /// Corners of the cells of a block.
@@ -168,126 +168,6 @@ pub(super) fn segment(curve: &[[Wide; 3]], k: usize, lane: usize) -> Segment {
         b: [b[0][lane], b[1][lane]],
         amsl_a_m: a[2][lane],
         amsl_b_m: b[2][lane],
-    }
-}
-
-/// The limits on slopes in every lane.
-#[derive(Clone, Copy)]
-pub(super) struct SlopeLanes<S: Simd> {
-    simd: S,
-    /// Coefficients up and down, and limits by vertical speed.
-    up: [V<S>; 3],
-    down: [V<S>; 3],
-    by_speed: [V<S>; 2],
-    /// Whether they are the same at all altitudes.
-    are_even: bool,
-    share: V<S>,
-    /// A little less than that.
-    share_within: V<S>,
-}
-
-impl<S: Simd> SlopeLanes<S> {
-    /// By shape alone, or by vertical speed too.
-    #[inline(always)]
-    pub(super) fn new(simd: S, model: &CostModel, by_speed: bool) -> Self {
-        let wide = |of: [f64; 3]| [splat(simd, of[0]), splat(simd, of[1]), splat(simd, of[2])];
-        let (climb, descent) = (&model.limits.climb, &model.limits.descent);
-        let speeds = if by_speed {
-            [climb.by_speed(), descent.by_speed()]
-        } else {
-            [f64::INFINITY; 2]
-        };
-        Self {
-            simd,
-            up: wide(climb.polynomial()),
-            down: wide(descent.polynomial()),
-            by_speed: [splat(simd, speeds[0]), splat(simd, speeds[1])],
-            are_even: model.limits.are_even(),
-            share: splat(simd, model.slope_share),
-            share_within: splat(simd, (model.slope_share * (1.0 - ROUNDING)).max(0.0)),
-        }
-    }
-
-    /// By how much steps rise or sink beyond their limits at an altitude, metres, if that is
-    /// above zero.
-    #[inline(always)]
-    fn excesses_m(&self, amsl_m: V<S>, step: &Steps<S>) -> V<S> {
-        let limit = self.at(amsl_m, step.rise_m);
-        step.rise_m.abs() - limit * self.share * step.run_m()
-    }
-
-    /// Which steps may be beyond their limits: all that are, and those within rounding.
-    #[inline(always)]
-    pub(super) fn may_be_steep(&self, amsl_m: V<S>, step: &Steps<S>) -> Lanes<S> {
-        let limit = self.at(amsl_m, step.rise_m) * self.share_within;
-        (step.rise_m * step.rise_m).simd_ge(limit * limit * step.run_sq)
-    }
-
-    /// By how much slopes, rise over run, are beyond their limits at an altitude.
-    #[inline(always)]
-    pub(super) fn excesses(&self, amsl_m: V<S>, step: &Steps<S>) -> V<S> {
-        let zero = splat(self.simd, 0.0);
-        let excess_m = self.excesses_m(amsl_m, step);
-        let is_steep = excess_m.simd_gt(0.0);
-        if is_steep.any_true() {
-            is_steep.select(excess_m / step.run_m().max(1e-3), zero)
-        } else {
-            zero
-        }
-    }
-
-    /// The limits at an altitude, up or down as the rise is.
-    #[inline(always)]
-    fn at(&self, amsl_m: V<S>, rise_m: V<S>) -> V<S> {
-        let rises = rise_m.simd_ge(0.0);
-        let constant = rises.select(self.up[2], self.down[2]);
-        let by_speed = rises.select(self.by_speed[0], self.by_speed[1]);
-        if self.are_even {
-            return constant.min(by_speed);
-        }
-        let z_m = amsl_m.max(0.0).min(crate::path::POLYNOMIAL_TOP_M);
-        let square = rises.select(self.up[0], self.down[0]);
-        let linear = rises.select(self.up[1], self.down[1]);
-        let by_shape = ((square * z_m + linear) * z_m + constant).max(0.0);
-        by_shape.min(by_speed)
-    }
-}
-
-impl CostModel {
-    /// Which lanes turn more tightly than they may; see [`CostModel::is_too_tight`].
-    #[inline(always)]
-    pub(super) fn too_tight<S: Simd>(&self, simd: S, into: &Steps<S>, out: &Steps<S>) -> Lanes<S> {
-        let (into_m, out_m) = (into.run_m(), out.run_m());
-        let ratio = into_m.min(out_m) * self.per_turn_radius;
-        let cosine_limit = (splat(simd, 1.0) - ratio * 0.5 * ratio).max(-1.0);
-        dot(into, out).simd_lt(into_m * out_m * cosine_limit)
-    }
-}
-
-/// Which lanes may turn more tightly than they may, by the squares of both sides: all that do,
-/// and those within rounding.
-#[derive(Clone, Copy)]
-pub(super) struct TurnLanes<S: Simd> {
-    /// A little more than one, and half the square of one over the turn radius.
-    one: V<S>,
-    per_square: V<S>,
-}
-
-impl<S: Simd> TurnLanes<S> {
-    #[inline(always)]
-    pub(super) fn new(simd: S, model: &CostModel) -> Self {
-        let per_radius = model.per_turn_radius;
-        Self {
-            one: splat(simd, 1.0 + ROUNDING),
-            per_square: splat(simd, 0.5 * per_radius * per_radius),
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn may_be_tight(&self, into: &Steps<S>, out: &Steps<S>) -> Lanes<S> {
-        let cosine = (self.one - into.run_sq.min(out.run_sq) * self.per_square).max(0.0);
-        let dot = dot(into, out);
-        (dot * dot.abs()).simd_le(into.run_sq * out.run_sq * (cosine * cosine))
     }
 }
 

@@ -10,6 +10,7 @@ mod batch;
 mod block;
 mod hazards;
 mod lanes;
+mod limit_lanes;
 mod model;
 mod operational;
 mod operational_lanes;

@@ -3,7 +3,7 @@
 use super::batch::{Batch, Dispatch};
 use super::block::{BLOCK, BlockBox};
 use super::hazards::Hazards;
-use super::lanes::{MOST_LANES, Scratch, V, Wide};
+use super::lanes::{Scratch, V, Wide};
 use super::operational::Sums;
 use super::paper::{Paper, PaperOptions};
 use super::reference::{self, Curve};
@@ -184,14 +184,13 @@ impl CostModel {
     /// # Panics
     /// When the batch has control points in another number than [`Self::control_points`].
     pub fn totals(&self, batch: &Batch, cutoff: f64, scratch: &mut Scratch, totals: &mut [f64]) {
-        let mut terms = [CostTerms::default(); MOST_LANES];
-        for (group, totals) in totals.chunks_mut(MOST_LANES).enumerate() {
-            let terms = &mut terms[..totals.len()];
-            self.evaluate(batch, group * MOST_LANES, cutoff, scratch, terms);
-            for (total, terms) in totals.iter_mut().zip(terms) {
-                *total = terms.total();
-            }
+        let mut terms = std::mem::take(&mut scratch.terms);
+        terms.resize(totals.len(), CostTerms::default());
+        self.evaluate(batch, cutoff, scratch, &mut terms);
+        for (total, terms) in totals.iter_mut().zip(&terms) {
+            *total = terms.total();
         }
+        scratch.terms = terms;
     }
 
     /// The terms of a batch: the same as those of [`Self::terms`], to the bit, by the
@@ -202,23 +201,21 @@ impl CostModel {
     #[must_use]
     pub fn judge(&self, batch: &Batch) -> Vec<CostTerms> {
         let mut terms = vec![CostTerms::default(); batch.len()];
-        self.evaluate(batch, 0, f64::INFINITY, &mut Scratch::default(), &mut terms);
+        self.evaluate(batch, f64::INFINITY, &mut Scratch::default(), &mut terms);
         terms
     }
 
-    /// The terms of the candidates from number `first` on, as many as `out` has, as many
-    /// at once as the vectors have lanes.
+    /// The terms of the first candidates, as many as `out` has, as many at once as the vectors
+    /// have lanes.
     pub(super) fn evaluate(
         &self,
         batch: &Batch,
-        first: usize,
         cutoff: f64,
         scratch: &mut Scratch,
         out: &mut [CostTerms],
     ) {
         assert_eq!(batch.controls(), self.control_points(), "control points");
-        scratch.grow(&self.path);
-        dispatch!(self.dispatch.0, simd => self.evaluate_by(simd, batch, first, cutoff, scratch, out));
+        dispatch!(self.dispatch.0, simd => self.evaluate_by(simd, batch, cutoff, scratch, out));
     }
 
     #[inline(always)]
@@ -226,20 +223,16 @@ impl CostModel {
         &self,
         simd: S,
         batch: &Batch,
-        first: usize,
         cutoff: f64,
         scratch: &mut Scratch,
         out: &mut [CostTerms],
     ) {
-        let lanes = V::<S>::LEN;
-        for (group, out) in out.chunks_mut(lanes).enumerate() {
-            scratch.load(batch, first + group * lanes, out.len(), lanes);
-            match self.objective {
-                Objective::Operational => {
-                    operational_lanes::terms(simd, self, cutoff, scratch, out);
-                }
-                Objective::Paper => paper_lanes::terms(simd, self, scratch, out),
+        scratch.grow(&self.path, out.len().div_ceil(V::<S>::LEN));
+        match self.objective {
+            Objective::Operational => {
+                operational_lanes::terms(simd, self, batch, cutoff, scratch, out);
             }
+            Objective::Paper => paper_lanes::terms(simd, self, batch, scratch, out),
         }
     }
 
@@ -307,28 +300,29 @@ fn wanted_agl_m(
 }
 
 impl Scratch {
-    /// Makes room for candidates of a sampling.
-    fn grow(&mut self, path: &Sampling) {
+    /// Makes room for so many groups of candidates, one in each lane.
+    fn grow(&mut self, path: &Sampling, groups: usize) {
         let blocks = (path.samples - 1).div_ceil(BLOCK);
         self.controls
             .resize(path.fine.control_points(), Default::default());
         self.curve.resize(path.samples, Default::default());
         self.along_m.resize(path.samples, Default::default());
         self.boxes.resize(blocks, BlockBox::default());
-        self.running.clear();
-        self.running.resize(blocks, Wide::default());
+        if self.runs_up {
+            self.running.clear();
+            self.running.resize(blocks * groups, Wide::default());
+        }
     }
 
     /// Puts `used` candidates from number `first` on into the lanes; the last of them also
     /// fills the lanes that are left.
-    fn load(&mut self, batch: &Batch, first: usize, used: usize, lanes: usize) {
-        let controls = batch.controls();
-        for lane in 0..lanes {
-            let candidate = batch.candidate(first + lane.min(used - 1));
-            for (axis, values) in candidate.chunks_exact(controls).enumerate() {
-                for (wide, value) in self.controls.iter_mut().zip(values) {
-                    wide[axis][lane] = *value;
-                }
+    #[inline(always)]
+    pub(super) fn load<S: Simd>(&mut self, batch: &Batch, first: usize, used: usize) {
+        for lane in 0..V::<S>::LEN {
+            let of = batch.candidate(first + lane.min(used - 1));
+            let places = of.east_m.iter().zip(of.north_m).zip(of.amsl_m);
+            for (wide, ((east_m, north_m), amsl_m)) in self.controls.iter_mut().zip(places) {
+                (wide[0][lane], wide[1][lane], wide[2][lane]) = (*east_m, *north_m, *amsl_m);
             }
         }
     }

@@ -4,16 +4,16 @@ use std::f64::consts::PI;
 
 use fearless_simd::prelude::*;
 
-use super::CostTerms;
-use super::block::{BLOCK, Block, FINE, Suspects};
+use super::block::{BLOCK, Block};
 use super::lanes::{
-    MOST_LANES, Scratch, SlopeLanes, Steps, TurnLanes, V, Wide, dot, point, quadrant_angles,
-    segment, splat, store,
+    MOST_LANES, Scratch, Steps, V, Wide, dot, point, quadrant_angles, segment, splat, store,
 };
+use super::limit_lanes::LimitLanes;
 use super::model::CostModel;
 use super::operational::Sums;
 use super::relief::{CellLanes, Corners, ReliefLanes};
 use super::threat_lanes::Chords;
+use super::{Batch, CostTerms};
 
 /// Clearance of every lane; see [`super::operational::Clearance`].
 #[derive(Clone, Copy)]
@@ -22,16 +22,44 @@ struct Clearances<S: Simd> {
     deficit: V<S>,
 }
 
-/// Terms of the candidates in the lanes of `scratch`, as many as `out` has; once the
-/// sums of all are above `cutoff`, only so many terms that they are.
+/// Terms of the first candidates, as many as `out` has; of a group whose sums
+/// so far are all above `cutoff`, only so many terms that they are.
 #[inline(always)]
 pub(super) fn terms<S: Simd>(
     simd: S,
     model: &CostModel,
+    batch: &Batch,
     cutoff: f64,
     scratch: &mut Scratch,
     out: &mut [CostTerms],
 ) {
+    let (ground, limits) = (
+        GroundLanes::new(simd, model),
+        LimitLanes::new(simd, model, true),
+    );
+    let mut block = Block::new(simd, model.path.substeps);
+    let lanes = V::<S>::LEN;
+    for (group, out) in out.chunks_mut(lanes).enumerate() {
+        scratch.load::<S>(batch, group * lanes, out.len());
+        group_terms(
+            model, &ground, &limits, &mut block, cutoff, group, scratch, out,
+        );
+    }
+}
+
+/// Terms of the candidates in the lanes of `scratch`.
+#[inline(always)]
+fn group_terms<S: Simd>(
+    model: &CostModel,
+    ground: &GroundLanes<'_, S>,
+    limits: &LimitLanes<S>,
+    block: &mut Block<S>,
+    cutoff: f64,
+    group: usize,
+    scratch: &mut Scratch,
+    out: &mut [CostTerms],
+) {
+    let simd = ground.simd;
     let zero = splat(simd, 0.0);
     let (segments, substeps) = (model.path.samples - 1, model.path.substeps);
     let mut sums = Sums {
@@ -44,55 +72,31 @@ pub(super) fn terms<S: Simd>(
         collision: zero,
     };
     let keeps = !model.traffic.is_empty();
-    let ground = GroundLanes::new(simd, model);
-    let limits = (
-        SlopeLanes::new(simd, model, true),
-        TurnLanes::new(simd, model),
-    );
     let first = point(simd, &model.path.rows[0], &scratch.controls);
-    let mut block = Block::before(simd, first);
+    block.begin(simd, first);
     let cell = ground.relief.cell(first[0], first[1]);
-    let mut cells = [cell; FINE];
     ground.relief.fetch(&cell, &mut scratch.corners[0]);
-    // The last of the block before, then those of this one.
     let corners = &scratch.corners[0];
-    let begin = ground.clearances(first[2], (&cell, corners), model.wanted_agl_m[0]);
-    let mut clearances = [begin; FINE + 1];
+    let mut before = ground.clearances(first[2], (&cell, corners), model.wanted_agl_m[0]);
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let within = start * substeps + 1..(start + count) * substeps + 1;
         let rows = &model.path.rows[within.clone()];
-        block.sample(simd, rows, (count, substeps), &scratch.controls);
+        block.sample(simd, rows, count, &scratch.controls);
         // Cells first: a loop of both waits for one height after the other.
-        for (at, cell) in block.fine(substeps).iter().zip(&mut cells) {
-            *cell = ground.relief.cell(at[0], at[1]);
-        }
-        let mut each = cells.iter().zip(&mut scratch.corners);
-        block.measure(
-            simd,
-            substeps,
-            #[inline(always)]
-            |fine| {
-                for (_, (cell, corners)) in fine.iter().zip(&mut each) {
-                    ground.relief.fetch(cell, corners);
-                }
-            },
-        );
+        block.find(&ground.relief);
+        block.measure(simd, limits, &ground.relief, &mut scratch.corners);
         let wanted_agl_m = &model.wanted_agl_m[within];
-        let places = block.fine(substeps).iter().zip(wanted_agl_m);
-        let grounds = cells.iter().zip(&scratch.corners);
-        for (((at, wanted_m), ground_of), of) in places.zip(grounds).zip(&mut clearances[1..]) {
-            *of = ground.clearances(at[2], ground_of, *wanted_m);
-        }
+        ground.add(block, (&scratch.corners, wanted_agl_m), &mut before, &mut sums);
         if keeps {
-            block.keep(simd, scratch);
+            block.keep(scratch);
         }
-        let suspects = ground.add(&limits, &block, &clearances, substeps, &mut sums);
-        clearances[0] = clearances[count * substeps];
-        for piece in suspects.steep(&block) {
-            sums.climb += limits.0.excesses(piece.middle_m(), piece.step) * piece.step.length_km;
+        for piece in block.steep() {
+            if let Some(excess) = limits.excesses(piece.middle_m(), piece.step) {
+                sums.climb += excess * piece.step.length_km;
+            }
         }
-        for (into, out) in suspects.tight(&block) {
+        for (into, out) in block.tight() {
             let tight = model.too_tight(simd, into, out);
             if tight.any_true() {
                 sums.turn += tight.select(model.turn_excesses(simd, into, out), zero);
@@ -100,9 +104,10 @@ pub(super) fn terms<S: Simd>(
         }
         sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
         if scratch.runs_up {
+            let blocks = segments.div_ceil(BLOCK);
             store::<S>(
                 total::<S>(model, &sums),
-                &mut scratch.running[start / BLOCK],
+                &mut scratch.running[group * blocks + start / BLOCK],
             );
         }
         if cutoff < f64::INFINITY && all_above::<S>(model, &sums, cutoff, out) {
@@ -207,61 +212,52 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         }
     }
 
-    /// Length, altitude and terrain of a block, whose pieces' ends count half, and which pieces
-    /// may be too steep or turn too tightly.
+    /// Length, altitude and terrain of a block, whose pieces' ends count half; `before` is the
+    /// reading at the end of the block before, and then at that of this one.
     #[inline(always)]
     fn add(
         &self,
-        limits: &(SlopeLanes<S>, TurnLanes<S>),
         block: &Block<S>,
-        clearances: &[Clearances<S>],
-        substeps: usize,
+        (corners, wanted_agl_m): (&[Corners], &[f64]),
+        before: &mut Clearances<S>,
         sums: &mut Sums<V<S>>,
-    ) -> Suspects<S> {
+    ) {
         let mut sum = [sums.length_km, sums.altitude, sums.terrain];
-        let mut suspects = Suspects::none(self.simd);
-        let pieces = block.pieces().zip(block.all_steps()).enumerate();
-        if substeps == 1 {
-            for ((k, (piece, before)), ends) in pieces.zip(clearances.windows(2)) {
-                let length_km = piece.step.length_km;
+        let mut last = *before;
+        let readings = block.grounds().zip(corners).zip(wanted_agl_m).map(
+            #[inline(always)]
+            |(((at, cell), corners), wanted_m)| self.clearances(at[2], (cell, corners), *wanted_m),
+        );
+        if block.substeps() == 1 {
+            for (step, of) in block.steps().iter().zip(readings) {
+                let length_km = step.length_km;
                 sum[0] += length_km;
-                sum[1] += (ends[0].altitude_km + ends[1].altitude_km) * length_km;
-                sum[2] += (ends[0].deficit + ends[1].deficit) * length_km;
-                suspects.mark(k, piece.middle_m(), (before, piece.step), limits);
+                sum[1] += (last.altitude_km + of.altitude_km) * length_km;
+                sum[2] += (last.deficit + of.deficit) * length_km;
+                last = of;
             }
         } else {
-            let mut index = 0;
-            for (k, (piece, before)) in pieces {
-                let of = &clearances[index..=index + substeps];
-                self.add_piece(piece.step, of, &mut sum);
-                index += substeps;
-                suspects.mark(k, piece.middle_m(), (before, piece.step), limits);
+            let mut readings = readings;
+            for step in block.steps() {
+                let (mut high_km, mut deficit) = (last.altitude_km * 0.5, last.deficit * 0.5);
+                let within = block.substeps() - 1;
+                for of in readings.by_ref().take(within) {
+                    high_km += of.altitude_km;
+                    deficit += of.deficit;
+                }
+                if let Some(of) = readings.next() {
+                    last = of;
+                }
+                high_km += last.altitude_km * 0.5;
+                deficit += last.deficit * 0.5;
+                let piece_km = step.length_km * self.per_substep;
+                sum[1] += high_km * piece_km;
+                sum[2] += deficit * piece_km;
+                sum[0] += step.length_km;
             }
         }
         [sums.length_km, sums.altitude, sums.terrain] = sum;
-        suspects
-    }
-
-    /// Adds one piece of several readings.
-    #[inline(always)]
-    fn add_piece(
-        &self,
-        step: &Steps<S>,
-        of: &[Clearances<S>],
-        [length_km, altitude, terrain]: &mut [V<S>; 3],
-    ) {
-        let (first, last) = (&of[0], &of[of.len() - 1]);
-        let (mut high_km, mut deficit) = (first.altitude_km * 0.5, first.deficit * 0.5);
-        for of in &of[1..of.len() - 1] {
-            high_km += of.altitude_km;
-            deficit += of.deficit;
-        }
-        high_km += last.altitude_km * 0.5;
-        deficit += last.deficit * 0.5;
-        let piece_km = step.length_km * self.per_substep;
-        *altitude += high_km * piece_km;
-        *terrain += deficit * piece_km;
-        *length_km += step.length_km;
+        *before = last;
     }
 }
 

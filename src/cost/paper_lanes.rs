@@ -2,30 +2,50 @@
 
 use fearless_simd::prelude::*;
 
-use super::CostTerms;
-use super::block::{BLOCK, Block, Suspects, meets};
+use super::block::{BLOCK, Block, meets};
 use super::hazards::Threat;
-use super::lanes::{MOST_LANES, Scratch, SlopeLanes, TurnLanes, V, Wide, point, splat, store};
+use super::lanes::{MOST_LANES, Scratch, V, Wide, point, splat, store};
+use super::limit_lanes::LimitLanes;
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
+use super::relief::ReliefLanes;
 use super::threat_lanes::{Danger, Pieces};
+use super::{Batch, CostTerms};
 
-/// Terms of the candidates in the lanes of `scratch`, as many as `out` has.
+/// Terms of the first candidates, as many as `out` has.
 #[inline(always)]
 pub(super) fn terms<S: Simd>(
     simd: S,
     model: &CostModel,
+    batch: &Batch,
+    scratch: &mut Scratch,
+    out: &mut [CostTerms],
+) {
+    let (relief, limits) = (
+        model.relief.lanes(simd),
+        LimitLanes::new(simd, model, false),
+    );
+    let mut block = Block::new(simd, 1);
+    let lanes = V::<S>::LEN;
+    for (group, out) in out.chunks_mut(lanes).enumerate() {
+        scratch.load::<S>(batch, group * lanes, out.len());
+        group_terms(simd, model, (&relief, &limits), &mut block, scratch, out);
+    }
+}
+
+/// Terms of the candidates in the lanes of `scratch`.
+#[inline(always)]
+fn group_terms<S: Simd>(
+    simd: S,
+    model: &CostModel,
+    (relief, limits): (&ReliefLanes<'_, S>, &LimitLanes<S>),
+    block: &mut Block<S>,
     scratch: &mut Scratch,
     out: &mut [CostTerms],
 ) {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let (paper, segments) = (&model.paper, model.path.samples - 1);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
-    let relief = model.relief.lanes(simd);
-    let limits = (
-        SlopeLanes::new(simd, model, false),
-        TurnLanes::new(simd, model),
-    );
     let ground_m = relief.heights_m(first[0], first[1]);
     let (altitude, terrain) = paper.height_lanes::<S>(ground_m, model, first[2], 0);
     let mut sums = PaperSums {
@@ -37,50 +57,32 @@ pub(super) fn terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
-    let mut block = Block::before(simd, first);
-    let mut cells = [relief.cell(first[0], first[1]); BLOCK];
+    block.begin(simd, first);
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
         let rows = &model.path.rows[start + 1..=start + count];
-        block.sample(simd, rows, (count, 1), &scratch.controls);
-        for (at, cell) in block.fine(1).iter().zip(&mut cells) {
-            *cell = relief.cell(at[0], at[1]);
-        }
-        let mut each = cells.iter().zip(&mut scratch.corners);
-        block.measure(
-            simd,
-            1,
-            #[inline(always)]
-            |ends| {
-                for (_, (cell, corners)) in ends.iter().zip(&mut each) {
-                    relief.fetch(cell, corners);
-                }
-            },
-        );
-        let (mut altitude, mut terrain) = (sums.altitude, sums.terrain);
-        let grounds = cells.iter().zip(&scratch.corners);
-        for (index, (at, (cell, corners))) in (start + 1..).zip(block.fine(1).iter().zip(grounds)) {
+        block.sample(simd, rows, count, &scratch.controls);
+        block.find(relief);
+        block.measure(simd, limits, relief, &mut scratch.corners);
+        let mut sum = [sums.length_km, sums.altitude, sums.terrain];
+        let pieces = block.grounds().zip(&scratch.corners).zip(block.steps());
+        for (index, (((at, cell), corners), step)) in (start + 1..).zip(pieces) {
             let ground_m = relief.heights_in(cell, corners);
             let (high_km, deep_km) = paper.height_lanes::<S>(ground_m, model, at[2], index);
-            altitude += high_km;
-            terrain += deep_km;
+            sum[0] += step.length_km;
+            sum[1] += high_km;
+            sum[2] += deep_km;
         }
-        (sums.altitude, sums.terrain) = (altitude, terrain);
+        [sums.length_km, sums.altitude, sums.terrain] = sum;
         if paper.has_others() {
-            block.keep(simd, scratch);
+            block.keep(scratch);
         }
-        let mut length_km = sums.length_km;
-        let mut suspects = Suspects::none(simd);
-        let pieces = block.pieces().zip(block.all_steps());
-        for (k, (piece, before)) in pieces.enumerate() {
-            length_km += piece.step.length_km;
-            suspects.mark(k, piece.a[2], (before, piece.step), &limits);
+        for piece in block.steep() {
+            if let Some(excess) = limits.excesses(piece.a[2], piece.step) {
+                sums.climb += excess;
+            }
         }
-        sums.length_km = length_km;
-        for piece in suspects.steep(&block) {
-            sums.climb += limits.0.excesses(piece.a[2], piece.step);
-        }
-        for (into, out) in suspects.tight(&block) {
+        for (into, out) in block.tight() {
             let tight = model.too_tight(simd, into, out);
             sums.turns += tight.select(one, zero);
         }

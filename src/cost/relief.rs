@@ -138,6 +138,18 @@ pub(super) struct CellLanes<S: Simd> {
     up: V<S>,
 }
 
+impl<S: Simd> CellLanes<S> {
+    /// The first cell of the grid.
+    #[inline(always)]
+    pub(super) fn first(simd: S) -> Self {
+        Self {
+            node: splat(simd, ROUND),
+            right: splat(simd, 0.0),
+            up: splat(simd, 0.0),
+        }
+    }
+}
+
 impl<S: Simd> ReliefLanes<'_, S> {
     /// [`Relief::height_m`] in every lane.
     #[inline(always)]
