@@ -57,8 +57,6 @@ pub(super) struct Block<S: Simd> {
     steps: [Steps<S>; BLOCK + 1],
     /// Horizontal distance along the route at the end, if it is kept.
     along_m: V<S>,
-    /// The longest piece, horizontally.
-    pub(super) longest_m: V<S>,
     pub(super) bounds: Bounds<S>,
     /// Whether a piece goes nowhere, or straight up.
     pub(super) stays: bool,
@@ -100,7 +98,6 @@ impl<S: Simd> Bounds<S> {
 struct Look<S: Simd> {
     before: Steps<S>,
     least_sq: V<S>,
-    most_sq: V<S>,
     steep: Lanes<S>,
     tight: Lanes<S>,
 }
@@ -114,7 +111,6 @@ impl<S: Simd> Look<S> {
         Self {
             before: *before,
             least_sq: splat(simd, f64::INFINITY),
-            most_sq: zero,
             steep: none,
             tight: none,
         }
@@ -125,7 +121,6 @@ impl<S: Simd> Look<S> {
     fn measure(&mut self, limits: &LimitLanes<S>, ends: &[Place<S>]) -> Steps<S> {
         let step = steps::<S>(&ends[0], &ends[1]);
         self.least_sq = self.least_sq.min(step.run_sq);
-        self.most_sq = self.most_sq.max(step.run_sq);
         self.steep |= limits.may_be_steep(&step);
         self.tight |= limits.may_be_tight(&self.before, &step);
         self.before = step;
@@ -165,7 +160,6 @@ impl<S: Simd> Block<S> {
             cells: [CellLanes::first(simd); FINE],
             steps: [steps::<S>(&nowhere, &nowhere); BLOCK + 1],
             along_m: zero,
-            longest_m: zero,
             bounds: Bounds::of(&nowhere),
             stays: false,
             may_be_steep: false,
@@ -209,6 +203,12 @@ impl<S: Simd> Block<S> {
             }
         }
         self.bounds = bounds;
+    }
+
+    /// Number of pieces.
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.count
     }
 
     /// Readings of the ground in each piece.
@@ -263,7 +263,6 @@ impl<S: Simd> Block<S> {
                 }
             }
         }
-        self.longest_m = look.most_sq.sqrt();
         self.stays = look.least_sq.simd_le(POINT_SQ).any_true();
         let above = limits.are_above(self.bounds.top_m);
         self.may_be_steep = (look.steep | above).any_true();

@@ -97,8 +97,8 @@ fn group_terms<S: Simd>(
             }
         }
         for (into, out) in block.tight() {
-            let tight = model.too_tight(simd, into, out);
-            if tight.any_true() {
+            if limits.may_be_tight(into, out).any_true() {
+                let tight = model.too_tight(simd, into, out);
                 sums.turn += tight.select(model.turn_excesses(simd, into, out), zero);
             }
         }

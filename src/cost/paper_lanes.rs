@@ -4,12 +4,12 @@ use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block, meets};
 use super::hazards::Threat;
-use super::lanes::{MOST_LANES, Scratch, V, Wide, point, splat, store};
+use super::lanes::{Lanes, MOST_LANES, Scratch, V, Wide, point, splat, store};
 use super::limit_lanes::LimitLanes;
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
 use super::relief::ReliefLanes;
-use super::threat_lanes::{Danger, Pieces};
+use super::threat_lanes::{Danger, KEPT, Pieces};
 use super::{Batch, CostTerms};
 
 /// Terms of the first candidates, as many as `out` has.
@@ -83,8 +83,10 @@ fn group_terms<S: Simd>(
             }
         }
         for (into, out) in block.tight() {
-            let tight = model.too_tight(simd, into, out);
-            sums.turns += tight.select(one, zero);
+            if limits.may_be_tight(into, out).any_true() {
+                let tight = model.too_tight(simd, into, out);
+                sums.turns += tight.select(one, zero);
+            }
         }
         let danger = model.paper.options.threat_form;
         sums.threat = block.add_threats(simd, model, danger, scratch, sums.threat);
@@ -144,24 +146,33 @@ impl Paper {
 
 /// `T_de` of Eq. 24 at the middle of a piece.
 impl Danger for ThreatForm {
-    /// The product is less than the square of the distance to the middle.
+    /// Keeps the square of the distance.
     #[inline(always)]
-    fn bound(self, reach_m: f64, _: f64) -> f64 {
-        reach_m * reach_m
-    }
-
-    #[inline(always)]
-    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, _: bool) -> Option<V<S>> {
-        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    fn meet<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>) -> (Lanes<S>, [V<S>; KEPT]) {
         let middle = |axis: usize| (of.a[axis] + of.b[axis]) * 0.5;
         let (east_m, north_m) = (middle(0) - threat.center[0], middle(1) - threat.center[1]);
         let apart_sq = east_m * east_m + north_m * north_m;
-        let share_sq = apart_sq / (threat.radius_m * threat.radius_m);
+        let zero = splat(simd, 0.0);
+        let meet = apart_sq.simd_lt(threat.reach_m * threat.reach_m);
+        (meet, [apart_sq, zero, zero])
+    }
+
+    #[inline(always)]
+    fn exposures<S: Simd>(
+        self,
+        simd: S,
+        threat: &Threat,
+        _: &Pieces<S>,
+        [apart_sq, ..]: &[V<S>; KEPT],
+        _: bool,
+    ) -> V<S> {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let share_sq = *apart_sq / (threat.radius_m * threat.radius_m);
         let danger = match self {
             Self::Quartic => one / (share_sq * share_sq + 1.0),
             Self::Linear => one - share_sq.sqrt(),
         };
-        Some(share_sq.simd_lt(1.0).select(danger, zero))
+        share_sq.simd_lt(1.0).select(danger, zero)
     }
 }
 

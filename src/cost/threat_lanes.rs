@@ -8,25 +8,28 @@ use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block, meets};
 use super::hazards::{FORBIDDEN, Threat};
-use super::lanes::{MOST_LANES, Place, V, Wide, splat, store};
+use super::lanes::{Lanes, MOST_LANES, Place, V, Wide, load, splat, store};
 use crate::numeric::geometry::POINT_SQ;
 
 /// How the danger of a threat is measured.
 pub(super) trait Danger: Copy {
-    /// A number above the product of the vectors from a threat's centre to both ends of any
-    /// piece that the threat does something to, by its reach and the longest of the pieces.
-    fn bound(self, reach_m: f64, longest_m: f64) -> f64;
+    /// Which pieces a threat does something to if none is but a point, and what is kept of that.
+    fn meet<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>) -> (Lanes<S>, [V<S>; KEPT]);
 
-    /// What one kilometre of each piece costs for a threat, if that is anything; `stays` where
+    /// What one kilometre of each piece costs for a threat, by what was kept; `stays` where
     /// some piece may be but a point.
     fn exposures<S: Simd>(
         self,
         simd: S,
         threat: &Threat,
-        pieces: &Pieces<S>,
+        of: &Pieces<S>,
+        kept: &[V<S>; KEPT],
         stays: bool,
-    ) -> Option<V<S>>;
+    ) -> V<S>;
 }
+
+/// Numbers that are kept of each piece that meets a threat.
+pub(super) const KEPT: usize = 3;
 
 /// Pieces of one candidate that follow each other, one in each lane.
 #[derive(Clone, Copy)]
@@ -35,8 +38,9 @@ pub(super) struct Pieces<S: Simd> {
     pub(super) b: [V<S>; 2],
 }
 
-/// Pieces of a block, and some more that fill the last vector.
-pub(super) const ROW: usize = BLOCK.next_multiple_of(MOST_LANES);
+/// Pieces of a block, and as many more as a vector has that begins with the last of them, so
+/// that no bound needs a look.
+const ROW: usize = BLOCK + MOST_LANES;
 
 /// What one kilometre of the pieces of a block costs, in every lane.
 pub(super) type Exposures = [Wide; ROW];
@@ -44,20 +48,25 @@ pub(super) type Exposures = [Wide; ROW];
 /// Most pairs of a threat and a candidate that are looked at together, a bit for each.
 const PAIRS: usize = u64::BITS as usize;
 
+/// Most vectors of pieces of so many pairs.
+const FOUND: usize = PAIRS * BLOCK / 2;
+
 /// What is near a block, in memory that is kept.
 #[derive(Clone, Debug)]
 pub(super) struct Encounters {
     /// East and north of each candidate where pieces begin or end.
     rows: [[[f64; ROW + 1]; 2]; MOST_LANES],
-    /// Pair and first piece of those that may meet.
-    found: [(u8, u8); PAIRS * ROW / 2],
+    /// Pair and first piece of those that meet, and what is kept of that.
+    found: [(u8, u8); FOUND],
+    kept: Box<[[Wide; KEPT]; FOUND]>,
 }
 
 impl Default for Encounters {
     fn default() -> Self {
         Self {
             rows: [[[0.0; ROW + 1]; 2]; MOST_LANES],
-            found: [(0, 0); PAIRS * ROW / 2],
+            found: [(0, 0); FOUND],
+            kept: Box::new([Default::default(); FOUND]),
         }
     }
 }
@@ -87,13 +96,13 @@ impl Encounters {
             self.lay_out::<S>(block.places(), lanes);
             laid_out |= lanes;
             let count = self.find(simd, block, (threats, danger), near);
-            for &(pair, start) in &self.found[..count] {
+            for (&(pair, start), kept) in self.found[..count].iter().zip(self.kept.iter()) {
                 let (threat, lane) = parts::<S>(pair, threats);
-                let pieces = self.pieces(simd, lane, usize::from(start));
-                let Some(more) = danger.exposures(simd, threat, &pieces, block.stays) else {
-                    continue;
-                };
-                let of = &mut exposures[usize::from(start)..][..V::<S>::LEN];
+                let start = usize::from(start) % BLOCK;
+                let pieces = self.pieces(simd, lane, start);
+                let kept = [load(simd, &kept[0]), load(simd, &kept[1]), load(simd, &kept[2])];
+                let more = danger.exposures(simd, threat, &pieces, &kept, block.stays);
+                let of = &mut exposures[start..][..V::<S>::LEN];
                 let more = more.as_slice();
                 for k in 0..V::<S>::LEN {
                     of[k][lane] += more[k];
@@ -129,8 +138,8 @@ impl Encounters {
         }
     }
 
-    /// Finds which pieces of the pairs that are near may meet; how many of [`Self::found`]
-    /// there are then.
+    /// Finds which pieces of the pairs that are near meet; how many of [`Self::found`] there are
+    /// then.
     #[expect(
         clippy::cast_possible_truncation,
         reason = "a bit of 64, a piece of a block"
@@ -143,16 +152,18 @@ impl Encounters {
         (threats, danger): (&[Threat], impl Danger),
         mut near: u64,
     ) -> usize {
-        let longest_m = block.longest_m.as_slice();
         let mut count = 0;
         while near != 0 {
             let pair = near.trailing_zeros() as u8;
             let (threat, lane) = parts::<S>(pair, threats);
-            let bound = splat(simd, danger.bound(threat.reach_m, longest_m[lane]));
-            for start in (0..BLOCK).step_by(V::<S>::LEN) {
-                let product = self.pieces(simd, lane, start).product(threat);
+            for start in (0..block.count()).step_by(V::<S>::LEN) {
+                let pieces = self.pieces(simd, lane, start);
+                let (meet, kept) = danger.meet(simd, threat, &pieces);
                 self.found[count] = (pair, start as u8);
-                count += usize::from(product.simd_lt(bound).any_true());
+                for (of, to) in kept.iter().zip(&mut self.kept[count]) {
+                    store::<S>(*of, to);
+                }
+                count += usize::from(block.stays | meet.any_true());
             }
             near &= near - 1;
         }
@@ -163,7 +174,7 @@ impl Encounters {
 /// Sets the lanes in use to zero.
 #[inline(always)]
 pub(super) fn clear<S: Simd>(simd: S, exposures: &mut Exposures) {
-    for exposure in exposures {
+    for exposure in &mut exposures[..BLOCK] {
         store::<S>(splat(simd, 0.0), exposure);
     }
 }
@@ -197,25 +208,28 @@ fn parts<S: Simd>(pair: u8, threats: &[Threat]) -> (&Threat, usize) {
     (&threats[pair / V::<S>::LEN], pair % V::<S>::LEN)
 }
 
-impl<S: Simd> Pieces<S> {
-    /// The products of the vectors from a threat's centre to both ends.
-    #[inline(always)]
-    fn product(&self, threat: &Threat) -> V<S> {
-        let (a, b, center) = (&self.a, &self.b, &threat.center);
-        (a[0] - center[0]) * (b[0] - center[0]) + (a[1] - center[1]) * (b[1] - center[1])
-    }
-}
-
 /// The exact length in a disc; see [`Threat::exposure`].
 #[derive(Clone, Copy)]
 pub(super) struct Chords;
 
 impl Danger for Chords {
-    /// A point in the disc is no further than reach `r` and half the length `l` from the
-    /// middle `m` of the piece, and the product is `m^2 - (l / 2)^2`.
+    /// Keeps the discriminant of the circle and the line, zero where they do not meet within the
+    /// piece, and the products of the piece with the way to its beginning and with itself.
     #[inline(always)]
-    fn bound(self, reach_m: f64, longest_m: f64) -> f64 {
-        reach_m * (reach_m + longest_m)
+    fn meet<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>) -> (Lanes<S>, [V<S>; KEPT]) {
+        let (from, along) = (of.from(threat), of.along());
+        let square = product::<S>(&along, &along);
+        let outside = product::<S>(&from, &from) - threat.radius_m * threat.radius_m;
+        let half = product::<S>(&from, &along);
+        let discriminant = half * half - square * outside;
+        // Not if the piece begins outside and leads away, or ends outside and leads there.
+        let past = half + square;
+        let outside_b = outside + (half + past);
+        let meet = discriminant.simd_gt(0.0)
+            & outside.min(half).simd_lt(0.0)
+            & outside_b.min(-past).simd_lt(0.0);
+        let discriminant = meet.select(discriminant, splat(simd, 0.0));
+        (meet, [discriminant, half, square])
     }
 
     #[inline(always)]
@@ -224,39 +238,48 @@ impl Danger for Chords {
         simd: S,
         threat: &Threat,
         of: &Pieces<S>,
+        [discriminant, half, square]: &[V<S>; KEPT],
         stays: bool,
-    ) -> Option<V<S>> {
+    ) -> V<S> {
         let zero = splat(simd, 0.0);
-        let from = [of.a[0] - threat.center[0], of.a[1] - threat.center[1]];
-        let along = [of.b[0] - of.a[0], of.b[1] - of.a[1]];
-        let from_sq = from[0] * from[0] + from[1] * from[1];
-        let square = along[0] * along[0] + along[1] * along[1];
-        let outside = from_sq - threat.radius_m * threat.radius_m;
-        let half = from[0] * along[0] + from[1] * along[1];
-        let discriminant = half * half - square * outside;
-        // Not if the piece begins outside and leads away, or ends outside and leads there.
-        let past = half + square;
-        let outside_b = outside + (half + past);
-        let meets = discriminant.simd_gt(0.0)
-            & outside.min(half).simd_lt(0.0)
-            & outside_b.min(-past).simd_lt(0.0);
-        if !stays && !meets.any_true() {
-            return None;
-        }
-        let root = discriminant.max(zero).sqrt();
+        let (from, along) = (of.from(threat), of.along());
+        let root = discriminant.sqrt();
         let per_square = splat(simd, 1.0) / square.max(POINT_SQ);
-        let enter = ((-half - root) * per_square).max(0.0);
-        let leave = ((-half + root) * per_square).min(1.0);
-        let nearest = (-half * per_square).max(0.0).min(1.0);
+        let enter = ((-*half - root) * per_square).max(0.0);
+        let leave = ((-*half + root) * per_square).min(1.0);
+        let nearest = (-*half * per_square).max(0.0).min(1.0);
         let gap = [from[0] + nearest * along[0], from[1] + nearest * along[1]];
-        let closest = (gap[0] * gap[0] + gap[1] * gap[1]).sqrt();
+        let closest = product::<S>(&gap, &gap).sqrt();
         let through = (leave - enter) * (splat(simd, FORBIDDEN) - closest * threat.per_radius);
-        let through = (meets & leave.simd_gt(enter)).select(through, zero);
+        // Without a root they do not meet, or in a point.
+        let through = leave.simd_gt(enter).select(through, zero);
         if !stays {
-            return Some(through);
+            return through;
         }
+        let from_sq = product::<S>(&from, &from);
+        let outside = from_sq - threat.radius_m * threat.radius_m;
         let over = splat(simd, FORBIDDEN) - from_sq.sqrt() * threat.per_radius;
         let over = outside.simd_lt(0.0).select(over, zero);
-        Some(square.simd_le(POINT_SQ).select(over, through))
+        square.simd_le(POINT_SQ).select(over, through)
     }
+}
+
+impl<S: Simd> Pieces<S> {
+    /// From the centre of a threat to where they begin.
+    #[inline(always)]
+    fn from(&self, threat: &Threat) -> [V<S>; 2] {
+        [self.a[0] - threat.center[0], self.a[1] - threat.center[1]]
+    }
+
+    /// From where they begin to where they end.
+    #[inline(always)]
+    fn along(&self) -> [V<S>; 2] {
+        [self.b[0] - self.a[0], self.b[1] - self.a[1]]
+    }
+}
+
+/// Scalar products.
+#[inline(always)]
+fn product<S: Simd>(a: &[V<S>; 2], b: &[V<S>; 2]) -> V<S> {
+    a[0] * b[0] + a[1] * b[1]
 }
