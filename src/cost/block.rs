@@ -60,9 +60,11 @@ pub(super) struct Block<S: Simd> {
     pub(super) bounds: Bounds<S>,
     /// Whether a piece goes nowhere, or straight up.
     pub(super) stays: bool,
-    /// Whether a piece may be too steep, and a turn too tight.
+    /// Whether a piece may be too steep.
     may_be_steep: bool,
-    may_be_tight: bool,
+    /// Turns into pieces that may be too tight: bits for the lanes of the first, of eight for
+    /// the next, and so on.
+    tight: u64,
 }
 
 /// A box around places of every lane, and the greatest altitude.
@@ -99,7 +101,8 @@ struct Look<S: Simd> {
     before: Steps<S>,
     least_sq: V<S>,
     steep: Lanes<S>,
-    tight: Lanes<S>,
+    /// Eight bits for each piece, the last one's on top.
+    tight: u64,
 }
 
 impl<S: Simd> Look<S> {
@@ -112,7 +115,7 @@ impl<S: Simd> Look<S> {
             before: *before,
             least_sq: splat(simd, f64::INFINITY),
             steep: none,
-            tight: none,
+            tight: 0,
         }
     }
 
@@ -122,7 +125,8 @@ impl<S: Simd> Look<S> {
         let step = steps::<S>(&ends[0], &ends[1]);
         self.least_sq = self.least_sq.min(step.run_sq);
         self.steep |= limits.may_be_steep(&step);
-        self.tight |= limits.may_be_tight(&self.before, &step);
+        let tight = limits.may_be_tight(&self.before, &step);
+        self.tight = self.tight >> u8::BITS | tight.to_bitmask() << (u64::BITS - u8::BITS);
         self.before = step;
         step
     }
@@ -163,7 +167,7 @@ impl<S: Simd> Block<S> {
             bounds: Bounds::of(&nowhere),
             stays: false,
             may_be_steep: false,
-            may_be_tight: false,
+            tight: 0,
         }
     }
 
@@ -240,10 +244,6 @@ impl<S: Simd> Block<S> {
         relief: &ReliefLanes<'_, S>,
         corners: &mut [Corners; FINE],
     ) {
-        if self.start == 0 {
-            // There is no turn into the first piece.
-            self.steps[0] = steps::<S>(&self.places[0], &self.places[1]);
-        }
         let mut look = Look::at(simd, &self.steps[0]);
         let pieces = self.places[..=self.count].windows(2);
         let pieces = pieces.zip(&mut self.steps[1..]);
@@ -264,9 +264,12 @@ impl<S: Simd> Block<S> {
             }
         }
         self.stays = look.least_sq.simd_le(POINT_SQ).any_true();
+        // There is no turn into the first piece.
+        let first = if self.start == 0 { u8::BITS } else { 0 };
+        let pieces = look.tight >> (u8::BITS as usize * (BLOCK - self.count));
+        self.tight = pieces >> first << first;
         let above = limits.are_above(self.bounds.top_m);
         self.may_be_steep = (look.steep | above).any_true();
-        self.may_be_tight = look.tight.any_true();
     }
 
     /// The pieces with the places and cells of their fine samples.
@@ -343,15 +346,19 @@ impl<S: Simd> Block<S> {
         )
     }
 
-    /// The pieces before and after each turn, if any of these may be too tight.
+    /// The pieces before and after each turn that may be too tight, and its lane; the turns of
+    /// each lane in order.
     #[inline(always)]
-    pub(super) fn tight(&self) -> impl Iterator<Item = (&Steps<S>, &Steps<S>)> {
-        // There is no turn into the first piece.
-        let from = usize::from(self.start == 0);
-        let to = if self.may_be_tight { self.count } else { from };
-        self.steps[from..=to].windows(2).map(
+    pub(super) fn tight(&self) -> impl Iterator<Item = ((&Steps<S>, &Steps<S>), usize)> {
+        let mut left = self.tight;
+        std::iter::from_fn(
             #[inline(always)]
-            |pair| (&pair[0], &pair[1]),
+            move || {
+                let bit = (left != 0).then_some(left.trailing_zeros() as usize)?;
+                left &= left - 1;
+                let k = bit / u8::BITS as usize;
+                Some(((&self.steps[k], &self.steps[k + 1]), bit % V::<S>::LEN))
+            },
         )
     }
 

@@ -15,6 +15,7 @@ pub(super) const FORBIDDEN: f64 = 1.1;
 pub(super) struct Threat {
     pub(super) center: Point,
     pub(super) radius_m: f64,
+    pub(super) radius_sq: f64,
     /// One over the radius, 1/m.
     pub(super) per_radius: f64,
     /// What is further away than this is outside for certain, whatever rounding does: also
@@ -113,6 +114,7 @@ impl Threat {
         Self {
             center,
             radius_m,
+            radius_sq: radius_m * radius_m,
             per_radius: 1.0 / radius_m,
             reach_m,
             low: center.map(|middle_m| middle_m - reach_m),

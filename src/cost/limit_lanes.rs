@@ -129,14 +129,3 @@ impl<S: Simd> LimitLanes<S> {
         (dot * dot.abs()).simd_le(into.run_sq * out.run_sq * (cosine * cosine))
     }
 }
-
-impl CostModel {
-    /// Which lanes turn more tightly than they may; see [`CostModel::is_too_tight`].
-    #[inline(always)]
-    pub(super) fn too_tight<S: Simd>(&self, simd: S, into: &Steps<S>, out: &Steps<S>) -> Lanes<S> {
-        let (into_m, out_m) = (into.run_m(), out.run_m());
-        let ratio = into_m.min(out_m) * self.per_turn_radius;
-        let cosine_limit = (splat(simd, 1.0) - ratio * 0.5 * ratio).max(-1.0);
-        dot(into, out).simd_lt(into_m * out_m * cosine_limit)
-    }
-}

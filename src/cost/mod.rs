@@ -22,6 +22,7 @@ mod sampling;
 mod threat_lanes;
 mod timing;
 mod traffic;
+mod turn_lanes;
 
 pub use batch::{Batch, Dispatch};
 pub use lanes::Scratch;

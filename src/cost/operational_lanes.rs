@@ -1,18 +1,17 @@
 //! The operational objective, lane by lane, in one pass over the candidates.
 
-use std::f64::consts::PI;
-
 use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block};
 use super::lanes::{
-    MOST_LANES, Scratch, Steps, V, Wide, dot, point, quadrant_angles, segment, splat, store,
+    MOST_LANES, Scratch, V, Wide, point, segment, splat, store,
 };
 use super::limit_lanes::LimitLanes;
 use super::model::CostModel;
 use super::operational::Sums;
 use super::relief::{CellLanes, Corners, ReliefLanes};
 use super::threat_lanes::Chords;
+use super::turn_lanes::TightTurns;
 use super::{Batch, CostTerms};
 
 /// Clearance of every lane; see [`super::operational::Clearance`].
@@ -72,6 +71,7 @@ fn group_terms<S: Simd>(
         collision: zero,
     };
     let keeps = !model.traffic.is_empty();
+    let mut turns = TightTurns::none();
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     block.begin(simd, first);
     let cell = ground.relief.cell(first[0], first[1]);
@@ -96,13 +96,24 @@ fn group_terms<S: Simd>(
                 sums.climb += excess * piece.step.length_km;
             }
         }
-        for (into, out) in block.tight() {
-            if limits.may_be_tight(into, out).any_true() {
-                let tight = model.too_tight(simd, into, out);
-                sums.turn += tight.select(model.turn_excesses(simd, into, out), zero);
+        for (turn, lane) in block.tight() {
+            if turns.push(turn, lane) {
+                turns.settle(
+                    simd,
+                    #[inline(always)]
+                    |into, out| model.turn_excesses(simd, into, out),
+                );
             }
         }
         sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
+        if start + count == segments || scratch.runs_up || cutoff < f64::INFINITY {
+            turns.settle(
+                simd,
+                #[inline(always)]
+                |into, out| model.turn_excesses(simd, into, out),
+            );
+            sums.turn = turns.sums(simd);
+        }
         if scratch.runs_up {
             let blocks = segments.div_ceil(BLOCK);
             store::<S>(
@@ -258,24 +269,6 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         }
         [sums.length_km, sums.altitude, sums.terrain] = sum;
         *before = last;
-    }
-}
-
-impl CostModel {
-    /// [`CostModel::turn_excess`] where a turn is too tight.
-    #[inline(always)]
-    fn turn_excesses<S: Simd>(&self, simd: S, into: &Steps<S>, out: &Steps<S>) -> V<S> {
-        let ratio = into.run_m().min(out.run_m()) * self.per_turn_radius;
-        let dot = dot(into, out);
-        let cross = into.east_m * out.north_m - into.north_m * out.east_m;
-        let sharp_rad = quadrant_angles(simd, cross.abs(), dot.abs());
-        let turn_rad = dot
-            .simd_lt(0.0)
-            .select(splat(simd, PI) - sharp_rad, sharp_rad);
-        let one = splat(simd, 1.0);
-        let sine = (ratio * 0.5).min(one);
-        let limit_rad = quadrant_angles(simd, sine, ((one - sine) * (one + sine)).sqrt()) * 2.0;
-        (turn_rad / limit_rad - 1.0).max(0.0)
     }
 }
 

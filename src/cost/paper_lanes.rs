@@ -9,7 +9,8 @@ use super::limit_lanes::LimitLanes;
 use super::model::CostModel;
 use super::paper::{Paper, PaperSums, ThreatForm};
 use super::relief::ReliefLanes;
-use super::threat_lanes::{Danger, KEPT, Pieces};
+use super::threat_lanes::{Danger, Pieces};
+use super::turn_lanes::TightTurns;
 use super::{Batch, CostTerms};
 
 /// Terms of the first candidates, as many as `out` has.
@@ -57,6 +58,7 @@ fn group_terms<S: Simd>(
         climb: zero,
         collision: zero,
     };
+    let mut turns = TightTurns::none();
     block.begin(simd, first);
     for start in (0..segments).step_by(BLOCK) {
         let count = BLOCK.min(segments - start);
@@ -82,15 +84,24 @@ fn group_terms<S: Simd>(
                 sums.climb += excess;
             }
         }
-        for (into, out) in block.tight() {
-            if limits.may_be_tight(into, out).any_true() {
-                let tight = model.too_tight(simd, into, out);
-                sums.turns += tight.select(one, zero);
+        for (turn, lane) in block.tight() {
+            if turns.push(turn, lane) {
+                turns.settle(
+                    simd,
+                    #[inline(always)]
+                    |into, out| model.too_tight(simd, into, out).select(one, zero),
+                );
             }
         }
         let danger = model.paper.options.threat_form;
         sums.threat = block.add_threats(simd, model, danger, scratch, sums.threat);
     }
+    turns.settle(
+        simd,
+        #[inline(always)]
+        |into, out| model.too_tight(simd, into, out).select(one, zero),
+    );
+    sums.turns = turns.sums(simd);
     let mut wide = PaperSums::<Wide>::default();
     for (value, to) in [
         (sums.length_km, &mut wide.length_km),
@@ -146,34 +157,29 @@ impl Paper {
 
 /// `T_de` of Eq. 24 at the middle of a piece.
 impl Danger for ThreatForm {
-    /// Keeps the square of the distance.
     #[inline(always)]
-    fn meet<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>) -> (Lanes<S>, [V<S>; KEPT]) {
-        let middle = |axis: usize| (of.a[axis] + of.b[axis]) * 0.5;
-        let (east_m, north_m) = (middle(0) - threat.center[0], middle(1) - threat.center[1]);
-        let apart_sq = east_m * east_m + north_m * north_m;
-        let zero = splat(simd, 0.0);
-        let meet = apart_sq.simd_lt(threat.reach_m * threat.reach_m);
-        (meet, [apart_sq, zero, zero])
+    fn meets<S: Simd>(self, threat: &Threat, of: &Pieces<S>) -> Lanes<S> {
+        apart_sq(threat, of).simd_lt(threat.reach_m * threat.reach_m)
     }
 
     #[inline(always)]
-    fn exposures<S: Simd>(
-        self,
-        simd: S,
-        threat: &Threat,
-        _: &Pieces<S>,
-        [apart_sq, ..]: &[V<S>; KEPT],
-        _: bool,
-    ) -> V<S> {
+    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, _: bool) -> V<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let share_sq = *apart_sq / (threat.radius_m * threat.radius_m);
+        let share_sq = apart_sq(threat, of) / threat.radius_sq;
         let danger = match self {
             Self::Quartic => one / (share_sq * share_sq + 1.0),
             Self::Linear => one - share_sq.sqrt(),
         };
         share_sq.simd_lt(1.0).select(danger, zero)
     }
+}
+
+/// Squares of the distances from a threat's centre to the middles of pieces.
+#[inline(always)]
+fn apart_sq<S: Simd>(threat: &Threat, of: &Pieces<S>) -> V<S> {
+    let middle = |axis: usize| (of.a[axis] + of.b[axis]) * 0.5;
+    let (east_m, north_m) = (middle(0) - threat.center[0], middle(1) - threat.center[1]);
+    east_m * east_m + north_m * north_m
 }
 
 /// Eq. 28 to 30: blocks that are near no earlier flight are passed over.

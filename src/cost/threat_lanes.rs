@@ -8,28 +8,18 @@ use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block, meets};
 use super::hazards::{FORBIDDEN, Threat};
-use super::lanes::{Lanes, MOST_LANES, Place, V, Wide, load, splat, store};
+use super::lanes::{Lanes, MOST_LANES, Place, V, Wide, splat, store};
 use crate::numeric::geometry::POINT_SQ;
 
 /// How the danger of a threat is measured.
 pub(super) trait Danger: Copy {
-    /// Which pieces a threat does something to if none is but a point, and what is kept of that.
-    fn meet<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>) -> (Lanes<S>, [V<S>; KEPT]);
+    /// Which pieces a threat may do something to, if none of them is but a point.
+    fn meets<S: Simd>(self, threat: &Threat, of: &Pieces<S>) -> Lanes<S>;
 
-    /// What one kilometre of each piece costs for a threat, by what was kept; `stays` where
-    /// some piece may be but a point.
-    fn exposures<S: Simd>(
-        self,
-        simd: S,
-        threat: &Threat,
-        of: &Pieces<S>,
-        kept: &[V<S>; KEPT],
-        stays: bool,
-    ) -> V<S>;
+    /// What one kilometre of each piece costs for a threat; `stays` where some piece may be but
+    /// a point.
+    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, stays: bool) -> V<S>;
 }
-
-/// Numbers that are kept of each piece that meets a threat.
-pub(super) const KEPT: usize = 3;
 
 /// Pieces of one candidate that follow each other, one in each lane.
 #[derive(Clone, Copy)]
@@ -56,9 +46,8 @@ const FOUND: usize = PAIRS * BLOCK / 2;
 pub(super) struct Encounters {
     /// East and north of each candidate where pieces begin or end.
     rows: [[[f64; ROW + 1]; 2]; MOST_LANES],
-    /// Pair and first piece of those that meet, and what is kept of that.
+    /// Pair and first piece of those that meet.
     found: [(u8, u8); FOUND],
-    kept: Box<[[Wide; KEPT]; FOUND]>,
 }
 
 impl Default for Encounters {
@@ -66,7 +55,6 @@ impl Default for Encounters {
         Self {
             rows: [[[0.0; ROW + 1]; 2]; MOST_LANES],
             found: [(0, 0); FOUND],
-            kept: Box::new([Default::default(); FOUND]),
         }
     }
 }
@@ -96,12 +84,11 @@ impl Encounters {
             self.lay_out::<S>(block.places(), lanes);
             laid_out |= lanes;
             let count = self.find(simd, block, (threats, danger), near);
-            for (&(pair, start), kept) in self.found[..count].iter().zip(self.kept.iter()) {
+            for &(pair, start) in &self.found[..count] {
                 let (threat, lane) = parts::<S>(pair, threats);
                 let start = usize::from(start) % BLOCK;
                 let pieces = self.pieces(simd, lane, start);
-                let kept = [load(simd, &kept[0]), load(simd, &kept[1]), load(simd, &kept[2])];
-                let more = danger.exposures(simd, threat, &pieces, &kept, block.stays);
+                let more = danger.exposures(simd, threat, &pieces, block.stays);
                 let of = &mut exposures[start..][..V::<S>::LEN];
                 let more = more.as_slice();
                 for k in 0..V::<S>::LEN {
@@ -152,18 +139,19 @@ impl Encounters {
         (threats, danger): (&[Threat], impl Danger),
         mut near: u64,
     ) -> usize {
+        let always = u64::from(block.stays);
         let mut count = 0;
         while near != 0 {
             let pair = near.trailing_zeros() as u8;
             let (threat, lane) = parts::<S>(pair, threats);
-            for start in (0..block.count()).step_by(V::<S>::LEN) {
-                let pieces = self.pieces(simd, lane, start);
-                let (meet, kept) = danger.meet(simd, threat, &pieces);
-                self.found[count] = (pair, start as u8);
-                for (of, to) in kept.iter().zip(&mut self.kept[count]) {
-                    store::<S>(*of, to);
+            for start in (0..BLOCK).step_by(V::<S>::LEN) {
+                if start >= block.count() {
+                    break;
                 }
-                count += usize::from(block.stays | meet.any_true());
+                let pieces = self.pieces(simd, lane, start);
+                let meets = danger.meets(threat, &pieces).to_bitmask() | always;
+                self.found[count] = (pair, start as u8);
+                count += usize::from(meets != 0);
             }
             near &= near - 1;
         }
@@ -213,51 +201,41 @@ fn parts<S: Simd>(pair: u8, threats: &[Threat]) -> (&Threat, usize) {
 pub(super) struct Chords;
 
 impl Danger for Chords {
-    /// Keeps the discriminant of the circle and the line, zero where they do not meet within the
-    /// piece, and the products of the piece with the way to its beginning and with itself.
     #[inline(always)]
-    fn meet<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>) -> (Lanes<S>, [V<S>; KEPT]) {
+    fn meets<S: Simd>(self, threat: &Threat, of: &Pieces<S>) -> Lanes<S> {
         let (from, along) = (of.from(threat), of.along());
         let square = product::<S>(&along, &along);
-        let outside = product::<S>(&from, &from) - threat.radius_m * threat.radius_m;
+        let outside = product::<S>(&from, &from) - threat.radius_sq;
         let half = product::<S>(&from, &along);
-        let discriminant = half * half - square * outside;
         // Not if the piece begins outside and leads away, or ends outside and leads there.
         let past = half + square;
         let outside_b = outside + (half + past);
-        let meet = discriminant.simd_gt(0.0)
+        (half * half).simd_gt(square * outside)
             & outside.min(half).simd_lt(0.0)
-            & outside_b.min(-past).simd_lt(0.0);
-        let discriminant = meet.select(discriminant, splat(simd, 0.0));
-        (meet, [discriminant, half, square])
+            & (past.simd_gt(0.0) | outside_b.simd_lt(0.0))
     }
 
     #[inline(always)]
-    fn exposures<S: Simd>(
-        self,
-        simd: S,
-        threat: &Threat,
-        of: &Pieces<S>,
-        [discriminant, half, square]: &[V<S>; KEPT],
-        stays: bool,
-    ) -> V<S> {
+    fn exposures<S: Simd>(self, simd: S, threat: &Threat, of: &Pieces<S>, stays: bool) -> V<S> {
         let zero = splat(simd, 0.0);
         let (from, along) = (of.from(threat), of.along());
-        let root = discriminant.sqrt();
+        let from_sq = product::<S>(&from, &from);
+        let square = product::<S>(&along, &along);
+        let outside = from_sq - threat.radius_sq;
+        let half = product::<S>(&from, &along);
+        let root = (half * half - square * outside).max(zero).sqrt();
         let per_square = splat(simd, 1.0) / square.max(POINT_SQ);
-        let enter = ((-*half - root) * per_square).max(0.0);
-        let leave = ((-*half + root) * per_square).min(1.0);
-        let nearest = (-*half * per_square).max(0.0).min(1.0);
+        let enter = ((-half - root) * per_square).max(0.0);
+        let leave = ((-half + root) * per_square).min(1.0);
+        let nearest = (-half * per_square).max(0.0).min(1.0);
         let gap = [from[0] + nearest * along[0], from[1] + nearest * along[1]];
         let closest = product::<S>(&gap, &gap).sqrt();
         let through = (leave - enter) * (splat(simd, FORBIDDEN) - closest * threat.per_radius);
-        // Without a root they do not meet, or in a point.
-        let through = leave.simd_gt(enter).select(through, zero);
+        let meets = self.meets(threat, of) & leave.simd_gt(enter);
+        let through = meets.select(through, zero);
         if !stays {
             return through;
         }
-        let from_sq = product::<S>(&from, &from);
-        let outside = from_sq - threat.radius_m * threat.radius_m;
         let over = splat(simd, FORBIDDEN) - from_sq.sqrt() * threat.per_radius;
         let over = outside.simd_lt(0.0).select(over, zero);
         square.simd_le(POINT_SQ).select(over, through)
