@@ -25,7 +25,7 @@ use fearless_simd::{Level, dispatch, prelude::*};
 use nalgebra::DMatrix;
 
 use self::violated::TOLERANCE_M;
-use super::pivot::{Basis, Constraint};
+use super::pivot::{Basis, Constraint, PAD};
 
 /// The weights of one sample: index of the first of four control points, and the
 /// weight of each.
@@ -39,7 +39,7 @@ const END_WEIGHT: f64 = 0.85;
 #[derive(Clone, Debug)]
 pub(super) struct LowestSpline {
     rows: Vec<Row>,
-    /// The weights once more, one column for each of the four.
+    /// The weights once more, one column for each of the four, and zeros behind them.
     columns: [Vec<f64>; 4],
     /// First control point, and first and last sample but one, of the samples that share
     /// their control points.
@@ -117,7 +117,10 @@ impl LowestSpline {
             }
         }
         let mut lowest = Self {
-            columns: [0, 1, 2, 3].map(|i| rows.iter().map(|row| row.1[i]).collect()),
+            columns: [0, 1, 2, 3].map(|i| {
+                let weights = rows.iter().map(|row| row.1[i]);
+                weights.chain([0.0; PAD]).collect()
+            }),
             spans,
             rows,
             binding,
@@ -170,6 +173,36 @@ impl LowestSpline {
             .map(move |i| (first + i - 1, weights[i]))
     }
 
+    /// One coordinate at all samples, from that of the control points.
+    pub(super) fn sample(&self, controls: &[f64], samples: &mut Vec<f64>) {
+        dispatch!(self.level, simd => self.sample_by(simd, controls, samples));
+    }
+
+    #[inline(always)]
+    fn sample_by<S: Simd>(&self, simd: S, controls: &[f64], samples: &mut Vec<f64>) {
+        let (count, lanes) = (self.rows.len(), S::f64s::LEN);
+        samples.resize(count + PAD, 0.0);
+        for &(first, from, to) in &self.spans {
+            let four = &controls[first..first + 4];
+            let splat = (
+                S::f64s::splat(simd, four[0]),
+                S::f64s::splat(simd, four[1]),
+                S::f64s::splat(simd, four[2]),
+                S::f64s::splat(simd, four[3]),
+            );
+            // What is written beyond a span is written again by the next one.
+            for at in (from..to).step_by(lanes) {
+                let [a, b, c, d] = &self.columns;
+                let sum = weights(simd, a, at) * splat.0
+                    + weights(simd, b, at) * splat.1
+                    + weights(simd, c, at) * splat.2
+                    + weights(simd, d, at) * splat.3;
+                sum.store_slice(&mut samples[at..at + lanes]);
+            }
+        }
+        samples.truncate(count);
+    }
+
     /// Fills the free altitudes of `amsl_m`, whose first and last are given.
     pub(super) fn solve(&self, demand: &Demand, amsl_m: &mut [f64], work: &mut Workspace) {
         dispatch!(self.level, simd => self.solve_by(simd, demand, amsl_m, work));
@@ -215,6 +248,7 @@ impl LowestSpline {
     }
 
     /// Near the ends the floor binds only as far as a flight at the slope limits reaches it.
+    #[inline(always)]
     fn unbind_ends(&self, demand: &Demand, (from_m, to_m): (f64, f64), floor: &mut [f64]) {
         let samples = floor.len();
         let mut risen_m = from_m;
@@ -238,19 +272,28 @@ impl LowestSpline {
     }
 
     /// What the altitude of each control point costs.
+    #[inline(always)]
     fn price_controls(&self, weights: &[f64], work: &mut Workspace) {
         work.cost.clear();
         work.cost.resize(self.controls, 0.0);
-        for ((first, row), weight) in self.rows.iter().zip(weights) {
-            for (cost, share) in work.cost[*first..first + 4].iter_mut().zip(row) {
-                *cost += weight * share;
+        for &(first, from, to) in &self.spans {
+            let Some(costs) = work.cost[first..].first_chunk_mut::<4>() else {
+                continue;
+            };
+            let mut sums = *costs;
+            for ((_, row), weight) in self.rows[from..to].iter().zip(&weights[from..to]) {
+                for (sum, share) in sums.iter_mut().zip(row) {
+                    *sum += weight * share;
+                }
             }
+            *costs = sums;
         }
     }
 
     /// Keeps the basis of the neighbour solved before, if there is one, else loads the
     /// first one, or, if neither is dual feasible, the cold one: all at base. That always
     /// is, because altitude costs are not negative.
+    #[inline(always)]
     fn start(&self, demand: &Demand, amsl_m: &[f64], base: f64, work: &mut Workspace) {
         let (free, last) = (self.controls - 2, self.controls - 1);
         work.z.clear();
@@ -279,6 +322,7 @@ impl LowestSpline {
 
     /// Altitudes in the basis; false if it is not dual feasible, or holds a floor that
     /// does not bind.
+    #[inline(always)]
     fn touches(&self, demand: &Demand, work: &mut Workspace) -> bool {
         self.price(work);
         if work.dual.iter().any(|&y| y < 0.0) {
@@ -304,6 +348,7 @@ impl LowestSpline {
     }
 
     /// Dual values of the basis.
+    #[inline(always)]
     fn price(&self, work: &mut Workspace) {
         let prices = &work.cost[1..self.controls - 1];
         work.basis
@@ -379,6 +424,12 @@ impl LowestSpline {
             }
         }
     }
+}
+
+/// The next weights of a column.
+#[inline(always)]
+fn weights<S: Simd>(simd: S, column: &[f64], from: usize) -> S::f64s {
+    S::f64s::from_slice(simd, &column[from..from + S::f64s::LEN])
 }
 
 #[cfg(test)]

@@ -228,10 +228,8 @@ impl<'a> Sampled<'a> {
         let spline = &mut room.spline;
         self.outline(free, spline);
         let samples = self.basis.samples();
-        room.east_m.resize(samples, 0.0);
-        room.north_m.resize(samples, 0.0);
-        self.basis.apply(&spline.east_m, &mut room.east_m);
-        self.basis.apply(&spline.north_m, &mut room.north_m);
+        self.lowest.sample(&spline.east_m, &mut room.east_m);
+        self.lowest.sample(&spline.north_m, &mut room.north_m);
         let track = Track {
             east_m: &room.east_m,
             north_m: &room.north_m,

@@ -14,17 +14,15 @@ impl LowestSpline {
     /// By how much every constraint is violated, metres: floors, rises, drops, each padded
     /// to a multiple of [`PAD`].
     #[inline(always)]
-    fn measure(&self, demand: &Demand, with_slopes: bool, work: &mut Workspace) {
+    fn measure<S: Simd>(
+        &self,
+        simd: S,
+        demand: &Demand,
+        with_slopes: bool,
+        work: &mut Workspace,
+    ) {
         let count = self.rows.len();
-        work.samples.resize(count, 0.0);
-        for &(first, from, to) in &self.spans {
-            let z = &work.z[first..first + 4];
-            let [a, b, c, d] = [0, 1, 2, 3].map(|i| &self.columns[i][from..to]);
-            let weights = a.iter().zip(b).zip(c).zip(d);
-            for (altitude, (((a, b), c), d)) in work.samples[from..to].iter_mut().zip(weights) {
-                *altitude = a * z[0] + b * z[1] + c * z[2] + d * z[3];
-            }
-        }
+        self.sample_by(simd, &work.z, &mut work.samples);
         let padded = count.next_multiple_of(PAD);
         let kinds = if with_slopes { 3 } else { 1 };
         if work.gaps.len() != kinds * padded {
@@ -56,7 +54,7 @@ impl LowestSpline {
         with_slopes: bool,
         work: &mut Workspace,
     ) {
-        self.measure(demand, with_slopes, work);
+        self.measure(simd, demand, with_slopes, work);
         work.entering.clear();
         let padded = self.rows.len().next_multiple_of(PAD);
         let mut from = 0;
@@ -92,6 +90,7 @@ impl LowestSpline {
     }
 
     /// By how much a constraint is violated now, metres.
+    #[inline(always)]
     pub(super) fn violation(
         &self,
         constraint: Constraint,
