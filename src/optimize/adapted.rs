@@ -27,11 +27,11 @@ pub(super) struct Adapted {
     rates: Rates,
 }
 
-/// A drawn step.
+/// A drawn step. Until it is taken it holds what was drawn for it.
 pub(super) struct Draw {
     /// In standard normal coordinates.
     normal: DVector<f64>,
-    /// In units of the step size and of each variable; zero until it is taken.
+    /// In units of the step size and of each variable.
     step: DVector<f64>,
 }
 
@@ -78,15 +78,21 @@ impl Rates {
     }
 }
 
-/// A standard normal number (Marsaglia's polar method).
-fn normal(rng: &mut ChaCha8Rng) -> f64 {
+/// A number and the square of its distance from 0 in a disc, from which [`normal`] makes a
+/// standard normal one (Marsaglia's polar method).
+fn polar(rng: &mut ChaCha8Rng) -> (f64, f64) {
     loop {
         let (u, v): (f64, f64) = (rng.random_range(-1.0..1.0), rng.random_range(-1.0..1.0));
         let s = u * u + v * v;
         if s > 0.0 && s < 1.0 {
-            return u * (-2.0 * s.ln() / s).sqrt();
+            return (u, s);
         }
     }
+}
+
+/// The standard normal number of a draw.
+fn normal((u, s): (f64, f64)) -> f64 {
+    u * (-2.0 * s.ln() / s).sqrt()
 }
 
 impl Adapted {
@@ -122,15 +128,24 @@ impl Adapted {
     /// Draws a step, which is not yet taken.
     pub(super) fn draw(&self, rng: &mut ChaCha8Rng) -> Draw {
         let n = self.mean.len();
+        let (mut normal, mut step) = (Vec::with_capacity(n), Vec::with_capacity(n));
+        for (u, s) in (0..n).map(|_| polar(rng)) {
+            normal.push(u);
+            step.push(s);
+        }
         Draw {
-            normal: DVector::from_fn(n, |_, _| normal(rng)),
-            step: DVector::zeros(n),
+            normal: DVector::from_vec(normal),
+            step: DVector::from_vec(step),
         }
     }
 
     /// Takes a drawn step: the point that it leads to, kept in the unit cube.
     pub(super) fn take(&self, draw: &mut Draw, point: &mut [f64]) {
         let step = draw.step.as_mut_slice();
+        for (number, s) in draw.normal.iter_mut().zip(step.iter_mut()) {
+            *number = normal((*number, *s));
+            *s = 0.0;
+        }
         // The factor times the normal vector.
         let columns = self.factor.as_slice().chunks_exact(step.len());
         for (j, (&share, column)) in draw.normal.iter().zip(columns).enumerate() {
@@ -231,7 +246,7 @@ mod tests {
     #[test]
     fn normal_numbers_have_mean_zero_and_variance_one() {
         let mut rng = Seed(1).stream("test", 0);
-        let draws: Vec<f64> = (0..20_000).map(|_| normal(&mut rng)).collect();
+        let draws: Vec<f64> = (0..20_000).map(|_| normal(polar(&mut rng))).collect();
         let mean = draws.iter().sum::<f64>() / 20_000.0;
         let variance = draws.iter().map(|x| x * x).sum::<f64>() / 20_000.0;
         assert!(mean.abs() < 0.03, "{mean}");

@@ -114,46 +114,78 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
     /// not evaluated and cost infinity, as does a row whose cost is not a number.
     #[must_use]
     pub fn evaluate(&mut self, candidates: &[f64]) -> Vec<f64> {
-        let (problem, eased) = (self.problem, self.eased());
-        let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| match eased {
-            Some(eased) => eased.evaluate(rows, f64::INFINITY, costs),
-            None => problem.evaluate(rows, f64::INFINITY, costs),
-        };
-        self.batch(candidates, 1, evaluate).0
+        let count = candidates.len() / self.dimension().max(1);
+        let mut rows = candidates.to_vec();
+        let as_they_are = |_: usize, (): &mut (), _: &mut [f64]| ();
+        let made = self.evaluate_made(&mut rows, &mut vec![(); count], as_they_are, false);
+        made.0
     }
 
-    /// The same, and the parts of each cost that groups of variables may change, row by row:
-    /// infinite for rows that are not evaluated.
+    /// The same of rows that are made just before they are evaluated, by `make` from their
+    /// number and one of `of`; and the parts of each cost that groups of variables may change,
+    /// row by row: infinite for rows that are not evaluated. If not `in_parts`, the only part is
+    /// the cost.
     #[must_use]
-    pub fn evaluate_parts(&mut self, candidates: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pub fn evaluate_made<T: Send>(
+        &mut self,
+        rows: &mut [f64],
+        of: &mut [T],
+        make: impl Fn(usize, &mut T, &mut [f64]) + Sync,
+        in_parts: bool,
+    ) -> (Vec<f64>, Vec<f64>) {
         let (problem, eased) = (self.problem, self.eased());
-        let evaluate = |rows: &[f64], costs: &mut [f64], parts: &mut [f64]| match eased {
-            Some(eased) => eased.evaluate_parts(rows, costs, parts),
-            None => problem.evaluate_parts(rows, costs, parts),
-        };
-        self.batch(candidates, problem.groups(), evaluate)
+        if in_parts {
+            let evaluate = |rows: &[f64], costs: &mut [f64], parts: &mut [f64]| match eased {
+                Some(eased) => eased.evaluate_parts(rows, costs, parts),
+                None => problem.evaluate_parts(rows, costs, parts),
+            };
+            self.batch(rows, of, problem.groups(), make, evaluate)
+        } else {
+            let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| match eased {
+                Some(eased) => eased.evaluate(rows, f64::INFINITY, costs),
+                None => problem.evaluate(rows, f64::INFINITY, costs),
+            };
+            let (costs, _) = self.batch(rows, of, 1, make, evaluate);
+            (costs.clone(), costs)
+        }
     }
 
     fn eased(&self) -> Option<&'a dyn Problem> {
         self.problem.eased().filter(|_| self.is_eased)
     }
 
-    fn batch(
+    fn batch<T: Send>(
         &mut self,
-        candidates: &[f64],
+        candidates: &mut [f64],
+        of: &mut [T],
         groups: usize,
+        make: impl Fn(usize, &mut T, &mut [f64]) + Sync,
         evaluate: impl Fn(&[f64], &mut [f64], &mut [f64]) + Sync,
     ) -> (Vec<f64>, Vec<f64>) {
         let dimension = self.dimension().max(1);
-        let rows = candidates.len() / dimension;
+        let rows = of.len().min(candidates.len() / dimension);
         let allowed = rows.min(self.budget - self.spent);
         let mut costs = vec![f64::INFINITY; rows];
         let mut parts = vec![f64::INFINITY; rows * groups];
-        candidates[..allowed * dimension]
-            .par_chunks(ROWS_PER_TASK * dimension)
+        let make_all = |first: usize, rows: &mut [f64], of: &mut [T]| {
+            let rows = rows.chunks_exact_mut(dimension).zip(of);
+            for (index, (row, of)) in (first..).zip(rows) {
+                make(index, of, row);
+            }
+        };
+        let (evaluated, others) = candidates.split_at_mut(allowed * dimension);
+        let (of, of_others) = of.split_at_mut(allowed);
+        make_all(allowed, others, of_others);
+        evaluated
+            .par_chunks_mut(ROWS_PER_TASK * dimension)
+            .zip(of.par_chunks_mut(ROWS_PER_TASK))
             .zip(costs[..allowed].par_chunks_mut(ROWS_PER_TASK))
             .zip(parts[..allowed * groups].par_chunks_mut(ROWS_PER_TASK * groups))
-            .for_each(|((rows, costs), parts)| evaluate(rows, costs, parts));
+            .enumerate()
+            .for_each(|(task, (((rows, of), costs), parts))| {
+                make_all(task * ROWS_PER_TASK, rows, of);
+                evaluate(rows, costs, parts);
+            });
         for (row, cost) in costs[..allowed].iter_mut().enumerate() {
             if cost.is_nan() {
                 *cost = f64::INFINITY;

@@ -197,14 +197,12 @@ fn share(budget: usize, part: f64) -> usize {
     share.min(budget)
 }
 
-/// The flies of one generation, swarm after swarm, and where they go, row by row. All numbers are
-/// drawn in one order; what follows from them is worked out side by side.
-fn fly_out(
+/// The flies of one generation, swarm after swarm: all numbers are drawn in one order.
+fn flights(
     swarms: &[Swarm],
     parameters: &MsfoaParameters,
-    dimension: usize,
     rng: &mut ChaCha8Rng,
-) -> (Vec<Flight>, Vec<f64>) {
+) -> Vec<Flight> {
     let flies = parameters.flies;
     let mut flights = Vec::with_capacity(swarms.len() * flies);
     for swarm in swarms {
@@ -216,20 +214,7 @@ fn fly_out(
             false => Flight::Local(swarm.adapted.draw(rng)),
         }));
     }
-    let mut rows = vec![0.0; flights.len() * dimension];
-    let points = rows.par_chunks_mut(flies * dimension);
-    let of_swarms = swarms.par_iter().zip(flights.par_chunks_mut(flies));
-    of_swarms
-        .zip(points)
-        .for_each(|((swarm, flights), points)| {
-            for (flight, point) in flights.iter_mut().zip(points.chunks_mut(dimension)) {
-                match flight {
-                    Flight::Local(draw) => swarm.adapted.take(draw, point),
-                    Flight::Global(place) => point.copy_from_slice(place),
-                }
-            }
-        });
-    (flights, rows)
+    flights
 }
 
 /// One olfactory and visual search of all swarms, evaluated as one batch.
@@ -240,16 +225,16 @@ fn generation<P: Problem + ?Sized>(
     rng: &mut ChaCha8Rng,
 ) {
     let (dimension, flies) = (evaluator.dimension(), parameters.flies);
-    let (flights, rows) = fly_out(swarms, parameters, dimension, rng);
-    // What a window leaves out does not cancel: the last of a cost is found as a whole.
-    let is_late = evaluator.spent() * WHOLE.1 > evaluator.budget() * WHOLE.0;
-    let (costs, parts, groups) = if is_late {
-        let costs = evaluator.evaluate(&rows);
-        (costs.clone(), costs, 1)
-    } else {
-        let (costs, parts) = evaluator.evaluate_parts(&rows);
-        (costs, parts, evaluator.groups())
+    let mut flights = flights(swarms, parameters, rng);
+    let mut rows = vec![0.0; flights.len() * dimension];
+    let fly = |number: usize, flight: &mut Flight, point: &mut [f64]| match flight {
+        Flight::Local(draw) => swarms[number / flies].adapted.take(draw, point),
+        Flight::Global(place) => point.copy_from_slice(place),
     };
+    // What a window leaves out does not cancel: the last of a cost is found as a whole.
+    let in_parts = evaluator.spent() * WHOLE.1 <= evaluator.budget() * WHOLE.0;
+    let groups = if in_parts { evaluator.groups() } else { 1 };
+    let (costs, parts) = evaluator.evaluate_made(&mut rows, &mut flights, fly, in_parts);
     let seen = rows
         .par_chunks(flies * dimension)
         .zip(flights.par_chunks(flies));

@@ -60,7 +60,14 @@ fn costs_with_their_parts_are_the_same_costs_and_whole_paths_have_one_part() {
             let mut one = Evaluator::new(problem, 2, &|_| ());
             let mut other = Evaluator::new(problem, 2, &|_| ());
             let costs = one.evaluate(&rows);
-            let (again, parts) = other.evaluate_parts(&rows);
+            let dimension = problem.dimension();
+            let make = |number: usize, way: &mut usize, row: &mut [f64]| {
+                assert_eq!(number, *way);
+                row.copy_from_slice(&rows[number * dimension..][..dimension]);
+            };
+            let mut made = vec![0.0; rows.len()];
+            let (again, parts) = other.evaluate_made(&mut made, &mut [0, 1], make, true);
+            assert_eq!(made, rows);
             assert_eq!(costs, again);
             assert_eq!((one.spent(), other.spent()), (2, 2));
             if windows {
