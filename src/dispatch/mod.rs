@@ -2,6 +2,8 @@
 
 mod tighten;
 
+use rayon::prelude::*;
+
 use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
@@ -147,15 +149,17 @@ fn encode_and_verify(
     plan: &FleetPlan,
 ) -> (Vec<(usize, VehicleMission)>, Review) {
     let settled = plan.settled(spec);
+    let encoded: Vec<_> = (plan.vehicles.par_iter().enumerate())
+        .map(|(index, vehicle)| {
+            let paths = vehicle.routes.iter().map(|route| route.path.clone());
+            let routes: Vec<Vec<TimedPoint>> = paths.collect();
+            mission::build(&settled, world, index, &routes)
+        })
+        .collect();
     let mut missions = Vec::new();
     let mut problems = Vec::new();
-    for (index, vehicle) in plan.vehicles.iter().enumerate() {
-        let routes: Vec<Vec<TimedPoint>> = vehicle
-            .routes
-            .iter()
-            .map(|route| route.path.clone())
-            .collect();
-        match mission::build(&settled, world, index, &routes) {
+    for (index, encoded) in encoded.into_iter().enumerate() {
+        match encoded {
             Ok(mission) => missions.push((index, mission)),
             Err(error) => problems.push(Margin::unjudged(
                 &spec.vehicles[index].id,

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use super::relief::{Bounds, Relief, round_step};
 use crate::geodesy::EastNorth;
 
@@ -33,25 +35,35 @@ impl Contours {
             return contours;
         }
         contours.interval_m = round_step((high_m - low_m) / 14.0);
-        let mut level = (low_m / contours.interval_m).ceil();
-        while level * contours.interval_m < high_m {
-            // Half a decimetre aside, so that no node lies on a line.
-            let level_m = level * contours.interval_m + 0.05;
-            let lines = chained(&pieces(relief, level_m)).into_iter().map(|edges| {
-                edges
-                    .into_iter()
-                    .map(|edge| crossing(relief, bounds, level_m, edge))
-                    .collect()
-            });
+        let interval_m = contours.interval_m;
+        let first = (low_m / interval_m).ceil();
+        let levels = (0..).map(|level: u32| first + f64::from(level));
+        let levels: Vec<f64> = levels
+            .take_while(|level| level * interval_m < high_m)
+            .collect();
+        let of_levels: Vec<Vec<Line>> = (levels.par_iter())
+            .map(|level| lines(relief, bounds, level * interval_m))
+            .collect();
+        for (level, lines) in levels.iter().zip(of_levels) {
             if level.rem_euclid(5.0) < 0.5 {
                 contours.index.extend(lines);
             } else {
                 contours.plain.extend(lines);
             }
-            level += 1.0;
         }
         contours
     }
+}
+
+/// The lines of one height.
+fn lines(relief: &Relief, bounds: &Bounds, height_m: f64) -> Vec<Line> {
+    // Half a decimetre aside, so that no node lies on a line.
+    let level_m = height_m + 0.05;
+    let places = |edges: Vec<Edge>| {
+        let edges = edges.into_iter();
+        edges.map(|edge| crossing(relief, bounds, level_m, edge)).collect()
+    };
+    chained(&pieces(relief, level_m)).into_iter().map(places).collect()
 }
 
 /// Pairs of edges that the line joins across one cell.

@@ -1,5 +1,6 @@
 //! The ground as the report draws it: a small grid and its shading.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::png::{self, Shade};
@@ -89,18 +90,17 @@ impl Relief {
             rows: nodes(bounds.height_m()),
             heights_dm: Vec::new(),
         };
-        for row in 0..relief.rows {
-            for column in 0..relief.columns {
-                let at = relief.node(bounds, column, row);
-                relief.heights_dm.push(
-                    world
-                        .terrain
-                        .height(world.frame.from_plan(at))
-                        .ok()
-                        .and_then(|amsl| decimetres(amsl.0)),
-                );
-            }
-        }
+        let height_dm = |column: u32, row: u32| {
+            let at = relief.node(bounds, column, row);
+            let height = world.terrain.height(world.frame.from_plan(at)).ok();
+            height.and_then(|amsl| decimetres(amsl.0))
+        };
+        // Rows at once, kept in order.
+        let rows: Vec<Vec<_>> = (0..relief.rows)
+            .into_par_iter()
+            .map(|row| (0..relief.columns).map(|column| height_dm(column, row)).collect())
+            .collect();
+        relief.heights_dm = rows.concat();
         relief
     }
 
