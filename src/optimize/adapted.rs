@@ -5,6 +5,7 @@
 //! anew after each generation, which for the few dimensions of a path costs less
 //! than one evaluation.
 
+use fearless_simd::{Level, dispatch};
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -146,6 +147,12 @@ impl Adapted {
             *number = normal((*number, *s));
             *s = 0.0;
         }
+        dispatch!(Level::new(), _simd => self.step_to(draw, point));
+    }
+
+    #[inline(always)]
+    fn step_to(&self, draw: &mut Draw, point: &mut [f64]) {
+        let step = draw.step.as_mut_slice();
         // The factor times the normal vector.
         let columns = self.factor.as_slice().chunks_exact(step.len());
         for (j, (&share, column)) in draw.normal.iter().zip(columns).enumerate() {

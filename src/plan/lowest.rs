@@ -147,11 +147,16 @@ impl LowestSpline {
         let active: Vec<usize> = (1..=free).map(peak).collect::<Option<_>>()?;
         let matrix = DMatrix::from_fn(free, free, |i, j| self.weight(active[i], j + 1));
         let inverse = matrix.try_inverse()?;
-        Some(Basis {
+        let mut basis = Basis {
             active: active.into_iter().map(Constraint::Floor).collect(),
-            // nalgebra stores columns, the basis rows.
-            inverse: inverse.transpose().as_slice().to_vec(),
-        })
+            inverse: Vec::new(),
+        };
+        let stride = basis.stride();
+        for row in inverse.row_iter() {
+            basis.inverse.extend(row.iter());
+            basis.inverse.resize(basis.inverse.len().next_multiple_of(stride), 0.0);
+        }
+        Some(basis)
     }
 
     /// Weight of a control point in a sample.
@@ -233,7 +238,7 @@ impl LowestSpline {
             &mut work.floor,
         );
         for with_slopes in [true, false] {
-            self.start(demand, amsl_m, base, work);
+            self.start(simd, demand, amsl_m, base, work);
             if self.pivot_until_feasible(simd, demand, with_slopes, work) {
                 work.solved = with_slopes;
                 let last = self.controls - 1;
@@ -294,37 +299,45 @@ impl LowestSpline {
     /// first one, or, if neither is dual feasible, the cold one: all at base. That always
     /// is, because altitude costs are not negative.
     #[inline(always)]
-    fn start(&self, demand: &Demand, amsl_m: &[f64], base: f64, work: &mut Workspace) {
+    fn start<S: Simd>(
+        &self,
+        simd: S,
+        demand: &Demand,
+        amsl_m: &[f64],
+        base: f64,
+        work: &mut Workspace,
+    ) {
         let (free, last) = (self.controls - 2, self.controls - 1);
         work.z.clear();
         work.z.resize(self.controls, 0.0);
         work.z[0] = amsl_m[0] - base;
         work.z[last] = amsl_m[last] - base;
-        if std::mem::take(&mut work.solved) && self.touches(demand, work) {
+        if std::mem::take(&mut work.solved) && self.touches(simd, demand, work) {
             return;
         }
         if let Some(first) = &self.first {
             work.basis.active.clone_from(&first.active);
             work.basis.inverse.clone_from(&first.inverse);
-            if self.touches(demand, work) {
+            if self.touches(simd, demand, work) {
                 return;
             }
         }
         work.basis.active.clear();
         work.basis.active.extend((1..last).map(Constraint::Base));
         work.basis.inverse.clear();
-        work.basis.inverse.resize(free * free, 0.0);
+        let stride = work.basis.stride();
+        work.basis.inverse.resize(free * stride, 0.0);
         for i in 0..free {
-            work.basis.inverse[i * free + i] = 1.0;
+            work.basis.inverse[i * stride + i] = 1.0;
         }
-        self.price(work);
+        self.price(simd, work);
     }
 
     /// Altitudes in the basis; false if it is not dual feasible, or holds a floor that
     /// does not bind.
     #[inline(always)]
-    fn touches(&self, demand: &Demand, work: &mut Workspace) -> bool {
-        self.price(work);
+    fn touches<S: Simd>(&self, simd: S, demand: &Demand, work: &mut Workspace) -> bool {
+        self.price(simd, work);
         if work.dual.iter().any(|&y| y < 0.0) {
             return false;
         }
@@ -349,10 +362,10 @@ impl LowestSpline {
 
     /// Dual values of the basis.
     #[inline(always)]
-    fn price(&self, work: &mut Workspace) {
+    fn price<S: Simd>(&self, simd: S, work: &mut Workspace) {
         let prices = &work.cost[1..self.controls - 1];
         work.basis
-            .times(prices.iter().copied().enumerate(), &mut work.dual);
+            .times(simd, prices.iter().copied().enumerate(), &mut work.dual);
     }
 
     /// Dual simplex; false if the constraints contradict one another, or if it does not
@@ -373,7 +386,7 @@ impl LowestSpline {
             for n in 0..work.entering.len() {
                 let entering = work.entering[n];
                 let violation = self.violation(entering, demand, work);
-                if violation > TOLERANCE_M && !self.pivot((entering, violation), work) {
+                if violation > TOLERANCE_M && !self.pivot(simd, (entering, violation), work) {
                     return false;
                 }
             }
@@ -384,30 +397,35 @@ impl LowestSpline {
     /// Lets a violated constraint into the basis; false if none can leave for it, which is
     /// then because the constraints contradict one another.
     #[inline(always)]
-    fn pivot(&self, (entering, violation): (Constraint, f64), work: &mut Workspace) -> bool {
+    fn pivot<S: Simd>(
+        &self,
+        simd: S,
+        (entering, violation): (Constraint, f64),
+        work: &mut Workspace,
+    ) -> bool {
         let last = self.controls - 1;
         // The entering row in terms of the basis.
         let (basis, row) = (&mut work.basis, &mut work.pivot_row);
         let minus = |entry: (usize, f64)| (entry.0, -entry.1);
         match entering {
-            Constraint::Floor(k) => basis.times(self.free_weights(k), row),
+            Constraint::Floor(k) => basis.times(simd, self.free_weights(k), row),
             Constraint::Up(k) => {
                 let next = self.free_weights(k + 1).map(minus);
-                basis.times(self.free_weights(k).chain(next), row);
+                basis.times(simd, self.free_weights(k).chain(next), row);
             }
             Constraint::Down(k) => {
                 let this = self.free_weights(k).map(minus);
-                basis.times(this.chain(self.free_weights(k + 1)), row);
+                basis.times(simd, this.chain(self.free_weights(k + 1)), row);
             }
             Constraint::Base(control) => {
-                basis.times(std::iter::once((control - 1, 1.0)), row);
+                basis.times(simd, std::iter::once((control - 1, 1.0)), row);
             }
         }
-        let Some(leaving) = Basis::leaving(row, &work.dual) else {
+        let Some(leaving) = Basis::leaving(simd, row, &work.dual) else {
             return false;
         };
         let z = &mut work.z[1..last];
-        basis.exchange(leaving, (entering, violation), row, &mut work.dual, z);
+        basis.exchange(simd, leaving, (entering, violation), row, &mut work.dual, z);
         true
     }
 

@@ -62,8 +62,7 @@ impl LowestSpline {
             let to = (padded * stretch / STRETCHES).next_multiple_of(PAD);
             let mut worst = (Constraint::Floor(0), TOLERANCE_M);
             for (kind, gaps) in work.gaps.chunks_exact(padded).enumerate() {
-                let (index, violation) = greatest(simd, &gaps[from..to]);
-                if violation > worst.1 {
+                if let Some((index, violation)) = greatest(simd, &gaps[from..to], worst.1) {
                     let k = from + index;
                     let constraint = match kind {
                         0 => Constraint::Floor(k),
