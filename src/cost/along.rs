@@ -2,10 +2,10 @@
 
 use fearless_simd::{dispatch, prelude::*};
 
+use super::Batch;
 use super::block::BLOCK;
 use super::lanes::{Scratch, V};
 use super::model::CostModel;
-use super::Batch;
 
 impl CostModel {
     /// Number of blocks of a path that [`Self::totals_along`] tells apart.
@@ -46,7 +46,11 @@ impl CostModel {
         scratch.runs_up = true;
         self.totals(batch, f64::INFINITY, scratch, totals);
         scratch.runs_up = false;
-        for (index, row) in along.chunks_exact_mut(blocks).enumerate().take(totals.len()) {
+        for (index, row) in along
+            .chunks_exact_mut(blocks)
+            .enumerate()
+            .take(totals.len())
+        {
             let running = &scratch.running[index / lanes * blocks..][..blocks];
             for (to, wide) in row.iter_mut().zip(running) {
                 *to = wide[index % lanes];

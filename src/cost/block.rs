@@ -88,10 +88,8 @@ impl<S: Simd> Bounds<S> {
 
     #[inline(always)]
     fn widen(&mut self, place: &Place<S>) {
-        for axis in 0..2 {
-            self.low[axis] = self.low[axis].min(place[axis]);
-            self.high[axis] = self.high[axis].max(place[axis]);
-        }
+        self.low = [self.low[0].min(place[0]), self.low[1].min(place[1])];
+        self.high = [self.high[0].max(place[0]), self.high[1].max(place[1])];
         self.top_m = self.top_m.max(place[2]);
     }
 }

@@ -3,9 +3,7 @@
 use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block};
-use super::lanes::{
-    MOST_LANES, Scratch, V, Wide, point, segment, splat, store,
-};
+use super::lanes::{MOST_LANES, Scratch, V, Wide, point, segment, splat, store};
 use super::limit_lanes::LimitLanes;
 use super::model::CostModel;
 use super::operational::Sums;
@@ -32,106 +30,144 @@ pub(super) fn terms<S: Simd>(
     scratch: &mut Scratch,
     out: &mut [CostTerms],
 ) {
-    let (ground, limits) = (
-        GroundLanes::new(simd, model),
-        LimitLanes::new(simd, model, true),
-    );
+    let pass = Pass {
+        model,
+        ground: GroundLanes::new(simd, model),
+        limits: LimitLanes::new(simd, model, true),
+        cutoff,
+    };
     let mut block = Block::new(simd, model.path.substeps);
     let lanes = V::<S>::LEN;
     for (group, out) in out.chunks_mut(lanes).enumerate() {
         scratch.load::<S>(batch, group * lanes, out.len());
-        group_terms(
-            model, &ground, &limits, &mut block, cutoff, group, scratch, out,
-        );
+        pass.terms(group, &mut block, scratch, out);
     }
 }
 
-/// Terms of the candidates in the lanes of `scratch`.
-#[inline(always)]
-fn group_terms<S: Simd>(
-    model: &CostModel,
-    ground: &GroundLanes<'_, S>,
-    limits: &LimitLanes<S>,
-    block: &mut Block<S>,
+/// What is the same for all candidates.
+struct Pass<'a, S: Simd> {
+    model: &'a CostModel,
+    ground: GroundLanes<'a, S>,
+    limits: LimitLanes<S>,
     cutoff: f64,
-    group: usize,
-    scratch: &mut Scratch,
-    out: &mut [CostTerms],
-) {
-    let simd = ground.simd;
-    let zero = splat(simd, 0.0);
-    let (segments, substeps) = (model.path.samples - 1, model.path.substeps);
-    let mut sums = Sums {
-        length_km: zero,
-        altitude: zero,
-        threat: zero,
-        terrain: zero,
-        turn: zero,
-        climb: zero,
-        collision: zero,
-    };
-    let keeps = !model.traffic.is_empty();
-    let mut turns = TightTurns::none();
-    let first = point(simd, &model.path.rows[0], &scratch.controls);
-    block.begin(simd, first);
-    let cell = ground.relief.cell(first[0], first[1]);
-    ground.relief.fetch(&cell, &mut scratch.corners[0]);
-    let corners = &scratch.corners[0];
-    let mut before = ground.clearances(first[2], (&cell, corners), model.wanted_agl_m[0]);
-    for start in (0..segments).step_by(BLOCK) {
-        let count = BLOCK.min(segments - start);
-        let within = start * substeps + 1..(start + count) * substeps + 1;
-        let rows = &model.path.rows[within.clone()];
-        block.sample(simd, rows, count, &scratch.controls);
+}
+
+impl<S: Simd> Pass<'_, S> {
+    /// Terms of the candidates in the lanes of `scratch`.
+    #[inline(always)]
+    fn terms(
+        &self,
+        group: usize,
+        block: &mut Block<S>,
+        scratch: &mut Scratch,
+        out: &mut [CostTerms],
+    ) {
+        let (model, simd) = (self.model, self.ground.simd);
+        let zero = splat(simd, 0.0);
+        let segments = model.path.samples - 1;
+        let mut sums = Sums {
+            length_km: zero,
+            altitude: zero,
+            threat: zero,
+            terrain: zero,
+            turn: zero,
+            climb: zero,
+            collision: zero,
+        };
+        let mut turns = TightTurns::none();
+        let mut before = self.begin(block, scratch);
+        for start in (0..segments).step_by(BLOCK) {
+            let end = segments.min(start + BLOCK);
+            self.add_ground(block, (start, end), scratch, (&mut before, &mut sums));
+            if !model.traffic.is_empty() {
+                block.keep(scratch);
+            }
+            self.add_limits(block, &mut turns, &mut sums);
+            sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
+            let has_cutoff = self.cutoff < f64::INFINITY;
+            if end == segments || has_cutoff || scratch.runs_up {
+                self.settle(&mut turns);
+                sums.turn = turns.sums(simd);
+            }
+            if scratch.runs_up {
+                let at = group * segments.div_ceil(BLOCK) + start / BLOCK;
+                store::<S>(total::<S>(model, &sums), &mut scratch.running[at]);
+            }
+            if has_cutoff && all_above::<S>(model, &sums, self.cutoff, out) {
+                return;
+            }
+        }
+        let sums = spread::<S>(&sums);
+        for (lane, terms) in out.iter_mut().enumerate() {
+            let mut sums = sums.map(|wide| wide[lane]);
+            if !model.traffic.is_empty() {
+                add_collisions(model, scratch, lane, self.cutoff, &mut sums);
+            }
+            *terms = model.weigh(&sums);
+        }
+    }
+
+    /// Goes to where the paths begin: the clearance there.
+    #[inline(always)]
+    fn begin(&self, block: &mut Block<S>, scratch: &mut Scratch) -> Clearances<S> {
+        let (model, ground) = (self.model, &self.ground);
+        let first = point(ground.simd, &model.path.rows[0], &scratch.controls);
+        block.begin(ground.simd, first);
+        let cell = ground.relief.cell(first[0], first[1]);
+        let corners = &mut scratch.corners[0];
+        ground.relief.fetch(&cell, corners);
+        ground.clearances(first[2], (&cell, corners), model.wanted_agl_m[0])
+    }
+
+    /// Goes on to the pieces between two samples and adds length, altitude and terrain; see
+    /// [`GroundLanes::add`].
+    #[inline(always)]
+    fn add_ground(
+        &self,
+        block: &mut Block<S>,
+        (start, end): (usize, usize),
+        scratch: &mut Scratch,
+        (before, sums): (&mut Clearances<S>, &mut Sums<V<S>>),
+    ) {
+        let (path, ground) = (&self.model.path, &self.ground);
+        let within = start * path.substeps + 1..end * path.substeps + 1;
+        let rows = &path.rows[within.clone()];
+        block.sample(ground.simd, rows, end - start, &scratch.controls);
         // Cells first: a loop of both waits for one height after the other.
         block.find(&ground.relief);
-        block.measure(simd, limits, &ground.relief, &mut scratch.corners);
-        let wanted_agl_m = &model.wanted_agl_m[within];
-        ground.add(block, (&scratch.corners, wanted_agl_m), &mut before, &mut sums);
-        if keeps {
-            block.keep(scratch);
-        }
+        block.measure(
+            ground.simd,
+            &self.limits,
+            &ground.relief,
+            &mut scratch.corners,
+        );
+        let readings = (&scratch.corners[..], &self.model.wanted_agl_m[within]);
+        ground.add(block, readings, before, sums);
+    }
+
+    /// Adds what is too steep or turns too tightly; what turns cost is not yet in `sums`.
+    #[inline(always)]
+    fn add_limits(&self, block: &Block<S>, turns: &mut TightTurns, sums: &mut Sums<V<S>>) {
         for piece in block.steep() {
-            if let Some(excess) = limits.excesses(piece.middle_m(), piece.step) {
+            if let Some(excess) = self.limits.excesses(piece.middle_m(), piece.step) {
                 sums.climb += excess * piece.step.length_km;
             }
         }
         for (turn, lane) in block.tight() {
             if turns.push(turn, lane) {
-                turns.settle(
-                    simd,
-                    #[inline(always)]
-                    |into, out| model.turn_excesses(simd, into, out),
-                );
+                self.settle(turns);
             }
         }
-        sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
-        if start + count == segments || scratch.runs_up || cutoff < f64::INFINITY {
-            turns.settle(
-                simd,
-                #[inline(always)]
-                |into, out| model.turn_excesses(simd, into, out),
-            );
-            sums.turn = turns.sums(simd);
-        }
-        if scratch.runs_up {
-            let blocks = segments.div_ceil(BLOCK);
-            store::<S>(
-                total::<S>(model, &sums),
-                &mut scratch.running[group * blocks + start / BLOCK],
-            );
-        }
-        if cutoff < f64::INFINITY && all_above::<S>(model, &sums, cutoff, out) {
-            return;
-        }
     }
-    let sums = spread::<S>(&sums);
-    for (lane, terms) in out.iter_mut().enumerate() {
-        let mut sums = sums.map(|wide| wide[lane]);
-        if !model.traffic.is_empty() {
-            add_collisions(model, scratch, lane, cutoff, &mut sums);
-        }
-        *terms = model.weigh(&sums);
+
+    #[inline(always)]
+    fn settle(&self, turns: &mut TightTurns) {
+        let simd = self.ground.simd;
+        turns.settle(
+            simd,
+            #[inline(always)]
+            |into, out| self.model.turn_excesses(simd, into, out),
+        );
     }
 }
 

@@ -174,7 +174,12 @@ fn near<S: Simd>(block: &Block<S>, threats: &[Threat]) -> u64 {
     let mut near = 0;
     let mut at = 0;
     for threat in threats {
-        let lanes = meets::<S>(&block.bounds.low, &block.bounds.high, &threat.low, &threat.high);
+        let lanes = meets::<S>(
+            &block.bounds.low,
+            &block.bounds.high,
+            &threat.low,
+            &threat.high,
+        );
         near |= lanes.to_bitmask() << at;
         at += V::<S>::LEN;
     }

@@ -56,14 +56,17 @@ impl Cells {
     #[must_use]
     pub fn is_clear(&self, extent: &Extent) -> bool {
         let [times, easts, norths] = self.range(extent);
-        (times.0..=times.1).all(|time| {
-            (easts.0..=easts.1).all(|east| {
+        for time in times.0..times.1 + 1 {
+            for east in easts.0..easts.1 + 1 {
                 // Cells along north follow each other, so one look covers them.
                 let first = self.index([time, east, norths.0]);
                 let last = self.index([time, east, norths.1]);
-                self.starts[first] == self.starts[last + 1]
-            })
-        })
+                if self.starts[first] != self.starts[last + 1] {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// Calls `act` with the number of everything in the cells that an extent touches;

@@ -198,11 +198,7 @@ fn share(budget: usize, part: f64) -> usize {
 }
 
 /// The flies of one generation, swarm after swarm: all numbers are drawn in one order.
-fn flights(
-    swarms: &[Swarm],
-    parameters: &MsfoaParameters,
-    rng: &mut ChaCha8Rng,
-) -> Vec<Flight> {
+fn flights(swarms: &[Swarm], parameters: &MsfoaParameters, rng: &mut ChaCha8Rng) -> Vec<Flight> {
     let flies = parameters.flies;
     let mut flights = Vec::with_capacity(swarms.len() * flies);
     for swarm in swarms {

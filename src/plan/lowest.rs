@@ -154,7 +154,9 @@ impl LowestSpline {
         let stride = basis.stride();
         for row in inverse.row_iter() {
             basis.inverse.extend(row.iter());
-            basis.inverse.resize(basis.inverse.len().next_multiple_of(stride), 0.0);
+            basis
+                .inverse
+                .resize(basis.inverse.len().next_multiple_of(stride), 0.0);
         }
         Some(basis)
     }

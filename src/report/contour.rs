@@ -61,9 +61,14 @@ fn lines(relief: &Relief, bounds: &Bounds, height_m: f64) -> Vec<Line> {
     let level_m = height_m + 0.05;
     let places = |edges: Vec<Edge>| {
         let edges = edges.into_iter();
-        edges.map(|edge| crossing(relief, bounds, level_m, edge)).collect()
+        edges
+            .map(|edge| crossing(relief, bounds, level_m, edge))
+            .collect()
     };
-    chained(&pieces(relief, level_m)).into_iter().map(places).collect()
+    chained(&pieces(relief, level_m))
+        .into_iter()
+        .map(places)
+        .collect()
 }
 
 /// Pairs of edges that the line joins across one cell.

@@ -98,7 +98,11 @@ impl Relief {
         // Rows at once, kept in order.
         let rows: Vec<Vec<_>> = (0..relief.rows)
             .into_par_iter()
-            .map(|row| (0..relief.columns).map(|column| height_dm(column, row)).collect())
+            .map(|row| {
+                (0..relief.columns)
+                    .map(|column| height_dm(column, row))
+                    .collect()
+            })
             .collect();
         relief.heights_dm = rows.concat();
         relief

@@ -14,13 +14,7 @@ impl LowestSpline {
     /// By how much every constraint is violated, metres: floors, rises, drops, each padded
     /// to a multiple of [`PAD`].
     #[inline(always)]
-    fn measure<S: Simd>(
-        &self,
-        simd: S,
-        demand: &Demand,
-        with_slopes: bool,
-        work: &mut Workspace,
-    ) {
+    fn measure<S: Simd>(&self, simd: S, demand: &Demand, with_slopes: bool, work: &mut Workspace) {
         let count = self.rows.len();
         self.sample_by(simd, &work.z, &mut work.samples);
         let padded = count.next_multiple_of(PAD);
