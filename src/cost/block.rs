@@ -6,6 +6,7 @@
 
 use fearless_simd::prelude::*;
 
+use super::boxes::{Bounds, meets};
 use super::hazards::{Hazards, Segment};
 use super::lanes::{
     Lanes, Place, Scratch, Steps, V, Wide, load, point, points, splat, steps, store, store_place,
@@ -15,30 +16,13 @@ use super::model::CostModel;
 use super::relief::{CellLanes, Corners, ReliefLanes};
 use super::sampling::MOST_SUBSTEPS;
 use super::threat_lanes::{Danger, clear};
-use crate::numeric::geometry::{POINT_SQ, Point};
+use crate::numeric::geometry::POINT_SQ;
 
 /// Pieces of a block, for which hazards are culled together, and between two looks at the
 /// cutoff.
 pub(super) const BLOCK: usize = 8;
 /// Fine samples of a block.
 pub(super) const FINE: usize = BLOCK * MOST_SUBSTEPS;
-
-/// Least and greatest east and north of every lane.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct BlockBox {
-    pub(super) low: [Wide; 2],
-    pub(super) high: [Wide; 2],
-}
-
-impl BlockBox {
-    /// The corners of one lane.
-    pub(super) fn lane(&self, lane: usize) -> ([f64; 2], [f64; 2]) {
-        (
-            [self.low[0][lane], self.low[1][lane]],
-            [self.high[0][lane], self.high[1][lane]],
-        )
-    }
-}
 
 /// The pieces of a block.
 pub(super) struct Block<S: Simd> {
@@ -65,33 +49,6 @@ pub(super) struct Block<S: Simd> {
     /// Turns into pieces that may be too tight: bits for the lanes of the first, of eight for
     /// the next, and so on.
     tight: u64,
-}
-
-/// A box around places of every lane, and the greatest altitude.
-#[derive(Clone, Copy)]
-pub(super) struct Bounds<S: Simd> {
-    pub(super) low: [V<S>; 2],
-    pub(super) high: [V<S>; 2],
-    top_m: V<S>,
-}
-
-impl<S: Simd> Bounds<S> {
-    #[inline(always)]
-    fn of(place: &Place<S>) -> Self {
-        let at = [place[0], place[1]];
-        Self {
-            low: at,
-            high: at,
-            top_m: place[2],
-        }
-    }
-
-    #[inline(always)]
-    fn widen(&mut self, place: &Place<S>) {
-        self.low = [self.low[0].min(place[0]), self.low[1].min(place[1])];
-        self.high = [self.high[0].max(place[0]), self.high[1].max(place[1])];
-        self.top_m = self.top_m.max(place[2]);
-    }
 }
 
 /// What is seen of pieces as they are measured.
@@ -222,11 +179,8 @@ impl<S: Simd> Block<S> {
     /// Finds the cells of the ground under the fine samples.
     #[inline(always)]
     pub(super) fn find(&mut self, relief: &ReliefLanes<'_, S>) {
-        let fine = if self.substeps == 1 {
-            &self.places[1..=self.count]
-        } else {
-            &self.fine[..self.count * self.substeps]
-        };
+        let (places, fine) = (&self.places, &self.fine);
+        let fine = fine_places::<S>(places, fine, (self.count, self.substeps));
         for (at, cell) in fine.iter().zip(&mut self.cells) {
             *cell = relief.cell(at[0], at[1]);
         }
@@ -273,11 +227,8 @@ impl<S: Simd> Block<S> {
     /// The pieces with the places and cells of their fine samples.
     #[inline(always)]
     pub(super) fn grounds(&self) -> impl Iterator<Item = (&Place<S>, &CellLanes<S>)> {
-        let fine = if self.substeps == 1 {
-            &self.places[1..=self.count]
-        } else {
-            &self.fine[..self.count * self.substeps]
-        };
+        let (places, fine) = (&self.places, &self.fine);
+        let fine = fine_places::<S>(places, fine, (self.count, self.substeps));
         fine.iter().zip(&self.cells)
     }
 
@@ -417,16 +368,17 @@ impl<S: Simd> Block<S> {
     }
 }
 
-/// In which lanes a box meets another one.
+/// The fine samples of so many pieces with so many readings of the ground each: the ends
+/// themselves, if there is one.
 #[inline(always)]
-pub(super) fn meets<S: Simd>(
-    low: &[V<S>; 2],
-    high: &[V<S>; 2],
-    other_low: &Point,
-    other_high: &Point,
-) -> Lanes<S> {
-    high[0].simd_ge(other_low[0])
-        & low[0].simd_le(other_high[0])
-        & high[1].simd_ge(other_low[1])
-        & low[1].simd_le(other_high[1])
+fn fine_places<'a, S: Simd>(
+    places: &'a [Place<S>],
+    fine: &'a [Place<S>],
+    (count, substeps): (usize, usize),
+) -> &'a [Place<S>] {
+    if substeps == 1 {
+        &places[1..=count]
+    } else {
+        &fine[..count * substeps]
+    }
 }

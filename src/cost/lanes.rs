@@ -10,7 +10,8 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 use fearless_simd::prelude::*;
 
 use super::CostTerms;
-use super::block::{BlockBox, FINE};
+use super::block::FINE;
+use super::boxes::BlockBox;
 use super::hazards::Segment;
 use super::relief::Corners;
 use super::threat_lanes::{Encounters, Exposures};

@@ -8,6 +8,7 @@
 mod along;
 mod batch;
 mod block;
+mod boxes;
 mod hazards;
 mod lanes;
 mod limit_lanes;

@@ -1,7 +1,8 @@
 //! What the objective of one route needs, owned and laid out for its loops.
 
 use super::batch::{Batch, Dispatch};
-use super::block::{BLOCK, BlockBox};
+use super::block::BLOCK;
+use super::boxes::BlockBox;
 use super::hazards::Hazards;
 use super::lanes::{Scratch, V, Wide};
 use super::operational::Sums;

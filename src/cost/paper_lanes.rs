@@ -2,7 +2,8 @@
 
 use fearless_simd::prelude::*;
 
-use super::block::{BLOCK, Block, meets};
+use super::block::{BLOCK, Block};
+use super::boxes::meets;
 use super::hazards::Threat;
 use super::lanes::{Lanes, MOST_LANES, Scratch, V, Wide, point, splat, store};
 use super::limit_lanes::LimitLanes;

@@ -6,7 +6,8 @@
 
 use fearless_simd::prelude::*;
 
-use super::block::{BLOCK, Block, meets};
+use super::block::{BLOCK, Block};
+use super::boxes::meets;
 use super::hazards::{FORBIDDEN, Threat};
 use super::lanes::{Lanes, MOST_LANES, Place, V, Wide, splat, store};
 use crate::numeric::geometry::POINT_SQ;

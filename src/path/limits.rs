@@ -132,6 +132,23 @@ impl SlopeLimit {
 mod tests {
     use super::{CLIMB, DESCENT, Shape, SlopeLimit};
     use crate::geodesy::Amsl;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn no_altitude_up_to_one_has_a_limit_below_the_least(
+            square in -1e-8..1e-8_f64, linear in -1e-4..1e-4_f64, constant in 0.0..1.0_f64,
+            up_to_amsl_m in -500.0..20_000.0_f64, below_m in 0.0..20_000.0_f64,
+        ) {
+            let own = Shape::Polynomial([square, linear, constant]);
+            for shape in [own, Shape::Polynomial(CLIMB), Shape::Polynomial(DESCENT), Shape::Angle(constant)] {
+                let limit = SlopeLimit { shape, by_speed: 10.0 };
+                let least = limit.least_by_shape(up_to_amsl_m);
+                prop_assert!(limit.by_shape(Amsl(up_to_amsl_m)) >= least);
+                prop_assert!(limit.by_shape(Amsl(up_to_amsl_m - below_m)) >= least);
+            }
+        }
+    }
 
     #[test]
     fn the_polynomials_start_at_22_8_and_18_degrees_and_end_near_14_and_12_km() {
