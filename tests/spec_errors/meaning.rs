@@ -309,6 +309,13 @@ fn a_polygon_is_a_polygon() {
         good(FULL),
         "a repeated first corner closes it"
     );
+    // A fence or a power line may be thin, but not thinner than what a margin is rounded to.
+    let strip =
+        |east: &str| format!("[[36.35, -84.2], [36.36, -84.2], [36.36, {east}], [36.35, {east}]]");
+    good(&with(polygon, &strip("-84.199999")));
+    let found = &issues(&with(polygon, &strip("-84.19999996")))[0];
+    assert_eq!(found.path, "no_fly[0].polygon");
+    assert!(found.found.ends_with("m wide"), "{found:?}");
 }
 
 #[test]

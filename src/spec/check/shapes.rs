@@ -12,6 +12,8 @@ use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
 /// Least area of a zone; what has less is a line.
 const MIN_ZONE_M2: f64 = 1.0;
+/// Least width of a zone: what is narrower lies within what rounding makes of a margin.
+const MIN_ZONE_WIDTH_M: f64 = 0.01;
 /// Most corners of one zone.
 const MAX_CORNERS: usize = 1000;
 
@@ -167,6 +169,14 @@ impl Checker<'_> {
             return false;
         }
         let edges: Vec<Line<f64>> = outline.exterior().lines().collect();
+        // That of a strip of the same area and perimeter.
+        let lengths_m = edges.iter().map(|edge| edge.dx().hypot(edge.dy()));
+        let width_m = 2.0 * outline.unsigned_area() / lengths_m.sum::<f64>();
+        if width_m < MIN_ZONE_WIDTH_M {
+            let found = format!("a polygon {width_m:.4} m wide");
+            self.report(path, found, format!("at least {MIN_ZONE_WIDTH_M} m"));
+            return false;
+        }
         for (first, edge) in edges.iter().enumerate() {
             if edge.start == edge.end {
                 let found = "this corner twice in a row";
