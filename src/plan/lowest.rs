@@ -19,13 +19,15 @@
 //! Where slopes and floor cannot be met together the slopes are given up: the objective
 //! will tell.
 
+mod spans;
 mod violated;
 
 use fearless_simd::{Level, dispatch, prelude::*};
 use nalgebra::DMatrix;
 
+use self::spans::Spans;
 use self::violated::TOLERANCE_M;
-use super::pivot::{Basis, Constraint, PAD};
+use super::pivot::{Basis, Constraint};
 
 /// The weights of one sample: index of the first of four control points, and the
 /// weight of each.
@@ -39,11 +41,8 @@ const END_WEIGHT: f64 = 0.85;
 #[derive(Clone, Debug)]
 pub(super) struct LowestSpline {
     rows: Vec<Row>,
-    /// The weights once more, one column for each of the four, and zeros behind them.
-    columns: [Vec<f64>; 4],
-    /// First control point, and first and last sample but one, of the samples that share
-    /// their control points.
-    spans: Vec<(usize, usize, usize)>,
+    /// The weights once more, as splines are sampled by them.
+    spans: Spans,
     /// Whether the floor at a sample constrains, however high it is.
     binding: Vec<bool>,
     controls: usize,
@@ -109,19 +108,8 @@ impl LowestSpline {
             .iter()
             .map(|row| end_weight(row) <= END_WEIGHT)
             .collect();
-        let mut spans: Vec<(usize, usize, usize)> = Vec::new();
-        for (k, (first, _)) in rows.iter().enumerate() {
-            match spans.last_mut() {
-                Some(span) if span.0 == *first => span.2 = k + 1,
-                _ => spans.push((*first, k, k + 1)),
-            }
-        }
         let mut lowest = Self {
-            columns: [0, 1, 2, 3].map(|i| {
-                let weights = rows.iter().map(|row| row.1[i]);
-                weights.chain([0.0; PAD]).collect()
-            }),
-            spans,
+            spans: Spans::new(&rows),
             rows,
             binding,
             controls,
@@ -182,32 +170,7 @@ impl LowestSpline {
 
     /// One coordinate at all samples, from that of the control points.
     pub(super) fn sample(&self, controls: &[f64], samples: &mut Vec<f64>) {
-        dispatch!(self.level, simd => self.sample_by(simd, controls, samples));
-    }
-
-    #[inline(always)]
-    fn sample_by<S: Simd>(&self, simd: S, controls: &[f64], samples: &mut Vec<f64>) {
-        let (count, lanes) = (self.rows.len(), S::f64s::LEN);
-        samples.resize(count + PAD, 0.0);
-        for &(first, from, to) in &self.spans {
-            let four = &controls[first..first + 4];
-            let splat = (
-                S::f64s::splat(simd, four[0]),
-                S::f64s::splat(simd, four[1]),
-                S::f64s::splat(simd, four[2]),
-                S::f64s::splat(simd, four[3]),
-            );
-            // What is written beyond a span is written again by the next one.
-            for at in (from..to).step_by(lanes) {
-                let [a, b, c, d] = &self.columns;
-                let sum = weights(simd, a, at) * splat.0
-                    + weights(simd, b, at) * splat.1
-                    + weights(simd, c, at) * splat.2
-                    + weights(simd, d, at) * splat.3;
-                sum.store_slice(&mut samples[at..at + lanes]);
-            }
-        }
-        samples.truncate(count);
+        dispatch!(self.level, simd => self.spans.sample(simd, controls, samples));
     }
 
     /// Fills the free altitudes of `amsl_m`, whose first and last are given.
@@ -283,18 +246,7 @@ impl LowestSpline {
     fn price_controls(&self, weights: &[f64], work: &mut Workspace) {
         work.cost.clear();
         work.cost.resize(self.controls, 0.0);
-        for &(first, from, to) in &self.spans {
-            let Some(costs) = work.cost[first..].first_chunk_mut::<4>() else {
-                continue;
-            };
-            let mut sums = *costs;
-            for ((_, row), weight) in self.rows[from..to].iter().zip(&weights[from..to]) {
-                for (sum, share) in sums.iter_mut().zip(row) {
-                    *sum += weight * share;
-                }
-            }
-            *costs = sums;
-        }
+        self.spans.add_shares(&self.rows, weights, &mut work.cost);
     }
 
     /// Keeps the basis of the neighbour solved before, if there is one, else loads the
@@ -444,12 +396,6 @@ impl LowestSpline {
             }
         }
     }
-}
-
-/// The next weights of a column.
-#[inline(always)]
-fn weights<S: Simd>(simd: S, column: &[f64], from: usize) -> S::f64s {
-    S::f64s::from_slice(simd, &column[from..from + S::f64s::LEN])
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ impl LowestSpline {
     #[inline(always)]
     fn measure<S: Simd>(&self, simd: S, demand: &Demand, with_slopes: bool, work: &mut Workspace) {
         let count = self.rows.len();
-        self.sample_by(simd, &work.z, &mut work.samples);
+        self.spans.sample(simd, &work.z, &mut work.samples);
         let padded = count.next_multiple_of(PAD);
         let kinds = if with_slopes { 3 } else { 1 };
         if work.gaps.len() != kinds * padded {
