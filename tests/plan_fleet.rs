@@ -9,7 +9,7 @@ use sortie::cost::Margins;
 use sortie::geodesy::{Amsl, EastNorth, LatLon};
 use sortie::numeric::approach::{Motion, closest_approach};
 use sortie::path::Flight;
-use sortie::plan::{FleetPlan, Parts, Request, breaks, plan_fleet, replan_from};
+use sortie::plan::{Barrier, Barriers, FleetPlan, Request, breaks, plan_fleet, replan_from};
 use sortie::spec::*;
 use sortie::study::scenario;
 use sortie::world::World;
@@ -479,10 +479,15 @@ fn a_goal_behind_a_closed_ring_is_blocked_by_threats_of_the_ring_and_no_others()
     );
 }
 
+/// What closes every way from the start of a vehicle to its goal.
+fn barriers(world: &World, vehicle: usize) -> Vec<Barrier> {
+    let stations = world.stations[vehicle];
+    Barriers::of(world).between(stations.start.at, stations.goal.at)
+}
+
 /// Whether it is proven that nobody can fly from the start of a vehicle to its goal.
 fn is_cut_off(world: &World, vehicle: usize) -> bool {
-    let stations = world.stations[vehicle];
-    Parts::of(world).are_apart(stations.start.at, stations.goal.at)
+    !barriers(world, vehicle).is_empty()
 }
 
 #[test]

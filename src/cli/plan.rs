@@ -19,9 +19,9 @@ use super::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
-use crate::plan::breaks;
+use crate::plan::{VehiclePlan, breaks};
 use crate::report::{self, worst_first};
-use crate::spec::{MOST_CONTROL_POINTS, MissionSpec, OnLinkLoss, SpecFile};
+use crate::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle};
 use crate::verify::{Margin, Review};
 use crate::world::{self, World};
 
@@ -320,25 +320,53 @@ fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<Strin
                 .filter_map(|&other| file.spec.vehicles.get(other))
                 .map(|other| other.id.as_str())
                 .collect();
-            let bends = file.spec.planner.control_points;
-            let by = match by[..] {
-                [] if plan.cut_off => format!(
-                    "; there is none: threats, zones and ground less than {} m under the ceiling close every way",
-                    file.spec.area.min_agl.0
-                ),
-                [] if bends < MOST_CONTROL_POINTS => format!(
-                    "; it may bend more often with planner.control_points above {bends}, up to {MOST_CONTROL_POINTS}"
-                ),
-                [] => String::new(),
+            let why = match by[..] {
+                [] => by_itself(&file.spec, vehicle, plan),
                 _ => format!("; alone it would have one: {} in its way", are(&by)),
             };
             format!(
-                "{}: no path was found from start to goal that keeps every limit; the best breaks {}{by}",
+                "{}: no path was found from start to goal that keeps every limit; the best breaks {}{why}",
                 vehicle.id,
                 broken.join("; ")
             )
         })
         .collect()
+}
+
+/// Why a vehicle has no path even alone: what closes every way, or what it would have one with.
+fn by_itself(spec: &MissionSpec, vehicle: &Vehicle, plan: &VehiclePlan) -> String {
+    /// Most barriers that are named.
+    const MOST_NAMED: usize = 6;
+    let barriers = plan.cut_off_by.iter();
+    let mut closed: Vec<String> = barriers.map(|barrier| barrier.name(spec)).collect();
+    if !closed.is_empty() {
+        let more = closed.len().saturating_sub(MOST_NAMED);
+        closed.truncate(MOST_NAMED);
+        if more > 0 {
+            closed.push(format!("{more} more"));
+        }
+        return format!("; there is none: every way is closed by {}", and(&closed));
+    }
+    let Some(remedies) = &plan.remedies else {
+        return String::new();
+    };
+    let remedies = remedies.iter();
+    let remedies: Vec<String> = remedies.map(|remedy| remedy.words(vehicle)).collect();
+    match remedies.is_empty() {
+        true => "; there may be none".to_owned(),
+        false => format!("; one is found with {}", remedies.join(", or with ")),
+    }
+}
+
+/// Some names in a row.
+fn and(names: &[String]) -> String {
+    match names {
+        [one, rest @ .., last] => {
+            let between: String = rest.iter().map(|name| format!(", {name}")).collect();
+            format!("{one}{between} and {last}")
+        }
+        _ => names.concat(),
+    }
 }
 
 /// Some names, and that they are.

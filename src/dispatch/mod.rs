@@ -106,7 +106,8 @@ pub fn dispatch(
             extra_parameters: strictness.parameters,
             progress: &|_| (),
         };
-        best.plan.name_blockers(spec, world, &request);
+        let at_first = Strictness::first(spec).margins;
+        best.plan.name_blockers(spec, world, &request, &at_first);
         best.tell_blockers(spec);
     }
     best

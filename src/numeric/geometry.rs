@@ -29,6 +29,52 @@ pub fn point_segment_distance(point: Point, a: Point, b: Point) -> f64 {
     (from[0] - fraction * along[0]).hypot(from[1] - fraction * along[1])
 }
 
+/// The point of the segment from `a` to `b` that is nearest to a point.
+fn nearest_on_segment(point: Point, (a, b): (Point, Point)) -> Point {
+    let along = minus(b, a);
+    let square = dot(along, along);
+    let fraction = match square > 0.0 {
+        true => (dot(minus(point, a), along) / square).clamp(0.0, 1.0),
+        false => 0.0,
+    };
+    match fraction < 1.0 {
+        true => [a[0] + fraction * along[0], a[1] + fraction * along[1]],
+        false => b,
+    }
+}
+
+/// The points at which two segments are nearest to each other, one on each; the same one
+/// twice where they cross.
+#[must_use]
+pub fn closest_points(one: (Point, Point), other: (Point, Point)) -> (Point, Point) {
+    let along = minus(one.1, one.0);
+    let sides = (
+        cross(along, minus(other.0, one.0)),
+        cross(along, minus(other.1, one.0)),
+    );
+    let across = minus(other.1, other.0);
+    let ends = (
+        cross(across, minus(one.0, other.0)),
+        cross(across, minus(one.1, other.0)),
+    );
+    let differ = |(a, b): (f64, f64)| (a > 0.0 && b < 0.0) || (a < 0.0 && b > 0.0);
+    if differ(sides) && differ(ends) {
+        let share = sides.0 / (sides.0 - sides.1);
+        let at = [
+            other.0[0] + share * across[0],
+            other.0[1] + share * across[1],
+        ];
+        return (at, at);
+    }
+    let of_other = [other.0, other.1].map(|point| (nearest_on_segment(point, one), point));
+    let of_one = [one.0, one.1].map(|point| (point, nearest_on_segment(point, other)));
+    let distance = |(a, b): (Point, Point)| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let pairs = of_other.into_iter().chain(of_one);
+    pairs
+        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+        .unwrap_or((one.0, other.0))
+}
+
 /// Angle by which the way from `a` over `b` to `c` turns at `b`, radians in
 /// `[0, pi]`; 0 when one of the two legs has no length.
 #[must_use]

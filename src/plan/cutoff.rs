@@ -1,164 +1,208 @@
-//! Whether there is any way at all between two places.
+//! Whether there is any way at all between two places, and what closes every way if not.
 
-use geo::{BoundingRect, Contains, Rect, coord};
+use geo::Polygon;
 
 use crate::geodesy::EastNorth;
-use crate::world::{PlanZone, World};
+use crate::numeric::chains::{Capsule, Chains};
+use crate::numeric::geometry::Point;
+use crate::spec::MissionSpec;
+use crate::world::{Ground, PlanZone, World};
 
-/// The parts of a world between which nobody can fly, whatever a vehicle can do: threats, zones
-/// and ground that leaves no room under the ceiling lie between them.
-///
-/// A proof on the ground as the search reads it: its cells are cut into smaller ones, and such a
-/// cell is closed only where all of it is. What leads past a corner is open.
-#[derive(Debug)]
-pub struct Parts {
-    south_west: EastNorth,
-    spacing_m: f64,
-    columns: usize,
-    rows: usize,
-    /// The number of its part for each cell, row by row; 0 where it is closed.
-    part: Vec<usize>,
+/// Something that nobody may fly through, at any height.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Barrier {
+    /// The threat of this index.
+    Threat(usize),
+    /// The zone of this index.
+    Zone(usize),
+    /// The edge of the area.
+    Edge,
+    /// Ground that leaves no room under the ceiling.
+    Ground,
+    /// Ground of unknown height.
+    Void,
 }
 
-/// Cells along the longer side at least, as far as whole cells of the ground allow.
-const CELLS: usize = 2048;
+impl Barrier {
+    /// What it is called: a threat or zone by its id.
+    #[must_use]
+    pub fn name(self, spec: &MissionSpec) -> String {
+        let named = |kind: &str, id: Option<&String>| match id {
+            Some(id) => format!("{kind} {id}"),
+            None => kind.to_owned(),
+        };
+        match self {
+            Self::Threat(index) => named("threat", spec.threats.get(index).map(|of| &of.id)),
+            Self::Zone(index) => named("zone", spec.no_fly.get(index).map(|of| &of.id)),
+            Self::Edge => "the edge of the area".to_owned(),
+            Self::Ground => format!(
+                "ground less than {} m under the ceiling",
+                spec.area.min_agl.0
+            ),
+            Self::Void => "ground of unknown height".to_owned(),
+        }
+    }
+}
 
-impl Parts {
+/// All that nobody may fly through, whatever a vehicle can do: what of it touches each other
+/// may close every way between two places.
+///
+/// A proof, on the ground as the search reads it. Walls may be as thin as they like.
+#[derive(Debug)]
+pub struct Barriers {
+    /// What each piece is of.
+    of: Vec<Barrier>,
+    chains: Chains,
+}
+
+impl Barriers {
     /// Of a world.
     #[must_use]
     pub fn of(world: &World) -> Self {
-        let ground = &world.ground;
-        let (columns, rows) = (ground.columns - 1, ground.rows - 1);
-        let finer = (CELLS / columns.max(rows)).max(1);
-        let mut parts = Self {
-            south_west: ground.south_west,
-            spacing_m: ground.spacing_m / count(finer),
-            columns: columns * finer,
-            rows: rows * finer,
-            part: vec![0; columns * rows * finer * finer],
-        };
-        let cells = parts.part.len();
-        let is_open: Vec<bool> = (0..cells)
-            .map(|cell| !parts.is_closed(world, cell))
-            .collect();
-        let mut number = 0;
-        for cell in 0..cells {
-            if is_open[cell] && parts.part[cell] == 0 {
-                number += 1;
-                parts.fill(cell, number, &is_open);
+        let mut pieces = Vec::new();
+        for (index, disc) in world.threats.iter().enumerate() {
+            let piece = Capsule::disc(point(disc.center), disc.radius_m);
+            pieces.push((Barrier::Threat(index), piece));
+        }
+        let reaches_up = |zone: &PlanZone| zone.below.is_none_or(|below| below > world.max_amsl);
+        for (index, zone) in world.zones.iter().enumerate() {
+            if reaches_up(zone) {
+                pieces.extend(edges(&zone.outline).map(|edge| (Barrier::Zone(index), edge)));
             }
         }
-        parts
-    }
-
-    /// Whether no way leads from one place to another. A place in a closed cell is part of
-    /// every part beside it.
-    #[must_use]
-    pub fn are_apart(&self, from: EastNorth, to: EastNorth) -> bool {
-        let (from, to) = (self.cell_at(from), self.cell_at(to));
-        let (here, there) = (self.around(from), self.around(to));
-        from != to && !here.iter().any(|part| there.contains(part))
-    }
-
-    fn cell_at(&self, at: EastNorth) -> usize {
-        let index = |offset_m: f64, cells: usize| {
-            let cell = (offset_m / self.spacing_m).floor().max(0.0);
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "cut off at the last cell"
-            )]
-            let cell = cell as usize;
-            cell.min(cells - 1)
-        };
-        let column = index(at.east_m - self.south_west.east_m, self.columns);
-        let row = index(at.north_m - self.south_west.north_m, self.rows);
-        row * self.columns + column
-    }
-
-    /// The parts that a cell belongs to or, if it is closed, lies beside.
-    fn around(&self, cell: usize) -> Vec<usize> {
-        if self.part[cell] > 0 {
-            return vec![self.part[cell]];
+        pieces.extend(edges(&world.area).map(|edge| (Barrier::Edge, edge)));
+        let highest_m = world.max_amsl.0 - world.min_agl.0;
+        pieces.extend(Shores::of(&world.ground, highest_m).pieces());
+        let (of, capsules) = pieces.into_iter().unzip();
+        Self {
+            of,
+            chains: Chains::of(capsules),
         }
-        let beside = self.beside(cell);
-        beside
-            .map(|cell| self.part[cell])
-            .filter(|part| *part > 0)
-            .collect()
     }
 
-    /// Up to eight cells that share a side or a corner with one.
-    fn beside(&self, cell: usize) -> impl Iterator<Item = usize> + use<> {
-        let (columns, rows) = (self.columns, self.rows);
-        let (row, column) = (cell / columns, cell % columns);
-        let near = |at: usize, count: usize| at.saturating_sub(1)..=(at + 1).min(count - 1);
-        near(row, rows)
-            .flat_map(move |row| near(column, columns).map(move |column| row * columns + column))
-            .filter(move |other| *other != cell)
+    /// What closes every way from one place to another, in a row around one of them, each once;
+    /// nothing if that is not proven.
+    #[must_use]
+    pub fn between(&self, from: EastNorth, to: EastNorth) -> Vec<Barrier> {
+        let chain = self.chains.between(point(from), point(to));
+        let mut found: Vec<Barrier> = Vec::new();
+        for piece in chain.unwrap_or_default() {
+            if !found.contains(&self.of[piece]) {
+                found.push(self.of[piece]);
+            }
+        }
+        found
+    }
+}
+
+fn point(at: EastNorth) -> Point {
+    [at.east_m, at.north_m]
+}
+
+/// The edges of an outline.
+fn edges(outline: &Polygon<f64>) -> impl Iterator<Item = Capsule> + '_ {
+    outline.exterior().lines().map(|line| {
+        let ends = (line.start.x_y().into(), line.end.x_y().into());
+        Capsule::segment(ends)
+    })
+}
+
+/// The rims of ground that is closed: too high, or of unknown height.
+struct Shores<'a> {
+    ground: &'a Ground,
+    /// Ground higher than this is too high, metres above the sea.
+    highest_m: f64,
+}
+
+/// Whether a cell of the ground is closed all over.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Cell {
+    Open,
+    High,
+    Void,
+}
+
+impl<'a> Shores<'a> {
+    fn of(ground: &'a Ground, highest_m: f64) -> Self {
+        Self { ground, highest_m }
     }
 
-    fn fill(&mut self, from: usize, number: usize, is_open: &[bool]) {
-        let mut ahead = vec![from];
-        self.part[from] = number;
-        while let Some(cell) = ahead.pop() {
-            for other in self.beside(cell) {
-                if is_open[other] && self.part[other] == 0 {
-                    self.part[other] = number;
-                    ahead.push(other);
+    /// The closed parts of the lines between nodes, without those amid closed cells: what
+    /// touches these has to get there first.
+    fn pieces(&self) -> Vec<(Barrier, Capsule)> {
+        let (columns, rows) = (self.ground.columns, self.ground.rows);
+        let mut pieces = Vec::new();
+        for row in 0..rows {
+            for column in 0..columns {
+                if column + 1 < columns {
+                    let beside = [(column, row.wrapping_sub(1)), (column, row)];
+                    pieces.extend(self.piece((column, row), (column + 1, row), beside));
+                }
+                if row + 1 < rows {
+                    let beside = [(column.wrapping_sub(1), row), (column, row)];
+                    pieces.extend(self.piece((column, row), (column, row + 1), beside));
                 }
             }
         }
+        pieces
     }
 
-    /// Whether nobody can be anywhere in a cell, at any height.
-    fn is_closed(&self, world: &World, cell: usize) -> bool {
-        let corners = self.corners(cell);
-        let [from, ..] = corners;
-        let is_outside = |area: Rect| from.east_m > area.max().x || from.north_m > area.max().y;
-        // The ground begins where the area does, and may end after it.
-        if world.area.bounding_rect().is_some_and(is_outside) {
-            return true;
+    /// The closed part of the line between two nodes, `beside` which these cells lie.
+    fn piece(
+        &self,
+        from: (usize, usize),
+        to: (usize, usize),
+        beside: [(usize, usize); 2],
+    ) -> Option<(Barrier, Capsule)> {
+        let beside = beside.map(|(column, row)| self.cell(column, row));
+        if !beside.contains(&Cell::Open) {
+            return None;
         }
-        // Bilinear ground is nowhere lower than at its lowest corner; of no data nothing is proven.
-        let is_too_high =
-            |at: &EastNorth| world.ground.height_m(*at) + world.min_agl.0 > world.max_amsl.0;
-        if corners.iter().all(is_too_high) {
-            return true;
+        let (start, end) = (self.at(from), self.at(to));
+        if beside.contains(&Cell::Void) {
+            return Some((Barrier::Void, Capsule::segment((start, end))));
         }
-        let mut threats = world.threats.iter();
-        // A disc that holds the corners of a cell holds the cell.
-        if threats.any(|disc| corners.iter().all(|at| disc.contains(*at))) {
-            return true;
-        }
-        let mut zones = world.zones.iter();
-        zones.any(|zone| is_in_zone(zone, world, &corners))
+        // Between nodes the ground is straight.
+        let (low, high) = (self.above_m(from), self.above_m(to));
+        let share = low / (low - high);
+        let level = [0, 1].map(|axis| start[axis] + share * (end[axis] - start[axis]));
+        let closed = match (low > 0.0, high > 0.0) {
+            (true, true) => (start, end),
+            (true, false) => (start, level),
+            (false, true) => (end, level),
+            (false, false) => return None,
+        };
+        Some((Barrier::Ground, Capsule::segment(closed)))
     }
 
-    /// South-west, south-east, north-west, north-east.
-    fn corners(&self, cell: usize) -> [EastNorth; 4] {
-        let (row, column) = (cell / self.columns, cell % self.columns);
-        [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(east, north)| EastNorth {
-            east_m: self.south_west.east_m + count(column + east) * self.spacing_m,
-            north_m: self.south_west.north_m + count(row + north) * self.spacing_m,
-        })
+    /// How far a node is too high, metres; not a number where there are no data.
+    fn above_m(&self, (column, row): (usize, usize)) -> f64 {
+        let height_m = self.ground.heights_m[row * self.ground.columns + column];
+        f64::from(height_m) - self.highest_m
     }
-}
 
-/// A number of cells as a number.
-#[expect(clippy::cast_precision_loss, reason = "a few thousand a side")]
-fn count(cells: usize) -> f64 {
-    cells as f64
-}
+    fn cell(&self, column: usize, row: usize) -> Cell {
+        if column >= self.ground.columns - 1 || row >= self.ground.rows - 1 {
+            return Cell::Open;
+        }
+        let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
+        let above_m = corners.map(|(east, north)| self.above_m((column + east, row + north)));
+        if above_m.iter().any(|above_m| above_m.is_nan()) {
+            Cell::Void
+        } else if above_m.iter().all(|above_m| *above_m > 0.0) {
+            Cell::High
+        } else {
+            Cell::Open
+        }
+    }
 
-/// Whether a zone that is closed up to the ceiling holds a cell, given by its corners.
-fn is_in_zone(zone: &PlanZone, world: &World, corners: &[EastNorth; 4]) -> bool {
-    let reaches_up = zone.below.is_none_or(|below| below > world.max_amsl);
-    let [from, .., to] = *corners;
-    reaches_up
-        && zone.contains(from)
-        && zone.outline.contains(&Rect::new(
-            coord! {x: from.east_m, y: from.north_m},
-            coord! {x: to.east_m, y: to.north_m},
-        ))
+    fn at(&self, (column, row): (usize, usize)) -> Point {
+        #[expect(clippy::cast_precision_loss, reason = "at most a few thousand")]
+        let (column, row) = (column as f64, row as f64);
+        let ground = self.ground;
+        [
+            ground.south_west.east_m + column * ground.spacing_m,
+            ground.south_west.north_m + row * ground.spacing_m,
+        ]
+    }
 }

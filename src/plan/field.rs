@@ -5,8 +5,9 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use geo::{Contains, Point, Polygon};
 
+use super::thin::beside;
 use crate::geodesy::EastNorth;
-use crate::world::World;
+use crate::world::{PlanZone, World};
 
 /// A regular grid of square cells over part of the plane.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,10 +128,11 @@ pub(super) struct Relief {
     closed: Vec<f64>,
 }
 
-/// How threats meet the nodes of a grid.
+/// How threats and zones meet the nodes of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reading {
-    /// No disc is overlooked: small ones grow until they meet a node.
+    /// Nothing is overlooked: small discs grow until they meet a node, thin zones reach to
+    /// those beside them.
     Wary,
     /// No disc is overrated: a node counts as if it lay half a cell further out.
     Relaxed,
@@ -142,9 +144,18 @@ impl Relief {
         let mut floor_m = Vec::with_capacity(grid.len());
         let mut threats = Vec::with_capacity(grid.len());
         let mut closed = Vec::with_capacity(grid.len());
-        for node in 0..grid.len() {
+        let mut floors: Vec<Option<f64>> = (0..grid.len())
+            .map(|node| floor_at(world, grid.at(node)))
+            .collect();
+        if reading == Reading::Wary {
+            for zone in &world.zones {
+                for node in beside(&grid, zone) {
+                    floors[node] = floors[node].and_then(|floor_m| over(zone, floor_m, world));
+                }
+            }
+        }
+        for (node, floor) in floors.into_iter().enumerate() {
             let at = grid.at(node);
-            let floor = floor_at(world, at);
             let of_threats: f64 = world
                 .threats
                 .iter()
@@ -254,11 +265,16 @@ impl Relief {
 pub(super) fn floor_at(world: &World, at: EastNorth) -> Option<f64> {
     let mut floor_m = world.ground.height_m(at) + world.min_agl.0;
     for zone in &world.zones {
-        if !inside(&zone.outline, at) {
-            continue;
+        if inside(&zone.outline, at) {
+            floor_m = over(zone, floor_m, world)?;
         }
-        floor_m = floor_m.max(zone.below?.0);
     }
+    (floor_m <= world.max_amsl.0).then_some(floor_m)
+}
+
+/// The lowest altitude allowed from a floor up where a zone is; `None` if there is none.
+fn over(zone: &PlanZone, floor_m: f64, world: &World) -> Option<f64> {
+    let floor_m = floor_m.max(zone.below?.0);
     (floor_m <= world.max_amsl.0).then_some(floor_m)
 }
 

@@ -17,19 +17,22 @@ mod objective;
 mod obstacles;
 mod pivot;
 mod problem;
+mod remedies;
 mod routes;
 mod search;
 mod settle;
 mod starts;
 mod swerve;
+mod thin;
 mod tighten;
 mod vehicle;
 
 pub use breaks::{Break, breaks};
 pub use columns::ColumnConflict;
-pub use cutoff::Parts;
+pub use cutoff::{Barrier, Barriers};
 pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
 pub use objective::objective;
+pub use remedies::{Change, Remedy};
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
@@ -71,8 +74,12 @@ pub struct VehiclePlan {
     /// Indices of the earlier vehicles because of which its path breaks a limit, once
     /// [`FleetPlan::name_blockers`] was asked.
     pub blocked_by: Vec<usize>,
-    /// Proven, once the same was asked: nobody can fly from its start to its goal.
-    pub cut_off: bool,
+    /// Proven, once the same was asked: what closes every way that one of its routes could
+    /// take, in a row around an end of it. Nothing if that is not so.
+    pub cut_off_by: Vec<Barrier>,
+    /// What it would have a path with, if that was tried because nothing of the above is the
+    /// reason.
+    pub remedies: Option<Vec<Remedy>>,
 }
 
 /// One planned spline.

@@ -6,6 +6,7 @@ use super::classes::{Guide, guides};
 use super::course::Course;
 use super::field::{Field, Grid, Reading, Relief};
 use super::obstacles::Obstacles;
+use super::thin;
 use crate::geodesy::EastNorth;
 use crate::spec::Part;
 use crate::world::World;
@@ -43,12 +44,21 @@ pub(super) fn routes(course: &Course<'_>, budget: usize) -> Routes {
     };
     let nodes = if budget >= FINE { 81 } else { 41 };
     let narrowest_m = narrowest_gap_m(course.world);
+    // What is narrower lets nobody through.
+    let beside_zones_m = thin::narrowest_gap_m(course.world, 2.0 * course.margins.threat_m);
     let prices = course.prices();
     let (near, whole) = (course.near_box(), course.frame());
     let search = |south_west, north_east| {
         let mut grid = Grid::over(south_west, north_east, nodes);
-        if narrowest_m < GAP_CELLS * grid.spacing_m {
-            grid = Grid::over(south_west, north_east, 2 * nodes - 1);
+        let mut finer = 1;
+        if narrowest_m < GAP_CELLS * grid.spacing_m || beside_zones_m < grid.spacing_m {
+            finer = 2;
+        }
+        if beside_zones_m < grid.spacing_m / 2.0 {
+            finer = 4;
+        }
+        if finer > 1 {
+            grid = Grid::over(south_west, north_east, finer * (nodes - 1) + 1);
         }
         let relief = Relief::new(course.world, grid, &prices, Reading::Wary);
         let fields: Vec<Field> = factors

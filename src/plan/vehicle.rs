@@ -117,7 +117,8 @@ fn empty(spec: &MissionSpec, index: usize, avoids: Vec<usize>) -> VehiclePlan {
         plans: 1,
         avoids,
         blocked_by: Vec::new(),
-        cut_off: false,
+        cut_off_by: Vec::new(),
+        remedies: None,
     }
 }
 

@@ -68,6 +68,12 @@ pub struct PlannedVehicle {
     /// Proven: threats, zones and ground too high under the ceiling leave no way to its goal.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub cut_off: bool,
+    /// What does so, in a row around an end of its way.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cut_off_by: Vec<String>,
+    /// Changes of the spec with which, each alone, a path that keeps every limit was found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub remedies: Vec<String>,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
@@ -258,7 +264,13 @@ fn planned_vehicle(
             })
             .collect(),
         plans: planned.plans,
-        cut_off: planned.cut_off,
+        cut_off: !planned.cut_off_by.is_empty(),
+        cut_off_by: (planned.cut_off_by.iter())
+            .map(|barrier| barrier.name(spec))
+            .collect(),
+        remedies: (planned.remedies.iter().flatten())
+            .map(|remedy| remedy.words(vehicle))
+            .collect(),
         control_points: planned
             .routes
             .iter()
