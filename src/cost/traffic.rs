@@ -1,5 +1,7 @@
 //! The flights of earlier vehicles, found by time and place.
 
+use std::ops::Range;
+
 use super::Margins;
 use crate::numeric::approach::{
     Approach, Motion, are_surely_apart, closest_approach, closest_horizontal, least_ratio,
@@ -8,7 +10,7 @@ use crate::numeric::cells::{Cells, Extent};
 use crate::path::Flight;
 use crate::spec::Separation;
 
-/// All motions of earlier flights, and which of them may matter in which cell of
+/// All motions of earlier flights, and which runs of them may matter in which cell of
 /// time, east and north.
 #[derive(Clone, Debug)]
 pub(super) struct Traffic {
@@ -20,9 +22,22 @@ pub(super) struct Traffic {
     motions: Vec<Motion>,
     /// Balls around the motions.
     balls: Vec<Ball>,
-    /// Where the motions may matter.
+    runs: Vec<Run>,
+    /// Where the runs may matter.
     cells: Cells,
 }
+
+/// Motions of one flight, one after the other: all of them are passed over at once.
+#[derive(Clone, Debug)]
+struct Run {
+    ball: Ball,
+    /// When it may matter, with the slack, seconds.
+    times_s: (f64, f64),
+    motions: Range<usize>,
+}
+
+/// Most motions of a run.
+const RUN: usize = 8;
 
 /// How badly the separation is broken: 1 less distance over limit at the worst
 /// allowed shift, 0 where it is kept; and when.
@@ -64,12 +79,33 @@ impl Ball {
         }
     }
 
+    /// A ball that holds all of some.
+    fn over(balls: &[Self]) -> Self {
+        let axis = |axis: usize| {
+            let sides = balls.iter().map(|ball| ball.center_m[axis]);
+            let (low, high) = sides.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+                (low.min(at), high.max(at))
+            });
+            0.5 * (low + high)
+        };
+        let center_m = [0, 1, 2].map(axis);
+        let reach_m = |ball: &Self| {
+            let square: f64 = (0..3)
+                .map(|axis| (ball.center_m[axis] - center_m[axis]).powi(2))
+                .sum();
+            square.sqrt() + ball.radius_m
+        };
+        Self {
+            center_m,
+            radius_m: balls.iter().map(reach_m).fold(0.0, f64::max),
+        }
+    }
+
     /// Whether two balls are further apart than `reach_m`, by more than rounding.
     fn is_apart(&self, other: &Self, reach_m: f64) -> bool {
-        let gap_sq: f64 = (0..3)
-            .map(|axis| self.center_m[axis] - other.center_m[axis])
-            .map(|gap| gap * gap)
-            .sum();
+        let gap_m = |axis: usize| self.center_m[axis] - other.center_m[axis];
+        let (east_m, north_m, up_m) = (gap_m(0), gap_m(1), gap_m(2));
+        let gap_sq = east_m * east_m + north_m * north_m + up_m * up_m;
         let touch_m = self.radius_m + other.radius_m + reach_m + 1e-6;
         gap_sq > touch_m * touch_m
     }
@@ -98,9 +134,15 @@ impl Traffic {
             vertical_m,
             time_slack_s: slack_s,
         } = margins.beyond(separation);
-        let reach: Vec<Extent> = motions
+        let balls: Vec<Ball> = motions.iter().map(Ball::around).collect();
+        let runs = runs(earlier, &motions, &balls, slack_s);
+        let reach: Vec<Extent> = runs
             .iter()
-            .map(|motion| extent(motion, slack_s, distance_m))
+            .map(|run| {
+                let motions = motions[run.motions.clone()].iter();
+                let extents = motions.map(|motion| extent(motion, slack_s, distance_m));
+                extents.reduce(both).unwrap_or_default()
+            })
             .collect();
         let least = [
             4.0 * slack_s.max(5.0),
@@ -112,7 +154,8 @@ impl Traffic {
             vertical_m,
             reach_m: distance_m.hypot(vertical_m.unwrap_or(0.0)),
             slack_s,
-            balls: motions.iter().map(Ball::around).collect(),
+            balls,
+            runs,
             cells: Cells::new(&reach, least),
             motions,
         }
@@ -146,8 +189,18 @@ impl Traffic {
     fn severity(&self, own: &Motion) -> Severity {
         let ball = Ball::around(own);
         let mut worst = Severity::default();
-        self.cells.each(&extent(own, 0.0, 0.0), |other| {
-            worst = worst.worse(self.severity_of(own, &ball, other, worst.value));
+        self.cells.each(&extent(own, 0.0, 0.0), |run| {
+            let run = &self.runs[run];
+            let (from_s, to_s) = run.times_s;
+            if to_s < own.t0_s || from_s > own.t1_s {
+                return;
+            }
+            if ball.is_apart(&run.ball, self.reach_m) {
+                return;
+            }
+            for other in run.motions.clone() {
+                worst = worst.worse(self.severity_of(own, &ball, other, worst.value));
+            }
         });
         worst
     }
@@ -181,6 +234,36 @@ impl Traffic {
                 t_s: near.t_s,
             })
     }
+}
+
+/// The motions of each flight in runs.
+fn runs(earlier: &[Flight], motions: &[Motion], balls: &[Ball], slack_s: f64) -> Vec<Run> {
+    let mut runs = Vec::new();
+    let mut first = 0;
+    for flight in earlier {
+        let end = first + flight.motions().count();
+        for start in (first..end).step_by(RUN) {
+            let members = start..(start + RUN).min(end);
+            let of_run = &motions[members.clone()];
+            let from_s = of_run.iter().map(|motion| motion.t0_s);
+            let to_s = of_run.iter().map(|motion| motion.t1_s);
+            runs.push(Run {
+                ball: Ball::over(&balls[members.clone()]),
+                times_s: (
+                    from_s.fold(f64::INFINITY, f64::min) - slack_s,
+                    to_s.fold(f64::NEG_INFINITY, f64::max) + slack_s,
+                ),
+                motions: members,
+            });
+        }
+        first = end;
+    }
+    runs
+}
+
+/// What holds both of two extents.
+fn both(a: Extent, b: Extent) -> Extent {
+    [0, 1, 2].map(|axis| (a[axis].0.min(b[axis].0), a[axis].1.max(b[axis].1)))
 }
 
 /// Extent of a motion, widened.

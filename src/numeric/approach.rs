@@ -58,7 +58,8 @@ impl Motion {
     #[must_use]
     pub fn at(&self, t_s: f64) -> [f64; 3] {
         let since_s = t_s - self.t0_s;
-        [0, 1, 2].map(|axis| self.from_m[axis] + self.velocity_mps[axis] * since_s)
+        let side = |axis: usize| self.from_m[axis] + self.velocity_mps[axis] * since_s;
+        [side(0), side(1), side(2)]
     }
 }
 

@@ -20,7 +20,14 @@ pub struct Cells {
     counts: [usize; 3],
     /// `members` of cell `c` are `members[starts[c]..starts[c + 1]]`.
     starts: Vec<u32>,
-    members: Vec<u32>,
+    members: Vec<Member>,
+}
+
+/// An item in a cell, and the first cell along each axis that it touches.
+#[derive(Clone, Copy, Debug)]
+struct Member {
+    item: u32,
+    first: [u16; 3],
 }
 
 /// First and last cell along each axis.
@@ -34,16 +41,22 @@ impl Cells {
         let ranges: Vec<Range> = extents.iter().map(|extent| cells.range(extent)).collect();
         let mut starts = vec![0_u32; cells.counts.iter().product::<usize>() + 1];
         for range in &ranges {
-            cells.visit(range, |cell| starts[cell + 1] += 1);
+            cells.visit(range, |[cell, ..]| starts[cell + 1] += 1);
         }
         for cell in 1..starts.len() {
             starts[cell] += starts[cell - 1];
         }
         let mut next = starts.clone();
-        let mut members = vec![0_u32; starts.last().map_or(0, |end| *end as usize)];
+        let nobody = Member {
+            item: 0,
+            first: [0; 3],
+        };
+        let mut members = vec![nobody; starts.last().map_or(0, |end| *end as usize)];
         for (item, range) in (0_u32..).zip(&ranges) {
-            cells.visit(range, |cell| {
-                members[next[cell] as usize] = item;
+            // No axis has more than a few hundred cells.
+            let first = range.map(|(first, _)| u16::try_from(first).unwrap_or(u16::MAX));
+            cells.visit(range, |[cell, ..]| {
+                members[next[cell] as usize] = Member { item, first };
                 next[cell] += 1;
             });
         }
@@ -69,13 +82,18 @@ impl Cells {
         true
     }
 
-    /// Calls `act` with the number of everything in the cells that an extent touches;
-    /// with what is in several of them several times.
+    /// Calls `act` with the number of everything in the cells that an extent touches, once.
     pub fn each(&self, extent: &Extent, mut act: impl FnMut(usize)) {
-        self.visit(&self.range(extent), |cell| {
+        let range = self.range(extent);
+        self.visit(&range, |[cell, at @ ..]| {
             let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-            for &member in &self.members[members] {
-                act(member as usize);
+            for member in &self.members[members] {
+                // What is in several of these cells is told in the first of them.
+                let is_first = (0..3)
+                    .all(|axis| at[axis] == range[axis].0.max(usize::from(member.first[axis])));
+                if is_first {
+                    act(member.item as usize);
+                }
             }
         });
     }
@@ -132,11 +150,12 @@ impl Cells {
         (time * self.counts[1] + east) * self.counts[2] + north
     }
 
-    fn visit(&self, range: &Range, mut act: impl FnMut(usize)) {
-        for time in range[0].0..=range[0].1 {
-            for east in range[1].0..=range[1].1 {
-                for north in range[2].0..=range[2].1 {
-                    act(self.index([time, east, north]));
+    /// Calls `act` with the number of each cell, and that along each axis.
+    fn visit(&self, range: &Range, mut act: impl FnMut([usize; 4])) {
+        for time in range[0].0..range[0].1 + 1 {
+            for east in range[1].0..range[1].1 + 1 {
+                for north in range[2].0..range[2].1 + 1 {
+                    act([self.index([time, east, north]), time, east, north]);
                 }
             }
         }
@@ -178,12 +197,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_look_misses_nothing_that_it_touches(
+        fn a_look_misses_nothing_that_it_touches_and_tells_nothing_twice(
             extents in prop::collection::vec(extent(), 0..60), look in extent()
         ) {
             let cells = Cells::new(&extents, [10.0, 100.0, 100.0]);
             let mut found = vec![false; extents.len()];
-            cells.each(&look, |item| found[item] = true);
+            cells.each(&look, |item| assert!(!std::mem::replace(&mut found[item], true)));
             prop_assert_eq!(cells.is_clear(&look), found.iter().all(|found| !found));
             for (extent, found) in extents.iter().zip(found) {
                 prop_assert!(found || !touches(extent, &look), "{extent:?} {look:?}");

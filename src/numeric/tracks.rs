@@ -217,14 +217,9 @@ impl Tracks {
         let ends = ends.chain([self.tracks.len()]);
         let parts = self.parts.iter().zip(ends);
         for (part, _) in parts.filter(|(_, end)| *end > from) {
-            // Which run of its own last looked at an item: most are in several cells.
-            let mut seen = vec![u32::MAX; part.items.len()];
-            for (number, run) in (0_u32..).zip(&own.runs) {
+            for run in &own.runs {
                 let reach = run.reach(nearness);
                 part.cells.each(&reach, |item| {
-                    if std::mem::replace(&mut seen[item], number) == number {
-                        return;
-                    }
                     let (track, other) = part.items[item];
                     let (track, other) = (track as usize, other as usize);
                     if track < from || is_near[track] {
