@@ -4,6 +4,7 @@ pub mod angle;
 pub mod approach;
 pub mod bspline;
 pub mod cells;
+pub mod digits;
 pub mod geometry;
 pub mod order;
 mod seed;
