@@ -547,3 +547,22 @@ fn help_and_schema_are_printed() {
             .is_some_and(|s| s.contains("2020-12"))
     );
 }
+
+#[test]
+fn hills_narrower_than_the_grid_of_the_search_are_planned_around_or_over() {
+    let hills = |count: u32, lat: f64| -> String {
+        let hill = |index: u32| {
+            let lat = lat + f64::from(index) * 1e-5;
+            format!("      - {{lat: {lat:.5}, lon: -84.25, height_m: 100, radius_m: 1}}\n")
+        };
+        (0..count).map(hill).collect()
+    };
+    let flat = "terrain: {flat: {amsl_m: 300}}\n";
+    assert!(SPEC.contains(flat));
+    for (count, lat) in [(1, 36.30), (1600, 36.305)] {
+        let ground = "terrain:\n  analytic:\n    base_amsl_m: 300\n    hills:\n".to_owned();
+        let folder = folder_with(&SPEC.replace(flat, &(ground + &hills(count, lat))));
+        let output = sortie(folder.path(), &["plan", "hop.yaml"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+}

@@ -132,8 +132,13 @@ fn what_is_no_candidate_is_refused_with_its_row() {
     for (input, complaint) in [
         (format!("{good}\n0.5 0.5\n"), "row 2: 2 numbers"),
         (
-            format!("{good}\n\n{}\n", good.replacen("0.5", "x", 1)),
-            "row 2: x is no number",
+            format!("{good}\n{}\n", good.replacen("0.5", "x", 1)),
+            "row 2: number 1: x is no number",
+        ),
+        (format!("{good}\n\n{good}\n"), "row 2: a blank line"),
+        (
+            good.replacen("0.5", "\u{0}\u{1b}[2J", 1),
+            "row 1: number 1: \\0\\u{1b}[2J is no number",
         ),
         (good.replacen("0.5", "inf", 1), "row 1: number 1 is inf"),
     ] {
@@ -151,6 +156,63 @@ fn what_is_no_candidate_is_refused_with_its_row() {
             .unwrap()
             .contains("there are: alpha")
     );
+}
+
+#[test]
+fn rows_before_a_bad_one_are_answered_however_they_come() {
+    let evaluate = ["evaluate", "missions/first.yaml", "--vehicle", "alpha"];
+    let dimension = dimension();
+    let good = vec!["0.5"; dimension].join(" ");
+    for bad in ["x", "", "0.5", &good.replacen("0.5", "nan", 1)] {
+        let input = format!("{good}\n{good}\n{bad}\n{good}\n");
+        let output = sortie(&evaluate).write_stdin(input).output().unwrap();
+        assert_eq!(output.status.code(), Some(3));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains("row 3: "), "{said}");
+        let answers = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(answers.lines().count(), 2, "{bad:?}: {answers}");
+    }
+    let mut rows = vec![0.5_f64; 4 * dimension];
+    rows[2 * dimension + 4] = f64::NAN;
+    let bytes: Vec<u8> = rows.iter().flat_map(|value| value.to_le_bytes()).collect();
+    let mut binary = sortie(&evaluate);
+    let output = binary.arg("--binary").write_stdin(bytes).output().unwrap();
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(3), 16));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("row 3: number 5 is NaN"), "{said}");
+}
+
+#[test]
+fn a_path_however_far_out_has_a_cost_that_can_be_compared() {
+    let evaluate = ["evaluate", "missions/first.yaml", "--vehicle", "alpha"];
+    let dimension = dimension();
+    let mut rows = Vec::new();
+    for far in [1e3, 1e100, 1e153, 1e154, 1e200, f64::MAX] {
+        for sign in [1.0, -1.0] {
+            rows.push(vec![sign * far; dimension]);
+            let mut one = vec![0.5; dimension];
+            one[dimension / 2] = sign * far;
+            rows.push(one);
+            rows.push(
+                (0..dimension)
+                    .map(|at| [far, -far][at % 2] * sign)
+                    .collect(),
+            );
+        }
+    }
+    let lines: String = rows
+        .iter()
+        .map(|row| {
+            let words: Vec<String> = row.iter().map(|value| format!("{value:e}")).collect();
+            words.join(" ") + "\n"
+        })
+        .collect();
+    let output = sortie(&evaluate).write_stdin(lines).output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let costs = String::from_utf8(output.stdout).unwrap();
+    let costs: Vec<f64> = costs.lines().map(|line| line.parse().unwrap()).collect();
+    assert_eq!(costs.len(), rows.len());
+    assert!(costs.iter().all(|cost| *cost > 100.0), "{costs:?}");
 }
 
 #[test]

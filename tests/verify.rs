@@ -177,6 +177,39 @@ fn a_leg_between_two_fine_waypoints_that_cuts_a_hill_fails_at_the_hill() {
 }
 
 #[test]
+fn steep_hills_beside_a_leg_leave_its_clearance_and_one_on_it_fails_it() {
+    let (mut spec, mission) = one();
+    let hill = |lat, lon| Hill {
+        place: place(lat, lon),
+        height_m: 100.0,
+        radius_m: 1.0,
+    };
+    // Thirty metres beside the legs and further, a thousand of them.
+    let mut hills: Vec<Hill> = (0..1000)
+        .map(|index| f64::from(index) * 1e-4)
+        .map(|along| hill(36.3003 + along / 10.0, -84.30 + along))
+        .collect();
+    let terrain = |hills: &[Hill]| TerrainSource::Analytic {
+        base: Amsl(GROUND_M),
+        hills: hills.to_vec(),
+    };
+    spec.terrain = terrain(&hills);
+    let review = judge(&spec, &[&mission]);
+    assert!(review.passes(), "{:#?}", failures(&review));
+    let margin = find(&review, "terrain clearance");
+    assert!((margin.value - 80.0).abs() < 0.01, "{margin:?}");
+    // The leg is straight in the plane: it bows from the parallel by a foot.
+    hills.push(hill(36.300_002_61, -84.225));
+    spec.terrain = terrain(&hills);
+    let review = judge(&spec, &[&mission]);
+    let margin = only_failure(&review, "terrain clearance");
+    // The flight may be a millimetre beside the line, where it is 86 to 1 steep.
+    assert!((-20.1..=-20.0).contains(&margin.value), "{margin:?}");
+    let worst = margin.at.expect("a place");
+    assert!(metres_apart(worst.place, place(36.30, -84.225)) < 2.0);
+}
+
+#[test]
 fn a_waypoint_moved_onto_another_path_fails_the_pair_and_names_both() {
     let south = |lon| place(36.28, lon);
     let alpha = copter("alpha", 1, west(), east());

@@ -85,6 +85,8 @@ const EVALUATE: &str = "A candidate is 3 x control_points numbers, in the unit c
                         altitude in parts of the range from the lowest ground to the ceiling. One line in, one line \
                         with its cost out; with --binary 8 bytes little-endian for each number and each cost. \
                         Whatever has come in whole is answered at once: write a batch, read as many costs. \
+                        A path too far out to be measured costs inf. What is no candidate (a blank line, too) \
+                        ends the program with code 3 and its row, once the rows before it are answered. \
                         Vehicles before this one in the spec are planned first and kept apart from.";
 
 #[derive(Debug, clap::Args)]

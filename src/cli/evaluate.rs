@@ -123,7 +123,16 @@ fn costs(problem: &impl Problem, rows: &[f64]) -> Vec<f64> {
     let mut costs = vec![0.0; rows.len() / dimension];
     rows.par_chunks(ROWS * dimension)
         .zip(costs.par_chunks_mut(ROWS))
-        .for_each(|(rows, costs)| problem.evaluate(rows, f64::INFINITY, costs));
+        .for_each(|(rows, costs)| {
+            problem.evaluate(rows, f64::INFINITY, costs);
+            for cost in costs {
+                // Squares of numbers from 1e154 on are infinite, and their differences are
+                // none; an optimiser compares costs, and a path so far out is the worst.
+                if cost.is_nan() {
+                    *cost = f64::INFINITY;
+                }
+            }
+        });
     costs
 }
 
@@ -140,13 +149,18 @@ fn binary(problem: &impl Problem, mut input: impl Read, answers: &Answers) -> Re
             .chunks_exact(8)
             .map(|eight| f64::from_le_bytes(std::array::from_fn(|i| eight[i])))
             .collect();
-        check(&rows, problem.dimension(), done)?;
-        done += rows.len() / problem.dimension();
-        let answer: Vec<u8> = costs(problem, &rows)
+        let bad = rows.iter().position(|value| !value.is_finite());
+        let good = bad.unwrap_or(rows.len()) / problem.dimension();
+        let answer: Vec<u8> = costs(problem, &rows[..good * problem.dimension()])
             .iter()
             .flat_map(|cost| cost.to_le_bytes())
             .collect();
         answers.send(answer)?;
+        done += good;
+        if let Some(at) = bad {
+            let number = at % problem.dimension() + 1;
+            return Err(bad_row(done + 1, &not_finite(number, rows[at])));
+        }
         bytes.copy_within(whole..held, 0);
         held -= whole;
         if came == 0 {
@@ -168,19 +182,14 @@ fn text(problem: &impl Problem, input: impl Read, answers: &Answers) -> Result<(
     loop {
         line.clear();
         let came = input.read_until(b'\n', &mut line).map_err(unreadable)?;
-        if came > 0 {
-            parse(
-                &line,
-                done + rows.len() / problem.dimension() + 1,
-                problem.dimension(),
-                &mut rows,
-            )?;
-        }
+        let parsed = match came {
+            0 => Ok(()),
+            _ => parse(&line, problem.dimension(), &mut rows),
+        };
         // More lines are at hand: they belong to the same batch.
-        if came > 0 && input.buffer().contains(&b'\n') {
+        if came > 0 && parsed.is_ok() && input.buffer().contains(&b'\n') {
             continue;
         }
-        check(&rows, problem.dimension(), done)?;
         done += rows.len() / problem.dimension();
         let mut answer = String::new();
         for cost in costs(problem, &rows) {
@@ -189,46 +198,63 @@ fn text(problem: &impl Problem, input: impl Read, answers: &Answers) -> Result<(
         }
         rows.clear();
         answers.send(answer.into_bytes())?;
+        // What came before a bad row is answered all the same.
+        parsed.map_err(|what| bad_row(done + 1, &what))?;
         if came == 0 {
             return Ok(());
         }
     }
 }
 
-/// The numbers of a line, apart by blanks or commas; an empty line has none.
-fn parse(line: &[u8], number: usize, dimension: usize, rows: &mut Vec<f64>) -> Result<(), Failure> {
-    let bad = |what: String| Failure::new(Failure::INPUT, format!("row {number}: {what}"));
-    let line = std::str::from_utf8(line).map_err(|error| bad(error.to_string()))?;
+/// The numbers of a line, apart by blanks or commas, are added to `rows`: all or none.
+///
+/// # Errors
+/// What is wrong with the line.
+fn parse(line: &[u8], dimension: usize, rows: &mut Vec<f64>) -> Result<(), String> {
     let before = rows.len();
-    for word in line
-        .split([',', ' ', '\t', '\r', '\n'])
-        .filter(|word| !word.is_empty())
-    {
-        rows.push(
-            word.parse()
-                .map_err(|_| bad(format!("{word} is no number")))?,
-        );
-    }
-    match rows.len() - before {
-        0 => Ok(()),
+    let parsed = numbers(line, rows).and_then(|()| match rows.len() - before {
+        // Whoever counts answers would count one too few.
+        0 => Err(format!("a blank line (allowed: {dimension} numbers)")),
         found if found == dimension => Ok(()),
-        found => Err(bad(format!("{found} numbers (allowed: {dimension})"))),
+        found => Err(format!("{found} numbers (allowed: {dimension})")),
+    });
+    if parsed.is_err() {
+        rows.truncate(before);
     }
+    parsed
 }
 
-/// No number may be infinite or none.
-fn check(rows: &[f64], dimension: usize, done: usize) -> Result<(), Failure> {
-    match rows.iter().position(|value| !value.is_finite()) {
-        None => Ok(()),
-        Some(at) => {
-            let (row, number) = (done + at / dimension + 1, at % dimension + 1);
-            let message = format!(
-                "row {row}: number {number} is {} (allowed: finite)",
-                rows[at]
-            );
-            Err(Failure::new(Failure::INPUT, message))
+fn numbers(line: &[u8], rows: &mut Vec<f64>) -> Result<(), String> {
+    let before = rows.len();
+    let line = std::str::from_utf8(line).map_err(|error| error.to_string())?;
+    let words = line.split([',', ' ', '\t', '\r', '\n']);
+    for word in words.filter(|word| !word.is_empty()) {
+        let number = rows.len() - before + 1;
+        let value: f64 = word
+            .parse()
+            .map_err(|_| format!("number {number}: {} is no number", shown(word)))?;
+        if !value.is_finite() {
+            return Err(not_finite(number, value));
         }
+        rows.push(value);
     }
+    Ok(())
+}
+
+/// A word out of the input as a terminal may have it: escaped, and not without end.
+fn shown(word: &str) -> String {
+    const MOST: usize = 40;
+    let start: String = word.chars().take(MOST).collect();
+    let rest = if start.len() < word.len() { "..." } else { "" };
+    format!("{}{rest}", start.escape_debug())
+}
+
+fn not_finite(number: usize, value: f64) -> String {
+    format!("number {number} is {value} (allowed: finite)")
+}
+
+fn bad_row(row: usize, what: &str) -> Failure {
+    Failure::new(Failure::INPUT, format!("row {row}: {what}"))
 }
 
 fn unwritable(error: io::Error) -> Failure {

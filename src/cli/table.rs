@@ -5,6 +5,7 @@ use std::fmt;
 use comfy_table::{ContentArrangement, LineStyle, Table, presets};
 
 use super::console::Paint;
+use crate::numeric::digits;
 use crate::spec::Autopilot;
 use crate::verify::{Margin, Review, Sense};
 
@@ -99,6 +100,15 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     }
 }
 
+/// The same, with more decimals where it would read like the limit it misses.
+fn number_beside(value: f64, limit: f64, decimals: usize) -> String {
+    if value.abs() < 1e9 {
+        digits::beside(value, limit, decimals)
+    } else {
+        number(value, decimals)
+    }
+}
+
 /// The tightest margin of a vehicle among the limits `wanted`, as an operator
 /// reads it: the value and what it is held against.
 pub(super) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> bool) -> String {
@@ -123,7 +133,11 @@ pub(super) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> 
     if !margin.value.is_finite() {
         return format!("not known{whom}{mark}");
     }
-    let (value, limit) = (number(margin.value, 0), number(margin.limit, 0));
+    let limit = number(margin.limit, 0);
+    let value = match margin.ok {
+        true => number(margin.value, 0),
+        false => number_beside(margin.value, margin.limit, 0),
+    };
     format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
 }
 
@@ -150,7 +164,7 @@ fn sentence(margin: &Margin, since: &str) -> String {
     if margin.value.is_finite() {
         text += &format!(
             ": {} {unit}, {} {} {unit} allowed",
-            number(margin.value, 1),
+            number_beside(margin.value, margin.limit, 1),
             sense(margin),
             number(margin.limit, 1),
             unit = margin.unit

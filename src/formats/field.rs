@@ -24,10 +24,14 @@ fn bad(field: Field<'_>, allowed: impl Into<String>) -> FormatError {
 
 /// A whole number from 0; some writers give it decimals (`16.0`).
 pub(super) fn whole(field: Field<'_>, most: u32) -> Result<u32, FormatError> {
-    let value: f64 = field
-        .text
-        .parse()
-        .map_err(|_| bad(field, format!("0 to {most}")))?;
+    let value: f64 = field.text.parse().map_err(|_| {
+        let digits = if is_hexadecimal(field.text) {
+            ", in decimal digits"
+        } else {
+            ""
+        };
+        bad(field, format!("0 to {most}{digits}"))
+    })?;
     let whole = saturated(value);
     if whole <= most && f64::from(whole).to_bits() == value.abs().to_bits() {
         Ok(whole)
@@ -72,9 +76,15 @@ pub(super) fn float(field: Field<'_>) -> Result<f32, FormatError> {
 fn number_like(text: &str) -> &'static str {
     if text.contains(',') {
         "a number, with a point before its decimals"
+    } else if is_hexadecimal(text) {
+        "a number in decimal digits"
     } else {
         "a number"
     }
+}
+
+fn is_hexadecimal(text: &str) -> bool {
+    text.starts_with("0x") || text.starts_with("0X")
 }
 
 pub(super) fn scaled(field: Field<'_>, frame: u8) -> Result<i32, FormatError> {

@@ -5,6 +5,7 @@ pub mod approach;
 pub mod bspline;
 pub mod cells;
 pub mod chains;
+pub mod digits;
 pub mod geometry;
 pub mod order;
 mod seed;

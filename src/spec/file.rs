@@ -10,6 +10,7 @@ use super::raw;
 use super::table::{Table, TableFile};
 use super::whereabouts::{Whereabouts, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
+use crate::numeric::digits;
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
 const MAX_BYTES: u64 = 8 << 20;
@@ -201,7 +202,7 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
         None => path,
     };
     let (found, allowed) = match message.split_once(", expected ") {
-        Some((found, allowed)) => (found.to_owned(), plain(allowed)),
+        Some((found, allowed)) => explained(found, plain(allowed)),
         None => (message, String::new()),
     };
     Issue {
@@ -211,6 +212,25 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
         found,
         allowed,
     }
+}
+
+/// What the parser says of a number, as one who wrote it understands it.
+fn explained(found: &str, allowed: String) -> (String, String) {
+    let between = |before: &str| found.strip_prefix(before)?.strip_suffix('`');
+    // An integer does for a number, unless it is written as in a program.
+    if let Some(value) = between("invalid type: integer `").filter(|_| allowed == "a number") {
+        let found = format!("{value} in hexadecimal, octal or binary digits");
+        return (
+            found,
+            format!("a number in decimal digits, such as {value}"),
+        );
+    }
+    let float = between("invalid type: floating point `");
+    if let Some(value) = float.and_then(|text| text.parse().ok()) {
+        let value = digits::plain(value);
+        return (format!("invalid type: floating point `{value}`"), allowed);
+    }
+    (found.to_owned(), allowed)
 }
 
 /// What the parser expected, without the words of the programmer.

@@ -8,7 +8,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
+use crate::mission::limits;
 use crate::numeric::Seed;
+use crate::spec::Autopilot;
 
 /// How hard the hardest scenario is.
 pub const MOST_DIFFICULT: u8 = 10;
@@ -28,6 +30,8 @@ const RIDGE_OVER_HILL: f64 = 2.2155;
 const LEAST_GAP_M: f64 = 540.0;
 /// Free control points: up to six gaps and passes, each with a turn before and behind it.
 const CONTROL_POINTS: usize = 24;
+/// Paths of scenarios up to this length fit into the items that a spec allows by itself.
+const SHORT_M: f64 = 40_000.0;
 /// Threats of a pocket.
 const POCKET: usize = 6;
 
@@ -275,6 +279,10 @@ impl Draft {
             );
         }
         let _ = writeln!(text, "planner: {{control_points: {CONTROL_POINTS}}}");
+        if self.length_m > SHORT_M {
+            let most = limits(Autopilot::ArduPilot).items;
+            let _ = writeln!(text, "mission: {{max_items: {most}}}");
+        }
         let speed_mps = if self.length_m > 20_000.0 { 25 } else { 15 };
         text.push_str("vehicles:\n");
         for (index, (start, goal)) in self.ends.iter().enumerate() {
@@ -334,6 +342,17 @@ mod tests {
                     assert!((4.9..=205.0).contains(&km), "{km}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_long_scenario_may_have_as_many_items_as_the_autopilot_keeps_and_no_other_line_changes() {
+        for (difficulty, allowed) in [(1, 200), (MOST_DIFFICULT, 649)] {
+            let text = scenario(1, difficulty);
+            let file = SpecFile::parse(Path::new("scenario.yaml"), text.clone()).expect("good");
+            assert_eq!(file.spec.mission.max_items, allowed);
+            let lines = text.lines().filter(|line| line.starts_with("mission:"));
+            assert_eq!(lines.count(), usize::from(difficulty > 1), "{text}");
         }
     }
 

@@ -102,6 +102,9 @@ impl Chord {
     }
 }
 
+/// A stretch is this near to the line of its chord, metres.
+pub(super) const DEVIATION_M: f64 = 1e-3;
+
 /// A stretch of a chord that is straight in latitude and longitude to a millimetre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stretch {
@@ -138,7 +141,6 @@ pub(super) fn stretches(
     to: EastNorth,
 ) -> Vec<Stretch> {
     const EARTH_RADIUS_M: f64 = 6_371_000.0;
-    const DEVIATION_M: f64 = 1e-3;
     let length_m = from.distance_m(to);
     if length_m <= 0.0 {
         return vec![Stretch {

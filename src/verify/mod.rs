@@ -100,6 +100,7 @@ mod doubt;
 mod drift;
 mod fence;
 mod flight;
+mod hills;
 mod home;
 mod jumps;
 mod l1;

@@ -181,7 +181,9 @@ impl<'a> Space<'a> {
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
                 let beside_m = if chord.bow_m > 0.0 {
-                    chord.bow_m * self.surface.steepest(part.place(w))
+                    let line = (part.place(patch.w.0), part.place(patch.w.1));
+                    let slope = self.surface.steepest(line, chord.bow_m, part.place(w));
+                    chord.bow_m * slope
                 } else {
                     0.0
                 };

@@ -4,17 +4,26 @@ use crate::geodesy::LatLon;
 use crate::spec::Hill;
 use crate::world::{NoData, Terrain, TerrainGrid};
 
+use super::hills::Hills;
 use super::outline::metres_per_degree;
 
 /// Metres in a degree on the sphere that analytic hills are drawn on.
 const METRES_PER_DEGREE: f64 = 111_195.08;
 
+/// A parabola is as near to the ground as this, metres.
+pub(super) const ERROR_M: f64 = 1e-3;
+/// One bound for all hills together does where it lets parabolas be as long as this, metres.
+const GENTLE_M: f64 = 10.0;
+
 /// The ground, with a bound of how fast it bends.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Surface<'a> {
     terrain: &'a Terrain,
     /// Bound of the third derivative along any line, 1/m^2; 0 where parabolas are exact.
     third_derivative: f64,
+    /// Hills that must be looked at one by one, each where it is: so steep, or so many,
+    /// that a bound for all of them says nothing.
+    steep: Option<Hills>,
 }
 
 /// The ground over part of a line: `h0 + (h1 - h0) w + 4 bulge w (1 - w)`, `w` from 0 to 1.
@@ -67,9 +76,16 @@ impl<'a> Surface<'a> {
                 .map(|hill: &Hill| 4.0 * hill.height_m.abs() / hill.radius_m.powi(3))
                 .sum(),
         };
+        let steep = match terrain {
+            Terrain::Analytic { base, hills } if longest_m(third_derivative) < GENTLE_M => {
+                Some(Hills::new(base.0, hills))
+            }
+            _ => None,
+        };
         Self {
             terrain,
             third_derivative,
+            steep,
         }
     }
 
@@ -78,9 +94,12 @@ impl<'a> Surface<'a> {
         Ok(self.terrain.height(place)?.0)
     }
 
-    /// A bound of the slope of the ground around a place, rise over run: on a grid,
-    /// as far as the cells beside its own.
-    pub(super) fn steepest(&self, place: LatLon) -> f64 {
+    /// A bound of the slope of the ground, rise over run, within so many metres of the line
+    /// between two places; on a grid, in the cell of a place on that line and those beside it.
+    pub(super) fn steepest(&self, line: (LatLon, LatLon), within_m: f64, place: LatLon) -> f64 {
+        if let Some(hills) = &self.steep {
+            return hills.steepest(line, within_m);
+        }
         match self.terrain {
             // Where the ground is not known, its height is not either.
             Terrain::Flat(_) | Terrain::Unknown => 0.0,
@@ -98,6 +117,9 @@ impl<'a> Surface<'a> {
     /// On a grid the line is cut where it crosses rows and columns; within one
     /// bilinear cell the ground under it is exactly a parabola.
     pub(super) fn under(&self, from: LatLon, to: LatLon) -> Result<Vec<Patch>, NoData> {
+        if let Some(hills) = &self.steep {
+            return Ok(hills.under(from, to));
+        }
         let (cuts, error_m) = match self.terrain {
             Terrain::Flat(_) | Terrain::Unknown => (vec![0.0, 1.0], 0.0),
             Terrain::Grid(grid) => (grid_cuts(grid, from, to), 0.0),
@@ -124,17 +146,11 @@ impl<'a> Surface<'a> {
         Ok(patches)
     }
 
-    /// Cuts close enough that a parabola through three points is within a millimetre:
-    /// it misses by at most `M L^3 / (72 sqrt 3)`, `M` the bound of the third derivative.
+    /// Cuts close enough that a parabola through three points is within a millimetre.
     fn even_cuts(&self, from: LatLon, to: LatLon) -> (Vec<f64>, f64) {
-        const ERROR_M: f64 = 1e-3;
-        const SHORTEST_M: f64 = 1.0;
         let length_m =
             METRES_PER_DEGREE * (to.lat_deg - from.lat_deg).hypot(to.lon_deg - from.lon_deg);
-        let share = 72.0 * 3_f64.sqrt();
-        let step_m = (ERROR_M * share / self.third_derivative)
-            .cbrt()
-            .max(SHORTEST_M);
+        let step_m = longest_m(self.third_derivative);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -145,8 +161,17 @@ impl<'a> Surface<'a> {
             .map(|index| f64::from(index) / f64::from(count))
             .collect();
         let piece_m = length_m / f64::from(count);
-        (cuts, self.third_derivative * piece_m.powi(3) / share)
+        (cuts, self.third_derivative * piece_m.powi(3) / SHARE)
     }
+}
+
+/// A parabola through both ends and the middle of a piece misses by at most
+/// `M L^3 / (72 sqrt 3)`, `M` the bound of the third derivative: this is `72 sqrt 3`.
+pub(super) const SHARE: f64 = 124.707_658_144_959_15;
+
+/// The longest piece with a parabola near enough, metres.
+fn longest_m(third_derivative: f64) -> f64 {
+    (ERROR_M * SHARE / third_derivative).cbrt()
 }
 
 /// The steepest slope in the cell of a place and those beside it: in a bilinear cell
@@ -246,7 +271,7 @@ mod tests {
             let (north, east) = metres_per_degree(a.lat_deg);
             let away_m = ((b.lat_deg - a.lat_deg) * north).hypot((b.lon_deg - a.lon_deg) * east);
             let rise_m = (surface.height_m(b).unwrap() - surface.height_m(a).unwrap()).abs();
-            prop_assert!(rise_m <= surface.steepest(a) * away_m * 1.0001 + 1e-7);
+            prop_assert!(rise_m <= surface.steepest((a, b), away_m, a) * away_m * 1.0001 + 1e-7);
         }
 
         /// No sample lies below what the parabolas give, and the least is nearly reached.

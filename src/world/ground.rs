@@ -4,6 +4,7 @@ use geo::{BoundingRect, Polygon};
 use rayon::prelude::*;
 
 use super::Terrain;
+use super::mounds::Mounds;
 use crate::geodesy::{EastNorth, LocalFrame};
 
 /// Heights at the nodes of a square grid, row by row from the south-west.
@@ -32,9 +33,14 @@ impl Ground {
     /// Samples the terrain over the bounding box of the area.
     #[must_use]
     pub fn sample(terrain: &Terrain, frame: &LocalFrame, area: &Polygon<f64>) -> Self {
-        Self::sample_by(area, source_spacing_m(terrain), |at| {
-            node_m(terrain, frame, at)
-        })
+        let wanted_m = source_spacing_m(terrain);
+        let mounds = Mounds::new(terrain, frame, grid_spacing_m(area, wanted_m));
+        let terrain = mounds.as_ref().map_or(terrain, |mounds| &mounds.wide);
+        let mut ground = Self::sample_by(area, wanted_m, |at| node_m(terrain, frame, at));
+        if let Some(mounds) = &mounds {
+            mounds.raise(&mut ground);
+        }
+        ground
     }
 
     /// Samples a height (metres) over the bounding box of an area, at about a spacing
@@ -45,14 +51,9 @@ impl Ground {
         spacing_m: f64,
         node_m: impl Fn(EastNorth) -> f32 + Sync,
     ) -> Self {
-        let (min, max) = area
-            .bounding_rect()
-            .map_or(((0.0, 0.0), (1.0, 1.0)), |rect| {
-                (rect.min().x_y(), rect.max().x_y())
-            });
+        let (min, max) = corners(area);
         let (width_m, height_m) = (max.0 - min.0, max.1 - min.1);
-        let finest_m = width_m.max(height_m) / (MAX_NODES - 1.0);
-        let spacing_m = spacing_m.min(width_m.max(height_m)).max(finest_m).max(1.0);
+        let spacing_m = grid_spacing_m(area, spacing_m);
         let nodes = |length_m: f64| {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -91,6 +92,14 @@ impl Ground {
         }
     }
 
+    /// Where a node is.
+    pub(super) fn node(&self, row: usize, column: usize) -> EastNorth {
+        EastNorth {
+            east_m: self.south_west.east_m + count(column) * self.spacing_m,
+            north_m: self.south_west.north_m + count(row) * self.spacing_m,
+        }
+    }
+
     /// Bilinear height above mean sea level, metres; places outside take the
     /// edge; NaN beside voids.
     #[must_use]
@@ -110,6 +119,22 @@ impl Ground {
             + (node(corner + self.columns + 1) - node(corner + self.columns)) * right;
         south + (north - south) * up
     }
+}
+
+/// South-west and north-east corner of the bounding box of an area, metres.
+fn corners(area: &Polygon<f64>) -> ((f64, f64), (f64, f64)) {
+    area.bounding_rect()
+        .map_or(((0.0, 0.0), (1.0, 1.0)), |rect| {
+            (rect.min().x_y(), rect.max().x_y())
+        })
+}
+
+/// The spacing that a grid over an area has when one is wanted, metres.
+fn grid_spacing_m(area: &Polygon<f64>, wanted_m: f64) -> f64 {
+    let (min, max) = corners(area);
+    let side_m = (max.0 - min.0).max(max.1 - min.1);
+    let finest_m = side_m / (MAX_NODES - 1.0);
+    wanted_m.min(side_m).max(finest_m).max(1.0)
 }
 
 /// The height that the source has at a node; NaN where it has none.

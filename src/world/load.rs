@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::{Bounds, NoData, Terrain, TerrainError, World, read_terrain, terrain_files};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::numeric::digits;
 use crate::spec::{
     EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
 };
@@ -77,6 +78,9 @@ pub fn files(file: &SpecFile) -> Result<Vec<PathBuf>, TerrainError> {
     })
 }
 
+/// What legs may leave the path by where nothing asks for more, metres.
+const USUAL_TOLERANCE_M: f64 = 5.0;
+
 struct Check<'a> {
     file: &'a SpecFile,
     terrain: &'a Terrain,
@@ -109,6 +113,7 @@ impl Check<'_> {
             self.zones(&home, "takeoff", vehicle.home, ground);
         }
         self.airborne(&format!("{path}.start"), "start", vehicle.start);
+        self.tolerance(vehicle);
         let goal = format!("{path}.goal");
         self.airborne(&goal, "goal", vehicle.goal);
         if vehicle.finish == Finish::Land
@@ -119,13 +124,38 @@ impl Check<'_> {
         self.approach(&format!("{path}.landing"), vehicle);
         let ceiling = self.file.spec.area.max_amsl;
         if let Some(amsl) = vehicle.return_amsl.filter(|amsl| *amsl > ceiling) {
-            let found = format!("{} m, above the ceiling", amsl.0);
+            let found = format!("{} m, above the ceiling", digits::plain(amsl.0));
             self.report(
                 &format!("{path}.return_amsl_m"),
                 found,
                 format!("at most {} m", ceiling.0),
             );
         }
+    }
+
+    /// The path keeps the tolerance over the minimum height, for what the legs between
+    /// waypoints cut off, and still has to be under the ceiling.
+    fn tolerance(&mut self, vehicle: &Vehicle) {
+        let path = "mission.tolerance_m";
+        let (area, tolerance_m) = (self.file.spec.area, self.file.spec.mission.tolerance_m);
+        // Without ground there that is reported already.
+        let Ok(ground) = self.terrain.height(vehicle.start.place) else {
+            return;
+        };
+        let room_m = area.max_amsl.above_ground(ground).0 - area.min_agl.0;
+        // A thin layer alone may be meant; a wide tolerance in it cannot be. Once is enough.
+        let is_wide = tolerance_m > USUAL_TOLERANCE_M && tolerance_m > room_m;
+        if !is_wide || self.issues.iter().any(|issue| issue.path == path) {
+            return;
+        }
+        let found = format!(
+            "{} m, and from area.min_agl_m over the start of `{}` to the ceiling it is {} m",
+            digits::plain(tolerance_m),
+            vehicle.id,
+            digits::beside(room_m, tolerance_m, 1)
+        );
+        let most_m = room_m.max(USUAL_TOLERANCE_M);
+        self.report(path, found, format!("at most {} m", digits::plain(most_m)));
     }
 
     /// A point of the plan: over ground, high enough, under the ceiling, in no zone.
@@ -141,14 +171,19 @@ impl Check<'_> {
         let agl_m = amsl.above_ground(ground).0;
         let over = format!("ground at {:.1} m", ground.0);
         if agl_m < 0.0 {
-            let found = format!("{what} at {:.1} m is {:.1} m under ground", amsl.0, -agl_m);
+            let (at_m, deep_m) = (
+                digits::beside(amsl.0, ground.0, 1),
+                digits::beside(-agl_m, 0.0, 1),
+            );
+            let found = format!("{what} at {at_m} m is {deep_m} m under ground");
             self.report(
                 path,
                 found,
                 format!("at least {} m above {over}", area.min_agl.0),
             );
         } else if agl_m < area.min_agl.0 {
-            let found = format!("{what} is {agl_m:.1} m above {over}");
+            let above_m = digits::beside(agl_m, area.min_agl.0, 1);
+            let found = format!("{what} is {above_m} m above {over}");
             self.report(
                 path,
                 found,
@@ -156,7 +191,8 @@ impl Check<'_> {
             );
         }
         if amsl > area.max_amsl {
-            let found = format!("{what} is at {:.1} m, over {over}", amsl.0);
+            let at_m = digits::beside(amsl.0, area.max_amsl.0, 1);
+            let found = format!("{what} is at {at_m} m, over {over}");
             self.report(
                 path,
                 found,
@@ -219,7 +255,8 @@ impl Check<'_> {
         };
         let amsl = Amsl(ground.0 + agl_m);
         if amsl > ceiling {
-            let found = format!("the rally point is at {:.1} m", amsl.0);
+            let at_m = digits::beside(amsl.0, ceiling.0, 1);
+            let found = format!("the rally point is at {at_m} m");
             self.report(
                 path,
                 found,

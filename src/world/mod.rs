@@ -2,6 +2,7 @@
 
 mod ground;
 mod load;
+mod mounds;
 mod reader;
 mod terrain;
 

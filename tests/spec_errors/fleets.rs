@@ -151,6 +151,17 @@ x5,36.21,-84.38,36.39,-84.35,,
 }
 
 #[test]
+fn a_cell_in_hexadecimal_digits_says_what_is_wrong_with_it() {
+    let table = "id,start_lat,start_lon,goal_lat,goal_lon\nx1,36.21,-84.38,36.39,-0x54\n";
+    let start = "fleet.csv: row 2, column 5 (goal_lon): `-0x54` (allowed: a number in decimal";
+    let found = said(&fleet(TABLE), table);
+    assert!(
+        found.iter().any(|line| line.starts_with(start)),
+        "{found:#?}"
+    );
+}
+
+#[test]
 fn vehicles_of_a_table_meet_the_checks_of_all_vehicles() {
     let table = "\
 id,start_lat,start_lon,goal_lat,goal_lon,sysid

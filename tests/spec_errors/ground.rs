@@ -83,3 +83,26 @@ fn a_missing_terrain_file_is_named_at_its_key() {
     );
     assert!(error.to_string().contains("cannot be read"), "{error}");
 }
+
+#[test]
+fn a_tolerance_wider_than_the_layer_to_fly_in_says_how_wide_that_is() {
+    // 300 m of base under a start, 60 m above it, and a ceiling 80 m higher.
+    let low = with("max_amsl_m: 1500", "max_amsl_m: 440")
+        .replace("height_m: 200", "height_m: 1")
+        .replace("amsl_m: 700", "amsl_m: 380")
+        .replace("return_amsl_m: 900", "return_amsl_m: 400");
+    let file = parse(&low.replace("tolerance_m: 3", "tolerance_m: 79")).expect("good so far");
+    world::load(&file).expect("a tolerance that fits");
+    let found = over_ground(&low.replace("tolerance_m: 3", "tolerance_m: 100"));
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].path, "mission.tolerance_m");
+    assert!(found[0].found.starts_with("100 m, and from"), "{found:?}");
+    assert!(found[0].allowed.starts_with("at most 80"), "{found:?}");
+}
+
+#[test]
+fn a_value_a_hair_beside_its_limit_does_not_read_like_it() {
+    let text = with("lon: -84.39, agl_m: 80}", "lon: -84.39, agl_m: 59.99}");
+    let found = over_ground(&text);
+    assert!(found[0].found.contains("is 59.99 m above"), "{found:?}");
+}

@@ -375,3 +375,53 @@ fn one_pad_needs_staggered_departures() {
         1
     );
 }
+
+#[test]
+fn a_place_on_the_edge_of_the_area_is_told_from_one_outside_of_it() {
+    for (old, new, is) in [
+        (
+            "start: {lat: 36.21, lon: -84.38,",
+            "start: {lat: 36.20, lon: -84.38,",
+            "is on the edge of the area",
+        ),
+        (
+            "start: {lat: 36.21, lon: -84.38,",
+            "start: {lat: 36.19, lon: -84.38,",
+            "is outside of the area",
+        ),
+    ] {
+        let (path, said) = only(old, new);
+        assert_eq!(path, "vehicles[0].start");
+        assert!(said.contains(is), "{said}");
+    }
+}
+
+#[test]
+fn a_huge_number_is_said_in_few_digits() {
+    for (old, new) in [
+        ("speed_mps: 15", "speed_mps: 1e308"),
+        ("max_amsl_m: 1500", "max_amsl_m: 1e308"),
+        ("sysid: 2", "sysid: 1e308"),
+    ] {
+        let text = with(old, new);
+        let found = issues(&text);
+        assert!(
+            found[0].found.contains("1e308") && found[0].found.len() < 60,
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn a_number_written_as_in_a_program_says_what_is_wrong_with_it() {
+    let (path, said) = only("speed_mps: 15", "speed_mps: 0x10");
+    assert_eq!(path, "vehicles[0].speed_mps");
+    assert!(
+        said.contains("16 in hexadecimal, octal or binary digits"),
+        "{said}"
+    );
+    assert!(
+        said.contains("(allowed: a number in decimal digits, such as 16)"),
+        "{said}"
+    );
+}

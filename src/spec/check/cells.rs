@@ -63,7 +63,10 @@ impl Part {
         let start = rest.start.get_or_insert_default();
         let goal = rest.goal.get_or_insert_default();
         let (window, range) = (&mut rest.depart_window_s, &mut rest.speed_range_mps);
-        let number = || cell.parse::<f64>().map_err(|_| "a number".to_owned());
+        let number = || {
+            cell.parse::<f64>()
+                .map_err(|_| number_like(cell).to_owned())
+        };
         let whole = || cell.parse::<i64>().map_err(|_| "a whole number".to_owned());
         match column {
             "id" => self.id = Some(cell.to_owned()),
@@ -118,6 +121,18 @@ impl Part {
         if let Some(end) = end {
             (end.agl_m, end.amsl_m) = (None, None);
         }
+    }
+}
+
+/// What a cell that should be a number may be.
+fn number_like(cell: &str) -> &'static str {
+    let digits = cell.trim_start_matches(['-', '+']).to_ascii_lowercase();
+    let other_base = ["0x", "0o", "0b"]
+        .iter()
+        .any(|sign| digits.starts_with(sign));
+    match other_base {
+        true => "a number in decimal digits, such as 16",
+        false => "a number",
     }
 }
 

@@ -13,6 +13,7 @@ use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
 use crate::geodesy::{Agl, Amsl, LatLon};
+use crate::numeric::digits;
 
 /// Load factor of a bank of 30 degrees, the lean limit that copters come with.
 const DEFAULT_LOAD_FACTOR: f64 = 1.15;
@@ -225,7 +226,7 @@ impl Checker<'_> {
         };
         let apart_m = (start.to_ecef(0.0) - goal.to_ecef(0.0)).norm();
         if apart_m < LEAST_WAY_M {
-            let found = format!("{apart_m:.1} m from start");
+            let found = format!("{} m from start", digits::beside(apart_m, LEAST_WAY_M, 1));
             self.report(path, found, format!("at least {LEAST_WAY_M} m from start"));
         }
     }
@@ -282,8 +283,9 @@ impl Checker<'_> {
                 let (own, other) = (vehicle.departures(), earlier.departures());
                 let apart_s = (own.most - other.least).max(other.most - own.least);
                 if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
+                    let across_m = digits::beside(apart_m, separation.distance_m, 1);
                     let found = format!(
-                        "takeoff {apart_m:.1} m from `{}` and {apart_s} s apart in time",
+                        "takeoff {across_m} m from `{}` and {apart_s} s apart in time",
                         earlier.id
                     );
                     let allowed = format!(

@@ -6,6 +6,7 @@ use super::super::raw;
 use super::super::{Area, Rally, TerrainSource, Threat, Zone};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
+use crate::numeric::digits;
 
 /// Furthest corner of the area from the origin: the local frame is proven to here.
 const MAX_AREA_M: f64 = 300_000.0;
@@ -66,7 +67,8 @@ impl Checker<'_> {
             let Agl(least_m) = map.area.min_agl;
             if point.agl.0 < least_m {
                 let allowed = format!("at least area.min_agl_m, {least_m}");
-                self.report(&format!("rally[{index}].agl_m"), point.agl.0, allowed);
+                let found = digits::plain(point.agl.0);
+                self.report(&format!("rally[{index}].agl_m"), found, allowed);
             }
             self.clear(
                 &format!("rally[{index}]"),
@@ -137,8 +139,8 @@ impl Checker<'_> {
                 "area"
             };
             let found = format!(
-                "a corner of the area {:.0} km from the origin",
-                furthest_m / 1e3
+                "a corner of the area {} km from the origin",
+                digits::beside(furthest_m / 1e3, MAX_AREA_M / 1e3, 0)
             );
             self.report(path, found, format!("at most {:.0} km", MAX_AREA_M / 1e3));
             return None;
@@ -160,11 +162,8 @@ impl Checker<'_> {
             let away_m = place.chord_m(origin);
             if away_m > MAX_AWAY_M {
                 let allowed = format!("at most {:.0} km; latitude comes first", MAX_AWAY_M / 1e3);
-                self.report(
-                    &path,
-                    format!("{:.0} km from the origin", away_m / 1e3),
-                    allowed,
-                );
+                let away_km = digits::beside(away_m / 1e3, MAX_AWAY_M / 1e3, 0);
+                self.report(&path, format!("{away_km} km from the origin"), allowed);
             }
         }
         Some(())
@@ -181,18 +180,30 @@ impl Checker<'_> {
                 "latitude {} to {}, longitude {} to {}",
                 south_west.lat_deg, north_east.lat_deg, south_west.lon_deg, north_east.lon_deg
             );
-            let found = format!(
-                "{what} at {}, {} is outside of the area",
-                place.lat_deg, place.lon_deg
+            let (across, along) = (
+                south_west.lon_deg..=north_east.lon_deg,
+                south_west.lat_deg..=north_east.lat_deg,
             );
+            // Nobody finds what is wrong with a number that is among those allowed.
+            let on_edge = across.contains(&place.lon_deg) && along.contains(&place.lat_deg);
+            let (is, allowed) = if on_edge {
+                (
+                    "is on the edge of the area",
+                    format!("{allowed}, without the edges"),
+                )
+            } else {
+                ("is outside of the area", allowed)
+            };
+            let found = format!("{what} at {}, {} {is}", place.lat_deg, place.lon_deg);
             self.report(path, found, allowed);
             return;
         }
         for threat in &map.threats {
             let distance_m = plan.distance_m(map.frame.to_plan(threat.place));
             if distance_m <= threat.radius_m {
+                let away_m = digits::beside(distance_m, threat.radius_m, 0);
                 let found = format!(
-                    "{what} is inside threat `{}`, {distance_m:.0} m from its axis",
+                    "{what} is inside threat `{}`, {away_m} m from its axis",
                     threat.id
                 );
                 self.report(path, found, format!("more than {} m", threat.radius_m));

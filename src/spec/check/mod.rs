@@ -27,6 +27,7 @@ use super::{
     Objective, OnLinkLoss, Planner, Separation, Weights, Wind,
 };
 use crate::geodesy::LatLon;
+use crate::numeric::digits;
 
 /// Checks a whole spec, of which these problems are known.
 ///
@@ -69,7 +70,7 @@ impl Checker<'_> {
                 true => "a finite number".to_owned(),
                 false => format!("{} to {}", range.start(), range.end()),
             };
-            self.report(path, value, allowed);
+            self.report(path, digits::plain(value), allowed);
         }
         value
     }

@@ -9,6 +9,7 @@ use super::super::raw;
 use super::super::{ELEVATION_ENDINGS, Hill, Rally, THREAT_RADIUS_M, TerrainSource, Threat};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
+use crate::numeric::digits;
 
 /// Least area of a zone; what has less is a line.
 const MIN_ZONE_M2: f64 = 1.0;
@@ -173,7 +174,10 @@ impl Checker<'_> {
         let lengths_m = edges.iter().map(|edge| edge.dx().hypot(edge.dy()));
         let width_m = 2.0 * outline.unsigned_area() / lengths_m.sum::<f64>();
         if width_m < MIN_ZONE_WIDTH_M {
-            let found = format!("a polygon {width_m:.4} m wide");
+            let found = format!(
+                "a polygon {} m wide",
+                digits::beside(width_m, MIN_ZONE_WIDTH_M, 4)
+            );
             self.report(path, found, format!("at least {MIN_ZONE_WIDTH_M} m"));
             return false;
         }

@@ -4,6 +4,7 @@ use super::super::raw;
 use super::super::{Airframe, Landing, Wind, Wing, turn_radius_by_load_m};
 use super::Checker;
 use crate::geodesy::{Amsl, true_airspeed_ratio};
+use crate::numeric::digits;
 
 /// A plane stands at least this far from its start, metres.
 const LEAST_RUN_M: f64 = 10.0;
@@ -94,7 +95,7 @@ impl Checker<'_> {
                 self.report(path, found, "home: {lat, lon}, away from start");
             }
             Some(way_m) if needs_room && way_m < LEAST_RUN_M => {
-                let found = format!("{way_m:.1} m from start");
+                let found = format!("{} m from start", digits::beside(way_m, LEAST_RUN_M, 1));
                 let allowed = format!("at least {LEAST_RUN_M} m from start");
                 self.report(&format!("{path}.home"), found, allowed);
             }

@@ -1,0 +1,153 @@
+//! Hills narrower than the grid of the search, as it sees them: too wide rather than not at all.
+
+use super::{Ground, Terrain};
+use crate::geodesy::{EastNorth, LocalFrame};
+use crate::spec::Hill;
+
+/// A hill of fewer spacings may slip between the nodes; it is drawn with so many.
+const SPACINGS: f64 = 2.0;
+/// Such a hill reaches its height between four nodes when it is higher by this: `exp(1/8)`.
+const BETWEEN_NODES: f64 = 1.134;
+/// Further away, in radii, a mound is hardly higher than a millimetre.
+const REACH: f64 = 4.0;
+
+/// Analytic ground of which some hills are too narrow for a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Mounds {
+    /// The ground without them.
+    pub(super) wide: Terrain,
+    /// Where each of them is, and how much higher its top is than that ground, metres.
+    tops: Vec<(EastNorth, f64)>,
+}
+
+impl Mounds {
+    /// None where the grid shows the ground as it is.
+    pub(super) fn new(terrain: &Terrain, frame: &LocalFrame, spacing_m: f64) -> Option<Self> {
+        let Terrain::Analytic { base, hills } = terrain else {
+            return None;
+        };
+        let is_wide = |hill: &Hill| hill.radius_m >= SPACINGS * spacing_m;
+        let (wide, narrow): (Vec<Hill>, Vec<Hill>) = hills.iter().copied().partition(is_wide);
+        if narrow.is_empty() {
+            return None;
+        }
+        let (base, hills) = (*base, wide);
+        let wide = Terrain::Analytic { base, hills };
+        // The whole ground on each top, not a sum of what is widened: a ridge of many
+        // narrow hills is no higher than it is.
+        let top = |hill: &Hill| {
+            let (top, under) = (
+                terrain.height(hill.place).ok()?,
+                wide.height(hill.place).ok()?,
+            );
+            // Pits are left out: the ground beside them counts.
+            (top.0 > under.0).then(|| (frame.to_plan(hill.place), top.0 - under.0))
+        };
+        let tops = narrow.iter().filter_map(top).collect();
+        Some(Self { wide, tops })
+    }
+
+    /// Raises the nodes around every top, on a grid of the ground without them.
+    pub(super) fn raise(&self, ground: &mut Ground) {
+        let under = ground.heights_m.clone();
+        let radius_m = SPACINGS * ground.spacing_m;
+        for (at, height_m) in &self.tops {
+            let from = ground.south_west;
+            let rows = near(at.north_m - from.north_m, ground.spacing_m, ground.rows);
+            for row in rows {
+                let columns = near(at.east_m - from.east_m, ground.spacing_m, ground.columns);
+                for column in columns {
+                    let node = ground.node(row, column);
+                    let radii = node.distance_m(*at) / radius_m;
+                    let mound_m = BETWEEN_NODES * height_m * (-radii * radii).exp();
+                    let index = row * ground.columns + column;
+                    #[expect(clippy::cast_possible_truncation, reason = "as the nodes are")]
+                    let raised_m = under[index] + mound_m as f32;
+                    ground.heights_m[index] = ground.heights_m[index].max(raised_m);
+                }
+            }
+        }
+    }
+}
+
+/// Rows or columns that a mound so far from the first one reaches.
+fn near(at_m: f64, spacing_m: f64, nodes: usize) -> std::ops::Range<usize> {
+    let reach = REACH * SPACINGS;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "negative numbers become 0, and large ones the last"
+    )]
+    let index = |at: f64| (at as usize).min(nodes);
+    let at = at_m / spacing_m;
+    index((at - reach).ceil())..index((at + reach).floor() + 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use geo::{LineString, Polygon};
+
+    use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame};
+    use crate::spec::Hill;
+    use crate::world::{Ground, Terrain};
+
+    /// A square of 20 km: nodes are 20 m apart.
+    fn sampled(hills: Vec<Hill>) -> (Ground, LocalFrame) {
+        let frame = LocalFrame::new(LatLon {
+            lat_deg: 46.5,
+            lon_deg: 8.0,
+        });
+        let corners = vec![(-1e4, -1e4), (1e4, -1e4), (1e4, 1e4), (-1e4, 1e4)];
+        let area = Polygon::new(LineString::from(corners), vec![]);
+        let base = Amsl(300.0);
+        let terrain = Terrain::Analytic { base, hills };
+        (Ground::sample(&terrain, &frame, &area), frame)
+    }
+
+    fn hill(east_m: f64, height_m: f64) -> Hill {
+        Hill {
+            place: LatLon {
+                lat_deg: 46.5,
+                lon_deg: 8.0 + east_m / 76_700.0,
+            },
+            height_m,
+            radius_m: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_hill_narrower_than_the_grid_is_seen_wherever_it_stands_between_the_nodes() {
+        for east_m in [0.0, 3.0, 9.8, 15.0] {
+            let hill = hill(east_m, 100.0);
+            let (ground, frame) = sampled(vec![hill]);
+            let on_top_m = ground.height_m(frame.to_plan(hill.place));
+            assert!((400.0..420.0).contains(&on_top_m), "{east_m}: {on_top_m}");
+            let far = EastNorth {
+                east_m: 500.0,
+                north_m: 0.0,
+            };
+            assert!((ground.height_m(far) - 300.0).abs() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn many_narrow_hills_side_by_side_are_no_higher_than_the_ridge_that_they_make() {
+        // A metre apart a ridge is 1.77 times as high as one of its hills.
+        let hills: Vec<Hill> = (0..500).map(|at| hill(f64::from(at), 50.0)).collect();
+        let middle = hills[250].place;
+        let (ground, frame) = sampled(hills);
+        let height_m = ground.height_m(frame.to_plan(middle));
+        assert!((385.0..405.0).contains(&height_m), "{height_m}");
+    }
+
+    #[test]
+    fn a_pit_narrower_than_the_grid_is_left_out() {
+        let (ground, _) = sampled(vec![hill(0.0, -100.0)]);
+        assert!(
+            ground
+                .heights_m
+                .iter()
+                .all(|height_m| (height_m - 300.0).abs() < 1e-3)
+        );
+    }
+}
