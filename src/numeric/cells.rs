@@ -162,7 +162,7 @@ impl Cells {
     }
 
     fn range(&self, extent: &Extent) -> Range {
-        [0, 1, 2].map(|axis| {
+        let cells = |axis: usize| {
             let last = self.counts[axis] - 1;
             // Not a number (nothing times infinity) and what is negative become 0.
             #[expect(
@@ -172,7 +172,8 @@ impl Cells {
             )]
             let cell = |at: f64| (((at - self.low[axis]) * self.per_unit[axis]) as usize).min(last);
             (cell(extent[axis].0), cell(extent[axis].1))
-        })
+        };
+        [cells(0), cells(1), cells(2)]
     }
 }
 

@@ -15,8 +15,13 @@ impl Gap {
     }
 
     pub(super) fn at(&self, [t, u]: [f64; 2]) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.at00[axis] + self.a[axis] * t - self.b[axis] * u)
+        let side = |axis: usize| self.at00[axis] + self.a[axis] * t - self.b[axis] * u;
+        [side(0), side(1), side(2)]
     }
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// A convex polygon of times `(t, u)`, counter-clockwise. A box cut by two
@@ -101,7 +106,7 @@ impl Pair {
         let origin_s = t0;
         let (from_a, from_b) = (a.at(origin_s), b.at(origin_s));
         let gap = Gap {
-            at00: [0, 1, 2].map(|axis| from_a[axis] - from_b[axis]),
+            at00: minus(from_a, from_b),
             a: a.velocity_mps,
             b: b.velocity_mps,
         };
@@ -160,7 +165,10 @@ impl Pair {
     /// Least length of the gap in its first `axes` coordinates over a region
     /// that is not empty: what is allowed with heights at most `vertical_m` apart.
     pub(super) fn least(&self, region: &Region, axes: usize, vertical_m: f64) -> (f64, [f64; 2]) {
-        let dot = |x: &[f64; 3], y: &[f64; 3]| (0..axes).map(|axis| x[axis] * y[axis]).sum::<f64>();
+        let dot = |x: &[f64; 3], y: &[f64; 3]| {
+            let plane = x[0] * y[0] + x[1] * y[1];
+            if axes > 2 { plane + x[2] * y[2] } else { plane }
+        };
         let gap = &self.gap;
         let (aa, ab, bb) = (
             dot(&gap.a, &gap.a),
@@ -186,7 +194,7 @@ impl Pair {
             .edges()
             .map(|(from, to)| {
                 let (gap_from, gap_to) = (gap.at(from), gap.at(to));
-                let along = [0, 1, 2].map(|axis| gap_to[axis] - gap_from[axis]);
+                let along = minus(gap_to, gap_from);
                 let length_sq = dot(&along, &along);
                 let share = if length_sq > 0.0 {
                     (-dot(&gap_from, &along) / length_sq).clamp(0.0, 1.0)
