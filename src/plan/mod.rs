@@ -16,6 +16,7 @@ mod lowest;
 mod objective;
 mod obstacles;
 mod pivot;
+mod printed;
 mod problem;
 mod remedies;
 mod routes;

@@ -1,11 +1,13 @@
 //! The search of one course: starts, swarms, and the judgement of the finalists.
 
+use std::sync::Arc;
+
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::course::Course;
 use super::fit::{Fitter, Line, Warp};
-use super::objective::spatial;
+use super::printed::letter;
 use super::problem::{Horizontal, Sampled, Spline};
 use super::routes::routes;
 use super::starts::{start, starts, summits};
@@ -13,11 +15,11 @@ use crate::cost::{Batch, CostTerms, Margins};
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
 use crate::optimize::{
-    AbcParameters, Algorithm, Candidate, DeParameters, Evaluator, FoaParameters, IffoParameters,
-    LEAST_EASED, LiteralParameters, MfoaParameters, MsfoaParameters, PsoParameters, Start, Starts,
-    Step, TracePoint, minimise,
+    Algorithm, Candidate, Evaluator, LEAST_EASED, MsfoaParameters, Start, Starts, TracePoint,
+    minimise,
 };
 use crate::spec::{self, Part};
+use crate::world::World;
 
 /// Samples at which results are judged.
 pub(super) const JUDGED_SAMPLES: usize = 2001;
@@ -53,7 +55,44 @@ pub(super) struct Found {
 }
 
 /// Searches one course within a budget.
+///
+/// Ground without data has no rim that a few samples could feel, so it is kept away from by a
+/// cell of the ground; only if that finds no path the search is made once more up to its rim.
 pub(super) fn search(
+    course: &Course<'_>,
+    budget: usize,
+    seed: Seed,
+    stream: u64,
+    watch: &(dyn Fn(TracePoint) + Sync),
+) -> Found {
+    let as_it_is = || found(course, course, budget, seed, stream, watch);
+    let Some(wider) = &course.world.wider_voids else {
+        return as_it_is();
+    };
+    let world = World {
+        ground: Arc::clone(wider),
+        ..course.world.clone()
+    };
+    let away = Course {
+        world: &world,
+        ..*course
+    };
+    let first = found(course, &away, budget, seed, stream, watch);
+    if first.terms.is_clean() {
+        return first;
+    }
+    let second = as_it_is();
+    let evaluations = first.evaluations + second.evaluations;
+    let is_better = second.terms.is_clean() || second.terms.total() < first.terms.total();
+    Found {
+        evaluations,
+        ..if is_better { second } else { first }
+    }
+}
+
+/// What is found on one course, judged on another.
+fn found(
+    judged_on: &Course<'_>,
     course: &Course<'_>,
     budget: usize,
     seed: Seed,
@@ -62,16 +101,9 @@ pub(super) fn search(
 ) -> Found {
     let (splines, evaluations) = match course.spec.planner.algorithm {
         spec::Algorithm::Msfoa => swarms(course, budget, seed, stream, watch),
-        printed => letter(
-            course,
-            &as_printed(printed, course),
-            budget,
-            seed,
-            stream,
-            watch,
-        ),
+        printed => letter(course, printed, budget, seed, stream, watch),
     };
-    let (spline, terms) = judge(course, splines);
+    let (spline, terms) = judge(judged_on, splines);
     Found {
         spline,
         terms,
@@ -272,99 +304,8 @@ fn default_swarms(budget: usize) -> usize {
     }
 }
 
-/// An algorithm of the paper, with what the spec says otherwise.
-fn as_printed(algorithm: spec::Algorithm, course: &Course<'_>) -> Algorithm {
-    let planner = &course.spec.planner;
-    let flies = |printed: usize| planner.population.unwrap_or(printed);
-    let msfoa = |printed: LiteralParameters| {
-        Algorithm::MsfoaLiteral(LiteralParameters {
-            swarms: planner.swarms.unwrap_or(printed.swarms),
-            population: flies(printed.population),
-            threshold: planner.threshold.unwrap_or(printed.threshold),
-            step: match (printed.step, planner.step) {
-                (Step::Constant(_), Some(step)) => Step::Constant(step),
-                (Step::Dwindling(_), Some(step)) => Step::Dwindling(step),
-                (step, None) => step,
-            },
-            ..printed
-        })
-    };
-    let (foa, pso, de) = (
-        FoaParameters::default(),
-        PsoParameters::default(),
-        DeParameters::default(),
-    );
-    let (abc, iffo, mfoa) = (
-        AbcParameters::default(),
-        IffoParameters::default(),
-        MfoaParameters::default(),
-    );
-    match algorithm {
-        spec::Algorithm::Msfoa | spec::Algorithm::MsfoaLiteral => {
-            msfoa(LiteralParameters::literal())
-        }
-        spec::Algorithm::MsfoaDwindle => msfoa(LiteralParameters::dwindle()),
-        spec::Algorithm::Foa => Algorithm::Foa(FoaParameters {
-            population: flies(foa.population),
-            ..foa
-        }),
-        spec::Algorithm::Pso => Algorithm::Pso(PsoParameters {
-            population: flies(pso.population),
-            ..pso
-        }),
-        spec::Algorithm::De => Algorithm::De(DeParameters {
-            population: flies(de.population),
-            ..de
-        }),
-        spec::Algorithm::Abc => Algorithm::Abc(AbcParameters {
-            sources: flies(2 * abc.sources) / 2,
-            onlookers: flies(2 * abc.onlookers) / 2,
-            ..abc
-        }),
-        spec::Algorithm::Iffo => Algorithm::Iffo(IffoParameters {
-            population: flies(iffo.population),
-            ..iffo
-        }),
-        spec::Algorithm::Mfoa => Algorithm::Mfoa(MfoaParameters {
-            population: flies(mfoa.population),
-            swarms: planner.swarms.unwrap_or(mfoa.swarms),
-            ..mfoa
-        }),
-    }
-}
-
-/// The paper's problem: all three coordinates searched.
-fn letter(
-    course: &Course<'_>,
-    algorithm: &Algorithm,
-    budget: usize,
-    seed: Seed,
-    stream: u64,
-    watch: &(dyn Fn(TracePoint) + Sync),
-) -> (Vec<Spline>, usize) {
-    let problem = spatial(course, &course.parameters(course.samples()));
-    let mut rng = seed.stream("plan", stream);
-    let outcome = minimise(
-        &problem,
-        algorithm,
-        Starts::default(),
-        budget,
-        &mut rng,
-        watch,
-    );
-    let splines = most_promising(outcome.finalists)
-        .iter()
-        .map(|candidate| {
-            let mut spline = Spline::default();
-            problem.spline(&candidate.position, &mut spline);
-            spline
-        })
-        .collect();
-    (splines, outcome.evaluations)
-}
-
 /// The finalists worth a judgement, best first.
-fn most_promising(mut finalists: Vec<Candidate>) -> Vec<Candidate> {
+pub(super) fn most_promising(mut finalists: Vec<Candidate>) -> Vec<Candidate> {
     finalists.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     finalists.dedup_by(|a, b| a.position == b.position);
     finalists.truncate(JUDGED);

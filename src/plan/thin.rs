@@ -4,80 +4,69 @@ use super::field::Grid;
 use crate::numeric::geometry::{Point, Ring, closest_points};
 use crate::world::{PlanZone, World};
 
-/// Half of the king's moves, each with where the nodes lie that tell from it whether the zone
-/// is met there anyway; the other moves are these backwards.
-const MOVES: [(Step, &[Step]); 4] = [
-    ((1, 0), &[(0, 1), (0, -1), (1, 1), (1, -1)]),
-    ((0, 1), &[(1, 0), (-1, 0), (1, 1), (-1, 1)]),
-    ((1, 1), &[(1, 0), (0, 1)]),
-    ((1, -1), &[(1, 0), (0, -1)]),
-];
-
-type Step = (isize, isize);
+/// Half of the king's moves: the others are these backwards.
+const MOVES: [(isize, isize); 4] = [(1, 0), (0, 1), (1, 1), (1, -1)];
+/// Cosine of the angle of a corner that is as sharp as a wall is thin.
+const SHARP: f64 = 0.7;
 
 /// Nodes beside a zone that have to count as if it reached to them: a move to a neighbour
-/// crosses the zone, and no node there lies in it. The nearer of the two is taken, so a wall
-/// however thin is closed, and a gap in it or between two is left open.
+/// crosses the zone, though neither of the two nodes lies in it. The nearer one is taken, so a
+/// wall however thin is closed, and a gap in it or between two is left open. A corner that is
+/// cut does not count.
 pub(super) fn beside(grid: &Grid, zone: &PlanZone) -> Vec<usize> {
     let ring = ring(zone);
     let at = |node: usize| {
         let at = grid.at(node);
         [at.east_m, at.north_m]
     };
-    let is_in = |node: usize| ring.contains(at(node));
     let mut beside = Vec::new();
-    let mut crossings = Vec::new();
     for node in nodes_near(grid, &ring) {
-        if is_in(node) {
+        let from = at(node);
+        if ring.contains(from) {
             continue;
         }
-        for (step, tellers) in MOVES {
+        for step in MOVES {
             let Some(other) = grid.step(node, step) else {
                 continue;
             };
-            let (from, to) = (at(node), at(other));
-            if ring.is_far_from(from, to) || is_in(other) {
+            let to = at(other);
+            if ring.is_far_from(from, to) || ring.contains(to) || !is_crossed(&ring, (from, to)) {
                 continue;
             }
-            let inside = ring.inside_fraction((from, to), (0.0, 1.0), &mut crossings);
-            if inside <= 0.0 {
-                continue;
-            }
-            let told = tellers.iter().filter_map(|&step| grid.step(node, step));
-            // A diagonal that squeezes through between two nodes of a zone crosses it.
-            let told = told.filter(|&node| is_in(node)).count();
-            if told == 0 || (tellers.len() == 2 && told == 2) {
-                let is_nearer = ring.boundary_distance(from) <= ring.boundary_distance(to);
-                beside.push(if is_nearer { node } else { other });
-            }
+            let is_nearer = ring.boundary_distance(from) <= ring.boundary_distance(to);
+            beside.push(if is_nearer { node } else { other });
         }
     }
     beside.sort_unstable();
     beside.dedup();
-    without_tips(grid, beside, is_in)
+    beside
 }
 
-/// The nodes without those groups of neighbours of which each is also next to a node of the
-/// zone: there only a corner of it pokes out.
-fn without_tips(grid: &Grid, mut nodes: Vec<usize>, is_in: impl Fn(usize) -> bool) -> Vec<usize> {
-    let near = |node: usize| {
-        let steps = (-1..=1).flat_map(|east| (-1..=1).map(move |north| (east, north)));
-        steps.filter_map(move |step| grid.step(node, step))
-    };
-    let mut kept: Vec<usize> = nodes
-        .iter()
-        .copied()
-        .filter(|&node| !near(node).any(&is_in))
+/// Whether a segment whose ends are outside crosses a ring, and not just a corner of it.
+fn is_crossed(ring: &Ring, segment: (Point, Point)) -> bool {
+    let crossed: Vec<(usize, (Point, Point))> = (ring.edges().enumerate())
+        .filter(|(_, edge)| cross(segment, *edge))
         .collect();
-    let mut next = 0;
-    while let Some(&node) = kept.get(next) {
-        let joined = near(node).filter(|other| nodes.binary_search(other).is_ok());
-        let new: Vec<usize> = joined.filter(|other| !kept.contains(other)).collect();
-        kept.extend(new);
-        next += 1;
+    let [(first, one), (second, other)] = crossed[..] else {
+        return crossed.len() > 2;
+    };
+    let count = ring.corners().len();
+    let is_next = second == first + 1 || (first == 0 && second == count - 1);
+    if !is_next {
+        return true;
     }
-    nodes.retain(|node| kept.contains(node));
-    nodes
+    let along = |(a, b): (Point, Point)| [b[0] - a[0], b[1] - a[1]];
+    let (into, out) = (along(one), along(other));
+    let lengths = into[0].hypot(into[1]) * out[0].hypot(out[1]);
+    -(into[0] * out[0] + into[1] * out[1]) > SHARP * lengths
+}
+
+/// Whether two segments cross; an end on the other one counts on one side only.
+fn cross((a, b): (Point, Point), (c, d): (Point, Point)) -> bool {
+    let side = |from: Point, to: Point, at: Point| {
+        (to[0] - from[0]) * (at[1] - from[1]) - (to[1] - from[1]) * (at[0] - from[0]) >= 0.0
+    };
+    side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b)
 }
 
 /// The nodes of the box around a ring, and those next to it.
@@ -135,4 +124,97 @@ fn ring(zone: &PlanZone) -> Ring {
     let corners = zone.outline.exterior().coords();
     let corners: Vec<Point> = corners.map(|corner| [corner.x, corner.y]).collect();
     Ring::new(&corners)
+}
+
+#[cfg(test)]
+mod tests {
+    use geo::{LineString, Polygon};
+    use proptest::prelude::*;
+
+    use super::{beside, ring};
+    use crate::geodesy::EastNorth;
+    use crate::plan::field::Grid;
+    use crate::world::PlanZone;
+
+    /// 21 by 21 nodes, a hundred metres apart.
+    fn grid() -> Grid {
+        let corner = |side_m: f64| EastNorth {
+            east_m: side_m,
+            north_m: side_m,
+        };
+        Grid::over(corner(0.0), corner(2000.0), 21)
+    }
+
+    /// A strip around the line between two places, as wide.
+    fn strip(from: (f64, f64), to: (f64, f64), width_m: f64) -> PlanZone {
+        let (x, y) = (to.0 - from.0, to.1 - from.1);
+        let half = 0.5 * width_m / x.hypot(y);
+        let corner = |at: (f64, f64), side: f64| (at.0 - side * half * y, at.1 + side * half * x);
+        let corners = vec![
+            corner(from, 1.0),
+            corner(from, -1.0),
+            corner(to, -1.0),
+            corner(to, 1.0),
+        ];
+        PlanZone {
+            outline: Polygon::new(LineString::from(corners), vec![]),
+            below: None,
+        }
+    }
+
+    /// Nodes that moves lead to from one, past what the zones close.
+    fn reached(zones: &[PlanZone], from: usize) -> Vec<bool> {
+        let grid = grid();
+        let mut is_open: Vec<bool> = (0..grid.len())
+            .map(|node| {
+                let at = grid.at(node);
+                !zones
+                    .iter()
+                    .any(|zone| ring(zone).contains([at.east_m, at.north_m]))
+            })
+            .collect();
+        for node in zones.iter().flat_map(|zone| beside(&grid, zone)) {
+            is_open[node] = false;
+        }
+        let mut reached = vec![false; grid.len()];
+        let mut ahead = vec![from];
+        while let Some(node) = ahead.pop() {
+            if !is_open[node] || std::mem::replace(&mut reached[node], true) {
+                continue;
+            }
+            let steps = (-1..=1).flat_map(|east| (-1..=1).map(move |north| (east, north)));
+            ahead.extend(steps.filter_map(|step| grid.step(node, step)));
+        }
+        reached
+    }
+
+    proptest! {
+        /// From west to east, whatever the slant of a wall from south to north.
+        #[test]
+        fn a_wall_is_closed_however_thin(
+            south in 300.0..1700.0_f64, north in 300.0..1700.0_f64, width_m in 0.01..150.0_f64
+        ) {
+            let wall = strip((south, -100.0), (north, 2100.0), width_m);
+            let reached = reached(&[wall], 0);
+            prop_assert!(reached[0]);
+            prop_assert!(!reached[20]);
+        }
+
+        #[test]
+        fn a_gap_of_two_cells_in_a_wall_stays_open(
+            east in 300.0..1700.0_f64, gap in 300.0..1500.0_f64, width_m in 0.01..50.0_f64
+        ) {
+            let walls = [
+                strip((east, -100.0), (east, gap), width_m),
+                strip((east, gap + 200.0), (east, 2100.0), width_m),
+            ];
+            prop_assert!(reached(&walls, 0)[20]);
+        }
+    }
+
+    #[test]
+    fn what_nodes_tell_anyway_adds_nothing() {
+        let block = strip((1000.0, 520.0), (1000.0, 1480.0), 760.0);
+        assert_eq!(beside(&grid(), &block), Vec::<usize>::new());
+    }
 }

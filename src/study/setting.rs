@@ -119,6 +119,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         terrain: Terrain::Flat(Amsl(0.0)),
         // As fine as a grid may be: 98 m on a map of 100 km.
         ground: Arc::new(Ground::sample_by(&area, 1.0, height)),
+        wider_voids: None,
         threats: scenario
             .threats
             .iter()

@@ -26,6 +26,8 @@ pub struct Ground {
     pub heights_m: Vec<f32>,
 }
 
+/// How much finer than its source a grid is that has voids.
+const VOID_FINER: f64 = 4.0;
 /// Most nodes along one side; keeps the grid within 4 MiB.
 const MAX_NODES: f64 = 1024.0;
 
@@ -90,6 +92,26 @@ impl Ground {
             rows,
             heights_m: heights_m.concat(),
         }
+    }
+
+    /// The same with each void wider by a node on all sides; none if there are no voids.
+    #[must_use]
+    pub fn with_wider_voids(&self) -> Option<Self> {
+        let is_void = |node: &usize| self.heights_m[*node].is_nan();
+        let voids: Vec<usize> = (0..self.heights_m.len()).filter(is_void).collect();
+        if voids.is_empty() {
+            return None;
+        }
+        let mut wider = self.clone();
+        let near = |at: usize, count: usize| at.saturating_sub(1)..(at + 2).min(count);
+        for node in voids {
+            for row in near(node / self.columns, self.rows) {
+                for column in near(node % self.columns, self.columns) {
+                    wider.heights_m[row * self.columns + column] = f32::NAN;
+                }
+            }
+        }
+        Some(wider)
     }
 
     /// Where a node is.
@@ -177,7 +199,12 @@ fn source_spacing_m(terrain: &Terrain) -> f64 {
             .fold(f64::INFINITY, f64::min),
         Terrain::Grid(grid) => {
             let parallel = grid.north_west.lat_deg.to_radians().cos().max(0.01);
-            grid.row_step_deg.min(grid.column_step_deg * parallel) * METRES_PER_DEGREE
+            let step_m = grid.row_step_deg.min(grid.column_step_deg * parallel) * METRES_PER_DEGREE;
+            // A node in a void leaves all cells around it without data: smaller ones, less.
+            match grid.heights_m.iter().any(|height_m| height_m.is_nan()) {
+                true => step_m / VOID_FINER,
+                false => step_m,
+            }
         }
     }
 }

@@ -64,6 +64,8 @@ pub struct World {
     pub terrain: Terrain,
     /// The same ground on a grid in planning coordinates: what the search reads.
     pub ground: Arc<Ground>,
+    /// The same with every void a cell wider; none if there are no voids.
+    pub wider_voids: Option<Arc<Ground>>,
     /// Threats.
     pub threats: Vec<Disc>,
     /// No-fly zones.
@@ -146,6 +148,7 @@ impl World {
         Ok(Self {
             frame,
             terrain,
+            wider_voids: ground.with_wider_voids().map(Arc::new),
             ground,
             threats,
             zones,
