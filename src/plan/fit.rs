@@ -1,5 +1,6 @@
 //! Splines fitted to polylines, with the control points spread evenly or bunched.
 
+use geo::{LineString, SimplifyIdx};
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -40,6 +41,16 @@ impl Line {
     /// Whole length, metres.
     pub(super) fn length_m(&self) -> f64 {
         self.lengths_m.last().copied().unwrap_or(0.0)
+    }
+
+    /// Shares of the length at which it bends, where it is further than `off_m` off the straight
+    /// (Douglas and Peucker 1973).
+    pub(super) fn corners(&self, off_m: f64) -> Vec<f64> {
+        let places = self.points.iter().map(|at| (at.east_m, at.north_m));
+        let kept = LineString::from_iter(places).simplify_idx(off_m);
+        let inner = kept.get(1..kept.len().saturating_sub(1)).unwrap_or(&[]);
+        let share = |&point: &usize| self.lengths_m[point] / self.length_m().max(1e-9);
+        inner.iter().map(share).collect()
     }
 
     /// The point at a share of the length.

@@ -16,6 +16,10 @@ use crate::world::World;
 const SLOPE_FACTORS: [f64; 3] = [1.0, 2.5, f64::INFINITY];
 /// A gap between threats of fewer cells than this asks for a grid twice as fine.
 const GAP_CELLS: f64 = 3.0;
+/// A gap beside a zone of fewer cells than this may be closed by the nodes beside it.
+const GAP_BESIDE_ZONES: f64 = 2.0;
+/// A guide that goes through such a gap is bent where it is so many cells off the straight.
+const TIGHT_CELLS: f64 = 0.5;
 /// Evaluations from which on a fine grid pays: a coarse one misses narrow classes.
 const FINE: usize = 4000;
 /// Most guides.
@@ -26,6 +30,9 @@ pub(super) struct Routes {
     pub guides: Vec<Guide>,
     /// The fields in which guides were found, without threats; none if none was looked for.
     pub grounds: Vec<Field>,
+    /// Only where zones are thin, or the gaps beside them: how far off the straight a bend of a
+    /// guide is that a path has to follow, metres. Nothing draws it into a gap that it misses.
+    pub tight_m: Option<f64>,
 }
 
 /// The routes of all three fields, on a grid that suits the budget.
@@ -36,6 +43,7 @@ pub(super) fn routes(course: &Course<'_>, budget: usize) -> Routes {
         return Routes {
             guides: vec![straight(start, goal, 0)],
             grounds: Vec::new(),
+            tight_m: None,
         };
     }
     let factors = match planner.has(Part::Fields) {
@@ -45,16 +53,20 @@ pub(super) fn routes(course: &Course<'_>, budget: usize) -> Routes {
     let nodes = if budget >= FINE { 81 } else { 41 };
     let narrowest_m = narrowest_gap_m(course.world);
     // What is narrower lets nobody through.
+    let thinnest_m = thin::thinnest_m(course.world);
     let beside_zones_m = thin::narrowest_gap_m(course.world, 2.0 * course.margins.threat_m);
     let prices = course.prices();
     let (near, whole) = (course.near_box(), course.frame());
     let search = |south_west, north_east| {
         let mut grid = Grid::over(south_west, north_east, nodes);
+        let cell_m = grid.spacing_m;
+        let narrow_m = GAP_BESIDE_ZONES * cell_m;
+        let is_tight = beside_zones_m < narrow_m || thinnest_m < narrow_m;
         let mut finer = 1;
-        if narrowest_m < GAP_CELLS * grid.spacing_m || beside_zones_m < grid.spacing_m {
+        if narrowest_m < GAP_CELLS * cell_m || beside_zones_m < narrow_m {
             finer = 2;
         }
-        if beside_zones_m < grid.spacing_m / 2.0 {
+        if beside_zones_m < 0.5 * narrow_m {
             finer = 4;
         }
         if finer > 1 {
@@ -75,8 +87,11 @@ pub(super) fn routes(course: &Course<'_>, budget: usize) -> Routes {
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found.truncate(MAX_GUIDES);
         let class = obstacles.signature(&[start, goal]);
+        // Straight through a thin wall is short, but no way: it does not stand for those that are.
+        let class = class.wrapping_add(u64::from(is_tight));
         found.push(straight(start, goal, class));
         Routes {
+            tight_m: is_tight.then_some(TIGHT_CELLS * cell_m),
             guides: found,
             grounds: fields.iter().map(|field| relief.ground(field)).collect(),
         }

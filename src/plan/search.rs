@@ -11,6 +11,7 @@ use super::printed::letter;
 use super::problem::{Horizontal, Sampled, Spline};
 use super::routes::routes;
 use super::starts::{start, starts, summits};
+use super::thin::thinnest_m;
 use crate::cost::{Batch, CostTerms, Margins};
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
@@ -211,7 +212,10 @@ fn factors(course: &Course<'_>) -> (f64, f64) {
         true => factor,
         false => 1.0,
     };
-    let penalties = factor(Part::Penalties, PENALTIES);
+    // To cross the thinnest zone, with its margins, is to cost more than a long way around.
+    let thinnest_m = thinnest_m(course.world) + 2.0 * course.margins.threat_m;
+    let around = 2.0 * course.straight_km() / (course.prices().closed * thinnest_m / 1000.0);
+    let penalties = factor(Part::Penalties, PENALTIES.max(around));
     (penalties * factor(Part::Easing, EASED), penalties)
 }
 

@@ -85,6 +85,8 @@ pub(super) fn starts(
         .iter()
         .map(|&index| match guides.get(index) {
             Some(way) => way.clone(),
+            // What is drawn tight may have left a gap for the wall beside it.
+            None if routes.tight_m.is_some() => Way::of(fits[index].guide),
             None => fits[index].way(course, fitter),
         })
         .collect();
@@ -94,7 +96,11 @@ pub(super) fn starts(
     };
     let mut warped = Vec::new();
     for way in &ways {
-        let (summits, extremes) = (summits(course, &way.line), extremes(course, &way.line));
+        let mut summits = summits(course, &way.line);
+        if let Some(tight_m) = routes.tight_m {
+            summits.extend(way.line.corners(tight_m));
+        }
+        let extremes = extremes(course, &way.line);
         let is_one_each = pays_at_extremes(extremes.len(), fitter.peaks().len());
         warped.extend((0..each).map(|_| {
             let warp = match is_one_each && rng.random_bool(ONE_EACH) {

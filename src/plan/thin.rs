@@ -1,5 +1,7 @@
 //! What of the zones lies between the nodes of a grid.
 
+use geo::Area;
+
 use super::field::Grid;
 use crate::numeric::geometry::{Point, Ring, closest_points};
 use crate::world::{PlanZone, World};
@@ -108,6 +110,22 @@ pub(super) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
         }
     }
     narrowest_m
+}
+
+/// The least breadth of a zone, metres; infinite if there are none.
+pub(super) fn thinnest_m(world: &World) -> f64 {
+    let breadth_m = |zone: &PlanZone| {
+        let edges_m = ring(zone)
+            .edges()
+            .map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]))
+            .sum::<f64>();
+        2.0 * zone.outline.unsigned_area() / edges_m.max(1e-9)
+    };
+    world
+        .zones
+        .iter()
+        .map(breadth_m)
+        .fold(f64::INFINITY, f64::min)
 }
 
 fn distance_m(one: &Ring, other: &Ring) -> f64 {
