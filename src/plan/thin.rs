@@ -92,8 +92,7 @@ fn nodes_near(grid: &Grid, ring: &Ring) -> impl Iterator<Item = usize> + use<> {
 /// The least distance between two closed zones, or such a zone and a threat, that is wider than
 /// `least_m`; metres.
 pub(super) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
-    let closed = world.zones.iter().filter(|zone| zone.below.is_none());
-    let rings: Vec<Ring> = closed.map(ring).collect();
+    let rings: Vec<Ring> = closed(world).map(ring).collect();
     let mut narrowest_m = f64::INFINITY;
     let mut found = |gap_m: f64| {
         if gap_m > least_m {
@@ -112,7 +111,12 @@ pub(super) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
     narrowest_m
 }
 
-/// The least breadth of a zone, metres; infinite if there are none.
+/// The zones that nobody may fly over.
+fn closed(world: &World) -> impl Iterator<Item = &PlanZone> {
+    world.zones.iter().filter(|zone| zone.below.is_none())
+}
+
+/// The least breadth of a closed zone, metres; infinite if there are none.
 pub(super) fn thinnest_m(world: &World) -> f64 {
     let breadth_m = |zone: &PlanZone| {
         let edges_m = ring(zone)
@@ -121,11 +125,7 @@ pub(super) fn thinnest_m(world: &World) -> f64 {
             .sum::<f64>();
         2.0 * zone.outline.unsigned_area() / edges_m.max(1e-9)
     };
-    world
-        .zones
-        .iter()
-        .map(breadth_m)
-        .fold(f64::INFINITY, f64::min)
+    closed(world).map(breadth_m).fold(f64::INFINITY, f64::min)
 }
 
 fn distance_m(one: &Ring, other: &Ring) -> f64 {
