@@ -337,6 +337,33 @@ fn a_hole_in_the_data_on_the_way_is_passed_without_a_penalty() {
     }
 }
 
+#[test]
+fn ground_that_the_grid_does_not_show_proves_nothing() {
+    let mut spec = across();
+    spec.area.max_amsl = Amsl(450.0);
+    // A plateau up to the ceiling, and a slot of hollows along the way.
+    let slot = |radius_m: f64, apart_deg: f64, count: u32| {
+        let hills = (0..count).map(|k| Hill {
+            place: place(36.30, -84.32 + apart_deg * f64::from(k)),
+            height_m: -300.0,
+            radius_m,
+        });
+        TerrainSource::Analytic {
+            base: Amsl(440.0),
+            hills: hills.collect(),
+        }
+    };
+    spec.terrain = slot(8.0, 0.0002, 701);
+    assert_eq!(barriers(&world(&spec), 0), []);
+    spec.terrain = slot(400.0, 0.005, 29);
+    assert_eq!(barriers(&world(&spec), 0), []);
+    // The same in two halves: high ground lies all around each of them.
+    if let TerrainSource::Analytic { hills, .. } = &mut spec.terrain {
+        hills.retain(|hill| (hill.place.lon_deg + 84.25).abs() > 0.02);
+    }
+    assert_eq!(barriers(&world(&spec), 0), [Barrier::Ground]);
+}
+
 /// Two walls, each with a gap, and the gaps 4.4 km from each other.
 fn offset_gaps(thick_m: f64, apart_m: f64, gap_deg: f64) -> MissionSpec {
     let mut spec = across();

@@ -72,7 +72,7 @@ impl Hazards {
             Threat::new(center, disc.radius_m + widest(room_m))
         };
         let zone = |zone: &PlanZone| {
-            let ring = ring_of(&zone.outline);
+            let ring = Ring::around(&zone.outline);
             let room_m = ends
                 .iter()
                 .map(|end| ring.boundary_distance(*end))
@@ -155,7 +155,7 @@ impl ClosedZone {
 
 impl Bounds {
     fn new(area: &Polygon<f64>) -> Self {
-        let ring = ring_of(area);
+        let ring = Ring::around(area);
         let (low, high) = inner_box(&ring).unwrap_or(([1.0, 1.0], [-1.0, -1.0]));
         Self { ring, low, high }
     }
@@ -237,15 +237,6 @@ fn crosses_box(a: Point, b: Point, low: Point, high: Point) -> bool {
         }
     }
     enters <= leaves
-}
-
-fn ring_of(polygon: &Polygon<f64>) -> Ring {
-    let corners: Vec<Point> = polygon
-        .exterior()
-        .coords()
-        .map(|corner| [corner.x, corner.y])
-        .collect();
-    Ring::new(&corners)
 }
 
 fn plane(point: PlanPoint) -> Point {

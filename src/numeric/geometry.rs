@@ -170,6 +170,14 @@ impl Ring {
         }
     }
 
+    /// The outer boundary of a polygon, `x` and `y` as they are.
+    #[must_use]
+    pub fn around(polygon: &geo::Polygon<f64>) -> Self {
+        let corners = polygon.exterior().coords();
+        let corners: Vec<Point> = corners.map(|corner| [corner.x, corner.y]).collect();
+        Self::new(&corners)
+    }
+
     /// Corners, counter-clockwise, the first not repeated.
     #[must_use]
     pub fn corners(&self) -> &[Point] {

@@ -1,7 +1,5 @@
 //! The limits that a path breaks, by the name and place of what stands in its way.
 
-use geo::Polygon;
-
 use super::search::JUDGED_SAMPLES;
 use super::{Route, VehiclePlan};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
@@ -136,7 +134,7 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
         }
     }
     for (named, zone) in spec.no_fly.iter().zip(&world.zones) {
-        let ring = ring(&zone.outline);
+        let ring = Ring::around(&zone.outline);
         let below_m = zone.below.map_or(f64::INFINITY, |below| below.0);
         let lengths = pieces(routes).map(|piece| (piece.0, within_m(&ring, below_m, piece)));
         found.extend(lengthy(lengths).map(|(at, length_m)| Break {
@@ -145,7 +143,7 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
             at,
         }));
     }
-    let area = ring(&world.area);
+    let area = Ring::around(&world.area);
     let outside = pieces(routes).map(|(a, b)| {
         let length_m = a.at.distance_m(b.at);
         (a, length_m - within_m(&area, f64::INFINITY, (a, b)))
@@ -156,12 +154,6 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
         at,
     }));
     found
-}
-
-fn ring(outline: &Polygon<f64>) -> Ring {
-    let corners = outline.exterior().coords();
-    let corners: Vec<Point> = corners.map(|corner| [corner.x, corner.y]).collect();
-    Ring::new(&corners)
 }
 
 /// The length of a piece that lies in a ring below an altitude, metres.

@@ -71,8 +71,11 @@ impl Barriers {
             }
         }
         pieces.extend(edges(&world.area).map(|edge| (Barrier::Edge, edge)));
-        let highest_m = world.max_amsl.0 - world.min_agl.0;
-        pieces.extend(Shores::of(&world.ground, highest_m).pieces());
+        // What a coarse grid makes of the ground proves nothing.
+        if world.ground.shows(&world.terrain) {
+            let highest_m = world.max_amsl.0 - world.min_agl.0;
+            pieces.extend(Shores::of(&world.ground, highest_m).pieces());
+        }
         let (of, capsules) = pieces.into_iter().unzip();
         Self {
             of,

@@ -35,7 +35,7 @@ const MORE_EVALUATIONS: usize = 160_000;
 /// Evaluations of each trial, at most, where it is not their number that is tried.
 const EVALUATIONS: usize = 20_000;
 /// Metres that waypoints are tried to keep to the path instead of more.
-const TOLERANCE_M: f64 = 1.0;
+const TOLERANCES_M: [f64; 2] = [1.0, 0.1];
 /// Turn radii that are tried, in units of the vehicle's; the first that helps is told.
 const RADII: [f64; 3] = [0.5, 0.2, 0.05];
 /// Slopes that are tried, in units of the vehicle's.
@@ -70,7 +70,13 @@ pub(super) fn remedies(
     };
     let first = |kind: Vec<Remedy>| kind.into_iter().find(helps);
     let found: Vec<_> = trials(spec, index).into_par_iter().map(first).collect();
-    Some(found.into_iter().flatten().collect())
+    let mut found: Vec<Remedy> = found.into_iter().flatten().collect();
+    // Where other control points are enough, nobody needs more than them.
+    let alone = |remedy: &Remedy| matches!(remedy.0[..], [Change::ControlPoints(_)]);
+    if found.iter().any(alone) {
+        found.retain(|remedy| remedy.0.len() == 1);
+    }
+    Some(found)
 }
 
 /// What is tried, the mildest of each kind first.
@@ -88,9 +94,10 @@ fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Remedy>> {
     if spec.planner.evaluations < MORE_EVALUATIONS {
         trials.push(vec![Remedy(vec![Change::Evaluations(MORE_EVALUATIONS)])]);
     }
-    if spec.mission.tolerance_m > TOLERANCE_M {
-        trials.push(vec![Remedy(vec![Change::Tolerance(TOLERANCE_M)])]);
-    }
+    let nearer = TOLERANCES_M.into_iter();
+    let nearer = nearer.filter(|tolerance_m| *tolerance_m < spec.mission.tolerance_m);
+    let nearer = nearer.map(|tolerance_m| Remedy(vec![Change::Tolerance(tolerance_m)]));
+    trials.push(nearer.collect());
     // Tighter turns and steeper slopes are of use to who may bend often enough.
     let of_limits = |changes: &[Change]| -> Vec<Remedy> {
         let alone = changes.iter().map(|change| vec![*change]);
@@ -148,16 +155,20 @@ impl Change {
             Self::ControlPoints(count) => format!("planner.control_points: {count}"),
             Self::Evaluations(count) => format!("planner.evaluations: {count}"),
             Self::Tolerance(tolerance_m) => format!("mission.tolerance_m: {tolerance_m}"),
+            // Both limits of a turn grow with the square of the speed.
             Self::TurnRadius(radius_m) => format!(
-                "turns of {radius_m:.0} m radius instead of {:.0} m (flying slower, or with more load factor)",
-                limits.turn_radius_m
+                "turns of {radius_m:.0} m radius instead of {:.0} m (as at {:.1} m/s)",
+                limits.turn_radius_m,
+                vehicle.speed_mps * (radius_m / limits.turn_radius_m).sqrt()
             ),
             Self::Slopes(climb_rad, descent_rad) => format!(
-                "climbs of {:.1} and descents of {:.1} degrees instead of {:.1} and {:.1}",
+                "climbs of {:.1} degrees instead of {:.1} (by angle and by climb_mps: {:.1}) and descents of {:.1} instead of {:.1} (descent_mps: {:.1})",
                 climb_rad.to_degrees(),
-                descent_rad.to_degrees(),
                 degrees(limits.climb.at(Amsl(0.0))),
-                degrees(limits.descent.at(Amsl(0.0)))
+                limits.fastest_mps * climb_rad.tan(),
+                descent_rad.to_degrees(),
+                degrees(limits.descent.at(Amsl(0.0))),
+                limits.fastest_mps * descent_rad.tan()
             ),
         }
     }

@@ -16,7 +16,7 @@ const SHARP: f64 = 0.7;
 /// wall however thin is closed, and a gap in it or between two is left open. A corner that is
 /// cut does not count.
 pub(super) fn beside(grid: &Grid, zone: &PlanZone) -> Vec<usize> {
-    let ring = ring(zone);
+    let ring = Ring::around(&zone.outline);
     let at = |node: usize| {
         let at = grid.at(node);
         [at.east_m, at.north_m]
@@ -92,7 +92,9 @@ fn nodes_near(grid: &Grid, ring: &Ring) -> impl Iterator<Item = usize> + use<> {
 /// The least distance between two closed zones, or such a zone and a threat, that is wider than
 /// `least_m`; metres.
 pub(super) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
-    let rings: Vec<Ring> = closed(world).map(ring).collect();
+    let rings: Vec<Ring> = closed(world)
+        .map(|zone| Ring::around(&zone.outline))
+        .collect();
     let mut narrowest_m = f64::INFINITY;
     let mut found = |gap_m: f64| {
         if gap_m > least_m {
@@ -119,7 +121,7 @@ fn closed(world: &World) -> impl Iterator<Item = &PlanZone> {
 /// The least breadth of a closed zone, metres; infinite if there are none.
 pub(super) fn thinnest_m(world: &World) -> f64 {
     let breadth_m = |zone: &PlanZone| {
-        let edges_m = ring(zone)
+        let edges_m = Ring::around(&zone.outline)
             .edges()
             .map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]))
             .sum::<f64>();
@@ -138,19 +140,14 @@ fn distance_m(one: &Ring, other: &Ring) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn ring(zone: &PlanZone) -> Ring {
-    let corners = zone.outline.exterior().coords();
-    let corners: Vec<Point> = corners.map(|corner| [corner.x, corner.y]).collect();
-    Ring::new(&corners)
-}
-
 #[cfg(test)]
 mod tests {
     use geo::{LineString, Polygon};
     use proptest::prelude::*;
 
-    use super::{beside, ring};
+    use super::beside;
     use crate::geodesy::EastNorth;
+    use crate::numeric::geometry::Ring;
     use crate::plan::field::Grid;
     use crate::world::PlanZone;
 
@@ -188,7 +185,7 @@ mod tests {
                 let at = grid.at(node);
                 !zones
                     .iter()
-                    .any(|zone| ring(zone).contains([at.east_m, at.north_m]))
+                    .any(|zone| Ring::around(&zone.outline).contains([at.east_m, at.north_m]))
             })
             .collect();
         for node in zones.iter().flat_map(|zone| beside(&grid, zone)) {

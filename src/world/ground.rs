@@ -28,6 +28,9 @@ pub struct Ground {
 
 /// How much finer than its source a grid is that has voids.
 const VOID_FINER: f64 = 4.0;
+/// Spacings of a hill that is not too narrow for a grid, and how much coarser than its source
+/// a grid may be.
+const SHOWN: f64 = 2.0;
 /// Most nodes along one side; keeps the grid within 4 MiB.
 const MAX_NODES: f64 = 1024.0;
 
@@ -112,6 +115,18 @@ impl Ground {
             }
         }
         Some(wider)
+    }
+
+    /// Whether it shows what its source has: nothing of that is narrower than its cells.
+    #[must_use]
+    pub fn shows(&self, terrain: &Terrain) -> bool {
+        match terrain {
+            Terrain::Flat(_) | Terrain::Unknown => true,
+            Terrain::Analytic { hills, .. } => hills
+                .iter()
+                .all(|hill| hill.radius_m >= SHOWN * self.spacing_m),
+            Terrain::Grid(_) => self.spacing_m < SHOWN * source_spacing_m(terrain),
+        }
     }
 
     /// Where a node is.
