@@ -11,9 +11,8 @@ use sortie::numeric::approach::{Motion, closest_approach};
 use sortie::path::Flight;
 use sortie::plan::{FleetPlan, Request, plan_fleet, replan_from};
 use sortie::spec::*;
-use sortie::study::scenario;
 use sortie::world::World;
-use support::{copter, empty_spec, place, world};
+use support::{copter, empty_spec, generated, place, threat, world};
 
 const WEST: LatLon = LatLon {
     lat_deg: 36.30,
@@ -45,15 +44,6 @@ fn plan(spec: &MissionSpec) -> (World, FleetPlan) {
     let world = world(spec);
     let plan = plan_fleet(spec, &world, &request(spec.planner.seed));
     (world, plan)
-}
-
-fn threat(id: &str, at: LatLon, radius_m: f64) -> Threat {
-    Threat {
-        id: id.to_owned(),
-        kind: "radar".to_owned(),
-        place: at,
-        radius_m,
-    }
 }
 
 /// The least height above ground along the planned points, metres.
@@ -255,13 +245,6 @@ fn vehicles_that_cross_keep_apart_all_the_way() {
         );
     }
     assert_eq!(plan.column_conflicts(&spec, &world), []);
-}
-
-fn generated(seed: u64, difficulty: u8) -> SpecFile {
-    match Document::parse(Path::new("scenario.yaml"), scenario(seed, difficulty)) {
-        Ok(Document::Mission(file)) => *file,
-        other => panic!("{other:?}"),
-    }
 }
 
 #[test]

@@ -2,16 +2,14 @@
 
 mod support;
 
-use std::path::Path;
 use std::process::Command;
 
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::geodesy::{Amsl, LatLon};
 use sortie::plan::{Barrier, Barriers, Change, FleetPlan, Request, breaks, plan_fleet};
 use sortie::spec::*;
-use sortie::study::scenario;
 use sortie::world::{Terrain, TerrainGrid, World};
-use support::{copter, empty_spec, place, world};
+use support::{copter, empty_spec, generated, place, threat, world};
 
 const WEST: LatLon = LatLon {
     lat_deg: 36.30,
@@ -41,15 +39,6 @@ fn plan(spec: &MissionSpec) -> (World, FleetPlan) {
 /// Planned, encoded and judged, as `sortie plan` does.
 fn dispatched(spec: &MissionSpec, world: &World) -> Dispatched {
     dispatch(spec, world, spec.planner.seed, &|_| ())
-}
-
-fn threat(id: &str, at: LatLon, radius_m: f64) -> Threat {
-    Threat {
-        id: id.to_owned(),
-        kind: "radar".to_owned(),
-        place: at,
-        radius_m,
-    }
 }
 
 /// What breaks the only vehicle of a spec, in words.
@@ -122,13 +111,6 @@ fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
     assert!(!is_cut_off(&world(&zoned), 0));
     zoned.no_fly[0].below = None;
     assert!(is_cut_off(&world(&zoned), 0));
-}
-
-fn generated(seed: u64, difficulty: u8) -> SpecFile {
-    match Document::parse(Path::new("scenario.yaml"), scenario(seed, difficulty)) {
-        Ok(Document::Mission(file)) => *file,
-        other => panic!("{other:?}"),
-    }
 }
 
 #[test]

@@ -4,13 +4,33 @@
 pub mod peers;
 
 use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
 
 use sortie::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 use sortie::spec::*;
+use sortie::study::scenario;
 use sortie::world::{Terrain, World};
 
 pub fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
     LatLon { lat_deg, lon_deg }
+}
+
+/// A radar.
+pub fn threat(id: &str, at: LatLon, radius_m: f64) -> Threat {
+    Threat {
+        id: id.to_owned(),
+        kind: "radar".to_owned(),
+        place: at,
+        radius_m,
+    }
+}
+
+/// What `sortie study scenario` writes.
+pub fn generated(seed: u64, difficulty: u8) -> SpecFile {
+    match Document::parse(Path::new("scenario.yaml"), scenario(seed, difficulty)) {
+        Ok(Document::Mission(file)) => *file,
+        other => panic!("{other:?}"),
+    }
 }
 
 /// 16 km from `EAST`, over the made ground of the tests.
