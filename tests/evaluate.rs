@@ -26,6 +26,26 @@ fn rows(count: usize, dimension: usize) -> Vec<f64> {
         .collect()
 }
 
+/// What the candidates cost, asked in text.
+fn costs<'a>(evaluate: &[&str], rows: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
+    let lines: String = rows
+        .map(|row| {
+            let words: Vec<String> = row.iter().map(|value| format!("{value:e}")).collect();
+            words.join(" ") + "\n"
+        })
+        .collect();
+    let output = sortie(evaluate)
+        .write_stdin(lines)
+        .output()
+        .expect("it runs");
+    assert!(output.status.success(), "{output:?}");
+    let costs = String::from_utf8(output.stdout).expect("text");
+    costs
+        .lines()
+        .map(|line| line.parse().expect("a cost"))
+        .collect()
+}
+
 fn dimension() -> usize {
     let arguments = [
         "evaluate",
@@ -76,17 +96,7 @@ fn a_map_of_the_paper_is_evaluated_under_the_operational_objective() {
     let evaluate = ["evaluate", "missions/paper/s1-8.yaml", "--vehicle", "uav1"];
     let asked = sortie(&evaluate).arg("--dimension").output().unwrap();
     assert_eq!(String::from_utf8(asked.stdout).unwrap().trim(), "24");
-    let lines: String = rows(50, 24)
-        .chunks(24)
-        .map(|row| {
-            let words: Vec<String> = row.iter().map(f64::to_string).collect();
-            words.join(" ") + "\n"
-        })
-        .collect();
-    let output = sortie(&evaluate).write_stdin(lines).output().unwrap();
-    assert!(output.status.success(), "{output:?}");
-    let costs = String::from_utf8(output.stdout).unwrap();
-    let costs: Vec<f64> = costs.lines().map(|line| line.parse().unwrap()).collect();
+    let costs = costs(&evaluate, rows(50, 24).chunks(24));
     assert_eq!(costs.len(), 50);
     // From (5, 10) to (92, 88) km: no way is shorter than the straight one.
     let straight_km = 87.0_f64.hypot(78.0);
@@ -200,17 +210,7 @@ fn a_path_however_far_out_has_a_cost_that_can_be_compared() {
             );
         }
     }
-    let lines: String = rows
-        .iter()
-        .map(|row| {
-            let words: Vec<String> = row.iter().map(|value| format!("{value:e}")).collect();
-            words.join(" ") + "\n"
-        })
-        .collect();
-    let output = sortie(&evaluate).write_stdin(lines).output().unwrap();
-    assert!(output.status.success(), "{output:?}");
-    let costs = String::from_utf8(output.stdout).unwrap();
-    let costs: Vec<f64> = costs.lines().map(|line| line.parse().unwrap()).collect();
+    let costs = costs(&evaluate, rows.iter().map(Vec::as_slice));
     assert_eq!(costs.len(), rows.len());
     assert!(costs.iter().all(|cost| *cost > 100.0), "{costs:?}");
 }

@@ -6,45 +6,14 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use sortie::cost::Margins;
-use sortie::geodesy::{Amsl, EastNorth, LatLon};
+use sortie::geodesy::{Amsl, EastNorth};
 use sortie::numeric::approach::{Motion, closest_approach};
 use sortie::path::Flight;
 use sortie::plan::{FleetPlan, Request, plan_fleet, replan_from};
 use sortie::spec::*;
 use sortie::world::World;
-use support::{copter, empty_spec, generated, place, threat, world};
-
-const WEST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.32,
-};
-const EAST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.18,
-};
-const SOUTH: LatLon = LatLon {
-    lat_deg: 36.24,
-    lon_deg: -84.25,
-};
-const NORTH: LatLon = LatLon {
-    lat_deg: 36.36,
-    lon_deg: -84.25,
-};
-
-fn request(seed: u64) -> Request<'static> {
-    Request {
-        seed,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    }
-}
-
-fn plan(spec: &MissionSpec) -> (World, FleetPlan) {
-    let world = world(spec);
-    let plan = plan_fleet(spec, &world, &request(spec.planner.seed));
-    (world, plan)
-}
+use support::plans::{EAST, NORTH, SOUTH, WEST, plan, request};
+use support::{copter, empty_spec, generated, place, threat};
 
 /// The least height above ground along the planned points, metres.
 fn least_clearance_m(world: &World, plan: &FleetPlan, vehicle: usize) -> f64 {

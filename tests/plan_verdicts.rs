@@ -5,36 +5,12 @@ mod support;
 use std::process::Command;
 
 use sortie::dispatch::{Dispatched, dispatch};
-use sortie::geodesy::{Amsl, LatLon};
-use sortie::plan::{Barrier, Barriers, Change, FleetPlan, Request, breaks, plan_fleet};
+use sortie::geodesy::Amsl;
+use sortie::plan::{Barrier, Barriers, Change, breaks};
 use sortie::spec::*;
 use sortie::world::{Terrain, TerrainGrid, World};
+use support::plans::{EAST, SOUTH, WEST, plan};
 use support::{copter, empty_spec, generated, place, threat, world};
-
-const WEST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.32,
-};
-const EAST: LatLon = LatLon {
-    lat_deg: 36.30,
-    lon_deg: -84.18,
-};
-const SOUTH: LatLon = LatLon {
-    lat_deg: 36.24,
-    lon_deg: -84.25,
-};
-
-fn plan(spec: &MissionSpec) -> (World, FleetPlan) {
-    let world = world(spec);
-    let request = Request {
-        seed: spec.planner.seed,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    };
-    let plan = plan_fleet(spec, &world, &request);
-    (world, plan)
-}
 
 /// Planned, encoded and judged, as `sortie plan` does.
 fn dispatched(spec: &MissionSpec, world: &World) -> Dispatched {

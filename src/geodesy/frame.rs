@@ -166,6 +166,17 @@ impl EastNorth {
 }
 
 impl PlanPoint {
+    /// The place at a share of the straight way to another.
+    #[must_use]
+    pub fn toward(self, to: Self, share: f64) -> Self {
+        let mix = |from: f64, to: f64| from + share * (to - from);
+        Self::new(
+            mix(self.at.east_m, to.at.east_m),
+            mix(self.at.north_m, to.at.north_m),
+            Amsl(mix(self.amsl.0, to.amsl.0)),
+        )
+    }
+
     /// A point from its three coordinates, metres.
     #[must_use]
     pub fn new(east_m: f64, north_m: f64, amsl: Amsl) -> Self {

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::cells::{Cells, Extent};
-use super::geometry::{Point, closest_points};
+use super::geometry::{Point, closest_points, distance};
 
 /// All places within a radius of a segment; a disc if the segment is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,7 +69,7 @@ impl Capsule {
 
     fn touches(&self, other: &Self) -> bool {
         let (a, b) = self.joint(other);
-        (a[0] - b[0]).hypot(a[1] - b[1]) <= self.radius + other.radius
+        distance(a, b) <= self.radius + other.radius
     }
 }
 
@@ -122,7 +122,6 @@ impl Chains {
             let mut near = Vec::new();
             cells.each(extent, |other| near.push(other));
             near.sort_unstable();
-            near.dedup();
             near.retain(|&other| {
                 // Asked in one order, so that both say the same.
                 let (a, b) = (index.min(other), index.max(other));

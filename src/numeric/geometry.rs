@@ -15,6 +15,12 @@ fn cross(a: Point, b: Point) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
+/// Distance between two points.
+#[must_use]
+pub fn distance(a: Point, b: Point) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
 /// Distance between a point and the segment from `a` to `b`.
 #[must_use]
 pub fn point_segment_distance(point: Point, a: Point, b: Point) -> f64 {
@@ -68,10 +74,9 @@ pub fn closest_points(one: (Point, Point), other: (Point, Point)) -> (Point, Poi
     }
     let of_other = [other.0, other.1].map(|point| (nearest_on_segment(point, one), point));
     let of_one = [one.0, one.1].map(|point| (point, nearest_on_segment(point, other)));
-    let distance = |(a, b): (Point, Point)| (a[0] - b[0]).hypot(a[1] - b[1]);
     let pairs = of_other.into_iter().chain(of_one);
     pairs
-        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+        .min_by(|a, b| distance(a.0, a.1).total_cmp(&distance(b.0, b.1)))
         .unwrap_or((one.0, other.0))
 }
 

@@ -195,7 +195,7 @@ impl Flight {
             return Some(from.point);
         }
         let share = (t_s - from.t_s) / (to.t_s - from.t_s);
-        Some(between(from.point, to.point, share))
+        Some(from.point.toward(to.point, share))
     }
 }
 
@@ -255,7 +255,7 @@ fn append_route(points: &mut Vec<TimedPoint>, route: &[PlanPoint], vehicle: &Veh
         let length_m = reach_m[1] - reach_m[0];
         for distance_m in ramp_stops_m(&profile, reach_m[0], reach_m[1]) {
             points.push(TimedPoint {
-                point: between(leg[0], leg[1], (distance_m - reach_m[0]) / length_m),
+                point: leg[0].toward(leg[1], (distance_m - reach_m[0]) / length_m),
                 t_s: t0_s + profile.time_at_s(distance_m),
             });
         }
@@ -313,15 +313,6 @@ fn distances_m(points: &[PlanPoint]) -> Vec<f64> {
             sum_m
         })
         .collect()
-}
-
-fn between(from: PlanPoint, to: PlanPoint, share: f64) -> PlanPoint {
-    let mix = |a: f64, b: f64| a + share * (b - a);
-    PlanPoint::new(
-        mix(from.at.east_m, to.at.east_m),
-        mix(from.at.north_m, to.at.north_m),
-        Amsl(mix(from.amsl.0, to.amsl.0)),
-    )
 }
 
 #[cfg(test)]

@@ -103,15 +103,6 @@ fn pieces(routes: &[Vec<PlanPoint>]) -> impl Iterator<Item = (PlanPoint, PlanPoi
     pairs.map(|pair| (pair[0], pair[1]))
 }
 
-fn part_way(a: PlanPoint, b: PlanPoint, share: f64) -> PlanPoint {
-    let part = |a: f64, b: f64| a + share * (b - a);
-    PlanPoint::new(
-        part(a.at.east_m, b.at.east_m),
-        part(a.at.north_m, b.at.north_m),
-        Amsl(part(a.amsl.0, b.amsl.0)),
-    )
-}
-
 fn plane(point: PlanPoint) -> Point {
     [point.at.east_m, point.at.north_m]
 }
@@ -191,7 +182,7 @@ fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Break> {
     // As finely as the objective reads the ground.
     let points = || {
         let shares = [0.0, 0.25, 0.5, 0.75, 1.0];
-        pieces(routes).flat_map(move |(a, b)| shares.map(|share| part_way(a, b, share)))
+        pieces(routes).flat_map(move |(a, b)| shares.map(|share| a.toward(b, share)))
     };
     let agl_m = |point: PlanPoint| point.amsl.0 - world.ground.height_m(point.at);
     let unknown: Vec<PlanPoint> = points().filter(|point| agl_m(*point).is_nan()).collect();

@@ -52,8 +52,8 @@ pub(super) fn routes(course: &Course<'_>, budget: usize) -> Routes {
     };
     let nodes = if budget >= FINE { 81 } else { 41 };
     let narrowest_m = narrowest_gap_m(course.world);
-    // What is narrower lets nobody through.
     let thinnest_m = thin::thinnest_m(course.world);
+    // What is narrower lets nobody through.
     let beside_zones_m = thin::narrowest_gap_m(course.world, 2.0 * course.margins.threat_m);
     let prices = course.prices();
     let (near, whole) = (course.near_box(), course.frame());

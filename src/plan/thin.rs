@@ -3,7 +3,7 @@
 use geo::Area;
 
 use super::field::Grid;
-use crate::numeric::geometry::{Point, Ring, closest_points};
+use crate::numeric::geometry::{Point, Ring, closest_points, distance};
 use crate::world::{PlanZone, World};
 
 /// Half of the king's moves: the others are these backwards.
@@ -123,7 +123,7 @@ pub(super) fn thinnest_m(world: &World) -> f64 {
     let breadth_m = |zone: &PlanZone| {
         let edges_m = Ring::around(&zone.outline)
             .edges()
-            .map(|(a, b)| (b[0] - a[0]).hypot(b[1] - a[1]))
+            .map(|(a, b)| distance(a, b))
             .sum::<f64>();
         2.0 * zone.outline.unsigned_area() / edges_m.max(1e-9)
     };
@@ -131,12 +131,12 @@ pub(super) fn thinnest_m(world: &World) -> f64 {
 }
 
 fn distance_m(one: &Ring, other: &Ring) -> f64 {
-    let apart_m = |(a, b): (Point, Point)| (a[0] - b[0]).hypot(a[1] - b[1]);
     let pairs = one
         .edges()
         .flat_map(|edge| other.edges().map(move |to| (edge, to)));
     pairs
-        .map(|(edge, to)| apart_m(closest_points(edge, to)))
+        .map(|(edge, to)| closest_points(edge, to))
+        .map(|(a, b)| distance(a, b))
         .fold(f64::INFINITY, f64::min)
 }
 

@@ -2,6 +2,7 @@
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
 pub mod peers;
+pub mod plans;
 
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
