@@ -10,8 +10,8 @@ use std::path::Path;
 
 use sortie::dispatch::dispatch;
 use sortie::link::{Job, List, upload_fleet};
+use sortie::simulator::{Profile, Simulated, spawn};
 use sortie::spec::{Link, SpecFile};
-use sortie::vehicle::{Profile, Simulated, spawn};
 use sortie::world;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -26,7 +26,7 @@
 //! | 8 | [`verify`] | the verdict on encoded missions, in continuous time |
 //! | 9 | [`dispatch`] | plan, encode, verify, repair, in bounded rounds |
 //! | 9 | [`link`] | sans-IO upload and download, codec, sockets |
-//! | 10 | [`vehicle`] | the simulated vehicle |
+//! | 10 | [`simulator`] | the simulated vehicle |
 //! | 10 | [`report`] | HTML and JSON from facts handed to it |
 //! | 11 | [`flight`] | launch, monitor, record, flown against planned |
 //! | 11 | [`study`] | the paper's experiment: contestants, runs, tables, figures |
@@ -62,7 +62,7 @@ pub mod dispatch;
 pub mod link;
 
 pub mod report;
-pub mod vehicle;
+pub mod simulator;
 
 pub mod flight;
 pub mod study;

@@ -13,8 +13,8 @@ use sky::{Sky, US, lane, parameters, plan, plan_shipped};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::mission::{Item, command};
+use sortie::simulator::{Surroundings, Vehicle};
 use sortie::spec::{Autopilot, OnLinkLoss, Vehicle as Spec};
-use sortie::vehicle::{Surroundings, Vehicle};
 
 /// Three side by side, a kilometre each; the second is a PX4, the third starts later.
 fn three() -> Vec<Spec> {

@@ -8,8 +8,8 @@
 use sortie::geodesy::{LatLon, LocalFrame};
 use sortie::link::*;
 use sortie::mission::{Home, Item, command, frame};
+use sortie::simulator::{Profile, Surroundings, Vehicle};
 use sortie::spec::Wind;
-use sortie::vehicle::{Profile, Surroundings, Vehicle};
 
 const US: Address = Address {
     system: 245,

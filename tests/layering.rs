@@ -18,7 +18,7 @@ const HOUSE: &[(&str, u32, &[&str])] = &[
     ("verify", 8, &["optimize", "cost", "plan"]),
     ("dispatch", 9, &["optimize"]),
     ("link", 9, &["optimize", "path", "cost", "plan", "world"]),
-    ("vehicle", 10, &["optimize", "path", "cost", "plan"]),
+    ("simulator", 10, &["optimize", "path", "cost", "plan"]),
     ("report", 10, &["optimize", "link"]),
     ("flight", 11, &[]),
     ("study", 11, &["link"]),

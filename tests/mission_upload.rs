@@ -10,8 +10,8 @@ use rand::RngExt;
 use sortie::link::*;
 use sortie::mission::{Item, VehicleMission, command, frame};
 use sortie::numeric::Seed;
+use sortie::simulator::{Profile, Vehicle};
 use sortie::spec::Autopilot;
-use sortie::vehicle::{Profile, Vehicle};
 use transfers::{HOME, STRANGER, US, corner, rally};
 
 const VEHICLE: Address = Address {

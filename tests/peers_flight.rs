@@ -7,7 +7,7 @@ mod peers;
 use std::path::Path;
 
 use sortie::mission::Home;
-use sortie::vehicle::{Profile, Simulated, Surroundings, spawn_in};
+use sortie::simulator::{Profile, Simulated, Surroundings, spawn_in};
 
 const HOME: Home = Home {
     x: 363_000_000,

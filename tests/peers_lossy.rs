@@ -19,8 +19,8 @@ use lossy_proxy::{LossyProxy, Radio};
 use mavsdk::Peer;
 use sortie::link::{List, TransferReport, Verdict};
 use sortie::mission::Item;
+use sortie::simulator::{Profile, Simulated, spawn};
 use sortie::spec::{Autopilot, Link};
-use sortie::vehicle::{Profile, Simulated, spawn};
 use transfers::{HOME, mission, upload, waypoint};
 
 /// Uploads to MAVSDK at that loss, and holds the verdict against what MAVSDK got.

@@ -14,7 +14,7 @@ use std::time::Duration;
 
 use sortie::link::List;
 use sortie::mission::{Item, command};
-use sortie::vehicle::{Profile, Simulated, spawn};
+use sortie::simulator::{Profile, Simulated, spawn};
 use tempfile::TempDir;
 use transfers::HOME;
 

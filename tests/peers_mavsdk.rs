@@ -18,8 +18,8 @@ use mavsdk::Peer;
 use serde_json::Value;
 use sortie::link::{List, TransferReport, Verdict};
 use sortie::mission::{Item, VehicleMission, command, frame};
+use sortie::simulator::{Profile, Simulated, spawn};
 use sortie::spec::{Autopilot, Link};
-use sortie::vehicle::{Profile, Simulated, spawn};
 use transfers::{HOME, corner};
 
 fn waypoint(n: i32) -> Item {

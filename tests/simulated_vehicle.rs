@@ -6,7 +6,7 @@ mod transfers;
 
 use sortie::link::*;
 use sortie::mission::{Item, command, frame};
-use sortie::vehicle::{Profile, Vehicle};
+use sortie::simulator::{Profile, Vehicle};
 use transfers::{HOME, STRANGER as OTHER, US};
 
 fn waypoint(n: u16) -> Item {

@@ -17,8 +17,8 @@ use sortie::link::{
     upload_fleet,
 };
 use sortie::mission::VehicleMission;
+use sortie::simulator::{Profile, Running, Simulated, Vehicle, Weather, spawn};
 use sortie::spec::{Autopilot, Link};
-use sortie::vehicle::{Profile, Running, Simulated, Vehicle, Weather, spawn};
 use transfers::{HOME, corner, rally, upload, waypoint};
 
 /// Waypoints, a fence of three corners and a rally point.

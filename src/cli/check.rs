@@ -1,8 +1,8 @@
 //! `sortie check`: the spec alone.
 
 use super::args;
-use super::console::out;
-use super::failure::Failure;
+use super::print::console::out;
+use super::print::failure::Failure;
 use crate::spec::Document;
 use crate::world;
 

@@ -7,8 +7,8 @@ use std::thread;
 use rayon::prelude::*;
 
 use super::args;
-use super::console::out;
-use super::failure::Failure;
+use super::print::console::out;
+use super::print::failure::Failure;
 use crate::optimize::Problem;
 use crate::path::Flight;
 use crate::plan::{Request, objective, plan_fleet};

@@ -11,17 +11,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::args;
-use super::console::{Paint, note};
-use super::failure::Failure;
+use super::folder::runs;
+use super::print::console::{Paint, note};
+use super::print::failure::Failure;
+use super::print::table;
 use super::review;
-use super::runs;
-use super::table;
-use super::upload;
+use super::transfer::upload;
 use crate::flight::{Assignment, Event, Fleet, Options, Outcome, Reference};
 use crate::link::Links;
 use crate::mission::{VehicleMission, command, cruise_speed_mps};
+use crate::simulator;
+use crate::simulator::{Running, Simulated, Surroundings};
 use crate::spec::{Leeway, Link, MissionSpec, SpecFile};
-use crate::vehicle::{self, Running, Simulated, Surroundings};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
 
@@ -189,7 +190,7 @@ fn reach(
             ..Simulated::on_loopback(this.autopilot.into(), this.sysid, home)
         };
         let running =
-            vehicle::spawn_in(&vehicle, surroundings, arguments.speedup).map_err(|error| {
+            simulator::spawn_in(&vehicle, surroundings, arguments.speedup).map_err(|error| {
                 let message = format!("{}: the simulated vehicle does not start: {error}", this.id);
                 Failure::new(Failure::TRANSFER, message)
             })?;

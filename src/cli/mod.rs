@@ -1,33 +1,18 @@
 //! The command line: arguments, progress, exit codes.
 
 mod args;
-mod bare;
 mod check;
-mod console;
 mod convert;
-mod convert_changes;
-mod delivery;
-mod download;
 mod evaluate;
-mod failure;
 mod fly;
 mod folder;
-mod output;
-mod overview;
 mod plan;
-mod progress;
+mod print;
 mod replan;
 mod review;
-mod review_flight;
-mod runs;
 mod study;
-mod study_fleet;
-mod table;
 mod terrain;
-mod terrain_export;
-mod terrain_fetch;
-mod terrain_transfer;
-mod upload;
+mod transfer;
 mod usage;
 mod vehicles;
 
@@ -36,8 +21,8 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
+use crate::cli::print::failure::Failure;
 use args::{Arguments, Command};
-use failure::Failure;
 
 /// Runs one command and returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -57,27 +42,27 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Plan(arguments) => plan::run(arguments),
         Command::Check(arguments) => check::run(arguments),
         Command::Review(arguments) => review::run(arguments),
-        Command::Upload(arguments) => upload::run(arguments),
+        Command::Upload(arguments) => transfer::upload::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
         Command::Replan(arguments) => replan::run(arguments),
-        Command::Download(arguments) => download::run(arguments),
+        Command::Download(arguments) => transfer::download::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
         Command::Terrain(command) => terrain::run(command),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
-        Command::Schema => console::out(crate::spec::json_schema().trim_end()),
+        Command::Schema => print::console::out(crate::spec::json_schema().trim_end()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(*shell, &mut Arguments::command(), "sortie", &mut script);
-            console::out(String::from_utf8_lossy(&script).trim_end())
+            print::console::out(String::from_utf8_lossy(&script).trim_end())
         }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if !failure.message.is_empty() {
-                console::note(&failure.message);
+                print::console::note(&failure.message);
             }
             failure.code.into()
         }

@@ -5,13 +5,14 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use super::args::{self, ProfileName};
-use super::console::out;
-use super::failure::Failure;
-use super::table::Rows;
+use super::print::console::out;
+use super::print::failure::Failure;
+use super::print::table::Rows;
 use crate::link::List;
 use crate::mission;
+use crate::simulator;
+use crate::simulator::{Profile, Running, Simulated, Surroundings, Weather};
 use crate::spec::SpecFile;
-use crate::vehicle::{self, Profile, Running, Simulated, Surroundings, Weather};
 use crate::world;
 
 pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
@@ -47,7 +48,7 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
                 seed: arguments.seed,
             },
         };
-        let vehicle = vehicle::spawn_in(&simulated, surroundings, 1.0).map_err(|error| {
+        let vehicle = simulator::spawn_in(&simulated, surroundings, 1.0).map_err(|error| {
             let message = format!("{}: the vehicle does not start: {error}", this.id);
             Failure::new(Failure::TRANSFER, message)
         })?;

@@ -3,8 +3,8 @@
 use fearless_simd::{dispatch, prelude::*};
 
 use super::Batch;
-use super::block::BLOCK;
-use super::lanes::{Scratch, V};
+use super::kernel::block::BLOCK;
+use super::kernel::lanes::{Scratch, V};
 use super::model::CostModel;
 
 impl CostModel {

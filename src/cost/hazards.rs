@@ -8,59 +8,59 @@ use crate::numeric::geometry::{Point, Ring, disc_chord};
 use crate::world::{Disc, PlanZone, World};
 
 /// Lengths outside the area and inside zones count this often (design, section 4).
-pub(super) const FORBIDDEN: f64 = 1.1;
+pub(crate) const FORBIDDEN: f64 = 1.1;
 
 /// A threat, widened by its margin.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Threat {
-    pub(super) center: Point,
-    pub(super) radius_m: f64,
-    pub(super) radius_sq: f64,
+pub(crate) struct Threat {
+    pub(crate) center: Point,
+    pub(crate) radius_m: f64,
+    pub(crate) radius_sq: f64,
     /// One over the radius, 1/m.
-    pub(super) per_radius: f64,
+    pub(crate) per_radius: f64,
     /// What is further away than this is outside for certain, whatever rounding does: also
     /// that of a piece of up to a million kilometres.
-    pub(super) reach_m: f64,
+    pub(crate) reach_m: f64,
     /// The box of all within reach.
-    pub(super) low: Point,
-    pub(super) high: Point,
+    pub(crate) low: Point,
+    pub(crate) high: Point,
 }
 
 /// A no-fly zone, widened by its margin.
 #[derive(Clone, Debug)]
-pub(super) struct ClosedZone {
+pub(crate) struct ClosedZone {
     ring: Ring,
     below_m: f64,
 }
 
 /// The allowed area.
 #[derive(Clone, Debug)]
-pub(super) struct Bounds {
+pub(crate) struct Bounds {
     ring: Ring,
     /// A box inside the area: a segment that stays in it needs no closer look.
-    pub(super) low: Point,
-    pub(super) high: Point,
+    pub(crate) low: Point,
+    pub(crate) high: Point,
 }
 
 /// Everything forbidden that does not move.
 #[derive(Clone, Debug)]
-pub(super) struct Hazards {
-    pub(super) threats: Vec<Threat>,
-    pub(super) zones: Vec<ClosedZone>,
-    pub(super) bounds: Bounds,
+pub(crate) struct Hazards {
+    pub(crate) threats: Vec<Threat>,
+    pub(crate) zones: Vec<ClosedZone>,
+    pub(crate) bounds: Bounds,
 }
 
 /// A straight piece of a path: places and altitudes of its ends, metres.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Segment {
-    pub(super) a: Point,
-    pub(super) b: Point,
-    pub(super) amsl_a_m: f64,
-    pub(super) amsl_b_m: f64,
+pub(crate) struct Segment {
+    pub(crate) a: Point,
+    pub(crate) b: Point,
+    pub(crate) amsl_a_m: f64,
+    pub(crate) amsl_b_m: f64,
 }
 
 impl Hazards {
-    pub(super) fn new(world: &World, leg: &Leg, margins: &Margins) -> Self {
+    pub(crate) fn new(world: &World, leg: &Leg, margins: &Margins) -> Self {
         let ends = [plane(leg.from), plane(leg.to)];
         let widest = |room_m: f64| margins.threat_m.min(room_m).max(0.0);
         let threat = |disc: &Disc| {
@@ -95,7 +95,7 @@ impl Hazards {
 
 impl Hazards {
     /// An exposure and what one kilometre of a segment costs for zones and area.
-    pub(super) fn add_polygons(
+    pub(crate) fn add_polygons(
         &self,
         segment: &Segment,
         mut exposure: f64,
@@ -125,7 +125,7 @@ impl Threat {
     /// What one kilometre of a segment costs for this threat: exact share of it
     /// inside the disc times (1.1 - closest distance / R).
     #[inline]
-    pub(super) fn exposure(&self, segment: &Segment) -> f64 {
+    pub(crate) fn exposure(&self, segment: &Segment) -> f64 {
         disc_chord(segment.a, segment.b, self.center, self.radius_m).map_or(0.0, |chord| {
             chord.fraction * (FORBIDDEN - chord.closest * self.per_radius)
         })
@@ -134,7 +134,7 @@ impl Threat {
 
 impl ClosedZone {
     /// What one kilometre of a segment costs for this zone.
-    pub(super) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
+    pub(crate) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
         if self.ring.is_far_from(segment.a, segment.b) {
             return 0.0;
         }
@@ -148,7 +148,7 @@ impl ClosedZone {
     }
 
     /// Least and greatest coordinates.
-    pub(super) fn bounds(&self) -> (Point, Point) {
+    pub(crate) fn bounds(&self) -> (Point, Point) {
         self.ring.bounds()
     }
 }
@@ -162,7 +162,7 @@ impl Bounds {
 
     /// Whether a box lies in the area for certain.
     #[inline]
-    pub(super) fn holds_box(&self, low: Point, high: Point) -> bool {
+    pub(crate) fn holds_box(&self, low: Point, high: Point) -> bool {
         self.low[0] <= low[0]
             && high[0] <= self.high[0]
             && self.low[1] <= low[1]
@@ -170,7 +170,7 @@ impl Bounds {
     }
 
     /// What one kilometre of a segment costs for leaving the area.
-    pub(super) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
+    pub(crate) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
         let (a, b) = (segment.a, segment.b);
         let low = [a[0].min(b[0]), a[1].min(b[1])];
         let high = [a[0].max(b[0]), a[1].max(b[1])];

@@ -6,27 +6,19 @@
 //! that both agree to the bit whatever the processor ([`Dispatch`]).
 
 mod along;
-mod batch;
-mod block;
-mod boxes;
 mod hazards;
-mod lanes;
-mod limit_lanes;
+mod kernel;
 mod model;
 mod operational;
-mod operational_lanes;
 mod paper;
-mod paper_lanes;
 mod reference;
 mod relief;
 mod sampling;
-mod threat_lanes;
 mod timing;
 mod traffic;
-mod turn_lanes;
 
-pub use batch::{Batch, Dispatch};
-pub use lanes::Scratch;
+pub use crate::cost::kernel::batch::{Batch, Dispatch};
+pub use crate::cost::kernel::lanes::Scratch;
 pub use model::CostModel;
 pub use paper::{PaperOptions, ThreatForm};
 pub use relief::Relief;

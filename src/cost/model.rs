@@ -1,10 +1,11 @@
 //! What the objective of one route needs, owned and laid out for its loops.
 
-use super::batch::{Batch, Dispatch};
-use super::block::BLOCK;
-use super::boxes::BlockBox;
 use super::hazards::Hazards;
-use super::lanes::{Scratch, V, Wide};
+use super::kernel::batch::{Batch, Dispatch};
+use super::kernel::block::BLOCK;
+use super::kernel::boxes::BlockBox;
+use super::kernel::lanes::{Scratch, V, Wide};
+use super::kernel::{operational as operational_lanes, paper as paper_lanes};
 use super::operational::Sums;
 use super::paper::{Paper, PaperOptions};
 use super::reference::{self, Curve};
@@ -12,7 +13,7 @@ use super::relief::Relief;
 use super::sampling::Sampling;
 use super::timing::Timing;
 use super::traffic::Traffic;
-use super::{Controls, CostTerms, Leg, Margins, operational_lanes, paper_lanes};
+use super::{Controls, CostTerms, Leg, Margins};
 use fearless_simd::{dispatch, prelude::*};
 
 use crate::path::{Flight, VehicleLimits};

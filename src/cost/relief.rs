@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use fearless_simd::{Level, dispatch, prelude::*};
 
-use super::lanes::{V, Wide, load, splat};
+use super::kernel::lanes::{V, Wide, load, splat};
 use crate::numeric::order::{larger, smaller};
 use crate::world::Ground;
 
@@ -71,7 +71,7 @@ impl Relief {
     /// Bilinear height above mean sea level, metres, as [`Ground::height_m`],
     /// but the wall beside voids.
     #[inline]
-    pub(super) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
+    pub(crate) fn height_m(&self, east_m: f64, north_m: f64) -> f64 {
         let (column, right) = cell((east_m - self.west_m) * self.per_metre, self.last_column);
         let (row, up) = cell((north_m - self.south_m) * self.per_metre, self.last_row);
         let columns = self.columns as usize;
@@ -92,7 +92,7 @@ impl Relief {
 
 /// [`Relief`] with its numbers in every lane, at hand for a loop.
 #[derive(Clone, Copy)]
-pub(super) struct ReliefLanes<'a, S: Simd> {
+pub(crate) struct ReliefLanes<'a, S: Simd> {
     simd: S,
     west_m: V<S>,
     south_m: V<S>,
@@ -111,7 +111,7 @@ pub(super) struct ReliefLanes<'a, S: Simd> {
 impl Relief {
     /// The same in every lane.
     #[inline(always)]
-    pub(super) fn lanes<S: Simd>(&self, simd: S) -> ReliefLanes<'_, S> {
+    pub(crate) fn lanes<S: Simd>(&self, simd: S) -> ReliefLanes<'_, S> {
         let last = [self.last_column, self.last_row];
         let (_, north) = self.ground.heights_m.split_at(self.columns as usize);
         ReliefLanes {
@@ -132,7 +132,7 @@ impl Relief {
 /// Where in the grid places lie: the node in the south-west of the cell of every lane, to
 /// whose index [`ROUND`] is added, and the fractions within the cell.
 #[derive(Clone, Copy)]
-pub(super) struct CellLanes<S: Simd> {
+pub(crate) struct CellLanes<S: Simd> {
     node: V<S>,
     right: V<S>,
     up: V<S>,
@@ -141,7 +141,7 @@ pub(super) struct CellLanes<S: Simd> {
 impl<S: Simd> CellLanes<S> {
     /// The first cell of the grid.
     #[inline(always)]
-    pub(super) fn first(simd: S) -> Self {
+    pub(crate) fn first(simd: S) -> Self {
         Self {
             node: splat(simd, ROUND),
             right: splat(simd, 0.0),
@@ -153,7 +153,7 @@ impl<S: Simd> CellLanes<S> {
 impl<S: Simd> ReliefLanes<'_, S> {
     /// [`Relief::height_m`] in every lane.
     #[inline(always)]
-    pub(super) fn heights_m(&self, east_m: V<S>, north_m: V<S>) -> V<S> {
+    pub(crate) fn heights_m(&self, east_m: V<S>, north_m: V<S>) -> V<S> {
         let cell = self.cell(east_m, north_m);
         let mut corners = Corners::default();
         self.fetch(&cell, &mut corners);
@@ -162,7 +162,7 @@ impl<S: Simd> ReliefLanes<'_, S> {
 
     /// The cells of places.
     #[inline(always)]
-    pub(super) fn cell(&self, east_m: V<S>, north_m: V<S>) -> CellLanes<S> {
+    pub(crate) fn cell(&self, east_m: V<S>, north_m: V<S>) -> CellLanes<S> {
         let (column, right) = self.cells((east_m - self.west_m) * self.per_metre, 0);
         let (row, up) = self.cells((north_m - self.south_m) * self.per_metre, 1);
         // Whole numbers far below 2^52: exact, and the low bits are the index.
@@ -172,7 +172,7 @@ impl<S: Simd> ReliefLanes<'_, S> {
 
     /// Reads the heights at the corners of cells.
     #[inline(always)]
-    pub(super) fn fetch(&self, cell: &CellLanes<S>, to: &mut Corners) {
+    pub(crate) fn fetch(&self, cell: &CellLanes<S>, to: &mut Corners) {
         for (lane, node) in cell.node.as_slice().iter().enumerate() {
             let west = low_bits(*node);
             let (south, north) = (&self.south[west..west + 2], &self.north[west..west + 2]);
@@ -183,7 +183,7 @@ impl<S: Simd> ReliefLanes<'_, S> {
 
     /// The heights at places in cells with these corners, metres.
     #[inline(always)]
-    pub(super) fn heights_in(&self, cell: &CellLanes<S>, corners: &Corners) -> V<S> {
+    pub(crate) fn heights_in(&self, cell: &CellLanes<S>, corners: &Corners) -> V<S> {
         let row = |row: &Wide| load(self.simd, row).bitcast::<S::f32s>();
         let (west, east) = row(&corners.south).deinterleave(row(&corners.north));
         let ((south_west, north_west), (south_east, north_east)) = (west.widen(), east.widen());
@@ -205,7 +205,7 @@ impl<S: Simd> ReliefLanes<'_, S> {
 /// Heights at the corners of a cell of every lane, south-west beside south-east, and
 /// north-west beside north-east: two in the bits of one number.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Corners {
+pub(crate) struct Corners {
     south: Wide,
     north: Wide,
 }

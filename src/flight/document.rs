@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
+use super::conformance::report::{FlightReport, Passage, Spread, VehicleReport};
 use super::record::Record;
-use super::report::{FlightReport, Passage, Spread, VehicleReport};
 use crate::report::{MarginEntry, review_json};
 use crate::verify::Review;
 

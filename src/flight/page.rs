@@ -1,8 +1,8 @@
 //! The page of a flight: what was flown over what was planned.
 
-use super::judge::Trail;
+use super::conformance::Trail;
+use super::conformance::report::FlightReport;
 use super::record::{Flight, Record};
-use super::report::FlightReport;
 use crate::mission::VehicleMission;
 use crate::report::{self, FlownError, FlownFacts, ReviewInput};
 use crate::spec::MissionSpec;

@@ -5,8 +5,8 @@
 //! rally list has lines `RALLY lat lon alt break_alt land_dir flags`, metres above
 //! home (MAVProxy, ArduPilot's autotest).
 
-use super::field::{Field, float, scaled};
 use super::text::Overlooked;
+use super::text::field::{Field, float, scaled};
 use super::{Document, FormatError};
 use crate::mission::{Item, command, frame};
 

@@ -8,22 +8,18 @@
 mod any;
 pub mod dat;
 mod document;
-mod drawing;
 mod error;
-mod field;
-pub mod geojson;
-pub mod kml;
 pub mod lists;
 mod losses;
-mod number;
+mod maps;
 pub mod params;
 pub mod plan;
-mod shape;
 mod text;
 pub mod waypoints;
 
 pub use any::{Kind, read};
 pub use document::{Document, Repair, Spot};
-pub use drawing::Drawing;
 pub use error::FormatError;
 pub use losses::{Format, known_losses, losses};
+pub use maps::drawing::Drawing;
+pub use maps::{geojson, kml};

@@ -7,7 +7,7 @@
 mod read;
 
 use super::document::rows;
-use super::number::coordinate_text;
+use super::text::number::coordinate_text;
 use crate::mission::{Item, VehicleMission, command, frame};
 
 pub use read::read;

@@ -6,14 +6,14 @@ use std::io;
 use std::net::SocketAddr;
 
 use super::codec::Version;
+use super::io::radio::{Heard, Radio};
+use super::io::tlog::Tlog;
 use super::message::List;
 use super::message::{Address, Message};
-use super::radio::{Heard, Radio};
-use super::reading::{Onboard, Reading};
-use super::report::{Failure, TransferReport, Verdict};
-use super::session::{Order, Progress, Session};
 use super::time::Time;
-use super::tlog::Tlog;
+use super::transfer::onboard::{Onboard, Reading};
+use super::transfer::report::{Failure, TransferReport, Verdict};
+use super::transfer::session::{Order, Progress, Session};
 use crate::mission::VehicleMission;
 use crate::spec::Link;
 

@@ -7,9 +7,9 @@ mod evaluator;
 mod fly;
 mod foa;
 mod iffo;
-mod literal;
 mod mfoa;
 mod msfoa;
+mod msfoa_published;
 mod population;
 mod pso;
 
@@ -19,9 +19,9 @@ pub use evaluator::{Evaluator, TracePoint};
 pub use fly::Mapping;
 pub use foa::FoaParameters;
 pub use iffo::IffoParameters;
-pub use literal::{LiteralParameters, Parents, Step};
 pub use mfoa::MfoaParameters;
 pub use msfoa::{LEAST_EASED, MsfoaParameters, Start};
+pub use msfoa_published::{LiteralParameters, Parents, Step};
 pub use pso::PsoParameters;
 
 use rand_chacha::ChaCha8Rng;
@@ -138,7 +138,7 @@ pub fn minimise<P: Problem + ?Sized>(
     let mut finalists = Vec::new();
     match algorithm {
         Algorithm::Msfoa(of) => finalists = msfoa::search(evaluating, of, starts, rng),
-        Algorithm::MsfoaLiteral(of) => finalists = literal::search(evaluating, of, rng),
+        Algorithm::MsfoaLiteral(of) => finalists = msfoa_published::search(evaluating, of, rng),
         Algorithm::Foa(of) => foa::search(evaluating, of, rng),
         Algorithm::Pso(of) => pso::search(evaluating, of, rng),
         Algorithm::De(of) => de::search(evaluating, of, rng),

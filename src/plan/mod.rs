@@ -1,39 +1,18 @@
 //! Paths for a fleet, one vehicle after the other in order of priority.
 
-mod blockers;
-mod breaks;
+mod altitude;
+mod bound;
 mod classes;
-mod columns;
-mod course;
-mod cutoff;
-mod estimate;
-mod field;
-mod fit;
+mod diagnosis;
 mod fleet;
-mod floor;
-mod leeway;
-mod lowest;
-mod objective;
-mod obstacles;
-mod pivot;
-mod printed;
-mod problem;
-mod remedies;
-mod routes;
 mod search;
-mod settle;
-mod starts;
-mod swerve;
-mod thin;
-mod tighten;
-mod vehicle;
 
-pub use breaks::{Break, breaks};
-pub use columns::ColumnConflict;
-pub use cutoff::{Barrier, Barriers};
+pub use crate::plan::diagnosis::blocking_set::{Barrier, Barriers};
+pub use crate::plan::diagnosis::relaxations::{Change, Remedy};
+pub use crate::plan::diagnosis::violations::{Break, breaks};
+pub use fleet::columns::ColumnConflict;
 pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
-pub use objective::objective;
-pub use remedies::{Change, Remedy};
+pub use search::objective::objective;
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;

@@ -9,8 +9,8 @@ mod picture;
 mod png;
 mod relief;
 mod scene;
+mod simplify;
 mod tables;
-mod thin;
 mod words;
 
 pub use documents::{

@@ -7,7 +7,7 @@ use super::ReviewInput;
 use super::documents::{rounded, whole_path};
 use super::flown::{FlownFacts, FlownShape};
 use super::relief::{Bounds, Relief};
-use super::thin::{Fix, thin};
+use super::simplify::{Fix, thin};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::{Finish, Vehicle};

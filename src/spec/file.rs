@@ -5,10 +5,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::check;
-use super::places::Places;
+use super::positions::Places;
 use super::raw;
 use super::table::{Table, TableFile};
-use super::whereabouts::{Whereabouts, in_order};
+use super::value_sources::{Whereabouts, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::digits;
 

@@ -7,12 +7,12 @@ pub(crate) mod fixtures;
 mod issue;
 mod link;
 mod model;
-mod places;
+mod positions;
 mod raw;
 mod scenario;
 mod table;
+mod value_sources;
 mod vehicle;
-mod whereabouts;
 
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::check;
 use super::file::{self, SpecFile};
-use super::places::Places;
+use super::positions::Places;
 use super::raw;
 use super::{Planner, SpecError};
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};

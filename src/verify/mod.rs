@@ -92,37 +92,14 @@
 //! motion is judged in chords within 0.02 m, ground that is followed within 0.1 m:
 //! clearance over arcs and separation come out short by that, never long.
 
-mod chord;
-mod contract;
-mod contract_wing;
-mod decode;
-mod doubt;
-mod drift;
-mod fence;
-mod flight;
-mod hills;
-mod home;
-mod jumps;
-mod l1;
-mod legs;
-mod outline;
-mod pilot;
-mod rally;
+mod execute;
+mod limits;
+mod measure;
 mod review;
-mod ribbon;
-mod separation;
-mod space;
-mod surface;
-mod swing;
-mod tecs;
-mod timeline;
-mod wing;
-mod winged;
-mod worst;
 
+pub use execute::wing::overshoot::EARLY_SHARE;
+pub use execute::wing::tecs::{MOST_LAG_S, SLOPE_MIN_M};
 pub use review::review;
-pub use swing::EARLY_SHARE;
-pub use tecs::{MOST_LAG_S, SLOPE_MIN_M};
 
 use crate::geodesy::{Amsl, LatLon};
 use crate::spec::Span;

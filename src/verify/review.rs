@@ -8,15 +8,15 @@ use crate::path::most_shift_s;
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
-use super::contract::Contract;
-use super::doubt;
-use super::fence::Fence;
-use super::flight::{End, Flight};
-use super::home;
-use super::pilot;
-use super::separation;
-use super::space::Space;
-use super::timeline::Timeline;
+use super::execute::executor;
+use super::execute::flight::{End, Flight};
+use super::execute::home;
+use super::limits::assumptions;
+use super::limits::fence::Fence;
+use super::limits::mission::Contract;
+use super::limits::separation;
+use super::limits::space::Space;
+use super::measure::timeline::Timeline;
 use super::{Margin, Moment, Review, Track};
 
 /// Most points of one track.
@@ -138,7 +138,7 @@ impl<'a> Sortie<'a> {
             home,
             stands,
             fence: Fence::read(&mission.fence),
-            flight: pilot::fly(vehicle, mission, world, stations, stands, tolerance_m),
+            flight: executor::fly(vehicle, mission, world, stations, stands, tolerance_m),
         }
     }
 
@@ -288,7 +288,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     );
     add(
         any(|s| {
-            let is_launched = pilot::is_launched(s.vehicle, s.mission.autopilot);
+            let is_launched = executor::is_launched(s.vehicle, s.mission.autopilot);
             is_launched && s.flight.delay_s.is_none() && s.vehicle.depart_s > 0.0
         }),
         "PX4 vehicles, planes and vtol are started depart_s after T0 by whoever launches them",
@@ -375,11 +375,16 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         "the ground is not known: landings end at the altitude of home",
     );
     let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
-    list.extend(doubt::windy_copters(flown(), spec.wind));
-    list.extend(doubt::carried_wings(sorties.iter().map(|s| s.vehicle)));
-    list.extend(doubt::bent_map(flown(), world));
-    list.extend(doubt::other_posts(sorties.iter().map(|s| &s.flight), world));
-    list.extend(doubt::rally_limit(furthest_rally_m(sorties)));
+    list.extend(assumptions::windy_copters(flown(), spec.wind));
+    list.extend(assumptions::carried_wings(
+        sorties.iter().map(|s| s.vehicle),
+    ));
+    list.extend(assumptions::bent_map(flown(), world));
+    list.extend(assumptions::other_posts(
+        sorties.iter().map(|s| &s.flight),
+        world,
+    ));
+    list.extend(assumptions::rally_limit(furthest_rally_m(sorties)));
     list.extend(separation::assumption(sorties.len(), &spec.separation));
     list
 }

@@ -8,8 +8,8 @@ use sortie::dispatch::{Dispatched, dispatch};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::mission::VehicleMission;
+use sortie::simulator::{Surroundings, Vehicle};
 use sortie::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle as Spec, Wind};
-use sortie::vehicle::{Surroundings, Vehicle};
 use sortie::world::World;
 
 use super::support::{copter, empty_spec, place, world};

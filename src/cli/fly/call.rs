@@ -8,8 +8,9 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::Sorties;
-use crate::cli::failure::Failure;
-use crate::cli::{delivery, output, runs};
+use crate::cli::folder::{replace, runs};
+use crate::cli::print::failure::Failure;
+use crate::cli::transfer::delivery;
 use crate::flight::{Line, SPEEDUP};
 use crate::report;
 use crate::spec::{Link, Threat};
@@ -120,7 +121,7 @@ impl Call {
             let _ = std::fs::remove_file(self.underway());
         }
         let text = report::json_text(&said);
-        output::write_file(&self.runs.join(SAID), text.as_bytes())?;
+        replace::write_file(&self.runs.join(SAID), text.as_bytes())?;
         Ok(())
     }
 
@@ -130,7 +131,7 @@ impl Call {
             let path = self.runs.join(name);
             match left.as_ref().filter(|_| !has_begun) {
                 // What cannot be given back is lost; the vehicles are where they are.
-                Some(bytes) => drop(output::write_file(&path, bytes)),
+                Some(bytes) => drop(replace::write_file(&path, bytes)),
                 // Gone already is as good.
                 None => drop(std::fs::remove_file(&path)),
             }

@@ -11,9 +11,10 @@ use super::call::Call;
 use super::journal::{Journal, text};
 use super::show::{self, Show};
 use super::{Sorties, args};
-use crate::cli::console::{note, out};
-use crate::cli::failure::Failure;
-use crate::cli::{delivery, output, runs};
+use crate::cli::folder::{replace, runs};
+use crate::cli::print::console::{note, out};
+use crate::cli::print::failure::Failure;
+use crate::cli::transfer::delivery;
 use crate::flight::{
     self, End, Event, Fleet, FlightReport, Intervention, Line, Outcome, Plan, Reference,
 };
@@ -346,10 +347,10 @@ impl<'a> Flying<'a> {
         for (ending, text) in documents {
             let named = self.journal.path().with_extension(ending);
             if named != self.journal.path() {
-                output::write_file(&named, text.as_bytes())?;
+                replace::write_file(&named, text.as_bytes())?;
             }
             let newest = self.runs.join("flight").with_extension(ending);
-            output::write_file(&newest, text.as_bytes())?;
+            replace::write_file(&newest, text.as_bytes())?;
         }
         Ok(())
     }

@@ -4,9 +4,9 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::{Sorties, args};
-use crate::cli::failure::Failure;
+use crate::cli::folder::runs;
 use crate::cli::folder::sha256;
-use crate::cli::runs;
+use crate::cli::print::failure::Failure;
 use crate::flight::{Flown, Line};
 
 /// The record of a flight, a line for each thing that happened.

@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use crate::cli::failure::Failure;
+use crate::cli::print::failure::Failure;
 use crate::formats;
 use crate::mission::{self, Parameter, VehicleMission};
 use crate::spec::MissionSpec;

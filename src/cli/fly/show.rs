@@ -5,9 +5,10 @@ use std::io::IsTerminal;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use super::sentence;
-use crate::cli::console::{Paint, note, out};
-use crate::cli::failure::Failure;
-use crate::cli::table::{self, Rows};
+use crate::cli::print::console::{Paint, note, out};
+use crate::cli::print::failure::Failure;
+use crate::cli::print::table;
+use crate::cli::print::table::Rows;
 use crate::flight::{Event, Fleet, FlightReport, Spread, Status};
 use crate::link::Time;
 use crate::verify::Sense;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use super::failed;
-use crate::cli::delivery;
-use crate::cli::failure::Failure;
 use crate::cli::fly::Sorties;
+use crate::cli::print::failure::Failure;
+use crate::cli::transfer::delivery;
 use crate::link::{
     Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message, Onboard, Position,
     Reading, Time,

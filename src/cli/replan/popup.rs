@@ -1,7 +1,7 @@
 //! The threat that was not there, and those that came up before it.
 
-use crate::cli::failure::Failure;
 use crate::cli::fly::Sorties;
+use crate::cli::print::failure::Failure;
 use crate::geodesy::LatLon;
 use crate::spec::{Area, MissionSpec, THREAT_RADIUS_M, Threat};
 use crate::world::Disc;

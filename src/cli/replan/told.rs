@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::Decision;
-use crate::cli::console::out;
-use crate::cli::failure::Failure;
 use crate::cli::fly::Sorties;
-use crate::cli::table::Rows;
-use crate::cli::{output, runs};
+use crate::cli::folder::{replace, runs};
+use crate::cli::print::console::out;
+use crate::cli::print::failure::Failure;
+use crate::cli::print::table::Rows;
 use crate::report;
 use crate::spec::Threat;
 
@@ -89,8 +89,8 @@ fn threat_json(threat: &Threat) -> Value {
 fn write(sorties: &Sorties, document: &Value) -> Result<(), Failure> {
     let folder = runs::folder(&sorties.folder);
     let text = report::json_text(document);
-    output::write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
-    output::write_file(&folder.join("replan.json"), text.as_bytes())?;
+    replace::write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
+    replace::write_file(&folder.join("replan.json"), text.as_bytes())?;
     Ok(())
 }
 

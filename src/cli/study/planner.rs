@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::{make, short};
 use crate::cli::args;
-use crate::cli::console::out;
-use crate::cli::failure::Failure;
+use crate::cli::print::console::out;
+use crate::cli::print::failure::Failure;
 use crate::report::json_text;
 use crate::study::{
     BestKnown, MissionText, PlannerRun, PlannerStudy, Store, planner_json, planner_md, run_planner,

@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::beside;
 use super::unambiguous::Unambiguous;
 use super::{FIRMWARE, airframe, altitude_mode};
-use crate::formats::number::{coordinate, float};
+use crate::formats::text::number::{coordinate, float};
 use crate::formats::{Document, FormatError, Repair, Spot};
 use crate::mission::{Home, Item, command, frame};
 

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::{FIRMWARE, altitude_mode};
 use crate::formats::document::rows;
-use crate::formats::number::{scale, shortest};
+use crate::formats::text::number::{scale, shortest};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::Airframe;
 

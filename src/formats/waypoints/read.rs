@@ -1,7 +1,7 @@
 //! Reads `.waypoints` files of any origin, and says what it had to overlook.
 
-use crate::formats::field::{Field, byte, command_number, float, scaled, whole};
 use crate::formats::text::Overlooked;
+use crate::formats::text::field::{Field, byte, command_number, float, scaled, whole};
 use crate::formats::{Document, FormatError};
 use crate::mission::{Home, Item, command, frame};
 

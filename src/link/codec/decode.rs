@@ -6,8 +6,8 @@ use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAVLinkMessageRaw, MavlinkReader};
 
 use super::Version;
+use crate::link::message::payload::read_payload;
 use crate::link::message::{Address, Message};
-use crate::link::payload::read_payload;
 
 /// Finds messages in the bytes of one peer, however they are cut.
 ///

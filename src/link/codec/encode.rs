@@ -4,9 +4,9 @@ use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAV_STX, MAV_STX_V2, Message as _, calculate_crc};
 
 use super::Version;
-use crate::link::flight_payload;
+use crate::link::message::flight_payload;
+use crate::link::message::payload::{id, write_payload};
 use crate::link::message::{Address, Message};
-use crate::link::payload::{id, write_payload};
 
 /// Writes frames (MAVLink 2, unsigned) in the name of one component, counting its sequence.
 #[derive(Clone, Debug)]

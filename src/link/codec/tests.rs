@@ -5,8 +5,8 @@ use mavlink::{MAVLinkV2MessageRaw, MavHeader, MavlinkReader};
 
 use super::*;
 use crate::link::List;
+use crate::link::message::payload::{read_payload, write_payload};
 use crate::link::message::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult};
-use crate::link::payload::{read_payload, write_payload};
 use crate::mission::{Item, frame};
 
 const US: Address = Address {

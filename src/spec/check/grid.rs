@@ -2,7 +2,7 @@
 
 use super::super::raw;
 use super::cells::Part;
-use super::made::{MOST, Making};
+use super::expanded::{MOST, Making};
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 
 /// Greatest side of a grid, metres: as far as the local frame is proven.

@@ -2,18 +2,18 @@
 //! told without the ground, all at once.
 
 mod cells;
+mod expanded;
 mod fleet;
 mod grid;
-mod leeway;
-mod made;
 mod map;
 mod name;
+mod retiming;
 mod scenario;
 mod shapes;
 mod template;
 mod wing;
 
-pub(super) use made::write_out;
+pub(super) use expanded::write_out;
 pub(super) use scenario::scenario;
 pub(super) use shapes::relative;
 
@@ -21,7 +21,7 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use super::raw;
-use super::whereabouts::{Whereabouts, in_order};
+use super::value_sources::{Whereabouts, in_order};
 use super::{
     Algorithm, AltitudeReference, Issue, MOST_CONTROL_POINTS, MissionOptions, MissionSpec,
     Objective, OnLinkLoss, Planner, Separation, Weights, Wind,

@@ -2,13 +2,13 @@
 
 use std::ops::RangeInclusive;
 
-use super::super::places::Places;
 use super::super::raw;
 use super::super::table::Table;
-use super::super::whereabouts::Whereabouts;
 use super::super::{Cylinder, Issue, Mover, Objective, Peak, Scenario, Surface, Waves};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
+use crate::spec::positions::Places;
+use crate::spec::value_sources::Whereabouts;
 
 /// Where anything may be, metres from the origin.
 const EXTENT_M: RangeInclusive<f64> = -300_000.0..=300_000.0;

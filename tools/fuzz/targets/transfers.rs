@@ -11,7 +11,7 @@ use sortie::link::{
 };
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
 use sortie::spec::{Airframe, Autopilot};
-use sortie::vehicle::{Profile, Vehicle};
+use sortie::simulator::{Profile, Vehicle};
 
 const US: Address = Address {
     system: 245,

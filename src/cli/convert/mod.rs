@@ -1,0 +1,412 @@
+//! `sortie convert`: a mission file in another format, and what that cannot keep.
+
+pub(super) mod changes;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::args::{self, AirframeName, AutopilotName, ListName};
+use super::folder;
+use super::folder::replace;
+use super::print::console::{note, out};
+use super::print::failure::Failure;
+use super::print::table;
+use crate::formats::{self, Document, Drawing, Format};
+use crate::geodesy::{Amsl, LatLon};
+use crate::mission::{self, Home, Item, VehicleMission};
+use crate::report;
+use crate::spec::{Airframe, Autopilot};
+use changes::{changes, ranges};
+
+/// Most sentences of one kind that are told on a terminal; `--json` has them all.
+const MOST_TOLD: usize = 20;
+
+/// A blank home row.
+const NO_HOME: Home = Home {
+    x: 0,
+    y: 0,
+    amsl_m: 0.0,
+};
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    Plan,
+    Rows(ListName),
+    Kml,
+    GeoJson,
+}
+
+/// What became of the file, and what did not.
+#[derive(Debug, Serialize)]
+struct Report {
+    input: String,
+    output: String,
+    autopilot: &'static str,
+    mission_items: usize,
+    fence_items: usize,
+    rally_points: usize,
+    /// What was read although the format does not allow it.
+    repairs: Vec<String>,
+    /// What the file does not say and was taken for granted, or left open.
+    assumed: Vec<String>,
+    /// What is in the input and not in the output, or not as it was.
+    not_kept: Vec<String>,
+    /// What ArduPilot and PX4 read differently, where the file was not made for `autopilot`.
+    read_differently: Vec<String>,
+    /// What `autopilot` would refuse or misread.
+    refused: Vec<String>,
+}
+
+pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
+    let ending = ending(arguments)?;
+    if same_file(&arguments.input, &arguments.output) {
+        let message = "the output is the input: give another name";
+        return Err(Failure::new(Failure::USAGE, message));
+    }
+    let document = folder::read_document(&arguments.input)?;
+    let target = target(&document, ending, arguments.list)?;
+    let (text, report) = converted(document, target, arguments)?;
+    replace::write_file(&arguments.output, text.as_bytes())?;
+    if arguments.json {
+        return out(report::json_text(&report).trim_end());
+    }
+    tell(&report)
+}
+
+/// What the name of the output asks for; which rows is open yet.
+fn ending(arguments: &args::Convert) -> Result<Target, Failure> {
+    let path = &arguments.output;
+    let target = match path.extension().and_then(|ending| ending.to_str()) {
+        Some("plan") => Target::Plan,
+        Some("waypoints" | "txt") => {
+            return Ok(Target::Rows(arguments.list.unwrap_or(ListName::Mission)));
+        }
+        Some("kml") => Target::Kml,
+        Some("geojson") => Target::GeoJson,
+        _ => {
+            let message = format!(
+                "{}: no format of that name (allowed: .waypoints, .txt, .plan, .kml, .geojson)",
+                path.display()
+            );
+            return Err(Failure::new(Failure::USAGE, message));
+        }
+    };
+    if arguments.list.is_some() {
+        let message = "--list: only a .waypoints or a .txt holds one list, the others hold all";
+        return Err(Failure::new(Failure::USAGE, message));
+    }
+    Ok(target)
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}
+
+/// Which rows, if nobody said so: the mission, or the only list there is.
+fn target(document: &Document, ending: Target, asked: Option<ListName>) -> Result<Target, Failure> {
+    if ending != Target::Rows(ListName::Mission) || asked.is_some() || !document.is_list() {
+        return Ok(ending);
+    }
+    match (document.fence.is_empty(), document.rally.is_empty()) {
+        (false, true) => Ok(Target::Rows(ListName::Fence)),
+        (true, _) => Ok(Target::Rows(ListName::Rally)),
+        (false, false) => Err(Failure::new(
+            Failure::USAGE,
+            "a fence and rally points and no mission: say which (--list fence, --list rally)",
+        )),
+    }
+}
+
+/// The text and what there is to tell about it.
+fn converted(
+    document: Document,
+    target: Target,
+    arguments: &args::Convert,
+) -> Result<(String, Report), Failure> {
+    let bad = |what: &str| {
+        let message = format!("{}: {what}", arguments.input.display());
+        Failure::new(Failure::INPUT, message)
+    };
+    let mut assumed = Vec::new();
+    let made_for = document.autopilot;
+    let who = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
+    let what = document
+        .airframe
+        .map(|airframe| format!("a {}", name_of(airframe)));
+    let made: Vec<String> = who.into_iter().chain(what).collect();
+    let autopilot = autopilot(made_for, arguments.autopilot, &mut assumed);
+    let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
+    let is_list = document.is_list();
+    let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
+    let mut not_kept = document.beside.clone();
+    let home = home(&document, target, arguments, &mut assumed)?;
+    let document = Document {
+        home: Some(home),
+        autopilot: None,
+        ..document
+    };
+    let mission = document
+        .into_mission(autopilot, airframe)
+        .map_err(|error| bad(&error.to_string()))?;
+    let name = folder::stem(&arguments.input);
+    let text = match target {
+        Target::Plan => formats::plan::write(&mission),
+        Target::Rows(list) => rows(&mission, list).map_err(|what| bad(&what))?,
+        Target::Kml => formats::kml::write_mission(&name, &Drawing::of(&mission)),
+        Target::GeoJson => formats::geojson::write_mission(&name, &Drawing::of(&mission)),
+    };
+    not_kept.extend(losses(&mission, target, &made));
+    if matches!(target, Target::Plan | Target::Rows(_)) {
+        not_kept.extend(differences(&mission, &text, target).map_err(|what| bad(&what))?);
+    }
+    let asks_for_another = arguments.autopilot.is_some() && made_for != Some(autopilot);
+    let count = |of: ListName, items: &[Item]| match target {
+        Target::Rows(list) if of != list => 0,
+        _ => items.len(),
+    };
+    let report = Report {
+        input: arguments.input.display().to_string(),
+        output: arguments.output.display().to_string(),
+        autopilot: table::autopilot(autopilot),
+        mission_items: count(ListName::Mission, &mission.items),
+        fence_items: count(ListName::Fence, &mission.fence),
+        rally_points: count(ListName::Rally, &mission.rally),
+        repairs,
+        assumed,
+        not_kept,
+        read_differently: if asks_for_another {
+            let all = mission::read_differently(&mission).into_iter();
+            all.map(|(what, items)| format!("{}: {what}", ranges("item", &items)))
+                .collect()
+        } else {
+            Vec::new()
+        },
+        refused: mission::problems(&mission)
+            .iter()
+            .filter(|problem| !(is_list && problem.list == mission::List::Mission))
+            .map(ToString::to_string)
+            .collect(),
+    };
+    Ok((text, report))
+}
+
+/// Who is to read it: as asked, or as the file says, or ArduPilot.
+fn autopilot(
+    made_for: Option<Autopilot>,
+    asked: Option<AutopilotName>,
+    assumed: &mut Vec<String>,
+) -> Autopilot {
+    let asked = asked.map(|name| match name {
+        AutopilotName::Ardupilot => Autopilot::ArduPilot,
+        AutopilotName::Px4 => Autopilot::Px4,
+    });
+    asked.or(made_for).unwrap_or_else(|| {
+        assumed.push(
+            "the file does not say for which autopilot it is: taken as for ArduPilot (--autopilot)"
+                .to_owned(),
+        );
+        Autopilot::ArduPilot
+    })
+}
+
+/// What flies it: as asked, or as the file says, or a multicopter.
+fn airframe(
+    made_for: Option<Airframe>,
+    asked: Option<AirframeName>,
+    assumed: &mut Vec<String>,
+) -> Airframe {
+    let asked = asked.map(AirframeName::airframe);
+    if let (Some(file), Some(asked)) = (made_for, asked)
+        && file != asked
+    {
+        assumed.push(format!(
+            "the file is for a {}, converted for a {}",
+            name_of(file),
+            name_of(asked)
+        ));
+    }
+    asked.or(made_for).unwrap_or_else(|| {
+        assumed.push(
+            "the file does not say what flies it: taken as for a multicopter (--airframe)"
+                .to_owned(),
+        );
+        Airframe::Copter
+    })
+}
+
+fn name_of(airframe: Airframe) -> &'static str {
+    match airframe {
+        Airframe::Copter => "multicopter",
+        Airframe::Plane => "plane",
+        Airframe::Vtol => "vtol",
+    }
+}
+
+/// Home as the file has it, or the flag; a `.plan` must have one, a home row may be blank.
+fn home(
+    document: &Document,
+    target: Target,
+    arguments: &args::Convert,
+    assumed: &mut Vec<String>,
+) -> Result<Home, Failure> {
+    if let Some(home) = document.home.filter(|home| (home.x, home.y) != (0, 0)) {
+        if arguments.home.is_some() {
+            assumed.push("home is the file's own: --home is for files without".to_owned());
+        }
+        return Ok(home);
+    }
+    if let Some(place) = arguments.home {
+        assumed.push("home is where --home says: the file has none".to_owned());
+        let at = LatLon {
+            lat_deg: place.lat_deg,
+            lon_deg: place.lon_deg,
+        };
+        return Ok(mission::home_at(at, Amsl(place.amsl_m)));
+    }
+    match target {
+        Target::Plan => {
+            let message = format!(
+                "{}: the file has no home position, and a .plan must have one (--home LAT,LON,AMSL)",
+                arguments.input.display()
+            );
+            return Err(Failure::new(Failure::INPUT, message));
+        }
+        Target::Rows(ListName::Mission) => {
+            assumed.push("the file has no home position: row 0 is blank, which is none".to_owned())
+        }
+        Target::Rows(_) | Target::Kml | Target::GeoJson => {}
+    }
+    Ok(NO_HOME)
+}
+
+/// The rows of one list. An altitude that is no number would become 0, which is an
+/// altitude: refused.
+fn rows(mission: &VehicleMission, list: ListName) -> Result<String, String> {
+    let items = items(mission, list);
+    let open = |item: &&Item| item.place().is_some() && !item.z.is_finite();
+    if let Some(index) = items.iter().position(|item| open(&item)) {
+        return Err(format!(
+            "item {}: the altitude is {}, which such a file cannot say",
+            index + 1,
+            items[index].z
+        ));
+    }
+    Ok(match list {
+        ListName::Mission => formats::waypoints::write(mission),
+        ListName::Fence | ListName::Rally => formats::waypoints::write_list(items),
+    })
+}
+
+fn items(mission: &VehicleMission, list: ListName) -> &[Item] {
+    match list {
+        ListName::Mission => &mission.items,
+        ListName::Fence => &mission.fence,
+        ListName::Rally => &mission.rally,
+    }
+}
+
+const LISTS: [(ListName, &str); 3] = [
+    (ListName::Mission, "item"),
+    (ListName::Fence, "fence item"),
+    (ListName::Rally, "rally point"),
+];
+
+/// What the format has no place for.
+fn losses(mission: &VehicleMission, target: Target, made: &[String]) -> Vec<String> {
+    match target {
+        Target::Plan => formats::losses(mission, Format::Plan),
+        Target::Rows(list) => {
+            let others = LISTS.iter().filter(|(other, _)| *other != list);
+            let mut told: Vec<String> = others
+                .filter(|(other, _)| !items(mission, *other).is_empty())
+                .map(|(other, what)| format!("{} {what}s", items(mission, *other).len()))
+                .collect();
+            if list != ListName::Mission && mission.home != NO_HOME {
+                told.push("home".to_owned());
+            }
+            told.extend(made.iter().map(|who| format!("that it is for {who}")));
+            told
+        }
+        Target::Kml | Target::GeoJson => of_a_map(&Drawing::of(mission)),
+    }
+}
+
+fn of_a_map(drawing: &Drawing<'_>) -> Vec<String> {
+    let mut told = vec![
+        "it is a map: no ground station reads a mission from it".to_owned(),
+        "the route is straight between its items: turns, splines, circles and jumps are not drawn"
+            .to_owned(),
+    ];
+    let nowhere = drawing.without_place();
+    if !nowhere.is_empty() {
+        let items = ranges("item", &nowhere);
+        told.push(format!("{items}: no place on a map"));
+    }
+    if !drawing.without_altitude().is_empty() {
+        let items = ranges("item", drawing.without_altitude());
+        told.push(format!(
+            "{items}: the altitude above the sea is not known from the file alone, and so not \
+             drawn, nor are those of the route"
+        ));
+    }
+    told.extend(drawing.lost());
+    told
+}
+
+/// What does not come back from the text as it was, list by list.
+fn differences(
+    mission: &VehicleMission,
+    text: &str,
+    target: Target,
+) -> Result<Vec<String>, String> {
+    let unreadable = |error: formats::FormatError| {
+        format!("the format cannot say this mission, nothing was written: {error}")
+    };
+    let (_, mut document) = formats::read(text.as_bytes()).map_err(unreadable)?;
+    document.autopilot = None;
+    let home = document.home.unwrap_or(NO_HOME);
+    document.home = Some(home);
+    let back = document
+        .into_mission(mission.autopilot, mission.airframe)
+        .map_err(unreadable)?;
+    let mut told = Vec::new();
+    if matches!(target, Target::Plan | Target::Rows(ListName::Mission)) && home != mission.home {
+        told.push(format!("home: {:?} becomes {home:?}", mission.home));
+    }
+    for (list, what) in LISTS {
+        if target == Target::Plan || target == Target::Rows(list) {
+            told.extend(changes(what, items(mission, list), items(&back, list)));
+        }
+    }
+    Ok(told)
+}
+
+fn tell(report: &Report) -> Result<(), Failure> {
+    for (head, all) in [
+        ("read: ", &report.repairs),
+        ("note: ", &report.assumed),
+        ("not kept: ", &report.not_kept),
+        ("read differently: ", &report.read_differently),
+        ("refused or misread: ", &report.refused),
+    ] {
+        for one in all.iter().take(MOST_TOLD) {
+            note(&format!("{head}{one}"));
+        }
+        if let Some(more) = all.len().checked_sub(MOST_TOLD).filter(|&more| more > 0) {
+            note(&format!("{head}{more} more (--json tells all)"));
+        }
+    }
+    out(&format!(
+        "{}: {} mission items, {} fence items, {} rally points, for {}",
+        report.output,
+        report.mission_items,
+        report.fence_items,
+        report.rally_points,
+        report.autopilot
+    ))
+}

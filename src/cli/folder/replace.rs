@@ -1,0 +1,254 @@
+//! Output folders appear whole or not at all.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// What went wrong while writing, and where.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub(crate) struct OutputError {
+    path: PathBuf,
+    source: io::Error,
+}
+
+fn at(path: &Path) -> impl FnOnce(io::Error) -> OutputError + '_ {
+    move |source| OutputError {
+        path: path.to_owned(),
+        source,
+    }
+}
+
+/// A folder under construction beside its final place. Dropped before
+/// [`Self::publish`], it leaves nothing behind.
+pub(crate) struct NewFolder {
+    target: PathBuf,
+    building: PathBuf,
+    published: bool,
+}
+
+impl NewFolder {
+    /// Starts a folder that is to appear as `target`, unless what is there is in the
+    /// way. A link is followed, so that it still is one afterwards.
+    pub(crate) fn beside(
+        target: &Path,
+        in_the_way: impl Fn(&Path) -> Option<String>,
+    ) -> Result<Self, OutputError> {
+        let target = &fs::canonicalize(target)
+            .or_else(|_| std::path::absolute(target))
+            .map_err(at(target))?;
+        if let Some(reason) = in_the_way(target) {
+            let source = io::Error::new(io::ErrorKind::AlreadyExists, reason);
+            return Err(OutputError {
+                path: target.clone(),
+                source,
+            });
+        }
+        if let Some(parent) = target.parent() {
+            fs::create_dir_all(parent).map_err(at(parent))?;
+        }
+        remove_leftovers(target);
+        let building = sibling(target, "new");
+        if building.exists() {
+            fs::remove_dir_all(&building).map_err(at(&building))?;
+        }
+        fs::create_dir(&building).map_err(at(&building))?;
+        Ok(Self {
+            target: target.to_owned(),
+            building,
+            published: false,
+        })
+    }
+
+    /// Writes one file; `name` may contain folders.
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        let path = self.building.join(name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(at(parent))?;
+        }
+        fs::write(&path, bytes).map_err(at(&path))
+    }
+
+    /// Copies a file of any size; `name` may contain folders.
+    pub(crate) fn copy(&self, from: &Path, name: &str) -> Result<(), OutputError> {
+        let path = self.building.join(name);
+        if let Some(parent) = path.parent() {
+            fs::create_dir_all(parent).map_err(at(parent))?;
+        }
+        let mut source = fs::File::open(from).map_err(at(from))?;
+        let mut target = fs::File::create(&path).map_err(at(&path))?;
+        io::copy(&mut source, &mut target).map_err(at(&path))?;
+        Ok(())
+    }
+
+    /// Puts the folder in its place: old aside, new in, old removed.
+    pub(crate) fn publish(mut self) -> Result<(), OutputError> {
+        let old = sibling(&self.target, "old");
+        if old.exists() {
+            fs::remove_dir_all(&old).map_err(at(&old))?;
+        }
+        let replaces = self.target.exists();
+        if replaces {
+            fs::rename(&self.target, &old).map_err(at(&self.target))?;
+        }
+        if let Err(error) = fs::rename(&self.building, &self.target) {
+            if replaces {
+                // Give back what was there; if even that fails, it is still under its other name.
+                let _ = fs::rename(&old, &self.target);
+            }
+            return Err(at(&self.target)(error));
+        }
+        self.published = true;
+        if replaces {
+            fs::remove_dir_all(&old).map_err(at(&old))?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for NewFolder {
+    fn drop(&mut self) {
+        if !self.published {
+            let _ = fs::remove_dir_all(&self.building);
+        }
+    }
+}
+
+/// A folder under construction is done within a second. One that was left an hour
+/// ago belongs to a run that was killed.
+const LEFTOVER: Duration = Duration::from_secs(3600);
+
+/// Removes what killed runs have left beside `target`, as far as that is possible.
+fn remove_leftovers(target: &Path) {
+    let Some((parent, name)) = target.parent().zip(target.file_name()) else {
+        return;
+    };
+    let ours = ["new", "old"].map(|tag| format!(".{}.{tag}.", name.to_string_lossy()));
+    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
+        let is_ours = ours
+            .iter()
+            .any(|start| entry.file_name().to_string_lossy().starts_with(start));
+        let age = entry
+            .metadata()
+            .and_then(|data| data.modified())
+            .map(|time| time.elapsed());
+        if is_ours && matches!(age, Ok(Ok(age)) if age > LEFTOVER) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+/// Writes one file so that it appears whole or not at all.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    if fs::metadata(path).is_ok_and(|data| !data.is_file()) {
+        let source = io::Error::new(io::ErrorKind::AlreadyExists, "it is no regular file");
+        return Err(at(path)(source));
+    }
+    if let Some(parent) = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+    {
+        fs::create_dir_all(parent).map_err(at(parent))?;
+    }
+    let building = sibling(path, "new");
+    let written = fs::write(&building, bytes).and_then(|()| fs::rename(&building, path));
+    written.map_err(|source| {
+        let _ = fs::remove_file(&building);
+        OutputError {
+            path: path.to_owned(),
+            source,
+        }
+    })
+}
+
+/// `.name.tag.PID` beside `path`: the process id keeps two runs apart.
+fn sibling(path: &Path, tag: &str) -> PathBuf {
+    let name = path.file_name().map_or_else(
+        || "sortie".into(),
+        |name| name.to_string_lossy().into_owned(),
+    );
+    path.with_file_name(format!(".{name}.{tag}.{}", std::process::id()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::folder::in_the_way;
+
+    #[test]
+    fn a_folder_replaces_the_old_one_as_a_whole() {
+        let home = tempfile::tempdir().unwrap();
+        let target = home.path().join("out");
+        for round in ["one", "two"] {
+            let folder = NewFolder::beside(&target, |_| None).unwrap();
+            for name in [&format!("{round}/file"), "spec.yaml", "plan.json"] {
+                folder.write(name, round.as_bytes()).unwrap();
+            }
+            folder.publish().unwrap();
+        }
+        assert!(!target.join("one").exists());
+        assert_eq!(fs::read(target.join("two/file")).unwrap(), b"two");
+        assert_eq!(
+            fs::read_dir(home.path()).unwrap().count(),
+            1,
+            "nothing is left beside it"
+        );
+    }
+
+    #[test]
+    fn a_folder_that_is_never_published_leaves_nothing_and_keeps_the_old_one() {
+        let home = tempfile::tempdir().unwrap();
+        let target = home.path().join("out");
+        fs::create_dir(&target).unwrap();
+        for name in ["kept", "spec.yaml", "plan.json"] {
+            fs::write(target.join(name), b"").unwrap();
+        }
+        drop(NewFolder::beside(&target, |_| None).unwrap());
+        assert!(target.join("kept").exists());
+        assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed_after_an_hour_and_not_before() {
+        let home = tempfile::tempdir().unwrap();
+        let (stale, fresh) = (
+            home.path().join(".out.new.1"),
+            home.path().join(".out.new.2"),
+        );
+        for folder in [&stale, &fresh] {
+            fs::create_dir(folder).unwrap();
+        }
+        let then = std::time::SystemTime::UNIX_EPOCH;
+        fs::File::open(&stale).unwrap().set_modified(then).unwrap();
+        drop(NewFolder::beside(&home.path().join("out"), |_| None).unwrap());
+        assert!(!stale.exists() && fresh.exists());
+    }
+
+    #[test]
+    fn a_folder_that_is_not_an_earlier_plan_is_never_replaced() {
+        let home = tempfile::tempdir().unwrap();
+        fs::write(home.path().join("thesis.tex"), b"").unwrap();
+        let message = NewFolder::beside(home.path(), in_the_way)
+            .err()
+            .unwrap()
+            .to_string();
+        assert!(message.contains("not replaced"), "{message}");
+        assert!(home.path().join("thesis.tex").exists());
+    }
+
+    #[test]
+    fn a_file_in_the_way_is_an_error_that_names_it() {
+        let home = tempfile::tempdir().unwrap();
+        let target = home.path().join("out");
+        fs::write(&target, b"").unwrap();
+        let message = NewFolder::beside(&target, in_the_way)
+            .err()
+            .unwrap()
+            .to_string();
+        assert!(
+            message.contains("out") && message.contains("in the way"),
+            "{message}"
+        );
+    }
+}

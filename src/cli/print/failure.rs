@@ -1,0 +1,63 @@
+//! Why a command failed, and the exit code that says so.
+
+use std::process::ExitCode;
+
+use crate::cli::folder::replace::OutputError;
+use crate::spec::SpecError;
+
+/// A failed command: its exit code, and what to tell on stderr.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    pub(crate) code: Code,
+    /// Empty when everything was said already.
+    pub(crate) message: String,
+}
+
+/// An exit code of the contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Code(u8);
+
+impl Code {
+    /// The number that the process ends with.
+    pub(crate) fn number(self) -> i32 {
+        self.0.into()
+    }
+}
+
+impl From<Code> for ExitCode {
+    fn from(code: Code) -> Self {
+        Self::from(code.0)
+    }
+}
+
+impl Failure {
+    /// Internal, or output not writable.
+    pub(crate) const OUTPUT: Code = Code(1);
+    /// Wrong usage.
+    pub(crate) const USAGE: Code = Code(2);
+    /// Bad spec or input file.
+    pub(crate) const INPUT: Code = Code(3);
+    /// Nothing that passes verification.
+    pub(crate) const VERDICT: Code = Code(4);
+    /// Transfer failed.
+    pub(crate) const TRANSFER: Code = Code(5);
+
+    pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            message: message.into(),
+        }
+    }
+}
+
+impl From<SpecError> for Failure {
+    fn from(error: SpecError) -> Self {
+        Self::new(Self::INPUT, error.to_string())
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Self {
+        Self::new(Self::OUTPUT, error.to_string())
+    }
+}

@@ -1,0 +1,438 @@
+//! `sortie review`: the verdict on any mission files.
+
+pub(super) mod flight;
+pub(super) mod without_spec;
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::args;
+use super::folder;
+use super::folder::replace;
+use super::print::console::{Paint, note, out};
+use super::print::failure::Failure;
+use super::print::table;
+use super::print::table::Rows;
+use crate::formats::{self, Document, Format};
+use crate::mission::{Home, VehicleMission};
+use crate::report::{self, ReviewInput};
+use crate::spec::SpecFile;
+use crate::verify;
+use crate::world;
+use without_spec::Subject;
+
+/// Which file holds the mission of which vehicle (by its index in the spec).
+pub(super) type Files = BTreeMap<usize, PathBuf>;
+
+/// Most repairs of one file that are told one by one.
+const MOST_TOLD: usize = 20;
+
+pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
+    for (flag, path, endings) in [
+        ("--html", &arguments.html, ["html", "htm"]),
+        ("--svg", &arguments.svg, ["svg", "svg"]),
+    ] {
+        check_name(flag, path.as_deref(), &endings)?;
+    }
+    let is_spec = |path: &&PathBuf| path.extension().is_some_and(|e| e == "yaml" || e == "yml");
+    let (specs, files): (Vec<&PathBuf>, Vec<&PathBuf>) = arguments.files.iter().partition(is_spec);
+    let named = named(&arguments.vehicle)?;
+    if files.iter().any(|path| flight::is_flight(path)) && specs.len() < 2 {
+        let spec = specs.first().map(|path| path.as_path());
+        return flight::run(spec, &files, arguments);
+    }
+    match specs[..] {
+        [] => without_spec(&files, &named, arguments),
+        [spec] => with_spec(spec, &files, &named, arguments),
+        _ => Err(Failure::new(
+            Failure::USAGE,
+            format!("review judges by one spec (*.yaml), got {}", specs.len()),
+        )),
+    }
+}
+
+/// A page or picture never overwrites a mission by mistake.
+fn check_name(flag: &str, path: Option<&Path>, endings: &[&str]) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    if path
+        .extension()
+        .is_some_and(|ending| endings.iter().any(|allowed| ending == *allowed))
+    {
+        return Ok(());
+    }
+    let what = if flag == "--svg" { "picture" } else { "page" };
+    let message = format!(
+        "{flag} {}: the name of a {what} ends in .{}",
+        path.display(),
+        endings[0]
+    );
+    Err(Failure::new(Failure::USAGE, message))
+}
+
+fn with_spec(
+    spec: &Path,
+    files: &[&PathBuf],
+    named: &[(&str, PathBuf)],
+    arguments: &args::Review,
+) -> Result<(), Failure> {
+    if arguments.limits != args::Limits::default() {
+        let message = "limits come from the spec: leave the flags or the spec out";
+        return Err(Failure::new(Failure::USAGE, message));
+    }
+    let file = SpecFile::read(spec)?;
+    let world = world::load(&file)?;
+    let mut lists = Vec::new();
+    let mut own = Vec::new();
+    for &path in files {
+        let list = match folder::vehicle_of(path, &file) {
+            Some(_) => None,
+            None => Some(folder::read_document(path)?).filter(Document::is_list),
+        };
+        match list {
+            Some(document) => {
+                tell_list(path, &document);
+                lists.push((path.clone(), document));
+            }
+            None => own.push(path),
+        }
+    }
+    let files = assign(&file, own.into_iter(), named)?;
+    let mut missions = Vec::new();
+    for (vehicle, path) in &files {
+        let mut document = folder::read_document(path)?;
+        hand_out(&lists, &mut document);
+        tell_losses(&file.spec.vehicles[*vehicle].id, path, &document);
+        // Judged from the home of the spec, and that fails.
+        document.home.get_or_insert(NO_HOME);
+        let vehicle_of = &file.spec.vehicles[*vehicle];
+        let mission = document
+            .into_mission(vehicle_of.autopilot, vehicle_of.airframe)
+            .map_err(|error| {
+                Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
+            })?;
+        tell_repairs(path, &mission.notes);
+        missions.push((*vehicle, mission));
+    }
+    let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
+    let review = verify::review(&file.spec, &world, &judged);
+    deliver(
+        &ReviewInput {
+            spec: &file.spec,
+            world: &world,
+            plan: None,
+            missions: &judged,
+            review: &review,
+            seed: None,
+            spec_sha256: &folder::sha256(&file.text),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        &[],
+        arguments,
+    )
+}
+
+/// A blank home row.
+const NO_HOME: Home = Home {
+    x: 0,
+    y: 0,
+    amsl_m: 0.0,
+};
+
+fn without_spec(
+    files: &[&PathBuf],
+    named: &[(&str, PathBuf)],
+    arguments: &args::Review,
+) -> Result<(), Failure> {
+    let mut lists = Vec::new();
+    let mut subjects: Vec<Subject> = Vec::new();
+    let own = named.iter().map(|(id, path)| ((*id).to_owned(), path));
+    let others = files.iter().map(|path| (folder::stem(path), *path));
+    for (id, path) in own.chain(others) {
+        let document = folder::read_document(path)?;
+        if document.is_list() {
+            tell_list(path, &document);
+            lists.push((path.clone(), document));
+            continue;
+        }
+        if let Some(other) = subjects.iter().find(|other| other.id == id) {
+            let (path, other) = (path.display(), other.path.display());
+            let message =
+                format!("{other} and {path} are both for {id}: name one (--vehicle ID=FILE)");
+            return Err(Failure::new(Failure::USAGE, message));
+        }
+        subjects.push(Subject {
+            id,
+            path: path.clone(),
+            document,
+        });
+    }
+    if subjects.is_empty() {
+        // A fence alone has nothing to fly, which the verdict says.
+        subjects.extend(lists.drain(..).map(|(path, document)| Subject {
+            id: folder::stem(&path),
+            path,
+            document: Document {
+                repairs: Vec::new(),
+                ..document
+            },
+        }));
+    }
+    let mut paths = Vec::new();
+    for subject in &mut subjects {
+        hand_out(&lists, &mut subject.document);
+        tell_losses(&subject.id, &subject.path, &subject.document);
+        paths.push(subject.path.clone());
+    }
+    let bare = without_spec::around(subjects, &arguments.limits)?;
+    for ((_, mission), path) in bare.missions.iter().zip(&paths) {
+        tell_repairs(path, &mission.notes);
+    }
+    let judged: Vec<(usize, &VehicleMission)> =
+        bare.missions.iter().map(|(v, m)| (*v, m)).collect();
+    let mut review = verify::review(&bare.spec, &bare.world, &judged);
+    let not_judged = without_spec::keep_given(&mut review, &bare.spec, &arguments.limits);
+    review.assumptions.extend(bare.assumed.iter().cloned());
+    for left_out in &not_judged {
+        let text = format!("not judged, because it was not given: {left_out}");
+        review.assumptions.push(text);
+    }
+    for text in &bare.assumed {
+        note(&format!("note: {text}"));
+    }
+    deliver(
+        &ReviewInput {
+            spec: &bare.spec,
+            world: &bare.world,
+            plan: None,
+            missions: &judged,
+            review: &review,
+            seed: None,
+            spec_sha256: &folder::sha256(&bare.text),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        &not_judged,
+        arguments,
+    )
+}
+
+/// Gives the fence and the rally points of files that hold nothing else to a mission
+/// that has none.
+fn hand_out(lists: &[(PathBuf, Document)], document: &mut Document) {
+    for (_, list) in lists {
+        if document.fence.is_empty() && !list.fence.is_empty() {
+            document.fence.clone_from(&list.fence);
+            document.fence_told = true;
+        }
+        if document.rally.is_empty() {
+            document.rally.clone_from(&list.rally);
+        }
+    }
+}
+
+/// Writes and prints what was asked for, and fails if the missions do.
+fn deliver(
+    input: &ReviewInput<'_>,
+    not_judged: &[String],
+    arguments: &args::Review,
+) -> Result<(), Failure> {
+    let review = input.review;
+    if let Some(target) = &arguments.html {
+        replace::write_file(target, report::review_html(input).as_bytes())?;
+    }
+    if let Some(target) = &arguments.svg {
+        replace::write_file(target, report::review_svg(input).as_bytes())?;
+    }
+    if arguments.json {
+        out(report::json_text(&report::review_json(review)).trim_end())?;
+    } else {
+        tell(&input.spec.name, review, not_judged)?;
+    }
+    if review.passes() {
+        Ok(())
+    } else {
+        Err(Failure::new(
+            Failure::VERDICT,
+            "the missions do not pass verification",
+        ))
+    }
+}
+
+/// Says what a file without a mission is taken for.
+fn tell_list(path: &Path, document: &Document) {
+    note(&format!(
+        "{}: {} fence items and {} rally points, for every mission that has none",
+        path.display(),
+        document.fence.len(),
+        document.rally.len()
+    ));
+    let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
+    tell_repairs(path, &repairs);
+}
+
+fn tell_repairs(path: &Path, repairs: &[String]) {
+    for repair in repairs.iter().take(MOST_TOLD) {
+        note(&format!("{}: {repair}", path.display()));
+    }
+    if let Some(more) = repairs.len().checked_sub(MOST_TOLD).filter(|&n| n > 0) {
+        note(&format!("{}: and {more} more repairs", path.display()));
+    }
+}
+
+/// Splits `ID=FILE` arguments.
+fn named(arguments: &[String]) -> Result<Vec<(&str, PathBuf)>, Failure> {
+    arguments
+        .iter()
+        .map(|argument| match argument.split_once('=') {
+            Some((id, file)) if !id.is_empty() && !file.is_empty() => Ok((id, PathBuf::from(file))),
+            _ => Err(Failure::new(
+                Failure::USAGE,
+                format!("--vehicle {argument}: not of the form ID=FILE"),
+            )),
+        })
+        .collect()
+}
+
+/// Gives each file to its vehicle: `<id>.*` by name, the named ones as told.
+pub(super) fn assign<'a>(
+    file: &SpecFile,
+    paths: impl Iterator<Item = &'a PathBuf>,
+    named: &[(&str, PathBuf)],
+) -> Result<Files, Failure> {
+    let ids = || {
+        file.spec
+            .vehicles
+            .iter()
+            .map(|v| v.id.as_str())
+            .collect::<Vec<_>>()
+            .join(", ")
+    };
+    let mut files = Files::new();
+    let mut add = |vehicle: usize, path: PathBuf| match files.insert(vehicle, path.clone()) {
+        None => Ok(()),
+        Some(other) => Err(Failure::new(
+            Failure::USAGE,
+            format!(
+                "{} and {} are both for {}: name one",
+                other.display(),
+                path.display(),
+                file.spec.vehicles[vehicle].id
+            ),
+        )),
+    };
+    for (id, path) in named {
+        let vehicle = file
+            .spec
+            .vehicles
+            .iter()
+            .position(|vehicle| vehicle.id == *id);
+        let unknown = || {
+            Failure::new(
+                Failure::USAGE,
+                format!("no vehicle {id} in the spec (there are: {})", ids()),
+            )
+        };
+        add(vehicle.ok_or_else(unknown)?, path.clone())?;
+    }
+    for path in paths {
+        let vehicle = folder::vehicle_of(path, file).ok_or_else(|| {
+            let message = format!(
+                "{}: for which vehicle? Use --vehicle ID=FILE (there are: {})",
+                path.display(),
+                ids()
+            );
+            Failure::new(Failure::USAGE, message)
+        })?;
+        add(vehicle, path.clone())?;
+    }
+    if files.is_empty() {
+        return Err(Failure::new(Failure::USAGE, "no mission files given"));
+    }
+    Ok(files)
+}
+
+/// Reads the mission of each vehicle, in the order of the spec.
+pub(super) fn read(
+    file: &SpecFile,
+    files: &Files,
+) -> Result<Vec<(usize, VehicleMission)>, Failure> {
+    files
+        .iter()
+        .map(|(vehicle, path)| Ok((*vehicle, folder::read_mission(path, file, *vehicle)?)))
+        .collect()
+}
+
+/// Says what the format of a file cannot have kept.
+fn tell_losses(id: &str, path: &Path, document: &Document) {
+    if folder::is_waypoints(path) && !document.fence_told && document.rally.is_empty() {
+        note(&format!(
+            "note: {id}: {}",
+            formats::known_losses(Format::Waypoints)
+        ));
+    }
+}
+
+fn tell(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<(), Failure> {
+    let paint = Paint::for_stdout();
+    let kept = review.margins.iter().filter(|margin| margin.ok).count();
+    let verdict = if review.passes() {
+        paint.good("pass")
+    } else {
+        paint.bad("FAIL")
+    };
+    let all = review.margins.len();
+    out(&format!("{name}: {verdict}, {kept} of {all} limits kept"))?;
+    if !review.passes() {
+        out(&table::failures(review, paint))?;
+    }
+    let mut rows = Rows::new(&["vehicle", "limit", "worst", "allowed", "where and when", ""]);
+    for margin in &review.margins {
+        let who = margin.other.as_ref().map_or_else(
+            || margin.vehicle.clone(),
+            |other| format!("{}, {other}", margin.vehicle),
+        );
+        let place = margin.at.map_or_else(String::new, |at| {
+            format!(
+                "item {}, {:.5} {:.5}, T0+{}",
+                at.item,
+                at.place.lat_deg,
+                at.place.lon_deg,
+                table::clock(at.t_s)
+            )
+        });
+        let value = |value: f64| {
+            if value.is_finite() {
+                format!("{} {}", table::number(value, 1), margin.unit)
+            } else {
+                "-".to_owned()
+            }
+        };
+        let verdict = if margin.ok {
+            paint.good("ok")
+        } else {
+            paint.bad("FAIL")
+        };
+        rows.add([
+            who,
+            margin.what.clone(),
+            value(margin.value),
+            if margin.limit.is_finite() {
+                format!("{} {}", table::sense(margin), value(margin.limit))
+            } else {
+                "-".to_owned()
+            },
+            place,
+            verdict,
+        ]);
+    }
+    for left_out in not_judged {
+        rows.add([
+            String::new(),
+            left_out.clone(),
+            "-".to_owned(),
+            "-".to_owned(),
+            String::new(),
+            paint.dim("not judged"),
+        ]);
+    }
+    out(&rows.to_string())
+}

@@ -1,0 +1,127 @@
+//! `sortie terrain`: elevation files, looked at, got from a server, and made for a vehicle.
+
+pub(super) mod export;
+pub(super) mod fetch;
+pub(super) mod http;
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::args;
+use super::print::console::out;
+use super::print::failure::Failure;
+use crate::geodesy::LatLon;
+use crate::world::{self, TerrainError, TerrainInfo};
+
+pub(super) fn run(command: &args::Terrain) -> Result<(), Failure> {
+    match command {
+        args::Terrain::Info(arguments) => info(arguments),
+        args::Terrain::Fetch(arguments) => fetch::run(arguments),
+        args::Terrain::Export(arguments) => export::run(arguments),
+    }
+}
+
+/// A file that cannot be used as ground.
+pub(super) fn unusable(path: &Path, error: &TerrainError) -> Failure {
+    Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
+}
+
+/// Looks at every file; those that cannot be used are told at the end.
+fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
+    let mut files: Vec<PathBuf> = Vec::new();
+    for path in &arguments.files {
+        if path.is_dir() {
+            let found = world::elevation_files(path).map_err(|error| unusable(path, &error))?;
+            if found.is_empty() {
+                let message = format!("{}: no elevation file in this folder", path.display());
+                return Err(Failure::new(Failure::INPUT, message));
+            }
+            files.extend(found);
+        } else {
+            files.push(path.clone());
+        }
+    }
+    let mut good = Vec::new();
+    let mut bad = Vec::new();
+    for path in files {
+        match world::inspect(&path) {
+            Ok(found) => good.push((path, found)),
+            Err(error) => bad.push(unusable(&path, &error).message),
+        }
+    }
+    if arguments.json {
+        let files: Vec<Value> = good
+            .iter()
+            .map(|(path, found)| document(path, found))
+            .collect();
+        out(&format!("{:#}", json!({ "files": files })))?;
+    } else {
+        for (path, found) in &good {
+            out(&words(path, found))?;
+        }
+    }
+    if bad.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::new(Failure::INPUT, bad.join("\n")))
+    }
+}
+
+fn words(path: &Path, found: &TerrainInfo) -> String {
+    let (south_west, north_east) = (found.south_west, found.north_east);
+    let middle = LatLon {
+        lat_deg: f64::midpoint(south_west.lat_deg, north_east.lat_deg),
+        lon_deg: south_west.lon_deg,
+    };
+    let beside = |lat_deg: f64, lon_deg: f64| {
+        middle.chord_m(LatLon {
+            lat_deg: middle.lat_deg + lat_deg,
+            lon_deg: middle.lon_deg + lon_deg,
+        })
+    };
+    let range = match found.range {
+        Some((low, high)) => format!("{:.1} m to {:.1} m", low.0, high.0),
+        None => "no height at all".to_owned(),
+    };
+    let voids = match found.voids {
+        0 => "no voids".to_owned(),
+        1 => "1 void".to_owned(),
+        voids => format!("{voids} voids"),
+    };
+    format!(
+        "{}: {}\n  latitude {:.6} to {:.6}, longitude {:.6} to {:.6}\n  \
+         {} x {} posts every {:.3}\" x {:.3}\" ({:.1} m x {:.1} m)\n  {range}, {voids}\n  {}",
+        path.display(),
+        found.format,
+        south_west.lat_deg,
+        north_east.lat_deg,
+        south_west.lon_deg,
+        north_east.lon_deg,
+        found.rows,
+        found.columns,
+        found.row_step_deg * 3600.0,
+        found.column_step_deg * 3600.0,
+        beside(found.row_step_deg, 0.0),
+        beside(0.0, found.column_step_deg),
+        found.datum,
+    )
+}
+
+fn document(path: &Path, found: &TerrainInfo) -> Value {
+    let corner = |place: LatLon| json!({ "lat_deg": place.lat_deg, "lon_deg": place.lon_deg });
+    json!({
+        "file": path.display().to_string(),
+        "format": found.format,
+        "south_west": corner(found.south_west),
+        "north_east": corner(found.north_east),
+        "rows": found.rows,
+        "columns": found.columns,
+        "row_step_deg": found.row_step_deg,
+        "column_step_deg": found.column_step_deg,
+        "voids": found.voids,
+        "lowest_amsl_m": found.range.map(|(low, _)| low.0),
+        "highest_amsl_m": found.range.map(|(_, high)| high.0),
+        "datum": found.datum,
+    })
+}

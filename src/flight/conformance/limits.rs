@@ -1,0 +1,312 @@
+//! The limits of the spec, held against what was flown.
+
+use super::{GAP_S, Trail};
+use crate::flight::record::{Fix, PopUp};
+use crate::geodesy::{EastNorth, PlanPoint};
+use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
+use crate::numeric::geometry::point_segment_distance;
+use crate::spec::{Airframe, MissionSpec, Separation};
+use crate::verify::{Margin, Moment, Sense};
+use crate::world::{Disc, World};
+
+/// On a climb-out or glide the ground must stay this share of the height above the runway below
+/// the vehicle, as in the verdict on the plan.
+const SLOPE_SHARE: f64 = 0.5;
+/// Higher above the ground than this a vehicle is in the air and must keep its distance, metres.
+const GROUNDED_M: f64 = 1.0;
+
+pub(crate) fn moment(fix: &Fix) -> Moment {
+    Moment {
+        place: fix.place,
+        amsl: fix.amsl,
+        t_s: fix.t_s,
+        item: fix.item,
+    }
+}
+
+impl Trail<'_> {
+    pub(crate) fn margins(
+        &self,
+        spec: &MissionSpec,
+        world: &World,
+        popups: &[PopUp],
+    ) -> Vec<Margin> {
+        if self.fixes().is_empty() {
+            return vec![Margin::unjudged(
+                self.id(),
+                "flight",
+                "no position was recorded",
+            )];
+        }
+        let mut margins = self.gaps();
+        let clearance = self.on_route().map(|index| {
+            let fix = &self.fixes()[index];
+            let ground = world.terrain.height(fix.place);
+            (ground.map_or(f64::NAN, |g| fix.amsl.above_ground(g).0), fix)
+        });
+        let least = Bound {
+            what: "terrain clearance".to_owned(),
+            limit: spec.area.min_agl.0,
+            sense: Sense::AtLeast,
+            unit: "m",
+        };
+        margins.extend(self.worst(least, clearance));
+        margins.extend(self.slopes(spec, world));
+        let ceiling = Bound {
+            what: "ceiling".to_owned(),
+            limit: spec.area.max_amsl.0,
+            sense: Sense::AtMost,
+            unit: "m AMSL",
+        };
+        margins.extend(self.worst(ceiling, self.fixes().iter().map(|f| (f.amsl.0, f))));
+        let all = || self.fixes().iter().zip(self.points.iter().copied());
+        let there = spec.threats.iter().zip(&world.threats);
+        let there = there.map(|(threat, disc)| (threat, *disc, f64::NEG_INFINITY));
+        let came = popups.iter().map(|popup| {
+            let center = world.frame.to_plan(popup.threat.place);
+            let radius_m = popup.threat.radius_m;
+            (&popup.threat, Disc { center, radius_m }, popup.from_s)
+        });
+        for (threat, disc, from_s) in there.chain(came) {
+            let rim = Bound {
+                what: format!("threat {}", threat.id),
+                limit: 0.0,
+                sense: Sense::AtLeast,
+                unit: "m",
+            };
+            let known = all().skip_while(|(fix, _)| fix.t_s < from_s);
+            let known: Vec<(&Fix, PlanPoint)> = known.collect();
+            // Between two positions too; the last of them is alone.
+            let next = known.iter().skip(1).chain(known.last());
+            let outside = known.iter().zip(next).map(|(&(fix, from), &(_, to))| {
+                let flat = |at: EastNorth| [at.east_m, at.north_m];
+                let ends = (flat(from.at), flat(to.at));
+                let away_m = point_segment_distance(flat(disc.center), ends.0, ends.1);
+                (away_m - disc.radius_m, fix)
+            });
+            margins.extend(self.worst(rim, outside));
+        }
+        let none = |what: String| Bound {
+            what,
+            limit: 0.0,
+            sense: Sense::AtMost,
+            unit: "positions",
+        };
+        for (zone, shape) in spec.no_fly.iter().zip(&world.zones) {
+            let inside = all().filter(|(_, point)| shape.is_closed_at(*point));
+            margins.push(self.count(none(format!("zone {}", zone.id)), inside.map(|(f, _)| f)));
+        }
+        let outside = all().filter(|(_, point)| !world.in_area(point.at));
+        margins.push(self.count(none("outside the area".to_owned()), outside.map(|(f, _)| f)));
+        margins
+    }
+
+    /// On its climb-out and its glide a plane must be as high as the verdict wants it there:
+    /// a share of its height above the runway, until that is the minimum height.
+    fn slopes(&self, spec: &MissionSpec, world: &World) -> Option<Margin> {
+        let ground = |fix: &Fix| world.terrain.height(fix.place).map_or(f64::NAN, |g| g.0);
+        let is_down = |fix: &&Fix| fix.amsl.0 - ground(fix) <= GROUNDED_M;
+        let on = |part: &dyn Fn(usize) -> bool| -> Vec<&Fix> {
+            let all = (0..self.fixes().len()).filter(|&index| part(index));
+            all.map(|index| &self.fixes()[index]).collect()
+        };
+        let parts = match self.airframe {
+            Airframe::Plane => [
+                on(&|index| self.rises(index)),
+                on(&|index| self.glides(index)),
+            ],
+            Airframe::Copter | Airframe::Vtol => return None,
+        };
+        let [rises, glides] = &parts;
+        let lift_off = rises.iter().rev().copied().find(is_down);
+        let lift_off = lift_off.or(rises.first().copied());
+        let touchdown = glides.iter().copied().find(is_down);
+        let touchdown = touchdown.or(glides.last().copied());
+        let spare = |part: &[&Fix], runway: Option<&Fix>| -> Vec<(f64, f64, Moment)> {
+            let runway_m = runway.map_or(f64::NAN, ground);
+            let wanted_m = |fix: &Fix| {
+                let share_m = SLOPE_SHARE * (fix.amsl.0 - runway_m);
+                share_m.min(spec.area.min_agl.0)
+            };
+            let up = part.iter().filter(|fix| !is_down(fix));
+            up.map(|fix| (fix.amsl.0 - ground(fix), wanted_m(fix), moment(fix)))
+                .collect()
+        };
+        let mut all = spare(rises, lift_off);
+        all.extend(spare(glides, touchdown));
+        let left_m = |of: &(f64, f64, Moment)| of.0 - of.1;
+        // What is not a number is the worst of all.
+        let badness = |of: &(f64, f64, Moment)| match left_m(of) {
+            left_m if left_m.is_nan() => f64::INFINITY,
+            left_m => -left_m,
+        };
+        let (value, limit, at) = all
+            .into_iter()
+            .max_by(|a, b| badness(a).total_cmp(&badness(b)))?;
+        let bound = Bound {
+            what: "takeoff and landing clearance".to_owned(),
+            limit,
+            sense: Sense::AtLeast,
+            unit: "m",
+        };
+        Some(Margin {
+            ok: value >= limit,
+            ..bound.margin(self.id(), value, Some(at))
+        })
+    }
+
+    /// Times of which nothing is known.
+    fn gaps(&self) -> Vec<Margin> {
+        let first = self.fixes().first();
+        let before = first.map(|first| (first.t_s - self.since_s(), first));
+        let until_s = self.flight.flown.until_s;
+        let after = self.fixes().last().zip(until_s);
+        let after = after.map(|(last, until_s)| (until_s - last.t_s, last));
+        let pairs = self.fixes().windows(2);
+        let longest = pairs
+            .map(|pair| (pair[1].t_s - pair[0].t_s, &pair[0]))
+            .chain(before)
+            .chain(after)
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let bound = Bound {
+            what: "longest time without a position".to_owned(),
+            limit: GAP_S,
+            sense: Sense::AtMost,
+            unit: "s",
+        };
+        self.worst(bound, longest.into_iter()).into_iter().collect()
+    }
+
+    /// The worst of values; one that is not a number is the worst of all.
+    pub(crate) fn worst<'f>(
+        &self,
+        bound: Bound,
+        values: impl Iterator<Item = (f64, &'f Fix)>,
+    ) -> Option<Margin> {
+        let badness = |value: f64| match bound.sense {
+            _ if value.is_nan() => f64::INFINITY,
+            Sense::AtLeast => bound.limit - value,
+            Sense::AtMost => value - bound.limit,
+        };
+        let (value, fix) = values.max_by(|a, b| badness(a.0).total_cmp(&badness(b.0)))?;
+        let note = if value.is_nan() {
+            "no elevation data there".to_owned()
+        } else {
+            String::new()
+        };
+        Some(Margin {
+            ok: badness(value) <= 0.0,
+            note,
+            ..bound.margin(self.id(), value, Some(moment(fix)))
+        })
+    }
+
+    fn count<'f>(&self, bound: Bound, mut fixes: impl Iterator<Item = &'f Fix>) -> Margin {
+        let first = fixes.next();
+        let more = u32::try_from(fixes.count()).unwrap_or(u32::MAX);
+        let value = first.map_or(0.0, |_| 1.0 + f64::from(more));
+        Margin {
+            ok: first.is_none(),
+            ..bound.margin(self.id(), value, first.map(moment))
+        }
+    }
+
+    /// The motions in the air between two positions.
+    fn motions(&self, world: &World) -> Vec<(Motion, usize)> {
+        let axes = |p: &PlanPoint| [p.at.east_m, p.at.north_m, p.amsl.0];
+        let is_up = |index: usize| {
+            let fix = &self.fixes()[index];
+            let ground = world.terrain.height(fix.place);
+            ground.map_or(true, |ground| fix.amsl.above_ground(ground).0 > GROUNDED_M)
+        };
+        (1..self.points.len())
+            .filter(|&index| is_up(index - 1) || is_up(index))
+            .map(|index| {
+                let (from, to) = (&self.fixes()[index - 1], &self.fixes()[index]);
+                let motion = Motion::between(
+                    (from.t_s, axes(&self.points[index - 1])),
+                    (to.t_s, axes(&self.points[index])),
+                );
+                (motion, index)
+            })
+            .collect()
+    }
+}
+
+/// A limit without its value.
+pub(crate) struct Bound {
+    pub(crate) what: String,
+    pub(crate) limit: f64,
+    pub(crate) sense: Sense,
+    pub(crate) unit: &'static str,
+}
+
+impl Bound {
+    pub(crate) fn margin(self, vehicle: &str, value: f64, at: Option<Moment>) -> Margin {
+        Margin {
+            vehicle: vehicle.to_owned(),
+            other: None,
+            what: self.what,
+            value,
+            limit: self.limit,
+            sense: self.sense,
+            unit: self.unit,
+            at,
+            shift: None,
+            ok: false,
+            note: String::new(),
+        }
+    }
+}
+
+/// The least distance of two vehicles at the same time, both in the air.
+pub(crate) fn separation(
+    limit: &Separation,
+    world: &World,
+    first: &Trail<'_>,
+    second: &Trail<'_>,
+) -> Option<Margin> {
+    let (a, b) = (first.motions(world), second.motions(world));
+    let mut best: Option<(f64, f64, usize)> = None;
+    let mut conflict = false;
+    let mut from = 0;
+    for (motion, index) in &a {
+        while from < b.len() && b[from].0.t1_s < motion.t0_s {
+            from += 1;
+        }
+        for (other, _) in b[from..].iter().take_while(|(o, _)| o.t0_s <= motion.t1_s) {
+            let near = match limit.vertical_m {
+                None => closest_approach(motion, other, 0.0),
+                Some(vertical_m) => {
+                    let least = least_ratio(motion, other, 0.0, limit.distance_m, vertical_m);
+                    conflict |= least.is_some_and(|least| least.value < 1.0);
+                    closest_horizontal(motion, other, 0.0, vertical_m)
+                }
+            };
+            if let Some(near) = near
+                && best.is_none_or(|(least, ..)| near.value < least)
+            {
+                best = Some((near.value, near.t_s, *index));
+            }
+        }
+    }
+    let (value, t_s, index) = best?;
+    let at = Moment {
+        t_s,
+        ..moment(&first.fixes()[index])
+    };
+    let bound = Bound {
+        what: "separation".to_owned(),
+        limit: limit.distance_m,
+        sense: Sense::AtLeast,
+        unit: "m",
+    };
+    Some(Margin {
+        other: Some(second.id().to_owned()),
+        ok: match limit.vertical_m {
+            None => value >= limit.distance_m,
+            Some(_) => !conflict,
+        },
+        ..bound.margin(first.id(), value, Some(at))
+    })
+}

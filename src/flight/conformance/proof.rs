@@ -1,0 +1,381 @@
+//! What the positions of a record prove: that the plan was flown, from home to its end. What a
+//! verdict has proven of a plan holds near its way alone, and what a record says of an end
+//! without positions that show it is no more than a word.
+
+use super::limits::Bound;
+use super::reference::Waypoint;
+use super::{GAP_S, Part, Trail};
+use crate::flight::launch::readiness::STANDS_M;
+use crate::flight::record::Fix;
+use crate::flight::session::arrival;
+use crate::flight::session::arrival::{ARRIVED_M, STILL_MPS, TURNED_RAD};
+use crate::flight::session::end::End;
+use crate::flight::session::{LATE_S, LATE_SHARE};
+use crate::path::VehicleLimits;
+use crate::spec::{Airframe, AltitudeReference, Finish, MissionSpec, Vehicle};
+use crate::verify::{EARLY_SHARE, MOST_LAG_S, Margin, Moment, SLOPE_MIN_M, Sense};
+use crate::world::World;
+
+/// Farther than this from its way a copter has left what was verified, metres: corners are cut
+/// by up to 10 m (`mission.tolerance_m` as the parameters have it), positions are some metres
+/// off. Real ArduCopters were at most 1.5 m beside their way.
+pub(crate) const BESIDE_M: f64 = 30.0;
+/// A wing that turns late by the whole corner comes out of it so many turn radii beside its way,
+/// at most. Real ArduPlane, 18 m/s: 0.6 at a right angle, 1.4 at 120 degrees, 2.2 at 150; and a
+/// QuadPlane that the wind drove away as it climbed, 59 m or 1.1.
+const TURNS: f64 = 2.0;
+/// A vehicle that landed is not higher or lower than this over the ground of the elevation
+/// data, metres: home may differ by 5 m, and a barometer drifts in flight. Real ones: 2.4 m.
+const GROUND_M: f64 = 10.0;
+/// Faster than this many times its greatest speed no vehicle gets from one place to another.
+const FASTER: f64 = 2.0;
+
+/// How far from its way a vehicle may be, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Tube {
+    across_m: f64,
+    up_m: f64,
+}
+
+impl Tube {
+    fn of(vehicle: &Vehicle) -> Self {
+        if !vehicle.airframe.has_wing() {
+            return Self {
+                across_m: BESIDE_M,
+                up_m: BESIDE_M,
+            };
+        }
+        let turns_m = TURNS * VehicleLimits::of(&at_its_fastest(vehicle)).turn_radius_m;
+        let slopes_mps = vehicle.climb_mps.max(vehicle.descent_mps);
+        Self {
+            across_m: BESIDE_M.max(turns_m),
+            up_m: BESIDE_M.max(SLOPE_MIN_M + MOST_LAG_S * slopes_mps),
+        }
+    }
+}
+
+/// How far beside its way a vehicle may be, metres.
+pub(crate) fn across_m(vehicle: &Vehicle) -> f64 {
+    Tube::of(vehicle).across_m
+}
+
+/// How a plane may leave its climb-out early.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ClimbOut {
+    /// When it has passed the place after it, seconds after T0.
+    until_s: f64,
+    /// By how much it may be off the legs until then, metres.
+    wide_m: f64,
+}
+
+impl Trail<'_> {
+    /// Since when its positions are looked for, seconds after T0.
+    pub(crate) fn since_s(&self) -> f64 {
+        let heard_s = self.flight.flown.since_s;
+        heard_s.unwrap_or_else(|| self.departs_s())
+    }
+
+    /// When it was to depart, seconds after T0.
+    fn departs_s(&self) -> f64 {
+        let first = self.flight.plans.first();
+        let home = first.and_then(|plan| plan.reference.waypoints.first());
+        home.map_or(0.0, |home| home.t_s)
+    }
+
+    /// Whether it ended as planned by its own word, and the last positions show it.
+    pub(crate) fn ends_as_planned(&self) -> bool {
+        let Some(part) = self.parts().last() else {
+            return false;
+        };
+        match self.flight.flown.end {
+            End::Landed => part.plan.lands,
+            End::Loitering => !part.plan.lands,
+            _ => false,
+        }
+    }
+
+    /// What the positions must show of a flight besides the limits of the spec; `ends_s` is when
+    /// the planned flight of the fleet ends.
+    pub(crate) fn proof(&self, spec: &MissionSpec, world: &World, ends_s: f64) -> Vec<Margin> {
+        let (Some(vehicle), false) = (self.vehicle, self.fixes().is_empty()) else {
+            return Vec::new();
+        };
+        let tube = Tube::of(vehicle);
+        let end = &self.flight.flown.end;
+        let mut margins: Vec<Margin> = self.beginning(vehicle, world).into_iter().collect();
+        margins.extend(self.leaps(vehicle));
+        // Whoever is told to hold or to land leaves its way, and does not end as planned.
+        if !matches!(end, End::Held | End::StoppedAfterHold | End::LandedEarly) {
+            margins.extend(self.off_the_way(spec, tube));
+        }
+        if matches!(end, End::Landed | End::Loitering) {
+            margins.push(self.missed(tube));
+            margins.extend(self.goal(vehicle, tube));
+            margins.extend(self.ending(world));
+            margins.extend(self.place_to_land(vehicle, spec));
+            margins.extend(self.lateness(ends_s));
+        }
+        margins
+    }
+
+    /// The first position is at home, or no further than it has flown since its departure.
+    fn beginning(&self, vehicle: &Vehicle, world: &World) -> Option<Margin> {
+        let (first, at, home) = (self.fixes().first()?, self.points.first()?, self.stations?);
+        let ground = world.terrain.height(first.place);
+        let up_m = ground.map_or(f64::NAN, |ground| first.amsl.above_ground(ground).0);
+        let flown_s = (first.t_s - self.since_s()).clamp(0.0, GAP_S);
+        let bound = Bound {
+            what: "first position from home".to_owned(),
+            limit: STANDS_M + flown_s * fastest_mps(vehicle),
+            sense: Sense::AtMost,
+            unit: "m",
+        };
+        let away_m = home.home.at.distance_m(at.at).hypot(up_m);
+        self.worst(bound, std::iter::once((away_m, first)))
+    }
+
+    /// Between two positions no vehicle is much faster than it can be.
+    fn leaps(&self, vehicle: &Vehicle) -> Option<Margin> {
+        let bound = Bound {
+            what: "speed between two positions".to_owned(),
+            limit: FASTER * fastest_mps(vehicle),
+            sense: Sense::AtMost,
+            unit: "m/s",
+        };
+        let pairs = self.fixes().windows(2).zip(self.points.windows(2));
+        let speeds = pairs.map(|(fixes, points)| {
+            // Positions are off by so much, not vehicles fast.
+            let gone_m = (points[0].distance_m(points[1]) - BESIDE_M).max(0.0);
+            (gone_m / (fixes[1].t_s - fixes[0].t_s), &fixes[1])
+        });
+        self.worst(bound, speeds)
+    }
+
+    /// How far it was beside its way, and over or under it, where that is worst.
+    fn off_the_way(&self, spec: &MissionSpec, tube: Tube) -> Vec<Margin> {
+        let climb_out = self.climb_out();
+        let follows = spec.mission.altitude == AltitudeReference::Terrain;
+        let mut aside = Vec::new();
+        let mut up = Vec::new();
+        for (index, of) in self.deviations() {
+            let fix = &self.fixes()[index];
+            let early = climb_out.filter(|climb| fix.t_s < climb.until_s);
+            let wide_m = early.map_or(0.0, |climb| climb.wide_m) + of.circle_m;
+            aside.push((of.cross_track_m, tube.across_m + wide_m, fix));
+            let level = early.is_none() && !follows && !self.follows_ground(index);
+            if level {
+                up.push((of.above_m.abs(), tube.up_m, fix));
+            }
+        }
+        let [aside, up] = [
+            ("beside the planned way", aside),
+            ("over or under the planned way", up),
+        ]
+        .map(|(what, values)| self.furthest(what, values));
+        aside.into_iter().chain(up).collect()
+    }
+
+    /// The worst of distances, each with its own limit.
+    fn furthest(&self, what: &str, values: Vec<(f64, f64, &Fix)>) -> Option<Margin> {
+        let over_m = |of: &(f64, f64, &Fix)| of.0 - of.1;
+        let worst = values.into_iter();
+        let worst = worst.max_by(|a, b| over_m(a).total_cmp(&over_m(b)));
+        let (value, limit, fix) = worst?;
+        let bound = Bound {
+            what: what.to_owned(),
+            limit,
+            sense: Sense::AtMost,
+            unit: "m",
+        };
+        self.worst(bound, std::iter::once((value, fix)))
+    }
+
+    /// Until a plane has passed the place after its climb-out it may be on a way of its own there.
+    fn climb_out(&self) -> Option<ClimbOut> {
+        let part = self.parts().next()?;
+        let (home, top) = (part.plan.waypoints.first()?, part.plan.waypoints.get(1)?);
+        let next = part.plan.waypoints.get(2)?;
+        if self.airframe != Airframe::Plane {
+            return None;
+        }
+        let passages = self.passages(&part);
+        let passed = passages.iter().find(|passage| passage.item == next.item);
+        Some(ClimbOut {
+            until_s: passed.map_or(f64::INFINITY, |passage| passage.flown_s),
+            wide_m: (1.0 - EARLY_SHARE) * home.point.at.distance_m(top.point.at),
+        })
+    }
+
+    /// Waypoints that were not passed.
+    fn missed(&self, tube: Tube) -> Margin {
+        let parts: Vec<Part<'_>> = self.parts().collect();
+        let mut missed: Vec<(&Waypoint, String)> = Vec::new();
+        for (number, part) in parts.iter().enumerate() {
+            let passages = self.passages(part);
+            for waypoint in self.due(part, number + 1 == parts.len()) {
+                let mut passed = passages.iter().filter(|p| p.item == waypoint.item);
+                let limit_m = tube.across_m.max(tube.up_m);
+                match passed.next() {
+                    Some(passage) if passage.distance_m <= limit_m => {}
+                    Some(passage) => {
+                        let (item, away_m) = (waypoint.item, passage.distance_m);
+                        missed.push((waypoint, format!("item {item} passed {away_m:.0} m away")));
+                    }
+                    None => missed.push((waypoint, format!("item {} not reached", waypoint.item))),
+                }
+            }
+        }
+        let bound = Bound {
+            what: "waypoints missed".to_owned(),
+            limit: 0.0,
+            sense: Sense::AtMost,
+            unit: "waypoints",
+        };
+        let count = u32::try_from(missed.len()).unwrap_or(u32::MAX);
+        let first = missed.into_iter().next();
+        let frame = parts.first().map(|part| part.plan.frame());
+        let at = first
+            .as_ref()
+            .zip(frame)
+            .map(|((waypoint, _), frame)| Moment {
+                place: frame.from_plan(waypoint.point.at),
+                amsl: waypoint.point.amsl,
+                t_s: waypoint.t_s,
+                item: waypoint.item,
+            });
+        Margin {
+            ok: count == 0,
+            note: first.map_or_else(String::new, |(_, why)| why),
+            ..bound.margin(self.id(), f64::from(count), at)
+        }
+    }
+
+    /// The waypoints that had to be passed while a plan was flown: all that were ahead, of a plan
+    /// that another took the place of those before the item that was flown to. Not the last
+    /// item, of which the last position tells, nor the place where a climb-out ends.
+    fn due<'p>(&self, part: &Part<'p>, is_last: bool) -> impl Iterator<Item = &'p Waypoint> {
+        let waypoints = part.plan.waypoints.iter();
+        let last = waypoints.clone().next_back().map_or(0, |last| last.item);
+        let fixes = &self.fixes()[part.fixes.clone()];
+        let begun = fixes.iter().map(|fix| fix.item).max().unwrap_or(0);
+        let until = if is_last { last } else { begun.min(last) };
+        let climbs_out = self.airframe == Airframe::Plane && part.fixes.start == 0;
+        let first = part.ahead + usize::from(climbs_out);
+        waypoints
+            .skip(first)
+            .filter(move |waypoint| waypoint.item < until)
+    }
+
+    /// It was where the spec has its goal.
+    fn goal(&self, vehicle: &Vehicle, tube: Tube) -> Option<Margin> {
+        let goal = self.stations?.goal.at;
+        let circle_m = vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
+        let away = self.points.iter().map(|point| point.at.distance_m(goal));
+        let nearest = away.zip(self.fixes());
+        let (away_m, fix) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let bound = Bound {
+            what: "nearest to its goal".to_owned(),
+            limit: tube.across_m + circle_m,
+            sense: Sense::AtMost,
+            unit: "m",
+        };
+        self.worst(bound, std::iter::once((away_m, fix)))
+    }
+
+    /// It landed where the spec wants it to, whatever plan it was given.
+    fn place_to_land(&self, vehicle: &Vehicle, spec: &MissionSpec) -> Option<Margin> {
+        let (last, at, stations) = (self.fixes().last()?, self.points.last()?, self.stations?);
+        let place = match (vehicle.finish, &self.flight.flown.end) {
+            (Finish::Land, End::Landed) => stations.landing,
+            (Finish::Return, End::Landed) => stations.home.at,
+            _ => return None,
+        };
+        let bound = Bound {
+            what: "last position from where the spec ends".to_owned(),
+            limit: arrival::landing_m(self.airframe) + spec.mission.tolerance_m,
+            sense: Sense::AtMost,
+            unit: "m",
+        };
+        self.worst(bound, std::iter::once((place.distance_m(at.at), last)))
+    }
+
+    /// So late that `fly` would have given it up. In a capture nobody knows when a vehicle was to
+    /// start: whoever armed it late started it late.
+    fn lateness(&self, ends_s: f64) -> Option<Margin> {
+        let bound = Bound {
+            what: "end of the flight".to_owned(),
+            limit: ends_s * (1.0 + LATE_SHARE) + LATE_S,
+            sense: Sense::AtMost,
+            unit: "s",
+        };
+        let last = self.fixes().last()?;
+        let Some(until_s) = self.flight.flown.until_s else {
+            let why = "the record does not say when it ended";
+            return Some(Margin::unjudged(self.id(), bound.what, why));
+        };
+        let waited_s = (self.since_s() - self.departs_s()).max(0.0);
+        self.worst(bound, std::iter::once((until_s - waited_s, last)))
+    }
+
+    /// The last positions show the end that the record tells of.
+    fn ending(&self, world: &World) -> Vec<Margin> {
+        let (Some(last), Some(part)) = (self.fixes().last(), self.parts().last()) else {
+            return Vec::new();
+        };
+        let at_most = |what: &str, limit: f64, unit| Bound {
+            what: what.to_owned(),
+            limit,
+            sense: Sense::AtMost,
+            unit,
+        };
+        let away_m = arrival::away_m(part.plan, last.place);
+        let one = |bound: Bound, value: f64| self.worst(bound, std::iter::once((value, last)));
+        const AWAY: &str = "last position from the planned end";
+        let margins = match self.flight.flown.end {
+            End::Landed => {
+                let ground = world.terrain.height(last.place);
+                let up_m = ground.map_or(f64::NAN, |ground| last.amsl.above_ground(ground).0);
+                [
+                    one(
+                        at_most(AWAY, arrival::landing_m(self.airframe), "m"),
+                        away_m,
+                    ),
+                    one(
+                        at_most("last position from the ground", GROUND_M, "m"),
+                        up_m.abs(),
+                    ),
+                ]
+            }
+            _ if self.airframe.has_wing() => {
+                let fixes = &self.fixes()[part.fixes.clone()];
+                let turned_deg = arrival::circled_rad(part.plan, fixes).to_degrees();
+                let turned = Bound {
+                    what: "turned on its circle".to_owned(),
+                    limit: TURNED_RAD.to_degrees(),
+                    sense: Sense::AtLeast,
+                    unit: "deg",
+                };
+                [one(turned, turned_deg), None]
+            }
+            _ => [
+                one(at_most(AWAY, ARRIVED_M, "m"), away_m),
+                one(at_most("last speed", STILL_MPS, "m/s"), last.speed_mps),
+            ],
+        };
+        margins.into_iter().flatten().collect()
+    }
+}
+
+/// The greatest speed in any direction, m/s.
+fn fastest_mps(vehicle: &Vehicle) -> f64 {
+    let upright_mps = vehicle.climb_mps.max(vehicle.descent_mps);
+    at_its_fastest(vehicle).fastest_mps().hypot(upright_mps)
+}
+
+/// A vehicle whose speed the spec leaves open, at the greatest that it may have.
+pub(crate) fn at_its_fastest(vehicle: &Vehicle) -> Vehicle {
+    Vehicle {
+        speed_mps: vehicle.speeds().most,
+        ..vehicle.clone()
+    }
+}

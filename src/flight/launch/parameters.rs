@@ -1,0 +1,163 @@
+//! The parameters that the verdict assumes, against those of the vehicle.
+
+use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
+use crate::mission::{Parameter, other_name};
+
+/// Between two requests for one parameter, milliseconds.
+const REPEAT_MS: u64 = 400;
+/// Requests before a parameter counts as unknown to the vehicle.
+const MOST: u8 = 6;
+
+/// One parameter after the other, read and, if asked for, set.
+#[derive(Clone, Debug)]
+pub(crate) struct SettingsCheck<'a> {
+    wanted: &'a [Parameter],
+    at: usize,
+    due: Time,
+    asked: u8,
+    /// Whether a difference is set right.
+    set: bool,
+    /// What is being set.
+    setting: Option<ParamValue>,
+    bytewise: bool,
+    /// Names that the vehicle does not tell.
+    untold: Vec<&'a str>,
+    differences: Vec<String>,
+}
+
+impl<'a> SettingsCheck<'a> {
+    /// Begins with the first. PX4 sends whole numbers byte by byte (`bytewise`).
+    pub(crate) fn new(wanted: &'a [Parameter], set: bool, bytewise: bool, now: Time) -> Self {
+        Self {
+            wanted,
+            at: 0,
+            due: now,
+            asked: 0,
+            set,
+            setting: None,
+            bytewise,
+            untold: Vec::new(),
+            differences: Vec::new(),
+        }
+    }
+
+    /// Every difference in a sentence, once all were read.
+    pub(crate) fn outcome(&self) -> Option<&[String]> {
+        (self.at >= self.wanted.len()).then_some(&self.differences)
+    }
+
+    /// Takes in a parameter of the vehicle.
+    pub(crate) fn heard(&mut self, now: Time, name: &str, held: ParamValue) {
+        let Some(wanted) = self.wanted.get(self.at).filter(|w| w.name == name) else {
+            return;
+        };
+        let value = held.value(self.bytewise);
+        if is_same(value, wanted.value) {
+            return self.next(now);
+        }
+        if self.set && self.setting.is_none() {
+            self.setting = Some(held.with(wanted.value, self.bytewise));
+            (self.due, self.asked) = (now, 0);
+        } else if !self.set {
+            self.differences.push(format!(
+                "parameter {name} is {value}, the verdict assumes {} ({})",
+                wanted.value, wanted.why
+            ));
+            self.next(now);
+        }
+    }
+
+    /// What is to be sent now.
+    pub(crate) fn poll(&mut self, now: Time, target: Address) -> Option<Message> {
+        let wanted = self.wanted.get(self.at)?;
+        if now < self.due {
+            return None;
+        }
+        if self.asked >= MOST {
+            if self.setting.is_some() {
+                self.differences.push(format!(
+                    "parameter {} does not take {}",
+                    wanted.name, wanted.value
+                ));
+            } else if !self.has_another_name(&wanted.name) {
+                self.differences.push(format!(
+                    "parameter {} is not told by the vehicle, the verdict assumes {} ({})",
+                    wanted.name, wanted.value, wanted.why
+                ));
+            }
+            if self.setting.is_none() {
+                self.untold.push(&wanted.name);
+            }
+            self.next(now);
+            return self.poll(now, target);
+        }
+        self.asked += 1;
+        self.due = now + REPEAT_MS;
+        let name = wanted.name.clone();
+        Some(Message::Flight(match self.setting {
+            Some(value) => FlightMessage::ParamSet {
+                target,
+                name,
+                value,
+            },
+            None => FlightMessage::ParamRead { target, name },
+        }))
+    }
+
+    /// Whether the vehicle told, or will be asked for, the same parameter under its other name.
+    fn has_another_name(&self, name: &str) -> bool {
+        other_name(name).is_some_and(|other| {
+            self.wanted.iter().any(|wanted| wanted.name == other) && !self.untold.contains(&other)
+        })
+    }
+
+    fn next(&mut self, now: Time) {
+        self.at += 1;
+        (self.asked, self.due, self.setting) = (0, now, None);
+    }
+}
+
+/// Equal as far as a float32 that went through centimetres can be.
+fn is_same(a: f32, b: f32) -> bool {
+    (a - b).abs() <= 1e-4 * a.abs().max(b.abs()).max(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The differences that a vehicle is found to have which knows these names alone.
+    fn differences(known: &[&str]) -> Vec<String> {
+        let wanted = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN", "WP_RADIUS"].map(|name| Parameter {
+            name: name.to_owned(),
+            value: 1.0,
+            why: String::new(),
+        });
+        let mut now = Time(0);
+        let mut check = SettingsCheck::new(&wanted, false, false, now);
+        let target = Address {
+            system: 1,
+            component: 1,
+        };
+        while check.outcome().is_none() {
+            if let Some(Message::Flight(FlightMessage::ParamRead { name, .. })) =
+                check.poll(now, target)
+                && known.contains(&name.as_str())
+            {
+                check.heard(now, &name, ParamValue::float(1.0));
+            }
+            now = now + REPEAT_MS;
+        }
+        check.outcome().unwrap_or_default().to_vec()
+    }
+
+    #[test]
+    fn a_parameter_with_two_names_is_told_under_either() {
+        assert!(differences(&["ALT_SLOPE_MIN", "WP_RADIUS"]).is_empty());
+        assert!(differences(&["GLIDE_SLOPE_MIN", "WP_RADIUS"]).is_empty());
+        let neither = differences(&["WP_RADIUS"]);
+        assert_eq!(neither.len(), 1, "{neither:?}");
+        assert!(neither[0].contains("GLIDE_SLOPE_MIN is not told"));
+        assert_eq!(differences(&["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"]).len(), 1);
+    }
+}

@@ -1,0 +1,66 @@
+//! Whether a vehicle is where and what the plan takes it to be.
+
+use crate::geodesy::LatLon;
+use crate::link::{List, Onboard, differences};
+use crate::mission::{Home, VehicleMission};
+
+/// A reported home may be this far from the assumed one, metres across and in height.
+pub(crate) const HOME_ACROSS_M: f64 = 10.0;
+pub(crate) const HOME_UP_M: f64 = 5.0;
+/// A vehicle may stand this far from its home, metres.
+pub(crate) const STANDS_M: f64 = 15.0;
+
+/// The place of a home.
+pub(crate) fn place(home: &Home) -> LatLon {
+    LatLon::of_e7(home.x, home.y)
+}
+
+/// In what the reported home differs from the assumed one, if that matters.
+pub(crate) fn home_problem(assumed: &Home, reported: &Home) -> Option<String> {
+    let across_m = place(assumed).chord_m(place(reported));
+    let up_m = f64::from(reported.amsl_m) - f64::from(assumed.amsl_m);
+    if across_m > HOME_ACROSS_M {
+        return Some(format!(
+            "home is {across_m:.0} m from where the plan has it (allowed: {HOME_ACROSS_M:.0} m)"
+        ));
+    }
+    (up_m.abs() > HOME_UP_M).then(|| {
+        format!(
+            "home is at {:.1} m above the sea, the plan has it at {:.1} m (allowed: {HOME_UP_M:.0} m of difference)",
+            reported.amsl_m, assumed.amsl_m
+        )
+    })
+}
+
+/// In what the lists on board differ from the plan's, in sentences.
+pub(crate) fn list_problems(mission: &VehicleMission, onboard: &Onboard) -> Vec<String> {
+    let autopilot = onboard.autopilot.unwrap_or(mission.autopilot);
+    if autopilot != mission.autopilot {
+        return vec![format!("it is a {}", onboard.description)];
+    }
+    let lists = [
+        (List::Mission, &mission.items, &onboard.mission),
+        (List::Fence, &mission.fence, &onboard.fence),
+        (List::Rally, &mission.rally, &onboard.rally),
+    ];
+    let mut problems = Vec::new();
+    for (list, planned, held) in lists {
+        let found = differences(autopilot, mission.airframe, list, planned, held);
+        if let Some(first) = found.first() {
+            let more = match found.len() {
+                1 => String::new(),
+                count => format!(", and {} more", count - 1),
+            };
+            problems.push(format!(
+                "what is on board is not the plan: {list}{}: {} is {}, planned {}{more}",
+                first
+                    .row
+                    .map_or_else(String::new, |row| format!(" item {row}")),
+                first.field,
+                first.read,
+                first.sent
+            ));
+        }
+    }
+    problems
+}

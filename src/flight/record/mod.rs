@@ -1,0 +1,132 @@
+//! What was flown.
+
+pub(super) mod invalid_line;
+pub(super) mod lines;
+pub(super) mod read;
+pub(super) mod tlog;
+
+use super::conformance::reference::Reference;
+use crate::geodesy::{Amsl, LatLon};
+use crate::spec::Threat;
+
+/// Where a vehicle was at one time, by its own word.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fix {
+    /// Seconds after T0.
+    pub t_s: f64,
+    /// Where.
+    pub place: LatLon,
+    /// How high.
+    pub amsl: Amsl,
+    /// Ground speed, m/s.
+    pub speed_mps: f64,
+    /// Row of the `.waypoints` file that it was flying to; home is 0.
+    pub item: usize,
+    /// Items on board without home, by its own word; 0 where it does not tell.
+    pub items: usize,
+}
+
+/// The flight of one vehicle.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Flown {
+    /// Since when its positions are looked for, seconds after T0; none: since its planned departure.
+    pub since_s: Option<f64>,
+    /// When it ended, seconds after T0; none for a flight that nobody saw the end of.
+    pub until_s: Option<f64>,
+    /// In order of time, from T0 to the end.
+    pub fixes: Vec<Fix>,
+    /// When each item was said to be reached, seconds after T0.
+    pub reached: Vec<(usize, f64)>,
+    /// How it ended.
+    pub end: super::End,
+}
+
+/// A plan, and what tells that a vehicle flies it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// Items of its mission without home. A new plan has another number than the one
+    /// before it, so that the vehicle's own word tells them apart.
+    pub items: usize,
+    /// What is flown is held against this.
+    pub reference: Reference,
+}
+
+/// A threat that was not there when the fleet took off.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PopUp {
+    /// From when on it was known, seconds after T0.
+    pub from_s: f64,
+    /// Where.
+    pub threat: Threat,
+}
+
+/// One vehicle's part of a record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flight {
+    /// Id in the spec.
+    pub vehicle: String,
+    /// The plans that it was given, one after the other; the first before it took off.
+    pub plans: Vec<Plan>,
+    /// What it flew.
+    pub flown: Flown,
+}
+
+/// A flight as it was recorded: all that its verdict needs besides the spec.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Record {
+    /// SHA-256 of the spec file, hexadecimal.
+    pub spec_sha256: String,
+    /// Seconds since 1970 at T0.
+    pub t0_unix_s: u64,
+    /// How much faster than the wall's clock the vehicles' time went.
+    pub speedup: f64,
+    /// In the order of the spec.
+    pub flights: Vec<Flight>,
+    /// Threats that came up on the way.
+    pub popups: Vec<PopUp>,
+}
+
+impl Flown {
+    /// Takes down that an item was said to be reached; whether that is news. PX4 says it ten
+    /// times. A plan that it is given on the way begins at the first item again.
+    pub(super) fn reach(&mut self, item: usize, t_s: f64) -> bool {
+        let is_new = self.reached.last().is_none_or(|(last, _)| *last != item);
+        if is_new {
+            self.reached.push((item, t_s));
+        }
+        is_new
+    }
+}
+
+impl Flight {
+    /// Which of the plans each position was flown by: a vehicle flies the next one from
+    /// where it first says that it holds as many items, and those before it no longer.
+    #[must_use]
+    pub fn plan_of_each(&self) -> Vec<usize> {
+        let mut at = 0;
+        let of = |fix: &Fix| {
+            let items = |plan: usize| self.plans.get(plan).map(|plan| plan.items);
+            if fix.items > 0 && items(at) != Some(fix.items) {
+                let next = (at + 1..self.plans.len()).find(|&next| items(next) == Some(fix.items));
+                at = next.unwrap_or(at);
+            }
+            at
+        };
+        self.flown.fixes.iter().map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_item_is_reached_once_however_often_that_is_said_and_again_in_a_later_plan() {
+        let mut flown = Flown::default();
+        let said = [1, 2, 2, 2, 3, 3, 1, 2, 2];
+        let news = said.map(|item| flown.reach(item, 0.0));
+        let items: Vec<usize> = flown.reached.iter().map(|of| of.0).collect();
+        assert_eq!(items, [1, 2, 3, 1, 2]);
+        assert_eq!(news.iter().filter(|is_new| **is_new).count(), 5);
+    }
+}

@@ -1,0 +1,200 @@
+//! A record made of its lines again.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
+
+use super::invalid_line;
+use super::lines::{Line, place};
+use super::{Fix, Flight, Record};
+use crate::flight::session::end::End;
+use crate::geodesy::{Amsl, LocalFrame};
+
+/// How much faster than the clock simulated vehicles may fly.
+pub const SPEEDUP: RangeInclusive<f64> = 0.1..=100.0;
+/// A threat is recorded so soon after the last position at the latest, on the wall's clock, seconds.
+const AHEAD_S: f64 = 10.0;
+
+/// A line that says nothing, or what cannot be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line}: {why}")]
+pub struct Broken {
+    /// From 1.
+    pub line: usize,
+    /// What is wrong.
+    pub why: String,
+}
+
+/// Reads a record; `frame` is that of the spec.
+///
+/// # Errors
+/// [`Broken`], with the first line that is none of a record: also what can only be once and
+/// is told again, and what comes after the end of a vehicle's flight. A last line that was cut
+/// off is left out: so does a flight end whose computer stopped.
+pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
+    let mut reading = Reading {
+        frame,
+        record: Record {
+            speedup: 1.0,
+            ..Record::default()
+        },
+        places: BTreeMap::new(),
+        once: BTreeSet::new(),
+        fleet: None,
+        latest_s: 0.0,
+    };
+    let count = text.lines().count();
+    for (index, text) in text.lines().enumerate() {
+        if text.trim().is_empty() {
+            continue;
+        }
+        let broken = |why: String| Broken {
+            line: index + 1,
+            why,
+        };
+        match serde_json::from_str::<Line>(text) {
+            Ok(line) => reading.take(line).map_err(broken)?,
+            Err(_) if index + 1 == count && count > 1 && invalid_line::is_cut_off(text) => {}
+            Err(_) => return Err(broken(invalid_line::why(text))),
+        }
+    }
+    if reading.record.flights.is_empty() {
+        let why = "no position of any vehicle".to_owned();
+        return Err(Broken { line: 1, why });
+    }
+    Ok(reading.record)
+}
+
+fn end_of(vehicle: &str) -> String {
+    format!("the end of {vehicle}")
+}
+
+struct Reading {
+    frame: LocalFrame,
+    record: Record,
+    places: BTreeMap<String, usize>,
+    /// What was told and can be told once: the header, T0, the end of each vehicle.
+    once: BTreeSet<String>,
+    /// The latest position so far, seconds after T0.
+    latest_s: f64,
+    /// Who flies, by the header.
+    fleet: Option<BTreeSet<String>>,
+}
+
+impl Reading {
+    fn of(&mut self, vehicle: &str) -> &mut Flight {
+        let flights = &mut self.record.flights;
+        let index = *self.places.entry(vehicle.to_owned()).or_insert_with(|| {
+            flights.push(Flight {
+                vehicle: vehicle.to_owned(),
+                plans: Vec::new(),
+                flown: crate::flight::Flown::default(),
+            });
+            flights.len() - 1
+        });
+        &mut flights[index]
+    }
+
+    /// What is told of once must not be told again.
+    fn once(&mut self, what: String) -> Result<(), String> {
+        if self.once.contains(&what) {
+            return Err(format!("{what} was told before"));
+        }
+        self.once.insert(what);
+        Ok(())
+    }
+
+    /// What is told of a vehicle: of one of the fleet, from T0 to its end.
+    fn told(&self, t_s: f64, vehicle: &str) -> Result<(), String> {
+        let is_stranger = |fleet: &BTreeSet<String>| !fleet.contains(vehicle);
+        if self.fleet.as_ref().is_some_and(is_stranger) {
+            return Err(format!(
+                "{vehicle} is none of the vehicles of the first line"
+            ));
+        }
+        if self.once.contains(&end_of(vehicle)) {
+            return Err(format!("comes after the end of {vehicle}"));
+        }
+        if t_s < 0.0 {
+            return Err(format!("{t_s} s is before T0"));
+        }
+        Ok(())
+    }
+
+    fn take(&mut self, line: Line) -> Result<(), String> {
+        match line {
+            Line::Head {
+                spec_sha256,
+                speedup,
+                vehicles,
+                ..
+            } => {
+                self.once("the header".to_owned())?;
+                if !SPEEDUP.contains(&speedup) {
+                    let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
+                    return Err(format!("`speedup` {speedup} (allowed: {least} to {most})"));
+                }
+                self.record.spec_sha256 = spec_sha256;
+                self.record.speedup = speedup;
+                for vehicle in &vehicles {
+                    self.of(vehicle);
+                }
+                let count = vehicles.len();
+                let fleet: BTreeSet<String> = vehicles.into_iter().collect();
+                if fleet.len() < count {
+                    return Err("a vehicle is in the header twice".to_owned());
+                }
+                self.fleet = Some(fleet);
+            }
+            Line::Start { t0_unix_s } => {
+                self.once("T0".to_owned())?;
+                self.record.t0_unix_s = t0_unix_s;
+            }
+            Line::Plan { t_s, vehicle, plan } => {
+                self.told(t_s, &vehicle)?;
+                let plan = plan.plan(self.frame)?;
+                self.of(&vehicle).plans.push(plan);
+            }
+            Line::Threat { t_s, threat } => {
+                let mut popup = threat.popup(t_s)?;
+                // A record is written as things happen: no threat comes up long after the
+                // positions before it, to count for none of those behind it.
+                let until_s = self.latest_s + AHEAD_S * self.record.speedup.max(1.0);
+                popup.from_s = popup.from_s.min(until_s);
+                self.record.popups.push(popup);
+            }
+            Line::Fix(line) => {
+                self.told(line.t_s, &line.vehicle)?;
+                let fix = Fix {
+                    t_s: line.t_s,
+                    place: place(line.lat_deg, line.lon_deg)?,
+                    amsl: Amsl(line.amsl_m),
+                    speed_mps: line.speed_mps,
+                    item: line.item,
+                    items: line.items,
+                };
+                let fixes = &mut self.of(&line.vehicle).flown.fixes;
+                if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
+                    return Err(format!("{} is not later than the line before", line.t_s));
+                }
+                fixes.push(fix);
+                self.latest_s = self.latest_s.max(fix.t_s);
+            }
+            Line::Reached {
+                t_s,
+                vehicle,
+                reached,
+            } => {
+                self.told(t_s, &vehicle)?;
+                self.of(&vehicle).flown.reached.push((reached, t_s));
+            }
+            Line::End { vehicle, end, t_s } => {
+                self.told(t_s.unwrap_or(0.0), &vehicle)?;
+                self.once(end_of(&vehicle))?;
+                let flown = &mut self.of(&vehicle).flown;
+                (flown.end, flown.until_s) = (End::of_words(&end), t_s);
+            }
+            Line::Event { .. } => {}
+        }
+        Ok(())
+    }
+}

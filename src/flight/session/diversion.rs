@@ -1,0 +1,233 @@
+//! A vehicle in flight is given another mission and goes on with it, without a stop.
+
+use super::pending_command::{Answer, Asking};
+use super::set_current::Setting;
+use crate::flight::conformance::leg::leg_at;
+use crate::flight::conformance::proof::BESIDE_M;
+use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
+use crate::link::{
+    Address, Body, Command, CommandResult, FlightMessage, Heartbeat, Message, MissionMessage,
+    MissionResult, Order, Session, Time, Verdict,
+};
+use crate::mission::VehicleMission;
+use crate::spec::Autopilot;
+
+/// `MAV_MISSION_TYPE_MISSION`.
+const MISSION: u8 = 0;
+
+/// What is wrong with who does not answer any more.
+const UNSAID: &str = "holds the new mission, and did not say that it goes on with it";
+
+/// What a vehicle in flight shall go on with.
+#[derive(Clone, Copy, Debug)]
+pub struct Onward<'a> {
+    /// Id in the spec.
+    pub vehicle: &'a str,
+    /// The new mission.
+    pub mission: &'a VehicleMission,
+    /// Where the leg to the first item ahead begins.
+    pub origin: LatLon,
+    /// Indices of items: the first ahead, and the first that was not in the mission before
+    /// (`ahead..new` lie on the present way).
+    pub ahead: usize,
+    /// See `ahead`.
+    pub new: usize,
+}
+
+/// The transfer of a new mission to a vehicle in flight, and the command to go on with
+/// it where the vehicle is. Same driver contract as [`Session`].
+///
+/// ArduPilot replaces items under way and keeps its place in the list: as long as it flies
+/// to an item that both missions have it needs no command. PX4 takes the new mission as a
+/// whole and begins it, so it is told where to go on as soon as it has it, before
+/// the mission is read back.
+#[derive(Debug)]
+pub struct Diversion<'a> {
+    session: Session<'a>,
+    vehicle: Address,
+    onward: Onward<'a>,
+    /// Where the vehicle was last heard to be, and how fast it flew to the east and the north, m/s.
+    here: Option<(LatLon, (f64, f64))>,
+    asking: Option<Asking>,
+    /// The same by message.
+    setting: Option<Setting>,
+    /// Whether the vehicle has the new mission and goes on with it; or what is wrong.
+    going: Option<Result<(), String>>,
+    outcome: Option<Result<(), String>>,
+}
+
+impl<'a> Diversion<'a> {
+    /// Begins the transfer in the name of `us`, to a vehicle that was heard already.
+    #[must_use]
+    pub fn new(
+        onward: Onward<'a>,
+        (vehicle, beat): (Address, Heartbeat),
+        others: Vec<u8>,
+        us: Address,
+        now: Time,
+    ) -> Self {
+        let order = Order {
+            vehicle: onward.vehicle,
+            sysid: vehicle.system,
+            mission: onward.mission,
+            // It is armed, and that is meant.
+            force: true,
+            others,
+        };
+        let mut session = Session::new(order, us, now);
+        session.handle(now, vehicle, &Message::Heartbeat(beat));
+        Self {
+            session,
+            vehicle,
+            onward,
+            here: None,
+            asking: None,
+            setting: None,
+            going: None,
+            outcome: None,
+        }
+    }
+
+    /// Takes in a message, whoever sent it.
+    pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
+        self.session.handle(now, from, message);
+        if from.system != self.vehicle.system {
+            return;
+        }
+        match message {
+            Message::Flight(FlightMessage::Position(position)) => {
+                let [north, east, _] = position.velocity_cmps.map(|cmps| f64::from(cmps) / 100.0);
+                self.here = Some((position.place(), (east, north)));
+            }
+            Message::Flight(FlightMessage::CommandAck {
+                command, result, ..
+            }) => {
+                if let Some(asking) = &mut self.asking {
+                    asking.answered(now, *command, *result);
+                }
+            }
+            Message::MissionCurrent { seq, total, .. } => {
+                if let Some(setting) = &mut self.setting {
+                    setting.heard(*seq, *total);
+                }
+            }
+            Message::Mission(MissionMessage {
+                mission_type: MISSION,
+                body:
+                    Body::Ack {
+                        result: MissionResult::ACCEPTED,
+                        ..
+                    },
+                ..
+            }) => self.has_the_mission(now),
+            _ => {}
+        }
+    }
+
+    /// The vehicle holds the new mission, by its own word.
+    fn has_the_mission(&mut self, now: Time) {
+        if self.asking.is_some() || self.setting.is_some() || self.going.is_some() {
+            return;
+        }
+        let Some((beside_m, next)) = self.here.map(|here| self.on(here)) else {
+            self.going = Some(Err(
+                "took its new mission, and does not say where".to_owned()
+            ));
+            return;
+        };
+        if beside_m > BESIDE_M {
+            self.going = Some(Err(format!(
+                "took its new mission too late, {beside_m:.0} m beside the new path: hold or land it"
+            )));
+        }
+        let goes_on = self.onward.mission.autopilot == Autopilot::ArduPilot;
+        if goes_on && next < self.onward.new && beside_m <= BESIDE_M {
+            self.going = Some(Ok(()));
+            return;
+        }
+        let whole = |count: usize| u16::try_from(count).unwrap_or(0);
+        match self.onward.mission.autopilot {
+            // It counts home.
+            Autopilot::ArduPilot => {
+                let seq = f32::from(whole(next + 1));
+                let order = Command::new(Command::SET_MISSION_CURRENT, [seq]);
+                self.asking = Some(Asking::new(self.vehicle, order, now));
+            }
+            Autopilot::Px4 => {
+                let total = whole(self.onward.mission.items.len());
+                self.setting = Some(Setting::new(self.vehicle, whole(next), total, now));
+            }
+        }
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Time) {
+        self.session.handle_timeout(now);
+        if self.outcome.is_some() {
+            return;
+        }
+        if let (Some(asking), None) = (&self.asking, &self.going) {
+            self.going = match asking.answer(now) {
+                Answer::None => None,
+                Answer::Result(CommandResult::ACCEPTED) => Some(Ok(())),
+                Answer::Result(result) => Some(Err(format!(
+                    "holds the new mission, and refused to go on with it: {result}"
+                ))),
+                Answer::Silence => Some(Err(UNSAID.to_owned())),
+            };
+        }
+        if let (Some(setting), None) = (&self.setting, &self.going) {
+            let there = |is_there: bool| is_there.then_some(()).ok_or(UNSAID.to_owned());
+            self.going = setting.outcome(now).map(there);
+        }
+        let Some(report) = self.session.report() else {
+            return;
+        };
+        match &report.verdict {
+            Verdict::Verified => {
+                // An acknowledgement that was lost is found out by reading back.
+                self.has_the_mission(now);
+                self.outcome.clone_from(&self.going);
+            }
+            Verdict::Failed(failure) => self.outcome = Some(Err(failure.to_string())),
+            Verdict::Refused(refusal) => self.outcome = Some(Err(refusal.to_string())),
+        }
+    }
+
+    /// How far a place is from the way ahead, metres, and the item at the end of the leg that
+    /// the vehicle is on: so it never turns back to a place that it has passed meanwhile.
+    fn on(&self, (here, velocity_mps): (LatLon, (f64, f64))) -> (f64, usize) {
+        let frame = LocalFrame::new(here);
+        let at = |place| PlanPoint {
+            at: frame.to_plan(place),
+            amsl: Amsl(0.0),
+        };
+        let items = self.onward.mission.items.iter().enumerate();
+        let ahead = items.skip(self.onward.ahead);
+        let (numbers, places): (Vec<usize>, Vec<PlanPoint>) = ahead
+            .filter_map(|(index, item)| Some((index, at(item.place()?))))
+            .unzip();
+        let way: Vec<PlanPoint> = std::iter::once(at(self.onward.origin))
+            .chain(places)
+            .collect();
+        let on = leg_at(&way, at(here), velocity_mps);
+        on.and_then(|(leg, beside_m)| Some((beside_m, *numbers.get(leg)?)))
+            .unwrap_or((f64::INFINITY, self.onward.ahead))
+    }
+
+    /// The next message to send at a time, if there is one.
+    pub fn poll_transmit(&mut self, now: Time) -> Option<Message> {
+        // First where to go on: PX4 does not listen to that while it is read.
+        let setting = self.setting.as_mut().and_then(|setting| setting.poll(now));
+        setting
+            .or_else(|| self.session.poll_transmit())
+            .or_else(|| self.asking.as_mut()?.poll(now))
+    }
+
+    /// How it came out, once it is over: the vehicle goes on with its new mission, or
+    /// what was not done.
+    #[must_use]
+    pub fn outcome(&self) -> Option<&Result<(), String>> {
+        self.outcome.as_ref()
+    }
+}

@@ -1,0 +1,71 @@
+//! How a flight ends.
+
+/// How the flight of one vehicle ended.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum End {
+    /// It never flew.
+    #[default]
+    NotFlown,
+    /// It landed and stopped its motors, at the end of its mission.
+    Landed,
+    /// It stays in the air at the end of its mission, as planned.
+    Loitering,
+    /// It stays in the air because it was told to.
+    Held,
+    /// It was told to stay, and stopped its motors later: somebody else brought it down.
+    StoppedAfterHold,
+    /// It was told to land, and did.
+    LandedEarly,
+    /// It was left flying.
+    LeftFlying,
+    /// Something else; what, in words.
+    Failed(String),
+}
+
+impl End {
+    /// As the record has it.
+    #[must_use]
+    pub fn words(&self) -> &str {
+        match self {
+            Self::NotFlown => "not flown",
+            Self::Landed => "landed",
+            Self::Loitering => "loiters",
+            Self::Held => "held",
+            Self::StoppedAfterHold => "told to hold, then stopped its motors",
+            Self::LandedEarly => "landed early",
+            Self::LeftFlying => "left flying",
+            Self::Failed(why) => why,
+        }
+    }
+
+    /// Out of the words of a record.
+    #[must_use]
+    pub fn of_words(words: &str) -> Self {
+        let known = [
+            Self::NotFlown,
+            Self::Landed,
+            Self::Loitering,
+            Self::Held,
+            Self::StoppedAfterHold,
+            Self::LandedEarly,
+            Self::LeftFlying,
+        ];
+        let found = known.into_iter().find(|end| end.words() == words);
+        found.unwrap_or_else(|| Self::Failed(words.to_owned()))
+    }
+
+    /// As an operator reads it when it happens.
+    pub(crate) fn sentence(&self) -> String {
+        match self {
+            Self::Landed => "landed, motors stopped",
+            Self::Loitering => "loiters at the end of its mission",
+            Self::Held => "still holds, and is not watched any more",
+            Self::StoppedAfterHold => "stopped its motors after it was told to hold",
+            Self::LandedEarly => "landed where it was told to",
+            Self::LeftFlying => "is left flying",
+            Self::NotFlown => "was not flown",
+            Self::Failed(why) => why,
+        }
+        .to_owned()
+    }
+}

@@ -1,0 +1,393 @@
+//! The whole fleet: none starts unless all are ready; then each at its time, watched to the end.
+
+pub(super) mod arrival;
+pub(super) mod clock;
+pub(super) mod diversion;
+pub(super) mod end;
+pub(super) mod modes;
+pub(super) mod orbit;
+pub(super) mod pending_command;
+pub(super) mod set_current;
+pub(super) mod status;
+pub(super) mod vehicle;
+
+use std::collections::VecDeque;
+
+use super::record::Flown;
+use crate::link::{Address, Heartbeat, Message, Time};
+use crate::spec::OnLinkLoss;
+use end::End;
+use vehicle::{Assignment, Craft, Stage, Told};
+
+/// Between two looks at everything, milliseconds.
+const TICK_MS: u64 = 20;
+/// Between two of our heartbeats, milliseconds.
+const HEARTBEAT_MS: u64 = 1000;
+/// A vehicle that was silent for so long is lost: seconds of flight, and of the wall's clock.
+const LOST_FLIGHT_S: f64 = 5.0;
+const LOST_WALL_MS: f64 = 2500.0;
+/// A flight that has not ended this share and this many seconds after its planned end has failed.
+pub(super) const LATE_SHARE: f64 = 0.25;
+pub(super) const LATE_S: f64 = 90.0;
+
+/// How a fleet is flown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// How much faster than the wall's clock the vehicles' time goes; 1 for real ones.
+    pub speedup: f64,
+    /// Whether parameters that differ are set.
+    pub set_params: bool,
+    /// Whether it is flown although parameters, home or place differ.
+    pub force: bool,
+    /// What the others do when the link to one is lost.
+    pub on_link_loss: OnLinkLoss,
+    /// Between two positions of a vehicle in flight, seconds.
+    pub position_s: f64,
+}
+
+/// What an operator may want in flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Intervention {
+    /// Everyone stays where it is.
+    Hold,
+    /// Everyone lands where it is.
+    Land,
+    /// Everyone is left to fly on, unwatched.
+    Leave,
+}
+
+/// Something that an operator wants to read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Event {
+    /// Seconds after T0; none before it.
+    pub t_s: Option<f64>,
+    /// Whom it is about; none for all.
+    pub vehicle: Option<String>,
+    /// What.
+    pub text: String,
+}
+
+/// How it came out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// None was started; each vehicle that was not ready, and why.
+    NotStarted(Vec<(String, String)>),
+    /// It was flown: how, the record says.
+    Flown,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    Checking,
+    Arming,
+    Flying { t0_ms: f64 },
+    Ended,
+}
+
+/// A fleet on its way. Times are milliseconds of the wall's clock.
+#[derive(Debug)]
+pub struct Fleet<'a> {
+    pub(super) crafts: Vec<Craft<'a>>,
+    pub(super) lost: Vec<bool>,
+    pub(super) options: Options,
+    phase: Phase,
+    heartbeat_due: Time,
+    due: Time,
+    outbox: VecDeque<(u8, Message)>,
+    events: VecDeque<Event>,
+    outcome: Option<Outcome>,
+    is_lost_handled: bool,
+}
+
+impl<'a> Fleet<'a> {
+    /// Begins to check every vehicle, in the name of `us`.
+    #[must_use]
+    pub fn new(assignments: Vec<Assignment<'a>>, options: Options, us: Address, now: Time) -> Self {
+        let systems: Vec<u8> = assignments.iter().map(|of| of.sysid).collect();
+        let crafts: Vec<Craft<'a>> = assignments
+            .into_iter()
+            .map(|of| {
+                let others = systems.iter().copied().filter(|id| *id != of.sysid);
+                let others = others.collect();
+                Craft::new(of, others, us, (options.set_params, options.force), now)
+            })
+            .collect();
+        Self {
+            lost: vec![false; crafts.len()],
+            crafts,
+            options,
+            phase: Phase::Checking,
+            heartbeat_due: now,
+            due: now,
+            outbox: VecDeque::new(),
+            events: VecDeque::new(),
+            outcome: None,
+            is_lost_handled: false,
+        }
+    }
+
+    /// Takes in a message that came over a link, whoever sent it.
+    pub fn handle(&mut self, now: Time, (link, from): (usize, Address), message: &Message) {
+        let clock = (now, self.flight_ms(now), self.t0_ms());
+        for craft in self.crafts.iter_mut().filter(|c| c.of.link == link) {
+            craft.handle(clock, from, message);
+        }
+    }
+
+    /// Says that something about the links is wrong. On the ground that ends it.
+    pub fn trouble(&mut self, now: Time, system: Option<u8>, what: &str) {
+        let of = |craft: &&Craft<'_>| system.is_none_or(|system| craft.of.sysid == system);
+        let vehicle = match system {
+            Some(_) => self.crafts.iter().find(of).map(|c| c.of.vehicle.to_owned()),
+            None => None,
+        };
+        if matches!(self.phase, Phase::Checking | Phase::Arming) {
+            let who = vehicle.clone().unwrap_or_default();
+            self.abandon(vec![(who, what.to_owned())]);
+        }
+        self.say(now, vehicle, what.to_owned());
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Time) {
+        self.due = now + TICK_MS;
+        if now >= self.heartbeat_due {
+            self.heartbeat_due = now + HEARTBEAT_MS;
+            for craft in &self.crafts {
+                let beat = Message::Heartbeat(Heartbeat::OURS);
+                self.outbox.push_back((craft.of.sysid, beat));
+            }
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "a few hundred thousand microseconds"
+        )]
+        let interval_us = (self.options.position_s * 1e6) as f32;
+        for craft in &mut self.crafts {
+            craft.tick(now, interval_us);
+        }
+        match self.phase {
+            Phase::Checking => self.look_whether_all_are_ready(now),
+            Phase::Arming => self.look_whether_all_are_armed(now),
+            Phase::Flying { t0_ms } => self.watch(now, t0_ms),
+            Phase::Ended => {}
+        }
+        self.gather(now);
+    }
+
+    /// The next message to send, and to which system.
+    pub fn poll_transmit(&mut self) -> Option<(u8, Message)> {
+        self.outbox.pop_front()
+    }
+
+    /// When [`Fleet::handle_timeout`] is due.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Time {
+        self.due
+    }
+
+    /// The next thing to read.
+    pub fn poll_event(&mut self) -> Option<Event> {
+        self.events.pop_front()
+    }
+
+    /// How it came out, once it is over.
+    #[must_use]
+    pub fn outcome(&self) -> Option<&Outcome> {
+        self.outcome.as_ref()
+    }
+
+    /// What each vehicle has flown so far, in the order of the assignments.
+    pub fn flown(&self) -> impl Iterator<Item = (&str, &Flown)> {
+        let of = |craft: &'_ Craft<'a>| craft.of.vehicle;
+        self.crafts.iter().map(move |c| (of(c), &c.flown))
+    }
+
+    /// Seconds after T0, once there is one.
+    #[must_use]
+    pub fn t_s(&self, now: Time) -> Option<f64> {
+        self.t0_ms().map(|t0| (self.flight_ms(now) - t0) / 1000.0)
+    }
+
+    /// Tells every vehicle in flight.
+    pub fn intervene(&mut self, now: Time, what: Intervention) {
+        let told = match what {
+            Intervention::Hold => Told::Hold,
+            Intervention::Land => Told::Land,
+            Intervention::Leave => {
+                if !matches!(self.phase, Phase::Flying { .. }) {
+                    return self.abandon(Vec::new());
+                }
+                for (craft, is_lost) in self.crafts.iter_mut().zip(&self.lost) {
+                    if !matches!(craft.stage, Stage::Ended) {
+                        craft.watch_no_more(End::LeftFlying, *is_lost);
+                    }
+                }
+                return;
+            }
+        };
+        if !matches!(self.phase, Phase::Flying { .. }) {
+            return self.abandon(Vec::new());
+        }
+        let text = match told {
+            Told::Hold => "all hold",
+            Told::Land => "all land",
+        };
+        self.say(now, None, text.to_owned());
+        for craft in &mut self.crafts {
+            // Whoever has not taken off stays on the ground.
+            if matches!(craft.stage, Stage::Armed) {
+                craft.disarm();
+            }
+            craft.tell(told);
+        }
+    }
+
+    fn flight_ms(&self, now: Time) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+        let wall_ms = now.0 as f64;
+        wall_ms * self.options.speedup
+    }
+
+    fn t0_ms(&self) -> Option<f64> {
+        match self.phase {
+            Phase::Flying { t0_ms } => Some(t0_ms),
+            _ => None,
+        }
+    }
+
+    fn say(&mut self, now: Time, vehicle: Option<String>, text: String) {
+        let t_s = self.t_s(now);
+        self.events.push_back(Event { t_s, vehicle, text });
+    }
+
+    /// What the vehicles have to send and to say.
+    fn gather(&mut self, now: Time) {
+        let t_s = self.t_s(now);
+        for craft in &mut self.crafts {
+            while let Some(message) = craft.poll_transmit() {
+                self.outbox.push_back((craft.of.sysid, message));
+            }
+            if matches!(craft.stage, Stage::Ended) {
+                craft.flown.until_s = craft.flown.until_s.or(t_s);
+            }
+            while let Some(text) = craft.poll_said() {
+                let vehicle = Some(craft.of.vehicle.to_owned());
+                self.events.push_back(Event { t_s, vehicle, text });
+            }
+        }
+    }
+
+    fn refusals(&self) -> Vec<(String, String)> {
+        self.crafts
+            .iter()
+            .flat_map(|craft| match &craft.stage {
+                Stage::Refused(problems) => problems
+                    .iter()
+                    .map(|problem| (craft.of.vehicle.to_owned(), problem.clone()))
+                    .collect(),
+                _ => Vec::new(),
+            })
+            .collect()
+    }
+
+    /// None is started; who is armed is disarmed.
+    fn abandon(&mut self, why: Vec<(String, String)>) {
+        for craft in &mut self.crafts {
+            if matches!(craft.stage, Stage::Armed | Stage::Arming) {
+                craft.disarm();
+            }
+        }
+        self.outcome = Some(Outcome::NotStarted(why));
+        self.phase = Phase::Ended;
+    }
+
+    fn look_whether_all_are_ready(&mut self, now: Time) {
+        let is_settled =
+            |craft: &Craft<'_>| matches!(craft.stage, Stage::Ready | Stage::Refused(_));
+        if !self.crafts.iter().all(is_settled) {
+            return;
+        }
+        let refusals = self.refusals();
+        if !refusals.is_empty() {
+            return self.abandon(refusals);
+        }
+        self.say(now, None, "all are ready".to_owned());
+        self.crafts.iter_mut().for_each(|craft| craft.arm(now));
+        self.phase = Phase::Arming;
+    }
+
+    fn look_whether_all_are_armed(&mut self, now: Time) {
+        let refusals = self.refusals();
+        if !refusals.is_empty() {
+            return self.abandon(refusals);
+        }
+        if self.crafts.iter().all(|c| matches!(c.stage, Stage::Armed)) {
+            let t0_ms = self.flight_ms(now);
+            self.phase = Phase::Flying { t0_ms };
+            self.say(now, None, "all are armed: T0".to_owned());
+        }
+    }
+
+    fn watch(&mut self, now: Time, t0_ms: f64) {
+        let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
+        let mut ends_s = 0.0_f64;
+        for craft in &mut self.crafts {
+            if matches!(craft.stage, Stage::Armed) && t_s >= craft.of.start_s {
+                craft.start();
+            }
+            craft.look_whether_it_stays();
+            ends_s = ends_s.max(craft.of.reference.end_s);
+        }
+        self.look_for_the_lost(now);
+        if t_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
+            for (craft, is_lost) in self.crafts.iter_mut().zip(&self.lost) {
+                if !matches!(craft.stage, Stage::Ended) {
+                    let why = format!("has not ended its flight {t_s:.0} s after T0");
+                    craft.watch_no_more(End::Failed(why), *is_lost);
+                }
+            }
+        }
+        self.gather(now);
+        if self.crafts.iter().all(|c| matches!(c.stage, Stage::Ended)) {
+            self.outcome = Some(Outcome::Flown);
+            self.phase = Phase::Ended;
+        }
+    }
+
+    /// Who is lost, who is back, and what the others do about it.
+    fn look_for_the_lost(&mut self, now: Time) {
+        let mut said = Vec::new();
+        for (craft, lost) in self.crafts.iter().zip(&mut self.lost) {
+            if matches!(craft.stage, Stage::Ended) {
+                continue;
+            }
+            let is_lost = silence_s(craft, now, self.options.speedup).is_some();
+            if is_lost != *lost {
+                *lost = is_lost;
+                let text = if is_lost { "link lost" } else { "link is back" };
+                said.push((craft.of.vehicle.to_owned(), text));
+            }
+        }
+        let anybody = said.iter().any(|(_, text)| *text == "link lost");
+        for (vehicle, text) in said {
+            self.say(now, Some(vehicle), text.to_owned());
+        }
+        if anybody && !self.is_lost_handled {
+            self.is_lost_handled = self.options.on_link_loss != OnLinkLoss::Continue;
+            match self.options.on_link_loss {
+                OnLinkLoss::Continue => {}
+                OnLinkLoss::HoldAll => self.intervene(now, Intervention::Hold),
+                OnLinkLoss::LandAll => self.intervene(now, Intervention::Land),
+            }
+        }
+    }
+}
+
+/// For how long a vehicle has been silent, seconds of flight, if that is too long.
+pub(super) fn silence_s(craft: &Craft<'_>, now: Time, speedup: f64) -> Option<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+    let silent_ms = (now - craft.heard) as f64;
+    let silent_s = silent_ms * speedup / 1000.0;
+    (silent_s > LOST_FLIGHT_S && silent_ms > LOST_WALL_MS).then_some(silent_s)
+}

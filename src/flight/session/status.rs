@@ -1,0 +1,94 @@
+//! Where every vehicle of a fleet in flight is, for whoever watches.
+
+use super::end::End;
+use super::vehicle::{Craft, Stage, Told};
+use super::{Fleet, silence_s};
+use crate::flight::record::Fix;
+use crate::link::Time;
+
+/// Where one vehicle is, for a table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Status {
+    /// Id in the spec.
+    pub vehicle: String,
+    /// What it is doing.
+    pub stage: &'static str,
+    /// Row it flies to, and the last one.
+    pub item: (usize, usize),
+    /// Seconds behind the plan; negative ahead. None when it is on no leg of it.
+    pub behind_s: Option<f64>,
+    /// The nearest other vehicle in the air and its distance, metres.
+    pub closest: Option<(String, f64)>,
+    /// Since when nothing was heard of it, seconds, if it is lost.
+    pub lost_s: Option<f64>,
+    /// Share of the planned flight, 0 to 1.
+    pub progress: f64,
+}
+
+impl Fleet<'_> {
+    /// Where every vehicle is.
+    #[must_use]
+    pub fn status(&self, now: Time) -> Vec<Status> {
+        let t_s = self.t_s(now).unwrap_or(0.0);
+        let places: Vec<Option<Fix>> = self
+            .crafts
+            .iter()
+            .map(|craft| {
+                let flies = matches!(craft.stage, Stage::Flying);
+                craft.latest.map(|(_, fix)| fix).filter(|_| flies)
+            })
+            .collect();
+        let distance_m = |a: &Fix, b: &Fix| a.place.chord_m(b.place).hypot(a.amsl.0 - b.amsl.0);
+        let rows = self.crafts.iter().enumerate();
+        rows.map(|(index, craft)| {
+            let others = places
+                .iter()
+                .enumerate()
+                .filter(|(other, _)| *other != index);
+            let closest = places[index].and_then(|here| {
+                others
+                    .filter_map(|(other, fix)| Some((other, distance_m(&here, fix.as_ref()?))))
+                    .min_by(|a, b| a.1.total_cmp(&b.1))
+            });
+            let reference = &craft.of.reference;
+            let behind_s = places[index].and_then(|fix| reference.planned_s(&fix));
+            Status {
+                vehicle: craft.of.vehicle.to_owned(),
+                stage: stage_word(craft),
+                item: (craft.item, craft.of.mission.items.len()),
+                behind_s: behind_s.map(|planned_s| t_s - planned_s),
+                closest: closest.map(|(other, m)| (self.crafts[other].of.vehicle.to_owned(), m)),
+                lost_s: silence_s(craft, now, self.options.speedup).filter(|_| self.lost[index]),
+                progress: (behind_s.unwrap_or(0.0) / reference.end_s.max(1.0)).clamp(0.0, 1.0),
+            }
+        })
+        .collect()
+    }
+}
+
+fn stage_word(craft: &Craft<'_>) -> &'static str {
+    match (&craft.stage, craft.told) {
+        (Stage::Sending(_), _) => "receives",
+        (Stage::Reading(_) | Stage::Checking { .. }, _) => "is checked",
+        (Stage::Ready, _) => "ready",
+        (Stage::Refused(_), _) => "not ready",
+        (Stage::Arming, _) => "arms",
+        (Stage::Armed, _) => "armed",
+        (Stage::Starting, _) => "starts",
+        (Stage::Flying, Some(Told::Hold)) if craft.of.mission.airframe.has_wing() => "circles",
+        (Stage::Flying, Some(Told::Hold)) if craft.holds => "holds",
+        (Stage::Flying, Some(Told::Hold)) => "stops",
+        (Stage::Flying, Some(Told::Land)) => "lands",
+        (Stage::Flying, None) if craft.in_mission => "flies",
+        (Stage::Flying, None) => "off mission",
+        (Stage::Ended, _) => match craft.flown.end {
+            End::Landed | End::LandedEarly => "landed",
+            End::Loitering => "loiters",
+            End::Held => "holds",
+            End::StoppedAfterHold => "stopped",
+            End::LeftFlying => "left",
+            End::NotFlown => "not flown",
+            End::Failed(_) => "failed",
+        },
+    }
+}

@@ -1,0 +1,378 @@
+//! One vehicle of the fleet, from the first heartbeat to the end of its flight.
+
+mod checks;
+mod ending;
+mod orders;
+
+use std::collections::VecDeque;
+
+use super::clock::Offset;
+use super::end::End;
+use super::modes;
+use super::orbit::Lap;
+use super::pending_command::{Answer, Asking};
+use crate::flight::conformance::reference::Reference;
+use crate::flight::launch::parameters::SettingsCheck;
+use crate::flight::record::{Fix, Flown};
+use crate::link::{
+    Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order, Position, Reading,
+    Session, Time,
+};
+use crate::mission::{Home, VehicleMission};
+use crate::spec::Autopilot;
+
+/// Above home by this much a vehicle is in the air, metres.
+const AIRBORNE_M: f64 = 1.5;
+
+/// What one vehicle shall do.
+#[derive(Clone, Debug)]
+pub struct Assignment<'a> {
+    /// Id in the spec.
+    pub vehicle: &'a str,
+    /// Its system id.
+    pub sysid: u8,
+    /// Number of the link that it is on: what comes over others is not from it.
+    pub link: usize,
+    /// What it shall hold.
+    pub mission: &'a VehicleMission,
+    /// The planned flight.
+    pub reference: Reference,
+    /// When its mission is started, seconds after T0; a delay that is encoded in the
+    /// mission is none of it.
+    pub start_s: f64,
+    /// Whether its mission is transferred first, instead of only read.
+    pub upload: bool,
+}
+
+/// Where it is on the way to its flight, and in it.
+#[derive(Debug)]
+pub(crate) enum Stage<'a> {
+    /// Its mission is sent.
+    Sending(Box<Session<'a>>),
+    /// Its mission is read.
+    Reading(Box<Reading>),
+    /// Home, position and parameters.
+    Checking { until: Time },
+    /// All is as planned.
+    Ready,
+    /// It is not; in sentences.
+    Refused(Vec<String>),
+    /// Commands until the motors run.
+    Arming,
+    /// The motors run.
+    Armed,
+    /// The mission was told to start.
+    Starting,
+    /// The mission is flown.
+    Flying,
+    /// It is over.
+    Ended,
+}
+
+/// What the fleet told it to do in flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Told {
+    Hold,
+    Land,
+}
+
+#[derive(Debug)]
+pub(crate) struct Craft<'a> {
+    pub(crate) of: Assignment<'a>,
+    pub(crate) stage: Stage<'a>,
+    pub(crate) vehicle: Option<(Address, Heartbeat)>,
+    /// When anything was heard of it.
+    pub(crate) heard: Time,
+    pub(crate) home: Option<Home>,
+    settings: Option<SettingsCheck<'a>>,
+    problems: Vec<String>,
+    /// What it said while it was to be armed.
+    warnings: Vec<String>,
+    asking: Option<Asking>,
+    orders: VecDeque<Command>,
+    /// Until when arming is tried, and when again.
+    arming: Option<(Time, Time)>,
+    requested: Time,
+    offset: Offset,
+    /// The last position on the fleet's clock, milliseconds of flight time.
+    pub(crate) latest: Option<(f64, Fix)>,
+    pub(crate) item: usize,
+    /// Items on board without home, as the vehicle says.
+    total: Option<usize>,
+    airborne: bool,
+    pub(crate) told: Option<Told>,
+    /// Whether it is seen to stay where it was told to: watched on, for others may bring it down.
+    pub(crate) holds: bool,
+    pub(crate) in_mission: bool,
+    /// Whether it was told of that it left its mission.
+    left: bool,
+    lap: Lap,
+    pub(crate) flown: Flown,
+    outbox: VecDeque<Message>,
+    said: VecDeque<String>,
+    set_params: bool,
+    force: bool,
+}
+
+impl<'a> Craft<'a> {
+    pub(crate) fn new(
+        of: Assignment<'a>,
+        others: Vec<u8>,
+        us: Address,
+        (set_params, force): (bool, bool),
+        now: Time,
+    ) -> Self {
+        let stage = if of.upload {
+            let order = Order {
+                vehicle: of.vehicle,
+                sysid: of.sysid,
+                mission: of.mission,
+                force: false,
+                others,
+            };
+            Stage::Sending(Box::new(Session::new(order, us, now)))
+        } else {
+            Stage::Reading(Box::new(Reading::new(Some(of.sysid), us, now)))
+        };
+        Self {
+            of,
+            stage,
+            vehicle: None,
+            heard: now,
+            home: None,
+            settings: None,
+            problems: Vec::new(),
+            warnings: Vec::new(),
+            asking: None,
+            orders: VecDeque::new(),
+            arming: None,
+            requested: Time(0),
+            offset: Offset::default(),
+            latest: None,
+            item: 0,
+            total: None,
+            airborne: false,
+            told: None,
+            holds: false,
+            in_mission: false,
+            left: false,
+            lap: Lap::default(),
+            flown: Flown::default(),
+            outbox: VecDeque::new(),
+            said: VecDeque::new(),
+            set_params,
+            force,
+        }
+    }
+
+    fn autopilot(&self) -> Autopilot {
+        self.of.mission.autopilot
+    }
+
+    /// Takes in a message of this vehicle. `flight_ms` is the fleet's clock, `t0_ms` its T0.
+    pub(crate) fn handle(
+        &mut self,
+        (now, flight_ms, t0_ms): (Time, f64, Option<f64>),
+        from: Address,
+        message: &Message,
+    ) {
+        match &mut self.stage {
+            Stage::Sending(session) => session.handle(now, from, message),
+            Stage::Reading(reading) => reading.handle(now, from, message),
+            _ => {}
+        }
+        if from.system != self.of.sysid {
+            return;
+        }
+        self.heard = now;
+        let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
+        match message {
+            Message::Heartbeat(beat) if from.component == 1 || self.vehicle.is_none() => {
+                self.vehicle = Some((from, *beat));
+                self.heartbeat(*beat);
+            }
+            Message::HomePosition { x, y, amsl_mm } => {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "float32 is what missions have"
+                )]
+                let amsl_m = (f64::from(*amsl_mm) / 1000.0) as f32;
+                let (x, y) = (*x, *y);
+                self.home = Some(Home { x, y, amsl_m });
+            }
+            Message::MissionCurrent { seq, total, .. } => {
+                self.item = self.row(*seq);
+                let told = (1..u16::MAX).contains(total);
+                self.total = told.then_some(usize::from(*total));
+            }
+            Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
+                self.warn(text);
+            }
+            Message::StatusText { text, .. } if t0_ms.is_some() => {
+                self.said.push_back(format!("says: {text}"));
+            }
+            Message::Flight(message) => self.flight_message(now, flight_ms, t0_ms, t_s, message),
+            _ => {}
+        }
+    }
+
+    fn flight_message(
+        &mut self,
+        now: Time,
+        flight_ms: f64,
+        t0_ms: Option<f64>,
+        t_s: f64,
+        message: &FlightMessage,
+    ) {
+        match message {
+            FlightMessage::Position(position) => self.position(flight_ms, t0_ms, position),
+            FlightMessage::ItemReached { seq } => {
+                let row = self.row(*seq);
+                let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
+                if flies && self.flown.reach(row, t_s) {
+                    self.said.push_back(format!("item {row} reached"));
+                }
+            }
+            FlightMessage::CommandAck {
+                command, result, ..
+            } => {
+                if let Some(asking) = &mut self.asking {
+                    asking.answered(now, *command, *result);
+                }
+            }
+            FlightMessage::Param { name, value } => {
+                if let Some(settings) = &mut self.settings {
+                    settings.heard(now, name, *value);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The row of a sequence number: PX4 has no home row.
+    fn row(&self, seq: u16) -> usize {
+        let first = match self.autopilot() {
+            Autopilot::ArduPilot => 0,
+            Autopilot::Px4 => 1,
+        };
+        usize::from(seq) + first
+    }
+
+    fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
+        if !position.is_known() {
+            return;
+        }
+        let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
+        let fix = Fix {
+            t_s: (at_ms - t0_ms.unwrap_or(at_ms)) / 1000.0,
+            place: position.place(),
+            amsl: position.amsl(),
+            speed_mps: position.ground_speed_mps(),
+            item: self.item,
+            items: self.total.unwrap_or(0),
+        };
+        let is_later = self.latest.is_none_or(|(before, _)| at_ms > before);
+        if !is_later {
+            return;
+        }
+        self.latest = Some((at_ms, fix));
+        let is_up = position.above_home_m() > AIRBORNE_M;
+        if matches!(self.stage, Stage::Flying | Stage::Starting) {
+            if is_up && !self.airborne {
+                self.airborne = true;
+                self.said.push_back("took off".to_owned());
+            }
+            if fix.t_s >= 0.0 {
+                self.flown.fixes.push(fix);
+            }
+        }
+    }
+
+    fn heartbeat(&mut self, beat: Heartbeat) {
+        let was = self.in_mission;
+        self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
+        match self.stage {
+            Stage::Flying if !beat.is_armed() => {
+                let end = match (self.airborne, self.told) {
+                    (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
+                    (true, Some(Told::Hold)) => End::StoppedAfterHold,
+                    (true, Some(Told::Land)) => End::LandedEarly,
+                    (true, None) => self.landing(),
+                };
+                self.end(end);
+            }
+            Stage::Flying if was && !self.in_mission && self.told.is_none() => {
+                self.left = true;
+                self.said
+                    .push_back("left its mission: somebody else changed the mode".to_owned());
+            }
+            Stage::Flying if !was && self.in_mission && (self.left || self.told.is_some()) => {
+                self.left = false;
+                self.said.push_back("is on its mission again".to_owned());
+                if self.told == Some(Told::Hold) {
+                    (self.told, self.holds) = (None, false);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Does what is due. `interval_us` is how often positions are wanted.
+    pub(crate) fn tick(&mut self, now: Time, interval_us: f32) {
+        self.work(now);
+        if let (Stage::Arming, Some((until, again))) = (&self.stage, self.arming)
+            && now >= again
+            && self.asking.is_none()
+        {
+            self.arming = Some((until, Time(u64::MAX)));
+            self.command(modes::arm(self.of.mission));
+        }
+        if let Some((address, _)) = self.vehicle {
+            self.request(now, address, interval_us);
+            if let Some(settings) = &mut self.settings {
+                let message = settings.poll(now, address);
+                self.outbox.extend(message);
+            }
+            if self.asking.is_none()
+                && let Some(order) = self.orders.pop_front()
+            {
+                self.asking = Some(Asking::new(address, order, now));
+            }
+        }
+        if let Some(asking) = &mut self.asking {
+            let message = asking.poll(now);
+            self.outbox.extend(message);
+            match asking.answer(now) {
+                Answer::None => {}
+                Answer::Result(CommandResult::ACCEPTED) => {
+                    self.asking = None;
+                    self.obeyed();
+                }
+                Answer::Result(result) => {
+                    let command = asking.command();
+                    // Whoever refuses to hold or to land flies on as planned.
+                    (self.told, self.holds) = (None, false);
+                    self.disobeyed(now, &format!("refused command {command} with {result}"));
+                }
+                Answer::Silence => {
+                    let command = asking.command();
+                    self.disobeyed(now, &format!("did not answer command {command}"));
+                }
+            }
+        }
+    }
+
+    pub(crate) fn end(&mut self, end: End) {
+        self.said.push_back(end.sentence());
+        self.flown.end = end;
+        self.stage = Stage::Ended;
+    }
+
+    pub(crate) fn poll_transmit(&mut self) -> Option<Message> {
+        self.outbox.pop_front()
+    }
+
+    pub(crate) fn poll_said(&mut self) -> Option<String> {
+        self.said.pop_front()
+    }
+}

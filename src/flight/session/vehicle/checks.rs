@@ -1,0 +1,141 @@
+//! What is made sure of before a vehicle flies.
+
+use super::{Craft, Stage};
+use crate::flight::launch::parameters::SettingsCheck;
+use crate::flight::launch::readiness;
+use crate::flight::launch::readiness::STANDS_M;
+use crate::link::{Address, Command, FlightMessage, Message, Time};
+use crate::spec::Autopilot;
+
+/// How long position and home are waited for, milliseconds.
+const TELLING_MS: u64 = 60_000;
+/// Between two requests for what a vehicle does not tell by itself, milliseconds.
+const REQUEST_MS: u64 = 1000;
+/// Messages that are asked for: positions, current item.
+const WANTED: [f32; 2] = [33.0, 42.0];
+
+impl Craft<'_> {
+    /// Goes on with the transfer or the checks.
+    pub(crate) fn work(&mut self, now: Time) {
+        match &mut self.stage {
+            Stage::Sending(session) => {
+                session.handle_timeout(now);
+                self.outbox
+                    .extend(std::iter::from_fn(|| session.poll_transmit()));
+                let Some(report) = session.report() else {
+                    return;
+                };
+                if !report.is_verified() {
+                    let why = match &report.verdict {
+                        crate::link::Verdict::Refused(refusal) => refusal.to_string(),
+                        crate::link::Verdict::Failed(failure) => failure.to_string(),
+                        crate::link::Verdict::Verified => String::new(),
+                    };
+                    self.problems.push(why);
+                }
+                self.check(now);
+            }
+            Stage::Reading(reading) => {
+                reading.handle_timeout(now);
+                self.outbox
+                    .extend(std::iter::from_fn(|| reading.poll_transmit()));
+                let Some(outcome) = reading.outcome() else {
+                    return;
+                };
+                match outcome {
+                    Ok(onboard) => {
+                        self.problems
+                            .extend(readiness::list_problems(self.of.mission, onboard));
+                        self.home = self.home.or(onboard.home);
+                    }
+                    Err(failure) => self.problems.push(failure.to_string()),
+                }
+                self.check(now);
+            }
+            Stage::Checking { until } => {
+                let until = *until;
+                let settled = self.settings.as_ref().and_then(SettingsCheck::outcome);
+                let told = self.home.is_some() && self.latest.is_some();
+                if let Some(differences) = settled
+                    && (told || now >= until)
+                {
+                    let differences = differences.to_vec();
+                    self.settle(differences);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn check(&mut self, now: Time) {
+        if !self.problems.is_empty() {
+            self.stage = Stage::Refused(std::mem::take(&mut self.problems));
+            return;
+        }
+        let bytewise = self.autopilot() == Autopilot::Px4;
+        let wanted = &self.of.mission.params;
+        self.settings = Some(SettingsCheck::new(wanted, self.set_params, bytewise, now));
+        self.stage = Stage::Checking {
+            until: now + TELLING_MS,
+        };
+    }
+
+    /// All was told that will be.
+    fn settle(&mut self, differences: Vec<String>) {
+        let mut soft = differences;
+        match &self.home {
+            None => soft.push("it does not say where its home is".to_owned()),
+            Some(home) => soft.extend(readiness::home_problem(&self.of.mission.home, home)),
+        }
+        let mut hard = Vec::new();
+        match self.latest {
+            None => hard.push("it does not say where it is".to_owned()),
+            Some((_, fix)) => {
+                let away_m = readiness::place(&self.of.mission.home).chord_m(fix.place);
+                if away_m > STANDS_M {
+                    soft.push(format!(
+                        "it stands {away_m:.0} m from its home (allowed: {STANDS_M:.0} m)"
+                    ));
+                }
+            }
+        }
+        if self.vehicle.is_some_and(|(_, beat)| beat.is_armed()) {
+            hard.push("it is armed".to_owned());
+        }
+        if self.force {
+            self.said.extend(
+                soft.drain(..)
+                    .map(|text| format!("flies all the same: {text}")),
+            );
+        }
+        hard.extend(soft);
+        self.stage = if hard.is_empty() {
+            Stage::Ready
+        } else {
+            Stage::Refused(hard)
+        };
+    }
+
+    /// Asks for what it does not tell by itself.
+    pub(crate) fn request(&mut self, now: Time, target: Address, interval_us: f32) {
+        if now - self.requested < REQUEST_MS || matches!(self.stage, Stage::Ended) {
+            return;
+        }
+        self.requested = now;
+        let mut ask = |order| {
+            self.outbox
+                .push_back(Message::Flight(FlightMessage::Command { target, order }));
+        };
+        if self.home.is_none() {
+            ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
+        }
+        if self.latest.is_none() || matches!(self.stage, Stage::Ready) {
+            for id in WANTED {
+                ask(Command::new(
+                    Command::SET_MESSAGE_INTERVAL,
+                    [id, interval_us],
+                ));
+            }
+        }
+    }
+}

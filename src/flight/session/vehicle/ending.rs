@@ -1,0 +1,122 @@
+//! How a flight comes to its end: on the ground, or where it stays in the air.
+
+use super::{Craft, Stage, Told};
+use crate::flight::record::Fix;
+use crate::flight::session::arrival;
+use crate::flight::session::arrival::STILL_MPS;
+use crate::flight::session::end::End;
+use crate::flight::session::modes;
+use crate::flight::session::orbit::Lap;
+
+/// Faster than this a copter that was held flies elsewhere: gusts are slower, m/s.
+const MOVES_MPS: f64 = 2.0;
+
+impl Craft<'_> {
+    /// It stopped its motors by itself: where it should, or elsewhere.
+    pub(crate) fn landing(&self) -> End {
+        let reference = &self.of.reference;
+        let away_m = self.latest.map_or(f64::INFINITY, |(_, fix)| {
+            arrival::away_m(reference, fix.place)
+        });
+        let near_m = arrival::landing_m(self.of.mission.airframe);
+        if reference.lands && away_m <= near_m {
+            End::Landed
+        } else {
+            End::Failed(format!(
+                "stopped its motors {away_m:.0} m from the end of its mission"
+            ))
+        }
+    }
+
+    /// A plane comes down on the approach of its mission, the only one that was judged.
+    pub(crate) fn land_by_mission(&mut self) {
+        if self.of.reference.lands {
+            self.said
+                .push_back("lands as planned, at the end of its mission".to_owned());
+            (self.told, self.holds) = (None, false);
+            if !self.in_mission {
+                self.command([modes::start(self.of.mission)]);
+            }
+        } else {
+            self.said
+                .push_back("has no landing in its mission: it circles where it is".to_owned());
+            self.tell(Told::Hold);
+        }
+    }
+
+    /// Whether it stays at the end of its mission, or where it was told to.
+    pub(in crate::flight) fn look_whether_it_stays(&mut self) {
+        let Some((_, fix)) = self.latest else { return };
+        if !matches!(self.stage, Stage::Flying) || !self.airborne {
+            return;
+        }
+        if self.told == Some(Told::Hold) {
+            return self.look_whether_it_holds(fix);
+        }
+        // Another mission may have been given to it meanwhile.
+        let rows = self.total.unwrap_or(self.of.mission.items.len());
+        if self.of.reference.lands || !self.in_mission || self.item < rows {
+            self.lap = Lap::default();
+            return;
+        }
+        let stays = if self.of.mission.airframe.has_wing() {
+            let at = self.of.reference.frame().to_plan(fix.place);
+            self.has_circled(fix, self.of.reference.is_on_circle(at))
+        } else {
+            arrival::hovers(&self.of.reference, &fix)
+        };
+        if stays {
+            self.end(End::Loitering);
+        }
+    }
+
+    /// Whether it stays where it was told to; and whether it still does, for whoever takes it over
+    /// may fly it elsewhere.
+    fn look_whether_it_holds(&mut self, fix: Fix) {
+        let wing = self.of.mission.airframe.has_wing();
+        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let circles = mode.is_some_and(|mode| modes::is_circling(self.of.mission, mode));
+        if self.holds {
+            let moves = if wing {
+                !circles
+            } else {
+                fix.speed_mps > MOVES_MPS
+            };
+            if moves {
+                self.holds = false;
+                self.said
+                    .push_back("does not hold any more: somebody else flies it".to_owned());
+            }
+            return;
+        }
+        let obeys = self.asking.is_none();
+        self.holds = if wing {
+            self.has_circled(fix, obeys && circles)
+        } else {
+            obeys && fix.speed_mps <= STILL_MPS
+        };
+        if self.holds {
+            self.said.push_back("holds".to_owned());
+        }
+    }
+
+    /// A wing stays where it has flown a whole circle.
+    fn has_circled(&mut self, fix: Fix, circles: bool) -> bool {
+        if !circles {
+            self.lap = Lap::default();
+            return false;
+        }
+        self.lap
+            .is_whole_with(self.of.reference.frame().to_plan(fix.place))
+    }
+
+    /// It is not watched any more: what was seen of it last is its end, `other` if that was no hold.
+    pub(in crate::flight) fn watch_no_more(&mut self, other: End, is_lost: bool) {
+        let end = match (self.holds, is_lost) {
+            (true, false) => End::Held,
+            (true, true) => End::Failed("held, and was not heard of since".to_owned()),
+            (false, _) => other,
+        };
+        self.end(end);
+    }
+}

@@ -1,0 +1,331 @@
+//! The few MAVLink messages that a transfer needs, with plain integers, so that
+//! enum values from newer autopilots survive.
+
+pub(super) mod flight;
+pub(super) mod flight_payload;
+pub(super) mod payload;
+
+use std::fmt;
+
+use crate::mission::Item;
+use flight::FlightMessage;
+
+/// System and component id of a sender or receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Address {
+    /// System id; 0 as a target means everybody.
+    pub system: u8,
+    /// Component id; 0 as a target means every component.
+    pub component: u8,
+}
+
+impl Address {
+    /// Whether a message to this target is meant for `us`.
+    #[must_use]
+    pub fn reaches(self, us: Self) -> bool {
+        (self.system == us.system || self.system == 0)
+            && (self.component == us.component || self.component == 0)
+    }
+}
+
+/// One message, without its sender.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Message {
+    /// `HEARTBEAT` (0).
+    Heartbeat(Heartbeat),
+    /// `STATUSTEXT` (253): `MAV_SEVERITY` and text, one chunk.
+    StatusText {
+        /// 0 emergency to 7 debug.
+        severity: u8,
+        /// The text.
+        text: String,
+    },
+    /// `MISSION_CURRENT` (42).
+    MissionCurrent {
+        /// Where the mission is.
+        seq: u16,
+        /// Items without home; 65535 if not known.
+        total: u16,
+        /// Opaque ids of mission, fence, rally; 0 if the autopilot keeps none.
+        opaque_ids: [u32; 3],
+    },
+    /// `HOME_POSITION` (242), the place alone.
+    HomePosition {
+        /// Latitude, 1e-7 degrees.
+        x: i32,
+        /// Longitude, 1e-7 degrees.
+        y: i32,
+        /// Altitude above mean sea level, millimetres.
+        amsl_mm: i32,
+    },
+    /// `AUTOPILOT_VERSION` (148): capabilities and flight software.
+    AutopilotVersion {
+        /// `MAV_PROTOCOL_CAPABILITY` flags. Ground stations send nothing to a vehicle without `MISSION_INT`.
+        capabilities: u64,
+        /// Major, minor, patch and `FIRMWARE_VERSION_TYPE`, from the highest byte down; 0 if not told.
+        flight_software: u32,
+    },
+    /// One of the messages of the mission protocol.
+    Mission(MissionMessage),
+    /// A command, or what a vehicle says of its flight.
+    Flight(FlightMessage),
+}
+
+/// `HEARTBEAT` without its MAVLink version.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Heartbeat {
+    /// `MAV_TYPE`.
+    pub kind: u8,
+    /// `MAV_AUTOPILOT`.
+    pub autopilot: u8,
+    /// `MAV_MODE_FLAG`s.
+    pub base_mode: u8,
+    /// Mode of the autopilot's own.
+    pub custom_mode: u32,
+    /// `MAV_STATE`.
+    pub system_status: u8,
+}
+
+/// `MAV_TYPE_GCS`.
+pub const TYPE_GCS: u8 = 6;
+/// `MAV_AUTOPILOT_GENERIC`: an autopilot that does not say which.
+pub const AUTOPILOT_GENERIC: u8 = 0;
+/// `MAV_AUTOPILOT_ARDUPILOTMEGA`.
+pub const AUTOPILOT_ARDUPILOT: u8 = 3;
+/// `MAV_AUTOPILOT_INVALID`: a component that is no autopilot.
+pub const AUTOPILOT_INVALID: u8 = 8;
+/// `MAV_AUTOPILOT_PX4`.
+pub const AUTOPILOT_PX4: u8 = 12;
+/// `MAV_STATE_STANDBY`.
+pub const STATE_STANDBY: u8 = 3;
+/// `MAV_STATE_ACTIVE`.
+pub const STATE_ACTIVE: u8 = 4;
+/// `MAV_MODE_FLAG_SAFETY_ARMED`.
+pub const MODE_ARMED: u8 = 128;
+/// `MAV_MISSION_TYPE_ALL`, only for clearing.
+pub const MISSION_TYPE_ALL: u8 = 255;
+
+impl Heartbeat {
+    /// That of a ground station.
+    pub const OURS: Self = Self {
+        kind: TYPE_GCS,
+        autopilot: AUTOPILOT_INVALID,
+        base_mode: 0,
+        custom_mode: 0,
+        system_status: STATE_ACTIVE,
+    };
+
+    /// Whether the motors may run.
+    #[must_use]
+    pub fn is_armed(&self) -> bool {
+        self.base_mode & MODE_ARMED != 0
+    }
+}
+
+/// A message of the mission protocol.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MissionMessage {
+    /// Whom it is for.
+    pub target: Address,
+    /// `MAV_MISSION_TYPE` as it came; see [`List`].
+    pub mission_type: u8,
+    /// What it says.
+    pub body: Body,
+}
+
+/// What a message of the mission protocol says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Body {
+    /// `MISSION_COUNT` (44).
+    Count {
+        /// Number of items.
+        count: u16,
+        /// Id of the whole list; 0 if there is none.
+        opaque_id: u32,
+    },
+    /// `MISSION_REQUEST` (40): asks for an item, formerly in floats.
+    Request {
+        /// Which.
+        seq: u16,
+    },
+    /// `MISSION_REQUEST_INT` (51).
+    RequestInt {
+        /// Which.
+        seq: u16,
+    },
+    /// `MISSION_ITEM` (39): an item whose place went over the wire in float degrees.
+    Item {
+        /// Which.
+        seq: u16,
+        /// Whether it is the current one.
+        current: u8,
+        /// The item; its place carries the rounding of the floats.
+        item: Item,
+    },
+    /// `MISSION_ITEM_INT` (73).
+    ItemInt {
+        /// Which.
+        seq: u16,
+        /// Whether it is the current one.
+        current: u8,
+        /// The item, exact.
+        item: Item,
+    },
+    /// `MISSION_ACK` (47).
+    Ack {
+        /// `MAV_MISSION_RESULT`.
+        result: MissionResult,
+        /// Id of the whole list; 0 if there is none.
+        opaque_id: u32,
+    },
+    /// `MISSION_REQUEST_LIST` (43).
+    RequestList,
+    /// `MISSION_CLEAR_ALL` (45).
+    ClearAll,
+}
+
+/// The three lists a vehicle holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum List {
+    /// `MAV_MISSION_TYPE_MISSION`.
+    Mission,
+    /// `MAV_MISSION_TYPE_FENCE`.
+    Fence,
+    /// `MAV_MISSION_TYPE_RALLY`.
+    Rally,
+}
+
+impl List {
+    /// All three, in the order of their numbers.
+    pub const ALL: [Self; 3] = [Self::Mission, Self::Fence, Self::Rally];
+
+    /// `MAV_MISSION_TYPE`.
+    #[must_use]
+    pub fn mission_type(self) -> u8 {
+        match self {
+            Self::Mission => 0,
+            Self::Fence => 1,
+            Self::Rally => 2,
+        }
+    }
+
+    /// The list of a `MAV_MISSION_TYPE`, if it is one.
+    #[must_use]
+    pub fn of(mission_type: u8) -> Option<Self> {
+        Self::ALL
+            .into_iter()
+            .find(|list| list.mission_type() == mission_type)
+    }
+}
+
+impl fmt::Display for List {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Mission => "mission",
+            Self::Fence => "fence",
+            Self::Rally => "rally",
+        })
+    }
+}
+
+/// `MAV_MISSION_RESULT`, known or not.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MissionResult(pub u8);
+
+impl MissionResult {
+    /// All is well.
+    pub const ACCEPTED: Self = Self(0);
+    /// An error without a code of its own.
+    pub const ERROR: Self = Self(1);
+    /// The frame is not supported.
+    pub const UNSUPPORTED_FRAME: Self = Self(2);
+    /// The command is not supported.
+    pub const UNSUPPORTED: Self = Self(3);
+    /// The list does not fit.
+    pub const NO_SPACE: Self = Self(4);
+    /// A parameter is invalid; the next four name `param1` to `param4`.
+    pub const INVALID: Self = Self(5);
+    /// Latitude is invalid.
+    pub const INVALID_PARAM5_X: Self = Self(10);
+    /// Longitude is invalid.
+    pub const INVALID_PARAM6_Y: Self = Self(11);
+    /// Altitude is invalid.
+    pub const INVALID_PARAM7: Self = Self(12);
+    /// An item came out of order.
+    pub const INVALID_SEQUENCE: Self = Self(13);
+    /// The partner is not listened to.
+    pub const DENIED: Self = Self(14);
+    /// The transfer is given up.
+    pub const OPERATION_CANCELLED: Self = Self(15);
+
+    /// The parameter (1 to 7) that the result complains about.
+    #[must_use]
+    pub fn parameter(self) -> Option<u8> {
+        (6..=12).contains(&self.0).then(|| self.0 - 5)
+    }
+}
+
+impl fmt::Display for MissionResult {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const NAMES: [&str; 16] = [
+            "ACCEPTED",
+            "ERROR",
+            "UNSUPPORTED_FRAME",
+            "UNSUPPORTED",
+            "NO_SPACE",
+            "INVALID",
+            "INVALID_PARAM1",
+            "INVALID_PARAM2",
+            "INVALID_PARAM3",
+            "INVALID_PARAM4",
+            "INVALID_PARAM5_X",
+            "INVALID_PARAM6_Y",
+            "INVALID_PARAM7",
+            "INVALID_SEQUENCE",
+            "DENIED",
+            "OPERATION_CANCELLED",
+        ];
+        match NAMES.get(usize::from(self.0)) {
+            Some(name) => f.write_str(name),
+            None => write!(f, "result {}", self.0),
+        }
+    }
+}
+
+/// Both ends of one transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Route {
+    /// Who we are.
+    pub us: Address,
+    /// Whom we talk to.
+    pub vehicle: Address,
+    /// Which of its lists.
+    pub list: List,
+}
+
+impl Route {
+    /// A message to the vehicle about this list.
+    #[must_use]
+    pub fn message(&self, body: Body) -> Message {
+        Message::Mission(MissionMessage {
+            target: self.vehicle,
+            mission_type: self.list.mission_type(),
+            body,
+        })
+    }
+
+    /// What a message says, if it is from this vehicle, to us, about this list.
+    #[must_use]
+    pub fn accept(&self, from: Address, message: &Message) -> Option<Body> {
+        match message {
+            Message::Mission(mission)
+                if from == self.vehicle
+                    && mission.target.reaches(self.us)
+                    && mission.mission_type == self.list.mission_type() =>
+            {
+                Some(mission.body)
+            }
+            _ => None,
+        }
+    }
+}

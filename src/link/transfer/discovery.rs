@@ -1,0 +1,151 @@
+//! Waiting for the right vehicle, until it takes missions.
+
+use super::identity;
+use super::report::{Failure, Refusal, Verdict};
+use super::session::Order;
+use crate::link::message::{AUTOPILOT_GENERIC, Address, Heartbeat, STATE_STANDBY};
+use crate::link::time::Time;
+
+/// Wait for the first heartbeat of the vehicle, milliseconds.
+const NOBODY_MS: u64 = 10_000;
+/// Wait for a vehicle that is starting, milliseconds.
+const STARTING_MS: u64 = 30_000;
+
+/// The wait for one vehicle.
+#[derive(Debug)]
+pub(crate) struct Meeting {
+    until: Time,
+    /// The vehicle, once it has been heard and found to be the right one.
+    vehicle: Option<(Address, Heartbeat)>,
+    heard: Vec<(Address, Heartbeat)>,
+}
+
+/// What a heartbeat or a timeout came to.
+#[derive(Debug)]
+pub(crate) enum Encounter {
+    /// Not yet.
+    Nobody,
+    /// Here it is, and ready.
+    Met(Address, Heartbeat),
+    /// It is another one, or it does not come.
+    Over(Verdict),
+}
+
+impl Meeting {
+    /// Waits for a vehicle that has not been heard yet.
+    pub(crate) fn first(now: Time) -> Self {
+        Self {
+            until: now + NOBODY_MS,
+            vehicle: None,
+            heard: Vec::new(),
+        }
+    }
+
+    /// Waits for a known vehicle that started again.
+    pub(crate) fn again(vehicle: (Address, Heartbeat), now: Time) -> Self {
+        Self {
+            until: now + STARTING_MS,
+            vehicle: Some(vehicle),
+            heard: Vec::new(),
+        }
+    }
+
+    /// When [`Meeting::timeout`] is due.
+    pub(crate) fn until(&self) -> Time {
+        self.until
+    }
+
+    /// The vehicle, if it has been heard.
+    pub(crate) fn vehicle(&self) -> Option<(Address, Heartbeat)> {
+        self.vehicle
+    }
+
+    /// Takes in a heartbeat of some vehicle.
+    pub(crate) fn heartbeat(
+        &mut self,
+        order: &Order<'_>,
+        now: Time,
+        from: Address,
+        heartbeat: Heartbeat,
+    ) -> Encounter {
+        match self.vehicle {
+            Some((vehicle, _)) if vehicle == from => {
+                self.vehicle = Some((from, heartbeat));
+                if is_ready(&heartbeat) {
+                    return Encounter::Met(from, heartbeat);
+                }
+                Encounter::Nobody
+            }
+            Some(_) => Encounter::Nobody,
+            None => {
+                self.heard.retain(|(address, _)| *address != from);
+                self.heard.push((from, heartbeat));
+                if from.system == order.sysid {
+                    return self.identify(order, now, from, heartbeat);
+                }
+                Encounter::Nobody
+            }
+        }
+    }
+
+    /// Nobody came, or nobody got ready. With `force`, a single stranger will do.
+    pub(crate) fn timeout(&mut self, order: &Order<'_>, now: Time) -> Encounter {
+        if let Some((_, heartbeat)) = self.vehicle {
+            return Encounter::Over(Verdict::Failed(Failure::NotReady {
+                status: heartbeat.system_status,
+                after_s: STARTING_MS / 1000,
+            }));
+        }
+        let expected = order.sysid;
+        let strangers: Vec<(Address, Heartbeat)> = self
+            .heard
+            .iter()
+            .filter(|(address, _)| !order.others.contains(&address.system))
+            .copied()
+            .collect();
+        match strangers.as_slice() {
+            [(address, heartbeat)] if order.force => {
+                self.identify(order, now, *address, *heartbeat)
+            }
+            [(address, _)] => {
+                let found = address.system;
+                Encounter::Over(Verdict::Refused(Refusal::System { expected, found }))
+            }
+            _ => {
+                let mut heard: Vec<u8> = self.heard.iter().map(|(from, _)| from.system).collect();
+                heard.sort_unstable();
+                heard.dedup();
+                Encounter::Over(Verdict::Failed(Failure::Nobody {
+                    sysid: expected,
+                    after_s: NOBODY_MS / 1000,
+                    heard,
+                }))
+            }
+        }
+    }
+
+    fn identify(
+        &mut self,
+        order: &Order<'_>,
+        now: Time,
+        from: Address,
+        heartbeat: Heartbeat,
+    ) -> Encounter {
+        self.vehicle = Some((from, heartbeat));
+        let mission = order.mission;
+        match identity::check(&heartbeat, mission.autopilot, mission.airframe) {
+            Err(refusal) if !order.force => Encounter::Over(Verdict::Refused(refusal)),
+            _ if is_ready(&heartbeat) => Encounter::Met(from, heartbeat),
+            _ => {
+                self.until = now + STARTING_MS;
+                Encounter::Nobody
+            }
+        }
+    }
+}
+
+/// Whether a vehicle takes missions. A generic one need not say more than "state unknown" (0).
+pub(crate) fn is_ready(heartbeat: &Heartbeat) -> bool {
+    heartbeat.system_status >= STATE_STANDBY
+        || (heartbeat.autopilot == AUTOPILOT_GENERIC && heartbeat.system_status == 0)
+}

@@ -1,0 +1,272 @@
+//! Reading one list from one vehicle (`MISSION_REQUEST_LIST`, one request at a time,
+//! closing `MISSION_ACK`). Same driver contract as [`crate::link::Upload`].
+
+use std::collections::VecDeque;
+
+use crate::link::message::{Address, Body, Message, MissionResult, Route};
+use crate::link::rtt::Pace;
+use crate::link::time::Time;
+use crate::mission::Item;
+
+/// Wait for `MISSION_COUNT`, milliseconds (mission service guide).
+const LIST_MS: u64 = 1500;
+/// `MISSION_REQUEST_LIST`s without any answer before the vehicle counts as silent.
+const MOST_LISTS: u32 = 20;
+/// Silence in mid transfer before it is started over, milliseconds. PX4 forgets after 5 s.
+const SILENCE_MS: u64 = 6000;
+/// Wait after `DENIED` or `ERROR` before asking again, milliseconds.
+const BUSY_MS: u64 = 1500;
+
+/// A download in progress.
+#[derive(Debug)]
+pub struct Download {
+    route: Route,
+    deadline: Time,
+    outbox: VecDeque<Body>,
+    phase: Phase,
+    items: Vec<Item>,
+    opaque_id: u32,
+    pace: Pace,
+    lists: u32,
+    complaint: Option<MissionResult>,
+    repeats: u32,
+    outcome: Option<Result<Vec<Item>, DownloadError>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Phase {
+    /// The list is asked for, or will be at that time.
+    Listing { again: Time },
+    /// The item after those held was asked for first, last, and the vehicle last gave one then.
+    Reading {
+        count: u16,
+        asked: Time,
+        sent: Time,
+        heard: Time,
+    },
+}
+
+/// Why a download ended without the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DownloadError {
+    /// Nothing came back.
+    #[error("no answer to {lists} MISSION_REQUEST_LIST messages")]
+    Silent {
+        /// How many were sent.
+        lists: u32,
+    },
+    /// The vehicle refused.
+    #[error("refused with {result}")]
+    Refused {
+        /// Its code.
+        result: MissionResult,
+    },
+    /// Time ran out.
+    #[error("not finished in time, {held} items were read")]
+    OutOfTime {
+        /// How many items had come.
+        held: usize,
+    },
+}
+
+impl Download {
+    /// Starts a download.
+    #[must_use]
+    pub fn new(route: Route, deadline: Time, now: Time) -> Self {
+        let mut download = Self {
+            route,
+            deadline,
+            outbox: VecDeque::new(),
+            phase: Phase::Listing { again: now },
+            items: Vec::new(),
+            opaque_id: 0,
+            pace: Pace::default(),
+            lists: 0,
+            complaint: None,
+            repeats: 0,
+            outcome: None,
+        };
+        download.list(now);
+        download
+    }
+
+    /// Takes in a message, whoever sent it.
+    pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
+        if self.outcome.is_some() {
+            return;
+        }
+        match self.route.accept(from, message) {
+            Some(Body::Count { count, opaque_id }) => self.counted(now, count, opaque_id),
+            Some(Body::ItemInt { seq, item, .. }) => self.received(now, seq, item),
+            Some(Body::Ack { result, .. }) => self.answered(now, result),
+            _ => {}
+        }
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Time) {
+        if self.outcome.is_some() || self.poll_timeout().is_none_or(|due| now < due) {
+            return;
+        }
+        if now >= self.deadline {
+            self.outcome = Some(Err(match self.complaint {
+                Some(result) => DownloadError::Refused { result },
+                None => DownloadError::OutOfTime {
+                    held: self.items.len(),
+                },
+            }));
+            return;
+        }
+        match self.phase {
+            Phase::Listing { .. } if self.lists >= MOST_LISTS => {
+                self.outcome = Some(Err(match self.complaint {
+                    Some(result) => DownloadError::Refused { result },
+                    None => DownloadError::Silent { lists: self.lists },
+                }));
+            }
+            Phase::Listing { .. } => {
+                self.repeats += u32::from(self.lists > 0);
+                self.list(now);
+            }
+            Phase::Reading { heard, .. } if now >= heard + SILENCE_MS => self.list(now),
+            Phase::Reading { .. } => {
+                self.repeats += 1;
+                self.request(now);
+            }
+        }
+    }
+
+    /// The next message to send, if there is one.
+    pub fn poll_transmit(&mut self) -> Option<Message> {
+        self.outbox.pop_front().map(|body| self.route.message(body))
+    }
+
+    /// When [`Download::handle_timeout`] is due; `None` at the end.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Time> {
+        if self.outcome.is_some() {
+            return None;
+        }
+        let due = match self.phase {
+            Phase::Listing { again } => again,
+            Phase::Reading { sent, heard, .. } => {
+                (sent + self.pace.wait_ms()).min(heard + SILENCE_MS)
+            }
+        };
+        Some(due.min(self.deadline))
+    }
+
+    /// How it ended, once it has: the items in order, home row included if the vehicle keeps one.
+    #[must_use]
+    pub fn outcome(&self) -> Option<&Result<Vec<Item>, DownloadError>> {
+        self.outcome.as_ref()
+    }
+
+    /// The vehicle's own id of the list; 0 if it gives none.
+    #[must_use]
+    pub fn opaque_id(&self) -> u32 {
+        self.opaque_id
+    }
+
+    /// Items read so far.
+    #[must_use]
+    pub fn progress(&self) -> usize {
+        self.items.len()
+    }
+
+    /// How many messages were repeated.
+    #[must_use]
+    pub fn repeats(&self) -> u32 {
+        self.repeats
+    }
+
+    fn list(&mut self, now: Time) {
+        self.lists += 1;
+        self.items.clear();
+        self.outbox.push_back(Body::RequestList);
+        self.phase = Phase::Listing {
+            again: now + LIST_MS,
+        };
+    }
+
+    fn counted(&mut self, now: Time, count: u16, opaque_id: u32) {
+        match self.phase {
+            // The echo of a repeated MISSION_REQUEST_LIST.
+            Phase::Reading { count: known, .. }
+                if (known, self.opaque_id) == (count, opaque_id) =>
+            {
+                return;
+            }
+            _ => self.items.clear(),
+        }
+        self.opaque_id = opaque_id;
+        self.lists = 0;
+        self.complaint = None;
+        self.phase = Phase::Reading {
+            count,
+            asked: now,
+            sent: now,
+            heard: now,
+        };
+        self.advance(now);
+    }
+
+    fn received(&mut self, now: Time, seq: u16, item: Item) {
+        let Phase::Reading { asked, heard, .. } = &mut self.phase else {
+            return;
+        };
+        if usize::from(seq) != self.items.len() {
+            return;
+        }
+        self.pace.answered(now - *asked);
+        *asked = now;
+        *heard = now;
+        self.items.push(item);
+        self.advance(now);
+    }
+
+    /// Asks for the next item, or ends when there is none. The closing ACK frees
+    /// the vehicle; PX4 and MAVSDK stay busy for seconds without it.
+    fn advance(&mut self, now: Time) {
+        let Phase::Reading { count, .. } = self.phase else {
+            return;
+        };
+        if self.items.len() < usize::from(count) {
+            self.request(now);
+        } else {
+            self.outbox.push_back(Body::Ack {
+                result: MissionResult::ACCEPTED,
+                opaque_id: 0,
+            });
+            self.outcome = Some(Ok(std::mem::take(&mut self.items)));
+        }
+    }
+
+    fn request(&mut self, now: Time) {
+        let seq = u16::try_from(self.items.len()).unwrap_or(u16::MAX);
+        self.outbox.push_back(Body::RequestInt { seq });
+        if let Phase::Reading { sent, .. } = &mut self.phase {
+            *sent = now;
+        }
+    }
+
+    /// A vehicle that is still receiving, or lost count of us, is asked again after a while.
+    fn answered(&mut self, now: Time, result: MissionResult) {
+        match result {
+            MissionResult::ACCEPTED
+            | MissionResult::INVALID_SEQUENCE
+            | MissionResult::OPERATION_CANCELLED => {}
+            // PX4 says ERROR, and forgets the transfer, when an old copy of a request overtakes newer ones.
+            MissionResult::DENIED | MissionResult::ERROR => {
+                if matches!(self.phase, Phase::Reading { .. }) {
+                    self.pace.slow_down();
+                }
+                self.complaint = Some(result);
+                self.phase = Phase::Listing {
+                    again: now + BUSY_MS,
+                };
+            }
+            fatal => self.outcome = Some(Err(DownloadError::Refused { result: fatal })),
+        }
+    }
+}

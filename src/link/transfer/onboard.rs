@@ -1,0 +1,351 @@
+//! Everything that one vehicle holds: wait for it, then read fence, rally and mission.
+
+use std::collections::VecDeque;
+
+use super::discovery::is_ready;
+use super::download::{Download, DownloadError};
+use super::identity;
+use super::report::Failure;
+use crate::link::message::{Address, Heartbeat, List, Message, MissionResult, Route};
+use crate::link::time::Time;
+use crate::mission::{Home, Item};
+use crate::spec::Autopilot;
+
+/// Wait for the first heartbeat, milliseconds.
+const NOBODY_MS: u64 = 10_000;
+/// How long others are listened for when no system id was told, milliseconds.
+const OTHERS_MS: u64 = 1500;
+/// Wait for a vehicle that is starting, milliseconds.
+const STARTING_MS: u64 = 30_000;
+/// The whole reading, milliseconds.
+const READING_MS: u64 = 600_000;
+/// Wait for `HOME_POSITION` after the lists, milliseconds; PX4 sends it every 2 s.
+const HOME_MS: u64 = 3000;
+/// Between two of our heartbeats, milliseconds.
+const HEARTBEAT_MS: u64 = 1000;
+/// The lists in the order of reading.
+const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
+
+/// What a vehicle holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Onboard {
+    /// Its system id.
+    pub sysid: u8,
+    /// Its autopilot, if it says one that we know.
+    pub autopilot: Option<Autopilot>,
+    /// Autopilot and type in words.
+    pub description: String,
+    /// Its home, if it says where that is.
+    pub home: Option<Home>,
+    /// Mission items, without ArduPilot's home row.
+    pub mission: Vec<Item>,
+    /// Fence items.
+    pub fence: Vec<Item>,
+    /// Rally points.
+    pub rally: Vec<Item>,
+    /// Lists that the vehicle does not know.
+    pub unknown: Vec<List>,
+}
+
+/// The reading of one vehicle. Same driver contract as [`crate::link::Upload`].
+#[derive(Debug)]
+pub struct Reading {
+    us: Address,
+    /// Which system; absent: the only one on the link.
+    sysid: Option<u8>,
+    began: Time,
+    heartbeat_due: Time,
+    outbox: VecDeque<Message>,
+    stage: Stage,
+    heard: Vec<(Address, Heartbeat)>,
+    vehicle: Option<(Address, Heartbeat)>,
+    lists: Vec<Vec<Item>>,
+    unknown: Vec<List>,
+    home: Option<Home>,
+    outcome: Option<Result<Onboard, Failure>>,
+}
+
+#[derive(Debug)]
+enum Stage {
+    /// For the vehicle to speak and to be ready.
+    Meeting {
+        until: Time,
+    },
+    Reading(Download),
+    /// For the vehicle to say where its home is.
+    Homing {
+        until: Time,
+    },
+}
+
+impl Reading {
+    /// Begins to read a system, or the only one that is heard, in the name of `us`.
+    #[must_use]
+    pub fn new(sysid: Option<u8>, us: Address, now: Time) -> Self {
+        Self {
+            us,
+            sysid,
+            began: now,
+            heartbeat_due: now,
+            outbox: VecDeque::new(),
+            stage: Stage::Meeting {
+                until: now + NOBODY_MS,
+            },
+            heard: Vec::new(),
+            vehicle: None,
+            lists: Vec::new(),
+            unknown: Vec::new(),
+            home: None,
+            outcome: None,
+        }
+    }
+
+    /// Takes in a message, whoever sent it.
+    pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
+        match message {
+            Message::Heartbeat(heartbeat) if identity::is_vehicle(heartbeat) => {
+                self.heartbeat(now, from, *heartbeat);
+            }
+            &Message::HomePosition { x, y, amsl_mm }
+                if self.vehicle.is_some_and(|(vehicle, _)| vehicle == from) =>
+            {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "float32 is what missions have"
+                )]
+                let amsl_m = (f64::from(amsl_mm) / 1000.0) as f32;
+                self.home = Some(Home { x, y, amsl_m });
+            }
+            Message::Mission(_) => {
+                if let Stage::Reading(download) = &mut self.stage {
+                    download.handle(now, from, message);
+                }
+            }
+            _ => {}
+        }
+        self.advance(now);
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Time) {
+        if self.outcome.is_some() {
+            return;
+        }
+        if now >= self.heartbeat_due {
+            self.heartbeat_due = now + HEARTBEAT_MS;
+            self.outbox.push_back(Message::Heartbeat(Heartbeat::OURS));
+        }
+        match &mut self.stage {
+            Stage::Meeting { until } if now >= *until => self.meet(now),
+            Stage::Reading(download) => download.handle_timeout(now),
+            Stage::Homing { until } if now >= *until => self.end(),
+            Stage::Meeting { .. } | Stage::Homing { .. } => {}
+        }
+        self.advance(now);
+    }
+
+    /// The next message to send, if there is one.
+    pub fn poll_transmit(&mut self) -> Option<Message> {
+        if let Some(message) = self.outbox.pop_front() {
+            return Some(message);
+        }
+        match &mut self.stage {
+            Stage::Reading(download) => download.poll_transmit(),
+            Stage::Meeting { .. } | Stage::Homing { .. } => None,
+        }
+    }
+
+    /// When [`Reading::handle_timeout`] is due; `None` at the end.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Time> {
+        if self.outcome.is_some() {
+            return None;
+        }
+        let stage = match &self.stage {
+            Stage::Meeting { until } | Stage::Homing { until } => Some(*until),
+            Stage::Reading(download) => download.poll_timeout(),
+        };
+        Some(stage.map_or(self.heartbeat_due, |due| due.min(self.heartbeat_due)))
+    }
+
+    /// What it came to, once it is over.
+    #[must_use]
+    pub fn outcome(&self) -> Option<&Result<Onboard, Failure>> {
+        self.outcome.as_ref()
+    }
+
+    /// The list at work, and how many of its items have come.
+    #[must_use]
+    pub fn progress(&self) -> Option<(List, usize)> {
+        match &self.stage {
+            Stage::Reading(download) => Some((*ORDER.get(self.lists.len())?, download.progress())),
+            Stage::Meeting { .. } | Stage::Homing { .. } => None,
+        }
+    }
+
+    /// The last word, when the driver cannot go on.
+    pub(crate) fn abort(&mut self, failure: Failure) {
+        self.outcome.get_or_insert(Err(failure));
+    }
+
+    fn heartbeat(&mut self, now: Time, from: Address, heartbeat: Heartbeat) {
+        let Stage::Meeting { until } = &mut self.stage else {
+            return;
+        };
+        self.heard.retain(|(address, _)| *address != from);
+        self.heard.push((from, heartbeat));
+        match (self.vehicle, self.sysid) {
+            (Some((vehicle, _)), _) if vehicle == from => self.vehicle = Some((from, heartbeat)),
+            (Some(_), _) => return,
+            (None, Some(sysid)) if sysid == from.system => {
+                self.vehicle = Some((from, heartbeat));
+                *until = now + STARTING_MS;
+            }
+            (None, Some(_)) => return,
+            // The first of them: who else is there?
+            (None, None) => {
+                if self.heard.len() == 1 {
+                    *until = (*until).min(now + OTHERS_MS);
+                }
+                return;
+            }
+        }
+        if is_ready(&heartbeat) {
+            self.read(now);
+        }
+    }
+
+    /// The wait is over.
+    fn meet(&mut self, now: Time) {
+        if let Some((_, heartbeat)) = self.vehicle {
+            return self.fail(Failure::NotReady {
+                status: heartbeat.system_status,
+                after_s: STARTING_MS / 1000,
+            });
+        }
+        let mut systems: Vec<u8> = self.heard.iter().map(|(from, _)| from.system).collect();
+        systems.sort_unstable();
+        systems.dedup();
+        match (self.sysid, &self.heard[..], &systems[..]) {
+            (None, [(from, heartbeat), ..], [_]) => {
+                let ready = is_ready(heartbeat);
+                self.vehicle = Some((*from, *heartbeat));
+                self.stage = Stage::Meeting {
+                    until: now + STARTING_MS,
+                };
+                if ready {
+                    self.read(now);
+                }
+            }
+            (None, _, []) => self.fail(Failure::Nothing {
+                after_s: NOBODY_MS / 1000,
+            }),
+            (None, ..) => self.fail(Failure::Several { heard: systems }),
+            (Some(sysid), ..) => self.fail(Failure::Nobody {
+                sysid,
+                after_s: NOBODY_MS / 1000,
+                heard: systems,
+            }),
+        }
+    }
+
+    /// Begins the next list, or the end.
+    fn read(&mut self, now: Time) {
+        let Some((vehicle, _)) = self.vehicle else {
+            return;
+        };
+        match ORDER.get(self.lists.len()) {
+            Some(&list) => {
+                let us = self.us;
+                let route = Route { us, vehicle, list };
+                let deadline = self.began + READING_MS;
+                self.stage = Stage::Reading(Download::new(route, deadline, now));
+            }
+            None => {
+                self.take_home_row();
+                self.stage = Stage::Homing {
+                    until: now + HOME_MS,
+                };
+            }
+        }
+    }
+
+    fn advance(&mut self, now: Time) {
+        if self.outcome.is_some() {
+            return;
+        }
+        match &mut self.stage {
+            Stage::Homing { .. } if self.home.is_some() => self.end(),
+            Stage::Reading(download) => {
+                let Some(ended) = download.outcome().cloned() else {
+                    return;
+                };
+                // The closing ACK is still in there.
+                while let Some(message) = download.poll_transmit() {
+                    self.outbox.push_back(message);
+                }
+                self.listed(now, ended);
+            }
+            Stage::Meeting { .. } | Stage::Homing { .. } => {}
+        }
+    }
+
+    fn listed(&mut self, now: Time, ended: Result<Vec<Item>, DownloadError>) {
+        let Some(&list) = ORDER.get(self.lists.len()) else {
+            return;
+        };
+        match ended {
+            Ok(items) => self.lists.push(items),
+            Err(DownloadError::Refused {
+                result: MissionResult::UNSUPPORTED,
+            }) if list != List::Mission => {
+                self.unknown.push(list);
+                self.lists.push(Vec::new());
+            }
+            Err(error) => return self.fail(Failure::ReadBack { list, error }),
+        }
+        self.read(now);
+    }
+
+    /// ArduPilot's first row is its home, or zeros as long as it has none.
+    fn take_home_row(&mut self) {
+        let ardupilot = self.vehicle.is_some_and(|(_, heartbeat)| {
+            identity::named(heartbeat.autopilot) == Some(Autopilot::ArduPilot)
+        });
+        let Some(mission) = self.lists.last_mut().filter(|items| !items.is_empty()) else {
+            return;
+        };
+        if ardupilot {
+            let row = mission.remove(0);
+            if (row.x, row.y) != (0, 0) {
+                self.home = Some(Home {
+                    x: row.x,
+                    y: row.y,
+                    amsl_m: row.z,
+                });
+            }
+        }
+    }
+
+    fn fail(&mut self, failure: Failure) {
+        self.outcome = Some(Err(failure));
+    }
+
+    fn end(&mut self) {
+        let Some((vehicle, heartbeat)) = self.vehicle else {
+            return;
+        };
+        let mut lists = std::mem::take(&mut self.lists).into_iter();
+        let [fence, rally, mission] = ORDER.map(|_| lists.next().unwrap_or_default());
+        self.outcome = Some(Ok(Onboard {
+            sysid: vehicle.system,
+            autopilot: identity::named(heartbeat.autopilot),
+            description: identity::describe(&heartbeat),
+            home: self.home,
+            mission,
+            fence,
+            rally,
+            unknown: std::mem::take(&mut self.unknown),
+        }));
+    }
+}

@@ -1,0 +1,272 @@
+//! What a transfer came to.
+
+use std::net::SocketAddr;
+
+use sha2::{Digest, Sha256};
+
+use super::compare::Difference;
+use super::download::DownloadError;
+use super::upload::UploadError;
+use crate::link::message::{List, MissionResult};
+use crate::mission::Item;
+
+/// What one vehicle's transfer came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TransferReport {
+    /// Id of the vehicle in the spec.
+    pub vehicle: String,
+    /// System id that was talked to.
+    pub sysid: u8,
+    /// Autopilot and type as the vehicle says; empty if it never spoke.
+    pub autopilot: String,
+    /// Version of its software as it says, such as `4.6.3`; empty if it does not tell.
+    pub version: String,
+    /// The vehicle's own ids of mission, fence and rally as they were read back; 0 where it has none.
+    pub plan_ids: [u32; 3],
+    /// Items that the vehicle was read to hold, without home: mission, fence, rally.
+    pub items: usize,
+    /// Fence items.
+    pub fence: usize,
+    /// Rally points.
+    pub rally: usize,
+    /// How often a list was sent from its beginning.
+    pub attempts: u32,
+    /// Messages that had to be repeated.
+    pub retries: u32,
+    /// From the first heartbeat we sent to the verdict.
+    pub seconds: f64,
+    /// SHA-256 over the items held (see [`hash`]); empty unless verified.
+    pub hash: String,
+    /// Whether the vehicle holds exactly what it was sent.
+    pub verdict: Verdict,
+    /// Where it does not.
+    pub differences: Vec<Difference>,
+    /// What the vehicle said meanwhile (`STATUSTEXT`).
+    pub statustexts: Vec<String>,
+}
+
+/// How a transfer ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// The vehicle holds exactly our items: read back and compared.
+    Verified,
+    /// It does not, or nobody can tell.
+    Failed(Failure),
+    /// Nothing was sent.
+    Refused(Refusal),
+}
+
+/// Why a transfer failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Failure {
+    /// No heartbeat.
+    #[error("no heartbeat from system {sysid} within {after_s} s{}", heard_text(.heard))]
+    Nobody {
+        /// Whose.
+        sysid: u8,
+        /// How long was waited, seconds.
+        after_s: u64,
+        /// Other systems heard on the link.
+        heard: Vec<u8>,
+    },
+    /// No heartbeat of any vehicle.
+    #[error("no heartbeat of any vehicle within {after_s} s")]
+    Nothing {
+        /// How long was waited, seconds.
+        after_s: u64,
+    },
+    /// Several vehicles, and none was named.
+    #[error("several vehicles are on the link: name one by its system id{}", heard_text(.heard))]
+    Several {
+        /// Their system ids.
+        heard: Vec<u8>,
+    },
+    /// One system id at two addresses at the same time: nobody can tell which of them is meant.
+    #[error("system {sysid} speaks from {} and from {} at once: two vehicles with one system id, or one over two links", at[0], at[1])]
+    Twins {
+        /// Their system id.
+        sysid: u8,
+        /// Where they are.
+        at: [SocketAddr; 2],
+    },
+    /// Fence and rally points have no messages in MAVLink 1.
+    #[error(
+        "the vehicle speaks only MAVLink 1, which has no messages for fence items ({fence}) and rally points ({rally})"
+    )]
+    OnlyMavlink1 {
+        /// Fence items that it shall hold.
+        fence: usize,
+        /// Rally points that it shall hold.
+        rally: usize,
+    },
+    /// The vehicle did not finish starting.
+    #[error("still starting (system_status {status}) after {after_s} s")]
+    NotReady {
+        /// `MAV_STATE`.
+        status: u8,
+        /// How long was waited, seconds.
+        after_s: u64,
+    },
+    /// Sending a list failed.
+    #[error("{list}: {error}")]
+    Upload {
+        /// Which.
+        list: List,
+        /// Why.
+        #[source]
+        error: UploadError,
+    },
+    /// An old list could not be cleared.
+    #[error("{list}: what is on board could not be cleared: {result}")]
+    Clear {
+        /// Which.
+        list: List,
+        /// What the vehicle said.
+        result: MissionResult,
+    },
+    /// Reading a list failed, so nobody knows what the vehicle holds.
+    #[error("{list}: could not be read back: {error}")]
+    ReadBack {
+        /// Which.
+        list: List,
+        /// Why.
+        #[source]
+        error: DownloadError,
+    },
+    /// The vehicle holds the mission and will not fly it.
+    #[error("the vehicle holds the mission, and will not fly it: {text}")]
+    WillNotFly {
+        /// What it says.
+        text: String,
+    },
+    /// The vehicle holds something else.
+    #[error("{list}: the vehicle holds something else than was sent (differences: {count}){}", said(*.complaint))]
+    Different {
+        /// Which.
+        list: List,
+        /// How many differences.
+        count: usize,
+        /// What it said while it took the items.
+        complaint: Option<MissionResult>,
+    },
+    /// The whole transfer took too long.
+    #[error("not finished within {after_s} s")]
+    OutOfTime {
+        /// How long was waited, seconds.
+        after_s: u64,
+    },
+    /// Somebody armed it.
+    #[error("the vehicle was armed during the transfer")]
+    ArmedMeanwhile,
+    /// The link could not be opened or broke.
+    #[error("{link}: {error}")]
+    Link {
+        /// Which.
+        link: String,
+        /// Why.
+        error: String,
+    },
+}
+
+/// Why nothing was sent. `force` overrides each.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Refusal {
+    /// Its motors may run.
+    #[error("the vehicle is armed")]
+    Armed,
+    /// Another autopilot than in the spec.
+    #[error("the spec says {expected}, the vehicle says {found}")]
+    Autopilot {
+        /// In the spec.
+        expected: &'static str,
+        /// In its heartbeat.
+        found: String,
+    },
+    /// Another type than in the spec.
+    #[error("the spec says {expected}, the vehicle says {found}")]
+    Type {
+        /// In the spec.
+        expected: &'static str,
+        /// In its heartbeat.
+        found: String,
+    },
+    /// Another system id than in the spec.
+    #[error("the spec says system {expected}, on the link is system {found}")]
+    System {
+        /// In the spec.
+        expected: u8,
+        /// In its heartbeat.
+        found: u8,
+    },
+}
+
+fn heard_text(heard: &[u8]) -> String {
+    if heard.is_empty() {
+        return String::new();
+    }
+    let names: Vec<String> = heard.iter().map(ToString::to_string).collect();
+    format!(" (heard on the link: system {})", names.join(", "))
+}
+
+fn said(complaint: Option<MissionResult>) -> String {
+    complaint.map_or(String::new(), |result| {
+        format!("; it answered {result} meanwhile")
+    })
+}
+
+impl TransferReport {
+    /// Whether the vehicle holds exactly our items.
+    #[must_use]
+    pub fn is_verified(&self) -> bool {
+        self.verdict == Verdict::Verified
+    }
+
+    /// A report without any transfer.
+    pub(crate) fn nothing(vehicle: &str, sysid: u8, verdict: Verdict) -> Self {
+        Self {
+            vehicle: vehicle.to_owned(),
+            sysid,
+            autopilot: String::new(),
+            version: String::new(),
+            plan_ids: [0; 3],
+            items: 0,
+            fence: 0,
+            rally: 0,
+            attempts: 0,
+            retries: 0,
+            seconds: 0.0,
+            hash: String::new(),
+            verdict,
+            differences: Vec::new(),
+            statustexts: Vec::new(),
+        }
+    }
+}
+
+/// SHA-256 in hexadecimal over lists of items in the order mission, fence, rally,
+/// without home. Each list is its `MAV_MISSION_TYPE` (1 byte) and number of items
+/// (`u32`), then every item as command (`u16`), frame, autocontinue, `param1` to
+/// `param4`, x, y, z as on the wire; all little endian.
+#[must_use]
+pub fn hash(mission: &[Item], fence: &[Item], rally: &[Item]) -> String {
+    let mut sha = Sha256::new();
+    for (list, items) in List::ALL.into_iter().zip([mission, fence, rally]) {
+        sha.update([list.mission_type()]);
+        let count = u32::try_from(items.len()).expect("a list counts its items in 16 bits");
+        sha.update(count.to_le_bytes());
+        for item in items {
+            sha.update(item.command.to_le_bytes());
+            sha.update([item.frame, u8::from(item.autocontinue)]);
+            item.params
+                .iter()
+                .for_each(|param| sha.update(param.to_le_bytes()));
+            sha.update(item.x.to_le_bytes());
+            sha.update(item.y.to_le_bytes());
+            sha.update(item.z.to_le_bytes());
+        }
+    }
+    sha.finalize()
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
+}

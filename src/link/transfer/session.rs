@@ -1,0 +1,380 @@
+//! Everything for one vehicle: wait for it, make sure that it is the right one,
+//! then fence, rally and mission, each sent, read back and compared.
+//!
+//! Fence before mission, because PX4 checks a mission against the fence on board.
+//! A list that is to be empty is read first and cleared if it is not: an old
+//! fence must not stay silently.
+
+mod ending;
+mod lists;
+
+use std::collections::VecDeque;
+
+use super::compare::Difference;
+use super::discovery::{Encounter, Meeting, is_ready};
+use super::identity;
+use super::report::{Failure, TransferReport, Verdict};
+use super::task::Task;
+use crate::link::codec::Version;
+use crate::link::message::flight::{Command, FlightMessage};
+use crate::link::message::{Address, Heartbeat, List, Message, MissionResult};
+use crate::link::time::Time;
+use crate::mission::{Item, VehicleMission};
+
+/// Between two of our heartbeats, milliseconds. MAVSDK forgets us after 3 s without.
+const HEARTBEAT_MS: u64 = 1000;
+/// The whole transfer: this and [`ITEM_MS`] for each item, milliseconds.
+const TRANSFER_MS: u64 = 120_000;
+/// What each item adds to the time allowed, milliseconds.
+const ITEM_MS: u64 = 5000;
+/// How often the vehicle is asked for its version, a heartbeat apart.
+const MOST_VERSION_REQUESTS: u32 = 5;
+/// Answers in MAVLink 1 for so long, milliseconds, mean that the vehicle speaks no other:
+/// two of our heartbeats, in MAVLink 2, have gone out by then.
+const OLD_MS: u64 = 2500;
+/// Most texts of the vehicle that are kept.
+const MOST_TEXTS: usize = 50;
+/// The lists in the order of transfer.
+const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
+
+/// What is to be transferred, and to whom.
+#[derive(Clone, Debug)]
+pub struct Order<'a> {
+    /// Id in the spec.
+    pub vehicle: &'a str,
+    /// System id in the spec.
+    pub sysid: u8,
+    /// What it shall hold.
+    pub mission: &'a VehicleMission,
+    /// Whether refusals are overridden.
+    pub force: bool,
+    /// System ids that others expect on the same link.
+    pub others: Vec<u8>,
+}
+
+/// Where a transfer is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Lists done, of three.
+    pub lists: usize,
+    /// What is going on: `waiting`, `sending`, `clearing`, `reading`, `done`.
+    pub stage: &'static str,
+    /// Items done in this stage.
+    pub done: usize,
+    /// Items in this stage.
+    pub total: usize,
+}
+
+/// The transfer to one vehicle. Same driver contract as [`Upload`].
+#[derive(Debug)]
+pub struct Session<'a> {
+    order: Order<'a>,
+    us: Address,
+    began: Time,
+    deadline: Time,
+    heartbeat_due: Time,
+    outbox: VecDeque<Message>,
+    stage: Stage,
+    /// The vehicle and what it last said, once it has been met.
+    vehicle: Option<(Address, Heartbeat)>,
+    /// Index into [`ORDER`].
+    at: usize,
+    rounds: u32,
+    pauses: u32,
+    complaint: Option<MissionResult>,
+    acknowledged: bool,
+    attempts: u32,
+    retries: u32,
+    held: [Vec<Item>; 3],
+    /// The vehicle's own ids of the lists read back, in the order of their numbers.
+    plan_ids: [u32; 3],
+    /// Whether the lists were read once more because their ids had changed.
+    reread: bool,
+    software: String,
+    version_requests: u32,
+    differences: Vec<Difference>,
+    texts: Vec<String>,
+    /// What the vehicle says of a mission that it holds and will not fly.
+    rejection: Option<String>,
+    /// Since when the vehicle has been answering our MAVLink 2 in MAVLink 1.
+    old_since: Option<Time>,
+    version: Version,
+    report: Option<TransferReport>,
+}
+
+#[derive(Debug)]
+enum Stage {
+    /// For the vehicle to speak, or to be ready.
+    Meeting(Meeting),
+    /// A list is sent, cleared or read.
+    Working(Task),
+    /// Before a list is sent again.
+    Pausing { until: Time },
+    /// After the last list, for what the vehicle has to say.
+    Listening { until: Time },
+}
+
+impl<'a> Session<'a> {
+    /// Begins a transfer in the name of `us`.
+    #[must_use]
+    pub fn new(order: Order<'a>, us: Address, now: Time) -> Self {
+        let mission = order.mission;
+        let items = mission.items.len() + mission.fence.len() + mission.rally.len();
+        let items = u64::try_from(items).unwrap_or(u64::MAX);
+        Self {
+            deadline: now + TRANSFER_MS.saturating_add(items.saturating_mul(ITEM_MS)),
+            order,
+            us,
+            began: now,
+            heartbeat_due: now,
+            outbox: VecDeque::new(),
+            stage: Stage::Meeting(Meeting::first(now)),
+            vehicle: None,
+            at: 0,
+            rounds: 0,
+            pauses: 0,
+            complaint: None,
+            acknowledged: false,
+            attempts: 0,
+            retries: 0,
+            held: [Vec::new(), Vec::new(), Vec::new()],
+            plan_ids: [0; 3],
+            reread: false,
+            software: String::new(),
+            version_requests: 0,
+            differences: Vec::new(),
+            texts: Vec::new(),
+            rejection: None,
+            old_since: None,
+            version: Version::Two,
+            report: None,
+        }
+    }
+
+    /// Takes in a message, whoever sent it.
+    pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
+        if self.report.is_some() {
+            return;
+        }
+        match message {
+            Message::Heartbeat(heartbeat) => self.heartbeat(now, from, *heartbeat),
+            Message::StatusText { text, .. } => {
+                if self.is_of_vehicle(from)
+                    && self.texts.last() != Some(text)
+                    && self.texts.len() < MOST_TEXTS
+                {
+                    self.texts.push(text.clone());
+                }
+                self.look_for_rejection(from, text);
+            }
+            Message::AutopilotVersion {
+                flight_software, ..
+            } if self.is_of_vehicle(from) => {
+                self.software = identity::version(*flight_software);
+                self.version_requests = MOST_VERSION_REQUESTS;
+            }
+            Message::MissionCurrent { opaque_ids, .. } if self.is_of_vehicle(from) => {
+                self.compare_ids(now, *opaque_ids);
+            }
+            Message::AutopilotVersion { .. }
+            | Message::MissionCurrent { .. }
+            | Message::HomePosition { .. }
+            | Message::Flight(_) => {}
+            Message::Mission(_) => {
+                if let Stage::Working(task) = &mut self.stage {
+                    task.handle(now, from, message);
+                }
+            }
+        }
+        self.advance(now);
+    }
+
+    /// Takes in which MAVLink a sender used, before its message is handed in.
+    ///
+    /// Autopilots begin in MAVLink 1 until they hear MAVLink 2, and our heartbeats are
+    /// in MAVLink 2: only who stays with the old one for long speaks nothing else.
+    pub fn hear_version(&mut self, now: Time, from: Address, version: Version) {
+        let system = self
+            .vehicle
+            .map_or(self.order.sysid, |(vehicle, _)| vehicle.system);
+        if from.system != system || !matches!(self.stage, Stage::Meeting(_)) {
+            return;
+        }
+        self.old_since = match version {
+            Version::One => self.old_since.or(Some(now)),
+            Version::Two => None,
+        };
+        self.version = match self.old_since {
+            Some(since) if now - since >= OLD_MS => Version::One,
+            _ => Version::Two,
+        };
+    }
+
+    /// In which MAVLink the vehicle is to be spoken to.
+    #[must_use]
+    pub fn version(&self) -> Version {
+        self.version
+    }
+
+    /// Does what is due.
+    pub fn handle_timeout(&mut self, now: Time) {
+        if self.report.is_some() {
+            return;
+        }
+        if now >= self.heartbeat_due {
+            self.heartbeat_due = now + HEARTBEAT_MS;
+            self.outbox.push_back(Message::Heartbeat(Heartbeat::OURS));
+            self.request_version();
+        }
+        match &mut self.stage {
+            Stage::Working(task) => task.handle_timeout(now),
+            Stage::Meeting(meeting) if now >= meeting.until() => {
+                let encounter = meeting.timeout(&self.order, now);
+                self.meet(now, encounter);
+            }
+            Stage::Pausing { until } if now >= *until => self.begin_list(now),
+            Stage::Listening { until } if now >= *until => {
+                let rejection = self.rejection.take();
+                let verdict = rejection.map_or(Verdict::Verified, |text| {
+                    Verdict::Failed(Failure::WillNotFly { text })
+                });
+                self.end(now, verdict);
+            }
+            Stage::Meeting(_) | Stage::Pausing { .. } | Stage::Listening { .. } => {}
+        }
+        self.advance(now);
+        if self.report.is_none() && now >= self.deadline {
+            let after_s = (self.deadline - self.began) / 1000;
+            self.end(now, Verdict::Failed(Failure::OutOfTime { after_s }));
+        }
+    }
+
+    /// The next message to send, if there is one.
+    pub fn poll_transmit(&mut self) -> Option<Message> {
+        if let Some(message) = self.outbox.pop_front() {
+            return Some(message);
+        }
+        match &mut self.stage {
+            Stage::Working(task) => task.poll_transmit(),
+            Stage::Meeting(_) | Stage::Pausing { .. } | Stage::Listening { .. } => None,
+        }
+    }
+
+    /// When [`Session::handle_timeout`] is due; `None` at the end.
+    #[must_use]
+    pub fn poll_timeout(&self) -> Option<Time> {
+        if self.report.is_some() {
+            return None;
+        }
+        let stage = match &self.stage {
+            Stage::Working(task) => task.poll_timeout(),
+            Stage::Meeting(meeting) => Some(meeting.until()),
+            Stage::Pausing { until } | Stage::Listening { until } => Some(*until),
+        };
+        let due = self.heartbeat_due.min(self.deadline);
+        Some(stage.map_or(due, |stage| stage.min(due)))
+    }
+
+    /// What it came to, once it is over.
+    #[must_use]
+    pub fn report(&self) -> Option<&TransferReport> {
+        self.report.as_ref()
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn progress(&self) -> Progress {
+        let total = self.wanted().items(ORDER[self.at]).len();
+        let (stage, done, total) = match &self.stage {
+            _ if self.report.is_some() => ("done", 0, 0),
+            Stage::Working(task) => {
+                let (stage, done) = task.progress();
+                (stage, done, total)
+            }
+            Stage::Meeting(_) | Stage::Pausing { .. } => ("waiting", 0, 0),
+            Stage::Listening { .. } => ("done", 0, 0),
+        };
+        Progress {
+            lists: self.at,
+            stage,
+            done,
+            total,
+        }
+    }
+
+    /// The last word, when the driver cannot go on.
+    pub(crate) fn abort(&mut self, now: Time, failure: Failure) {
+        if self.report.is_none() {
+            self.end(now, Verdict::Failed(failure));
+        }
+    }
+
+    fn is_of_vehicle(&self, from: Address) -> bool {
+        self.vehicle
+            .is_some_and(|(vehicle, _)| vehicle.system == from.system)
+    }
+
+    /// Asks which software the vehicle runs. Nothing waits for the answer.
+    fn request_version(&mut self) {
+        if let (Some((target, _)), true) =
+            (self.vehicle, self.version_requests < MOST_VERSION_REQUESTS)
+        {
+            self.version_requests += 1;
+            let order = Command::request_version();
+            let request = FlightMessage::Command { target, order };
+            self.outbox.push_back(Message::Flight(request));
+        }
+    }
+
+    fn heartbeat(&mut self, now: Time, from: Address, heartbeat: Heartbeat) {
+        if !identity::is_vehicle(&heartbeat) {
+            return;
+        }
+        let is_undecided = self.old_since.is_some() && self.version == Version::Two;
+        if let Stage::Meeting(meeting) = &mut self.stage {
+            if is_undecided {
+                return;
+            }
+            let encounter = meeting.heartbeat(&self.order, now, from, heartbeat);
+            self.vehicle = meeting.vehicle();
+            self.meet(now, encounter);
+        }
+        let Some((vehicle, last)) = &mut self.vehicle else {
+            return;
+        };
+        if *vehicle != from || self.report.is_some() {
+            return;
+        }
+        *last = heartbeat;
+        if heartbeat.is_armed() && !self.order.force {
+            self.end(now, Verdict::Failed(Failure::ArmedMeanwhile));
+        } else if !is_ready(&heartbeat) && !matches!(self.stage, Stage::Meeting(_)) {
+            // It was started again: what it confirmed before may be gone.
+            self.stage = Stage::Meeting(Meeting::again((from, heartbeat), now));
+        }
+    }
+
+    fn meet(&mut self, now: Time, encounter: Encounter) {
+        match encounter {
+            Encounter::Nobody => {}
+            Encounter::Met(address, heartbeat) => {
+                self.vehicle = Some((address, heartbeat));
+                (self.at, self.rounds, self.pauses) = (0, 0, 0);
+                self.request_version();
+                if self.version == Version::One {
+                    let (fence, rally) = (
+                        self.order.mission.fence.len(),
+                        self.order.mission.rally.len(),
+                    );
+                    if fence + rally > 0 {
+                        let failure = Failure::OnlyMavlink1 { fence, rally };
+                        return self.end(now, Verdict::Failed(failure));
+                    }
+                    self.at = ORDER.len() - 1;
+                }
+                self.begin_list(now);
+            }
+            Encounter::Over(verdict) => self.end(now, verdict),
+        }
+    }
+}

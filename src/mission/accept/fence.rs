@@ -1,0 +1,132 @@
+//! What an autopilot takes as a fence and as rally points.
+
+use super::{AcceptanceProblem, Limits, List};
+use crate::mission::item::{Item, VehicleMission, command, frame};
+
+/// Problems of the fence and the rally points.
+pub(crate) fn problems(mission: &VehicleMission, limits: Limits) -> Vec<AcceptanceProblem> {
+    let mut found = Vec::new();
+    for (list, items, limit) in [
+        (List::Fence, &mission.fence, limits.fence),
+        (List::Rally, &mission.rally, limits.rally),
+    ] {
+        if items.len() > limit {
+            found.push(AcceptanceProblem {
+                list,
+                item: 0,
+                rule: "item count",
+                found: format!("{} items", items.len()),
+                allowed: limit.to_string(),
+            });
+        }
+        for (index, item) in items.iter().enumerate() {
+            found.extend(place(list, index + 1, item));
+        }
+    }
+    found.extend(polygons(&mission.fence));
+    found.extend(kinds(mission));
+    found
+}
+
+/// A place on earth, in a frame with latitude and longitude.
+fn place(list: List, number: usize, item: &Item) -> Option<AcceptanceProblem> {
+    let tell = |rule, found: String, allowed: &str| {
+        Some(AcceptanceProblem {
+            list,
+            item: number,
+            rule,
+            found,
+            allowed: allowed.to_owned(),
+        })
+    };
+    if ![frame::GLOBAL, frame::GLOBAL_RELATIVE_ALT].contains(&frame::canonical(item.frame)) {
+        return tell("frame", format!("frame {}", item.frame), "frame 0, 3, 5, 6");
+    }
+    if item.place().is_none() || (item.x, item.y) == (0, 0) {
+        let (lat_deg, lon_deg) = (f64::from(item.x) / 1e7, f64::from(item.y) / 1e7);
+        return tell(
+            "a real place",
+            format!("latitude {lat_deg}, longitude {lon_deg}"),
+            "-90 to 90, -180 to 180, not 0, 0",
+        );
+    }
+    if !item.z.is_finite() {
+        return tell("altitude", format!("{} m", item.z), "a number");
+    }
+    None
+}
+
+/// Corners in a row carry the same count, and as many follow; a circle has a radius.
+fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
+    let mut found = Vec::new();
+    let mut index = 0;
+    while let Some(item) = fence.get(index) {
+        let tell = |rule, found: String, allowed: String| AcceptanceProblem {
+            list: List::Fence,
+            item: index + 1,
+            rule,
+            found,
+            allowed,
+        };
+        match item.command {
+            command::FENCE_POLYGON_INCLUSION | command::FENCE_POLYGON_EXCLUSION => {
+                let run = fence[index..]
+                    .iter()
+                    .take_while(|next| {
+                        next.command == item.command
+                            && next.params[0].to_bits() == item.params[0].to_bits()
+                    })
+                    .count();
+                let corners = (3..=run).find(|&corners| {
+                    u16::try_from(corners)
+                        .is_ok_and(|count| f32::from(count).to_bits() == item.params[0].to_bits())
+                });
+                if corners.is_none() {
+                    found.push(tell(
+                        "polygon corners",
+                        format!("param1 {} before {run} such corners", item.params[0]),
+                        "param1 is the number of corners that follow, at least 3".to_owned(),
+                    ));
+                }
+                index += corners.unwrap_or(run);
+            }
+            command::FENCE_CIRCLE_INCLUSION | command::FENCE_CIRCLE_EXCLUSION => {
+                let radius_m = item.params[0];
+                if !(radius_m.is_finite() && radius_m > 0.0) {
+                    found.push(tell(
+                        "circle radius",
+                        format!("{radius_m} m"),
+                        "more than 0 m".to_owned(),
+                    ));
+                }
+                index += 1;
+            }
+            _ => index += 1,
+        }
+    }
+    found
+}
+
+/// Each list holds its own commands only.
+fn kinds(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
+    let fence = command::FENCE_RETURN_POINT..=command::FENCE_CIRCLE_EXCLUSION;
+    let rally = command::RALLY_POINT..=command::RALLY_POINT;
+    let mut found = Vec::new();
+    for (list, items, allowed) in [
+        (List::Fence, &mission.fence, fence),
+        (List::Rally, &mission.rally, rally),
+    ] {
+        for (index, item) in items.iter().enumerate() {
+            if !allowed.contains(&item.command) {
+                found.push(AcceptanceProblem {
+                    list,
+                    item: index + 1,
+                    rule: "known command",
+                    found: format!("command {}", item.command),
+                    allowed: format!("{} to {}", allowed.start(), allowed.end()),
+                });
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,199 @@
+//! Planning coordinates to the integers and floats of an item.
+//!
+//! Altitudes are whole quarters of a metre, rounded up. A quarter is exact in
+//! float32, in decimals and in the centimetres that ArduPilot keeps (which
+//! truncates: 30.129 comes back as 30.12), so no step on the way to the vehicle
+//! can lower it.
+
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::mission::item::{Home, Item, command, frame};
+use crate::spec::AltitudeReference;
+use crate::world::{NoData, World};
+
+/// Furthest that encoding moves a point, metres: a quarter up, half of 1e-7 degrees aside;
+/// more only where a height just below 0 becomes a quarter.
+pub(crate) const ENCODING_M: f64 = 0.26;
+
+/// Home of a vehicle that stands at a place on the ground.
+///
+/// Its altitude is rounded down to centimetres: altitudes above home that are
+/// computed from it are then high enough.
+#[must_use]
+pub fn home_at(place: LatLon, ground: Amsl) -> Home {
+    let (x, y) = degrees_e7(place);
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "float32 is what the wire has"
+    )]
+    let amsl_m = ((ground.0 * 100.0 + HAIR).floor() / 100.0) as f32;
+    Home { x, y, amsl_m }
+}
+
+/// Writes points of one vehicle's mission.
+pub(crate) struct Encoder<'a> {
+    world: &'a World,
+    reference: AltitudeReference,
+    home: Home,
+}
+
+impl<'a> Encoder<'a> {
+    /// An encoder for a vehicle that stands at `home`, in the reference of the spec.
+    pub(crate) fn new(
+        world: &'a World,
+        reference: AltitudeReference,
+        place: LatLon,
+        ground: Amsl,
+    ) -> Self {
+        Self {
+            world,
+            reference,
+            home: home_at(place, ground),
+        }
+    }
+
+    /// Where the vehicle stands, as every item's altitude above home assumes.
+    pub(crate) fn home(&self) -> Home {
+        self.home
+    }
+
+    /// Whether a point encodes to the place of home.
+    pub(crate) fn is_over_home(&self, point: PlanPoint) -> bool {
+        degrees_e7(self.world.frame.from_plan(point.at)) == (self.home.x, self.home.y)
+    }
+
+    /// Height of a point in the reference of the mission, metres.
+    pub(crate) fn height_m(&self, point: PlanPoint) -> Result<f64, NoData> {
+        Ok(match self.reference {
+            AltitudeReference::Amsl => point.amsl.0,
+            AltitudeReference::Relative => point.amsl.above_home(self.home_amsl()).0,
+            AltitudeReference::Terrain => point.amsl.above_ground(self.ground(point)?).0,
+        })
+    }
+
+    /// Altitude of height 0 in the reference of the mission; the terrain's is not one altitude.
+    pub(crate) fn zero(&self) -> Option<Amsl> {
+        match self.reference {
+            AltitudeReference::Amsl => Some(Amsl(0.0)),
+            AltitudeReference::Relative => Some(self.home_amsl()),
+            AltitudeReference::Terrain => None,
+        }
+    }
+
+    /// An item at a point.
+    ///
+    /// A height of 0 becomes the next quarter: at a place that is flown to ArduPilot
+    /// takes it for "as high as before". A landing goes down in any case.
+    pub(crate) fn item(
+        &self,
+        command: u16,
+        params: [f32; 4],
+        point: PlanPoint,
+    ) -> Result<Item, NoData> {
+        let (x, y) = degrees_e7(self.world.frame.from_plan(point.at));
+        Ok(Item {
+            command,
+            frame: match self.reference {
+                AltitudeReference::Amsl => frame::GLOBAL,
+                AltitudeReference::Relative => frame::GLOBAL_RELATIVE_ALT,
+                AltitudeReference::Terrain => frame::GLOBAL_TERRAIN_ALT,
+            },
+            autocontinue: true,
+            params,
+            x,
+            y,
+            z: match quarter_up(self.height_m(point)?) {
+                0.0 if ![command::NAV_LAND, command::NAV_VTOL_LAND].contains(&command) => 0.25,
+                z => z,
+            },
+        })
+    }
+
+    /// The same item with its altitude above home, whatever the reference of the mission:
+    /// a QuadPlane takes the altitude of its takeoff for a height above where it stands.
+    pub(crate) fn above_home(&self, item: Item, amsl: Amsl) -> Item {
+        Item {
+            frame: frame::GLOBAL_RELATIVE_ALT,
+            z: quarter_up(amsl.above_home(self.home_amsl()).0),
+            ..item
+        }
+    }
+
+    /// The point on the ground below.
+    pub(crate) fn on_ground(&self, point: PlanPoint) -> Result<PlanPoint, NoData> {
+        Ok(PlanPoint {
+            at: point.at,
+            amsl: self.ground(point)?,
+        })
+    }
+
+    /// Altitude of home as it is encoded.
+    pub(crate) fn home_amsl(&self) -> Amsl {
+        Amsl(f64::from(self.home.amsl_m))
+    }
+
+    pub(crate) fn ground(&self, point: PlanPoint) -> Result<Amsl, NoData> {
+        self.world
+            .terrain
+            .height(self.world.frame.from_plan(point.at))
+    }
+}
+
+/// What arithmetic may add to an altitude that was meant to be whole: a micrometre is no height.
+const HAIR: f64 = 1e-6;
+
+/// Up to the next quarter of a metre.
+pub(crate) fn quarter_up(height_m: f64) -> f32 {
+    up(height_m * 4.0) / 4.0
+}
+
+/// Up to the next whole number, unless it is above one by a hair only.
+pub(crate) fn up(value: f64) -> f32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "whole numbers below 2^24 are exact in float32"
+    )]
+    let whole = (value - HAIR).ceil() as f32;
+    // Not minus zero: it would be written as such.
+    whole + 0.0
+}
+
+/// Latitude and longitude in 1e-7 degrees, nearest.
+pub(crate) fn degrees_e7(place: LatLon) -> (i32, i32) {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "at most 1.8e9; the cast saturates"
+    )]
+    let whole = |degrees: f64| (degrees * 1e7).round() as i32;
+    (whole(place.lat_deg), whole(place.lon_deg))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn altitudes_go_up_to_the_next_quarter_and_never_down() {
+        for (height_m, encoded_m) in [
+            (480.0, 480.0),
+            (480.01, 480.25),
+            (480.25, 480.25),
+            (480.260_000_1, 480.5),
+            (-5.557, -5.5),
+            (-0.1, 0.0),
+        ] {
+            assert_eq!(
+                quarter_up(height_m).to_bits(),
+                f32::to_bits(encoded_m),
+                "{height_m}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_height_whole_but_for_arithmetic_stays() {
+        assert_eq!(
+            quarter_up(0.1 + 0.2 - 0.3 + 480.0).to_bits(),
+            480.0_f32.to_bits()
+        );
+    }
+}

@@ -1,0 +1,379 @@
+//! One vehicle's paths as a mission.
+
+pub(super) mod encode;
+pub(super) mod fence;
+pub(super) mod legs;
+pub(super) mod simplify;
+pub(super) mod wing;
+
+use super::accept::{List, limits};
+use super::item::{Item, VehicleMission, command};
+use super::params::parameters;
+use crate::geodesy::PlanPoint;
+use crate::path::{TimedPoint, VehicleLimits};
+use crate::spec::{AltitudeReference, Autopilot, Finish, MissionSpec, Vehicle};
+use crate::world::{NoData, World};
+use encode::{ENCODING_M, Encoder};
+use simplify::{Keep, Point, waypoints};
+
+/// Why a path cannot become a mission.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MissionError {
+    /// There is no vehicle of that index.
+    #[error("no vehicle {index}: the spec has {fleet}")]
+    NoSuchVehicle {
+        /// Index asked for.
+        index: usize,
+        /// Vehicles in the spec.
+        fleet: usize,
+    },
+    /// A vehicle needs one route, and one more to return.
+    #[error("vehicle {vehicle}: {found} routes (allowed: {needed}, each of at least two points)")]
+    Routes {
+        /// Id.
+        vehicle: String,
+        /// Routes of at least two points.
+        found: usize,
+        /// Routes needed.
+        needed: usize,
+    },
+    /// A point of a route is not a number.
+    #[error("vehicle {vehicle}: point {point} of route {route} is not finite")]
+    NotFinite {
+        /// Id.
+        vehicle: String,
+        /// Route, from 0.
+        route: usize,
+        /// Point, from 0.
+        point: usize,
+    },
+    /// PX4 has no terrain frame.
+    #[error("vehicle {vehicle}: PX4 refuses altitudes above terrain (allowed: amsl, relative)")]
+    TerrainOnPx4 {
+        /// Id.
+        vehicle: String,
+    },
+    /// No ground under an item whose altitude depends on it.
+    #[error("vehicle {vehicle}: {source}")]
+    NoGround {
+        /// Id.
+        vehicle: String,
+        /// Where.
+        source: NoData,
+    },
+    /// More items than the spec or the autopilot allows.
+    #[error("vehicle {vehicle}: {count} {list} items (allowed: {limit}, {why})")]
+    TooManyItems {
+        /// Id.
+        vehicle: String,
+        /// Which list.
+        list: List,
+        /// Items needed.
+        count: usize,
+        /// Items allowed.
+        limit: usize,
+        /// Who allows no more.
+        why: &'static str,
+    },
+}
+
+/// Where the mission must stop on its way the vehicle waits this long, seconds:
+/// a hold makes both autopilots come to rest instead of cutting the corner.
+const HOLD_S: f32 = 1.0;
+
+/// Encodes the routes of one vehicle.
+///
+/// `routes` are start to goal and, with [`Finish::Return`], goal to over home,
+/// each at least two points. Waypoints keep `mission.tolerance_m` to them in three
+/// dimensions, the arcs at corners included; where corners are too tight for the
+/// turn radius the mission misses them least, and the verdict will say so. Waypoints
+/// of turns join the routes of a plane or vtol to its takeoff and landing.
+/// Altitudes are whole quarters of a metre, rounded up.
+///
+/// # Errors
+/// [`MissionError`]; a path that is bad to fly is none.
+pub fn build(
+    spec: &MissionSpec,
+    world: &World,
+    vehicle: usize,
+    routes: &[Vec<TimedPoint>],
+) -> Result<VehicleMission, MissionError> {
+    let needed = spec
+        .vehicles
+        .get(vehicle)
+        .map(|vehicle| match vehicle.finish {
+            Finish::Return => 2,
+            Finish::Land | Finish::Loiter => 1,
+        });
+    build_course(spec, world, vehicle, routes, needed.unwrap_or(1))
+}
+
+/// The same for a vehicle that has `needed` routes before it, and comes to rest between them.
+///
+/// # Errors
+/// As [`build`].
+pub fn build_course(
+    spec: &MissionSpec,
+    world: &World,
+    vehicle: usize,
+    routes: &[Vec<TimedPoint>],
+    needed: usize,
+) -> Result<VehicleMission, MissionError> {
+    let no_such = || MissionError::NoSuchVehicle {
+        index: vehicle,
+        fleet: spec.vehicles.len(),
+    };
+    let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
+    let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
+    check(spec, vehicle, routes, needed)?;
+    let encoder = Encoder::new(
+        world,
+        spec.mission.altitude,
+        vehicle.home,
+        stations.home.amsl,
+    );
+    let author = Author {
+        spec,
+        vehicle,
+        encoder: &encoder,
+    };
+    let no_ground = |source| MissionError::NoGround {
+        vehicle: vehicle.id.clone(),
+        source,
+    };
+    let items = if vehicle.airframe.has_wing() {
+        author.winged_items(stations, routes)
+    } else {
+        author.items(stations.home, routes)
+    };
+    let items = items.map_err(no_ground)?;
+    let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
+    let (fence, notes) = if spec.mission.fence {
+        (fence::fence(spec), fence::not_encoded(spec))
+    } else {
+        (Vec::new(), Vec::new())
+    };
+    let params = parameters(
+        vehicle,
+        &spec.mission,
+        encoder.home_amsl().0,
+        !fence.is_empty(),
+    );
+    let mission = VehicleMission {
+        autopilot: vehicle.autopilot,
+        airframe: vehicle.airframe,
+        home: encoder.home(),
+        items,
+        fence,
+        fence_told: true,
+        rally,
+        params,
+        notes,
+    };
+    count(spec, vehicle, &mission)?;
+    Ok(mission)
+}
+
+/// What can be refused before anything is encoded.
+fn check(
+    spec: &MissionSpec,
+    vehicle: &Vehicle,
+    routes: &[Vec<TimedPoint>],
+    needed: usize,
+) -> Result<(), MissionError> {
+    let found = routes.iter().filter(|route| route.len() >= 2).count();
+    if found != needed || routes.len() != needed {
+        return Err(MissionError::Routes {
+            vehicle: vehicle.id.clone(),
+            found,
+            needed,
+        });
+    }
+    for (index, route) in routes.iter().enumerate() {
+        let lost = route.iter().position(|sample| {
+            let PlanPoint { at, amsl } = sample.point;
+            !(at.east_m.is_finite() && at.north_m.is_finite() && amsl.0.is_finite())
+        });
+        if let Some(point) = lost {
+            return Err(MissionError::NotFinite {
+                vehicle: vehicle.id.clone(),
+                route: index,
+                point,
+            });
+        }
+    }
+    if vehicle.autopilot == Autopilot::Px4 && spec.mission.altitude == AltitudeReference::Terrain {
+        return Err(MissionError::TerrainOnPx4 {
+            vehicle: vehicle.id.clone(),
+        });
+    }
+    Ok(())
+}
+
+/// Holds the three lists against what the spec and the autopilot allow.
+fn count(
+    spec: &MissionSpec,
+    vehicle: &Vehicle,
+    mission: &VehicleMission,
+) -> Result<(), MissionError> {
+    let allowed = limits(vehicle.autopilot);
+    let too_many = [
+        (
+            List::Mission,
+            mission.items.len(),
+            spec.mission.max_items,
+            "mission.max_items",
+        ),
+        (
+            List::Mission,
+            mission.items.len(),
+            allowed.items,
+            "the autopilot's storage",
+        ),
+        (
+            List::Fence,
+            mission.fence.len(),
+            allowed.fence,
+            "the autopilot's storage",
+        ),
+        (
+            List::Rally,
+            mission.rally.len(),
+            allowed.rally,
+            "the autopilot's storage",
+        ),
+    ]
+    .into_iter()
+    .find(|(_, count, limit, _)| count > limit);
+    match too_many {
+        Some((list, count, limit, why)) => Err(MissionError::TooManyItems {
+            vehicle: vehicle.id.clone(),
+            list,
+            count,
+            limit,
+            why,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Writes the items of one mission.
+pub(super) struct Author<'a> {
+    pub(super) spec: &'a MissionSpec,
+    pub(super) vehicle: &'a Vehicle,
+    pub(super) encoder: &'a Encoder<'a>,
+}
+
+impl Author<'_> {
+    fn items(&self, home: PlanPoint, routes: &[Vec<TimedPoint>]) -> Result<Vec<Item>, NoData> {
+        let mut items = self.departure();
+        let mut legs = routes
+            .iter()
+            .map(|route| self.route(route))
+            .collect::<Result<Vec<_>, NoData>>()?
+            .into_iter()
+            .peekable();
+        let out = legs.next().unwrap_or_default();
+        let Some((&start, onward)) = out.split_first() else {
+            return Ok(items);
+        };
+        // Both autopilots climb straight up from where they stand and come to rest.
+        let above_home = PlanPoint {
+            at: home.at,
+            amsl: start.amsl,
+        };
+        items.push(self.at(command::NAV_TAKEOFF, 0.0, above_home)?);
+        items.extend(self.speed());
+        if !self.encoder.is_over_home(start) {
+            items.push(self.at(command::NAV_WAYPOINT, HOLD_S, start)?);
+        }
+        let mut last = start;
+        let mut leg = Some(onward.to_vec());
+        while let Some(points) = leg {
+            let is_followed = legs.peek().is_some();
+            for (index, &point) in points.iter().enumerate() {
+                let turns_back = is_followed && index + 1 == points.len();
+                let hold_s = if turns_back { HOLD_S } else { 0.0 };
+                items.push(self.at(command::NAV_WAYPOINT, hold_s, point)?);
+                last = point;
+            }
+            leg = legs
+                .next()
+                .map(|points| points[points.len().min(1)..].to_vec());
+        }
+        items.push(match self.vehicle.finish {
+            Finish::Land => self.at(command::NAV_LAND, 0.0, self.encoder.on_ground(last)?)?,
+            Finish::Loiter => self.at(command::NAV_LOITER_UNLIM, 0.0, last)?,
+            Finish::Return => self.at(command::NAV_LAND, 0.0, home)?,
+        });
+        Ok(items)
+    }
+
+    /// Waits on the ground. The other parameters would be a time of day; -1 means none.
+    pub(super) fn departure(&self) -> Vec<Item> {
+        if self.vehicle.depart_s > 0.0 {
+            let delay_s = float(self.vehicle.depart_s);
+            vec![Item::without_place(
+                command::NAV_DELAY,
+                [delay_s, -1.0, -1.0, -1.0],
+            )]
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// Ground speed. PX4 has it in its parameters: with the item a copter was seen to drift off.
+    fn speed(&self) -> Option<Item> {
+        (self.vehicle.autopilot == Autopilot::ArduPilot).then(|| {
+            let speed_mps = float(self.vehicle.speed_mps);
+            Item::without_place(command::DO_CHANGE_SPEED, [1.0, speed_mps, -1.0, 0.0])
+        })
+    }
+
+    /// An item whose `param4` is a heading: PX4 keeps its own with NaN, ArduPilot drops it.
+    pub(super) fn at(&self, command: u16, hold_s: f32, point: PlanPoint) -> Result<Item, NoData> {
+        let heading = match self.vehicle.autopilot {
+            Autopilot::ArduPilot => 0.0,
+            Autopilot::Px4 => f32::NAN,
+        };
+        self.encoder
+            .item(command, [hold_s, 0.0, 0.0, heading], point)
+    }
+
+    /// The samples of a route that become waypoints.
+    ///
+    /// Between waypoints an autopilot interpolates the altitude in the frame of the
+    /// items, so the tolerance is kept in the reference of the mission.
+    pub(super) fn route(&self, route: &[TimedPoint]) -> Result<Vec<PlanPoint>, NoData> {
+        let path = route
+            .iter()
+            .map(|sample| {
+                let at = sample.point.at;
+                Ok(Point::new(
+                    at.east_m,
+                    at.north_m,
+                    self.encoder.height_m(sample.point)?,
+                ))
+            })
+            .collect::<Result<Vec<Point>, NoData>>()?;
+        let tolerance_m = self.spec.mission.tolerance_m;
+        let keep = Keep {
+            tolerance_m: (tolerance_m - ENCODING_M).max(tolerance_m / 2.0),
+            limits: VehicleLimits::of(self.vehicle),
+            zero: self.encoder.zero(),
+        };
+        Ok(waypoints(&path, &keep)
+            .into_iter()
+            .map(|index| route[index].point)
+            .collect())
+    }
+}
+
+pub(super) fn float(value: f64) -> f32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "parameters are float32 on the wire"
+    )]
+    let value = value as f32;
+    value
+}

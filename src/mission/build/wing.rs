@@ -1,0 +1,208 @@
+//! The items of planes and vtol: takeoff along a course or on rotors, turns onto the routes
+//! and off them, circles, glides.
+
+use super::{Author, float};
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::mission::item::{Item, command};
+use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
+use crate::spec::{Airframe, Autopilot, Finish};
+use crate::world::{NoData, Stations};
+
+/// A route that ends in a circle ends this many radii before its middle: from there the
+/// vehicle flies to the rim.
+const OUTSIDE: f64 = 3.0;
+
+/// The way of a mission so far, and the items that make it.
+struct Script {
+    items: Vec<Item>,
+    at: EastNorth,
+    /// Course there, radians clockwise from north; none where any will do.
+    course_rad: Option<f64>,
+}
+
+impl Author<'_> {
+    /// The items of a plane or vtol.
+    pub(crate) fn winged_items(
+        &self,
+        stations: &Stations,
+        routes: &[Vec<TimedPoint>],
+    ) -> Result<Vec<Item>, NoData> {
+        let mut script = self.winged_takeoff(stations)?;
+        script.items.extend(self.airspeed());
+        let (touchdown, approach) = landing(self.vehicle, stations);
+        let radius_m = self.vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
+        let circles = self.vehicle.finish == Finish::Loiter;
+        let speed_mps = self.vehicle.fastest_mps();
+        // Before a circle the way turns to its rim. A vtol must not pass the place of its
+        // landing: it slows down on its way there, at the height it has.
+        let left_out_m = match (circles, &approach) {
+            (true, _) => OUTSIDE * radius_m,
+            (false, None) => speed_mps * speed_mps / (2.0 * self.vehicle.accel_mps2),
+            (false, Some(_)) => 0.0,
+        };
+        for (index, route) in routes.iter().enumerate() {
+            let route = match route.last() {
+                Some(end) if index + 1 == routes.len() => outside(route, end.point.at, left_out_m),
+                _ => route.clone(),
+            };
+            self.fly(&mut script, &self.route(&route)?)?;
+        }
+        if circles {
+            let item = self.at(command::NAV_LOITER_UNLIM, 0.0, stations.goal)?;
+            script.items.push(with(item, 2, float(radius_m.ceil())));
+        } else {
+            self.winged_landing(&mut script, touchdown, approach)?;
+        }
+        Ok(script.items)
+    }
+
+    /// Up, to where the way to the route begins.
+    fn winged_takeoff(&self, stations: &Stations) -> Result<Script, NoData> {
+        let (home, start) = (stations.home, stations.start);
+        let course_rad = self.vehicle.wing.and_then(|wing| wing.takeoff_heading_rad);
+        if let (Airframe::Plane, Some(course_rad)) = (self.vehicle.airframe, course_rad) {
+            let ground = |at| {
+                let below = PlanPoint { at, ..home };
+                self.encoder.ground(below).unwrap_or(home.amsl)
+            };
+            let climb = climb_out(self.vehicle, home.at, course_rad, ground, start.amsl);
+            let item = self.at(command::NAV_TAKEOFF, 0.0, climb.top)?;
+            let slope = VehicleLimits::of(self.vehicle).climb.at(start.amsl);
+            // ArduPlane keeps whole degrees of pitch, and takes 0 for 4; PX4 has a parameter.
+            let pitch_deg = match self.vehicle.autopilot {
+                Autopilot::ArduPilot => slope.atan().to_degrees().floor().max(1.0),
+                Autopilot::Px4 => 0.0,
+            };
+            return Ok(Script {
+                items: vec![with(item, 0, float(pitch_deg))],
+                at: climb.top.at,
+                course_rad: Some(course_rad),
+            });
+        }
+        let above_home = PlanPoint {
+            at: home.at,
+            amsl: start.amsl,
+        };
+        let mut items = match self.vehicle.autopilot {
+            Autopilot::ArduPilot => Vec::new(),
+            Autopilot::Px4 => self.departure(),
+        };
+        let item = self.at(command::NAV_VTOL_TAKEOFF, 0.0, above_home)?;
+        items.push(match self.vehicle.autopilot {
+            Autopilot::ArduPilot => self.encoder.above_home(item, start.amsl),
+            Autopilot::Px4 => item,
+        });
+        Ok(Script {
+            items,
+            at: home.at,
+            course_rad,
+        })
+    }
+
+    /// To ArduPlane speed is airspeed; PX4 has it in its parameters.
+    fn airspeed(&self) -> Option<Item> {
+        (self.vehicle.autopilot == Autopilot::ArduPilot).then(|| {
+            let speed_mps = float(self.vehicle.speed_mps);
+            Item::without_place(command::DO_CHANGE_SPEED, [0.0, speed_mps, -1.0, 0.0])
+        })
+    }
+
+    /// Turns onto a route and flies it.
+    fn fly(&self, script: &mut Script, route: &[PlanPoint]) -> Result<(), NoData> {
+        let [first, second, ..] = route else {
+            return Ok(());
+        };
+        self.turn(
+            script,
+            first.at,
+            heading_rad(first.at, second.at),
+            first.amsl,
+        )?;
+        let is_here = script.at.distance_m(first.at) <= 0.0;
+        let onward = if is_here { &route[1..] } else { route };
+        for &point in onward {
+            script
+                .items
+                .push(self.at(command::NAV_WAYPOINT, 0.0, point)?);
+        }
+        if let [.., before, last] = route {
+            script.at = last.at;
+            script.course_rad = Some(heading_rad(before.at, last.at));
+        }
+        Ok(())
+    }
+
+    /// Waypoints of the turns that lead to a place on a course, level.
+    fn turn(
+        &self,
+        script: &mut Script,
+        to: EastNorth,
+        course_rad: f64,
+        amsl: Amsl,
+    ) -> Result<(), NoData> {
+        let from = (script.at, script.course_rad);
+        for at in join(self.vehicle, from, (to, Some(course_rad))) {
+            let corner = PlanPoint { at, amsl };
+            script
+                .items
+                .push(self.at(command::NAV_WAYPOINT, 0.0, corner)?);
+        }
+        Ok(())
+    }
+
+    fn winged_landing(
+        &self,
+        script: &mut Script,
+        touchdown: PlanPoint,
+        approach: Option<Approach>,
+    ) -> Result<(), NoData> {
+        if let Some(approach) = approach {
+            let entry = approach.entry;
+            self.turn(script, entry.at, approach.heading_rad, entry.amsl)?;
+            script
+                .items
+                .push(self.at(command::NAV_WAYPOINT, 0.0, entry)?);
+        }
+        let command = match self.vehicle.airframe {
+            Airframe::Vtol => command::NAV_VTOL_LAND,
+            Airframe::Plane | Airframe::Copter => command::NAV_LAND,
+        };
+        script.items.push(self.at(command, 0.0, touchdown)?);
+        Ok(())
+    }
+}
+
+/// The part of a route before it stays within a distance of a place; at least the very
+/// beginning of it.
+fn outside(route: &[TimedPoint], place: EastNorth, distance_m: f64) -> Vec<TimedPoint> {
+    let away_m = |timed: &TimedPoint| timed.point.at.distance_m(place);
+    let is_far = |timed: &TimedPoint| away_m(timed) >= distance_m;
+    let last = route.iter().rposition(is_far).unwrap_or(0);
+    let mut part = route[..(last + 1).min(route.len())].to_vec();
+    if let (Some(&from), Some(&to)) = (route.get(last), route.get(last + 1)) {
+        // On so short a piece the distance is as good as linear.
+        let share = (away_m(&from) - distance_m) / (away_m(&from) - away_m(&to)).max(1e-9);
+        let least = if last == 0 { 0.01 } else { 0.0 };
+        part.push(between(from, to, share.clamp(least, 1.0)));
+    }
+    part
+}
+
+fn between(from: TimedPoint, to: TimedPoint, share: f64) -> TimedPoint {
+    let mix = |a: f64, b: f64| a + (b - a) * share;
+    let (a, b) = (from.point, to.point);
+    TimedPoint {
+        point: PlanPoint::new(
+            mix(a.at.east_m, b.at.east_m),
+            mix(a.at.north_m, b.at.north_m),
+            Amsl(mix(a.amsl.0, b.amsl.0)),
+        ),
+        t_s: mix(from.t_s, to.t_s),
+    }
+}
+
+/// An item with one parameter set.
+fn with(mut item: Item, index: usize, value: f32) -> Item {
+    item.params[index] = value;
+    item
+}

@@ -1,0 +1,225 @@
+//! The floor under a horizontal spline: ground and zones, raised where the vehicle
+//! could not climb or descend fast enough.
+
+use fearless_simd::{Level, dispatch};
+use geo::{BoundingRect, Contains, Point, Polygon, Rect};
+
+use super::Demand;
+use crate::cost::Relief;
+use crate::geodesy::Amsl;
+use crate::numeric::order::{larger, smaller};
+use crate::path::VehicleLimits;
+use crate::world::World;
+
+/// What is kept beyond the minimum grows to the full over one part of the path in so many.
+const RAMP: usize = 20;
+
+/// Steepest slopes, rise over run, both positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slopes {
+    limits: VehicleLimits,
+    /// What is used of the limits.
+    share: f64,
+}
+
+impl Slopes {
+    /// A share of a vehicle's limits.
+    pub(crate) fn new(limits: VehicleLimits, share: f64) -> Self {
+        Self { limits, share }
+    }
+
+    /// Steepest climb and descent at an altitude.
+    fn at(&self, amsl: Amsl) -> (f64, f64) {
+        (
+            self.share * self.limits.climb.at(amsl),
+            self.share * self.limits.descent.at(amsl),
+        )
+    }
+}
+
+/// A zone that can be flown over.
+struct LowZone<'a> {
+    rect: Rect<f64>,
+    outline: &'a Polygon<f64>,
+    below_m: f64,
+}
+
+/// Samples of a path in the plane, and the altitudes of its ends, metres.
+pub(crate) struct Track<'a> {
+    pub east_m: &'a [f64],
+    pub north_m: &'a [f64],
+    pub ends_m: (f64, f64),
+}
+
+/// What the floor is made of.
+pub(crate) struct FloorMaker<'a> {
+    world: &'a World,
+    /// Kept above ground beyond the minimum, metres.
+    over_m: f64,
+    zones: Vec<LowZone<'a>>,
+    slopes: Slopes,
+    /// The ground, not a number where there are no data.
+    relief: Relief,
+    level: Level,
+}
+
+impl<'a> FloorMaker<'a> {
+    /// Keeps `over_m` more than the minimum above ground, and as much above zones.
+    pub(crate) fn new(world: &'a World, over_m: f64, slopes: Slopes) -> Self {
+        let zones = world
+            .zones
+            .iter()
+            .filter_map(|zone| {
+                let below_m = zone.below?.0 + over_m;
+                let rect = zone.outline.bounding_rect()?;
+                (below_m <= world.max_amsl.0).then_some(LowZone {
+                    rect,
+                    outline: &zone.outline,
+                    below_m,
+                })
+            })
+            .collect();
+        Self {
+            relief: Relief::new(&world.ground, f64::NAN),
+            world,
+            over_m,
+            zones,
+            slopes,
+            level: Level::new(),
+        }
+    }
+
+    /// The demand on the altitude over a track; also fills the horizontal lengths of its
+    /// segments. Slope limits are those at the highest floor, where they are tightest.
+    pub(crate) fn fill(&self, track: &Track<'_>, demand: &mut Demand, lengths_m: &mut Vec<f64>) {
+        self.relief
+            .read(track.east_m, track.north_m, &mut demand.ground_m);
+        dispatch!(self.level, _simd => self.fill_over(track, demand, lengths_m));
+    }
+
+    /// The same where the ground is known.
+    #[inline(always)]
+    fn fill_over(&self, track: &Track<'_>, demand: &mut Demand, lengths_m: &mut Vec<f64>) {
+        let &Track {
+            east_m,
+            north_m,
+            ends_m,
+        } = track;
+        self.over_ground(ends_m, demand);
+        for zone in &self.zones {
+            for (floor_m, at) in demand.floor_m.iter_mut().zip(east_m.iter().zip(north_m)) {
+                *floor_m = zone.raised(*floor_m, *at.0, *at.1);
+            }
+        }
+        // Over a void the objective judges; the floor just goes on.
+        let mut known_m = ends_m.0;
+        let mut highest_m = larger(ends_m.0, ends_m.1);
+        for floor_m in &mut demand.floor_m {
+            known_m = if floor_m.is_nan() { known_m } else { *floor_m };
+            highest_m = larger(known_m, highest_m);
+            *floor_m = known_m;
+        }
+        let last = east_m.len() - 1;
+        lengths_m.resize(last, 0.0);
+        let east = east_m[..last].iter().zip(&east_m[1..]);
+        let north = north_m[..last].iter().zip(&north_m[1..]);
+        for ((length_m, east), north) in lengths_m.iter_mut().zip(east).zip(north) {
+            let (run_e, run_n) = (east.1 - east.0, north.1 - north.0);
+            *length_m = (run_e * run_e + run_n * run_n).sqrt();
+        }
+        let (climb, descent) = self.slopes.at(Amsl(highest_m));
+        for (slope, most_m) in [(climb, &mut demand.up_m), (descent, &mut demand.down_m)] {
+            most_m.resize(last, 0.0);
+            for (most_m, length_m) in most_m.iter_mut().zip(&*lengths_m) {
+                *most_m = slope * length_m;
+            }
+        }
+        raise(ends_m, demand);
+    }
+
+    /// The floor of the ground alone, with what is kept over it.
+    #[inline(always)]
+    fn over_ground(&self, ends_m: (f64, f64), demand: &mut Demand) {
+        let least_m = self.world.min_agl.0;
+        let Demand {
+            floor_m, ground_m, ..
+        } = demand;
+        let last = ground_m.len() - 1;
+        floor_m.resize(last + 1, 0.0);
+        for (floor_m, ground_m) in floor_m.iter_mut().zip(&*ground_m) {
+            *floor_m = ground_m + least_m;
+        }
+        let kept_m = |floor_m: f64, end_m: f64| (end_m - floor_m).clamp(0.0, self.over_m.max(0.0));
+        let from_m = kept_m(floor_m[0], ends_m.0);
+        let to_m = kept_m(floor_m[last], ends_m.1);
+        let ramped = last.div_ceil(RAMP);
+        let full = ramped..=last - ramped;
+        for k in (0..ramped).chain(full.end() + 1..=last) {
+            let ramps = (self.ramp(from_m, k, last), self.ramp(to_m, last - k, last));
+            floor_m[k] += ramps.0.min(ramps.1);
+        }
+        for floor_m in &mut floor_m[full] {
+            *floor_m += self.over_m;
+        }
+    }
+
+    /// What is kept beyond the minimum, so many samples from an end that keeps `end_m`: it
+    /// grows to the full over a twentieth of the path, as it does in the objective. A path
+    /// that begins at the minimum would else have to leap.
+    fn ramp(&self, end_m: f64, samples: usize, all: usize) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "thousands of samples")]
+        let share = ((RAMP * samples) as f64 / all.max(1) as f64).min(1.0);
+        end_m + (self.over_m - end_m) * share
+    }
+}
+
+impl LowZone<'_> {
+    /// A floor, raised to the top of the zone where it is in it.
+    fn raised(&self, floor_m: f64, east_m: f64, north_m: f64) -> f64 {
+        let (min, max) = (self.rect.min(), self.rect.max());
+        let near = min.x <= east_m && east_m <= max.x && min.y <= north_m && north_m <= max.y;
+        if near && self.outline.contains(&Point::new(east_m, north_m)) {
+            floor_m.max(self.below_m)
+        } else {
+            floor_m
+        }
+    }
+}
+
+/// Slope dilation: what lies ahead must be climbed to, what lies behind descended from.
+/// Never above what can be reached from the ends: demanding that would only bend the
+/// path where no altitude helps. Implied by the slope limits, it saves finding them out,
+/// and stands for them where they cannot be kept.
+#[inline(always)]
+fn raise(ends_m: (f64, f64), demand: &mut Demand) {
+    let Demand {
+        floor_m,
+        up_m,
+        down_m,
+        ground_m: raw_m,
+        ..
+    } = demand;
+    let mut to_go_m: f64 = down_m.iter().sum();
+    raw_m.clone_from(floor_m);
+    if let Some((end_m, before_m)) = floor_m.split_last_mut() {
+        let mut ahead_m = *end_m;
+        for (floor_m, up_m) in before_m.iter_mut().zip(&*up_m).rev() {
+            ahead_m = larger(*floor_m, ahead_m - up_m);
+            *floor_m = ahead_m;
+        }
+    }
+    let held_m = |raw_m: f64, behind_m: f64, risen_m: f64, to_go_m: f64| {
+        let reach_m = smaller(ends_m.0 + risen_m, ends_m.1 + to_go_m);
+        larger(raw_m, smaller(behind_m, reach_m))
+    };
+    let (mut behind_m, mut risen_m) = (floor_m[0], 0.0);
+    floor_m[0] = held_m(raw_m[0], behind_m, risen_m, to_go_m);
+    let steps = up_m.iter().zip(&*down_m);
+    let later = floor_m[1..].iter_mut().zip(&raw_m[1..]);
+    for ((floor_m, raw_m), (up_m, down_m)) in later.zip(steps) {
+        risen_m += up_m;
+        to_go_m -= down_m;
+        behind_m = larger(behind_m - down_m, *floor_m);
+        *floor_m = held_m(*raw_m, behind_m, risen_m, to_go_m);
+    }
+}

@@ -1,0 +1,283 @@
+//! What flying costs per kilometre, on a grid: the relaxed problem that route classes
+//! and estimates come from.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use geo::{Contains, Point, Polygon};
+
+use super::narrow_zones::beside;
+use crate::geodesy::EastNorth;
+use crate::world::{PlanZone, World};
+
+/// A regular grid of square cells over part of the plane.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Grid {
+    pub south_west: EastNorth,
+    pub spacing_m: f64,
+    pub columns: usize,
+    pub rows: usize,
+}
+
+/// A cost per kilometre at every node of a grid, row by row from the south-west.
+#[derive(Clone, Debug)]
+pub(crate) struct Field {
+    pub grid: Grid,
+    pub cost: Vec<f64>,
+}
+
+/// How the objective prices the plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Prices {
+    /// Cost per kilometre of path.
+    pub length: f64,
+    /// Cost per kilometre of path and kilometre of altitude.
+    pub altitude: f64,
+    /// Whether that altitude counts from the floor (minimum height over ground) or
+    /// from the sea.
+    pub above_floor: bool,
+    /// Cost per kilometre inside a threat: at the axis, and how much less at the rim.
+    pub threat: (f64, f64),
+    /// Cost per kilometre where flying is not allowed at all.
+    pub closed: f64,
+}
+
+impl Grid {
+    /// The smallest grid over a box with `nodes` along its longer side.
+    pub(crate) fn over(south_west: EastNorth, north_east: EastNorth, nodes: usize) -> Self {
+        let width_m = north_east.east_m - south_west.east_m;
+        let height_m = north_east.north_m - south_west.north_m;
+        #[expect(clippy::cast_precision_loss, reason = "hundreds of nodes")]
+        let spacing_m = (width_m.max(height_m) / (nodes - 1) as f64).max(1e-3);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "at most nodes, by the choice of the spacing"
+        )]
+        let count = |length_m: f64| ((length_m / spacing_m).round() as usize).max(1) + 1;
+        Self {
+            south_west,
+            spacing_m,
+            columns: count(width_m),
+            rows: count(height_m),
+        }
+    }
+
+    /// Number of nodes.
+    pub(crate) fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Column and row of a node.
+    pub(crate) fn place(&self, node: usize) -> (usize, usize) {
+        (node % self.columns, node / self.columns)
+    }
+
+    /// Where a node lies.
+    pub(crate) fn at(&self, node: usize) -> EastNorth {
+        let (column, row) = self.place(node);
+        #[expect(clippy::cast_precision_loss, reason = "hundreds of nodes")]
+        let (column, row) = (column as f64, row as f64);
+        EastNorth {
+            east_m: self.south_west.east_m + column * self.spacing_m,
+            north_m: self.south_west.north_m + row * self.spacing_m,
+        }
+    }
+
+    /// The node nearest to a place; places outside take the edge.
+    pub(crate) fn nearest(&self, at: EastNorth) -> usize {
+        let index = |offset_m: f64, count: usize| {
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                clippy::cast_precision_loss,
+                reason = "clamped to the grid"
+            )]
+            let index = (offset_m / self.spacing_m)
+                .round()
+                .clamp(0.0, (count - 1) as f64) as usize;
+            index
+        };
+        index(at.north_m - self.south_west.north_m, self.rows) * self.columns
+            + index(at.east_m - self.south_west.east_m, self.columns)
+    }
+
+    /// Whether fewer than so many nodes are beside a node in some direction.
+    pub(crate) fn is_near_edge(&self, node: usize, nodes: usize) -> bool {
+        let (column, row) = self.place(node);
+        column.min(row) < nodes || column + nodes >= self.columns || row + nodes >= self.rows
+    }
+
+    /// The node so many columns and rows away, if there is one.
+    pub(crate) fn step(&self, node: usize, (columns, rows): (isize, isize)) -> Option<usize> {
+        let (column, row) = self.place(node);
+        let column = column.checked_add_signed(columns)?;
+        let row = row.checked_add_signed(rows)?;
+        (column < self.columns && row < self.rows).then_some(row * self.columns + column)
+    }
+}
+
+/// What one vehicle may fly over, at the nodes of a grid.
+#[derive(Clone, Debug)]
+pub(crate) struct Relief {
+    pub grid: Grid,
+    /// The lowest altitude allowed; NaN where there is none.
+    floor_m: Vec<f64>,
+    /// What threats cost per kilometre.
+    threats: Vec<f64>,
+    /// What closed places cost per kilometre.
+    closed: Vec<f64>,
+}
+
+/// How threats and zones meet the nodes of a grid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reading {
+    /// Nothing is overlooked: small discs grow until they meet a node, thin zones reach to
+    /// those beside them.
+    Wary,
+    /// No disc is overrated: a node counts as if it lay half a cell further out.
+    Relaxed,
+}
+
+impl Relief {
+    /// Samples a world.
+    pub(crate) fn new(world: &World, grid: Grid, prices: &Prices, reading: Reading) -> Self {
+        let mut floor_m = Vec::with_capacity(grid.len());
+        let mut threats = Vec::with_capacity(grid.len());
+        let mut closed = Vec::with_capacity(grid.len());
+        let mut floors: Vec<Option<f64>> = (0..grid.len())
+            .map(|node| floor_at(world, grid.at(node)))
+            .collect();
+        if reading == Reading::Wary {
+            for zone in &world.zones {
+                for node in beside(&grid, zone) {
+                    floors[node] = floors[node].and_then(|floor_m| over(zone, floor_m, world));
+                }
+            }
+        }
+        for (node, floor) in floors.into_iter().enumerate() {
+            let at = grid.at(node);
+            let of_threats: f64 = world
+                .threats
+                .iter()
+                .map(|threat| {
+                    let (smallest_m, further_m) = match reading {
+                        Reading::Wary => (0.75 * grid.spacing_m, 0.0),
+                        Reading::Relaxed => (0.0, FRAC_1_SQRT_2 * grid.spacing_m),
+                    };
+                    let share = (at.distance_m(threat.center) + further_m)
+                        / threat.radius_m.max(smallest_m);
+                    if share < 1.0 {
+                        prices.threat.0 - prices.threat.1 * share
+                    } else {
+                        0.0
+                    }
+                })
+                .sum();
+            let is_closed = floor.is_none() || (reading == Reading::Wary && !world.in_area(at));
+            floor_m.push(floor.unwrap_or(f64::NAN));
+            threats.push(of_threats);
+            closed.push(if is_closed { prices.closed } else { 0.0 });
+        }
+        Self {
+            grid,
+            floor_m,
+            threats,
+            closed,
+        }
+    }
+
+    /// A field of this relief without its threats.
+    pub(crate) fn ground(&self, field: &Field) -> Field {
+        let costs = field.cost.iter().zip(&self.threats);
+        Field {
+            grid: field.grid.clone(),
+            cost: costs.map(|(cost, threats)| cost - threats).collect(),
+        }
+    }
+
+    /// The cost of flying as low as a slope limit (rise over run) allows, which makes
+    /// valleys beside steep ridges high too.
+    pub(crate) fn field(&self, slope: f64, prices: &Prices) -> Field {
+        let altitude_m = if slope.is_finite() {
+            self.dilated(slope)
+        } else {
+            self.floor_m.clone()
+        };
+        let cost = altitude_m
+            .iter()
+            .zip(&self.floor_m)
+            .zip(self.threats.iter().zip(&self.closed))
+            .map(|((&altitude_m, &floor_m), (threats, closed))| {
+                let counted_m = if prices.above_floor {
+                    altitude_m - floor_m
+                } else {
+                    altitude_m
+                };
+                let counted_m = if counted_m.is_nan() {
+                    0.0
+                } else {
+                    counted_m.max(0.0)
+                };
+                prices.length + (threats + closed) + prices.altitude * counted_m / 1000.0
+            })
+            .collect();
+        Field {
+            grid: self.grid.clone(),
+            cost,
+        }
+    }
+
+    /// The floor raised wherever the slope limit forbids to dive to it: two chamfer
+    /// sweeps of `z_i = max(z_i, z_j - slope |ij|)`.
+    fn dilated(&self, slope: f64) -> Vec<f64> {
+        let mut altitude_m = self.floor_m.clone();
+        let drop_m = slope * self.grid.spacing_m;
+        let diagonal_m = drop_m * std::f64::consts::SQRT_2;
+        let before = [
+            ((-1, 0), drop_m),
+            ((0, -1), drop_m),
+            ((-1, -1), diagonal_m),
+            ((1, -1), diagonal_m),
+        ];
+        let mut relax = |node: usize, sign: isize| {
+            for ((columns, rows), drop_m) in before {
+                if let Some(other) = self.grid.step(node, (sign * columns, sign * rows)) {
+                    // f64::max ignores NaN, so voids stay out of it.
+                    let reach_m = altitude_m[other] - drop_m;
+                    if reach_m > altitude_m[node] {
+                        altitude_m[node] = reach_m;
+                    }
+                }
+            }
+        };
+        for node in 0..self.grid.len() {
+            relax(node, 1);
+        }
+        for node in (0..self.grid.len()).rev() {
+            relax(node, -1);
+        }
+        altitude_m
+    }
+}
+
+/// The lowest altitude allowed at a place, metres; `None` where flying is closed, or
+/// the ground unknown.
+pub(crate) fn floor_at(world: &World, at: EastNorth) -> Option<f64> {
+    let mut floor_m = world.ground.height_m(at) + world.min_agl.0;
+    for zone in &world.zones {
+        if inside(&zone.outline, at) {
+            floor_m = over(zone, floor_m, world)?;
+        }
+    }
+    (floor_m <= world.max_amsl.0).then_some(floor_m)
+}
+
+/// The lowest altitude allowed from a floor up where a zone is; `None` if there is none.
+fn over(zone: &PlanZone, floor_m: f64, world: &World) -> Option<f64> {
+    let floor_m = floor_m.max(zone.below?.0);
+    (floor_m <= world.max_amsl.0).then_some(floor_m)
+}
+
+fn inside(outline: &Polygon<f64>, at: EastNorth) -> bool {
+    outline.contains(&Point::new(at.east_m, at.north_m))
+}

@@ -1,0 +1,326 @@
+//! Route classes: which sides of the obstacles a path can take.
+//!
+//! Obstacles are the persistent maxima of the cost fields, so no list of peaks or
+//! threats is needed and any terrain will do. Shortest path trees from both ends
+//! over the same field give, for every node, the cheapest path through it; paths
+//! that pass the obstacles on different sides differ in a signature, the sum of the
+//! random numbers of the obstacles whose rays they cross (signed by the direction:
+//! homology in the plane without the obstacles). One pass so finds every class that
+//! has one via point.
+
+pub(super) mod field;
+pub(super) mod narrow_zones;
+pub(super) mod obstacles;
+pub(super) mod routes;
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap};
+
+use crate::geodesy::EastNorth;
+use field::{Field, Grid};
+use obstacles::Obstacles;
+
+/// Classes this much dearer than the cheapest are not worth a look.
+const DETOUR: f64 = 2.2;
+/// A path in the plane that stands for its class.
+#[derive(Clone, Debug)]
+pub(super) struct Guide {
+    /// Signature of the class.
+    pub class: u64,
+    /// Its cost in the field it was found in.
+    pub cost: f64,
+    /// Index of that field.
+    pub field: usize,
+    /// From end to end.
+    pub line: Vec<EastNorth>,
+}
+
+/// Shortest paths from one node to all others.
+struct Tree {
+    cost: Vec<f64>,
+    parent: Vec<usize>,
+    /// Signature of the path from the root.
+    signature: Vec<u64>,
+}
+
+/// A step to another node: columns and rows.
+type Step = (isize, isize);
+
+/// King's moves, knight's moves and the two longer ones between them, one of each kind, with
+/// the nodes that it passes beside its ends.
+const KINDS: [(Step, &[Step]); 5] = [
+    ((1, 0), &[]),
+    ((1, 1), &[]),
+    ((2, 1), &[(1, 0), (1, 1)]),
+    ((3, 1), &[(1, 0), (2, 1)]),
+    ((3, 2), &[(1, 1), (2, 1)]),
+];
+/// No move leads further than this along an axis.
+const REACH: usize = 3;
+
+/// A move in one of 32 directions; nodes are so many numbers further on in the grid.
+struct Move {
+    step: Step,
+    length_km: f64,
+    to: isize,
+    /// Nodes it passes beside its ends, if any: they lie in the box of these.
+    passed: Option<[isize; 2]>,
+}
+
+impl Move {
+    /// The move of a step over a grid.
+    fn new(step: Step, passed: &[Step], grid: &Grid) -> Self {
+        let (columns, rows) = step;
+        #[expect(clippy::cast_precision_loss, reason = "at most three cells")]
+        let cells = (columns as f64).hypot(rows as f64);
+        let number = |(columns, rows): Step| rows * grid.columns.cast_signed() + columns;
+        Self {
+            step,
+            length_km: cells * grid.spacing_m / 1000.0,
+            to: number(step),
+            passed: match passed {
+                &[one, other] => Some([number(one), number(other)]),
+                _ => None,
+            },
+        }
+    }
+
+    /// Its kilometres from a node to the next, times the mean cost of what it passes.
+    fn cost(&self, costs: &[f64], from: usize, to: usize) -> f64 {
+        let ends = 0.5 * (costs[from] + costs[to]);
+        match self.passed {
+            None => self.length_km * ends,
+            Some([one, other]) => {
+                let passed = |number| costs[from.wrapping_add_signed(number)];
+                self.length_km * (ends + passed(one) + passed(other)) / 3.0
+            }
+        }
+    }
+}
+
+/// All moves over a grid.
+fn moves(grid: &Grid) -> Vec<Move> {
+    let mut all: Vec<Move> = Vec::new();
+    for (step, passed) in KINDS {
+        for (sx, sy) in [(1, 1), (1, -1), (-1, 1), (-1, -1)] {
+            for swap in [false, true] {
+                let turn = |(x, y): Step| {
+                    if swap {
+                        (sx * y, sy * x)
+                    } else {
+                        (sx * x, sy * y)
+                    }
+                };
+                if all.iter().all(|known| known.step != turn(step)) {
+                    let passed: Vec<Step> = passed.iter().map(|&step| turn(step)).collect();
+                    all.push(Move::new(turn(step), &passed, grid));
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Dijkstra's algorithm from a node. Costs are not negative, so their bits sort as they do.
+fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
+    let grid = &field.grid;
+    let moves = moves(grid);
+    let mut tree = Tree {
+        cost: vec![f64::INFINITY; grid.len()],
+        parent: vec![usize::MAX; grid.len()],
+        signature: vec![0; grid.len()],
+    };
+    tree.cost[root] = 0.0;
+    let mut queue = BinaryHeap::from([Reverse((0_u64, root))]);
+    let mut settled = vec![false; grid.len()];
+    while let Some(Reverse((_, node))) = queue.pop() {
+        if std::mem::replace(&mut settled[node], true) {
+            continue;
+        }
+        let parent = tree.parent[node];
+        if parent != usize::MAX {
+            tree.signature[node] = tree.signature[parent]
+                .wrapping_add(obstacles.crossing(grid.at(parent), grid.at(node)));
+        }
+        let at_edge = grid.is_near_edge(node, REACH);
+        for movement in &moves {
+            if at_edge && grid.step(node, movement.step).is_none() {
+                continue;
+            }
+            let next = node.wrapping_add_signed(movement.to);
+            if settled[next] {
+                continue;
+            }
+            let cost = tree.cost[node] + movement.cost(&field.cost, node, next);
+            if cost < tree.cost[next] {
+                tree.cost[next] = cost;
+                tree.parent[next] = node;
+                queue.push(Reverse((cost.to_bits(), next)));
+            }
+        }
+    }
+    tree
+}
+
+/// The cheapest path of every class of a field, which comes with its index; cheapest first.
+pub(super) fn guides(
+    (index, field): (usize, &Field),
+    obstacles: &Obstacles,
+    start: EastNorth,
+    goal: EastNorth,
+) -> Vec<Guide> {
+    let grid = &field.grid;
+    let from = |end| tree(field, grid.nearest(end), obstacles);
+    let (from_start, from_goal) = rayon::join(|| from(start), || from(goal));
+    let mut cheapest: BTreeMap<u64, (f64, usize)> = BTreeMap::new();
+    for node in 0..grid.len() {
+        let cost = from_start.cost[node] + from_goal.cost[node];
+        // The way from the goal is flown backwards: its crossings count negative.
+        let class = from_start.signature[node].wrapping_sub(from_goal.signature[node]);
+        let entry = cheapest.entry(class).or_insert((cost, node));
+        if cost < entry.0 {
+            *entry = (cost, node);
+        }
+    }
+    let least = cheapest
+        .values()
+        .map(|entry| entry.0)
+        .fold(f64::INFINITY, f64::min);
+    let mut guides: Vec<Guide> = cheapest
+        .into_iter()
+        .filter(|(_, (cost, _))| *cost <= DETOUR * least)
+        .map(|(class, (cost, via))| Guide {
+            class,
+            cost,
+            field: index,
+            line: through(grid, &from_start, &from_goal, via, start, goal),
+        })
+        .collect();
+    guides.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.class.cmp(&b.class)));
+    guides
+}
+
+/// The path through a node, with the exact ends.
+fn through(
+    grid: &Grid,
+    from_start: &Tree,
+    from_goal: &Tree,
+    via: usize,
+    start: EastNorth,
+    goal: EastNorth,
+) -> Vec<EastNorth> {
+    let climb = |tree: &Tree| {
+        let mut nodes = vec![via];
+        let mut node = via;
+        while tree.parent[node] != usize::MAX {
+            node = tree.parent[node];
+            nodes.push(node);
+        }
+        nodes
+    };
+    let mut nodes = climb(from_start);
+    nodes.reverse();
+    nodes.extend(climb(from_goal).into_iter().skip(1));
+    let mut line: Vec<EastNorth> = nodes.into_iter().map(|node| grid.at(node)).collect();
+    // The first and last node stand for the ends.
+    line[0] = start;
+    if line.len() == 1 {
+        line.push(goal);
+    } else {
+        let last = line.len() - 1;
+        line[last] = goal;
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const START: EastNorth = EastNorth {
+        east_m: 0.0,
+        north_m: 10_000.0,
+    };
+    const GOAL: EastNorth = EastNorth {
+        east_m: 20_000.0,
+        north_m: 10_000.0,
+    };
+
+    /// A square of 20 km with round walls.
+    fn field(walls: &[(f64, f64, f64)]) -> Field {
+        let corner = |east_m, north_m| EastNorth { east_m, north_m };
+        let grid = Grid::over(corner(0.0, 0.0), corner(20_000.0, 20_000.0), 41);
+        let cost = (0..grid.len())
+            .map(|node| {
+                let at = grid.at(node);
+                let inside = |&(east_m, north_m, radius_m): &(f64, f64, f64)| {
+                    at.distance_m(EastNorth { east_m, north_m }) < radius_m
+                };
+                if walls.iter().any(inside) { 100.0 } else { 1.0 }
+            })
+            .collect();
+        Field { grid, cost }
+    }
+
+    fn classes(walls: &[(f64, f64, f64)]) -> Vec<Guide> {
+        let field = field(walls);
+        let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
+        guides((0, &field), &obstacles, START, GOAL)
+    }
+
+    #[test]
+    fn in_the_open_there_is_one_class_and_it_is_straight() {
+        let guides = classes(&[]);
+        assert_eq!(guides.len(), 1);
+        assert!((guides[0].cost - 20.0).abs() < 1e-9);
+        assert_eq!(guides[0].line.first(), Some(&START));
+        assert_eq!(guides[0].line.last(), Some(&GOAL));
+    }
+
+    #[test]
+    fn one_wall_gives_two_classes_and_two_walls_aside_give_three() {
+        assert_eq!(classes(&[(10_000.0, 10_000.0, 3000.0)]).len(), 2);
+        let both = [(6000.0, 9000.0, 2000.0), (14_000.0, 11_000.0, 2000.0)];
+        // Between them, left of both, right of both; the fourth would be a detour to no node.
+        assert_eq!(classes(&both).len(), 3);
+    }
+
+    #[test]
+    fn the_signature_of_a_guide_is_its_class() {
+        let field = field(&[(7000.0, 9000.0, 2500.0), (13_000.0, 12_000.0, 2500.0)]);
+        let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
+        let guides = guides((0, &field), &obstacles, START, GOAL);
+        assert!(guides.len() >= 3);
+        for guide in guides {
+            assert_eq!(obstacles.signature(&guide.line), guide.class);
+        }
+    }
+
+    #[test]
+    fn walls_that_touch_leave_no_way_between_them() {
+        let walls = [(10_000.0, 8500.0, 2000.0), (10_000.0, 11_500.0, 2000.0)];
+        for guide in classes(&walls) {
+            assert!(
+                guide
+                    .line
+                    .iter()
+                    .filter(|at| (at.east_m - 10_000.0).abs() < 600.0)
+                    .all(|at| (at.north_m - 10_000.0).abs() > 3000.0),
+                "a way through costs {}",
+                guide.cost
+            );
+        }
+    }
+
+    #[test]
+    fn there_are_32_moves_and_each_reaches_the_node_of_its_step() {
+        let grid = field(&[]).grid;
+        let moves = moves(&grid);
+        assert_eq!(moves.len(), 32);
+        let middle = grid.len() / 2;
+        for movement in moves {
+            let to = middle.wrapping_add_signed(movement.to);
+            assert_eq!(grid.step(middle, movement.step), Some(to));
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The parameters of a wing, and how it flies by them.
+
+use super::{Limits, Settings};
+use crate::simulator::profile::Profile;
+
+/// Those that shape the flight of an ArduPlane 4.6, with the values that it comes with.
+pub(crate) const ARDUPLANE: &[(&str, f32)] = &[
+    ("AIRSPEED_CRUISE", 12.0),
+    ("AIRSPEED_MIN", 9.0),
+    ("ROLL_LIMIT_DEG", 45.0),
+    ("NAVL1_PERIOD", 17.0),
+    ("NAVL1_DAMPING", 0.75),
+    ("WP_RADIUS", 90.0),
+    ("WP_LOITER_RAD", 60.0),
+    ("GLIDE_SLOPE_MIN", 15.0),
+    ("TECS_CLMB_MAX", 5.0),
+    ("TECS_SINK_MAX", 5.0),
+    ("TECS_HDEM_TCONST", 3.0),
+    ("TECS_TIME_CONST", 5.0),
+    ("TECS_LAND_SINK", 0.25),
+    ("LAND_FLARE_ALT", 3.0),
+    ("LAND_FLARE_SEC", 2.0),
+    ("LAND_DISARMDELAY", 20.0),
+    ("RTL_ALTITUDE", 100.0),
+    ("FENCE_ENABLE", 0.0),
+    ("FENCE_TYPE", 7.0),
+    ("FENCE_ACTION", 0.0),
+];
+
+/// Those that a QuadPlane has besides.
+pub(crate) const QUADPLANE: &[(&str, f32)] = &[
+    ("Q_ASSIST_SPEED", 0.0),
+    ("Q_TRANS_DECEL", 2.0),
+    ("Q_WP_SPEED_UP", 250.0),
+    ("Q_WP_SPEED_DN", 150.0),
+    ("Q_LAND_FINAL_ALT", 6.0),
+    ("Q_LAND_FINAL_SPD", 0.5),
+];
+
+/// The same of a PX4 1.16 with a wing.
+pub(crate) const PX4_WING: &[(&str, f32)] = &[
+    ("FW_AIRSPD_TRIM", 15.0),
+    ("FW_AIRSPD_MIN", 10.0),
+    ("FW_R_LIM", 50.0),
+    ("FW_T_CLMB_MAX", 5.0),
+    ("FW_T_CLMB_R_SP", 3.0),
+    ("FW_T_SINK_MAX", 5.0),
+    ("FW_T_SINK_R_SP", 2.0),
+    ("FW_T_ALT_TC", 5.0),
+    ("FW_T_HRATE_FF", 0.3),
+    ("FW_TKO_PITCH_MIN", 10.0),
+    ("FW_LND_ANG", 5.0),
+    ("FW_LND_FLALT", 0.5),
+    ("FW_LND_FL_TIME", 1.0),
+    ("FW_LND_FL_SINK", 0.25),
+    ("NPFG_PERIOD", 10.0),
+    ("NPFG_DAMPING", 0.7),
+    ("NPFG_SW_DST_MLT", 0.32),
+    ("NAV_ACC_RAD", 10.0),
+    ("NAV_FW_ALT_RAD", 10.0),
+    ("NAV_FW_ALTL_RAD", 5.0),
+    ("NAV_LOITER_RAD", 80.0),
+    ("COM_DISARM_LAND", 2.0),
+    ("COM_DISARM_PRFLT", 10.0),
+    ("RTL_RETURN_ALT", 60.0),
+    ("GF_ACTION", 2.0),
+];
+
+/// Those that a VTOL with PX4 has besides those of a wing and of a copter.
+pub(crate) const PX4_VTOL: &[(&str, f32)] = &[("VT_B_DEC_MSS", 2.0)];
+
+/// How the altitude follows what is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Follows {
+    /// ArduPlane's TECS: the demand passes a filter of the first order; its rate and the
+    /// error over the time constant make the climb.
+    Filtered { filter_s: f64, error_s: f64 },
+    /// PX4's TECS: the error over the time constant, and a share of the rate.
+    Shared { error_s: f64, rate_share: f64 },
+}
+
+/// When a wing turns to its next leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Passes {
+    /// ArduPlane: this far before the waypoint at most, the less the smaller the turn; or when
+    /// it is abeam.
+    Turning { radius_m: f64 },
+    /// PX4: within a radius that grows with the speed, seconds of it, at the altitude of the
+    /// waypoint; before a landing more exactly.
+    Within {
+        radius_m: f64,
+        speed_s: f64,
+        height_m: f64,
+        landing_height_m: f64,
+    },
+}
+
+/// How a wing flies: m, m/s (equivalent airspeed), radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct WingLimits {
+    pub(crate) airspeed_mps: f64,
+    /// Where the wheels leave the ground.
+    pub(crate) least_airspeed_mps: f64,
+    pub(crate) approach_mps: f64,
+    pub(crate) bank_rad: f64,
+    pub(crate) climb_mps: f64,
+    pub(crate) sink_mps: f64,
+    pub(crate) follows: Follows,
+    /// Period, seconds, and damping of the guidance onto a leg.
+    pub(crate) period_s: f64,
+    pub(crate) damping: f64,
+    pub(crate) passes: Passes,
+    pub(crate) loiter_radius_m: f64,
+    /// ArduPlane: smaller changes of altitude are flown at once.
+    pub(crate) slope_min_m: f64,
+    pub(crate) takeoff_pitch_rad: f64,
+    /// A landing flares at this height, or this many seconds of its sink above the ground,
+    pub(crate) flare_m: f64,
+    pub(crate) flare_s: f64,
+    /// and touches down with this.
+    pub(crate) flare_sink_mps: f64,
+    /// From rest until the motor stops, milliseconds.
+    pub(crate) disarm_ms: u64,
+    /// Height above home of a return.
+    pub(crate) return_m: f64,
+}
+
+impl Settings {
+    /// How the vehicle flies on its wing by them.
+    pub(crate) fn wing(&self) -> WingLimits {
+        match self.profile {
+            Profile::Px4 => self.px4_wing(),
+            Profile::ArduPilot | Profile::Generic => self.arduplane(),
+        }
+    }
+
+    fn arduplane(&self) -> WingLimits {
+        let airspeed_mps = self.of_name("AIRSPEED_CRUISE").max(5.0);
+        let least_airspeed_mps = self.of_name("AIRSPEED_MIN").clamp(3.0, airspeed_mps);
+        // The name since 4.7 stands in a plan beside the older one.
+        let slope_min_m = self.of_name("GLIDE_SLOPE_MIN").trunc();
+        WingLimits {
+            airspeed_mps,
+            least_airspeed_mps,
+            // TECS_LAND_ARSPD is -1: between the least and the planned one.
+            approach_mps: 0.5 * (least_airspeed_mps + airspeed_mps),
+            bank_rad: self.of_name("ROLL_LIMIT_DEG").clamp(5.0, 80.0).to_radians(),
+            climb_mps: self.of_name("TECS_CLMB_MAX").max(0.1),
+            sink_mps: self.of_name("TECS_SINK_MAX").max(0.1),
+            follows: Follows::Filtered {
+                filter_s: self.of_name("TECS_HDEM_TCONST").max(0.1),
+                error_s: self.of_name("TECS_TIME_CONST").max(1.0),
+            },
+            period_s: self.of_name("NAVL1_PERIOD").max(1.0),
+            damping: self.of_name("NAVL1_DAMPING").clamp(0.6, 1.0),
+            passes: Passes::Turning {
+                radius_m: self.of_name("WP_RADIUS").max(1.0),
+            },
+            loiter_radius_m: self.of_name("WP_LOITER_RAD"),
+            slope_min_m: if slope_min_m > 0.0 {
+                slope_min_m
+            } else {
+                f64::INFINITY
+            },
+            // Its items state it.
+            takeoff_pitch_rad: 4_f64.to_radians(),
+            flare_m: self.of_name("LAND_FLARE_ALT").max(0.1),
+            flare_s: self.of_name("LAND_FLARE_SEC").max(0.0),
+            flare_sink_mps: self.of_name("TECS_LAND_SINK").max(0.1),
+            disarm_ms: milliseconds(self.of_name("LAND_DISARMDELAY")),
+            return_m: self.of_name("RTL_ALTITUDE"),
+        }
+    }
+
+    fn px4_wing(&self) -> WingLimits {
+        let airspeed_mps = self.of_name("FW_AIRSPD_TRIM").max(5.0);
+        let least_airspeed_mps = self.of_name("FW_AIRSPD_MIN").clamp(3.0, airspeed_mps);
+        let (period_s, damping) = (self.of_name("NPFG_PERIOD"), self.of_name("NPFG_DAMPING"));
+        let climb_mps = self.of_name("FW_T_CLMB_R_SP");
+        let sink_mps = self.of_name("FW_T_SINK_R_SP");
+        WingLimits {
+            airspeed_mps,
+            least_airspeed_mps,
+            // FW_LND_AIRSPD is -1.
+            approach_mps: least_airspeed_mps,
+            bank_rad: self.of_name("FW_R_LIM").clamp(5.0, 80.0).to_radians(),
+            climb_mps: climb_mps.min(self.of_name("FW_T_CLMB_MAX")).max(0.1),
+            sink_mps: sink_mps.min(self.of_name("FW_T_SINK_MAX")).max(0.1),
+            follows: Follows::Shared {
+                error_s: self.of_name("FW_T_ALT_TC").max(1.0),
+                rate_share: self.of_name("FW_T_HRATE_FF").clamp(0.0, 1.0),
+            },
+            period_s: period_s.max(1.0),
+            damping: damping.clamp(0.1, 1.0),
+            passes: Passes::Within {
+                radius_m: self.of_name("NAV_ACC_RAD").max(0.1),
+                speed_s: self.of_name("NPFG_SW_DST_MLT") * period_s * damping,
+                height_m: self.of_name("NAV_FW_ALT_RAD").max(0.1),
+                landing_height_m: self.of_name("NAV_FW_ALTL_RAD").max(0.1),
+            },
+            loiter_radius_m: self.of_name("NAV_LOITER_RAD"),
+            slope_min_m: 0.0,
+            takeoff_pitch_rad: self.of_name("FW_TKO_PITCH_MIN").to_radians(),
+            flare_m: self.of_name("FW_LND_FLALT").max(0.1),
+            flare_s: self.of_name("FW_LND_FL_TIME").max(0.0),
+            flare_sink_mps: self.of_name("FW_LND_FL_SINK").max(0.1),
+            disarm_ms: milliseconds(self.of_name("COM_DISARM_LAND")),
+            return_m: self.of_name("RTL_RETURN_ALT"),
+        }
+    }
+
+    /// How a VTOL moves on its rotors. It brakes from the speed of its wing.
+    pub(crate) fn quadplane(&self) -> Limits {
+        let metres = |name| self.of_name(name) / 100.0;
+        let accel_mps2 = self.of_name("Q_TRANS_DECEL").max(0.5);
+        let climb_mps = metres("Q_WP_SPEED_UP").max(0.1);
+        Limits {
+            speed_mps: self.wing().airspeed_mps,
+            accel_mps2,
+            corner_accel_mps2: accel_mps2,
+            accel_z_mps2: 1.0,
+            takeoff_mps: climb_mps,
+            climb_mps,
+            descent_mps: metres("Q_WP_SPEED_DN").max(0.1),
+            corner_cut_m: 2.0,
+            slow_landing_m: self.of_name("Q_LAND_FINAL_ALT"),
+            slow_landing_mps: self.of_name("Q_LAND_FINAL_SPD").max(0.1),
+            return_m: self.wing().return_m,
+            idle_s: None,
+        }
+    }
+
+    /// The same with PX4.
+    pub(crate) fn px4_vtol(&self) -> Limits {
+        let accel_mps2 = self.of_name("VT_B_DEC_MSS").max(0.5);
+        Limits {
+            speed_mps: self.wing().airspeed_mps,
+            accel_mps2,
+            corner_accel_mps2: accel_mps2,
+            ..self.px4()
+        }
+    }
+}
+
+fn milliseconds(seconds: f64) -> u64 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a positive count of milliseconds"
+    )]
+    let milliseconds = (seconds * 1000.0).clamp(0.0, 1e9) as u64;
+    milliseconds
+}

@@ -1,0 +1,153 @@
+//! Where the values of a spec stand: in the YAML, and for a vehicle that `fleet` makes in
+//! its table, its grid or its defaults.
+
+use super::Issue;
+use super::positions::Places;
+use super::table::Table;
+
+/// Keys that are of one vehicle, though a part of them may be common to all.
+const WHOLE: [&str; 5] = ["", "home", "start", "goal", "landing"];
+
+/// The places of a spec and of its table.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Whereabouts {
+    places: Places,
+    /// Number of vehicles that `vehicles` lists; those after them are made by `fleet`.
+    listed: usize,
+    made: Vec<Made>,
+    table: Table,
+}
+
+/// A vehicle that `fleet` made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Made {
+    pub(super) id: String,
+    /// Index of its row in the table; none: by a grid.
+    pub(super) row: Option<usize>,
+}
+
+impl Whereabouts {
+    /// Of a spec in which so many vehicles are listed and these made.
+    pub(super) fn new(places: Places, listed: usize, made: Vec<Made>, table: Table) -> Self {
+        Self {
+            places,
+            listed,
+            made,
+            table,
+        }
+    }
+
+    /// A problem at a path such as `vehicles[7].start.lat`.
+    pub(super) fn issue(&self, path: &str, found: String, allowed: String) -> Issue {
+        let Some((made, key)) = self.made(path) else {
+            return Issue {
+                path: path.to_owned(),
+                table: None,
+                position: self.places.find(path),
+                found,
+                allowed,
+            };
+        };
+        let row = made.row.and_then(|row| self.table.rows.get(row));
+        if let Some(row) = row {
+            let cell = |key: &str| self.cell(&row.cells, key);
+            // A vehicle without a home stands under its start.
+            let under = || (key == "home").then(|| cell("start")).flatten();
+            if let Some(column) = cell(key).or_else(under) {
+                return self.table.cell_issue(row.line, column, found, &allowed);
+            }
+        }
+        let common = self.common(key);
+        // What the defaults say is wrong once, whichever vehicle it is true of.
+        let is_common =
+            common.strip_prefix("fleet.defaults.") == Some(key) && !WHOLE.contains(&key);
+        match row {
+            Some(row) if !is_common => self.table.row_issue(row.line, key, found, &allowed),
+            _ => Issue {
+                position: self.places.find(&common),
+                path: common,
+                table: None,
+                found: if is_common {
+                    found
+                } else {
+                    format!("`{}`: {found}", made.id)
+                },
+                allowed,
+            },
+        }
+    }
+
+    /// What an operator calls `vehicles[7]`.
+    pub(super) fn name(&self, path: &str) -> String {
+        match self.made(path).map(|(made, _)| made.row) {
+            None => path.to_owned(),
+            Some(None) => "another vehicle of fleet".to_owned(),
+            Some(Some(row)) => {
+                let line = self.table.rows.get(row).map_or(0, |row| row.line);
+                format!("row {line} of {}", self.table.file)
+            }
+        }
+    }
+
+    /// The vehicle of a path that `fleet` made, and the rest of the path.
+    fn made<'p>(&self, path: &'p str) -> Option<(&Made, &'p str)> {
+        let (index, rest) = path.strip_prefix("vehicles[")?.split_once(']')?;
+        let index: usize = index.parse().ok()?;
+        let made = self.made.get(index.checked_sub(self.listed)?)?;
+        Some((made, rest.trim_start_matches('.')))
+    }
+
+    /// Index of the first column that has a cell for this key or for a part of it.
+    fn cell(&self, cells: &[String], key: &str) -> Option<usize> {
+        let key = key.replace('.', "_");
+        let filled = |column: &usize| !cells[*column].is_empty();
+        let mut columns = (0..self.table.columns.len()).filter(filled);
+        let part = format!("{key}_");
+        columns.find(|column| {
+            let name = &self.table.columns[*column];
+            !key.is_empty() && (*name == key || name.starts_with(&part))
+        })
+    }
+
+    /// Where `fleet` says what its vehicles have for this key.
+    fn common(&self, key: &str) -> String {
+        let own = format!("fleet.defaults.{key}");
+        let ways = match key {
+            "" => ["fleet", "fleet", "fleet"],
+            "id" => ["fleet.id", "fleet", "fleet"],
+            "sysid" => ["fleet.first_sysid", "fleet", "fleet"],
+            "depart_s" => ["fleet.depart_every_s", &own, "fleet.defaults"],
+            "start" | "start.lat" | "start.lon" => ["fleet.start_grid", &own, "fleet.defaults"],
+            "goal" | "goal.lat" | "goal.lon" => ["fleet.goal_grid", &own, "fleet.defaults"],
+            "home" => [&own, "fleet.start_grid", "fleet.defaults.start"],
+            _ => [&own, "fleet.defaults", "fleet"],
+        };
+        let mut known = ways.into_iter().filter(|path| self.places.has(path));
+        known.next().unwrap_or("fleet").to_owned()
+    }
+}
+
+/// Problems in file order; of those that the same lines make for many vehicles the first,
+/// with the number of the others.
+pub(super) fn in_order(mut issues: Vec<Issue>) -> Vec<Issue> {
+    issues.sort_by_key(Issue::order);
+    let mut told: Vec<(Issue, usize)> = Vec::new();
+    for issue in issues {
+        let of_fleet = issue.table.is_none() && issue.path.starts_with("fleet");
+        let same = told.iter_mut().rev().take(16).find(|(other, _)| {
+            of_fleet && other.path == issue.path && other.allowed == issue.allowed
+        });
+        match same {
+            Some((other, more)) if other.found != issue.found => *more += 1,
+            Some(_) => {}
+            None => told.push((issue, 0)),
+        }
+    }
+    let said = |(mut issue, more): (Issue, usize)| {
+        if more > 0 {
+            issue.found = format!("{} (and {more} more like it)", issue.found);
+        }
+        issue
+    };
+    told.into_iter().map(said).collect()
+}

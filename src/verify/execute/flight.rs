@@ -1,0 +1,205 @@
+//! What is known of one vehicle's flight.
+
+use std::ops::Range;
+
+use crate::geodesy::{EastNorth, PlanPoint};
+
+use super::decode::Unknown;
+use super::legs::{Knot, Run};
+use super::trajectory::AltitudeLine;
+use crate::verify::measure::segment::{Chord, Phase};
+
+/// How steep and how fast one leg is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slope {
+    /// Index of the chord where the leg begins, for the place and time.
+    pub(crate) chord: usize,
+    pub(crate) phase: Phase,
+    /// Horizontal length; 0 for a vertical motion, metres.
+    pub(crate) run_m: f64,
+    /// Rise, negative down, metres.
+    pub(crate) rise_m: f64,
+    /// Highest ground speed, m/s.
+    pub(crate) speed_mps: f64,
+    /// Highest point, metres above the sea.
+    pub(crate) top_m: f64,
+}
+
+/// What a leg has left beside its fillets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turn {
+    pub(crate) chord: usize,
+    pub(crate) left_m: f64,
+}
+
+/// The speed a leg is commanded to be flown with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Cruise {
+    pub(crate) chord: usize,
+    /// `None`: neither the mission nor its parameters say.
+    pub(crate) speed_mps: Option<f64>,
+}
+
+/// A point of the route and when the vehicle is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Mark {
+    pub(crate) point: PlanPoint,
+    pub(crate) row: usize,
+    pub(crate) t_s: f64,
+}
+
+/// The circle that a wing keeps for ever.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Circle {
+    pub(crate) radius_m: f64,
+    /// Index of the chord that stands for it.
+    pub(crate) chord: usize,
+}
+
+/// How the flight ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum End {
+    /// Touches down here.
+    Landed(EastNorth),
+    /// Stays in the air for ever here.
+    Stays(EastNorth),
+}
+
+/// The legs between two stops, once laid.
+pub(crate) struct Legs<'a> {
+    pub(crate) knots: &'a [Knot],
+    /// Altitude along each leg.
+    pub(crate) lines: &'a [AltitudeLine],
+    pub(crate) run: &'a Run,
+    /// The first chord of each leg.
+    pub(crate) firsts: &'a [usize],
+}
+
+/// One vehicle's flight.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Flight {
+    /// In order of time, but for chords that are not flown.
+    pub(crate) chords: Vec<Chord>,
+    pub(crate) slopes: Vec<Slope>,
+    pub(crate) turns: Vec<Turn>,
+    pub(crate) cruises: Vec<Cruise>,
+    /// Points of the route, from the first that can be the start to the last before the landing.
+    pub(crate) route: Vec<Mark>,
+    /// Delay before takeoff in the items, seconds.
+    pub(crate) delay_s: Option<f64>,
+    pub(crate) end: Option<End>,
+    /// Course of a plane's takeoff, radians clockwise from north.
+    pub(crate) takeoff_rad: Option<f64>,
+    /// Course and angle of a plane's glide to its landing, radians.
+    pub(crate) landing: Option<(f64, f64)>,
+    pub(crate) circle: Option<Circle>,
+    /// From where on the flight is not known.
+    pub(crate) unknown: Option<Unknown>,
+    /// Whether the altitude above ground is the vehicle's own doing somewhere.
+    pub(crate) follows_terrain: bool,
+}
+
+impl Flight {
+    /// When the last motion that ends has ended, seconds.
+    pub(crate) fn last_s(&self) -> f64 {
+        self.chords
+            .iter()
+            .flat_map(|chord| [chord.from_s, chord.to_s])
+            .filter(|time| time.is_finite())
+            .fold(0.0, f64::max)
+    }
+
+    /// Ends every stay at `horizon_s`.
+    pub(crate) fn stay_until(&mut self, horizon_s: f64) {
+        for chord in &mut self.chords {
+            if chord.to_s.is_infinite() {
+                chord.to_s = horizon_s.max(chord.from_s);
+            }
+        }
+    }
+
+    /// Notes what the limits on whole legs need.
+    pub(crate) fn take_stock(&mut self, legs: &Legs<'_>, chords: &[Chord], end_s: f64) {
+        let Legs {
+            knots,
+            lines,
+            run,
+            firsts,
+        } = *legs;
+        for (leg, line) in lines.iter().enumerate() {
+            let (from, to) = (&knots[leg], &knots[leg + 1]);
+            let chord = firsts[leg];
+            let end = firsts.get(leg + 1).copied().unwrap_or(chords.len());
+            if line.follows {
+                self.follows_terrain = true;
+                self.slopes_over_ground(chords, chord..end, run.peak_mps[leg]);
+            } else {
+                self.slopes.push(Slope {
+                    chord,
+                    phase: to.phase,
+                    run_m: from.at.distance_m(to.at),
+                    rise_m: to.amsl_m - from.amsl_m,
+                    speed_mps: run.peak_mps[leg],
+                    top_m: to.amsl_m.max(from.amsl_m),
+                });
+            }
+            self.cruises.push(Cruise {
+                chord,
+                speed_mps: to.speed_is_known.then_some(to.speed_mps),
+            });
+            if to.phase != Phase::Finish {
+                let t_s = chords.get(end).map_or(end_s, |next| next.from_s);
+                self.route.push(Mark {
+                    point: to.point(),
+                    row: to.row,
+                    t_s,
+                });
+            }
+        }
+        for room in &run.rooms {
+            self.turns.push(Turn {
+                chord: firsts[room.leg],
+                left_m: room.left_m,
+            });
+        }
+    }
+
+    /// Slopes of a leg that follows the terrain: chord by chord.
+    fn slopes_over_ground(&mut self, chords: &[Chord], of_leg: Range<usize>, speed_mps: f64) {
+        for chord in of_leg {
+            let of = &chords[chord];
+            if of.flown && of.agl_m.is_some() {
+                self.slopes.push(Slope {
+                    chord,
+                    phase: of.phase,
+                    run_m: of.from.at.distance_m(of.to.at),
+                    rise_m: of.to.amsl.0 - of.from.amsl.0,
+                    speed_mps,
+                    top_m: of.to.amsl.0.max(of.from.amsl.0),
+                });
+            }
+        }
+    }
+
+    /// A flight whose numbers are not finite is not known from there on: every
+    /// later step may take them for granted.
+    pub(crate) fn settled(mut self) -> Self {
+        let is_known = |chord: &Chord| {
+            let ends = [chord.from, chord.to];
+            chord.from_s.is_finite()
+                && !chord.to_s.is_nan()
+                && chord.error_m.is_finite()
+                && ends
+                    .iter()
+                    .all(|end| (end.at.east_m + end.at.north_m + end.amsl.0).is_finite())
+        };
+        if let Some(first) = self.chords.iter().position(|chord| !is_known(chord)) {
+            self.unknown = Some(Unknown {
+                row: self.chords[first].row,
+                why: "the motion comes out as not a number".to_owned(),
+            });
+            self.chords.truncate(first);
+        }
+        self
+    }
+}

@@ -1,0 +1,31 @@
+//! What altitudes above home owe to the altitude of home.
+
+use crate::geodesy::Amsl;
+use crate::mission::{VehicleMission, command, frame};
+use crate::verify::Margin;
+
+/// Whether a mission flies at altitudes above home; takeoff and landing alone do not count.
+pub(crate) fn counts_from_home(mission: &VehicleMission) -> bool {
+    let upright = [command::NAV_TAKEOFF, command::NAV_LAND];
+    mission.items.iter().any(|item| {
+        frame::canonical(item.frame) == frame::GLOBAL_RELATIVE_ALT
+            && !upright.contains(&item.command)
+    })
+}
+
+/// Says at the smallest clearance of such a mission which altitude of home it assumes,
+/// and what an error of it costs: the autopilot adds the altitude that it measures, and
+/// flies lower by as much as home really lies lower.
+pub(crate) fn tell_cost(margins: &mut [Margin], home: Amsl) {
+    for margin in margins {
+        if margin.what == "terrain clearance" && margin.value.is_finite() && margin.note.is_empty()
+        {
+            margin.note = format!(
+                "altitudes are above home, assumed at {:.1} m: {:.1} m minus as much as it lies lower than that, {:.1} m to spare",
+                home.0,
+                margin.value,
+                margin.slack().max(0.0),
+            );
+        }
+    }
+}

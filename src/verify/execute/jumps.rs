@@ -1,0 +1,72 @@
+//! Jumps in a mission (`DO_JUMP`), as autopilots make them.
+
+use crate::mission::{Item, VehicleMission};
+use crate::spec::Autopilot;
+
+/// How often a jump is still made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Jumps {
+    /// The vehicle has not come to it yet.
+    NotMet,
+    /// So often.
+    Left(usize),
+    /// It was passed without a jump.
+    Spent,
+}
+
+/// The index of the item after a DO_JUMP.
+///
+/// `param1` is a number as the autopilot counts, `param2` how often. Neither
+/// autopilot counts a spent jump anew within a mission, as whoever puts a loop into a
+/// loop will expect: such a jump is not read.
+pub(crate) fn jump(
+    item: &Item,
+    index: usize,
+    mission: &VehicleMission,
+    jumps: &mut Jumps,
+) -> Result<usize, String> {
+    let [target, times, ..] = item.params.map(f64::from);
+    if times.to_bits() == (-1.0_f64).to_bits() {
+        return Err("a jump (DO_JUMP) that is made for ever".to_owned());
+    }
+    let first = match mission.autopilot {
+        Autopilot::ArduPilot => 1.0,
+        Autopilot::Px4 => 0.0,
+    };
+    let to = whole(target - first)
+        .filter(|&to| to < mission.items.len())
+        .ok_or_else(|| format!("a jump (DO_JUMP) to item {target}, which there is not"))?;
+    if to == index {
+        return Err("a jump (DO_JUMP) to itself".to_owned());
+    }
+    let left = match *jumps {
+        Jumps::Left(left) => left,
+        Jumps::Spent => return Err("a jump (DO_JUMP) within the loop of another".to_owned()),
+        Jumps::NotMet => whole(times)
+            .filter(|&times| times <= MOST_JUMPS)
+            .ok_or_else(|| format!("a jump (DO_JUMP) made {times} times"))?,
+    };
+    if left == 0 {
+        *jumps = Jumps::Spent;
+        return Ok(index + 1);
+    }
+    *jumps = Jumps::Left(left - 1);
+    Ok(to)
+}
+
+/// Most repetitions that both autopilots keep as such (`int16`).
+const MOST_JUMPS: usize = 32_767;
+
+/// A whole number that fits the parameter of a jump.
+fn whole(value: f64) -> Option<usize> {
+    if !(0.0..=65_535.0).contains(&value) || value.fract().abs() > 0.0 {
+        return None;
+    }
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "whole and in range"
+    )]
+    let whole = value as usize;
+    Some(whole)
+}

@@ -1,0 +1,335 @@
+//! Chords laid along legs, one after the other in time.
+
+use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
+use crate::world::{NoData, World};
+
+use super::decode::Unknown;
+use super::legs::{Knot, Piece, Shape};
+use crate::verify::measure::segment::{Chord, Phase, stretches};
+use crate::verify::measure::surface::Surface;
+
+/// A curved or accelerated piece is cut into chords that are never further off than this.
+const CHORD_ERROR_M: f64 = 0.02;
+
+/// The chords so far, and the time at their end.
+pub(crate) struct Ribbon<'a> {
+    frame: &'a LocalFrame,
+    surface: Surface<'a>,
+    pub(crate) chords: Vec<Chord>,
+    pub(crate) t_s: f64,
+    /// By how much the vehicle may be late, for the stops so far, seconds.
+    pub(crate) late_s: f64,
+}
+
+/// Altitude along a leg: a straight line above the sea, or above the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct AltitudeLine {
+    pub(crate) follows: bool,
+    /// At the ends, metres.
+    value_m: (f64, f64),
+}
+
+impl AltitudeLine {
+    fn value_m(&self, fraction: f64) -> f64 {
+        self.value_m.0 + (self.value_m.1 - self.value_m.0) * fraction
+    }
+
+    /// From one end to the other, metres.
+    pub(crate) fn change_m(&self) -> f64 {
+        self.value_m.1 - self.value_m.0
+    }
+
+    /// Level, as at the end.
+    pub(crate) fn end(&self) -> Self {
+        self.part((1.0, 1.0))
+    }
+
+    /// The slope that is at the altitude of the end after a part of the leg already.
+    pub(crate) fn steeper(&self, fraction: f64) -> Self {
+        Self {
+            follows: self.follows,
+            value_m: (self.value_m.0, self.value_m.0 + self.change_m() / fraction),
+        }
+    }
+
+    /// So many metres higher.
+    pub(crate) fn raised(&self, by_m: f64) -> Self {
+        Self {
+            follows: self.follows,
+            value_m: (self.value_m.0 + by_m, self.value_m.1 + by_m),
+        }
+    }
+
+    fn part(&self, (from, to): (f64, f64)) -> Self {
+        Self {
+            follows: self.follows,
+            value_m: (self.value_m(from), self.value_m(to)),
+        }
+    }
+}
+
+impl<'a> Ribbon<'a> {
+    pub(crate) fn new(world: &'a World) -> Self {
+        Self {
+            frame: &world.frame,
+            surface: Surface::new(&world.terrain),
+            chords: Vec::new(),
+            t_s: 0.0,
+            late_s: 0.0,
+        }
+    }
+
+    /// A motion along a straight line, or a stay, at constant velocity.
+    pub(crate) fn straight(
+        &mut self,
+        (row, phase): (usize, Phase),
+        (from, to): (PlanPoint, PlanPoint),
+        duration_s: f64,
+        grounded: bool,
+    ) {
+        let from_s = self.t_s;
+        self.t_s += duration_s;
+        self.chords.push(Chord {
+            grounded,
+            late_s: self.late_s,
+            flown: true,
+            ..Chord::unflown((row, phase), (from_s, self.t_s), (from, to))
+        });
+    }
+
+    /// Lays the chords of a piece, and of the two ends of legs beside an arc.
+    pub(crate) fn lay_piece(
+        &mut self,
+        piece: &Piece,
+        knots: &[Knot],
+        lines: &[AltitudeLine],
+    ) -> Result<(), Unknown> {
+        let (row, phase) = (knots[piece.leg + 1].row, knots[piece.leg + 1].phase);
+        let (start, end) = (piece.shape.at(0.0), piece.shape.at(1.0));
+        let line = match piece.shape {
+            Shape::Line { .. } => lines[piece.leg].part(piece.fraction),
+            Shape::Arc { .. } => {
+                let (here, there) = (&lines[piece.leg], &lines[piece.leg + 1]);
+                let (leave, join) = piece.fraction;
+                let follows = here.follows && there.follows;
+                let end_m = |line: &AltitudeLine, fraction: f64, at: EastNorth| {
+                    let value_m = line.value_m(fraction);
+                    if line.follows && !follows {
+                        Ok(value_m + self.ground_m(row, self.frame.from_plan(at))?)
+                    } else {
+                        Ok(value_m)
+                    }
+                };
+                AltitudeLine {
+                    follows,
+                    value_m: (end_m(here, leave, start)?, end_m(there, join, end)?),
+                }
+            }
+        };
+        let duration_s = piece.duration_s();
+        let acceleration_mps2 = piece.acceleration_mps2();
+        let wanted = duration_s * (acceleration_mps2 / (8.0 * CHORD_ERROR_M)).sqrt();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to a small positive count"
+        )]
+        let count = wanted.ceil().clamp(1.0, 1e5) as u32;
+        let step_s = duration_s / f64::from(count);
+        let error_m = acceleration_mps2 * step_s * step_s / 8.0;
+        let base = Chord {
+            row,
+            phase,
+            from_s: self.t_s,
+            to_s: self.t_s,
+            from: here_at(start),
+            to: here_at(end),
+            error_m,
+            bow_m: match piece.shape {
+                Shape::Line { .. } => 0.0,
+                Shape::Arc { .. } => error_m,
+            },
+            agl_m: None,
+            slope_from_m: knots[piece.leg + 1].slope_from_m,
+            grounded: false,
+            wide_m: 0.0,
+            late_s: self.late_s,
+            flown: true,
+        };
+        let from_s = self.t_s;
+        for index in 0..count {
+            let time = |i: u32| f64::from(i) / f64::from(count);
+            let covered = (
+                piece.covered(time(index)),
+                piece.covered(time(index + 1)).min(1.0),
+            );
+            let chord = Chord {
+                from_s: from_s + duration_s * time(index),
+                to_s: from_s + duration_s * time(index + 1),
+                from: here_at(piece.shape.at(covered.0)),
+                to: here_at(piece.shape.at(covered.1)),
+                ..base
+            };
+            self.lay(chord, &line.part(covered))?;
+        }
+        self.t_s = from_s + duration_s;
+        if let Shape::Arc { .. } = piece.shape {
+            self.lay_corner(piece, knots, lines, from_s)?;
+        }
+        Ok(())
+    }
+
+    /// The ends of the two legs beside a fillet, as far as the corner itself.
+    fn lay_corner(
+        &mut self,
+        piece: &Piece,
+        knots: &[Knot],
+        lines: &[AltitudeLine],
+        from_s: f64,
+    ) -> Result<(), Unknown> {
+        let middle_s = 0.5 * (from_s + self.t_s);
+        let (corner, next) = (&knots[piece.leg + 1], &knots[piece.leg + 2]);
+        let mut end = |knot: &Knot, (from, to), (from_s, to_s), line: AltitudeLine| {
+            let ends = (here_at(from), here_at(to));
+            let chord = Chord {
+                slope_from_m: knot.slope_from_m,
+                ..Chord::unflown((knot.row, knot.phase), (from_s, to_s), ends)
+            };
+            self.lay(chord, &line)
+        };
+        let (leave, join) = (piece.shape.at(0.0), piece.shape.at(1.0));
+        let until_s = from_s + 2.0 * (middle_s - from_s);
+        end(
+            corner,
+            (leave, corner.at),
+            (from_s, middle_s),
+            lines[piece.leg].part((piece.fraction.0, 1.0)),
+        )?;
+        end(
+            next,
+            (corner.at, join),
+            (middle_s, until_s),
+            lines[piece.leg + 1].part((0.0, piece.fraction.1)),
+        )
+    }
+
+    /// Lays a whole leg at altitudes that are judged in space alone.
+    pub(crate) fn lay_unflown(
+        &mut self,
+        (from, to): (&Knot, &Knot),
+        when_s: (f64, f64),
+        line: &AltitudeLine,
+    ) -> Result<(), Unknown> {
+        let ends = (here_at(from.at), here_at(to.at));
+        self.lay(Chord::unflown((to.row, to.phase), when_s, ends), line)
+    }
+
+    /// Lays a piece of a leg that may be flown beside its line, to be judged in space: from one
+    /// place to another, each at the altitude of a fraction of the leg.
+    pub(crate) fn lay_aside(
+        &mut self,
+        chord: Chord,
+        fractions: (f64, f64),
+        line: &AltitudeLine,
+    ) -> Result<(), Unknown> {
+        self.lay(chord, &line.part(fractions))
+    }
+
+    /// Lays one chord with its altitudes; over terrain that is followed, several.
+    fn lay(&mut self, chord: Chord, line: &AltitudeLine) -> Result<(), Unknown> {
+        let raised = |at: EastNorth, amsl_m: f64| PlanPoint {
+            at,
+            amsl: Amsl(amsl_m),
+        };
+        if !line.follows {
+            self.chords.push(Chord {
+                from: raised(chord.from.at, line.value_m.0),
+                to: raised(chord.to.at, line.value_m.1),
+                ..chord
+            });
+            return Ok(());
+        }
+        let from = (chord.from.at, self.frame.from_plan(chord.from.at));
+        for stretch in stretches(self.frame, from, chord.to.at) {
+            let patches = self
+                .surface
+                .under(stretch.from, stretch.to)
+                .map_err(|gap| no_data(chord.row, gap))?;
+            for patch in patches {
+                let parts = split(patch.bulge_m);
+                let error_m = patch.bulge_m.abs() / f64::from(parts * parts) + patch.error_m;
+                for part in 0..parts {
+                    let end = |index: u32| {
+                        let v = f64::from(index) / f64::from(parts);
+                        let u = stretch.along(patch.w.0 + (patch.w.1 - patch.w.0) * v);
+                        let (h0, h1) = patch.height_m;
+                        let ground_m = h0 + (h1 - h0) * v + 4.0 * patch.bulge_m * v * (1.0 - v);
+                        let agl_m = line.value_m(u);
+                        (
+                            chord.time_s(u),
+                            raised(chord.at(u).at, ground_m + agl_m),
+                            agl_m,
+                        )
+                    };
+                    let ((from_s, from, low_m), (to_s, to, high_m)) = (end(part), end(part + 1));
+                    self.chords.push(Chord {
+                        from_s,
+                        to_s,
+                        from,
+                        to,
+                        error_m: chord.error_m + error_m,
+                        agl_m: Some((low_m, high_m)),
+                        ..chord
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Altitude along the leg between two knots.
+    pub(crate) fn altitude_line(&self, from: &Knot, to: &Knot) -> Result<AltitudeLine, Unknown> {
+        let Some(agl_m) = to.agl_m else {
+            return Ok(AltitudeLine {
+                follows: false,
+                value_m: (from.amsl_m, to.amsl_m),
+            });
+        };
+        let ground_m = self.ground_m(to.row, self.frame.from_plan(from.at))?;
+        Ok(AltitudeLine {
+            follows: true,
+            value_m: (from.amsl_m - ground_m, agl_m),
+        })
+    }
+    pub(crate) fn ground_m(&self, row: usize, place: LatLon) -> Result<f64, Unknown> {
+        self.surface
+            .height_m(place)
+            .map_err(|gap| no_data(row, gap))
+    }
+}
+
+fn here_at(at: EastNorth) -> PlanPoint {
+    PlanPoint {
+        at,
+        amsl: Amsl(f64::NAN),
+    }
+}
+
+fn no_data(row: usize, gap: NoData) -> Unknown {
+    Unknown {
+        row,
+        why: gap.to_string(),
+    }
+}
+
+/// In how many parts a parabola is cut so that each is straight to a decimetre.
+fn split(bulge_m: f64) -> u32 {
+    const BULGE_M: f64 = 0.1;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a small positive count"
+    )]
+    let parts = (bulge_m.abs() / BULGE_M).sqrt().ceil().clamp(1.0, 1e4) as u32;
+    parts
+}

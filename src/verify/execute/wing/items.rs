@@ -1,0 +1,108 @@
+//! Items as a plane or vtol reads them.
+
+use crate::geodesy::{AboveHome, Amsl};
+use crate::mission::{Item, VehicleMission, command};
+use crate::spec::{Airframe, Autopilot};
+
+use crate::verify::execute::decode;
+use crate::verify::execute::decode::{Height, Order, own_height, place};
+
+/// What one item makes a plane or vtol do.
+pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
+    let (autopilot, is_vtol) = (mission.autopilot, mission.airframe == Airframe::Vtol);
+    if autopilot == Autopilot::Px4 && !item.autocontinue {
+        return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
+    }
+    let [first, _, third, _] = item.params.map(f64::from);
+    match item.command {
+        command::NAV_VTOL_TAKEOFF if is_vtol => takeoff(item, autopilot, home),
+        command::NAV_TAKEOFF if !is_vtol => takeoff(item, autopilot, home),
+        command::NAV_VTOL_LAND if is_vtol => landing(item, autopilot, home),
+        command::NAV_LAND if !is_vtol => landing(item, autopilot, home),
+        command::NAV_TAKEOFF | command::NAV_VTOL_TAKEOFF => {
+            Err("a takeoff of another kind of airframe".to_owned())
+        }
+        command::NAV_LAND | command::NAV_VTOL_LAND => {
+            Err("a landing of another kind of airframe".to_owned())
+        }
+        // ArduPlane drops the hold; PX4 circles for so long and leaves on no known course.
+        command::NAV_WAYPOINT if autopilot == Autopilot::Px4 && first > 0.0 => {
+            Err("a hold, on a wing, circles".to_owned())
+        }
+        command::NAV_WAYPOINT if third.abs() > 0.0 => {
+            Err(format!("param3 leads past the waypoint by {third} m"))
+        }
+        command::NAV_WAYPOINT => Ok(Order::Fly {
+            at: place(item)?,
+            height: own_height(item, autopilot, home)?,
+            hold_s: 0.0,
+        }),
+        command::NAV_LOITER_UNLIM => Ok(Order::Stay {
+            at: place(item)?,
+            height: own_height(item, autopilot, home)?,
+            radius_m: Some(radius_m(third, mission)?),
+        }),
+        command::NAV_LOITER_TIME => {
+            Err("NAV_LOITER_TIME leaves its circle on no known course".to_owned())
+        }
+        command::NAV_RETURN_TO_LAUNCH => Err(
+            "NAV_RETURN_TO_LAUNCH ends in a circle over home, or a landing of its own".to_owned(),
+        ),
+        // Over at once: the rules of acceptance refuse it.
+        command::NAV_DELAY if autopilot == Autopilot::ArduPilot => Ok(Order::Nothing),
+        command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
+            "DO_CHANGE_SPEED of kind {first} does not set the airspeed"
+        )),
+        _ => decode::read(item, autopilot, home),
+    }
+}
+
+fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
+    let height = decode::height(item, autopilot, home)?;
+    Ok(match autopilot {
+        // The place is not read. A QuadPlane climbs by the altitude, whatever the frame.
+        Autopilot::ArduPilot => Order::Takeoff {
+            at: None,
+            height: if item.command == command::NAV_VTOL_TAKEOFF {
+                Height::Sea(AboveHome(f64::from(item.z)).over(home))
+            } else {
+                height
+            },
+        },
+        Autopilot::Px4 => Order::Takeoff {
+            at: Some(place(item)?),
+            height,
+        },
+    })
+}
+
+fn landing(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
+    decode::height(item, autopilot, home)?;
+    Ok(Order::Land {
+        at: Some(place(item)?),
+    })
+}
+
+/// The radius of a circle: that of the item in whole metres as ArduPlane keeps it, or, for
+/// 0, that of the parameters.
+fn radius_m(param: f64, mission: &VehicleMission) -> Result<f64, String> {
+    let (own, name) = match mission.autopilot {
+        Autopilot::ArduPilot => (param.trunc(), "WP_LOITER_RAD"),
+        Autopilot::Px4 => (param, "NAV_LOITER_RAD"),
+    };
+    if own.is_finite() && own.abs() > 0.0 {
+        return Ok(own);
+    }
+    held_m(mission, name).ok_or_else(|| format!("a circle without a radius, and no {name}"))
+}
+
+/// The radius of circles of PX4 where no item states one, if its parameters tell.
+pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
+    held_m(mission, "NAV_LOITER_RAD").map(f64::abs)
+}
+
+/// A radius that the parameters tell.
+fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
+    let found = mission.params.iter().find(|param| param.name == name)?;
+    Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)
+}

@@ -1,0 +1,281 @@
+//! What only a wing does: climb out along a course, circle, glide to the ground.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use crate::path::{along, climb_out, heading_rad};
+
+use super::overshoot::{EARLY_SHARE, OVERSHOOT_M};
+use crate::verify::execute::decode::{Height, Unknown};
+use crate::verify::execute::executor::Pilot;
+use crate::verify::execute::flight::{Circle, End, Mark};
+use crate::verify::execute::legs::{Knot, ground_speed};
+use crate::verify::limits::space::SLOPE_SHARE;
+use crate::verify::measure::segment::{Chord, Phase};
+
+/// Chords of a circle are never further off than this, metres.
+const CHORD_ERROR_M: f64 = 0.02;
+
+impl Pilot<'_> {
+    /// Runs and climbs along the course of the spec, or towards the place of the item.
+    pub(crate) fn climb_out(
+        &mut self,
+        row: usize,
+        at: Option<LatLon>,
+        height: Height,
+    ) -> Result<(), Unknown> {
+        let unknown = |why: String| Err(Unknown { row, why });
+        let Some(planned_rad) = self.vehicle.wing.and_then(|wing| wing.takeoff_heading_rad) else {
+            return unknown("a takeoff along a course, and the spec has none".to_owned());
+        };
+        let home = self.home;
+        let (top_m, _) = self.resolve(row, self.world.frame.from_plan(home.at), height)?;
+        let course_rad = match at {
+            Some(place) => heading_rad(home.at, self.reach(row, place)?),
+            None => planned_rad,
+        };
+        self.ribbon.t_s = self.flight.delay_s.unwrap_or(self.vehicle.depart_s);
+        let ground = |at: EastNorth| {
+            let place = self.world.frame.from_plan(at);
+            self.ribbon.ground_m(row, place).map_or(home.amsl, Amsl)
+        };
+        let climb = climb_out(self.vehicle, home.at, course_rad, ground, Amsl(top_m));
+        let ground_m = ground(climb.lift_off).0;
+        if top_m <= ground_m || top_m.is_nan() {
+            return unknown(format!(
+                "takeoff to {top_m:.2} m AMSL, from {ground_m:.2} m"
+            ));
+        }
+        self.flight.takeoff_rad = Some(course_rad);
+        let lift_off = PlanPoint {
+            at: climb.lift_off,
+            amsl: Amsl(ground_m),
+        };
+        self.ribbon
+            .straight((row, self.phase), (home, lift_off), climb.run_s, true);
+        self.airborne = true;
+        self.moving_mps = self.vehicle.speed_mps;
+        let first = self.knot(row, lift_off.at, ground_m, None);
+        self.knots = vec![first];
+        let top = self.own_speed(self.knot(row, climb.top.at, top_m, None));
+        self.knots.extend(self.in_two(&first, top, ground_m));
+        self.steep_climb(&first, &top);
+        self.phase = Phase::Route;
+        Ok(())
+    }
+
+    /// ArduPlane climbs out more steeply, goes over the height that it climbs to, and on to the
+    /// next place from where it first has it.
+    fn steep_climb(&mut self, lift_off: &Knot, top: &Knot) {
+        if self.guidance.is_none() {
+            return;
+        }
+        let mix = |a: f64, b: f64| a + (b - a) * EARLY_SHARE;
+        let over = |at: EastNorth| PlanPoint {
+            at,
+            amsl: Amsl(top.amsl_m + OVERSHOOT_M),
+        };
+        let early = EastNorth {
+            east_m: mix(lift_off.at.east_m, top.at.east_m),
+            north_m: mix(lift_off.at.north_m, top.at.north_m),
+        };
+        let t_s = self.ribbon.t_s;
+        let ends = (over(early), over(top.at));
+        let chord = Chord::unflown((top.row, self.phase), (t_s, t_s), ends);
+        self.ribbon.chords.push(chord);
+        self.early_top = Some(PlanPoint {
+            at: early,
+            amsl: Amsl(top.amsl_m),
+        });
+    }
+
+    /// Glides from where it is to the ground at a place.
+    pub(crate) fn glide(&mut self, row: usize, place: LatLon) -> Result<(), Unknown> {
+        let at = self.reach(row, place)?;
+        let ground_m = self.ribbon.ground_m(row, place)?;
+        let from = self.last();
+        self.phase = Phase::Finish;
+        let down = self.knot(row, at, ground_m, None);
+        let run_m = from.at.distance_m(at);
+        if run_m <= 0.0 || from.amsl_m <= ground_m {
+            return Err(Unknown {
+                row,
+                why: format!(
+                    "a landing at {ground_m:.2} m from {:.2} m, {run_m:.0} m away",
+                    from.amsl_m
+                ),
+            });
+        }
+        self.flight.landing = Some((
+            heading_rad(from.at, at),
+            ((from.amsl_m - ground_m) / run_m).atan(),
+        ));
+        // High above the ground the way down is flown like any other.
+        let upper = self.in_two(&down, from, ground_m);
+        let mut middle = down;
+        if let [split, _] = upper.as_slice() {
+            middle = Knot {
+                at: split.at,
+                amsl_m: split.amsl_m,
+                slope_from_m: None,
+                ..down
+            };
+            self.append(middle)?;
+        }
+        self.append(Knot {
+            slope_from_m: Some(ground_m),
+            ..down
+        })?;
+        let speed_mps = middle.speed_mps;
+        self.fly_to_last(speed_mps)?;
+        self.ended = true;
+        self.flight.end = Some(End::Landed(at));
+        Ok(())
+    }
+
+    /// A leg that climbs from the ground, in the part where its height decides what is wanted
+    /// below it and the part where the minimum height does.
+    fn in_two(&self, ground: &Knot, top: Knot, ground_m: f64) -> Vec<Knot> {
+        let split_m = ground_m + self.world.min_agl.0 / SLOPE_SHARE;
+        let sloping = |knot: Knot| Knot {
+            slope_from_m: Some(ground_m),
+            ..knot
+        };
+        if split_m >= top.amsl_m {
+            return vec![sloping(top)];
+        }
+        let share = (split_m - ground_m) / (top.amsl_m - ground_m);
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        let split = Knot {
+            at: EastNorth {
+                east_m: mix(ground.at.east_m, top.at.east_m),
+                north_m: mix(ground.at.north_m, top.at.north_m),
+            },
+            amsl_m: split_m,
+            ..top
+        };
+        vec![sloping(split), top]
+    }
+
+    /// A takeoff is flown at the vehicle's own speed, taken to be the planned one.
+    fn own_speed(&self, knot: Knot) -> Knot {
+        Knot {
+            speed_mps: self.vehicle.speed_mps,
+            speed_is_known: true,
+            ..knot
+        }
+    }
+
+    /// Flies to the rim of a circle, and around its middle for ever.
+    pub(crate) fn circle(
+        &mut self,
+        row: usize,
+        place: LatLon,
+        height: Height,
+        radius_m: f64,
+    ) -> Result<(), Unknown> {
+        let unknown = |why: &str| {
+            Err(Unknown {
+                row,
+                why: why.to_owned(),
+            })
+        };
+        let middle = self.reach(row, place)?;
+        let (amsl_m, agl_m) = self.resolve(row, place, height)?;
+        if agl_m.is_some() {
+            return unknown("a circle at a height above terrain");
+        }
+        let from = self.last();
+        let away_m = from.at.distance_m(middle);
+        let rim_m = radius_m.abs();
+        if away_m <= rim_m {
+            return unknown("a circle that begins inside of it");
+        }
+        // Clockwise the middle is to the right of the tangent.
+        let aside_rad = (rim_m / away_m).asin() * radius_m.signum();
+        let course_rad = heading_rad(from.at, middle) - aside_rad;
+        let tangent_m = (away_m * away_m - rim_m * rim_m).sqrt();
+        let rim = self.knot(row, along(from.at, course_rad, tangent_m), amsl_m, None);
+        self.append(rim)?;
+        let speed_mps = rim.speed_mps;
+        self.fly_to_last(speed_mps)?;
+        self.straight_in(row, from, middle, amsl_m);
+        self.lap(row, middle, rim, radius_m)?;
+        let over = PlanPoint {
+            at: middle,
+            amsl: Amsl(amsl_m),
+        };
+        self.flight.route.push(Mark {
+            point: over,
+            row,
+            t_s: self.ribbon.t_s,
+        });
+        self.flight.circle = Some(Circle {
+            radius_m: rim_m,
+            chord: self.ribbon.chords.len(),
+        });
+        // From now on it is somewhere on the circle.
+        self.ribbon
+            .straight((row, self.phase), (over, over), f64::INFINITY, false);
+        if let Some(stay) = self.ribbon.chords.last_mut() {
+            stay.error_m = rim_m;
+        }
+        self.ended = true;
+        self.flight.end = Some(End::Stays(middle));
+        Ok(())
+    }
+
+    /// How an autopilot comes to the rim is its own affair: somewhere between the tangent and
+    /// the straight way to the middle, which is judged in space alone.
+    fn straight_in(&mut self, row: usize, from: Knot, middle: EastNorth, amsl_m: f64) {
+        let t_s = self.ribbon.t_s;
+        let to = PlanPoint {
+            at: middle,
+            amsl: Amsl(amsl_m),
+        };
+        let chord = Chord::unflown((row, self.phase), (t_s, t_s), (from.point(), to));
+        self.ribbon.chords.push(chord);
+    }
+
+    /// Once around.
+    fn lap(
+        &mut self,
+        row: usize,
+        middle: EastNorth,
+        rim: Knot,
+        radius_m: f64,
+    ) -> Result<(), Unknown> {
+        let rim_m = radius_m.abs();
+        let step_rad = (8.0 * CHORD_ERROR_M / rim_m).sqrt();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to a small positive count"
+        )]
+        let count = (TAU / step_rad).ceil().clamp(8.0, 1e4) as u32;
+        let begin_rad = FRAC_PI_2 - heading_rad(middle, rim.at);
+        let at = |index: u32| {
+            let turned_rad = TAU * f64::from(index) / f64::from(count);
+            let (sin, cos) = (begin_rad - turned_rad * radius_m.signum()).sin_cos();
+            PlanPoint {
+                at: EastNorth {
+                    east_m: middle.east_m + rim_m * cos,
+                    north_m: middle.north_m + rim_m * sin,
+                },
+                amsl: Amsl(rim.amsl_m),
+            }
+        };
+        let step_m = TAU * rim_m / f64::from(count);
+        for index in 0..count {
+            let ends = (at(index), at(index + 1));
+            let course_rad = heading_rad(ends.0.at, ends.1.at);
+            let step_s = step_m / ground_speed(self.vehicle, &rim, Amsl(rim.amsl_m), course_rad)?;
+            self.ribbon.straight((row, self.phase), ends, step_s, false);
+            if let Some(chord) = self.ribbon.chords.last_mut() {
+                chord.error_m = CHORD_ERROR_M;
+                chord.bow_m = CHORD_ERROR_M;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,8 @@
+//! How planes and VTOLs fly mission items.
+
+pub(crate) mod drift;
+pub(crate) mod items;
+pub(crate) mod l1;
+pub(crate) mod maneuvers;
+pub(crate) mod overshoot;
+pub(crate) mod tecs;

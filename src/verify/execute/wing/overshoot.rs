@@ -1,0 +1,199 @@
+//! Ways beside the legs, which ArduPlane flies: it swings out of corners, and climbs out early.
+
+use crate::geodesy::{EastNorth, PlanPoint};
+
+use super::l1::{Fix, STEP_S};
+use crate::verify::execute::decode::Unknown;
+use crate::verify::execute::executor::Pilot;
+use crate::verify::execute::legs::Knot;
+use crate::verify::measure::segment::{Chord, Phase};
+
+/// The plane of ArduPilot's simulator (ArduPlane 4.7.0-dev of December 2025, still air) had the
+/// height of its takeoff, 80 m, 246 m from where it stood, and not 508 m as planned: after this
+/// share of its planned climb from lift-off.
+pub const EARLY_SHARE: f64 = 0.4;
+/// By so much it went over that height before it levelled off, metres.
+pub(crate) const OVERSHOOT_M: f64 = 14.0;
+/// Ways nearer to their legs than this are not looked at, metres.
+const HAIR_M: f64 = 0.5;
+/// Places of a way that are judged are so many steps apart.
+const EVERY: usize = 10;
+/// A way is taken to be as far from a chord as it is within this of its time, seconds.
+const WITHIN_S: f64 = 2.0;
+
+impl Pilot<'_> {
+    /// Lays the way that a wing of ArduPilot takes beside its legs, to be judged in space; for
+    /// the separation, widens the chords of the legs by as much, and counts what it takes longer.
+    pub(crate) fn lay_swings(
+        &mut self,
+        knots: &[Knot],
+        grounds_mps: &[f64],
+        firsts: &[usize],
+    ) -> Result<(), Unknown> {
+        let Some(guidance) = self.guidance else {
+            return Ok(());
+        };
+        self.leave_early(knots, firsts);
+        if knots.len() < 3 {
+            return Ok(());
+        }
+        let fixes = guidance.follow(knots, grounds_mps);
+        self.widen(knots, firsts, &fixes);
+        let own = knots.windows(2);
+        let own = own.map(|pair| self.ribbon.altitude_line(&pair[0], &pair[1]));
+        let own = own.collect::<Result<Vec<_>, _>>()?;
+        let mut lines = self.lines_beside(knots, firsts)?;
+        for (lines, own) in lines.iter_mut().zip(own) {
+            lines.push(own);
+        }
+        let times = self.times_s(firsts);
+        for (index, pair) in fixes
+            .iter()
+            .step_by(EVERY)
+            .zip(fixes.iter().step_by(EVERY).skip(1))
+            .enumerate()
+        {
+            let (from, to) = pair;
+            let passed = &fixes[index * EVERY..=(index + 1) * EVERY];
+            let beside_m = passed.iter().map(|fix| fix.beside_m).fold(0.0, f64::max);
+            if beside_m < HAIR_M {
+                continue;
+            }
+            let leg = to.leg;
+            let (begin, end) = (&knots[leg], &knots[leg + 1]);
+            let at = |fix: &Fix| PlanPoint {
+                at: fix.at,
+                amsl: end.point().amsl,
+            };
+            let straight_m = chord_error_m(passed);
+            let chord = Chord {
+                bow_m: straight_m,
+                error_m: straight_m,
+                slope_from_m: end.slope_from_m,
+                ..Chord::unflown((end.row, end.phase), times[leg], (at(from), at(to)))
+            };
+            let share = |fix: &Fix| share(begin.at, end.at, fix.at);
+            for line in &lines[leg] {
+                self.ribbon
+                    .lay_aside(chord, (share(from), share(to)), line)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A plane that is early at the height of its takeoff goes on from there.
+    fn leave_early(&mut self, knots: &[Knot], firsts: &[usize]) {
+        let Some(early) = self.early_top.take() else {
+            return;
+        };
+        let Some(next) = knots.iter().find(|knot| knot.phase != Phase::Join) else {
+            return;
+        };
+        let rise_m = early.amsl.0 - knots[0].amsl_m;
+        let t_s = self.ribbon.t_s;
+        let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
+        let aside_m = top.map_or(0.0, |top| beside_m(early.at, next.at, top.at));
+        let first = firsts.first().copied().unwrap_or_default();
+        for chord in &mut self.ribbon.chords[first..] {
+            if chord.phase == Phase::Join {
+                let over_m = (1.0 - EARLY_SHARE) * rise_m;
+                chord.wide_m = over_m.max(OVERSHOOT_M);
+            } else if chord.row == next.row {
+                chord.wide_m = aside_m;
+            }
+        }
+        let chord = Chord::unflown((next.row, next.phase), (t_s, t_s), (early, next.point()));
+        self.ribbon.chords.push(chord);
+    }
+
+    /// Widens the chords of the legs by what the way is beside them, and makes them late by what
+    /// it takes longer.
+    fn widen(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) {
+        let mut starts_s = None;
+        let (before_s, mut late_s) = (self.ribbon.late_s, 0.0_f64);
+        for (leg, pair) in knots.windows(2).enumerate() {
+            let first = firsts[leg];
+            let end = firsts.get(leg + 1).copied();
+            let end = end.unwrap_or(self.ribbon.chords.len());
+            let half = |at: EastNorth| share(pair[0].at, pair[1].at, at) >= 0.5;
+            let chords = &self.ribbon.chords[first.min(end)..end];
+            let planned = chords.iter().find(|chord| chord.flown && half(chord.to.at));
+            let mut of_leg = fixes.iter().filter(|fix| fix.leg == leg);
+            let flown = of_leg
+                .clone()
+                .find(|fix| half(fix.at))
+                .or(of_leg.next_back());
+            let (Some(planned), Some(flown)) = (planned, flown) else {
+                continue;
+            };
+            // Halfway along the leg: the way against the model, and both against the first leg.
+            let planned_s = planned.time_s(halfway(planned, pair));
+            let shift_s = planned_s - flown.t_s;
+            let starts_s = *starts_s.get_or_insert(shift_s);
+            late_s = late_s.max(starts_s - shift_s);
+            let late_at_s = before_s + late_s;
+            for chord in &mut self.ribbon.chords[first..end] {
+                if !chord.flown {
+                    continue;
+                }
+                let within = (
+                    chord.from_s - shift_s - WITHIN_S,
+                    chord.to_s - shift_s + WITHIN_S,
+                );
+                let near = fixes[step(within.0).min(fixes.len())..].iter();
+                let near = near.take_while(|fix| fix.t_s <= within.1);
+                let wide_m = near.map(|fix| fix.beside_m).fold(0.0, f64::max);
+                chord.wide_m = chord.wide_m.max(wide_m);
+                chord.late_s = chord.late_s.max(late_at_s);
+            }
+        }
+        self.ribbon.late_s = before_s + late_s;
+    }
+}
+
+/// The first of the places of a way that is not before a time.
+fn step(t_s: f64) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "not below 0, and a way has far fewer than 2^32 places"
+    )]
+    let step = (t_s / STEP_S - 1.0).max(0.0) as usize;
+    step
+}
+
+/// How far along the straight line between two places a third lies: 0 at the first, 1 at the last.
+fn share(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
+    let (east_m, north_m) = (to.east_m - from.east_m, to.north_m - from.north_m);
+    let along = (at.east_m - from.east_m) * east_m + (at.north_m - from.north_m) * north_m;
+    (along / (east_m * east_m + north_m * north_m)).clamp(0.0, 1.0)
+}
+
+/// Where on a chord its leg is half over.
+fn halfway(chord: &Chord, leg: &[Knot]) -> f64 {
+    let at = |place: EastNorth| share(leg[0].at, leg[1].at, place);
+    let (from, to) = (at(chord.from.at), at(chord.to.at));
+    if to > from {
+        ((0.5 - from) / (to - from)).clamp(0.0, 1.0)
+    } else {
+        1.0
+    }
+}
+
+/// Distance of a place from the straight line between two others, metres.
+fn beside_m(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
+    let share = share(from, to, at);
+    at.distance_m(EastNorth {
+        east_m: from.east_m + (to.east_m - from.east_m) * share,
+        north_m: from.north_m + (to.north_m - from.north_m) * share,
+    })
+}
+
+/// How far the places between the first and the last are from the straight line, metres.
+fn chord_error_m(passed: &[Fix]) -> f64 {
+    let (Some(first), Some(last)) = (passed.first(), passed.last()) else {
+        return 0.0;
+    };
+    let off = passed.iter().map(|fix| beside_m(first.at, last.at, fix.at));
+    off.fold(0.0, f64::max)
+}

@@ -1,0 +1,335 @@
+//! What the spec says of a mission besides where it may go: home, start, goal,
+//! finish, departure, speed, slopes, turns, number of items.
+
+mod ends;
+
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};
+use crate::path::VehicleLimits;
+use crate::spec::{Autopilot, MissionSpec, Vehicle};
+use crate::world::{Stations, World};
+
+use super::fence::Fence;
+use crate::verify::execute::executor::is_launched;
+use crate::verify::execute::flight::{Flight, Slope};
+use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::measure::worst::Worst;
+use crate::verify::{ITEMS_JUDGED, Margin, Moment, Sense};
+
+/// A commanded speed may differ from the planned one by this, m/s.
+const SPEED_MPS: f64 = 0.1;
+/// An encoded departure may differ from the planned one by this, s.
+const DEPARTURE_S: f64 = 0.5;
+/// Two altitudes in whole centimetres make a rise uncertain by this, metres.
+const RISE_M: f64 = 0.02;
+
+/// One vehicle's side of the contract.
+pub(crate) struct Contract<'a> {
+    pub(crate) spec: &'a MissionSpec,
+    pub(crate) world: &'a World,
+    pub(crate) vehicle: &'a Vehicle,
+    pub(crate) stations: &'a Stations,
+    pub(crate) mission: &'a VehicleMission,
+    pub(crate) flight: &'a Flight,
+}
+
+impl Contract<'_> {
+    pub(crate) fn margins(&self, home: Option<LatLon>, fence: &Fence) -> Vec<Margin> {
+        let mut margins = self.judged();
+        margins.extend(self.kind());
+        margins.push(self.item_count());
+        margins.extend(self.acceptance());
+        margins.extend(self.home(home, fence));
+        margins.extend(self.route());
+        margins.extend(self.finish());
+        margins.extend(self.departure());
+        margins.extend(self.speed());
+        margins.extend(self.slopes());
+        margins.extend(self.turns());
+        margins.extend(self.wing());
+        margins.extend(self.acceptance_radius());
+        margins.extend(self.fence_complete());
+        margins
+    }
+
+    pub(crate) fn id(&self) -> &str {
+        &self.vehicle.id
+    }
+
+    fn moment(&self, point: PlanPoint, t_s: f64, item: usize) -> Moment {
+        Moment {
+            place: self.world.frame.from_plan(point.at),
+            amsl: point.amsl,
+            t_s,
+            item,
+        }
+    }
+
+    /// How many items could be flown.
+    fn judged(&self) -> Vec<Margin> {
+        let total = count(self.mission.items.len());
+        let judged = self
+            .flight
+            .unknown
+            .as_ref()
+            .map_or(total, |unknown| count(unknown.row.saturating_sub(1)));
+        let last = self.flight.chords.last();
+        vec![Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: ITEMS_JUDGED.to_owned(),
+            value: judged,
+            limit: total,
+            sense: Sense::AtLeast,
+            unit: "items",
+            at: match (&self.flight.unknown, last) {
+                (Some(unknown), Some(chord)) => Some(Moment {
+                    item: unknown.row,
+                    ..chord.moment(&self.world.frame, 1.0)
+                }),
+                _ => None,
+            },
+            shift: None,
+            ok: self.flight.unknown.is_none() && total > 0.0,
+            note: match &self.flight.unknown {
+                _ if total <= 0.0 => "the mission is empty".to_owned(),
+                Some(unknown) => {
+                    format!("cannot judge from item {} on: {}", unknown.row, unknown.why)
+                }
+                None => String::new(),
+            },
+        }]
+    }
+
+    /// A mission for another autopilot or airframe.
+    fn kind(&self) -> Option<Margin> {
+        let is = (self.mission.autopilot, self.mission.airframe);
+        let wanted = (self.vehicle.autopilot, self.vehicle.airframe);
+        (is != wanted).then(|| {
+            Margin::unjudged(
+                self.id(),
+                "autopilot",
+                format!("the mission is for {is:?}, the spec says {wanted:?}"),
+            )
+        })
+    }
+
+    fn item_count(&self) -> Margin {
+        let (value, limit) = (
+            count(self.mission.items.len()),
+            count(self.spec.mission.max_items),
+        );
+        Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: "item count".to_owned(),
+            value,
+            limit,
+            sense: Sense::AtMost,
+            unit: "items",
+            at: None,
+            shift: None,
+            ok: value <= limit,
+            note: String::new(),
+        }
+    }
+
+    /// What the autopilot would refuse or misread: one margin for each problem.
+    fn acceptance(&self) -> Vec<Margin> {
+        let problems = mission::problems(self.mission);
+        let margin = |at, note| Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: "acceptance".to_owned(),
+            value: count(problems.len()),
+            limit: 0.0,
+            sense: Sense::AtMost,
+            unit: "problems",
+            at,
+            shift: None,
+            ok: problems.is_empty(),
+            note,
+        };
+        if problems.is_empty() {
+            return vec![margin(None, String::new())];
+        }
+        let flown = |problem: &AcceptanceProblem| {
+            let of_item = |chord: &&Chord| chord.row == problem.item;
+            let in_mission = problem.list == List::Mission;
+            let chord = self.flight.chords.iter().find(of_item);
+            chord
+                .filter(|_| in_mission)
+                .map(|chord| chord.moment(&self.world.frame, 1.0))
+        };
+        problems
+            .iter()
+            .map(|problem| margin(flown(problem), problem.to_string()))
+            .collect()
+    }
+
+    /// The delay before takeoff against `depart_s` or its window, where the autopilot keeps one.
+    fn departure(&self) -> Option<Margin> {
+        let first = self.flight.chords.first()?;
+        if self.flight.delay_s.is_none() && is_launched(self.vehicle, self.mission.autopilot) {
+            return None;
+        }
+        let encoded_s = self.flight.delay_s.unwrap_or(0.0);
+        let mut worst = Worst::default();
+        worst.at_most(
+            self.vehicle.departures().miss(encoded_s),
+            DEPARTURE_S,
+            || first.moment(&self.world.frame, 0.0),
+        );
+        let mut margin = worst.margin(self.id(), "departure", "s")?;
+        let allowed = match self.vehicle.leeway.depart_s {
+            Some(window) => format!("{} to {}", window.least, window.most),
+            None => self.vehicle.depart_s.to_string(),
+        };
+        margin.note = format!("delay {encoded_s} s in the mission, {allowed} s in the spec");
+        Some(margin)
+    }
+
+    /// Commanded speeds against the planned one or their range.
+    fn speed(&self) -> Option<Margin> {
+        let mut worst = Worst::default();
+        for cruise in &self.flight.cruises {
+            let Some(chord) = self.flight.chords.get(cruise.chord) else {
+                continue;
+            };
+            let at = || chord.moment(&self.world.frame, 0.0);
+            match (cruise.speed_mps, self.mission.autopilot) {
+                (Some(speed_mps), _) => {
+                    worst.at_most(self.vehicle.speeds().miss(speed_mps), SPEED_MPS, at)
+                }
+                // Its cruise parameter is assumed: PX4 misbehaved with speed items.
+                (None, Autopilot::Px4) if self.vehicle.leeway.speed_mps.is_none() => {
+                    worst.at_most(0.0, SPEED_MPS, at)
+                }
+                (None, _) => {
+                    let name = if self.vehicle.airframe.has_wing() {
+                        "AIRSPEED_CRUISE"
+                    } else {
+                        "WPNAV_SPEED"
+                    };
+                    let why = format!(
+                        "no DO_CHANGE_SPEED before it and no {name}: the speed is the vehicle's own"
+                    );
+                    worst.unknown(SPEED_MPS, why, at());
+                }
+            }
+        }
+        worst.margin(self.id(), "speed", "m/s")
+    }
+
+    /// Climb and descent: the angle on the route, the vertical speed on every leg.
+    fn slopes(&self) -> Vec<Margin> {
+        let mut angles = [Worst::default(), Worst::default()];
+        let mut rates = [Worst::default(), Worst::default()];
+        for slope in &self.flight.slopes {
+            let Some(chord) = self.flight.chords.get(slope.chord) else {
+                continue;
+            };
+            let at = || chord.moment(&self.world.frame, 0.0);
+            let way = usize::from(slope.rise_m < 0.0);
+            let rise_m = (slope.rise_m.abs() - RISE_M).max(0.0);
+            if slope.phase == Phase::Route {
+                let angle_deg = rise_m.atan2(slope.run_m).to_degrees();
+                let limit_deg = steepest(self.vehicle, slope).atan().to_degrees();
+                angles[way].at_most(angle_deg, limit_deg, at);
+            }
+            if slope.run_m > 0.0 {
+                let rate_mps = rise_m / slope.run_m * slope.speed_mps;
+                let limit_mps = [self.vehicle.climb_mps, self.vehicle.descent_mps][way];
+                rates[way].at_most(rate_mps, limit_mps, at);
+            }
+        }
+        let [climb, descent] = angles;
+        let [up, down] = rates;
+        [
+            climb.margin(self.id(), "climb angle", "deg"),
+            descent.margin(self.id(), "descent angle", "deg"),
+            up.margin(self.id(), "climb speed", "m/s"),
+            down.margin(self.id(), "descent speed", "m/s"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// What the fillets leave of each leg.
+    fn turns(&self) -> Option<Margin> {
+        let mut worst = Worst::default();
+        for turn in &self.flight.turns {
+            if let Some(chord) = self.flight.chords.get(turn.chord) {
+                worst.at_least(turn.left_m, 0.0, || chord.moment(&self.world.frame, 0.0));
+            }
+        }
+        worst.margin(self.id(), "turn fit", "m")
+    }
+}
+
+impl Contract<'_> {
+    /// PX4 keeps a radius of its own for each waypoint, and goes on to the next one
+    /// within it; 0 and NaN are that of its parameters. ArduCopter keeps none.
+    fn acceptance_radius(&self) -> Option<Margin> {
+        if self.mission.autopilot != Autopilot::Px4 {
+            return None;
+        }
+        let limit_m = mission::corner_cut_m(&self.spec.mission);
+        let mut worst = Worst::default();
+        for (index, item) in self.mission.items.iter().enumerate() {
+            let (row, radius_m) = (index + 1, f64::from(item.params[1]));
+            if item.command != command::NAV_WAYPOINT || radius_m.is_nan() || radius_m <= 0.0 {
+                continue;
+            }
+            let Some(chord) = self.flight.chords.iter().rfind(|chord| chord.row == row) else {
+                // Not flown as far as is known, which fails already.
+                continue;
+            };
+            worst.at_most(radius_m, limit_m, || chord.moment(&self.world.frame, 1.0));
+        }
+        worst.margin(self.id(), "acceptance radius", "m")
+    }
+
+    /// What of the spec's fence the mission's does not hold, where it could hold one.
+    fn fence_complete(&self) -> Option<Margin> {
+        if !self.spec.mission.fence || !self.mission.fence_told {
+            return None;
+        }
+        let missing = mission::missing_from_fence(self.spec, &self.mission.fence);
+        Some(Margin {
+            vehicle: self.id().to_owned(),
+            other: None,
+            what: "fence complete".to_owned(),
+            value: count(missing.len()),
+            limit: 0.0,
+            sense: Sense::AtMost,
+            unit: "missing",
+            at: None,
+            shift: None,
+            ok: missing.is_empty(),
+            note: if missing.is_empty() {
+                String::new()
+            } else {
+                format!("not in the fence: {}", missing.join(", "))
+            },
+        })
+    }
+}
+
+/// The steepest allowed rise over run of a slope. The polynomials of the paper
+/// are concave in altitude, so an end is the tightest.
+fn steepest(vehicle: &Vehicle, slope: &Slope) -> f64 {
+    let limits = VehicleLimits::of(vehicle);
+    let limit = if slope.rise_m < 0.0 {
+        limits.descent
+    } else {
+        limits.climb
+    };
+    let at = |amsl_m: f64| limit.by_shape(Amsl(amsl_m));
+    at(slope.top_m).min(at(slope.top_m - slope.rise_m.abs()))
+}
+
+fn count(items: usize) -> f64 {
+    f64::from(u32::try_from(items).unwrap_or(u32::MAX))
+}

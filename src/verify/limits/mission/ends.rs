@@ -1,0 +1,151 @@
+//! Where a mission begins and ends: home, start, goal, finish.
+
+use super::Contract;
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::spec::{Airframe, Finish};
+use crate::verify::execute::flight::{End, Mark};
+use crate::verify::limits::fence::Fence;
+use crate::verify::measure::worst::Worst;
+use crate::verify::{Margin, Moment};
+
+/// Home may be written this far from the ground at most, metres, however wide the tolerance.
+const HOME_M: f64 = 5.0;
+
+impl Contract<'_> {
+    /// The home row: where the spec says, at the height of the terrain, inside the fence.
+    pub(crate) fn home(&self, home: Option<LatLon>, fence: &Fence) -> Vec<Margin> {
+        let Some(place) = home else {
+            return vec![Margin::unjudged(
+                self.id(),
+                "home position",
+                "the home row holds no place; judged from the home of the spec",
+            )];
+        };
+        let tolerance_m = self.spec.mission.tolerance_m;
+        let amsl = Amsl(f64::from(self.mission.home.amsl_m));
+        let at = Moment {
+            place,
+            amsl,
+            t_s: 0.0,
+            item: 0,
+        };
+        // Straight through the earth: right even for a home on its other side.
+        let away_m = (place.to_ecef(0.0) - self.vehicle.home.to_ecef(0.0)).norm();
+        let mut position = Worst::default();
+        position.at_most(away_m, tolerance_m, || at);
+        let mut altitude = Worst::default();
+        let near_m = tolerance_m.min(HOME_M);
+        match self.world.terrain.height(place) {
+            Ok(ground) => altitude.at_most((amsl.0 - ground.0).abs(), near_m, || at),
+            Err(gap) => altitude.unknown(near_m, gap.to_string(), at),
+        }
+        let mut inside = Worst::default();
+        if !fence.is_empty() {
+            inside.at_least(fence.place_margin_m(place), 0.0, || at);
+        }
+        [
+            position.margin(self.id(), "home position", "m"),
+            altitude.margin(self.id(), "home altitude", "m"),
+            inside.margin(self.id(), "home in the fence", "m"),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// The first position against the start, the last against the goal.
+    pub(crate) fn route(&self) -> Vec<Margin> {
+        let tolerance_m = self.spec.mission.tolerance_m;
+        let near = |marks: &[Mark], wanted: PlanPoint, what: &str| {
+            let mut worst = Worst::default();
+            // The nearest of the candidates counts.
+            let best = marks
+                .iter()
+                .map(|mark| (mark.point.distance_m(wanted), mark))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            match best {
+                Some((away_m, mark)) => {
+                    worst.at_most(away_m, tolerance_m, || {
+                        self.moment(mark.point, mark.t_s, mark.row)
+                    });
+                    worst.margin(self.id(), what, "m")
+                }
+                None => Some(Margin::unjudged(
+                    self.id(),
+                    what,
+                    "the mission has no such point",
+                )),
+            }
+        };
+        let route = &self.flight.route;
+        // Turns lead a wing onto its route and off it again.
+        let has_wing = self.vehicle.airframe.has_wing();
+        let ends = match self.vehicle.finish {
+            // The goal is on the way.
+            Finish::Return => route.as_slice(),
+            Finish::Land | Finish::Loiter if has_wing => route.as_slice(),
+            Finish::Land | Finish::Loiter => &route[route.len().saturating_sub(1)..],
+        };
+        let first = if has_wing {
+            route.as_slice()
+        } else {
+            &route[..route.len().min(1)]
+        };
+        let mut margins: Vec<Margin> = near(first, self.stations.start, "start")
+            .into_iter()
+            .collect();
+        if self.flight.unknown.is_none() {
+            margins.extend(near(ends, self.goal(), "goal"));
+        }
+        margins
+    }
+
+    /// Where the route ends: a vtol that lands from any direction flies its last stretch at
+    /// the height that it has.
+    fn goal(&self) -> PlanPoint {
+        let goal = self.stations.goal;
+        let levels = self.vehicle.airframe == Airframe::Vtol
+            && self.vehicle.finish == Finish::Land
+            && self.vehicle.wing.is_some_and(|wing| wing.landing.is_none());
+        match self.flight.route.last() {
+            Some(last) if levels => PlanPoint {
+                amsl: last.point.amsl,
+                ..goal
+            },
+            _ => goal,
+        }
+    }
+
+    /// Lands, or stays, where the spec says.
+    pub(crate) fn finish(&self) -> Option<Margin> {
+        let end = self.flight.end?;
+        let last = self.flight.chords.last()?;
+        let (wanted, lands) = match self.vehicle.finish {
+            Finish::Land => (self.stations.landing, true),
+            Finish::Return => (self.stations.home.at, true),
+            Finish::Loiter => (self.stations.goal.at, false),
+        };
+        let at = match (end, lands) {
+            (End::Landed(at), true) | (End::Stays(at), false) => at,
+            (End::Landed(_), false) => {
+                return Some(Margin::unjudged(
+                    self.id(),
+                    "finish",
+                    "the mission lands, the spec says loiter",
+                ));
+            }
+            (End::Stays(_), true) => {
+                return Some(Margin::unjudged(
+                    self.id(),
+                    "finish",
+                    "the mission ends in the air, the spec says land",
+                ));
+            }
+        };
+        let mut worst = Worst::default();
+        worst.at_most(at.distance_m(wanted), self.spec.mission.tolerance_m, || {
+            last.moment(&self.world.frame, 1.0)
+        });
+        worst.margin(self.id(), "finish", "m")
+    }
+}

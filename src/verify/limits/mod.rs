@@ -1,0 +1,9 @@
+//! The limits that a trajectory is judged against, one file for each kind.
+
+pub(super) mod assumptions;
+pub(super) mod fence;
+pub(super) mod mission;
+pub(super) mod rally;
+pub(super) mod separation;
+pub(super) mod space;
+pub(super) mod wing;

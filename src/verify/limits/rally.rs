@@ -1,0 +1,91 @@
+//! Rally points: where a vehicle goes, and may land, when something is wrong.
+//!
+//! From where it comes is not known, so only the point itself is judged: it keeps
+//! the minimum height, and lies in the area and the fence and outside of threats and
+//! zones, at whatever height these end: the vehicle lands there.
+
+use crate::geodesy::Amsl;
+use crate::mission::VehicleMission;
+
+use super::fence::Fence;
+use super::space::Space;
+use crate::verify::execute::decode;
+use crate::verify::measure::outline::Keep;
+use crate::verify::measure::segment::Stretch;
+use crate::verify::measure::worst::Worst;
+use crate::verify::{Margin, Moment};
+
+impl Space<'_> {
+    /// The margins of the rally points of a mission.
+    pub(crate) fn rally_margins(
+        &self,
+        id: &str,
+        mission: &VehicleMission,
+        home: Amsl,
+        fence: &Fence,
+    ) -> Vec<Margin> {
+        let mut margins = Vec::new();
+        for (index, item) in mission.rally.iter().enumerate() {
+            let name = format!("rally {}", index + 1);
+            match decode::rally(item, mission.autopilot, home, self.world) {
+                Ok((place, amsl, agl_m)) => {
+                    let at = Moment {
+                        place,
+                        amsl,
+                        t_s: 0.0,
+                        item: 0,
+                    };
+                    margins.extend(self.rally_point(id, &name, at, agl_m, fence));
+                }
+                Err(why) => margins.push(Margin::unjudged(id, name, why)),
+            }
+        }
+        margins
+    }
+
+    fn rally_point(
+        &self,
+        id: &str,
+        name: &str,
+        at: Moment,
+        agl_m: f64,
+        fence: &Fence,
+    ) -> Vec<Margin> {
+        let here = Stretch {
+            u: (0.0, 1.0),
+            from: at.place,
+            to: at.place,
+        };
+        let margin = |value: f64, limit: f64, what: String| {
+            let mut worst = Worst::default();
+            worst.at_least(value, limit, || at);
+            worst.margin(id, what, "m")
+        };
+        let threats = self.spec.threats.iter().zip(&self.threats);
+        let zones = self.spec.no_fly.iter().zip(&self.zones);
+        let nearest = threats
+            .map(|(threat, cylinder)| (&threat.id, cylinder.margin_m(&here, Keep::Outside).0))
+            .chain(
+                zones.map(|(zone, outline)| (&zone.id, outline.margin_m(&here, Keep::Outside).0)),
+            )
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let clear = nearest.and_then(|(of, margin_m)| {
+            let found = margin(margin_m, 0.0, format!("{name} to threats and zones"))?;
+            Some(Margin {
+                note: format!("nearest: {of}"),
+                ..found
+            })
+        });
+        let area_m = self.area.margin_m(&here, Keep::Inside).0;
+        let fenced = (!fence.is_empty()).then(|| fence.place_margin_m(at.place));
+        [
+            margin(agl_m, self.world.min_agl.0, name.to_owned()),
+            clear,
+            margin(area_m, 0.0, format!("{name} in the area")),
+            fenced.and_then(|fence_m| margin(fence_m, 0.0, format!("{name} in the fence"))),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+}

@@ -1,0 +1,380 @@
+//! Pairwise separation, from takeoff to touchdown, at the worst allowed shift.
+
+use rayon::prelude::*;
+
+use crate::geodesy::LocalFrame;
+use crate::numeric::tracks::{Nearness, Track, Tracks};
+use crate::path::{most_shift_s, takeoff_shift_s, with_stops_s};
+use crate::spec::{Separation, Span};
+
+use crate::verify::measure::segment::Chord;
+use crate::verify::measure::timeline::{Distance, Metric, Nearest, Timeline, motion, nearest};
+use crate::verify::{Margin, Moment, Sense, Shift};
+
+/// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
+const LISTED_FLEET: usize = 16;
+/// "Near", in separation distances.
+const NEAR: f64 = 2.0;
+
+/// The margins of all pairs (of a large fleet: of those that come near).
+pub(crate) fn margins(
+    timelines: &[Timeline<'_>],
+    separation: &Separation,
+    frame: &LocalFrame,
+) -> Vec<Margin> {
+    if timelines.len() <= LISTED_FLEET {
+        let others = |first: usize| (first + 1..timelines.len()).collect();
+        return margins_of(timelines, &others, separation, frame, f64::INFINITY);
+    }
+    let below_m = NEAR * separation.distance_m;
+    let near = Near::new(timelines, separation, below_m);
+    margins_of(
+        timelines,
+        &|first| near.after(first),
+        separation,
+        frame,
+        below_m,
+    )
+}
+
+/// The margins of each vehicle with some of those after it.
+fn margins_of(
+    timelines: &[Timeline<'_>],
+    others: &(dyn Fn(usize) -> Vec<usize> + Sync),
+    separation: &Separation,
+    frame: &LocalFrame,
+    below_m: f64,
+) -> Vec<Margin> {
+    (0..timelines.len())
+        .into_par_iter()
+        .map(|first| {
+            let a = &timelines[first];
+            others(first)
+                .into_iter()
+                .filter_map(|other| pair_margin(a, &timelines[other], separation, frame, below_m))
+                .collect::<Vec<_>>()
+        })
+        .collect::<Vec<_>>()
+        .concat()
+}
+
+/// Who comes near whom, by the index over the chords of all.
+struct Near {
+    tracks: Tracks,
+    nearness: Nearness,
+}
+
+impl Near {
+    /// For pairs that may have a margin below `below_m`, less the errors of their chords.
+    fn new(timelines: &[Timeline<'_>], separation: &Separation, below_m: f64) -> Self {
+        /// More than rounding may take from a distance, metres.
+        const HAIR_M: f64 = 1e-3;
+        let chords = timelines.iter().flat_map(|timeline| &timeline.chords);
+        let error_m = chords
+            .map(|chord| chord.error_m + chord.wide_m)
+            .fold(0.0, f64::max);
+        let fleet = timelines.iter().map(|timeline| {
+            let late_s = timeline.span().map_or(0.0, |span| span.late_s);
+            (timeline.vehicle, late_s)
+        });
+        let late_s = most_shift_s(fleet);
+        let allowed_m = 2.0 * error_m + HAIR_M;
+        let nearness = Nearness {
+            distance_m: below_m + allowed_m,
+            vertical_m: separation.vertical_m.map(|level_m| level_m + allowed_m),
+            slack_s: separation.time_slack_s + late_s,
+        };
+        let mut tracks = Tracks::new(&nearness);
+        tracks.extend(timelines.iter().map(|timeline| {
+            Track::new(timeline.chords.iter().map(|chord| motion(chord)).collect())
+        }));
+        Self { tracks, nearness }
+    }
+
+    /// Those after a vehicle that come near it, in order.
+    fn after(&self, first: usize) -> Vec<usize> {
+        let own = &self.tracks.all()[first];
+        self.tracks.near(own, &self.nearness, first + 1)
+    }
+}
+
+/// What a review says when it does not list every pair.
+pub(crate) fn assumption(fleet: usize, separation: &Separation) -> Option<String> {
+    (fleet > LISTED_FLEET).then(|| {
+        format!(
+            "pairs of vehicles that stay more than {} m apart are not listed",
+            NEAR * separation.distance_m
+        )
+    })
+}
+
+fn pair_margin(
+    a: &Timeline<'_>,
+    b: &Timeline<'_>,
+    separation: &Separation,
+    frame: &LocalFrame,
+    below_m: f64,
+) -> Option<Margin> {
+    let slack_s = separation.time_slack_s;
+    let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let metric = |distance| Metric {
+        distance,
+        shift_s: with_slack(shift_s, slack_s),
+    };
+    let Some(level_m) = separation.vertical_m else {
+        let found = nearest(a, b, &metric(Distance::Space), below_m);
+        return match found {
+            Some(found) => Some(judge(
+                (a, b),
+                found,
+                (separation.distance_m, slack_s),
+                frame,
+                "",
+            )),
+            None => never_together(a, b, separation, below_m),
+        };
+    };
+    if let Some(found) = nearest(a, b, &metric(Distance::Horizontal(level_m)), below_m) {
+        let what = "horizontal, where the vertical distance is too small";
+        return Some(judge(
+            (a, b),
+            found,
+            (separation.distance_m, slack_s),
+            frame,
+            what,
+        ));
+    }
+    if below_m.is_finite() {
+        return None;
+    }
+    match nearest(a, b, &metric(Distance::Vertical), f64::INFINITY) {
+        Some(found) => Some(judge((a, b), found, (level_m, slack_s), frame, "vertical")),
+        None => never_together(a, b, separation, below_m),
+    }
+}
+
+/// A shift, and a slack either way.
+fn with_slack(shift_s: Span, slack_s: f64) -> Span {
+    Span {
+        least: shift_s.least - slack_s,
+        most: shift_s.most + slack_s,
+    }
+}
+
+fn judge(
+    (a, b): (&Timeline<'_>, &Timeline<'_>),
+    found: Nearest,
+    (limit_m, slack_s): (f64, f64),
+    frame: &LocalFrame,
+    how: &str,
+) -> Margin {
+    let (mine, other) = (a.chords[found.chords.0], b.chords[found.chords.1]);
+    let moment = |chord: &Chord, t_s: f64| -> Moment {
+        let lasts_s = chord.to_s - chord.from_s;
+        let u = if lasts_s > 0.0 {
+            ((t_s - chord.from_s) / lasts_s).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        chord.moment(frame, u)
+    };
+    let there = moment(other, found.times_s.1);
+    let shift_s = found.times_s.1 - found.times_s.0;
+    let split = if how.is_empty() { "" } else { "; " };
+    let alone_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let alone_s = with_stops_s(alone_s, mine.late_s, other.late_s);
+    let lateness = if alone_s.most > alone_s.least {
+        format!(
+            ", of it {:.1} to {:.1} s by what autopilots are late",
+            alone_s.least, alone_s.most
+        )
+    } else {
+        String::new()
+    };
+    Margin {
+        vehicle: a.vehicle.id.clone(),
+        other: Some(b.vehicle.id.clone()),
+        what: "separation".to_owned(),
+        value: found.distance_m,
+        limit: limit_m,
+        sense: Sense::AtLeast,
+        unit: "m",
+        at: Some(moment(mine, found.times_s.0)),
+        shift: Some(Shift {
+            worst_s: shift_s,
+            allowed_s: with_slack(alone_s, slack_s),
+        }),
+        ok: found.distance_m >= limit_m,
+        note: format!(
+            "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s{lateness}",
+            b.vehicle.id, there.item, there.t_s
+        ),
+    }
+}
+
+/// Two vehicles that are never in the air at the same time: how long one is down before the other takes off.
+fn never_together(
+    a: &Timeline<'_>,
+    b: &Timeline<'_>,
+    separation: &Separation,
+    below_m: f64,
+) -> Option<Margin> {
+    let (p, q) = (a.span()?, b.span()?);
+    let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
+    let shift_s = with_stops_s(shift_s, p.late_s, q.late_s);
+    let gap_s = (p.from_s - q.to_s + shift_s.least).max(q.from_s - p.to_s - shift_s.most);
+    if below_m.is_finite() || gap_s <= 0.0 {
+        return None;
+    }
+    Some(Margin {
+        vehicle: a.vehicle.id.clone(),
+        other: Some(b.vehicle.id.clone()),
+        what: "separation".to_owned(),
+        value: gap_s,
+        limit: separation.time_slack_s,
+        sense: Sense::AtLeast,
+        unit: "s",
+        at: None,
+        shift: None,
+        ok: gap_s >= separation.time_slack_s,
+        note: "never in the air at the same time".to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesy::{Amsl, LatLon, PlanPoint};
+    use crate::spec::fixtures::copter;
+    use crate::spec::{Airframe, Autopilot, Vehicle};
+    use crate::verify::measure::segment::Phase;
+    use proptest::prelude::*;
+
+    fn chord(
+        (from_s, from): (f64, PlanPoint),
+        (to_s, to): (f64, PlanPoint),
+        error_m: f64,
+    ) -> Chord {
+        Chord {
+            error_m,
+            flown: true,
+            ..Chord::unflown((1, Phase::Route), (from_s, to_s), (from, to))
+        }
+    }
+
+    fn vehicle(autopilot: Autopilot, airframe: Airframe) -> Vehicle {
+        Vehicle {
+            autopilot,
+            airframe,
+            ..copter()
+        }
+    }
+
+    /// One along a line at 10 m/s, and one across it that is there 100 s later than it.
+    fn crossing() -> [Vec<Chord>; 2] {
+        let at = |east, north| PlanPoint::new(east, north, Amsl(100.0));
+        [
+            vec![chord(
+                (0.0, at(-1000.0, 0.0)),
+                (200.0, at(1000.0, 0.0)),
+                0.0,
+            )],
+            vec![chord(
+                (100.0, at(0.0, -1000.0)),
+                (300.0, at(0.0, 1000.0)),
+                0.0,
+            )],
+        ]
+    }
+
+    /// The shortest distance of the two that cross, metres, found with so much slack.
+    fn crossed_m(vehicles: [&Vehicle; 2], late_s: [f64; 2], time_slack_s: f64) -> f64 {
+        let [mut one, mut other] = crossing();
+        one[0].late_s = late_s[0];
+        other[0].late_s = late_s[1];
+        let timelines = [
+            Timeline::new(vehicles[0], &one),
+            Timeline::new(vehicles[1], &other),
+        ];
+        let separation = Separation {
+            distance_m: 50.0,
+            vertical_m: None,
+            time_slack_s,
+        };
+        let frame = LocalFrame::new(vehicles[0].home);
+        margins(&timelines, &separation, &frame)[0].value
+    }
+
+    #[test]
+    fn vehicles_that_are_late_alike_are_not_shifted_and_others_by_what_they_may_be_late() {
+        let copter = vehicle(Autopilot::ArduPilot, Airframe::Copter);
+        let other = vehicle(Autopilot::Px4, Airframe::Copter);
+        let plane = vehicle(Autopilot::ArduPilot, Airframe::Plane);
+        // 100 s apart at the crossing and 10 m/s: each second of shift takes 10 / sqrt(2) m.
+        let expected = |shift_s: f64| (1000.0 - 10.0 * shift_s) / 2.0_f64.sqrt();
+        let is = |found: f64, shift_s: f64| {
+            let off_m = (found - expected(shift_s)).abs();
+            assert!(off_m < 1e-6, "{found} m, not {} m", expected(shift_s));
+        };
+        is(crossed_m([&copter, &copter], [0.0, 0.0], 5.0), 5.0);
+        is(crossed_m([&copter, &other], [0.0, 0.0], 5.0), 17.0);
+        // The first may be 12 s late and the second 9 s early, and not the other way round.
+        is(crossed_m([&copter, &plane], [0.0, 0.0], 5.0), 26.0);
+        is(crossed_m([&plane, &copter], [0.0, 0.0], 5.0), 5.0);
+        // A stop behind the first brings it nearer to the second; one behind the second does not.
+        is(crossed_m([&copter, &copter], [4.5, 0.0], 5.0), 9.5);
+        is(crossed_m([&copter, &copter], [0.0, 4.5], 5.0), 5.0);
+    }
+
+    /// A flight through some places; every third stays at the last for ever.
+    fn flight() -> impl Strategy<Value = Vec<Chord>> {
+        let place = (-900.0..900.0_f64, -900.0..900.0_f64, 0.0..80.0_f64)
+            .prop_map(|(east, north, amsl)| PlanPoint::new(east, north, Amsl(amsl)));
+        let way = prop::collection::vec((place, 1.0..60.0_f64, 0.0..3.0_f64), 2..7);
+        (0.0..90.0_f64, way, 0..3_u8).prop_map(|(mut t_s, way, finish)| {
+            let mut chords = Vec::new();
+            for pair in way.windows(2) {
+                let next_s = t_s + pair[1].1;
+                chords.push(chord((t_s, pair[0].0), (next_s, pair[1].0), pair[1].2));
+                t_s = next_s;
+            }
+            if let Some(last) = chords.last_mut() {
+                // As after a stop.
+                last.late_s = 2.0 * last.error_m;
+            }
+            if finish == 0 {
+                let last = way[way.len() - 1].0;
+                chords.push(chord((t_s, last), (f64::INFINITY, last), 0.0));
+            }
+            chords
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+
+        #[test]
+        fn a_large_fleet_has_the_margins_that_all_its_pairs_have(
+            fleet in prop::collection::vec(flight(), 17..24),
+            distance_m in 20.0..120.0_f64,
+            vertical_m in prop::option::of(5.0..40.0_f64),
+            time_slack_s in prop_oneof![Just(0.0), 0.0..8.0_f64],
+            is_mixed in any::<bool>(),
+        ) {
+            let separation = Separation { distance_m, vertical_m, time_slack_s };
+            let frame = LocalFrame::new(LatLon { lat_deg: 36.0, lon_deg: -84.0 });
+            let kinds = [
+                vehicle(Autopilot::ArduPilot, Airframe::Copter),
+                vehicle(Autopilot::Px4, Airframe::Plane),
+            ];
+            let timelines: Vec<Timeline<'_>> = fleet
+                .iter()
+                .enumerate()
+                .map(|(index, chords)| Timeline::new(&kinds[index % (1 + usize::from(is_mixed))], chords))
+                .collect();
+            let all = |first: usize| (first + 1..timelines.len()).collect();
+            let by_all = margins_of(&timelines, &all, &separation, &frame, NEAR * distance_m);
+            prop_assert_eq!(margins(&timelines, &separation, &frame), by_all);
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! Limits on where a flight goes: ground, ceiling, threats, zones, area, fence.
+
+use crate::geodesy::{Amsl, EastNorth, LatLon};
+use crate::spec::MissionSpec;
+use crate::world::{NoData, World};
+
+use super::fence::Fence;
+use crate::verify::execute::flight::Flight;
+use crate::verify::measure::outline::{Cylinder, Keep, Outline};
+use crate::verify::measure::segment::{Chord, Stretch, stretches};
+use crate::verify::measure::surface::Surface;
+use crate::verify::measure::worst::Worst;
+use crate::verify::{Margin, Moment};
+
+/// Along a climb-out or glide the ground must stay this share of the height above the runway
+/// below the vehicle, until that is the minimum height.
+pub(crate) const SLOPE_SHARE: f64 = 0.5;
+
+/// Everything that stands still, ready to be measured against.
+pub(crate) struct Space<'a> {
+    pub(crate) spec: &'a MissionSpec,
+    pub(crate) world: &'a World,
+    surface: Surface<'a>,
+    pub(crate) threats: Vec<Cylinder>,
+    pub(crate) zones: Vec<Outline>,
+    pub(crate) area: Outline,
+}
+
+/// The worst values of one flight so far.
+struct Found {
+    clearance: Worst,
+    slope: Worst,
+    contact: Worst,
+    ceiling: Worst,
+    threats: Vec<Worst>,
+    zones: Vec<Worst>,
+    area: Worst,
+    fence: Worst,
+}
+
+impl<'a> Space<'a> {
+    pub(crate) fn new(spec: &'a MissionSpec, world: &'a World) -> Self {
+        Self {
+            spec,
+            world,
+            surface: Surface::new(&world.terrain),
+            threats: spec
+                .threats
+                .iter()
+                .map(|threat| Cylinder::new(threat.place, threat.radius_m))
+                .collect(),
+            zones: spec
+                .no_fly
+                .iter()
+                .map(|zone| Outline::new(zone.polygon.clone()))
+                .collect(),
+            area: Outline::new(spec.area.outline()),
+        }
+    }
+
+    /// The margins of one flight to everything that stands still.
+    pub(crate) fn margins(&self, id: &str, flight: &Flight, fence: &Fence) -> Vec<Margin> {
+        let mut found = Found {
+            clearance: Worst::default(),
+            slope: Worst::default(),
+            contact: Worst::default(),
+            ceiling: Worst::default(),
+            threats: vec![Worst::default(); self.threats.len()],
+            zones: vec![Worst::default(); self.zones.len()],
+            area: Worst::default(),
+            fence: Worst::default(),
+        };
+        let mut last: Option<(EastNorth, LatLon)> = None;
+        for chord in &flight.chords {
+            // Most chords begin where the one before ends.
+            let from = last
+                .filter(|(at, _)| *at == chord.from.at)
+                .unwrap_or_else(|| (chord.from.at, self.world.frame.from_plan(chord.from.at)));
+            let parts = stretches(&self.world.frame, from, chord.to.at);
+            last = parts.last().map(|part| (chord.to.at, part.to));
+            self.judge_ground(chord, &parts, &mut found);
+            self.judge_ceiling(chord, &mut found.ceiling);
+            self.judge_threats(chord, &parts, &mut found.threats);
+            for part in &parts {
+                self.judge_zones(chord, part, &mut found.zones);
+                let (area_m, w) = self.area.margin_m(part, Keep::Inside);
+                found.area.at_least(area_m, 0.0, || moment(chord, part, w));
+                if !fence.is_empty() {
+                    let (fence_m, w) = fence.margin_m(part, found.fence.room());
+                    found
+                        .fence
+                        .at_least(fence_m, 0.0, || moment(chord, part, w));
+                }
+            }
+        }
+        let names = |kind: &str, ids: Vec<&String>| -> Vec<String> {
+            ids.into_iter().map(|id| format!("{kind} {id}")).collect()
+        };
+        let threats = names("threat", self.spec.threats.iter().map(|t| &t.id).collect());
+        let zones = names("zone", self.spec.no_fly.iter().map(|z| &z.id).collect());
+        let single = |worst: Worst, what: &str| worst.margin(id, what, "m");
+        // Nothing but a column up and down is no mission whose height is known to be good.
+        let clearance = single(found.clearance, "terrain clearance").or_else(|| {
+            let why = "the vehicle leaves the ground and flies nowhere";
+            (!flight.chords.is_empty()).then(|| Margin::unjudged(id, "terrain clearance", why))
+        });
+        [
+            clearance,
+            single(found.slope, "takeoff and landing clearance"),
+            single(found.contact, "ground contact"),
+            single(found.ceiling, "ceiling"),
+        ]
+        .into_iter()
+        .chain(
+            threats
+                .into_iter()
+                .chain(zones)
+                .zip(found.threats.into_iter().chain(found.zones))
+                .map(|(what, worst)| worst.margin(id, what, "m")),
+        )
+        .chain([single(found.area, "area"), single(found.fence, "fence")])
+        .flatten()
+        .collect()
+    }
+
+    /// Height above ground: the minimum wherever the vehicle flies; the column of a
+    /// takeoff or landing begins or ends on the ground and is judged at its upper end, and
+    /// a climb-out or glide has its own limit.
+    fn judge_ground(&self, chord: &Chord, parts: &[Stretch], found: &mut Found) {
+        let limit_m = self.world.min_agl.0;
+        if chord.grounded {
+            let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
+            if let Some(part) = parts.first() {
+                match self.surface.height_m(part.from) {
+                    Ok(ground_m) => {
+                        let above_m = chord.at(top).amsl.0 - ground_m;
+                        found.contact.at_least(above_m, 0.0, || Moment {
+                            place: part.from,
+                            amsl: chord.at(top).amsl,
+                            t_s: chord.time_s(top),
+                            item: chord.row,
+                        });
+                    }
+                    Err(gap) => no_data(&mut found.contact, 0.0, chord, gap),
+                }
+            }
+            return;
+        }
+        if let Some((from_m, to_m)) = chord.agl_m {
+            let (least_m, u) = if from_m <= to_m {
+                (from_m, 0.0)
+            } else {
+                (to_m, 1.0)
+            };
+            let at = || chord.moment(&self.world.frame, u);
+            found.clearance.at_least(least_m, limit_m, at);
+            return;
+        }
+        // What is wanted at a fraction of a part; on a slope it grows with the height.
+        let wanted_m = |part: &Stretch, w: f64| match chord.slope_from_m {
+            Some(ground_m) => SLOPE_SHARE * (chord.at(part.along(w)).amsl.0 - ground_m),
+            None => limit_m,
+        };
+        let worst = if chord.slope_from_m.is_some() {
+            &mut found.slope
+        } else {
+            &mut found.clearance
+        };
+        for part in parts {
+            let patches = match self.surface.under(part.from, part.to) {
+                Ok(patches) => patches,
+                Err(gap) => return no_data(worst, limit_m, chord, gap),
+            };
+            for patch in patches {
+                let over_m = |w: f64, ground_m: f64| {
+                    chord.at(part.along(w)).amsl.0 - ground_m - wanted_m(part, w)
+                };
+                let (over_m, v) = patch.least_clearance_m(
+                    over_m(patch.w.0, patch.height_m.0),
+                    over_m(patch.w.1, patch.height_m.1),
+                );
+                let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
+                let beside_m = if chord.bow_m > 0.0 {
+                    let line = (part.place(patch.w.0), part.place(patch.w.1));
+                    let slope = self.surface.steepest(line, chord.bow_m, part.place(w));
+                    chord.bow_m * slope
+                } else {
+                    0.0
+                };
+                let wanted_m = wanted_m(part, w);
+                let least_m = over_m + wanted_m - beside_m;
+                worst.at_least(least_m, wanted_m, || moment(chord, part, w));
+            }
+        }
+    }
+
+    fn judge_ceiling(&self, chord: &Chord, worst: &mut Worst) {
+        let u = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
+        let slack_m = if chord.agl_m.is_some() {
+            chord.error_m
+        } else {
+            0.0
+        };
+        let highest_m = chord.at(u).amsl.0 + slack_m;
+        worst.at_most(highest_m, self.world.max_amsl.0, || {
+            chord.moment(&self.world.frame, u)
+        });
+    }
+
+    fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {
+        for ((disc, cylinder), worst) in self.world.threats.iter().zip(&self.threats).zip(worst) {
+            // Distances in the plane differ from those around the threat by far less than this.
+            let around_m = disc.center.distance_m(chord.at(0.5).at)
+                - 0.5 * chord.from.at.distance_m(chord.to.at);
+            if 0.999 * around_m - disc.radius_m - 1.0 > worst.room() {
+                continue;
+            }
+            for part in parts {
+                let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
+                worst.at_least(margin_m, 0.0, || moment(chord, part, w));
+            }
+        }
+    }
+
+    fn judge_zones(&self, chord: &Chord, part: &Stretch, worst: &mut [Worst]) {
+        for ((zone, outline), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
+            // Inside the box nothing is known of the margin but that it may be negative.
+            if outline.bound_m(part) > worst.room().max(0.0) {
+                continue;
+            }
+            let Some(low) = below(chord, part, zone.below) else {
+                continue;
+            };
+            let (margin_m, w) = outline.margin_m(&low, Keep::Outside);
+            worst.at_least(margin_m, 0.0, || moment(chord, &low, w));
+        }
+    }
+}
+
+/// The part of a stretch that is below an altitude.
+fn below(chord: &Chord, part: &Stretch, ceiling: Option<Amsl>) -> Option<Stretch> {
+    let Some(Amsl(ceiling_m)) = ceiling else {
+        return Some(*part);
+    };
+    let over_m = |w: f64| chord.at(part.along(w)).amsl.0 - ceiling_m - chord.error_m;
+    let (from_m, to_m) = (over_m(0.0), over_m(1.0));
+    if from_m >= 0.0 && to_m >= 0.0 {
+        return None;
+    }
+    let crossing = from_m / (from_m - to_m);
+    let (w0, w1) = match (from_m > 0.0, to_m > 0.0) {
+        (true, _) => (crossing, 1.0),
+        (_, true) => (0.0, crossing),
+        _ => (0.0, 1.0),
+    };
+    Some(Stretch {
+        u: (part.along(w0), part.along(w1)),
+        from: part.place(w0),
+        to: part.place(w1),
+    })
+}
+
+fn moment(chord: &Chord, part: &Stretch, w: f64) -> Moment {
+    let u = part.along(w);
+    Moment {
+        place: part.place(w),
+        amsl: chord.at(u).amsl,
+        t_s: chord.time_s(u),
+        item: chord.row,
+    }
+}
+
+fn no_data(worst: &mut Worst, limit_m: f64, chord: &Chord, gap: NoData) {
+    let at = Moment {
+        place: gap.place,
+        amsl: chord.from.amsl,
+        t_s: chord.from_s,
+        item: chord.row,
+    };
+    worst.unknown(limit_m, gap.to_string(), at);
+}

@@ -1,0 +1,58 @@
+//! What the spec says of a wing: the course of its takeoff, its glide, its circle.
+
+use std::f64::consts::{PI, TAU};
+
+use super::mission::Contract;
+use crate::verify::Margin;
+use crate::verify::measure::worst::Worst;
+
+/// A course may differ from the planned one by this, degrees.
+const COURSE_DEG: f64 = 2.0;
+/// A glide may be steeper than the planned one by this, degrees: altitudes are encoded in
+/// quarters of a metre.
+const GLIDE_DEG: f64 = 0.5;
+
+impl Contract<'_> {
+    /// Takeoff, landing and circle of a plane or vtol, as far as there are any.
+    pub(crate) fn wing(&self) -> Vec<Margin> {
+        let Some(wing) = self.vehicle.wing else {
+            return Vec::new();
+        };
+        let (flight, frame) = (self.flight, &self.world.frame);
+        let (Some(first), Some(last)) = (flight.chords.first(), flight.chords.last()) else {
+            return Vec::new();
+        };
+        let mut margins = Vec::new();
+        let mut course = |is_rad: f64, wanted_rad: f64, what: &str, at| {
+            let off_rad = (is_rad - wanted_rad + PI).rem_euclid(TAU) - PI;
+            let mut worst = Worst::default();
+            worst.at_most(off_rad.abs().to_degrees(), COURSE_DEG, || at);
+            margins.extend(worst.margin(self.id(), what, "deg"));
+        };
+        if let Some((is_rad, wanted_rad)) = flight.takeoff_rad.zip(wing.takeoff_heading_rad) {
+            course(
+                is_rad,
+                wanted_rad,
+                "takeoff heading",
+                first.moment(frame, 0.0),
+            );
+        }
+        if let Some(((is_rad, glide_rad), landing)) = flight.landing.zip(wing.landing) {
+            let touchdown = last.moment(frame, 1.0);
+            course(is_rad, landing.heading_rad, "landing heading", touchdown);
+            let mut glide = Worst::default();
+            let limit_deg = landing.glide_rad.to_degrees() + GLIDE_DEG;
+            glide.at_most(glide_rad.to_degrees(), limit_deg, || touchdown);
+            margins.extend(glide.margin(self.id(), "glide angle", "deg"));
+        }
+        if let Some(circle) = flight.circle {
+            let at = flight.chords.get(circle.chord).unwrap_or(last);
+            let mut radius = Worst::default();
+            radius.at_least(circle.radius_m, wing.loiter_radius_m, || {
+                at.moment(frame, 0.0)
+            });
+            margins.extend(radius.margin(self.id(), "loiter radius", "m"));
+        }
+        margins
+    }
+}

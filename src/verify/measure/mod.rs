@@ -1,0 +1,8 @@
+//! Distances from a trajectory to ground, polygons, circles and other trajectories, in continuous time.
+
+pub(super) mod hills;
+pub(super) mod outline;
+pub(super) mod segment;
+pub(super) mod surface;
+pub(super) mod timeline;
+pub(super) mod worst;

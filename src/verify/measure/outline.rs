@@ -1,0 +1,291 @@
+//! Distances from stretches of a flight to polygons and circles on the earth.
+//!
+//! Edges of a polygon are straight in latitude and longitude, as the fences of
+//! both autopilots take them (the parallel of an area 25 km wide leaves the
+//! straight line of a tangent plane by 9 m). Distances are measured with the
+//! scale of the latitude where the flight is.
+
+use crate::geodesy::{EastNorth, LatLon, LocalFrame};
+
+use super::segment::Stretch;
+
+/// Metres in a degree of latitude and of longitude, WGS84 (series in the NGA handbook, to a centimetre).
+pub(crate) fn metres_per_degree(lat_deg: f64) -> (f64, f64) {
+    let lat = lat_deg.to_radians();
+    let north = 111_132.92 - 559.82 * (2.0 * lat).cos() + 1.175 * (4.0 * lat).cos()
+        - 0.0023 * (6.0 * lat).cos();
+    let east = 111_412.84 * lat.cos() - 93.5 * (3.0 * lat).cos() + 0.118 * (5.0 * lat).cos();
+    (north, east)
+}
+
+/// On which side of a boundary the flight belongs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Keep {
+    Inside,
+    Outside,
+}
+
+/// A polygon; the last corner joins the first.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Outline {
+    corners: Vec<LatLon>,
+}
+
+/// A vertical cylinder, measured in the frame of its own axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Cylinder {
+    frame: LocalFrame,
+    radius_m: f64,
+}
+
+/// A point or vector in metres east and north.
+type Flat = (f64, f64);
+
+impl Cylinder {
+    pub(crate) fn new(axis: LatLon, radius_m: f64) -> Self {
+        Self {
+            frame: LocalFrame::new(axis),
+            radius_m,
+        }
+    }
+
+    /// The least distance on the right side of the boundary, negative on the
+    /// wrong side, metres; and the fraction of the stretch where that is.
+    pub(crate) fn margin_m(&self, stretch: &Stretch, keep: Keep) -> (f64, f64) {
+        let flat = |place: LatLon| {
+            let EastNorth { east_m, north_m } = self.frame.to_plan(place);
+            (east_m, north_m)
+        };
+        let (from, to) = (flat(stretch.from), flat(stretch.to));
+        match keep {
+            Keep::Outside => {
+                let (distance_m, w) = nearest((0.0, 0.0), from, to);
+                (distance_m - self.radius_m, w)
+            }
+            Keep::Inside => {
+                let (a, b) = (from.0.hypot(from.1), to.0.hypot(to.1));
+                let (distance_m, w) = if a >= b { (a, 0.0) } else { (b, 1.0) };
+                (self.radius_m - distance_m, w)
+            }
+        }
+    }
+}
+
+impl Outline {
+    pub(crate) fn new(corners: Vec<LatLon>) -> Self {
+        Self { corners }
+    }
+
+    /// At least so far is the stretch from the polygon, metres: a cheap bound by boxes.
+    pub(crate) fn bound_m(&self, stretch: &Stretch) -> f64 {
+        let (north, east) = metres_per_degree(stretch.from.lat_deg);
+        let gap = |of: fn(&LatLon) -> f64, low: f64, high: f64| {
+            let (least, most) = self
+                .corners
+                .iter()
+                .map(of)
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+                    (a.min(x), b.max(x))
+                });
+            (least - high).max(low - most).max(0.0)
+        };
+        let (a, b) = (stretch.from, stretch.to);
+        let lat = gap(
+            |p| p.lat_deg,
+            a.lat_deg.min(b.lat_deg),
+            a.lat_deg.max(b.lat_deg),
+        );
+        let lon = gap(
+            |p| p.lon_deg,
+            a.lon_deg.min(b.lon_deg),
+            a.lon_deg.max(b.lon_deg),
+        );
+        (lat * north).hypot(lon * east)
+    }
+
+    /// The least distance on the right side of the boundary, negative on the
+    /// wrong side, metres; and the fraction of the stretch where that is.
+    ///
+    /// The sign is exact; how deep a stretch is on the wrong side is sampled.
+    pub(crate) fn margin_m(&self, stretch: &Stretch, keep: Keep) -> (f64, f64) {
+        const SAMPLES: u32 = 8;
+        let view = View::new(self, stretch);
+        let mut worst = (f64::INFINITY, 0.0);
+        for pair in view.crossings().windows(2) {
+            let (w0, w1) = (pair[0], pair[1]);
+            let inside = view.contains(view.at(0.5 * (w0 + w1)));
+            if inside == (keep == Keep::Inside) {
+                continue;
+            }
+            for sample in 0..=SAMPLES {
+                let w = w0 + (w1 - w0) * f64::from(sample) / f64::from(SAMPLES);
+                let deep_m = view.boundary_m(view.at(w));
+                if -deep_m < worst.0 {
+                    worst = (-deep_m, w);
+                }
+            }
+        }
+        if worst.0.is_finite() {
+            return worst;
+        }
+        view.nearest_edge()
+    }
+}
+
+/// A polygon in metres around the start of a stretch, and the stretch itself.
+struct View {
+    corners: Vec<Flat>,
+    end: Flat,
+}
+
+impl View {
+    fn new(outline: &Outline, stretch: &Stretch) -> Self {
+        let middle_deg = 0.5 * (stretch.from.lat_deg + stretch.to.lat_deg);
+        let (north, east) = metres_per_degree(middle_deg);
+        let flat = |place: &LatLon| {
+            // The short way round the date line.
+            let away = (place.lon_deg - stretch.from.lon_deg + 540.0).rem_euclid(360.0) - 180.0;
+            (away * east, (place.lat_deg - stretch.from.lat_deg) * north)
+        };
+        Self {
+            corners: outline.corners.iter().map(flat).collect(),
+            end: flat(&stretch.to),
+        }
+    }
+
+    fn at(&self, w: f64) -> Flat {
+        (self.end.0 * w, self.end.1 * w)
+    }
+
+    fn edges(&self) -> impl Iterator<Item = (Flat, Flat)> + '_ {
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().copied().zip(next.copied())
+    }
+
+    /// 0, 1 and where the stretch crosses edges, in order.
+    fn crossings(&self) -> Vec<f64> {
+        let mut cuts = vec![0.0, 1.0];
+        for (a, b) in self.edges() {
+            let edge = (b.0 - a.0, b.1 - a.1);
+            let across = cross(self.end, edge);
+            // Parallel edges are crossed at their ends, by the edges beside them.
+            if across.abs() > 0.0 {
+                let w = cross(a, edge) / across;
+                let v = cross(a, self.end) / across;
+                if w > 0.0 && w < 1.0 && (0.0..=1.0).contains(&v) {
+                    cuts.push(w);
+                }
+            }
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup();
+        cuts
+    }
+
+    /// Even-odd rule.
+    fn contains(&self, at: Flat) -> bool {
+        self.edges().fold(false, |inside, (a, b)| {
+            let spans = (a.1 > at.1) != (b.1 > at.1);
+            let left = spans && at.0 < a.0 + (b.0 - a.0) * (at.1 - a.1) / (b.1 - a.1);
+            inside != left
+        })
+    }
+
+    fn boundary_m(&self, at: Flat) -> f64 {
+        self.edges()
+            .map(|(a, b)| nearest(at, a, b).0)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The least distance from the stretch to an edge: at an end of one of the two.
+    fn nearest_edge(&self) -> (f64, f64) {
+        let start = (0.0, 0.0);
+        let mut least = (f64::INFINITY, 0.0);
+        let mut offer = |distance_m: f64, w: f64| {
+            if distance_m < least.0 || distance_m.is_nan() {
+                least = (distance_m, w);
+            }
+        };
+        for (a, b) in self.edges() {
+            offer(nearest(start, a, b).0, 0.0);
+            offer(nearest(self.end, a, b).0, 1.0);
+            let (distance_m, w) = nearest(a, start, self.end);
+            offer(distance_m, w);
+        }
+        least
+    }
+}
+
+fn cross(a: Flat, b: Flat) -> f64 {
+    a.0 * b.1 - a.1 * b.0
+}
+
+/// Distance from a point to a segment, and the fraction of the segment where that is.
+fn nearest(point: Flat, from: Flat, to: Flat) -> (f64, f64) {
+    let along = (to.0 - from.0, to.1 - from.1);
+    let away = (point.0 - from.0, point.1 - from.1);
+    let square = along.0 * along.0 + along.1 * along.1;
+    let w = if square > 0.0 {
+        ((away.0 * along.0 + away.1 * along.1) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    let distance_m = (away.0 - along.0 * w).hypot(away.1 - along.1 * w);
+    (distance_m, w)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Keep, LatLon, Outline, Stretch};
+
+    fn place(lat_deg: f64, lon_deg: f64) -> LatLon {
+        LatLon { lat_deg, lon_deg }
+    }
+
+    /// A U open to the north, arms 0.01 degrees wide.
+    fn horseshoe() -> Outline {
+        Outline::new(vec![
+            place(36.00, -84.00),
+            place(36.00, -83.97),
+            place(36.03, -83.97),
+            place(36.03, -83.98),
+            place(36.01, -83.98),
+            place(36.01, -83.99),
+            place(36.03, -83.99),
+            place(36.03, -84.00),
+        ])
+    }
+
+    fn margin_m(from: LatLon, to: LatLon, keep: Keep) -> (f64, f64) {
+        let stretch = Stretch {
+            u: (0.0, 1.0),
+            from,
+            to,
+        };
+        horseshoe().margin_m(&stretch, keep)
+    }
+
+    #[test]
+    fn a_stretch_between_the_arms_is_outside_and_one_across_them_is_not() {
+        // The middle of the gap: half of 0.01 degrees of longitude at 36.02 N, 450.8 m (WGS84).
+        let (inside_m, _) = margin_m(place(36.025, -83.985), place(36.02, -83.985), Keep::Outside);
+        assert!((inside_m - 450.8).abs() < 0.5, "{inside_m}");
+        let across = (place(36.02, -84.005), place(36.02, -83.965));
+        assert!(margin_m(across.0, across.1, Keep::Outside).0 < -440.0);
+        assert!(margin_m(across.0, across.1, Keep::Inside).0 < -440.0);
+        // Cutting a corner by a metre is seen, although both ends are outside.
+        let (cut_m, w) = margin_m(
+            place(35.99999, -83.9701),
+            place(36.0001, -83.96999),
+            Keep::Outside,
+        );
+        assert!(cut_m < 0.0 && w > 0.0 && w < 1.0, "{cut_m} at {w}");
+    }
+
+    #[test]
+    fn a_stretch_along_the_base_is_inside_by_its_distance_to_the_edge() {
+        let (margin_m, _) = margin_m(place(36.005, -83.99), place(36.004, -83.98), Keep::Inside);
+        // 0.004 degrees of latitude: 443.9 m (WGS84).
+        assert!((margin_m - 443.9).abs() < 0.2, "{margin_m}");
+    }
+}

@@ -1,0 +1,176 @@
+//! Straight motions at constant velocity: what every limit is judged on.
+
+use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
+
+use crate::verify::Moment;
+
+/// Part of the flight; the angles of climb and descent hold on the route alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    /// From the ground to the start of the planned path.
+    Join,
+    /// From start to goal.
+    Route,
+    /// From the goal to the ground.
+    Finish,
+}
+
+/// A straight motion at constant velocity from one point to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Chord {
+    /// Row of the item the vehicle flies to.
+    pub(crate) row: usize,
+    pub(crate) phase: Phase,
+    /// Seconds after T0 at the ends; the end is infinite for a stay.
+    pub(crate) from_s: f64,
+    pub(crate) to_s: f64,
+    pub(crate) from: PlanPoint,
+    pub(crate) to: PlanPoint,
+    /// The vehicle is never further than this from where the chord has it at the same time, metres.
+    pub(crate) error_m: f64,
+    /// The path is never further than this beside the line of the chord, metres; 0 unless it is curved.
+    pub(crate) bow_m: f64,
+    /// Height above ground at both ends where the vehicle follows the terrain, metres.
+    pub(crate) agl_m: Option<(f64, f64)>,
+    /// Altitude of the ground from which this chord climbs out, or to which it glides, if it
+    /// does, metres: height above ground is judged against that on the way.
+    pub(crate) slope_from_m: Option<f64>,
+    /// Whether the vehicle is on the ground at the lower end.
+    pub(crate) grounded: bool,
+    /// Where a real vehicle may be further from it than `error_m`, by so much, metres: for the
+    /// separation, what is nearer to the ground is judged by unflown chords.
+    pub(crate) wide_m: f64,
+    /// By how much the vehicle may be late here, for the stops behind it, seconds.
+    pub(crate) late_s: f64,
+    /// Whether it is flown: the ends of a leg beside a fillet are judged in space, not in time.
+    pub(crate) flown: bool,
+}
+
+impl Chord {
+    /// A straight line that is judged in space, not in time.
+    pub(crate) fn unflown(
+        (row, phase): (usize, Phase),
+        (from_s, to_s): (f64, f64),
+        (from, to): (PlanPoint, PlanPoint),
+    ) -> Self {
+        Self {
+            row,
+            phase,
+            from_s,
+            to_s,
+            from,
+            to,
+            error_m: 0.0,
+            bow_m: 0.0,
+            agl_m: None,
+            slope_from_m: None,
+            grounded: false,
+            wide_m: 0.0,
+            late_s: 0.0,
+            flown: false,
+        }
+    }
+
+    /// The point at a fraction of the chord.
+    pub(crate) fn at(&self, u: f64) -> PlanPoint {
+        let mix = |a: f64, b: f64| a + (b - a) * u;
+        PlanPoint::new(
+            mix(self.from.at.east_m, self.to.at.east_m),
+            mix(self.from.at.north_m, self.to.at.north_m),
+            Amsl(mix(self.from.amsl.0, self.to.amsl.0)),
+        )
+    }
+
+    /// The time at a fraction of the chord, seconds.
+    pub(crate) fn time_s(&self, u: f64) -> f64 {
+        if u > 0.0 {
+            self.from_s + (self.to_s - self.from_s) * u
+        } else {
+            self.from_s
+        }
+    }
+
+    /// The moment at a fraction of the chord.
+    pub(crate) fn moment(&self, frame: &LocalFrame, u: f64) -> Moment {
+        let point = self.at(u);
+        Moment {
+            place: frame.from_plan(point.at),
+            amsl: point.amsl,
+            t_s: self.time_s(u),
+            item: self.row,
+        }
+    }
+}
+
+/// A stretch is this near to the line of its chord, metres.
+pub(crate) const DEVIATION_M: f64 = 1e-3;
+
+/// A stretch of a chord that is straight in latitude and longitude to a millimetre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    /// Fractions of the chord at the ends.
+    pub(crate) u: (f64, f64),
+    pub(crate) from: LatLon,
+    pub(crate) to: LatLon,
+}
+
+impl Stretch {
+    /// The place at a fraction of the stretch.
+    pub(crate) fn place(&self, w: f64) -> LatLon {
+        LatLon {
+            lat_deg: self.from.lat_deg + (self.to.lat_deg - self.from.lat_deg) * w,
+            lon_deg: self.from.lon_deg + (self.to.lon_deg - self.from.lon_deg) * w,
+        }
+    }
+
+    /// The fraction of the chord at a fraction of the stretch.
+    pub(crate) fn along(&self, w: f64) -> f64 {
+        self.u.0 + (self.u.1 - self.u.0) * w
+    }
+}
+
+/// Splits the straight line from one point of the plane, whose place is known, to
+/// another into stretches.
+///
+/// A straight line of the plane leaves the straight line between the latitudes
+/// and longitudes of its ends by at most `L^2 (2 tan(lat) + L0 / R) / (8 R)`,
+/// `L0` the distance from the origin.
+pub(crate) fn stretches(
+    frame: &LocalFrame,
+    (from, first): (EastNorth, LatLon),
+    to: EastNorth,
+) -> Vec<Stretch> {
+    const EARTH_RADIUS_M: f64 = 6_371_000.0;
+    let length_m = from.distance_m(to);
+    if length_m <= 0.0 {
+        return vec![Stretch {
+            u: (0.0, 1.0),
+            from: first,
+            to: first,
+        }];
+    }
+    let tan_lat = first.lat_deg.abs().min(89.0).to_radians().tan();
+    let bend = (2.0 * tan_lat + 0.1) / (8.0 * EARTH_RADIUS_M * DEVIATION_M);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a small positive count"
+    )]
+    let count = (length_m * bend.sqrt()).ceil().clamp(1.0, 1e5) as u32;
+    let mut found = Vec::new();
+    let mut last = (0.0, first);
+    for index in 1..=count {
+        let u = f64::from(index) / f64::from(count);
+        let place = frame.from_plan(EastNorth {
+            east_m: from.east_m + (to.east_m - from.east_m) * u,
+            north_m: from.north_m + (to.north_m - from.north_m) * u,
+        });
+        found.push(Stretch {
+            u: (last.0, u),
+            from: last.1,
+            to: place,
+        });
+        last = (u, place);
+    }
+    found
+}

@@ -1,0 +1,233 @@
+//! The chords of one vehicle in time, and the nearest that two vehicles come.
+
+use nalgebra::Vector3;
+
+use crate::numeric::approach::{
+    Approach, Motion, closest_approach, closest_horizontal, least_ratio,
+};
+use crate::path::with_stops_s;
+use crate::spec::{Span, Vehicle};
+
+use super::segment::Chord;
+
+/// A box in space and time around some chords.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) from_s: f64,
+    pub(crate) to_s: f64,
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    error_m: f64,
+    pub(crate) late_s: f64,
+}
+
+/// The chords of one vehicle and a binary tree of boxes around them.
+#[derive(Clone, Debug)]
+pub(crate) struct Timeline<'a> {
+    pub(crate) vehicle: &'a Vehicle,
+    pub(crate) chords: Vec<&'a Chord>,
+    /// Heap order: the children of `n` are `2 n + 1` and `2 n + 2`.
+    bounds: Vec<Option<Bounds>>,
+}
+
+/// What is measured between two vehicles, metres.
+#[derive(Clone, Copy)]
+pub(crate) enum Distance {
+    /// In three dimensions.
+    Space,
+    /// Horizontally, where the vertical distance is below this.
+    Horizontal(f64),
+    /// Vertically.
+    Vertical,
+}
+
+/// A distance, and by how much the second of two vehicles may be shifted against the first.
+#[derive(Clone, Copy)]
+pub(crate) struct Metric {
+    pub(crate) distance: Distance,
+    pub(crate) shift_s: Span,
+}
+
+/// The nearest that two vehicles come: chord indices, times, distance less the errors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearest {
+    pub(crate) distance_m: f64,
+    pub(crate) chords: (usize, usize),
+    pub(crate) times_s: (f64, f64),
+}
+
+impl<'a> Timeline<'a> {
+    pub(crate) fn new(vehicle: &'a Vehicle, chords: &'a [Chord]) -> Self {
+        let chords: Vec<&Chord> = chords.iter().filter(|chord| chord.flown).collect();
+        let leaves = chords.len().next_power_of_two();
+        let mut bounds: Vec<Option<Bounds>> = vec![None; leaves - 1];
+        bounds.extend(chords.iter().map(|chord| Some(Bounds::of(chord))));
+        bounds.resize(2 * leaves - 1, None);
+        for node in (0..leaves - 1).rev() {
+            bounds[node] = match (bounds[2 * node + 1], bounds[2 * node + 2]) {
+                (Some(a), Some(b)) => Some(a.around(&b)),
+                (one, other) => one.or(other),
+            };
+        }
+        Self {
+            vehicle,
+            chords,
+            bounds,
+        }
+    }
+
+    fn leaf(&self, node: usize) -> Option<usize> {
+        let first = self.bounds.len() / 2;
+        node.checked_sub(first)
+    }
+
+    /// The whole time in the air.
+    pub(crate) fn span(&self) -> Option<Bounds> {
+        self.bounds.first().copied().flatten()
+    }
+}
+
+impl Bounds {
+    fn of(chord: &Chord) -> Self {
+        let (from, to) = (position(chord, 0.0), position(chord, 1.0));
+        Self {
+            from_s: chord.from_s,
+            to_s: chord.to_s,
+            low: from.inf(&to),
+            high: from.sup(&to),
+            error_m: chord.error_m + chord.wide_m,
+            late_s: chord.late_s,
+        }
+    }
+
+    fn around(&self, other: &Self) -> Self {
+        Self {
+            from_s: self.from_s.min(other.from_s),
+            to_s: self.to_s.max(other.to_s),
+            low: self.low.inf(&other.low),
+            high: self.high.sup(&other.high),
+            error_m: self.error_m.max(other.error_m),
+            late_s: self.late_s.max(other.late_s),
+        }
+    }
+
+    /// At least so far apart is anything in the two boxes; infinite if never at the same time.
+    fn apart_m(&self, other: &Self, metric: &Metric) -> f64 {
+        let shift_s = with_stops_s(metric.shift_s, self.late_s, other.late_s);
+        let is_later = other.from_s - self.to_s > shift_s.most;
+        let is_earlier = self.from_s - other.to_s > -shift_s.least;
+        if is_later || is_earlier {
+            return f64::INFINITY;
+        }
+        let gap = (self.low - other.high)
+            .sup(&(other.low - self.high))
+            .sup(&Vector3::zeros());
+        let error_m = self.error_m + other.error_m;
+        let apart_m = match metric.distance {
+            Distance::Space => gap.norm(),
+            Distance::Horizontal(level_m) if gap.z > level_m + error_m => f64::INFINITY,
+            Distance::Horizontal(_) => gap.xy().norm(),
+            Distance::Vertical => gap.z,
+        };
+        apart_m - error_m
+    }
+}
+
+impl Metric {
+    /// The closest approach of two chords, less what the chords may be off.
+    fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
+        let error_m = a.error_m + a.wide_m + b.error_m + b.wide_m;
+        let shift_s = with_stops_s(self.shift_s, a.late_s, b.late_s);
+        let (middle_s, slack_s) = (
+            0.5 * (shift_s.least + shift_s.most),
+            0.5 * (shift_s.most - shift_s.least),
+        );
+        let (p, q) = (motion(a), moved(motion(b), -middle_s));
+        let found = match self.distance {
+            Distance::Space => closest_approach(&p, &q, slack_s),
+            Distance::Horizontal(level_m) => closest_horizontal(&p, &q, slack_s, level_m + error_m),
+            // Beside an endless horizontal limit only the vertical distance counts, here in metres.
+            Distance::Vertical => least_ratio(&p, &q, slack_s, f64::INFINITY, 1.0),
+        }?;
+        let less_m = found.value - error_m;
+        Some(Approach {
+            // Not `max`, which would take a NaN for 0.
+            value: if less_m < 0.0 { 0.0 } else { less_m },
+            u_s: found.u_s + middle_s,
+            ..found
+        })
+    }
+}
+
+fn position(chord: &Chord, u: f64) -> Vector3<f64> {
+    let point = chord.at(u);
+    Vector3::new(point.at.east_m, point.at.north_m, point.amsl.0)
+}
+
+pub(crate) fn motion(chord: &Chord) -> Motion {
+    let end = |t_s, u| (t_s, position(chord, u).into());
+    Motion::between(end(chord.from_s, 0.0), end(chord.to_s, 1.0))
+}
+
+/// The same motion at another time.
+fn moved(motion: Motion, by_s: f64) -> Motion {
+    Motion {
+        t0_s: motion.t0_s + by_s,
+        t1_s: motion.t1_s + by_s,
+        ..motion
+    }
+}
+
+/// The nearest that two vehicles come, if nearer than `below_m`: a walk down both
+/// trees at once, nearer pairs of boxes first.
+pub(crate) fn nearest(
+    a: &Timeline<'_>,
+    b: &Timeline<'_>,
+    metric: &Metric,
+    below_m: f64,
+) -> Option<Nearest> {
+    let mut best: Option<Nearest> = None;
+    let mut limit_m = below_m;
+    let apart = |x: usize, y: usize| match (a.bounds.get(x), b.bounds.get(y)) {
+        (Some(Some(p)), Some(Some(q))) => p.apart_m(q, metric),
+        _ => f64::INFINITY,
+    };
+    let mut open = vec![(apart(0, 0), 0, 0)];
+    while let Some((apart_m, x, y)) = open.pop() {
+        if apart_m >= limit_m {
+            continue;
+        }
+        if let (Some(i), Some(j)) = (a.leaf(x), b.leaf(y)) {
+            let Some(found) = metric.measure(a.chords[i], b.chords[j]) else {
+                continue;
+            };
+            if found.value < limit_m {
+                limit_m = found.value;
+                best = Some(Nearest {
+                    distance_m: found.value,
+                    chords: (i, j),
+                    times_s: (found.t_s, found.u_s),
+                });
+            }
+            continue;
+        }
+        // The box that lasts longer is opened.
+        let lasts = |bounds: Option<&Option<Bounds>>| match bounds {
+            Some(Some(bounds)) => bounds.to_s - bounds.from_s,
+            _ => 0.0,
+        };
+        let opens_a = b.leaf(y).is_some()
+            || (a.leaf(x).is_none() && lasts(a.bounds.get(x)) >= lasts(b.bounds.get(y)));
+        let pairs = if opens_a {
+            [(2 * x + 1, y), (2 * x + 2, y)]
+        } else {
+            [(x, 2 * y + 1), (x, 2 * y + 2)]
+        };
+        let mut children = pairs.map(|(x, y)| (apart(x, y), x, y));
+        if children[0].0 < children[1].0 {
+            children.swap(0, 1);
+        }
+        open.extend(children.iter().filter(|child| child.0 < limit_m));
+    }
+    best
+}

@@ -1,0 +1,118 @@
+//! The worst of many values against one limit.
+
+use crate::verify::{Margin, Moment, Sense};
+
+/// A limit is kept when it is missed by no more than this: the noise of float32
+/// altitudes (half a millimetre at 8 km), in the unit of the limit.
+const ROUNDING: f64 = 1e-3;
+
+/// Keeps the value with the least room to its limit. NaN is worse than anything.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Worst {
+    /// What is left to the limit; negative when it is violated.
+    room: f64,
+    value: f64,
+    limit: f64,
+    sense: Sense,
+    at: Option<Moment>,
+    note: String,
+}
+
+impl Default for Worst {
+    fn default() -> Self {
+        Self {
+            room: f64::INFINITY,
+            value: f64::INFINITY,
+            limit: 0.0,
+            sense: Sense::AtLeast,
+            at: None,
+            note: String::new(),
+        }
+    }
+}
+
+impl Worst {
+    /// What is left to the limit so far.
+    pub(crate) fn room(&self) -> f64 {
+        self.room
+    }
+
+    /// Takes a value that must be at least `limit`, if it is the worst.
+    pub(crate) fn at_least(&mut self, value: f64, limit: f64, at: impl FnOnce() -> Moment) {
+        self.offer(value - limit, value, limit, at);
+    }
+
+    /// Takes a value that must be at most `limit`, if it is the worst.
+    pub(crate) fn at_most(&mut self, value: f64, limit: f64, at: impl FnOnce() -> Moment) {
+        self.sense = Sense::AtMost;
+        self.offer(limit - value, value, limit, at);
+    }
+
+    /// Takes a place where the value cannot be known, and why.
+    pub(crate) fn unknown(&mut self, limit: f64, note: String, at: Moment) {
+        if !self.room.is_nan() {
+            self.note = note;
+        }
+        self.offer(f64::NAN, f64::NAN, limit, || at);
+    }
+
+    fn offer(&mut self, room: f64, value: f64, limit: f64, at: impl FnOnce() -> Moment) {
+        // The first NaN stays.
+        if !self.room.is_nan() && (room < self.room || room.is_nan()) {
+            self.room = room;
+            self.value = value;
+            self.limit = limit;
+            self.at = Some(at());
+        }
+    }
+
+    /// The margin, if there was anything to judge.
+    pub(crate) fn margin(
+        self,
+        vehicle: &str,
+        what: impl Into<String>,
+        unit: &'static str,
+    ) -> Option<Margin> {
+        self.at?;
+        Some(Margin {
+            vehicle: vehicle.to_owned(),
+            other: None,
+            what: what.into(),
+            value: self.value,
+            limit: self.limit,
+            sense: self.sense,
+            unit,
+            at: self.at,
+            shift: None,
+            ok: self.room >= -ROUNDING,
+            note: self.note,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Worst;
+    use crate::geodesy::{Amsl, LatLon};
+    use crate::verify::Moment;
+
+    #[test]
+    fn a_value_that_is_not_a_number_is_the_worst_and_fails() {
+        let at = |item| Moment {
+            place: LatLon {
+                lat_deg: 0.0,
+                lon_deg: 0.0,
+            },
+            amsl: Amsl(0.0),
+            t_s: 0.0,
+            item,
+        };
+        let mut worst = Worst::default();
+        worst.at_least(5.0, 1.0, || at(1));
+        worst.at_least(f64::NAN, 1.0, || at(2));
+        worst.at_least(-5.0, 1.0, || at(3));
+        let margin = worst.margin("alpha", "clearance", "m").expect("was judged");
+        assert!(!margin.ok && margin.value.is_nan());
+        assert_eq!(margin.at.map(|at| at.item), Some(2));
+    }
+}
