@@ -110,7 +110,7 @@ fn a_crowd_planned_at_once_is_the_one_planned_one_at_a_time() {
     let hurried = crowd();
     let mut patient = crowd();
     for vehicle in patient.vehicles.iter_mut().skip(1).step_by(2) {
-        vehicle.leeway.depart_s = Some(Span {
+        vehicle.retiming.depart_s = Some(Span {
             least: vehicle.depart_s,
             most: vehicle.depart_s + 40.0,
         });

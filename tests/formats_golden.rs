@@ -77,7 +77,7 @@ fn example(autopilot: Autopilot) -> VehicleMission {
         ],
         rally: vec![rally(362_600_000, -843_000_000, 81.0)],
         params: Vec::new(),
-        fence_told: true,
+        is_fence_known: true,
         notes: Vec::new(),
     }
 }

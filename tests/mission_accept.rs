@@ -39,7 +39,7 @@ fn good(autopilot: Autopilot) -> VehicleMission {
         fence: Vec::new(),
         rally: Vec::new(),
         params: Vec::new(),
-        fence_told: true,
+        is_fence_known: true,
         notes: Vec::new(),
     }
 }

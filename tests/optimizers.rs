@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use sortie::numeric::Seed;
 use sortie::optimize::{
-    AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, LiteralParameters,
-    MfoaParameters, MsfoaParameters, Outcome, Problem, PsoParameters, Start, Starts, minimise,
+    AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, MfoaParameters,
+    MsfoaParameters, Outcome, Problem, PsoParameters, PublishedParameters, Start, Starts, minimise,
 };
 
 #[derive(Clone, Copy)]
@@ -83,8 +83,8 @@ fn default_parameters() -> Algorithm {
 fn three_msfoa() -> [Algorithm; 3] {
     [
         default_parameters(),
-        Algorithm::MsfoaLiteral(LiteralParameters::literal()),
-        Algorithm::MsfoaLiteral(LiteralParameters::dwindle()),
+        Algorithm::MsfoaLiteral(PublishedParameters::literal()),
+        Algorithm::MsfoaLiteral(PublishedParameters::dwindle()),
     ]
 }
 
@@ -100,9 +100,9 @@ fn rivals() -> [Algorithm; 6] {
 }
 
 fn all_algorithms() -> Vec<Algorithm> {
-    let without_offspring = Algorithm::MsfoaLiteral(LiteralParameters {
+    let without_offspring = Algorithm::MsfoaLiteral(PublishedParameters {
         offspring: false,
-        ..LiteralParameters::literal()
+        ..PublishedParameters::literal()
     });
     let reciprocal = Algorithm::Foa(FoaParameters {
         reciprocal: true,
@@ -431,9 +431,9 @@ fn the_rivals_approach_the_bottom_as_far_as_their_steps_allow() {
 
 #[test]
 fn an_iteration_of_msfoa_costs_two_evaluations_a_fly_or_one_without_offspring() {
-    let printed = LiteralParameters::literal();
+    let printed = PublishedParameters::literal();
     assert_eq!(printed.evaluations(200), 5 + 200 * 200);
-    let barren = LiteralParameters {
+    let barren = PublishedParameters {
         offspring: false,
         ..printed
     };

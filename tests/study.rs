@@ -24,7 +24,7 @@ fn config() -> Config {
         seed: 1,
         ablations: true,
         readings: true,
-        printed_objective: false,
+        published_objective: false,
         control_points: None,
         maps: vec![MapText {
             file: "s1.yaml".to_owned(),
@@ -338,7 +338,7 @@ fn published() -> Config {
         seed: 1,
         ablations: words.contains(&"--ablations"),
         readings: words.contains(&"--readings"),
-        printed_objective: false,
+        published_objective: false,
         control_points: None,
         maps: study::shipped_maps()
             .map(|(file, text)| MapText {

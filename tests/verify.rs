@@ -639,7 +639,7 @@ fn a_fence_that_lost_a_part_fails_where_the_file_could_hold_it() {
     assert!(missing(smaller).ends_with(": threat radar-1"));
     let told_nothing = VehicleMission {
         fence: Vec::new(),
-        fence_told: false,
+        is_fence_known: false,
         ..whole.clone()
     };
     assert!(judge(&spec, &[&told_nothing]).passes());

@@ -22,7 +22,7 @@ use crate::link::Links;
 use crate::mission::{VehicleMission, command, cruise_speed_mps};
 use crate::simulator;
 use crate::simulator::{Running, Simulated, Surroundings};
-use crate::spec::{Leeway, Link, MissionSpec, SpecFile};
+use crate::spec::{Link, MissionSpec, Retiming, SpecFile};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
 
@@ -128,15 +128,16 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
 fn settle(spec: &mut MissionSpec, missions: &[(usize, VehicleMission)], review: &Review) {
     for ((index, mission), track) in missions.iter().zip(&review.tracks) {
         let vehicle = &mut spec.vehicles[*index];
-        if let (Some(_), Some(first)) = (vehicle.leeway.depart_s, track.moments.first()) {
+        if let (Some(_), Some(first)) = (vehicle.retiming.depart_s, track.moments.first()) {
             vehicle.depart_s = first.t_s;
         }
-        if let (Some(span), Some(speed_mps)) = (vehicle.leeway.speed_mps, cruise_speed_mps(mission))
+        if let (Some(span), Some(speed_mps)) =
+            (vehicle.retiming.speed_mps, cruise_speed_mps(mission))
         {
             // What lies outside is found when the parameters are compared.
             vehicle.speed_mps = speed_mps.clamp(span.least, span.most);
         }
-        vehicle.leeway = Leeway::default();
+        vehicle.retiming = Retiming::default();
     }
 }
 

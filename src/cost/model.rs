@@ -54,7 +54,7 @@ pub struct CostModel {
     pub(super) min_agl_m: f64,
     pub(super) max_amsl_m: f64,
     /// Height above ground wanted at each fine sample, metres.
-    pub(super) wanted_agl_m: Vec<f64>,
+    pub(super) floor_agl_m: Vec<f64>,
     /// 1 / max(h_min, 10 m).
     pub(super) per_depth: f64,
     pub(super) straight_km: f64,
@@ -86,7 +86,7 @@ impl CostModel {
         let straight_m = leg.from.distance_m(leg.to);
         let path = Sampling::new(spec, parameters, straight_m, world.ground.spacing_m);
         let relief = Relief::new(&world.ground, world.max_amsl.0 + WALL_OVER_CEILING_M);
-        let wanted_agl_m = wanted_agl_m(world, &relief, &leg, &margins, path.fine.samples());
+        let floor_agl_m = floor_agl_m(world, &relief, &leg, &margins, path.fine.samples());
         Self {
             objective: spec.planner.objective,
             weights: spec.planner.weights,
@@ -100,7 +100,7 @@ impl CostModel {
             limits,
             min_agl_m: world.min_agl.0,
             max_amsl_m: world.max_amsl.0,
-            wanted_agl_m,
+            floor_agl_m,
             per_depth: 1.0 / world.min_agl.0.max(10.0),
             straight_km: (straight_m / 1000.0).max(0.1),
             path,
@@ -144,7 +144,7 @@ impl CostModel {
     #[must_use]
     pub fn with_one_reading(mut self) -> Self {
         let substeps = self.path.substeps;
-        self.wanted_agl_m = self.wanted_agl_m.into_iter().step_by(substeps).collect();
+        self.floor_agl_m = self.floor_agl_m.into_iter().step_by(substeps).collect();
         self.path.fine = self.path.fine.every(substeps);
         self.path.rows = self.path.rows.into_iter().step_by(substeps).collect();
         self.path.substeps = 1;
@@ -275,7 +275,7 @@ impl CostModel {
 /// Height above ground wanted at each fine sample: the limit and its margin,
 /// which grows from what the ends keep to the full over the first and last
 /// twentieth of the parameter.
-fn wanted_agl_m(
+fn floor_agl_m(
     world: &World,
     relief: &Relief,
     leg: &Leg,

@@ -75,9 +75,9 @@ impl Step {
 impl CostModel {
     /// Clearance at an altitude over ground, where so much height is wanted.
     #[inline]
-    pub(super) fn clearance(&self, amsl_m: f64, ground_m: f64, wanted_agl_m: f64) -> Clearance {
+    pub(super) fn clearance(&self, amsl_m: f64, ground_m: f64, floor_agl_m: f64) -> Clearance {
         let agl_m = amsl_m - ground_m;
-        let below_m = (wanted_agl_m - agl_m).max(0.0);
+        let below_m = (floor_agl_m - agl_m).max(0.0);
         let above_m = (amsl_m - self.max_amsl_m).max(0.0);
         Clearance {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * 1e-3,

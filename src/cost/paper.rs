@@ -223,7 +223,7 @@ impl Paper {
     /// Height above ground from which Eq. 23 counts at a sample, metres.
     pub(super) fn wanted_m(&self, model: &CostModel, index: usize) -> f64 {
         if self.options.terrain_from_min_agl {
-            model.wanted_agl_m[index]
+            model.floor_agl_m[index]
         } else {
             0.0
         }

@@ -83,7 +83,7 @@ fn ground(model: &CostModel, curve: &Curve, steps: &[Step]) -> (f64, f64) {
                 .relief
                 .height_m(curve.east_m[index], curve.north_m[index]);
             let clearance =
-                model.clearance(curve.amsl_m[index], ground_m, model.wanted_agl_m[index]);
+                model.clearance(curve.amsl_m[index], ground_m, model.floor_agl_m[index]);
             high += share * clearance.altitude_km;
             deficit += share * clearance.deficit;
         }

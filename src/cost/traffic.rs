@@ -208,8 +208,8 @@ impl Traffic {
     /// The severity of one other motion; nothing, where it is surely below `worst`.
     fn severity_of(&self, own: &Motion, ball: &Ball, other: usize, worst: f64) -> Severity {
         /// More than rounding may take from a ratio.
-        const HAIR: f64 = 1e-9;
-        let most = (1.0 - worst + HAIR).min(1.0);
+        const TOLERANCE: f64 = 1e-9;
+        let most = (1.0 - worst + TOLERANCE).min(1.0);
         if ball.is_apart(&self.balls[other], most * self.reach_m) {
             return Severity::default();
         }

@@ -68,7 +68,7 @@ impl Strictness {
             let Some(vehicle) = index(&margin.vehicle).max(other) else {
                 continue;
             };
-            let waits = spec.vehicles[vehicle].leeway.depart_s.is_some();
+            let waits = spec.vehicles[vehicle].retiming.depart_s.is_some();
             if mends(plan, vehicle, margin, waits) && self.answer(vehicle, margin, spec) {
                 self.parameters[vehicle].extend(parameter_at(plan, vehicle, margin, world));
                 again.insert(vehicle);

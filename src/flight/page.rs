@@ -1,6 +1,6 @@
 //! The page of a flight: what was flown over what was planned.
 
-use super::conformance::Trail;
+use super::conformance::FlownTrack;
 use super::conformance::report::FlightReport;
 use super::record::{Flight, Record};
 use crate::mission::VehicleMission;
@@ -72,11 +72,11 @@ fn facts(flight: &Flight, spec: &MissionSpec, world: &World) -> FlownFacts {
         let waypoints = plan.reference.waypoints.iter();
         waypoints.map(|waypoint| waypoint.point).collect()
     });
-    let trail = Trail::new(flight, spec, world);
-    let errors = trail
+    let track = FlownTrack::new(flight, spec, world);
+    let errors = track
         .deviations()
         .map(|(index, of)| FlownError {
-            t_s: trail.fixes()[index].t_s,
+            t_s: track.fixes()[index].t_s,
             cross_track_m: of.cross_track_m,
             above_m: of.above_m,
         })

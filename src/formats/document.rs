@@ -19,7 +19,7 @@ pub struct Document {
     /// Fence items.
     pub fence: Vec<Item>,
     /// Whether the format can hold a fence, so that none means none.
-    pub fence_told: bool,
+    pub is_fence_known: bool,
     /// Rally items.
     pub rally: Vec<Item>,
     /// For which autopilot, if the file says so.
@@ -107,7 +107,7 @@ impl Document {
             home,
             items,
             fence: self.fence,
-            fence_told: self.fence_told,
+            is_fence_known: self.is_fence_known,
             rally: self.rally,
             params: Vec::new(),
             notes,

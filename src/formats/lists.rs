@@ -62,7 +62,7 @@ pub fn read_fence(text: &str) -> Result<Document, FormatError> {
     );
     Ok(Document {
         fence,
-        fence_told: true,
+        is_fence_known: true,
         repairs: overlooked.repairs,
         ..Document::default()
     })

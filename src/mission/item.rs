@@ -135,7 +135,7 @@ pub struct VehicleMission {
     pub fence: Vec<Item>,
     /// Whether an empty fence means that there is none: false where the mission
     /// comes from a file that cannot hold one.
-    pub fence_told: bool,
+    pub is_fence_known: bool,
     /// Rally items (`MAV_MISSION_TYPE_RALLY`).
     pub rally: Vec<Item>,
     /// Parameters the verdict assumes.

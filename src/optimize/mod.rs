@@ -21,7 +21,7 @@ pub use foa::FoaParameters;
 pub use iffo::IffoParameters;
 pub use mfoa::MfoaParameters;
 pub use msfoa::{LEAST_EASED, MsfoaParameters, Start};
-pub use msfoa_published::{LiteralParameters, Parents, Step};
+pub use msfoa_published::{Parents, PublishedParameters, Step};
 pub use pso::PsoParameters;
 
 use rand_chacha::ChaCha8Rng;
@@ -69,7 +69,7 @@ pub enum Algorithm {
     /// Sub-swarms in given starts, adapted steps, racing: the default.
     Msfoa(MsfoaParameters),
     /// Algorithm 2 of the paper, with a constant or a shrinking local step.
-    MsfoaLiteral(LiteralParameters),
+    MsfoaLiteral(PublishedParameters),
     /// Fruit fly optimisation, one swarm.
     Foa(FoaParameters),
     /// Particle swarm optimisation.

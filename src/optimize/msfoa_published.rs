@@ -53,7 +53,7 @@ pub enum Parents {
 
 /// Parameters of Table 1, and those it lacks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LiteralParameters {
+pub struct PublishedParameters {
     /// Flies in all, M.
     pub population: usize,
     /// Swarms, G.
@@ -70,7 +70,7 @@ pub struct LiteralParameters {
     pub mapping: Mapping,
 }
 
-impl LiteralParameters {
+impl PublishedParameters {
     /// M = 100 and G = 5 of Table 1, threshold 1000, R = 0.1.
     #[must_use]
     pub fn literal() -> Self {
@@ -117,7 +117,7 @@ struct Swarm {
 /// Runs until the budget is spent; returns the swarms' locations.
 pub(super) fn search<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
-    parameters: &LiteralParameters,
+    parameters: &PublishedParameters,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Candidate> {
     let count = parameters.swarms.max(1);

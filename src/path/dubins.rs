@@ -203,9 +203,9 @@ fn acos(cosine: f64) -> Option<f64> {
 
 /// Within one circle; a hair less than a whole one is none.
 fn turn(angle_rad: f64) -> f64 {
-    const HAIR: f64 = 1e-9;
+    const TOLERANCE: f64 = 1e-9;
     let angle_rad = angle_rad.rem_euclid(TAU);
-    if angle_rad > TAU - HAIR {
+    if angle_rad > TAU - TOLERANCE {
         0.0
     } else {
         angle_rad

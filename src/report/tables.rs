@@ -174,7 +174,7 @@ fn autopilot(vehicle: &Vehicle, planned: Option<&VehiclePlan>) -> String {
         Airframe::Plane => "plane",
         Airframe::Vtol => "VTOL",
     };
-    let speed = match (planned, vehicle.leeway.speed_mps) {
+    let speed = match (planned, vehicle.retiming.speed_mps) {
         (Some(plan), _) => words::number(plan.speed_mps, 1),
         (None, None) => words::number(vehicle.speed_mps, 1),
         (None, Some(range)) => format!(

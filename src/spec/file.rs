@@ -5,10 +5,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::check;
-use super::positions::Places;
+use super::positions::Positions;
 use super::raw;
 use super::table::{Table, TableFile};
-use super::value_sources::{Whereabouts, in_order};
+use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::digits;
 
@@ -26,7 +26,7 @@ pub struct SpecFile {
     pub path: PathBuf,
     /// The table of vehicles that it names, if any.
     pub table: Option<TableFile>,
-    places: Whereabouts,
+    places: ValueSources,
 }
 
 impl SpecFile {
@@ -53,7 +53,7 @@ impl SpecFile {
         };
         // Editors on Windows begin a file with a byte order mark.
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let places = Places::read(yaml).map_err(one)?;
+        let places = Positions::read(yaml).map_err(one)?;
         if places.has("frame") {
             return Err(one(Issue {
                 path: "frame".to_owned(),
@@ -117,7 +117,11 @@ impl SpecFile {
 }
 
 /// The table beside a spec.
-fn read_table(spec: &Path, name: &str, places: &Places) -> Result<(TableFile, Table), Vec<Issue>> {
+fn read_table(
+    spec: &Path,
+    name: &str,
+    places: &Positions,
+) -> Result<(TableFile, Table), Vec<Issue>> {
     let issue = |found: String, allowed: &str| {
         vec![Issue {
             path: "fleet.csv".to_owned(),

@@ -1,6 +1,6 @@
 //! What tests of other folders begin with.
 
-use super::{Airframe, Autopilot, EndPoint, Finish, Leeway, Link, Placement, Vehicle};
+use super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Retiming, Vehicle};
 use crate::geodesy::{Agl, LatLon};
 
 /// A copter at 10 m/s with 2 m/s^2 that lands at its goal; all its places are one.
@@ -31,7 +31,7 @@ pub(crate) fn copter() -> Vehicle {
         descent_mps: 2.0,
         accel_mps2: 2.0,
         depart_s: 0.0,
-        leeway: Leeway::default(),
+        retiming: Retiming::default(),
         return_amsl: None,
         wing: None,
     }

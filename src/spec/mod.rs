@@ -24,6 +24,6 @@ pub use model::{
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
 pub use vehicle::{
-    Airframe, ApproachLengths, Autopilot, EndPoint, Finish, GRAVITY_MPS2, Landing, Leeway, Link,
-    Placement, Span, Vehicle, Wing, turn_radius_by_load_m,
+    Airframe, ApproachLengths, Autopilot, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement,
+    Retiming, Span, Vehicle, Wing, turn_radius_by_load_m,
 };

@@ -206,7 +206,7 @@ pub enum Part {
     Tightening,
     /// Starts that give way to earlier flights; without them ways are ranked by what they cost
     /// straight through these.
-    Swerves,
+    Detours,
     /// Swarms that race; without that all go on to the end.
     Racing,
     /// Swarms that exchange parts of their paths.
@@ -230,7 +230,7 @@ impl Part {
         ("one cost field", Self::Fields),
         ("no warps", Self::Warps),
         ("no tightening", Self::Tightening),
-        ("no swerves", Self::Swerves),
+        ("no swerves", Self::Detours),
         ("no racing", Self::Racing),
         ("no offspring", Self::Offspring),
         ("no restarts", Self::Restarts),

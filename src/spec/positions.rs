@@ -19,11 +19,11 @@ pub(super) type Position = (usize, usize);
 
 /// Line and column of every value, by its path (`vehicles[2].start.lat`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Places {
+pub(super) struct Positions {
     of: BTreeMap<String, Position>,
 }
 
-impl Places {
+impl Positions {
     /// Walks the whole text.
     ///
     /// # Errors
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn every_value_has_its_line_and_column() {
-        let places = Places::read(TEXT).expect("good YAML");
+        let places = Positions::read(TEXT).expect("good YAML");
         assert_eq!(places.find("name"), Some((1, 7)));
         assert_eq!(places.find("vehicles[0].start.lon"), Some((4, 26)));
         assert_eq!(places.find("vehicles[1].id"), Some((6, 9)));
@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn what_is_absent_stands_where_its_surroundings_stand() {
-        let places = Places::read(TEXT).expect("good YAML");
+        let places = Positions::read(TEXT).expect("good YAML");
         assert_eq!(
             places.find("vehicles[0].start.agl_m"),
             places.find("vehicles[0].start")
@@ -290,7 +290,7 @@ mod tests {
 
     #[test]
     fn a_key_given_twice_is_reported_where_it_stands_again() {
-        let issue = Places::read("a: 1\nb: {c: 1,\n    c: 2}\n").expect_err("c twice");
+        let issue = Positions::read("a: 1\nb: {c: 1,\n    c: 2}\n").expect_err("c twice");
         assert_eq!((issue.path.as_str(), issue.position), ("b.c", Some((3, 5))));
     }
 
@@ -301,13 +301,13 @@ mod tests {
             let list = vec![format!("*a{}", level - 1); 10].join(", ");
             text += &format!("a{level}: &a{level} [{list}]\n");
         }
-        let issue = Places::read(&text).expect_err("ten to the thirty values");
+        let issue = Positions::read(&text).expect_err("ten to the thirty values");
         assert_eq!(issue.found, "too large a file");
     }
 
     #[test]
     fn an_alias_of_itself_is_an_error() {
-        let issue = Places::read("a: &a [1, *a]\n").expect_err("endless");
+        let issue = Positions::read("a: &a [1, *a]\n").expect_err("endless");
         assert_eq!(
             (issue.path.as_str(), issue.position),
             ("a[1]", Some((1, 11)))
@@ -321,7 +321,7 @@ mod tests {
             "{a: ".repeat(200_000),
             "- ".repeat(200_000),
         ] {
-            let issue = Places::read(&text).expect_err("too deep");
+            let issue = Positions::read(&text).expect_err("too deep");
             // The scanner itself stops at deep brackets, the walk at deep blocks.
             let known = ["nested too deeply", "recursion limit exceeded"];
             assert!(known.contains(&issue.found.as_str()), "{issue:?}");

@@ -2,7 +2,7 @@
 //! its table, its grid or its defaults.
 
 use super::Issue;
-use super::positions::Places;
+use super::positions::Positions;
 use super::table::Table;
 
 /// Keys that are of one vehicle, though a part of them may be common to all.
@@ -10,8 +10,8 @@ const WHOLE: [&str; 5] = ["", "home", "start", "goal", "landing"];
 
 /// The places of a spec and of its table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Whereabouts {
-    places: Places,
+pub(super) struct ValueSources {
+    places: Positions,
     /// Number of vehicles that `vehicles` lists; those after them are made by `fleet`.
     listed: usize,
     made: Vec<Made>,
@@ -26,9 +26,9 @@ pub(super) struct Made {
     pub(super) row: Option<usize>,
 }
 
-impl Whereabouts {
+impl ValueSources {
     /// Of a spec in which so many vehicles are listed and these made.
-    pub(super) fn new(places: Places, listed: usize, made: Vec<Made>, table: Table) -> Self {
+    pub(super) fn new(places: Positions, listed: usize, made: Vec<Made>, table: Table) -> Self {
         Self {
             places,
             listed,

@@ -40,11 +40,11 @@ pub struct Vehicle {
     pub descent_mps: f64,
     /// Horizontal acceleration, m/s^2; likewise.
     pub accel_mps2: f64,
-    /// Takeoff starts this long after the fleet's T0, unless another time of its leeway is
+    /// Takeoff starts this long after the fleet's T0, unless another time of its retiming is
     /// better.
     pub depart_s: f64,
     /// What else the planner may choose.
-    pub leeway: Leeway,
+    pub retiming: Retiming,
     /// Only with it may NAV_RETURN_TO_LAUNCH be written.
     pub return_amsl: Option<Amsl>,
     /// What only planes and vtol have; none for a copter.
@@ -53,7 +53,7 @@ pub struct Vehicle {
 
 /// What the planner may choose so that a vehicle need not go around others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Leeway {
+pub struct Retiming {
     /// Departures, seconds after T0; none: `depart_s` alone.
     pub depart_s: Option<Span>,
     /// Speeds, m/s; none: `speed_mps` alone.
@@ -116,7 +116,7 @@ impl Vehicle {
     /// The departures that the spec allows, seconds after T0.
     #[must_use]
     pub fn departures(&self) -> Span {
-        self.leeway.depart_s.unwrap_or(Span {
+        self.retiming.depart_s.unwrap_or(Span {
             least: self.depart_s,
             most: self.depart_s,
         })
@@ -125,7 +125,7 @@ impl Vehicle {
     /// The speeds that the spec allows, m/s.
     #[must_use]
     pub fn speeds(&self) -> Span {
-        self.leeway.speed_mps.unwrap_or(Span {
+        self.retiming.speed_mps.unwrap_or(Span {
             least: self.speed_mps,
             most: self.speed_mps,
         })

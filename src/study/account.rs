@@ -66,7 +66,7 @@ fn command(config: &Config) -> String {
     for (name, is_set) in [
         ("ablations", config.ablations),
         ("readings", config.readings),
-        ("printed-objective", config.printed_objective),
+        ("published-objective", config.published_objective),
     ] {
         if is_set {
             let _ = write!(command, " --{name}");
@@ -113,7 +113,7 @@ fn head(text: &mut String, results: &Results<'_>) {
              with the first quarter of the seeds; it is no part of the paper."
         );
     }
-    if config.printed_objective {
+    if config.published_objective {
         let _ = writeln!(
             text,
             "- Searched is the objective as printed, gaps and all; \"finely\" and \"safe\" are of \

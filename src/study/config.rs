@@ -33,7 +33,7 @@ pub struct Config {
     pub readings: bool,
     /// Whether the objective is searched as printed, gaps and all. Judged is always the
     /// objective whose gaps are closed.
-    pub printed_objective: bool,
+    pub published_objective: bool,
     /// Free control points instead of the maps' own.
     pub control_points: Option<usize>,
     /// The maps.
@@ -134,7 +134,7 @@ impl Config {
     /// What is searched.
     #[must_use]
     pub fn objective(&self) -> PaperOptions {
-        if self.printed_objective {
+        if self.published_objective {
             PaperOptions::literal()
         } else {
             PaperOptions::default()
@@ -152,7 +152,7 @@ impl Config {
             all.extend(readings(self.population));
         }
         // The planner knows the closed objective alone.
-        all.retain(|of| of.role != Role::Own || !self.printed_objective);
+        all.retain(|of| of.role != Role::Own || !self.published_objective);
         all
     }
 

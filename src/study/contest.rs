@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::optimize::{
-    AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, LiteralParameters,
-    Mapping, MfoaParameters, Parents, PsoParameters, Step,
+    AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, Mapping, MfoaParameters,
+    Parents, PsoParameters, PublishedParameters, Step,
 };
 
 /// What an algorithm is given for each vehicle.
@@ -94,11 +94,11 @@ impl Contestant {
 /// default planner.
 #[must_use]
 pub fn contestants(population: usize) -> Vec<Contestant> {
-    let msfoa = |name, label, protocol, of: LiteralParameters| Contestant {
+    let msfoa = |name, label, protocol, of: PublishedParameters| Contestant {
         name,
         label,
         protocol,
-        method: Method::Printed(Algorithm::MsfoaLiteral(LiteralParameters {
+        method: Method::Printed(Algorithm::MsfoaLiteral(PublishedParameters {
             population,
             ..of
         })),
@@ -111,7 +111,10 @@ pub fn contestants(population: usize) -> Vec<Contestant> {
         method: Method::Printed(algorithm),
         role: Role::Paper,
     };
-    let (literal, dwindle) = (LiteralParameters::literal(), LiteralParameters::dwindle());
+    let (literal, dwindle) = (
+        PublishedParameters::literal(),
+        PublishedParameters::dwindle(),
+    );
     let (iterations, evaluations) = (Protocol::Iterations, Protocol::Evaluations);
     vec![
         msfoa("msfoa-literal", "MSFOA, R = 0.1", iterations, literal),
@@ -191,20 +194,20 @@ fn variation(role: Role) -> impl Fn((&'static str, &'static str, Algorithm)) -> 
 /// MSFOA without one of its parts, and with other thresholds.
 #[must_use]
 pub fn ablations(population: usize) -> Vec<Contestant> {
-    let dwindle = LiteralParameters {
+    let dwindle = PublishedParameters {
         population,
-        ..LiteralParameters::dwindle()
+        ..PublishedParameters::dwindle()
     };
-    let constant = LiteralParameters {
+    let constant = PublishedParameters {
         step: Step::Constant(0.1),
         ..dwindle
     };
-    let threshold = |of, threshold| LiteralParameters { threshold, ..of };
-    let barren = |of| LiteralParameters {
+    let threshold = |of, threshold| PublishedParameters { threshold, ..of };
+    let barren = |of| PublishedParameters {
         offspring: false,
         ..of
     };
-    let lonely = |of| LiteralParameters { swarms: 1, ..of };
+    let lonely = |of| PublishedParameters { swarms: 1, ..of };
     let never = f64::INFINITY;
     [
         (
@@ -262,14 +265,17 @@ pub fn ablations(population: usize) -> Vec<Contestant> {
 /// What the paper leaves open, read in the other way.
 #[must_use]
 pub fn readings(population: usize) -> Vec<Contestant> {
-    let (literal, dwindle) = (LiteralParameters::literal(), LiteralParameters::dwindle());
+    let (literal, dwindle) = (
+        PublishedParameters::literal(),
+        PublishedParameters::dwindle(),
+    );
     let msfoa =
-        |of: LiteralParameters| Algorithm::MsfoaLiteral(LiteralParameters { population, ..of });
-    let by_point = |of| LiteralParameters {
+        |of: PublishedParameters| Algorithm::MsfoaLiteral(PublishedParameters { population, ..of });
+    let by_point = |of| PublishedParameters {
         mapping: Mapping::Point,
         ..of
     };
-    let each_pair = |of| LiteralParameters {
+    let each_pair = |of| PublishedParameters {
         parents: Parents::EachPair,
         ..of
     };

@@ -10,8 +10,8 @@ use crate::numeric::bspline::uniform_parameters;
 use crate::path::Flight;
 use crate::spec::AltitudeReference;
 use crate::spec::{
-    Airframe, Area, Autopilot, EndPoint, Finish, Leeway, Link, MissionOptions, MissionSpec, Mover,
-    OnLinkLoss, Placement, Scenario, Separation, TerrainSource, Vehicle,
+    Airframe, Area, Autopilot, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
+    OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
 };
 use crate::world::{Disc, Ground, Stations, Terrain, World};
 
@@ -207,7 +207,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         descent_mps: 1e6,
         accel_mps2: AT_ONCE_MPS2,
         depart_s: 0.0,
-        leeway: Leeway::default(),
+        retiming: Retiming::default(),
         return_amsl: None,
         wing: None,
     }

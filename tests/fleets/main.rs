@@ -3,6 +3,6 @@
 #[allow(unreachable_pub)]
 #[path = "../support/command.rs"]
 mod command;
-mod leeway;
 mod meetings;
+mod retiming;
 mod table;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::mission::{VehicleMission, command};
 use sortie::path::TimedPoint;
-use sortie::spec::{Leeway, MissionSpec, SpecFile};
+use sortie::spec::{MissionSpec, Retiming, SpecFile};
 use sortie::verify::{self, Review};
 use sortie::world::{self, World};
 
@@ -223,7 +223,7 @@ fn a_corridor_one_vehicle_wide_is_flown_through_by_one_after_the_other() {
     meeting.would_conflict();
     meeting.first_has_its_way();
     let unable = Meeting::changed("corridor", |spec| {
-        spec.vehicles[1].leeway = Leeway::default();
+        spec.vehicles[1].retiming = Retiming::default();
     });
     unable.would_conflict();
     let waits_s = meeting.together.plan.vehicles[1].depart_s;

@@ -260,7 +260,7 @@ fn mission(vehicle: &Vehicle, home: PlanPoint, track: &Track) -> VehicleMission 
         },
         items,
         fence: Vec::new(),
-        fence_told: true,
+        is_fence_known: true,
         rally: Vec::new(),
         params: Vec::new(),
         notes: vec!["the fence has no zone with a height: town".to_owned()],

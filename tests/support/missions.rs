@@ -57,7 +57,7 @@ pub fn mission(vehicle: &Vehicle, home_m: f64, items: Vec<Item>) -> VehicleMissi
         fence: Vec::new(),
         rally: Vec::new(),
         params: Vec::new(),
-        fence_told: false,
+        is_fence_known: false,
         notes: Vec::new(),
     }
 }

@@ -68,7 +68,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         descent_mps: 3.0,
         accel_mps2: 2.5,
         depart_s: 0.0,
-        leeway: Leeway::default(),
+        retiming: Retiming::default(),
         return_amsl: None,
         wing: None,
     }

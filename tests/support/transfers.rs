@@ -61,7 +61,7 @@ pub fn mission(autopilot: Autopilot, items: Vec<Item>) -> VehicleMission {
         home: HOME,
         items,
         fence: Vec::new(),
-        fence_told: true,
+        is_fence_known: true,
         rally: Vec::new(),
         params: Vec::new(),
         notes: Vec::new(),

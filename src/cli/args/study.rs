@@ -106,9 +106,9 @@ pub(in crate::cli) struct Paper {
     /// Also read what the paper leaves open in other ways
     #[arg(long)]
     pub(in crate::cli) readings: bool,
-    /// Search the objective as printed, gaps and all; the default planner then stays away
-    #[arg(long)]
-    pub(in crate::cli) printed_objective: bool,
+    /// Search the objective as published, gaps and all; the default planner then stays away
+    #[arg(long, alias = "printed-objective")]
+    pub(in crate::cli) published_objective: bool,
     /// Make only part I of N, for `study merge`
     #[arg(long, value_name = "I/N", value_parser = crate::cli::study::parse_shard)]
     pub(in crate::cli) shard: Option<(usize, usize)>,

@@ -221,7 +221,7 @@ fn hand_out(lists: &[(PathBuf, Document)], document: &mut Document) {
     for (_, list) in lists {
         if document.fence.is_empty() && !list.fence.is_empty() {
             document.fence.clone_from(&list.fence);
-            document.fence_told = true;
+            document.is_fence_known = true;
         }
         if document.rally.is_empty() {
             document.rally.clone_from(&list.rally);
@@ -363,7 +363,7 @@ pub(super) fn read(
 
 /// Says what the format of a file cannot have kept.
 fn tell_losses(id: &str, path: &Path, document: &Document) {
-    if folder::is_waypoints(path) && !document.fence_told && document.rally.is_empty() {
+    if folder::is_waypoints(path) && !document.is_fence_known && document.rally.is_empty() {
         note(&format!(
             "note: {id}: {}",
             formats::known_losses(Format::Waypoints)

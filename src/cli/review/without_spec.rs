@@ -25,7 +25,7 @@ const AROUND_DEG: f64 = 0.006;
 const MOST_VEHICLES: usize = 250;
 
 /// Everything a verdict needs, made of files and flags.
-pub(crate) struct Bare {
+pub(crate) struct WithoutSpec {
     pub(crate) spec: MissionSpec,
     /// The prototype as YAML: what the rest of the spec came from.
     pub(crate) text: String,
@@ -43,7 +43,7 @@ pub(crate) struct Subject {
 }
 
 /// Makes a spec and a world around the missions.
-pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<Bare, Failure> {
+pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutSpec, Failure> {
     if subjects.len() > MOST_VEHICLES {
         let message = format!("{} missions (allowed: {MOST_VEHICLES})", subjects.len());
         return Err(Failure::new(Failure::USAGE, message));
@@ -100,7 +100,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<Bare, Fa
     spec.vehicles = vehicles;
     "review".clone_into(&mut spec.name);
     let world = world(&spec, &missions, limits)?;
-    Ok(Bare {
+    Ok(WithoutSpec {
         spec,
         text,
         world,

@@ -99,7 +99,7 @@ fn paper(arguments: &args::Paper) -> Result<(), Failure> {
         seed: arguments.seed,
         ablations: arguments.ablations,
         readings: arguments.readings,
-        printed_objective: arguments.printed_objective,
+        published_objective: arguments.published_objective,
         control_points: arguments.control_points,
         maps: maps(&arguments.maps)?,
     };

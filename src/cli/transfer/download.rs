@@ -79,7 +79,7 @@ fn mission_of(onboard: &Onboard) -> VehicleMission {
         }),
         items: onboard.mission.clone(),
         fence: onboard.fence.clone(),
-        fence_told: !onboard.unknown.contains(&List::Fence),
+        is_fence_known: !onboard.unknown.contains(&List::Fence),
         rally: onboard.rally.clone(),
         params: Vec::new(),
         notes: Vec::new(),

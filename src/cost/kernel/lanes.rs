@@ -11,7 +11,7 @@ use fearless_simd::prelude::*;
 
 use super::block::FINE;
 use super::boxes::BlockBox;
-use super::threats::{Encounters, Exposures};
+use super::threats::{Approaches, Exposures};
 use crate::cost::CostTerms;
 use crate::cost::hazards::Segment;
 use crate::cost::relief::Corners;
@@ -47,7 +47,7 @@ pub struct Scratch {
     pub(crate) runs_up: bool,
     /// Corners of the cells of a block.
     pub(crate) corners: [Corners; FINE],
-    pub(crate) encounters: Encounters,
+    pub(crate) encounters: Approaches,
     pub(crate) exposures: Exposures,
 }
 

@@ -116,7 +116,7 @@ impl<S: Simd> Pass<'_, S> {
         let cell = ground.relief.cell(first[0], first[1]);
         let corners = &mut scratch.corners[0];
         ground.relief.fetch(&cell, corners);
-        ground.clearances(first[2], (&cell, corners), model.wanted_agl_m[0])
+        ground.clearances(first[2], (&cell, corners), model.floor_agl_m[0])
     }
 
     /// Goes on to the pieces between two samples and adds length, altitude and terrain; see
@@ -141,7 +141,7 @@ impl<S: Simd> Pass<'_, S> {
             &ground.relief,
             &mut scratch.corners,
         );
-        let readings = (&scratch.corners[..], &self.model.wanted_agl_m[within]);
+        let readings = (&scratch.corners[..], &self.model.floor_agl_m[within]);
         ground.add(block, readings, before, sums);
     }
 
@@ -248,10 +248,10 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         &self,
         amsl_m: V<S>,
         (cell, corners): (&CellLanes<S>, &Corners),
-        wanted_agl_m: f64,
+        floor_agl_m: f64,
     ) -> Clearances<S> {
         let agl_m = amsl_m - self.relief.heights_in(cell, corners);
-        let below_m = (splat(self.simd, wanted_agl_m) - agl_m).max(0.0);
+        let below_m = (splat(self.simd, floor_agl_m) - agl_m).max(0.0);
         let above_m = (amsl_m - self.max_amsl_m).max(0.0);
         Clearances {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * self.per_km,
@@ -265,13 +265,13 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
     fn add(
         &self,
         block: &Block<S>,
-        (corners, wanted_agl_m): (&[Corners], &[f64]),
+        (corners, floor_agl_m): (&[Corners], &[f64]),
         before: &mut Clearances<S>,
         sums: &mut Sums<V<S>>,
     ) {
         let mut sum = [sums.length_km, sums.altitude, sums.terrain];
         let mut last = *before;
-        let readings = block.grounds().zip(corners).zip(wanted_agl_m).map(
+        let readings = block.grounds().zip(corners).zip(floor_agl_m).map(
             #[inline(always)]
             |(((at, cell), corners), wanted_m)| self.clearances(at[2], (cell, corners), *wanted_m),
         );

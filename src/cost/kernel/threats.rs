@@ -44,14 +44,14 @@ const FOUND: usize = PAIRS * BLOCK / 2;
 
 /// What is near a block, in memory that is kept.
 #[derive(Clone, Debug)]
-pub(crate) struct Encounters {
+pub(crate) struct Approaches {
     /// East and north of each candidate where pieces begin or end.
     rows: [[[f64; ROW + 1]; 2]; MOST_LANES],
     /// Pair and first piece of those that meet.
     found: [(u8, u8); FOUND],
 }
 
-impl Default for Encounters {
+impl Default for Approaches {
     fn default() -> Self {
         Self {
             rows: [[[0.0; ROW + 1]; 2]; MOST_LANES],
@@ -60,7 +60,7 @@ impl Default for Encounters {
     }
 }
 
-impl Encounters {
+impl Approaches {
     /// What one kilometre of the pieces of a block costs for threats, if that is anything.
     #[inline(always)]
     pub(crate) fn add<S: Simd>(

@@ -1,6 +1,6 @@
 //! The limits of the spec, held against what was flown.
 
-use super::{GAP_S, Trail};
+use super::{FlownTrack, GAP_S};
 use crate::flight::record::{Fix, PopUp};
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
@@ -24,7 +24,7 @@ pub(crate) fn moment(fix: &Fix) -> Moment {
     }
 }
 
-impl Trail<'_> {
+impl FlownTrack<'_> {
     pub(crate) fn margins(
         &self,
         spec: &MissionSpec,
@@ -263,8 +263,8 @@ impl Bound {
 pub(crate) fn separation(
     limit: &Separation,
     world: &World,
-    first: &Trail<'_>,
-    second: &Trail<'_>,
+    first: &FlownTrack<'_>,
+    second: &FlownTrack<'_>,
 ) -> Option<Margin> {
     let (a, b) = (first.motions(world), second.motions(world));
     let mut best: Option<(f64, f64, usize)> = None;

@@ -25,7 +25,7 @@ const COLUMN_M: f64 = 25.0;
 pub(super) const GAP_S: f64 = 5.0;
 
 /// One vehicle's flight in planning coordinates.
-pub(super) struct Trail<'a> {
+pub(super) struct FlownTrack<'a> {
     pub(super) flight: &'a Flight,
     /// Of each position: which of the plans it was flown by.
     plan_of: Vec<usize>,
@@ -54,30 +54,30 @@ pub(super) struct Part<'a> {
 #[must_use]
 pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport {
     let flights = record.flights.iter();
-    let trails: Vec<Trail<'_>> = flights.map(|f| Trail::new(f, spec, world)).collect();
+    let tracks: Vec<FlownTrack<'_>> = flights.map(|f| FlownTrack::new(f, spec, world)).collect();
     let plans = record.flights.iter().flat_map(|flight| &flight.plans);
     let ends_s = plans.map(|plan| plan.reference.end_s).fold(0.0, f64::max);
-    let mut margins: Vec<Margin> = trails
+    let mut margins: Vec<Margin> = tracks
         .iter()
-        .flat_map(|trail| {
-            let limits = trail.margins(spec, world, &record.popups);
-            let proof = trail.proof(spec, world, ends_s);
-            let paces = trail.paces(record.speedup);
+        .flat_map(|track| {
+            let limits = track.margins(spec, world, &record.popups);
+            let proof = track.proof(spec, world, ends_s);
+            let paces = track.paces(record.speedup);
             limits.into_iter().chain(proof).chain(paces)
         })
         .collect();
-    for (index, first) in trails.iter().enumerate() {
-        for second in &trails[index + 1..] {
+    for (index, first) in tracks.iter().enumerate() {
+        for second in &tracks[index + 1..] {
             margins.extend(separation(&spec.separation, world, first, second));
         }
     }
     FlightReport {
-        vehicles: trails.iter().map(Trail::report).collect(),
+        vehicles: tracks.iter().map(FlownTrack::report).collect(),
         margins,
     }
 }
 
-impl<'a> Trail<'a> {
+impl<'a> FlownTrack<'a> {
     pub(super) fn new(flight: &'a Flight, spec: &'a MissionSpec, world: &World) -> Self {
         let mut fleet = spec.vehicles.iter();
         let index = fleet.position(|vehicle| vehicle.id == flight.vehicle);
@@ -86,7 +86,7 @@ impl<'a> Trail<'a> {
             at: world.frame.to_plan(fix.place),
             amsl: fix.amsl,
         };
-        let mut trail = Self {
+        let mut track = Self {
             flight,
             plan_of: flight.plan_of_each(),
             risen: 0,
@@ -96,9 +96,9 @@ impl<'a> Trail<'a> {
             stations: index.and_then(|index| world.stations.get(index).copied()),
             points: flight.flown.fixes.iter().map(point).collect(),
         };
-        trail.risen = trail.count_rising();
-        trail.landed = (0..trail.points.len()).rfind(|&index| trail.flies_to_landing(index));
-        trail
+        track.risen = track.count_rising();
+        track.landed = (0..track.points.len()).rfind(|&index| track.flies_to_landing(index));
+        track
     }
 
     pub(super) fn id(&self) -> &str {

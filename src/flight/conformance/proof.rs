@@ -4,7 +4,7 @@
 
 use super::limits::Bound;
 use super::reference::Waypoint;
-use super::{GAP_S, Part, Trail};
+use super::{FlownTrack, GAP_S, Part};
 use crate::flight::launch::readiness::STANDS_M;
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
@@ -68,7 +68,7 @@ struct ClimbOut {
     wide_m: f64,
 }
 
-impl Trail<'_> {
+impl FlownTrack<'_> {
     /// Since when its positions are looked for, seconds after T0.
     pub(crate) fn since_s(&self) -> f64 {
         let heard_s = self.flight.flown.since_s;

@@ -3,7 +3,7 @@
 
 use super::limits::{Bound, moment};
 use super::proof::{BESIDE_M, at_its_fastest};
-use super::{GAP_S, Trail};
+use super::{FlownTrack, GAP_S};
 use crate::flight::record::Fix;
 use crate::spec::{Airframe, Vehicle};
 use crate::verify::{Margin, Sense};
@@ -40,7 +40,7 @@ struct Stretch<'f> {
     fastest_mps: f64,
 }
 
-impl Trail<'_> {
+impl FlownTrack<'_> {
     /// The paces that it held; `speedup` is how much faster than the wall's clock its time went.
     pub(crate) fn paces(&self, speedup: f64) -> Vec<Margin> {
         let Some(vehicle) = self.vehicle else {

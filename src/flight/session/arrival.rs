@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::orbit::Lap;
+use super::orbit::Orbit;
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::readiness::STANDS_M;
 use crate::flight::record::Fix;
@@ -47,9 +47,9 @@ pub(crate) fn circled_rad(reference: &Reference, fixes: &[Fix]) -> f64 {
         .iter()
         .rposition(|fix| !reference.is_on_circle(at(fix)));
     let on = &fixes[off.map_or(0, |off| off + 1)..];
-    let mut lap = Lap::default();
-    on.iter().for_each(|fix| lap.take(at(fix)));
-    lap.most_rad()
+    let mut orbit = Orbit::default();
+    on.iter().for_each(|fix| orbit.take(at(fix)));
+    orbit.most_rad()
 }
 
 /// Whether the positions of a flight that shall not land end with a stay at the end of the plan.

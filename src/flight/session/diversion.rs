@@ -1,6 +1,6 @@
 //! A vehicle in flight is given another mission and goes on with it, without a stop.
 
-use super::pending_command::{Answer, Asking};
+use super::pending_command::{Answer, PendingCommand};
 use super::set_current::Setting;
 use crate::flight::conformance::leg::leg_at;
 use crate::flight::conformance::proof::BESIDE_M;
@@ -48,7 +48,7 @@ pub struct Diversion<'a> {
     onward: Onward<'a>,
     /// Where the vehicle was last heard to be, and how fast it flew to the east and the north, m/s.
     here: Option<(LatLon, (f64, f64))>,
-    asking: Option<Asking>,
+    pending: Option<PendingCommand>,
     /// The same by message.
     setting: Option<Setting>,
     /// Whether the vehicle has the new mission and goes on with it; or what is wrong.
@@ -81,7 +81,7 @@ impl<'a> Diversion<'a> {
             vehicle,
             onward,
             here: None,
-            asking: None,
+            pending: None,
             setting: None,
             going: None,
             outcome: None,
@@ -102,8 +102,8 @@ impl<'a> Diversion<'a> {
             Message::Flight(FlightMessage::CommandAck {
                 command, result, ..
             }) => {
-                if let Some(asking) = &mut self.asking {
-                    asking.answered(now, *command, *result);
+                if let Some(pending) = &mut self.pending {
+                    pending.answered(now, *command, *result);
                 }
             }
             Message::MissionCurrent { seq, total, .. } => {
@@ -126,7 +126,7 @@ impl<'a> Diversion<'a> {
 
     /// The vehicle holds the new mission, by its own word.
     fn has_the_mission(&mut self, now: Time) {
-        if self.asking.is_some() || self.setting.is_some() || self.going.is_some() {
+        if self.pending.is_some() || self.setting.is_some() || self.going.is_some() {
             return;
         }
         let Some((beside_m, next)) = self.here.map(|here| self.on(here)) else {
@@ -151,7 +151,7 @@ impl<'a> Diversion<'a> {
             Autopilot::ArduPilot => {
                 let seq = f32::from(whole(next + 1));
                 let order = Command::new(Command::SET_MISSION_CURRENT, [seq]);
-                self.asking = Some(Asking::new(self.vehicle, order, now));
+                self.pending = Some(PendingCommand::new(self.vehicle, order, now));
             }
             Autopilot::Px4 => {
                 let total = whole(self.onward.mission.items.len());
@@ -166,8 +166,8 @@ impl<'a> Diversion<'a> {
         if self.outcome.is_some() {
             return;
         }
-        if let (Some(asking), None) = (&self.asking, &self.going) {
-            self.going = match asking.answer(now) {
+        if let (Some(pending), None) = (&self.pending, &self.going) {
+            self.going = match pending.answer(now) {
                 Answer::None => None,
                 Answer::Result(CommandResult::ACCEPTED) => Some(Ok(())),
                 Answer::Result(result) => Some(Err(format!(
@@ -221,7 +221,7 @@ impl<'a> Diversion<'a> {
         let setting = self.setting.as_mut().and_then(|setting| setting.poll(now));
         setting
             .or_else(|| self.session.poll_transmit())
-            .or_else(|| self.asking.as_mut()?.poll(now))
+            .or_else(|| self.pending.as_mut()?.poll(now))
     }
 
     /// How it came out, once it is over: the vehicle goes on with its new mission, or

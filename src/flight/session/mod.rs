@@ -17,7 +17,7 @@ use super::record::Flown;
 use crate::link::{Address, Heartbeat, Message, Time};
 use crate::spec::OnLinkLoss;
 use end::End;
-use vehicle::{Assignment, Craft, Stage, Told};
+use vehicle::{Assignment, FlightVehicle, Stage, Told};
 
 /// Between two looks at everything, milliseconds.
 const TICK_MS: u64 = 20;
@@ -87,7 +87,7 @@ enum Phase {
 /// A fleet on its way. Times are milliseconds of the wall's clock.
 #[derive(Debug)]
 pub struct Fleet<'a> {
-    pub(super) crafts: Vec<Craft<'a>>,
+    pub(super) vehicles: Vec<FlightVehicle<'a>>,
     pub(super) lost: Vec<bool>,
     pub(super) options: Options,
     phase: Phase,
@@ -104,17 +104,17 @@ impl<'a> Fleet<'a> {
     #[must_use]
     pub fn new(assignments: Vec<Assignment<'a>>, options: Options, us: Address, now: Time) -> Self {
         let systems: Vec<u8> = assignments.iter().map(|of| of.sysid).collect();
-        let crafts: Vec<Craft<'a>> = assignments
+        let vehicles: Vec<FlightVehicle<'a>> = assignments
             .into_iter()
             .map(|of| {
                 let others = systems.iter().copied().filter(|id| *id != of.sysid);
                 let others = others.collect();
-                Craft::new(of, others, us, (options.set_params, options.force), now)
+                FlightVehicle::new(of, others, us, (options.set_params, options.force), now)
             })
             .collect();
         Self {
-            lost: vec![false; crafts.len()],
-            crafts,
+            lost: vec![false; vehicles.len()],
+            vehicles,
             options,
             phase: Phase::Checking,
             heartbeat_due: now,
@@ -129,16 +129,20 @@ impl<'a> Fleet<'a> {
     /// Takes in a message that came over a link, whoever sent it.
     pub fn handle(&mut self, now: Time, (link, from): (usize, Address), message: &Message) {
         let clock = (now, self.flight_ms(now), self.t0_ms());
-        for craft in self.crafts.iter_mut().filter(|c| c.of.link == link) {
+        for craft in self.vehicles.iter_mut().filter(|c| c.of.link == link) {
             craft.handle(clock, from, message);
         }
     }
 
     /// Says that something about the links is wrong. On the ground that ends it.
     pub fn trouble(&mut self, now: Time, system: Option<u8>, what: &str) {
-        let of = |craft: &&Craft<'_>| system.is_none_or(|system| craft.of.sysid == system);
+        let of = |craft: &&FlightVehicle<'_>| system.is_none_or(|system| craft.of.sysid == system);
         let vehicle = match system {
-            Some(_) => self.crafts.iter().find(of).map(|c| c.of.vehicle.to_owned()),
+            Some(_) => self
+                .vehicles
+                .iter()
+                .find(of)
+                .map(|c| c.of.vehicle.to_owned()),
             None => None,
         };
         if matches!(self.phase, Phase::Checking | Phase::Arming) {
@@ -153,7 +157,7 @@ impl<'a> Fleet<'a> {
         self.due = now + TICK_MS;
         if now >= self.heartbeat_due {
             self.heartbeat_due = now + HEARTBEAT_MS;
-            for craft in &self.crafts {
+            for craft in &self.vehicles {
                 let beat = Message::Heartbeat(Heartbeat::OURS);
                 self.outbox.push_back((craft.of.sysid, beat));
             }
@@ -163,7 +167,7 @@ impl<'a> Fleet<'a> {
             reason = "a few hundred thousand microseconds"
         )]
         let interval_us = (self.options.position_s * 1e6) as f32;
-        for craft in &mut self.crafts {
+        for craft in &mut self.vehicles {
             craft.tick(now, interval_us);
         }
         match self.phase {
@@ -199,8 +203,8 @@ impl<'a> Fleet<'a> {
 
     /// What each vehicle has flown so far, in the order of the assignments.
     pub fn flown(&self) -> impl Iterator<Item = (&str, &Flown)> {
-        let of = |craft: &'_ Craft<'a>| craft.of.vehicle;
-        self.crafts.iter().map(move |c| (of(c), &c.flown))
+        let of = |craft: &'_ FlightVehicle<'a>| craft.of.vehicle;
+        self.vehicles.iter().map(move |c| (of(c), &c.flown))
     }
 
     /// Seconds after T0, once there is one.
@@ -218,7 +222,7 @@ impl<'a> Fleet<'a> {
                 if !matches!(self.phase, Phase::Flying { .. }) {
                     return self.abandon(Vec::new());
                 }
-                for (craft, is_lost) in self.crafts.iter_mut().zip(&self.lost) {
+                for (craft, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
                     if !matches!(craft.stage, Stage::Ended) {
                         craft.watch_no_more(End::LeftFlying, *is_lost);
                     }
@@ -234,7 +238,7 @@ impl<'a> Fleet<'a> {
             Told::Land => "all land",
         };
         self.say(now, None, text.to_owned());
-        for craft in &mut self.crafts {
+        for craft in &mut self.vehicles {
             // Whoever has not taken off stays on the ground.
             if matches!(craft.stage, Stage::Armed) {
                 craft.disarm();
@@ -264,7 +268,7 @@ impl<'a> Fleet<'a> {
     /// What the vehicles have to send and to say.
     fn gather(&mut self, now: Time) {
         let t_s = self.t_s(now);
-        for craft in &mut self.crafts {
+        for craft in &mut self.vehicles {
             while let Some(message) = craft.poll_transmit() {
                 self.outbox.push_back((craft.of.sysid, message));
             }
@@ -279,7 +283,7 @@ impl<'a> Fleet<'a> {
     }
 
     fn refusals(&self) -> Vec<(String, String)> {
-        self.crafts
+        self.vehicles
             .iter()
             .flat_map(|craft| match &craft.stage {
                 Stage::Refused(problems) => problems
@@ -293,7 +297,7 @@ impl<'a> Fleet<'a> {
 
     /// None is started; who is armed is disarmed.
     fn abandon(&mut self, why: Vec<(String, String)>) {
-        for craft in &mut self.crafts {
+        for craft in &mut self.vehicles {
             if matches!(craft.stage, Stage::Armed | Stage::Arming) {
                 craft.disarm();
             }
@@ -304,8 +308,8 @@ impl<'a> Fleet<'a> {
 
     fn look_whether_all_are_ready(&mut self, now: Time) {
         let is_settled =
-            |craft: &Craft<'_>| matches!(craft.stage, Stage::Ready | Stage::Refused(_));
-        if !self.crafts.iter().all(is_settled) {
+            |craft: &FlightVehicle<'_>| matches!(craft.stage, Stage::Ready | Stage::Refused(_));
+        if !self.vehicles.iter().all(is_settled) {
             return;
         }
         let refusals = self.refusals();
@@ -313,7 +317,7 @@ impl<'a> Fleet<'a> {
             return self.abandon(refusals);
         }
         self.say(now, None, "all are ready".to_owned());
-        self.crafts.iter_mut().for_each(|craft| craft.arm(now));
+        self.vehicles.iter_mut().for_each(|craft| craft.arm(now));
         self.phase = Phase::Arming;
     }
 
@@ -322,7 +326,11 @@ impl<'a> Fleet<'a> {
         if !refusals.is_empty() {
             return self.abandon(refusals);
         }
-        if self.crafts.iter().all(|c| matches!(c.stage, Stage::Armed)) {
+        if self
+            .vehicles
+            .iter()
+            .all(|c| matches!(c.stage, Stage::Armed))
+        {
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };
             self.say(now, None, "all are armed: T0".to_owned());
@@ -332,7 +340,7 @@ impl<'a> Fleet<'a> {
     fn watch(&mut self, now: Time, t0_ms: f64) {
         let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
         let mut ends_s = 0.0_f64;
-        for craft in &mut self.crafts {
+        for craft in &mut self.vehicles {
             if matches!(craft.stage, Stage::Armed) && t_s >= craft.of.start_s {
                 craft.start();
             }
@@ -341,7 +349,7 @@ impl<'a> Fleet<'a> {
         }
         self.look_for_the_lost(now);
         if t_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
-            for (craft, is_lost) in self.crafts.iter_mut().zip(&self.lost) {
+            for (craft, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
                 if !matches!(craft.stage, Stage::Ended) {
                     let why = format!("has not ended its flight {t_s:.0} s after T0");
                     craft.watch_no_more(End::Failed(why), *is_lost);
@@ -349,7 +357,11 @@ impl<'a> Fleet<'a> {
             }
         }
         self.gather(now);
-        if self.crafts.iter().all(|c| matches!(c.stage, Stage::Ended)) {
+        if self
+            .vehicles
+            .iter()
+            .all(|c| matches!(c.stage, Stage::Ended))
+        {
             self.outcome = Some(Outcome::Flown);
             self.phase = Phase::Ended;
         }
@@ -358,7 +370,7 @@ impl<'a> Fleet<'a> {
     /// Who is lost, who is back, and what the others do about it.
     fn look_for_the_lost(&mut self, now: Time) {
         let mut said = Vec::new();
-        for (craft, lost) in self.crafts.iter().zip(&mut self.lost) {
+        for (craft, lost) in self.vehicles.iter().zip(&mut self.lost) {
             if matches!(craft.stage, Stage::Ended) {
                 continue;
             }
@@ -385,7 +397,7 @@ impl<'a> Fleet<'a> {
 }
 
 /// For how long a vehicle has been silent, seconds of flight, if that is too long.
-pub(super) fn silence_s(craft: &Craft<'_>, now: Time, speedup: f64) -> Option<f64> {
+pub(super) fn silence_s(craft: &FlightVehicle<'_>, now: Time, speedup: f64) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
     let silent_ms = (now - craft.heard) as f64;
     let silent_s = silent_ms * speedup / 1000.0;

@@ -10,7 +10,7 @@ const STEP_M: f64 = 2.0;
 
 /// How far a wing has turned.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Lap {
+pub(crate) struct Orbit {
     /// The last place that was taken, and the course to it.
     at: Option<EastNorth>,
     course_rad: Option<f64>,
@@ -19,7 +19,7 @@ pub(crate) struct Lap {
     span_rad: (f64, f64),
 }
 
-impl Lap {
+impl Orbit {
     /// Takes in where it is, and tells whether it has turned once around.
     pub(crate) fn is_whole_with(&mut self, at: EastNorth) -> bool {
         self.take(at);
@@ -58,14 +58,14 @@ mod tests {
 
     #[test]
     fn straight_ahead_is_no_lap_and_a_circle_to_either_side_is_one() {
-        let mut ahead = Lap::default();
+        let mut ahead = Orbit::default();
         let east = |east_m| EastNorth {
             east_m,
             north_m: 0.0,
         };
         assert!((0..500).all(|step| !ahead.is_whole_with(east(f64::from(step) * 4.0))));
         for side in [1.0, -1.0] {
-            let mut lap = Lap::default();
+            let mut orbit = Orbit::default();
             let on = |step: i32| {
                 let (sin, cos) = (f64::from(step) * 0.05 * side).sin_cos();
                 EastNorth {
@@ -73,7 +73,7 @@ mod tests {
                     north_m: 80.0 * cos,
                 }
             };
-            let done = (0..).find(|step| lap.is_whole_with(on(*step)));
+            let done = (0..).find(|step| orbit.is_whole_with(on(*step)));
             assert!((126..=128).contains(&done.unwrap_or(0)), "{done:?}");
         }
     }

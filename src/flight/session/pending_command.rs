@@ -9,7 +9,7 @@ const MOST: u8 = 12;
 
 /// A command on its way.
 #[derive(Clone, Debug)]
-pub(crate) struct Asking {
+pub(crate) struct PendingCommand {
     target: Address,
     order: Command,
     due: Time,
@@ -28,7 +28,7 @@ pub(crate) enum Answer {
     Silence,
 }
 
-impl Asking {
+impl PendingCommand {
     pub(crate) fn new(target: Address, order: Command, now: Time) -> Self {
         Self {
             target,

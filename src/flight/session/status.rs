@@ -1,7 +1,7 @@
 //! Where every vehicle of a fleet in flight is, for whoever watches.
 
 use super::end::End;
-use super::vehicle::{Craft, Stage, Told};
+use super::vehicle::{FlightVehicle, Stage, Told};
 use super::{Fleet, silence_s};
 use crate::flight::record::Fix;
 use crate::link::Time;
@@ -31,7 +31,7 @@ impl Fleet<'_> {
     pub fn status(&self, now: Time) -> Vec<Status> {
         let t_s = self.t_s(now).unwrap_or(0.0);
         let places: Vec<Option<Fix>> = self
-            .crafts
+            .vehicles
             .iter()
             .map(|craft| {
                 let flies = matches!(craft.stage, Stage::Flying);
@@ -39,7 +39,7 @@ impl Fleet<'_> {
             })
             .collect();
         let distance_m = |a: &Fix, b: &Fix| a.place.chord_m(b.place).hypot(a.amsl.0 - b.amsl.0);
-        let rows = self.crafts.iter().enumerate();
+        let rows = self.vehicles.iter().enumerate();
         rows.map(|(index, craft)| {
             let others = places
                 .iter()
@@ -57,7 +57,7 @@ impl Fleet<'_> {
                 stage: stage_word(craft),
                 item: (craft.item, craft.of.mission.items.len()),
                 behind_s: behind_s.map(|planned_s| t_s - planned_s),
-                closest: closest.map(|(other, m)| (self.crafts[other].of.vehicle.to_owned(), m)),
+                closest: closest.map(|(other, m)| (self.vehicles[other].of.vehicle.to_owned(), m)),
                 lost_s: silence_s(craft, now, self.options.speedup).filter(|_| self.lost[index]),
                 progress: (behind_s.unwrap_or(0.0) / reference.end_s.max(1.0)).clamp(0.0, 1.0),
             }
@@ -66,7 +66,7 @@ impl Fleet<'_> {
     }
 }
 
-fn stage_word(craft: &Craft<'_>) -> &'static str {
+fn stage_word(craft: &FlightVehicle<'_>) -> &'static str {
     match (&craft.stage, craft.told) {
         (Stage::Sending(_), _) => "receives",
         (Stage::Reading(_) | Stage::Checking { .. }, _) => "is checked",

@@ -9,8 +9,8 @@ use std::collections::VecDeque;
 use super::clock::Offset;
 use super::end::End;
 use super::modes;
-use super::orbit::Lap;
-use super::pending_command::{Answer, Asking};
+use super::orbit::Orbit;
+use super::pending_command::{Answer, PendingCommand};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
@@ -77,7 +77,7 @@ pub(crate) enum Told {
 }
 
 #[derive(Debug)]
-pub(crate) struct Craft<'a> {
+pub(crate) struct FlightVehicle<'a> {
     pub(crate) of: Assignment<'a>,
     pub(crate) stage: Stage<'a>,
     pub(crate) vehicle: Option<(Address, Heartbeat)>,
@@ -88,7 +88,7 @@ pub(crate) struct Craft<'a> {
     problems: Vec<String>,
     /// What it said while it was to be armed.
     warnings: Vec<String>,
-    asking: Option<Asking>,
+    pending: Option<PendingCommand>,
     orders: VecDeque<Command>,
     /// Until when arming is tried, and when again.
     arming: Option<(Time, Time)>,
@@ -106,7 +106,7 @@ pub(crate) struct Craft<'a> {
     pub(crate) in_mission: bool,
     /// Whether it was told of that it left its mission.
     left: bool,
-    lap: Lap,
+    orbit: Orbit,
     pub(crate) flown: Flown,
     outbox: VecDeque<Message>,
     said: VecDeque<String>,
@@ -114,7 +114,7 @@ pub(crate) struct Craft<'a> {
     force: bool,
 }
 
-impl<'a> Craft<'a> {
+impl<'a> FlightVehicle<'a> {
     pub(crate) fn new(
         of: Assignment<'a>,
         others: Vec<u8>,
@@ -143,7 +143,7 @@ impl<'a> Craft<'a> {
             settings: None,
             problems: Vec::new(),
             warnings: Vec::new(),
-            asking: None,
+            pending: None,
             orders: VecDeque::new(),
             arming: None,
             requested: Time(0),
@@ -156,7 +156,7 @@ impl<'a> Craft<'a> {
             holds: false,
             in_mission: false,
             left: false,
-            lap: Lap::default(),
+            orbit: Orbit::default(),
             flown: Flown::default(),
             outbox: VecDeque::new(),
             said: VecDeque::new(),
@@ -236,8 +236,8 @@ impl<'a> Craft<'a> {
             FlightMessage::CommandAck {
                 command, result, ..
             } => {
-                if let Some(asking) = &mut self.asking {
-                    asking.answered(now, *command, *result);
+                if let Some(pending) = &mut self.pending {
+                    pending.answered(now, *command, *result);
                 }
             }
             FlightMessage::Param { name, value } => {
@@ -322,7 +322,7 @@ impl<'a> Craft<'a> {
         self.work(now);
         if let (Stage::Arming, Some((until, again))) = (&self.stage, self.arming)
             && now >= again
-            && self.asking.is_none()
+            && self.pending.is_none()
         {
             self.arming = Some((until, Time(u64::MAX)));
             self.command(modes::arm(self.of.mission));
@@ -333,29 +333,29 @@ impl<'a> Craft<'a> {
                 let message = settings.poll(now, address);
                 self.outbox.extend(message);
             }
-            if self.asking.is_none()
+            if self.pending.is_none()
                 && let Some(order) = self.orders.pop_front()
             {
-                self.asking = Some(Asking::new(address, order, now));
+                self.pending = Some(PendingCommand::new(address, order, now));
             }
         }
-        if let Some(asking) = &mut self.asking {
-            let message = asking.poll(now);
+        if let Some(pending) = &mut self.pending {
+            let message = pending.poll(now);
             self.outbox.extend(message);
-            match asking.answer(now) {
+            match pending.answer(now) {
                 Answer::None => {}
                 Answer::Result(CommandResult::ACCEPTED) => {
-                    self.asking = None;
+                    self.pending = None;
                     self.obeyed();
                 }
                 Answer::Result(result) => {
-                    let command = asking.command();
+                    let command = pending.command();
                     // Whoever refuses to hold or to land flies on as planned.
                     (self.told, self.holds) = (None, false);
                     self.disobeyed(now, &format!("refused command {command} with {result}"));
                 }
                 Answer::Silence => {
-                    let command = asking.command();
+                    let command = pending.command();
                     self.disobeyed(now, &format!("did not answer command {command}"));
                 }
             }

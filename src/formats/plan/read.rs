@@ -35,7 +35,7 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     }
     root.get("version").expect_version(1)?;
     let mut document = Document {
-        fence_told: true,
+        is_fence_known: true,
         beside: beside::of(&plan),
         ..Document::default()
     };

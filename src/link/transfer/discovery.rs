@@ -13,7 +13,7 @@ const STARTING_MS: u64 = 30_000;
 
 /// The wait for one vehicle.
 #[derive(Debug)]
-pub(crate) struct Meeting {
+pub(crate) struct Discovery {
     until: Time,
     /// The vehicle, once it has been heard and found to be the right one.
     vehicle: Option<(Address, Heartbeat)>,
@@ -22,7 +22,7 @@ pub(crate) struct Meeting {
 
 /// What a heartbeat or a timeout came to.
 #[derive(Debug)]
-pub(crate) enum Encounter {
+pub(crate) enum Discovered {
     /// Not yet.
     Nobody,
     /// Here it is, and ready.
@@ -31,7 +31,7 @@ pub(crate) enum Encounter {
     Over(Verdict),
 }
 
-impl Meeting {
+impl Discovery {
     /// Waits for a vehicle that has not been heard yet.
     pub(crate) fn first(now: Time) -> Self {
         Self {
@@ -50,7 +50,7 @@ impl Meeting {
         }
     }
 
-    /// When [`Meeting::timeout`] is due.
+    /// When [`Discovery::timeout`] is due.
     pub(crate) fn until(&self) -> Time {
         self.until
     }
@@ -67,31 +67,31 @@ impl Meeting {
         now: Time,
         from: Address,
         heartbeat: Heartbeat,
-    ) -> Encounter {
+    ) -> Discovered {
         match self.vehicle {
             Some((vehicle, _)) if vehicle == from => {
                 self.vehicle = Some((from, heartbeat));
                 if is_ready(&heartbeat) {
-                    return Encounter::Met(from, heartbeat);
+                    return Discovered::Met(from, heartbeat);
                 }
-                Encounter::Nobody
+                Discovered::Nobody
             }
-            Some(_) => Encounter::Nobody,
+            Some(_) => Discovered::Nobody,
             None => {
                 self.heard.retain(|(address, _)| *address != from);
                 self.heard.push((from, heartbeat));
                 if from.system == order.sysid {
                     return self.identify(order, now, from, heartbeat);
                 }
-                Encounter::Nobody
+                Discovered::Nobody
             }
         }
     }
 
     /// Nobody came, or nobody got ready. With `force`, a single stranger will do.
-    pub(crate) fn timeout(&mut self, order: &Order<'_>, now: Time) -> Encounter {
+    pub(crate) fn timeout(&mut self, order: &Order<'_>, now: Time) -> Discovered {
         if let Some((_, heartbeat)) = self.vehicle {
-            return Encounter::Over(Verdict::Failed(Failure::NotReady {
+            return Discovered::Over(Verdict::Failed(Failure::NotReady {
                 status: heartbeat.system_status,
                 after_s: STARTING_MS / 1000,
             }));
@@ -109,13 +109,13 @@ impl Meeting {
             }
             [(address, _)] => {
                 let found = address.system;
-                Encounter::Over(Verdict::Refused(Refusal::System { expected, found }))
+                Discovered::Over(Verdict::Refused(Refusal::System { expected, found }))
             }
             _ => {
                 let mut heard: Vec<u8> = self.heard.iter().map(|(from, _)| from.system).collect();
                 heard.sort_unstable();
                 heard.dedup();
-                Encounter::Over(Verdict::Failed(Failure::Nobody {
+                Discovered::Over(Verdict::Failed(Failure::Nobody {
                     sysid: expected,
                     after_s: NOBODY_MS / 1000,
                     heard,
@@ -130,15 +130,15 @@ impl Meeting {
         now: Time,
         from: Address,
         heartbeat: Heartbeat,
-    ) -> Encounter {
+    ) -> Discovered {
         self.vehicle = Some((from, heartbeat));
         let mission = order.mission;
         match identity::check(&heartbeat, mission.autopilot, mission.airframe) {
-            Err(refusal) if !order.force => Encounter::Over(Verdict::Refused(refusal)),
-            _ if is_ready(&heartbeat) => Encounter::Met(from, heartbeat),
+            Err(refusal) if !order.force => Discovered::Over(Verdict::Refused(refusal)),
+            _ if is_ready(&heartbeat) => Discovered::Met(from, heartbeat),
             _ => {
                 self.until = now + STARTING_MS;
-                Encounter::Nobody
+                Discovered::Nobody
             }
         }
     }

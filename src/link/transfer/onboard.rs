@@ -68,7 +68,7 @@ pub struct Reading {
 #[derive(Debug)]
 enum Stage {
     /// For the vehicle to speak and to be ready.
-    Meeting {
+    Discovery {
         until: Time,
     },
     Reading(Download),
@@ -88,7 +88,7 @@ impl Reading {
             began: now,
             heartbeat_due: now,
             outbox: VecDeque::new(),
-            stage: Stage::Meeting {
+            stage: Stage::Discovery {
                 until: now + NOBODY_MS,
             },
             heard: Vec::new(),
@@ -136,10 +136,10 @@ impl Reading {
             self.outbox.push_back(Message::Heartbeat(Heartbeat::OURS));
         }
         match &mut self.stage {
-            Stage::Meeting { until } if now >= *until => self.meet(now),
+            Stage::Discovery { until } if now >= *until => self.meet(now),
             Stage::Reading(download) => download.handle_timeout(now),
             Stage::Homing { until } if now >= *until => self.end(),
-            Stage::Meeting { .. } | Stage::Homing { .. } => {}
+            Stage::Discovery { .. } | Stage::Homing { .. } => {}
         }
         self.advance(now);
     }
@@ -151,7 +151,7 @@ impl Reading {
         }
         match &mut self.stage {
             Stage::Reading(download) => download.poll_transmit(),
-            Stage::Meeting { .. } | Stage::Homing { .. } => None,
+            Stage::Discovery { .. } | Stage::Homing { .. } => None,
         }
     }
 
@@ -162,7 +162,7 @@ impl Reading {
             return None;
         }
         let stage = match &self.stage {
-            Stage::Meeting { until } | Stage::Homing { until } => Some(*until),
+            Stage::Discovery { until } | Stage::Homing { until } => Some(*until),
             Stage::Reading(download) => download.poll_timeout(),
         };
         Some(stage.map_or(self.heartbeat_due, |due| due.min(self.heartbeat_due)))
@@ -179,7 +179,7 @@ impl Reading {
     pub fn progress(&self) -> Option<(List, usize)> {
         match &self.stage {
             Stage::Reading(download) => Some((*ORDER.get(self.lists.len())?, download.progress())),
-            Stage::Meeting { .. } | Stage::Homing { .. } => None,
+            Stage::Discovery { .. } | Stage::Homing { .. } => None,
         }
     }
 
@@ -189,7 +189,7 @@ impl Reading {
     }
 
     fn heartbeat(&mut self, now: Time, from: Address, heartbeat: Heartbeat) {
-        let Stage::Meeting { until } = &mut self.stage else {
+        let Stage::Discovery { until } = &mut self.stage else {
             return;
         };
         self.heard.retain(|(address, _)| *address != from);
@@ -230,7 +230,7 @@ impl Reading {
             (None, [(from, heartbeat), ..], [_]) => {
                 let ready = is_ready(heartbeat);
                 self.vehicle = Some((*from, *heartbeat));
-                self.stage = Stage::Meeting {
+                self.stage = Stage::Discovery {
                     until: now + STARTING_MS,
                 };
                 if ready {
@@ -286,7 +286,7 @@ impl Reading {
                 }
                 self.listed(now, ended);
             }
-            Stage::Meeting { .. } | Stage::Homing { .. } => {}
+            Stage::Discovery { .. } | Stage::Homing { .. } => {}
         }
     }
 

@@ -11,7 +11,7 @@ mod lists;
 use std::collections::VecDeque;
 
 use super::compare::Difference;
-use super::discovery::{Encounter, Meeting, is_ready};
+use super::discovery::{Discovered, Discovery, is_ready};
 use super::identity;
 use super::report::{Failure, TransferReport, Verdict};
 use super::task::Task;
@@ -105,7 +105,7 @@ pub struct Session<'a> {
 #[derive(Debug)]
 enum Stage {
     /// For the vehicle to speak, or to be ready.
-    Meeting(Meeting),
+    Discovery(Discovery),
     /// A list is sent, cleared or read.
     Working(Task),
     /// Before a list is sent again.
@@ -128,7 +128,7 @@ impl<'a> Session<'a> {
             began: now,
             heartbeat_due: now,
             outbox: VecDeque::new(),
-            stage: Stage::Meeting(Meeting::first(now)),
+            stage: Stage::Discovery(Discovery::first(now)),
             vehicle: None,
             at: 0,
             rounds: 0,
@@ -197,7 +197,7 @@ impl<'a> Session<'a> {
         let system = self
             .vehicle
             .map_or(self.order.sysid, |(vehicle, _)| vehicle.system);
-        if from.system != system || !matches!(self.stage, Stage::Meeting(_)) {
+        if from.system != system || !matches!(self.stage, Stage::Discovery(_)) {
             return;
         }
         self.old_since = match version {
@@ -228,9 +228,9 @@ impl<'a> Session<'a> {
         }
         match &mut self.stage {
             Stage::Working(task) => task.handle_timeout(now),
-            Stage::Meeting(meeting) if now >= meeting.until() => {
-                let encounter = meeting.timeout(&self.order, now);
-                self.meet(now, encounter);
+            Stage::Discovery(discovery) if now >= discovery.until() => {
+                let discovered = discovery.timeout(&self.order, now);
+                self.meet(now, discovered);
             }
             Stage::Pausing { until } if now >= *until => self.begin_list(now),
             Stage::Listening { until } if now >= *until => {
@@ -240,7 +240,7 @@ impl<'a> Session<'a> {
                 });
                 self.end(now, verdict);
             }
-            Stage::Meeting(_) | Stage::Pausing { .. } | Stage::Listening { .. } => {}
+            Stage::Discovery(_) | Stage::Pausing { .. } | Stage::Listening { .. } => {}
         }
         self.advance(now);
         if self.report.is_none() && now >= self.deadline {
@@ -256,7 +256,7 @@ impl<'a> Session<'a> {
         }
         match &mut self.stage {
             Stage::Working(task) => task.poll_transmit(),
-            Stage::Meeting(_) | Stage::Pausing { .. } | Stage::Listening { .. } => None,
+            Stage::Discovery(_) | Stage::Pausing { .. } | Stage::Listening { .. } => None,
         }
     }
 
@@ -268,7 +268,7 @@ impl<'a> Session<'a> {
         }
         let stage = match &self.stage {
             Stage::Working(task) => task.poll_timeout(),
-            Stage::Meeting(meeting) => Some(meeting.until()),
+            Stage::Discovery(discovery) => Some(discovery.until()),
             Stage::Pausing { until } | Stage::Listening { until } => Some(*until),
         };
         let due = self.heartbeat_due.min(self.deadline);
@@ -291,7 +291,7 @@ impl<'a> Session<'a> {
                 let (stage, done) = task.progress();
                 (stage, done, total)
             }
-            Stage::Meeting(_) | Stage::Pausing { .. } => ("waiting", 0, 0),
+            Stage::Discovery(_) | Stage::Pausing { .. } => ("waiting", 0, 0),
             Stage::Listening { .. } => ("done", 0, 0),
         };
         Progress {
@@ -331,13 +331,13 @@ impl<'a> Session<'a> {
             return;
         }
         let is_undecided = self.old_since.is_some() && self.version == Version::Two;
-        if let Stage::Meeting(meeting) = &mut self.stage {
+        if let Stage::Discovery(discovery) = &mut self.stage {
             if is_undecided {
                 return;
             }
-            let encounter = meeting.heartbeat(&self.order, now, from, heartbeat);
-            self.vehicle = meeting.vehicle();
-            self.meet(now, encounter);
+            let discovered = discovery.heartbeat(&self.order, now, from, heartbeat);
+            self.vehicle = discovery.vehicle();
+            self.meet(now, discovered);
         }
         let Some((vehicle, last)) = &mut self.vehicle else {
             return;
@@ -348,16 +348,16 @@ impl<'a> Session<'a> {
         *last = heartbeat;
         if heartbeat.is_armed() && !self.order.force {
             self.end(now, Verdict::Failed(Failure::ArmedMeanwhile));
-        } else if !is_ready(&heartbeat) && !matches!(self.stage, Stage::Meeting(_)) {
+        } else if !is_ready(&heartbeat) && !matches!(self.stage, Stage::Discovery(_)) {
             // It was started again: what it confirmed before may be gone.
-            self.stage = Stage::Meeting(Meeting::again((from, heartbeat), now));
+            self.stage = Stage::Discovery(Discovery::again((from, heartbeat), now));
         }
     }
 
-    fn meet(&mut self, now: Time, encounter: Encounter) {
-        match encounter {
-            Encounter::Nobody => {}
-            Encounter::Met(address, heartbeat) => {
+    fn meet(&mut self, now: Time, discovered: Discovered) {
+        match discovered {
+            Discovered::Nobody => {}
+            Discovered::Met(address, heartbeat) => {
                 self.vehicle = Some((address, heartbeat));
                 (self.at, self.rounds, self.pauses) = (0, 0, 0);
                 self.request_version();
@@ -374,7 +374,7 @@ impl<'a> Session<'a> {
                 }
                 self.begin_list(now);
             }
-            Encounter::Over(verdict) => self.end(now, verdict),
+            Discovered::Over(verdict) => self.end(now, verdict),
         }
     }
 }

@@ -25,7 +25,7 @@ pub fn home_at(place: LatLon, ground: Amsl) -> Home {
         clippy::cast_possible_truncation,
         reason = "float32 is what the wire has"
     )]
-    let amsl_m = ((ground.0 * 100.0 + HAIR).floor() / 100.0) as f32;
+    let amsl_m = ((ground.0 * 100.0 + TOLERANCE).floor() / 100.0) as f32;
     Home { x, y, amsl_m }
 }
 
@@ -139,7 +139,7 @@ impl<'a> Encoder<'a> {
 }
 
 /// What arithmetic may add to an altitude that was meant to be whole: a micrometre is no height.
-const HAIR: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-6;
 
 /// Up to the next quarter of a metre.
 pub(crate) fn quarter_up(height_m: f64) -> f32 {
@@ -152,7 +152,7 @@ pub(crate) fn up(value: f64) -> f32 {
         clippy::cast_possible_truncation,
         reason = "whole numbers below 2^24 are exact in float32"
     )]
-    let whole = (value - HAIR).ceil() as f32;
+    let whole = (value - TOLERANCE).ceil() as f32;
     // Not minus zero: it would be written as such.
     whole + 0.0
 }

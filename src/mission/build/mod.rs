@@ -132,7 +132,7 @@ pub fn build_course(
         vehicle.home,
         stations.home.amsl,
     );
-    let author = Author {
+    let writer = ItemWriter {
         spec,
         vehicle,
         encoder: &encoder,
@@ -142,9 +142,9 @@ pub fn build_course(
         source,
     };
     let items = if vehicle.airframe.has_wing() {
-        author.winged_items(stations, routes)
+        writer.winged_items(stations, routes)
     } else {
-        author.items(stations.home, routes)
+        writer.items(stations.home, routes)
     };
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
@@ -165,7 +165,7 @@ pub fn build_course(
         home: encoder.home(),
         items,
         fence,
-        fence_told: true,
+        is_fence_known: true,
         rally,
         params,
         notes,
@@ -258,13 +258,13 @@ fn count(
 }
 
 /// Writes the items of one mission.
-pub(super) struct Author<'a> {
+pub(super) struct ItemWriter<'a> {
     pub(super) spec: &'a MissionSpec,
     pub(super) vehicle: &'a Vehicle,
     pub(super) encoder: &'a Encoder<'a>,
 }
 
-impl Author<'_> {
+impl ItemWriter<'_> {
     fn items(&self, home: PlanPoint, routes: &[Vec<TimedPoint>]) -> Result<Vec<Item>, NoData> {
         let mut items = self.departure();
         let mut legs = routes

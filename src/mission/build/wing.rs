@@ -1,7 +1,7 @@
 //! The items of planes and vtol: takeoff along a course or on rotors, turns onto the routes
 //! and off them, circles, glides.
 
-use super::{Author, float};
+use super::{ItemWriter, float};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::item::{Item, command};
 use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
@@ -13,14 +13,14 @@ use crate::world::{NoData, Stations};
 const OUTSIDE: f64 = 3.0;
 
 /// The way of a mission so far, and the items that make it.
-struct Script {
+struct Items {
     items: Vec<Item>,
     at: EastNorth,
     /// Course there, radians clockwise from north; none where any will do.
     course_rad: Option<f64>,
 }
 
-impl Author<'_> {
+impl ItemWriter<'_> {
     /// The items of a plane or vtol.
     pub(crate) fn winged_items(
         &self,
@@ -57,7 +57,7 @@ impl Author<'_> {
     }
 
     /// Up, to where the way to the route begins.
-    fn winged_takeoff(&self, stations: &Stations) -> Result<Script, NoData> {
+    fn winged_takeoff(&self, stations: &Stations) -> Result<Items, NoData> {
         let (home, start) = (stations.home, stations.start);
         let course_rad = self.vehicle.wing.and_then(|wing| wing.takeoff_heading_rad);
         if let (Airframe::Plane, Some(course_rad)) = (self.vehicle.airframe, course_rad) {
@@ -73,7 +73,7 @@ impl Author<'_> {
                 Autopilot::ArduPilot => slope.atan().to_degrees().floor().max(1.0),
                 Autopilot::Px4 => 0.0,
             };
-            return Ok(Script {
+            return Ok(Items {
                 items: vec![with(item, 0, float(pitch_deg))],
                 at: climb.top.at,
                 course_rad: Some(course_rad),
@@ -92,7 +92,7 @@ impl Author<'_> {
             Autopilot::ArduPilot => self.encoder.above_home(item, start.amsl),
             Autopilot::Px4 => item,
         });
-        Ok(Script {
+        Ok(Items {
             items,
             at: home.at,
             course_rad,
@@ -108,7 +108,7 @@ impl Author<'_> {
     }
 
     /// Turns onto a route and flies it.
-    fn fly(&self, script: &mut Script, route: &[PlanPoint]) -> Result<(), NoData> {
+    fn fly(&self, script: &mut Items, route: &[PlanPoint]) -> Result<(), NoData> {
         let [first, second, ..] = route else {
             return Ok(());
         };
@@ -135,7 +135,7 @@ impl Author<'_> {
     /// Waypoints of the turns that lead to a place on a course, level.
     fn turn(
         &self,
-        script: &mut Script,
+        script: &mut Items,
         to: EastNorth,
         course_rad: f64,
         amsl: Amsl,
@@ -152,7 +152,7 @@ impl Author<'_> {
 
     fn winged_landing(
         &self,
-        script: &mut Script,
+        script: &mut Items,
         touchdown: PlanPoint,
         approach: Option<Approach>,
     ) -> Result<(), NoData> {

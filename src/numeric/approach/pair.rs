@@ -34,7 +34,7 @@ pub(super) struct Region {
 
 /// How far, in seconds or metres, a corner may lie beyond a cut and still
 /// count: a slack of 0 leaves a mere line, which rounding must not remove.
-const HAIR: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 
 impl Region {
     fn corners(&self) -> &[[f64; 2]] {
@@ -64,10 +64,10 @@ impl Region {
         };
         for (from, to) in self.edges() {
             let (at_from, at_to) = (value(from), value(to));
-            if at_from <= HAIR {
+            if at_from <= TOLERANCE {
                 push(from);
             }
-            if (at_from <= HAIR) != (at_to <= HAIR) {
+            if (at_from <= TOLERANCE) != (at_to <= TOLERANCE) {
                 let share = (at_from / (at_from - at_to)).clamp(0.0, 1.0);
                 push([
                     from[0] + share * (to[0] - from[0]),
@@ -154,12 +154,12 @@ impl Pair {
     fn allows(&self, at: [f64; 2], vertical_m: f64) -> bool {
         let within = |axis: usize| {
             let (low, high) = self.bounds[axis];
-            (low - HAIR..=high + HAIR).contains(&at[axis])
+            (low - TOLERANCE..=high + TOLERANCE).contains(&at[axis])
         };
         within(0)
             && within(1)
-            && (at[1] - at[0]).abs() <= self.slack_s + HAIR
-            && self.gap.up(at).abs() <= vertical_m + HAIR
+            && (at[1] - at[0]).abs() <= self.slack_s + TOLERANCE
+            && self.gap.up(at).abs() <= vertical_m + TOLERANCE
     }
 
     /// Least length of the gap in its first `axes` coordinates over a region

@@ -41,7 +41,7 @@ const END_WEIGHT: f64 = 0.85;
 
 /// Finds the lowest spline over a floor, for one fixed parametrisation.
 #[derive(Clone, Debug)]
-pub(super) struct LowestSpline {
+pub(super) struct AltitudeLp {
     rows: Vec<Row>,
     /// The weights once more, as splines are sampled by them.
     spans: Spans,
@@ -67,7 +67,7 @@ pub(super) struct Demand {
     pub ground_m: Vec<f64>,
 }
 
-/// What [`LowestSpline::solve`] works in, kept between calls to save allocations.
+/// What [`AltitudeLp::solve`] works in, kept between calls to save allocations.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Workspace {
     cost: Vec<f64>,
@@ -96,7 +96,7 @@ impl Workspace {
     }
 }
 
-impl LowestSpline {
+impl AltitudeLp {
     /// For a spline of `controls` control points, ends included, and the weights of
     /// its samples.
     pub(super) fn new(rows: Vec<Row>, controls: usize) -> Self {

@@ -27,7 +27,7 @@ fn solve(floor: &[f64], weights: &[f64], ends: (f64, f64), step_m: f64) -> Vec<f
         weights: weights.to_vec(),
         ground_m: Vec::new(),
     };
-    LowestSpline::new(rows, 10).solve(&demand, &mut z, &mut Workspace::default());
+    AltitudeLp::new(rows, 10).solve(&demand, &mut z, &mut Workspace::default());
     z
 }
 
@@ -50,7 +50,7 @@ fn near_an_end_the_floor_is_kept_as_far_as_slopes_reach_it() {
         };
         demand.floor_m[8] += bump_m;
         let mut z = vec![100.0; 10];
-        LowestSpline::new(rows.clone(), 10).solve(&demand, &mut z, &mut Workspace::default());
+        AltitudeLp::new(rows.clone(), 10).solve(&demand, &mut z, &mut Workspace::default());
         altitudes(&rows, &z)[8]
     };
     assert!(altitude_over(0.3) > 100.3 - 1e-5);
@@ -61,7 +61,7 @@ fn near_an_end_the_floor_is_kept_as_far_as_slopes_reach_it() {
 #[test]
 fn a_neighbour_s_basis_changes_the_way_to_the_answer_and_not_the_answer() {
     let rows = rows(26, 101);
-    let lowest = LowestSpline::new(rows.clone(), 26);
+    let lowest = AltitudeLp::new(rows.clone(), 26);
     let mut warm = Workspace::default();
     for shift in 0..20 {
         let floor_m = (0..101)
@@ -123,7 +123,7 @@ proptest! {
                 .sum::<f64>()
         }).collect();
         let z = solve(&floor, &speeds, (floor[0] + 20.0, floor[100] + 20.0), f64::INFINITY);
-        let lowest = LowestSpline::new(rows.clone(), 10);
+        let lowest = AltitudeLp::new(rows.clone(), 10);
         let height = |z: &[f64]| -> f64 {
             altitudes(&rows, z).iter().zip(&speeds).map(|(a, w)| a * w).sum()
         };
@@ -150,7 +150,7 @@ proptest! {
     fn the_fallback_clears_the_floor(floor in prop::collection::vec(0.0..500.0_f64, 101)) {
         let rows = rows(10, 101);
         let mut z = vec![500.0; 10];
-        LowestSpline::new(rows.clone(), 10).lift(&floor, &mut z);
+        AltitudeLp::new(rows.clone(), 10).lift(&floor, &mut z);
         for (altitude, h) in altitudes(&rows, &z).iter().zip(&floor) {
             prop_assert!(*altitude >= h - 1e-9);
         }

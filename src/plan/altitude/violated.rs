@@ -3,14 +3,14 @@
 use fearless_simd::prelude::*;
 
 use super::simplex::{Constraint, PAD, greatest};
-use super::{Demand, LowestSpline, Workspace};
+use super::{AltitudeLp, Demand, Workspace};
 
 /// Parts of the path in which violations are looked for apart.
 const STRETCHES: usize = 4;
 /// Violation that counts as none, metres.
 pub(crate) const TOLERANCE_M: f64 = 1e-6;
 
-impl LowestSpline {
+impl AltitudeLp {
     /// By how much every constraint is violated, metres: floors, rises, drops, each padded
     /// to a multiple of [`PAD`].
     #[inline(always)]

@@ -57,13 +57,13 @@ pub fn breaks(
         found.extend(steepest(&routes, &limits));
     }
     if found.is_empty() && plan.terms.collision <= 0.0 {
-        found.extend(by_a_hair(plan, &routes));
+        found.extend(narrowly(plan, &routes));
     }
     found
 }
 
 /// That a limit is broken, where no place shows it: only by rounding.
-fn by_a_hair(plan: &VehiclePlan, routes: &[Vec<PlanPoint>]) -> Option<Break> {
+fn narrowly(plan: &VehiclePlan, routes: &[Vec<PlanPoint>]) -> Option<Break> {
     let kinds = [
         (
             "a threat, a zone or the edge of the area",

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::retiming::{at_another_time, free_departure_s, has_leeway};
+use super::retiming::{at_another_time, can_retime, free_departure_s};
 use super::vehicle::{lift_vehicle, plan_vehicle};
 use super::{Request, flight_of, nearness};
 use crate::cost::Margins;
@@ -173,7 +173,7 @@ impl<'a> Fleet<'a> {
             let again = draft.kept && draft.near.iter().any(|&other| self.is_new[other]);
             if avoids.len() == before && !again {
                 let is_last = draft.is_last || draft.kept || draft.near.is_empty();
-                if is_last || !self.has_leeway(index) {
+                if is_last || !self.can_retime(index) {
                     return Step::Stands(number);
                 }
             }
@@ -192,7 +192,7 @@ impl<'a> Fleet<'a> {
     fn first_avoids(&self, index: usize) -> Vec<usize> {
         let at_once = index < HEAD || self.spec.planner.objective == Objective::Paper;
         match self.previous.get(index) {
-            _ if self.has_leeway(index) && (self.again[index] || self.previous.len() <= index) => {
+            _ if self.can_retime(index) && (self.again[index] || self.previous.len() <= index) => {
                 Vec::new()
             }
             Some(previous) => previous.avoids.clone(),
@@ -201,8 +201,8 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    fn has_leeway(&self, index: usize) -> bool {
-        has_leeway(&self.spec.vehicles[index])
+    fn can_retime(&self, index: usize) -> bool {
+        can_retime(&self.spec.vehicles[index])
     }
 
     /// The next draft of a chain.
@@ -211,9 +211,9 @@ impl<'a> Fleet<'a> {
         let kept = old.filter(|_| !self.again[index]);
         let around = chain
             .last()
-            .filter(|last| self.has_leeway(index) && last.plan.avoids == avoids);
+            .filter(|last| self.can_retime(index) && last.plan.avoids == avoids);
         let at_another_time = match (chain, around) {
-            ([first], _) if self.has_leeway(index) => {
+            ([first], _) if self.can_retime(index) => {
                 self.at_another_time(index, &avoids, &self.alone(index, first))
             }
             (_, Some(last)) => self.at_another_time(index, &avoids, &counted(&last.plan)),
@@ -246,7 +246,7 @@ impl<'a> Fleet<'a> {
     /// not searched.
     fn lifted(&self, index: usize, avoids: &[usize], old: &VehiclePlan) -> Option<VehiclePlan> {
         let decodes = self.spec.planner.algorithm == Algorithm::Msfoa;
-        if !decodes || self.has_leeway(index) || old.avoids != avoids {
+        if !decodes || self.can_retime(index) || old.avoids != avoids {
             return None;
         }
         let earlier = self.flights_of(avoids);
@@ -258,7 +258,7 @@ impl<'a> Fleet<'a> {
         flights.collect()
     }
 
-    /// A plan around some of those that stand. Who has leeway takes off when nobody of them is
+    /// A plan around some of those that stand. Who has retiming takes off when nobody of them is
     /// in the way of its takeoff and landing.
     fn around(
         &self,
@@ -269,7 +269,7 @@ impl<'a> Fleet<'a> {
     ) -> VehiclePlan {
         let (spec, world, request) = (self.spec, self.world, self.request);
         let earlier = self.flights_of(&avoids);
-        let way = chain.first().filter(|_| self.has_leeway(index));
+        let way = chain.first().filter(|_| self.can_retime(index));
         let Some(way) = way.map(|first| &first.plan) else {
             return plan_vehicle(spec, world, request, index, avoids, &earlier, estimated);
         };
@@ -288,7 +288,7 @@ impl<'a> Fleet<'a> {
     fn or_alone(&self, index: usize, plan: VehiclePlan) -> VehiclePlan {
         let is_printed = self.spec.planner.objective == Objective::Paper;
         let stands = plan.terms.is_clean() || plan.avoids.is_empty();
-        if stands || is_printed || self.has_leeway(index) {
+        if stands || is_printed || self.can_retime(index) {
             return plan;
         }
         let (spec, world, request) = (self.spec, self.world, self.request);

@@ -25,7 +25,7 @@ const DEPARTURES: f64 = 200.0;
 const SPEED_STEP: f64 = 0.05;
 const SPEEDS: f64 = 8.0;
 /// Costs that differ by less are the same.
-const HAIR: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 
 /// A departure and a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,8 +38,8 @@ struct Choice {
 }
 
 /// Whether the spec leaves anything open.
-pub(crate) fn has_leeway(vehicle: &Vehicle) -> bool {
-    vehicle.leeway.depart_s.is_some() || vehicle.leeway.speed_mps.is_some()
+pub(crate) fn can_retime(vehicle: &Vehicle) -> bool {
+    vehicle.retiming.depart_s.is_some() || vehicle.retiming.speed_mps.is_some()
 }
 
 /// The vehicle on a path that it would fly alone, at the departure and speed nearest to the
@@ -139,7 +139,7 @@ fn speeds(
 ) -> Vec<(f64, CostTerms)> {
     let (vehicle, span) = (&spec.vehicles[index], spec.vehicles[index].speeds());
     let mut good = vec![(vehicle.speed_mps, alone.terms)];
-    if vehicle.leeway.speed_mps.is_none() {
+    if vehicle.retiming.speed_mps.is_none() {
         return good;
     }
     let least_mps = SPEED_STEP * vehicle.speed_mps;
@@ -160,7 +160,7 @@ fn speeds(
         };
         let [plain, strict] = judged(speed_mps);
         let is_as_good = plain.is_clean() || !alone.terms.is_clean();
-        if is_as_good && strict.total() <= wanted.total() + HAIR {
+        if is_as_good && strict.total() <= wanted.total() + TOLERANCE {
             good.push((speed_mps, plain));
         }
     }

@@ -1,8 +1,8 @@
-//! Swerves: how a way that would meet earlier flights gives way to them.
+//! Detours: how a way that would meet earlier flights gives way to them.
 //!
 //! A path that lies straight in the way of another gains nothing by moving a little aside:
 //! it gets later only with the square of that. So a swarm that begins on it is long in
-//! conflict, and the race drops it for one that takes a far longer way of its own. Swerves
+//! conflict, and the race drops it for one that takes a far longer way of its own. Detours
 //! are what it would find: a detour before the conflict, after which the others have
 //! passed, or a way beside them.
 
@@ -21,12 +21,12 @@ const PIECES: usize = 256;
 /// How much nearer than the separation the line may come, on time, before it is a conflict:
 /// the path will be a little off.
 const WARY: f64 = 1.2;
-/// Least span of a swerve, in distances between control points: shorter ones cannot be fitted.
+/// Least span of a detour, in distances between control points: shorter ones cannot be fitted.
 const LEAST_SPAN: f64 = 4.0;
 /// Delays, in units of what keeps two vehicles apart: from the least by so many times.
 const LEAST_DELAY: f64 = 0.5;
 const DELAYS: f64 = 12.0;
-/// One swerve in so many lies anywhere, the others before the conflict.
+/// One detour in so many lies anywhere, the others before the conflict.
 const ANYWHERE: u8 = 3;
 
 /// How far along a line its first conflict with an earlier flight begins, metres.
@@ -49,8 +49,8 @@ pub(crate) fn conflict_m(course: &Course<'_>, line: &Line) -> Option<f64> {
         .map(along_m)
 }
 
-/// A line that swerves to one side, mostly before its conflict.
-pub(crate) fn swerve(
+/// A line that detours to one side, mostly before its conflict.
+pub(crate) fn detour(
     course: &Course<'_>,
     line: &Line,
     conflict_m: Option<f64>,

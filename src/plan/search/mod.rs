@@ -271,7 +271,7 @@ fn by_turns(one: Vec<Start>, other: Vec<Start>) -> Vec<Start> {
 fn gives_way(course: &Course<'_>) -> bool {
     let planner = &course.spec.planner;
     let is_paper = planner.objective == spec::Objective::Paper;
-    !course.earlier.is_empty() && !is_paper && planner.has(Part::Swerves)
+    !course.earlier.is_empty() && !is_paper && planner.has(Part::Detours)
 }
 
 /// The path of a candidate fitted anew, with its control points bunched in other ways.

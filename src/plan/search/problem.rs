@@ -8,7 +8,7 @@ use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::Basis;
 use crate::optimize::Problem;
 use crate::plan::altitude::floor::{FloorMaker, Track};
-use crate::plan::altitude::{Demand, LowestSpline, Row, Workspace};
+use crate::plan::altitude::{AltitudeLp, Demand, Row, Workspace};
 use crate::spec::Objective;
 
 /// Altitude over the floor that keeps the path clear between samples, metres.
@@ -124,7 +124,7 @@ impl Spline {
 pub(crate) struct Sampled<'a> {
     basis: Basis,
     model: CostModel,
-    lowest: LowestSpline,
+    lowest: AltitudeLp,
     floor: FloorMaker<'a>,
     /// Samples count alike, whatever the distance between them (the paper's sums).
     even: bool,
@@ -168,7 +168,7 @@ impl<'a> Sampled<'a> {
         let basis = Basis::new(controls, parameters);
         let rows = (0..parameters.len()).map(|k| basis.row(k)).collect();
         Self {
-            lowest: LowestSpline::new(rows, controls),
+            lowest: AltitudeLp::new(rows, controls),
             model: course.model(margins, parameters),
             floor: course.floor(above_m, margins.climb_fraction),
             even: course.spec.planner.objective == Objective::Paper,

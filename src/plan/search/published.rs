@@ -6,8 +6,8 @@ use super::problem::Spline;
 use super::route_context::Course;
 use crate::numeric::Seed;
 use crate::optimize::{
-    AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, LiteralParameters,
-    MfoaParameters, PsoParameters, Starts, Step, TracePoint, minimise,
+    AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, MfoaParameters,
+    PsoParameters, PublishedParameters, Starts, Step, TracePoint, minimise,
 };
 use crate::spec;
 
@@ -45,8 +45,8 @@ pub(crate) fn letter(
 fn as_printed(algorithm: spec::Algorithm, course: &Course<'_>) -> Algorithm {
     let planner = &course.spec.planner;
     let flies = |printed: usize| planner.population.unwrap_or(printed);
-    let msfoa = |printed: LiteralParameters| {
-        Algorithm::MsfoaLiteral(LiteralParameters {
+    let msfoa = |printed: PublishedParameters| {
+        Algorithm::MsfoaLiteral(PublishedParameters {
             swarms: planner.swarms.unwrap_or(printed.swarms),
             population: flies(printed.population),
             threshold: planner.threshold.unwrap_or(printed.threshold),
@@ -70,9 +70,9 @@ fn as_printed(algorithm: spec::Algorithm, course: &Course<'_>) -> Algorithm {
     );
     match algorithm {
         spec::Algorithm::Msfoa | spec::Algorithm::MsfoaLiteral => {
-            msfoa(LiteralParameters::literal())
+            msfoa(PublishedParameters::literal())
         }
-        spec::Algorithm::MsfoaDwindle => msfoa(LiteralParameters::dwindle()),
+        spec::Algorithm::MsfoaDwindle => msfoa(PublishedParameters::dwindle()),
         spec::Algorithm::Foa => Algorithm::Foa(FoaParameters {
             population: flies(foa.population),
             ..foa

@@ -81,13 +81,13 @@ impl<'a> Course<'a> {
     /// `climb_fraction`.
     pub(crate) fn floor(&self, above_m: f64, climb_fraction: f64) -> FloorMaker<'a> {
         /// Keeps rounding from turning a limit that is met into one that is broken.
-        const HAIR: f64 = 1e-3;
+        const TOLERANCE: f64 = 1e-3;
         FloorMaker::new(
             self.world,
             self.margins.clearance_m + above_m,
             Slopes::new(
                 VehicleLimits::of(self.vehicle()),
-                1.0 - climb_fraction - HAIR,
+                1.0 - climb_fraction - TOLERANCE,
             ),
         )
     }

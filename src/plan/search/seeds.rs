@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::detour::{conflict_m, swerve};
+use super::detour::{conflict_m, detour};
 use super::fit::{Fitter, Line, Warp};
 use super::problem::{Frame, Horizontal};
 use super::route_context::Course;
@@ -26,18 +26,18 @@ const ONE_EACH: f64 = 0.75;
 const FITS_PER_CLASS: usize = 3;
 /// What each further start of one class costs in the ranking: drawn tight, they are much alike.
 const REPEAT: f64 = 0.15;
-/// What the fit of a class that meets earlier flights costs in the ranking, beside its swerves.
+/// What the fit of a class that meets earlier flights costs in the ranking, beside its detours.
 const UNSWERVED: f64 = 0.04;
 /// Unit of a start's steps, in distances between control points.
 const STEP_UNIT: f64 = 0.3;
 /// Share of the budget for fits.
 const FIT_SHARE: usize = 20;
-/// Classes that meet earlier flights and get swerves, the most promising ones.
+/// Classes that meet earlier flights and get detours, the most promising ones.
 const SWERVING: usize = 4;
-/// Swerves of one class.
-const SWERVES: usize = 72;
+/// Detours of one class.
+const DETOURS: usize = 72;
 /// Costs that differ by a smaller share are the same.
-const HAIR: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-9;
 /// Nodes along a profile in which extremes are looked for.
 const PROFILE: usize = 65;
 
@@ -207,8 +207,8 @@ fn rows(starts: &[Start]) -> Vec<f64> {
     means.copied().collect()
 }
 
-/// Adds swerves to the classes that meet earlier flights, by their ways and best fits. Of what
-/// was fitted to such a class only that fit stays, as a class beside it: mostly a swerve beats
+/// Adds detours to the classes that meet earlier flights, by their ways and best fits. Of what
+/// was fitted to such a class only that fit stays, as a class beside it: mostly a detour beats
 /// it, but it may yet pass before the others.
 fn give_way<'r>(
     course: &Course<'_>,
@@ -228,17 +228,17 @@ fn give_way<'r>(
         .iter()
         .zip(ways)
         .zip(costs)
-        .filter(|&((&index, _), cost)| cost > fits[index].cost * (1.0 + HAIR))
+        .filter(|&((&index, _), cost)| cost > fits[index].cost * (1.0 + TOLERANCE))
         .map(|((&index, way), _)| (index, way))
         .collect();
     let swerving = &met[..met.len().min(SWERVING)];
     let allowed = among.budget() / FIT_SHARE / swerving.len().max(1);
-    let mut swerves = Vec::new();
+    let mut detours = Vec::new();
     for (_, way) in swerving {
-        swerves.extend(swerves_of(course, way, allowed.min(SWERVES), rng));
+        detours.extend(detours_of(course, way, allowed.min(DETOURS), rng));
     }
-    let swerves = swerves.iter().map(|(way, warp)| (way, warp.clone()));
-    let wanted: Vec<_> = swerves.collect();
+    let detours = detours.iter().map(|(way, warp)| (way, warp.clone()));
+    let wanted: Vec<_> = detours.collect();
     let mut swerved = evaluate(course, fitter, among, &wanted);
     for &(index, _) in swerving {
         rank_as(&fits[index], &mut swerved);
@@ -258,8 +258,8 @@ fn give_way<'r>(
     fits.extend(swerved);
 }
 
-/// Swerves of one way, half of them with control points bunched as well.
-fn swerves_of<'r>(
+/// Detours of one way, half of them with control points bunched as well.
+fn detours_of<'r>(
     course: &Course<'_>,
     way: &Way<'r>,
     count: usize,
@@ -269,7 +269,7 @@ fn swerves_of<'r>(
     let has_warps = course.spec.planner.has(Part::Warps);
     (0..count)
         .map(|number| {
-            let line = swerve(course, &way.line, at_m, number % 2 == 0, rng);
+            let line = detour(course, &way.line, at_m, number % 2 == 0, rng);
             let warp = match has_warps && number % 4 > 1 {
                 true => Warp::random(&summits(course, &line), rng),
                 false => Warp::even(),
@@ -280,7 +280,7 @@ fn swerves_of<'r>(
         .collect()
 }
 
-/// Ranks the best of a class's swerves as its way would rank alone, and the others behind it.
+/// Ranks the best of a class's detours as its way would rank alone, and the others behind it.
 fn rank_as(alone: &Fit<'_>, swerved: &mut [Fit<'_>]) {
     let of_class = || swerved.iter().filter(|fit| fit.class == alone.class);
     let least = of_class()

@@ -5,10 +5,10 @@ use std::collections::BTreeSet;
 use super::Checker;
 use super::cells::{COLUMNS, Part};
 use super::template::filled;
-use crate::spec::positions::Places;
+use crate::spec::positions::Positions;
 use crate::spec::raw;
 use crate::spec::table::Table;
-use crate::spec::value_sources::{Made, Whereabouts};
+use crate::spec::value_sources::{Made, ValueSources};
 
 /// Most vehicles that `fleet` makes.
 pub(super) const MOST: u64 = 10_000;
@@ -18,21 +18,21 @@ const LAST_SYSTEM_ID: i64 = 240;
 /// A spec of which all vehicles are written out, and where all of it stands.
 pub(in crate::spec) struct Whole {
     pub(in crate::spec) raw: raw::Spec,
-    pub(in crate::spec) places: Whereabouts,
+    pub(in crate::spec) places: ValueSources,
     pub(in crate::spec) issues: Vec<crate::spec::Issue>,
 }
 
 /// Writes out `fleet`.
-pub(in crate::spec) fn write_out(mut raw: raw::Spec, places: Places, table: Table) -> Whole {
+pub(in crate::spec) fn write_out(mut raw: raw::Spec, places: Positions, table: Table) -> Whole {
     let listed = raw.vehicles.len();
     let Some(fleet) = raw.fleet.clone() else {
         return Whole {
-            places: Whereabouts::new(places, listed, Vec::new(), table),
+            places: ValueSources::new(places, listed, Vec::new(), table),
             raw,
             issues: Vec::new(),
         };
     };
-    let plain = Whereabouts::new(places.clone(), listed, Vec::new(), Table::default());
+    let plain = ValueSources::new(places.clone(), listed, Vec::new(), Table::default());
     let mut checker = Checker {
         places: &plain,
         issues: Vec::new(),
@@ -48,7 +48,7 @@ pub(in crate::spec) fn write_out(mut raw: raw::Spec, places: Places, table: Tabl
     raw.vehicles.extend::<Vec<_>>(vehicles);
     Whole {
         issues: checker.issues,
-        places: Whereabouts::new(places, listed, made, table),
+        places: ValueSources::new(places, listed, made, table),
         raw,
     }
 }

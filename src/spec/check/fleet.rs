@@ -186,8 +186,8 @@ impl Checker<'_> {
             way_to_start_m: from.zip(own_home).map(|(start, home)| start.chord_m(home)),
         };
         let wing = self.wing(path, raw, &flown);
-        let leeway = self.leeway(path, raw);
-        let opens_s = leeway.depart_s.map(|window| window.least);
+        let retiming = self.retiming(path, raw);
+        let opens_s = retiming.depart_s.map(|window| window.least);
         let depart_s = raw.depart_s.or(opens_s).unwrap_or(0.0);
         Some(Vehicle {
             wing,
@@ -199,7 +199,7 @@ impl Checker<'_> {
             descent_mps: self.number(&at("descent_mps"), descent_mps, 0.1..=50.0),
             accel_mps2: self.number(&at("accel_mps2"), accel_mps2, 0.1..=50.0),
             depart_s: self.number(&at("depart_s"), depart_s, LATEST_S),
-            leeway,
+            retiming,
             return_amsl: self
                 .optional(&at("return_amsl_m"), raw.return_amsl_m, -500.0..=20_000.0)
                 .map(Amsl),

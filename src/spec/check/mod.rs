@@ -21,7 +21,7 @@ use std::fmt::Display;
 use std::ops::RangeInclusive;
 
 use super::raw;
-use super::value_sources::{Whereabouts, in_order};
+use super::value_sources::{ValueSources, in_order};
 use super::{
     Algorithm, AltitudeReference, Issue, MOST_CONTROL_POINTS, MissionOptions, MissionSpec,
     Objective, OnLinkLoss, Planner, Separation, Weights, Wind,
@@ -35,7 +35,7 @@ use crate::numeric::digits;
 /// Every problem, in file order.
 pub(super) fn check(
     raw: &raw::Spec,
-    places: &Whereabouts,
+    places: &ValueSources,
     issues: Vec<Issue>,
 ) -> Result<MissionSpec, Vec<Issue>> {
     let mut checker = Checker { places, issues };
@@ -50,7 +50,7 @@ pub(super) fn check(
 /// Collects problems. Its methods return what they checked, or `None` where a
 /// problem leaves nothing to go on with; then a problem was noted.
 struct Checker<'a> {
-    places: &'a Whereabouts,
+    places: &'a ValueSources,
     issues: Vec<Issue>,
 }
 

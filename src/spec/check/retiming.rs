@@ -5,11 +5,11 @@ use std::ops::RangeInclusive;
 use super::Checker;
 use super::fleet::{LATEST_S, SPEED_MPS};
 use crate::spec::raw;
-use crate::spec::{Leeway, Span};
+use crate::spec::{Retiming, Span};
 
 impl Checker<'_> {
     /// Only what a mission file can carry is left open: judged again, a file says what was chosen.
-    pub(super) fn leeway(&mut self, path: &str, raw: &raw::Vehicle) -> Leeway {
+    pub(super) fn retiming(&mut self, path: &str, raw: &raw::Vehicle) -> Retiming {
         let is_copter = matches!(raw.airframe, raw::Airframe::Copter);
         let window = raw.depart_window_s.and_then(|window| {
             let path = format!("{path}.depart_window_s");
@@ -34,7 +34,7 @@ impl Checker<'_> {
             let ends = [("min", range.min), ("max", range.max)];
             self.span(&path, ends, SPEED_MPS, ("speed_mps", Some(raw.speed_mps)))
         });
-        Leeway {
+        Retiming {
             depart_s: window,
             speed_mps: range,
         }

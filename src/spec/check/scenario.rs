@@ -7,8 +7,8 @@ use super::super::table::Table;
 use super::super::{Cylinder, Issue, Mover, Objective, Peak, Scenario, Surface, Waves};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
-use crate::spec::positions::Places;
-use crate::spec::value_sources::Whereabouts;
+use crate::spec::positions::Positions;
+use crate::spec::value_sources::ValueSources;
 
 /// Where anything may be, metres from the origin.
 const EXTENT_M: RangeInclusive<f64> = -300_000.0..=300_000.0;
@@ -19,9 +19,9 @@ const EXTENT_M: RangeInclusive<f64> = -300_000.0..=300_000.0;
 /// Every problem, in file order.
 pub(in crate::spec) fn scenario(
     raw: &raw::Scenario,
-    places: &Places,
+    places: &Positions,
 ) -> Result<Scenario, Vec<Issue>> {
-    let places = Whereabouts::new(places.clone(), 0, Vec::new(), Table::default());
+    let places = ValueSources::new(places.clone(), 0, Vec::new(), Table::default());
     let mut checker = Checker {
         places: &places,
         issues: Vec::new(),

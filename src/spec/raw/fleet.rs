@@ -34,7 +34,7 @@ pub(in crate::spec) struct Fleet {
     pub(in crate::spec) csv: Option<String>,
 }
 
-/// Places in rows from west to east, the rows from south to north.
+/// Positions in rows from west to east, the rows from south to north.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::spec) struct Grid {
@@ -43,7 +43,7 @@ pub(in crate::spec) struct Grid {
     /// Number of rows.
     #[schemars(range(min = 1, max = 10000))]
     pub(in crate::spec) rows: u64,
-    /// Places in each row.
+    /// Positions in each row.
     #[schemars(range(min = 1, max = 10000))]
     pub(in crate::spec) columns: u64,
     /// Distance between neighbours, metres.

@@ -342,7 +342,7 @@ mod tests {
             },
             items,
             fence: Vec::new(),
-            fence_told: false,
+            is_fence_known: false,
             rally: Vec::new(),
             params: Vec::new(),
             notes: Vec::new(),

@@ -13,7 +13,7 @@ use super::decode::{Height, Order, Step, Unknown};
 use super::flight::{End, Flight, Legs, Mark, Slope};
 use super::legs;
 use super::legs::Knot;
-use super::trajectory::Ribbon;
+use super::trajectory::TrajectoryBuilder;
 use super::wing::l1::Guidance;
 use super::wing::tecs;
 use crate::verify::measure::segment::Phase;
@@ -36,7 +36,7 @@ pub(crate) fn fly(
     let mut pilot = Pilot {
         vehicle,
         world,
-        ribbon: Ribbon::new(world),
+        trajectory: TrajectoryBuilder::new(world),
         stations,
         tolerance_m,
         flight: Flight::default(),
@@ -55,7 +55,7 @@ pub(crate) fn fly(
         early_m: tecs::early_m(vehicle, mission),
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
-    pilot.flight.chords = pilot.ribbon.chords;
+    pilot.flight.chords = pilot.trajectory.chords;
     pilot.flight.settled()
 }
 
@@ -63,13 +63,13 @@ pub(crate) fn fly(
 /// at T0. What was chosen from a window is nowhere but in the mission.
 pub(crate) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
     let waits_elsewhere = autopilot == Autopilot::Px4 || vehicle.airframe.has_wing();
-    waits_elsewhere && vehicle.leeway.depart_s.is_none()
+    waits_elsewhere && vehicle.retiming.depart_s.is_none()
 }
 
 pub(crate) struct Pilot<'a> {
     pub(crate) vehicle: &'a Vehicle,
     pub(crate) world: &'a World,
-    pub(crate) ribbon: Ribbon<'a>,
+    pub(crate) trajectory: TrajectoryBuilder<'a>,
     pub(crate) stations: &'a Stations,
     tolerance_m: f64,
     pub(crate) flight: Flight,
@@ -187,7 +187,7 @@ impl Pilot<'_> {
         autopilot: Autopilot,
     ) -> Result<(), Unknown> {
         // The encoded delay is the departure.
-        self.ribbon.t_s = match (self.flight.delay_s, autopilot) {
+        self.trajectory.t_s = match (self.flight.delay_s, autopilot) {
             (Some(delay_s), _) => delay_s,
             (None, autopilot) if is_launched(self.vehicle, autopilot) => self.vehicle.depart_s,
             (None, _) => 0.0,
@@ -259,7 +259,7 @@ impl Pilot<'_> {
     fn climb(&mut self, row: usize, to_m: f64) {
         let rise_m = to_m - self.last().amsl_m;
         self.flight.slopes.push(Slope {
-            chord: self.ribbon.chords.len(),
+            chord: self.trajectory.chords.len(),
             phase: self.phase,
             run_m: 0.0,
             rise_m,
@@ -282,14 +282,14 @@ impl Pilot<'_> {
             amsl: Amsl(to_m),
         };
         let duration_s = (to_m - from.amsl.0).abs() / rate_mps;
-        self.ribbon
+        self.trajectory
             .straight((row, self.phase), (from, to), duration_s, grounded);
         self.knots = vec![self.knot(row, to.at, to_m, None)];
     }
 
     fn hold(&mut self, row: usize, hold_s: f64) {
         let here = self.here();
-        self.ribbon
+        self.trajectory
             .straight((row, self.phase), (here, here), hold_s, false);
     }
 
@@ -322,17 +322,17 @@ impl Pilot<'_> {
         let run = legs::run(&knots, self.vehicle, &grounds_mps, ends_mps);
         let lines = knots
             .windows(2)
-            .map(|pair| self.ribbon.altitude_line(&pair[0], &pair[1]))
+            .map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]))
             .collect::<Result<Vec<_>, _>>()?;
-        let mut firsts = vec![self.ribbon.chords.len(); lines.len()];
+        let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
         let mut leg = usize::MAX;
         for piece in &run.pieces {
             if piece.leg != leg {
                 leg = piece.leg;
-                self.ribbon.late_s += leg_late_s(self.vehicle);
-                firsts[leg] = self.ribbon.chords.len();
+                self.trajectory.late_s += leg_late_s(self.vehicle);
+                firsts[leg] = self.trajectory.chords.len();
             }
-            self.ribbon.lay_piece(piece, &knots, &lines)?;
+            self.trajectory.lay_piece(piece, &knots, &lines)?;
         }
         let legs = Legs {
             knots: &knots,
@@ -341,12 +341,12 @@ impl Pilot<'_> {
             firsts: &firsts,
         };
         self.flight
-            .take_stock(&legs, &self.ribbon.chords, self.ribbon.t_s);
+            .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
         self.lay_beside(&knots, &firsts)?;
         self.lay_swings(&knots, &grounds_mps, &firsts)?;
         self.drift_onto(&knots, &firsts);
         if last_mps <= 0.0 {
-            self.ribbon.late_s += STOP_LATE_S;
+            self.trajectory.late_s += STOP_LATE_S;
         }
         Ok(())
     }
@@ -361,7 +361,7 @@ impl Pilot<'_> {
         match height {
             Height::Sea(Amsl(amsl_m)) => Ok((amsl_m, None)),
             Height::Ground(Agl(agl_m)) => {
-                Ok((self.ribbon.ground_m(row, place)? + agl_m, Some(agl_m)))
+                Ok((self.trajectory.ground_m(row, place)? + agl_m, Some(agl_m)))
             }
         }
     }
@@ -410,7 +410,7 @@ impl Pilot<'_> {
         self.flight.route.push(Mark {
             point: last.point(),
             row: last.row,
-            t_s: self.ribbon.t_s,
+            t_s: self.trajectory.t_s,
         });
     }
 }

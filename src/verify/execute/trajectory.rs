@@ -12,7 +12,7 @@ use crate::verify::measure::surface::Surface;
 const CHORD_ERROR_M: f64 = 0.02;
 
 /// The chords so far, and the time at their end.
-pub(crate) struct Ribbon<'a> {
+pub(crate) struct TrajectoryBuilder<'a> {
     frame: &'a LocalFrame,
     surface: Surface<'a>,
     pub(crate) chords: Vec<Chord>,
@@ -68,7 +68,7 @@ impl AltitudeLine {
     }
 }
 
-impl<'a> Ribbon<'a> {
+impl<'a> TrajectoryBuilder<'a> {
     pub(crate) fn new(world: &'a World) -> Self {
         Self {
             frame: &world.frame,

@@ -181,7 +181,7 @@ impl Contract<'_> {
             || first.moment(&self.world.frame, 0.0),
         );
         let mut margin = worst.margin(self.id(), "departure", "s")?;
-        let allowed = match self.vehicle.leeway.depart_s {
+        let allowed = match self.vehicle.retiming.depart_s {
             Some(window) => format!("{} to {}", window.least, window.most),
             None => self.vehicle.depart_s.to_string(),
         };
@@ -202,7 +202,7 @@ impl Contract<'_> {
                     worst.at_most(self.vehicle.speeds().miss(speed_mps), SPEED_MPS, at)
                 }
                 // Its cruise parameter is assumed: PX4 misbehaved with speed items.
-                (None, Autopilot::Px4) if self.vehicle.leeway.speed_mps.is_none() => {
+                (None, Autopilot::Px4) if self.vehicle.retiming.speed_mps.is_none() => {
                     worst.at_most(0.0, SPEED_MPS, at)
                 }
                 (None, _) => {
@@ -293,7 +293,7 @@ impl Contract<'_> {
 
     /// What of the spec's fence the mission's does not hold, where it could hold one.
     fn fence_complete(&self) -> Option<Margin> {
-        if !self.spec.mission.fence || !self.mission.fence_told {
+        if !self.spec.mission.fence || !self.mission.is_fence_known {
             return None;
         }
         let missing = mission::missing_from_fence(self.spec, &self.mission.fence);

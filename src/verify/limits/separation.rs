@@ -68,7 +68,7 @@ impl Near {
     /// For pairs that may have a margin below `below_m`, less the errors of their chords.
     fn new(timelines: &[Timeline<'_>], separation: &Separation, below_m: f64) -> Self {
         /// More than rounding may take from a distance, metres.
-        const HAIR_M: f64 = 1e-3;
+        const TOLERANCE_M: f64 = 1e-3;
         let chords = timelines.iter().flat_map(|timeline| &timeline.chords);
         let error_m = chords
             .map(|chord| chord.error_m + chord.wide_m)
@@ -78,7 +78,7 @@ impl Near {
             (timeline.vehicle, late_s)
         });
         let late_s = most_shift_s(fleet);
-        let allowed_m = 2.0 * error_m + HAIR_M;
+        let allowed_m = 2.0 * error_m + TOLERANCE_M;
         let nearness = Nearness {
             distance_m: below_m + allowed_m,
             vertical_m: separation.vertical_m.map(|level_m| level_m + allowed_m),

@@ -63,7 +63,7 @@ fn mission(autopilot: Autopilot, items: u8, lists: u8, from: u8) -> VehicleMissi
         home: HOME,
         items: (0..items).map(|n| waypoint(from.wrapping_add(n))).collect(),
         fence: list(command::FENCE_POLYGON_INCLUSION, 0.0, 3 * (lists & 1)),
-        fence_told: true,
+        is_fence_known: true,
         rally: list(command::RALLY_POINT, 80.0, lists >> 1 & 1),
         params: Vec::new(),
         notes: Vec::new(),

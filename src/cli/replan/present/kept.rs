@@ -143,5 +143,5 @@ impl Present<'_> {
 /// Who keeps its course keeps its fence: nothing of what came up since is in it, nor has to be.
 fn hold_fence(mission: &mut VehicleMission, course: &Course) {
     mission.fence.clone_from(&course.held.fence);
-    mission.fence_told = false;
+    mission.is_fence_known = false;
 }

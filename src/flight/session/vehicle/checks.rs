@@ -1,6 +1,6 @@
 //! What is made sure of before a vehicle flies.
 
-use super::{Craft, Stage};
+use super::{FlightVehicle, Stage};
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
@@ -14,7 +14,7 @@ const REQUEST_MS: u64 = 1000;
 /// Messages that are asked for: positions, current item.
 const WANTED: [f32; 2] = [33.0, 42.0];
 
-impl Craft<'_> {
+impl FlightVehicle<'_> {
     /// Goes on with the transfer or the checks.
     pub(crate) fn work(&mut self, now: Time) {
         match &mut self.stage {

@@ -1,17 +1,17 @@
 //! How a flight comes to its end: on the ground, or where it stays in the air.
 
-use super::{Craft, Stage, Told};
+use super::{FlightVehicle, Stage, Told};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
 use crate::flight::session::arrival::STILL_MPS;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
-use crate::flight::session::orbit::Lap;
+use crate::flight::session::orbit::Orbit;
 
 /// Faster than this a copter that was held flies elsewhere: gusts are slower, m/s.
 const MOVES_MPS: f64 = 2.0;
 
-impl Craft<'_> {
+impl FlightVehicle<'_> {
     /// It stopped its motors by itself: where it should, or elsewhere.
     pub(crate) fn landing(&self) -> End {
         let reference = &self.of.reference;
@@ -56,7 +56,7 @@ impl Craft<'_> {
         // Another mission may have been given to it meanwhile.
         let rows = self.total.unwrap_or(self.of.mission.items.len());
         if self.of.reference.lands || !self.in_mission || self.item < rows {
-            self.lap = Lap::default();
+            self.orbit = Orbit::default();
             return;
         }
         let stays = if self.of.mission.airframe.has_wing() {
@@ -89,7 +89,7 @@ impl Craft<'_> {
             }
             return;
         }
-        let obeys = self.asking.is_none();
+        let obeys = self.pending.is_none();
         self.holds = if wing {
             self.has_circled(fix, obeys && circles)
         } else {
@@ -103,10 +103,10 @@ impl Craft<'_> {
     /// A wing stays where it has flown a whole circle.
     fn has_circled(&mut self, fix: Fix, circles: bool) -> bool {
         if !circles {
-            self.lap = Lap::default();
+            self.orbit = Orbit::default();
             return false;
         }
-        self.lap
+        self.orbit
             .is_whole_with(self.of.reference.frame().to_plan(fix.place))
     }
 

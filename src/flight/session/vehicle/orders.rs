@@ -1,6 +1,6 @@
 //! What a vehicle is ordered to do, and what it answers.
 
-use super::{Craft, Stage, Told};
+use super::{FlightVehicle, Stage, Told};
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 use crate::link::{Command, Time};
@@ -12,7 +12,7 @@ const AGAIN_MS: u64 = 1000;
 /// Most of its texts that are kept while it is armed.
 const MOST_WARNINGS: usize = 5;
 
-impl Craft<'_> {
+impl FlightVehicle<'_> {
     pub(in crate::flight) fn arm(&mut self, now: Time) {
         self.stage = Stage::Arming;
         self.arming = Some((now + ARMING_MS, Time(u64::MAX)));
@@ -49,7 +49,7 @@ impl Craft<'_> {
 
     /// Gives commands, one after the other, each when the one before it was accepted.
     pub(crate) fn command(&mut self, orders: impl IntoIterator<Item = Command>) {
-        self.asking = None;
+        self.pending = None;
         self.orders = orders.into_iter().collect();
     }
 
@@ -65,7 +65,7 @@ impl Craft<'_> {
     }
 
     pub(crate) fn disobeyed(&mut self, now: Time, what: &str) {
-        self.asking = None;
+        self.pending = None;
         self.orders.clear();
         match self.stage {
             Stage::Arming => match &mut self.arming {

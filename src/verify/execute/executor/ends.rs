@@ -58,7 +58,9 @@ impl Pilot<'_> {
         let ground_m = match self.world.terrain {
             // Where it touches down is then not judged; when, well enough.
             Terrain::Unknown => self.home.amsl.0,
-            _ => self.ribbon.ground_m(row, self.world.frame.from_plan(at))?,
+            _ => self
+                .trajectory
+                .ground_m(row, self.world.frame.from_plan(at))?,
         };
         let slow_mps = slow_landing_mps(self.vehicle.autopilot);
         let descent_mps = self.vehicle.descent_mps;

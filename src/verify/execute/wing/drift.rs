@@ -31,12 +31,12 @@ impl Pilot<'_> {
             north_m: -wind.from_rad.cos() * wind.speed_mps * seconds,
         };
         let off = downwind(SHARE * climb_s);
-        for chord in &mut self.ribbon.chords {
+        for chord in &mut self.trajectory.chords {
             chord.wide_m = chord.wide_m.max(off.east_m.hypot(off.north_m));
         }
-        let end_s = self.ribbon.t_s;
+        let end_s = self.trajectory.t_s;
         let column = (self.home, moved(top, off));
-        self.ribbon.chords.push(Chord {
+        self.trajectory.chords.push(Chord {
             grounded: true,
             ..Chord::unflown((row, self.phase), (end_s - climb_s, end_s), column)
         });
@@ -50,13 +50,13 @@ impl Pilot<'_> {
             return;
         };
         let (first, end) = (firsts.first().copied(), firsts.get(1).copied());
-        let end = end.unwrap_or(self.ribbon.chords.len());
-        for chord in &mut self.ribbon.chords[first.unwrap_or(end)..end] {
+        let end = end.unwrap_or(self.trajectory.chords.len());
+        for chord in &mut self.trajectory.chords[first.unwrap_or(end)..end] {
             chord.wide_m = chord.wide_m.max(off.east_m.hypot(off.north_m));
         }
-        let (begin_s, leg) = (self.ribbon.t_s, (moved(from.point(), off), to.point()));
+        let (begin_s, leg) = (self.trajectory.t_s, (moved(from.point(), off), to.point()));
         let chord = Chord::unflown((to.row, to.phase), (begin_s, begin_s), leg);
-        self.ribbon.chords.push(chord);
+        self.trajectory.chords.push(chord);
     }
 }
 

@@ -34,10 +34,10 @@ impl Pilot<'_> {
             Some(place) => heading_rad(home.at, self.reach(row, place)?),
             None => planned_rad,
         };
-        self.ribbon.t_s = self.flight.delay_s.unwrap_or(self.vehicle.depart_s);
+        self.trajectory.t_s = self.flight.delay_s.unwrap_or(self.vehicle.depart_s);
         let ground = |at: EastNorth| {
             let place = self.world.frame.from_plan(at);
-            self.ribbon.ground_m(row, place).map_or(home.amsl, Amsl)
+            self.trajectory.ground_m(row, place).map_or(home.amsl, Amsl)
         };
         let climb = climb_out(self.vehicle, home.at, course_rad, ground, Amsl(top_m));
         let ground_m = ground(climb.lift_off).0;
@@ -51,7 +51,7 @@ impl Pilot<'_> {
             at: climb.lift_off,
             amsl: Amsl(ground_m),
         };
-        self.ribbon
+        self.trajectory
             .straight((row, self.phase), (home, lift_off), climb.run_s, true);
         self.airborne = true;
         self.moving_mps = self.vehicle.speed_mps;
@@ -79,10 +79,10 @@ impl Pilot<'_> {
             east_m: mix(lift_off.at.east_m, top.at.east_m),
             north_m: mix(lift_off.at.north_m, top.at.north_m),
         };
-        let t_s = self.ribbon.t_s;
+        let t_s = self.trajectory.t_s;
         let ends = (over(early), over(top.at));
         let chord = Chord::unflown((top.row, self.phase), (t_s, t_s), ends);
-        self.ribbon.chords.push(chord);
+        self.trajectory.chords.push(chord);
         self.early_top = Some(PlanPoint {
             at: early,
             amsl: Amsl(top.amsl_m),
@@ -92,7 +92,7 @@ impl Pilot<'_> {
     /// Glides from where it is to the ground at a place.
     pub(crate) fn glide(&mut self, row: usize, place: LatLon) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
-        let ground_m = self.ribbon.ground_m(row, place)?;
+        let ground_m = self.trajectory.ground_m(row, place)?;
         let from = self.last();
         self.phase = Phase::Finish;
         let down = self.knot(row, at, ground_m, None);
@@ -200,7 +200,7 @@ impl Pilot<'_> {
         let speed_mps = rim.speed_mps;
         self.fly_to_last(speed_mps)?;
         self.straight_in(row, from, middle, amsl_m);
-        self.lap(row, middle, rim, radius_m)?;
+        self.orbit(row, middle, rim, radius_m)?;
         let over = PlanPoint {
             at: middle,
             amsl: Amsl(amsl_m),
@@ -208,16 +208,16 @@ impl Pilot<'_> {
         self.flight.route.push(Mark {
             point: over,
             row,
-            t_s: self.ribbon.t_s,
+            t_s: self.trajectory.t_s,
         });
         self.flight.circle = Some(Circle {
             radius_m: rim_m,
-            chord: self.ribbon.chords.len(),
+            chord: self.trajectory.chords.len(),
         });
         // From now on it is somewhere on the circle.
-        self.ribbon
+        self.trajectory
             .straight((row, self.phase), (over, over), f64::INFINITY, false);
-        if let Some(stay) = self.ribbon.chords.last_mut() {
+        if let Some(stay) = self.trajectory.chords.last_mut() {
             stay.error_m = rim_m;
         }
         self.ended = true;
@@ -228,17 +228,17 @@ impl Pilot<'_> {
     /// How an autopilot comes to the rim is its own affair: somewhere between the tangent and
     /// the straight way to the middle, which is judged in space alone.
     fn straight_in(&mut self, row: usize, from: Knot, middle: EastNorth, amsl_m: f64) {
-        let t_s = self.ribbon.t_s;
+        let t_s = self.trajectory.t_s;
         let to = PlanPoint {
             at: middle,
             amsl: Amsl(amsl_m),
         };
         let chord = Chord::unflown((row, self.phase), (t_s, t_s), (from.point(), to));
-        self.ribbon.chords.push(chord);
+        self.trajectory.chords.push(chord);
     }
 
     /// Once around.
-    fn lap(
+    fn orbit(
         &mut self,
         row: usize,
         middle: EastNorth,
@@ -270,8 +270,9 @@ impl Pilot<'_> {
             let ends = (at(index), at(index + 1));
             let course_rad = heading_rad(ends.0.at, ends.1.at);
             let step_s = step_m / ground_speed(self.vehicle, &rim, Amsl(rim.amsl_m), course_rad)?;
-            self.ribbon.straight((row, self.phase), ends, step_s, false);
-            if let Some(chord) = self.ribbon.chords.last_mut() {
+            self.trajectory
+                .straight((row, self.phase), ends, step_s, false);
+            if let Some(chord) = self.trajectory.chords.last_mut() {
                 chord.error_m = CHORD_ERROR_M;
                 chord.bow_m = CHORD_ERROR_M;
             }

@@ -15,7 +15,7 @@ pub const EARLY_SHARE: f64 = 0.4;
 /// By so much it went over that height before it levelled off, metres.
 pub(crate) const OVERSHOOT_M: f64 = 14.0;
 /// Ways nearer to their legs than this are not looked at, metres.
-const HAIR_M: f64 = 0.5;
+const TOLERANCE_M: f64 = 0.5;
 /// Places of a way that are judged are so many steps apart.
 const EVERY: usize = 10;
 /// A way is taken to be as far from a chord as it is within this of its time, seconds.
@@ -40,7 +40,7 @@ impl Pilot<'_> {
         let fixes = guidance.follow(knots, grounds_mps);
         self.widen(knots, firsts, &fixes);
         let own = knots.windows(2);
-        let own = own.map(|pair| self.ribbon.altitude_line(&pair[0], &pair[1]));
+        let own = own.map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]));
         let own = own.collect::<Result<Vec<_>, _>>()?;
         let mut lines = self.lines_beside(knots, firsts)?;
         for (lines, own) in lines.iter_mut().zip(own) {
@@ -56,7 +56,7 @@ impl Pilot<'_> {
             let (from, to) = pair;
             let passed = &fixes[index * EVERY..=(index + 1) * EVERY];
             let beside_m = passed.iter().map(|fix| fix.beside_m).fold(0.0, f64::max);
-            if beside_m < HAIR_M {
+            if beside_m < TOLERANCE_M {
                 continue;
             }
             let leg = to.leg;
@@ -74,7 +74,7 @@ impl Pilot<'_> {
             };
             let share = |fix: &Fix| share(begin.at, end.at, fix.at);
             for line in &lines[leg] {
-                self.ribbon
+                self.trajectory
                     .lay_aside(chord, (share(from), share(to)), line)?;
             }
         }
@@ -90,11 +90,11 @@ impl Pilot<'_> {
             return;
         };
         let rise_m = early.amsl.0 - knots[0].amsl_m;
-        let t_s = self.ribbon.t_s;
+        let t_s = self.trajectory.t_s;
         let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
         let aside_m = top.map_or(0.0, |top| beside_m(early.at, next.at, top.at));
         let first = firsts.first().copied().unwrap_or_default();
-        for chord in &mut self.ribbon.chords[first..] {
+        for chord in &mut self.trajectory.chords[first..] {
             if chord.phase == Phase::Join {
                 let over_m = (1.0 - EARLY_SHARE) * rise_m;
                 chord.wide_m = over_m.max(OVERSHOOT_M);
@@ -103,20 +103,20 @@ impl Pilot<'_> {
             }
         }
         let chord = Chord::unflown((next.row, next.phase), (t_s, t_s), (early, next.point()));
-        self.ribbon.chords.push(chord);
+        self.trajectory.chords.push(chord);
     }
 
     /// Widens the chords of the legs by what the way is beside them, and makes them late by what
     /// it takes longer.
     fn widen(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) {
         let mut starts_s = None;
-        let (before_s, mut late_s) = (self.ribbon.late_s, 0.0_f64);
+        let (before_s, mut late_s) = (self.trajectory.late_s, 0.0_f64);
         for (leg, pair) in knots.windows(2).enumerate() {
             let first = firsts[leg];
             let end = firsts.get(leg + 1).copied();
-            let end = end.unwrap_or(self.ribbon.chords.len());
+            let end = end.unwrap_or(self.trajectory.chords.len());
             let half = |at: EastNorth| share(pair[0].at, pair[1].at, at) >= 0.5;
-            let chords = &self.ribbon.chords[first.min(end)..end];
+            let chords = &self.trajectory.chords[first.min(end)..end];
             let planned = chords.iter().find(|chord| chord.flown && half(chord.to.at));
             let mut of_leg = fixes.iter().filter(|fix| fix.leg == leg);
             let flown = of_leg
@@ -132,7 +132,7 @@ impl Pilot<'_> {
             let starts_s = *starts_s.get_or_insert(shift_s);
             late_s = late_s.max(starts_s - shift_s);
             let late_at_s = before_s + late_s;
-            for chord in &mut self.ribbon.chords[first..end] {
+            for chord in &mut self.trajectory.chords[first..end] {
                 if !chord.flown {
                     continue;
                 }
@@ -147,7 +147,7 @@ impl Pilot<'_> {
                 chord.late_s = chord.late_s.max(late_at_s);
             }
         }
-        self.ribbon.late_s = before_s + late_s;
+        self.trajectory.late_s = before_s + late_s;
     }
 }
 

@@ -26,7 +26,7 @@ pub const MOST_LAG_S: f64 = 3.5;
 /// Legs that are flown faster have no length to speak of, seconds.
 const LEAST_S: f64 = 1e-3;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
-const HAIR_M: f64 = 0.01;
+const TOLERANCE_M: f64 = 0.01;
 
 /// Changes of altitude from one waypoint to the next that are smaller than this are flown at once
 /// (`Plane::set_offset_altitude_location`), metres; none but on a wing of ArduPilot.
@@ -72,7 +72,8 @@ impl Pilot<'_> {
         let lines = self.lines_beside(knots, firsts)?;
         for ((pair, when), lines) in knots.windows(2).zip(self.times_s(firsts)).zip(&lines) {
             for line in lines {
-                self.ribbon.lay_unflown((&pair[0], &pair[1]), when, line)?;
+                self.trajectory
+                    .lay_unflown((&pair[0], &pair[1]), when, line)?;
             }
         }
         if self.early_m > 0.0 {
@@ -85,11 +86,11 @@ impl Pilot<'_> {
 
     /// Lays a leg that has the altitude of its end before it.
     fn lay_early(&mut self, from: &Knot, to: &Knot, when: (f64, f64)) -> Result<(), Unknown> {
-        let line = self.ribbon.altitude_line(from, to)?;
+        let line = self.trajectory.altitude_line(from, to)?;
         let length_m = from.at.distance_m(to.at);
         // A climb-out and a glide are flown as they are.
-        let is_free = to.slope_from_m.is_some() || length_m < HAIR_M;
-        if is_free || line.follows || line.change_m().abs() < HAIR_M {
+        let is_free = to.slope_from_m.is_some() || length_m < TOLERANCE_M;
+        if is_free || line.follows || line.change_m().abs() < TOLERANCE_M {
             return Ok(());
         }
         let sloping = (1.0 - self.early_m / length_m).max(0.0);
@@ -106,17 +107,17 @@ impl Pilot<'_> {
         };
         if sloping > 0.0 {
             let slope = line.steeper(sloping);
-            self.ribbon
+            self.trajectory
                 .lay_aside(chord(from.at, level_at), (0.0, sloping), &slope)?;
         }
-        self.ribbon
+        self.trajectory
             .lay_aside(chord(level_at, to.at), (1.0, 1.0), &line)
     }
 
     /// When each leg begins and ends, seconds.
     pub(crate) fn times_s(&self, firsts: &[usize]) -> Vec<(f64, f64)> {
-        let chords = &self.ribbon.chords;
-        let end_s = self.ribbon.t_s;
+        let chords = &self.trajectory.chords;
+        let end_s = self.trajectory.t_s;
         let begin_s = |leg: usize| {
             let first = firsts.get(leg).and_then(|first| chords.get(*first));
             first.map_or(end_s, |chord| chord.from_s)
@@ -138,7 +139,7 @@ impl Pilot<'_> {
         let mut before_mps = 0.0;
         for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
             let mut lines = Vec::new();
-            let line = self.ribbon.altitude_line(&pair[0], &pair[1])?;
+            let line = self.trajectory.altitude_line(&pair[0], &pair[1])?;
             // A climb-out and a glide are always slopes, and judged by half of their height.
             let is_free = self.lag_s <= 0.0 || pair[1].slope_from_m.is_some();
             if !is_free && line.change_m().abs() < self.at_once_m {
@@ -155,7 +156,7 @@ impl Pilot<'_> {
             let (most_mps, least_mps) = (climb_mps.max(before_mps), climb_mps.min(before_mps));
             for lag_mps in [most_mps.max(0.0), least_mps.min(0.0)] {
                 let offset_m = -self.lag_s * lag_mps;
-                if offset_m.abs() > HAIR_M {
+                if offset_m.abs() > TOLERANCE_M {
                     lines.push(line.raised(offset_m));
                 }
             }

@@ -7,7 +7,7 @@ use sortie::cost::Margins;
 use sortie::dispatch::dispatch;
 use sortie::mission::{Item, VehicleMission, command};
 use sortie::plan::{self, Request};
-use sortie::spec::{Leeway, MissionSpec, Span};
+use sortie::spec::{MissionSpec, Retiming, Span};
 use sortie::verify::{self, Review};
 use sortie::world::{self, World};
 
@@ -83,9 +83,9 @@ fn what_the_mission_holds_is_judged_by_window_and_range() {
         mission.params.clear();
     });
     assert!(broken(&unknown).contains(&"speed"));
-    // The same files without leeway are not what the spec says.
+    // The same files without retiming are not what the spec says.
     let mut strict = fleet;
-    strict.0.vehicles[1].leeway = Leeway::default();
+    strict.0.vehicles[1].retiming = Retiming::default();
     let review = judged(&strict, |_| ());
     assert_eq!(broken(&review), ["departure", "speed"]);
 }
@@ -102,7 +102,7 @@ fn a_mission_without_its_delay_leaves_at_once() {
     // Departure 0 is in the window; the vehicles then meet.
     let review = judged(&fleet, without);
     assert_eq!(broken(&review), ["separation"]);
-    fleet.0.vehicles[1].leeway.depart_s = Some(Span {
+    fleet.0.vehicles[1].retiming.depart_s = Some(Span {
         least: 30.0,
         most: 300.0,
     });
@@ -183,7 +183,7 @@ fn crowd() -> (MissionSpec, World) {
                 place.lon_deg += aside_deg;
             }
         }
-        vehicle.leeway = Leeway {
+        vehicle.retiming = Retiming {
             depart_s: Some(Span {
                 least: 0.0,
                 most: 90.0,
