@@ -1,10 +1,14 @@
-//! The checked spec. Whoever holds a [`MissionSpec`] need not check it again.
+//! The checked spec. A [`MissionSpec`] holds values that passed every check without the ground.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
+use super::keys::words;
 use super::vehicle::Vehicle;
 
 /// One mission for a fleet, checked and in SI units. Positions stay geodetic;
@@ -137,15 +141,29 @@ pub struct Rally {
     pub agl: Agl,
 }
 
-/// How far apart vehicles must stay, from takeoff to touchdown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How far apart vehicles stay.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Separation {
     /// Least distance at the same time, metres.
+    #[schemars(range(min = 1, max = 50000))]
     pub distance_m: f64,
-    /// Holds for every relative shift of departure up to this, seconds.
+    /// Applies to every relative shift of departures up to this, seconds.
+    #[schemars(range(min = 0, max = 3600))]
     pub time_slack_s: f64,
-    /// If present, a conflict is horizontal < `distance_m` and vertical < this.
+    /// With it, two vehicles conflict only if they are also less than this apart in height, metres.
+    #[schemars(range(min = 1, max = 10000))]
     pub vertical_m: Option<f64>,
+}
+
+impl Default for Separation {
+    fn default() -> Self {
+        Self {
+            distance_m: 100.0,
+            time_slack_s: 5.0,
+            vertical_m: None,
+        }
+    }
 }
 
 impl Separation {
@@ -250,7 +268,9 @@ impl Planner {
 }
 
 /// Which algorithm searches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(transform = words)]
 pub enum Algorithm {
     /// The default: several swarms in different route classes.
     Msfoa,
@@ -273,7 +293,9 @@ pub enum Algorithm {
 }
 
 /// Which objective is minimised.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Objective {
     /// Integrals along the path, independent of the sampling.
     Operational,
@@ -282,21 +304,29 @@ pub enum Objective {
 }
 
 /// Factors on the terms of the objective; 1 means as designed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Weights {
     /// Length.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub length: f64,
     /// Height above the minimum.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub altitude: f64,
     /// Threats, zones and area.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub threat: f64,
     /// Height below the minimum.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub terrain: f64,
     /// Turns beyond the limit.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub turn: f64,
     /// Slopes beyond the limit.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub climb: f64,
     /// Nearness to earlier vehicles.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub collision: f64,
 }
 
@@ -328,7 +358,9 @@ pub struct MissionOptions {
 }
 
 /// Reference of the altitudes in mission items.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum AltitudeReference {
     /// Above mean sea level.
     Amsl,
@@ -368,9 +400,12 @@ impl Wind {
 }
 
 /// What the fleet does when the link to one vehicle is lost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(transform = words)]
 pub enum OnLinkLoss {
     /// Everyone flies on.
+    #[default]
     Continue,
     /// Everyone stays where it is.
     HoldAll,

@@ -1,7 +1,11 @@
 //! A vehicle of the checked spec: what it is, where it goes, what it can.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
+use super::keys::words;
 use super::model::Wind;
 
 /// One vehicle of the fleet.
@@ -221,7 +225,9 @@ pub enum Placement {
 }
 
 /// Which autopilot reads the mission.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Autopilot {
     /// ArduPilot.
     ArduPilot,
@@ -230,9 +236,12 @@ pub enum Autopilot {
 }
 
 /// What flies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Airframe {
     /// Multicopter.
+    #[default]
     Copter,
     /// Fixed wing: takes off along a course and lands on a glide.
     Plane,
@@ -274,7 +283,9 @@ pub enum Link {
 }
 
 /// What happens at the goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Finish {
     /// Land there.
     Land,

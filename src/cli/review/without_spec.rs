@@ -11,7 +11,8 @@ use crate::formats::Document;
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::{Home, Item, VehicleMission, command, frame};
 use crate::spec::{
-    Airframe, Autopilot, EndPoint, Finish, MissionSpec, Placement, SpecFile, Vehicle,
+    Airframe, Autopilot, Builder, EndPoint, Finish, MissionSpec, Placement, Separation, Vehicle,
+    keys,
 };
 use crate::world::{Bounds, Terrain, World, read_terrain};
 
@@ -67,10 +68,10 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
             .unwrap_or(Airframe::Copter);
         let who = (autopilot, airframe);
         let speed_mps = speed_mps(&subject.document, who, limits);
-        let text = prototype(corners, who, speed_mps, limits);
-        let parsed = SpecFile::parse(Path::new("flags"), text)
-            .map_err(|error| Failure::new(Failure::USAGE, error.to_string()))?;
-        let mut spec = parsed.spec;
+        let prototype = prototype(corners, who, speed_mps, limits);
+        let file = prototype.file(Path::new("flags"));
+        let file = file.map_err(|error| Failure::new(Failure::USAGE, error.to_string()))?;
+        let (mut spec, text) = (file.spec, file.text);
         if spec.vehicles.len() == 1 {
             let mut vehicle = spec.vehicles.remove(0);
             let home = home(&subject, limits, &mut assumed);
@@ -92,7 +93,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
                 .map_err(|e| Failure::new(Failure::INPUT, format!("{}: {e}", path.display())))?;
             missions.push((index, mission));
         }
-        whole.get_or_insert((spec, parsed.text));
+        whole.get_or_insert((spec, text));
     }
     let Some((mut spec, text)) = whole else {
         return Err(Failure::new(Failure::USAGE, "no mission files given"));
@@ -156,66 +157,63 @@ fn prototype(
     (autopilot, airframe): (Autopilot, Airframe),
     speed_mps: f64,
     limits: &Limits,
-) -> String {
+) -> Builder {
     let between = |share: f64| {
         let mix = |a: f64, b: f64| a + (b - a) * share;
-        format!(
-            "lat: {}, lon: {}",
-            mix(south_west.lat_deg, north_east.lat_deg),
-            mix(south_west.lon_deg, north_east.lon_deg)
-        )
+        keys::Place {
+            lat: Some(mix(south_west.lat_deg, north_east.lat_deg)),
+            lon: Some(mix(south_west.lon_deg, north_east.lon_deg)),
+        }
     };
-    let mut yaml = format!(
-        "sortie: 1\nname: review\narea:\n  south_west: {{{}}}\n  north_east: {{{}}}\n  min_agl_m: {}\n  max_amsl_m: {}\n",
-        between(0.0),
-        between(1.0),
-        limits.min_agl.unwrap_or(0.0),
-        limits.max_amsl.unwrap_or(20_000.0),
-    );
-    yaml += &format!(
-        "terrain: {{flat: {{amsl_m: 0}}}}\nseparation:\n  distance_m: {}\n  time_slack_s: {}\n",
-        limits.separation.unwrap_or(1.0),
-        limits.time_slack.unwrap_or(0.0),
-    );
-    if let Some(vertical_m) = limits.vertical_separation {
-        yaml += &format!("  vertical_m: {vertical_m}\n");
-    }
-    yaml += &format!(
-        "vehicles:\n- id: vehicle\n  sysid: 1\n  link: sim\n  finish: loiter\n  autopilot: {}\n  airframe: {}\n  \
-         home: {{{}}}\n  start: {{{}, amsl_m: 100}}\n  goal: {{{}, amsl_m: 100}}\n  speed_mps: {speed_mps}\n",
-        match autopilot {
-            Autopilot::ArduPilot => "ardupilot",
-            Autopilot::Px4 => "px4",
-        },
-        match airframe {
-            Airframe::Copter => "copter",
-            Airframe::Plane => "plane",
-            Airframe::Vtol => "vtol",
-        },
-        between(0.2),
-        between(0.3),
-        between(0.7),
-    );
-    let heading_deg = match airframe {
+    let end = |share: f64| {
+        let keys::Place { lat, lon } = between(share);
+        keys::EndPoint {
+            lat,
+            lon,
+            agl_m: None,
+            amsl_m: Some(100.0),
+        }
+    };
+    let area = keys::Area {
+        south_west: south_west.into(),
+        north_east: north_east.into(),
+        min_agl_m: limits.min_agl.unwrap_or(0.0),
+        max_amsl_m: limits.max_amsl.unwrap_or(20_000.0),
+    };
+    let separation = Separation {
+        distance_m: limits.separation.unwrap_or(1.0),
+        time_slack_s: limits.time_slack.unwrap_or(0.0),
+        vertical_m: limits.vertical_separation,
+    };
+    let takeoff_heading_deg = match airframe {
         Airframe::Copter => None,
         Airframe::Plane => Some(limits.takeoff_heading.unwrap_or(0.0)),
         Airframe::Vtol => limits.takeoff_heading,
     };
-    for (key, value) in [
-        ("takeoff_heading_deg", heading_deg),
-        ("max_load_factor", limits.load_factor),
-        ("max_climb_deg", limits.max_climb),
-        ("max_descent_deg", limits.max_descent),
-        ("climb_mps", limits.climb),
-        ("descent_mps", limits.descent),
-        ("accel_mps2", limits.accel),
-        ("return_amsl_m", limits.return_amsl),
-    ] {
-        if let Some(value) = value {
-            yaml += &format!("  {key}: {value}\n");
-        }
-    }
-    yaml
+    let vehicle = keys::Vehicle {
+        id: Some("vehicle".to_owned()),
+        sysid: Some(1),
+        link: Some("sim".to_owned()),
+        finish: Some(Finish::Loiter),
+        autopilot: Some(autopilot),
+        airframe: Some(airframe),
+        home: Some(between(0.2)),
+        start: Some(end(0.3)),
+        goal: Some(end(0.7)),
+        speed_mps: Some(speed_mps),
+        takeoff_heading_deg,
+        max_load_factor: limits.load_factor,
+        max_climb_deg: limits.max_climb,
+        max_descent_deg: limits.max_descent,
+        climb_mps: limits.climb,
+        descent_mps: limits.descent,
+        accel_mps2: limits.accel,
+        return_amsl_m: limits.return_amsl,
+        ..keys::Vehicle::default()
+    };
+    MissionSpec::builder("review", area, keys::Terrain::flat(0.0))
+        .with(|keys| keys.separation = separation)
+        .vehicle(vehicle)
 }
 
 /// What the file says, or the flag, or ArduPilot.
