@@ -105,7 +105,7 @@ pub struct Hill {
     pub radius_m: f64,
 }
 
-/// What the radius of a threat, or of a hill, may be, metres.
+/// Radius of a threat or of a hill, metres.
 pub const THREAT_RADIUS_M: RangeInclusive<f64> = 1.0..=500_000.0;
 
 /// A vertical cylinder of infinite height.
@@ -167,8 +167,8 @@ impl Default for Separation {
 }
 
 impl Separation {
-    /// Whether two places at the same time are too near, for their distance across
-    /// and in height, metres.
+    /// Whether two positions at the same time conflict, by their horizontal and vertical
+    /// distance, metres.
     #[must_use]
     pub fn is_conflict(&self, across_m: f64, up_m: f64) -> bool {
         match self.vertical_m {
@@ -206,8 +206,7 @@ pub struct Planner {
     pub threshold: Option<f64>,
     /// Local step R, as a fraction of the map; absent: the algorithm's own.
     pub step: Option<f64>,
-    /// A part that the default algorithm does without, to see what it is worth. No key of
-    /// the file: studies alone leave parts out.
+    /// A part of the default algorithm that a study switches off. The file has no key for it.
     pub without: Option<Part>,
 }
 
@@ -379,13 +378,13 @@ pub struct Wind {
     pub speed_mps: f64,
 }
 
-/// A wing that makes less way over the ground than this makes none, m/s.
-const LEAST_WAY_MPS: f64 = 1.0;
+/// Least ground speed at which a wing holds a course, m/s.
+const MIN_GROUND_MPS: f64 = 1.0;
 
 impl Wind {
-    /// Speed over the ground of what holds a course in the wind by crabbing, from the wind
+    /// Ground speed of a vehicle that holds a course in the wind by crabbing, from the wind
     /// triangle: `sqrt(airspeed^2 - across^2) + along`, m/s. None where the wind is too strong
-    /// to hold the course (radians clockwise from north) with 1 m/s of way.
+    /// to hold the course (radians clockwise from north) at 1 m/s.
     #[must_use]
     pub fn ground_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> Option<f64> {
         let off_rad = course_rad - self.from_rad;
@@ -395,7 +394,7 @@ impl Wind {
         );
         let ahead = airspeed_mps * airspeed_mps - across_mps * across_mps;
         let ground_mps = ahead.max(0.0).sqrt() - against_mps;
-        (ahead > 0.0 && ground_mps >= LEAST_WAY_MPS).then_some(ground_mps)
+        (ahead > 0.0 && ground_mps >= MIN_GROUND_MPS).then_some(ground_mps)
     }
 }
 
@@ -404,12 +403,12 @@ impl Wind {
 #[serde(rename_all = "snake_case")]
 #[schemars(transform = words)]
 pub enum OnLinkLoss {
-    /// Everyone flies on.
+    /// All vehicles continue.
     #[default]
     Continue,
-    /// Everyone stays where it is.
+    /// All vehicles hold their position.
     HoldAll,
-    /// Everyone lands where it is.
+    /// All vehicles land at their position.
     LandAll,
 }
 
@@ -440,13 +439,13 @@ mod tests {
                 )
             };
             // Positive: the track lies clockwise of the course.
-            let beside = |(east, north): (f64, f64)| {
+            let off_course = |(east, north): (f64, f64)| {
                 east * course_rad.cos() - north * course_rad.sin()
             };
             let (mut left, mut right) = (-0.5 * PI, 0.5 * PI);
             for _ in 0..60 {
                 let middle = 0.5 * (left + right);
-                if beside(track(middle)) < 0.0 { left = middle } else { right = middle }
+                if off_course(track(middle)) < 0.0 { left = middle } else { right = middle }
             }
             let (east, north) = track(0.5 * (left + right));
             let found = wind.ground_speed_mps(airspeed_mps, course_rad).expect("a weaker wind");
@@ -455,7 +454,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wing_makes_way_as_the_wind_lets_it() {
+    fn a_wing_is_as_fast_over_the_ground_as_the_wind_allows() {
         let wind = Wind {
             from_rad: 1.5 * PI,
             speed_mps: 6.0,
@@ -463,9 +462,9 @@ mod tests {
         let on = |airspeed_mps, course_deg: f64| {
             wind.ground_speed_mps(airspeed_mps, course_deg.to_radians())
         };
-        let near = |found: Option<f64>, wanted: f64| {
+        let near = |found: Option<f64>, expected: f64| {
             assert!(
-                found.is_some_and(|mps| (mps - wanted).abs() < 1e-9),
+                found.is_some_and(|mps| (mps - expected).abs() < 1e-9),
                 "{found:?}"
             );
         };

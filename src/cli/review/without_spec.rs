@@ -1,4 +1,4 @@
-//! Mission files without a spec: one is made in memory of the items and of the flags,
+//! Mission files without a spec: one is made in memory from the items and the flags,
 //! so that the same verdict judges them.
 
 mod given;
@@ -18,21 +18,21 @@ use crate::world::{Bounds, Terrain, World, read_terrain};
 
 pub(crate) use given::keep_given;
 
-/// Places further than this from the first one are not part of the area, degrees.
+/// Positions further than this from the first one are not part of the area, degrees.
 const NEAR_DEG: f64 = 2.0;
 /// The area reaches this far beyond the items, degrees of latitude.
 const AROUND_DEG: f64 = 0.006;
 /// Vehicles without a spec are numbered as systems from 1.
-const MOST_VEHICLES: usize = 250;
+const MAX_VEHICLES: usize = 250;
 
-/// Everything a verdict needs, made of files and flags.
+/// Everything that a verdict needs, from files and flags.
 pub(crate) struct WithoutSpec {
     pub(crate) spec: MissionSpec,
-    /// The prototype as YAML: what the rest of the spec came from.
+    /// The prototype as YAML, with every key but those of the vehicles.
     pub(crate) text: String,
     pub(crate) world: World,
     pub(crate) missions: Vec<(usize, VehicleMission)>,
-    /// What was taken for granted, in sentences.
+    /// Assumptions, in sentences.
     pub(crate) assumed: Vec<String>,
 }
 
@@ -45,25 +45,28 @@ pub(crate) struct Subject {
 
 /// Makes a spec and a world around the missions.
 pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutSpec, Failure> {
-    if subjects.len() > MOST_VEHICLES {
-        let message = format!("{} missions (allowed: {MOST_VEHICLES})", subjects.len());
+    if subjects.len() > MAX_VEHICLES {
+        let message = format!("{} missions (allowed: {MAX_VEHICLES})", subjects.len());
         return Err(Failure::new(Failure::USAGE, message));
     }
     let mut assumed = Vec::new();
-    let places: Vec<LatLon> = subjects.iter().flat_map(|s| places(&s.document)).collect();
-    // Without any place there is nothing to fly, which the verdict says wherever that is.
-    let middle = places.first().copied().unwrap_or(LatLon {
+    let positions: Vec<LatLon> = subjects
+        .iter()
+        .flat_map(|subject| positions(&subject.document))
+        .collect();
+    // Without any position there is nothing to fly, and the verdict fails anywhere.
+    let middle = positions.first().copied().unwrap_or(LatLon {
         lat_deg: 0.0,
         lon_deg: 0.0,
     });
-    let corners = corners(middle, &places);
+    let corners = corners(middle, &positions);
     let mut whole: Option<(MissionSpec, String)> = None;
     let mut vehicles = Vec::new();
     let mut missions = Vec::new();
     for (index, subject) in subjects.into_iter().enumerate() {
         let autopilot = autopilot(&subject, limits, &mut assumed);
-        let asked = limits.airframe.map(AirframeName::airframe);
-        let airframe = asked
+        let flag = limits.airframe.map(AirframeName::airframe);
+        let airframe = flag
             .or(subject.document.airframe)
             .unwrap_or(Airframe::Copter);
         let who = (autopilot, airframe);
@@ -77,7 +80,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
             let home = home(&subject, limits, &mut assumed);
             fit(&mut vehicle, &subject, &home, index);
             if autopilot == Autopilot::ArduPilot && limits.takeoff_heading.is_none() {
-                // Which way it stands is in no file: where that matters, nothing is judged.
+                // No file holds the heading before takeoff: what depends on it is not judged.
                 if let Some(wing) = &mut vehicle.wing {
                     wing.takeoff_heading_rad = None;
                 }
@@ -110,8 +113,8 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     })
 }
 
-/// Home first, then every item with a place.
-fn places(document: &Document) -> Vec<LatLon> {
+/// Home first, then every item with a position.
+fn positions(document: &Document) -> Vec<LatLon> {
     let home = document.home.map(|home| (home.x, home.y));
     let lists = [&document.items, &document.fence, &document.rally];
     let of_items = lists
@@ -126,10 +129,10 @@ fn places(document: &Document) -> Vec<LatLon> {
         .collect()
 }
 
-/// The corners of a box around the places that are near the first.
-fn corners(middle: LatLon, places: &[LatLon]) -> (LatLon, LatLon) {
+/// The corners of a box around the positions near the first.
+fn corners(middle: LatLon, positions: &[LatLon]) -> (LatLon, LatLon) {
     let (mut low, mut high) = (middle, middle);
-    let near = places.iter().filter(|place| {
+    let near = positions.iter().filter(|place| {
         (place.lat_deg - middle.lat_deg).abs() < NEAR_DEG
             && (place.lon_deg - middle.lon_deg).abs() < NEAR_DEG
     });
@@ -216,13 +219,13 @@ fn prototype(
         .vehicle(vehicle)
 }
 
-/// What the file says, or the flag, or ArduPilot.
+/// The flag, or the autopilot of the file, or ArduPilot.
 fn autopilot(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> Autopilot {
-    let asked = limits.autopilot.map(|name| match name {
+    let flag = limits.autopilot.map(|name| match name {
         AutopilotName::Ardupilot => Autopilot::ArduPilot,
         AutopilotName::Px4 => Autopilot::Px4,
     });
-    asked.or(subject.document.autopilot).unwrap_or_else(|| {
+    flag.or(subject.document.autopilot).unwrap_or_else(|| {
         assumed.push(format!(
             "{}: the file does not say for which autopilot it is: read as for ArduPilot (--autopilot)",
             subject.id
@@ -231,7 +234,7 @@ fn autopilot(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> A
     })
 }
 
-/// What the flag says, or the first change of speed, or the default of the autopilot
+/// The flag, or the first change of speed, or the default of the autopilot
 /// (`WPNAV_SPEED`, `MPC_XY_CRUISE`, `AIRSPEED_CRUISE`, `FW_AIRSPD_TRIM`).
 fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -> f64 {
     let changes = document.items.iter();
@@ -248,7 +251,7 @@ fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -
     limits.speed.or(in_mission).unwrap_or(default)
 }
 
-/// Home as the file has it, or the flag; 0, 0 is none, which the verdict tells.
+/// Home of the file, or of the flag; else 0, 0, for which the verdict fails.
 fn home(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> Home {
     if let Some(home) = subject.document.home {
         return home;
@@ -270,7 +273,7 @@ fn home(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> Home {
     home
 }
 
-/// Puts the prototype where the mission is: its home, its first place, its last.
+/// Moves the prototype to the mission: its home, its first position, its last.
 fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
     vehicle.id.clone_from(&subject.id);
     vehicle.sysid = u8::try_from(index + 1).unwrap_or(u8::MAX);
@@ -333,7 +336,7 @@ fn world(
         }
         None => Terrain::Unknown,
     };
-    // Stations need ground, of which there may be none; only homes are used of them.
+    // Stations need ground, and there may be none; only their homes are used.
     let mut world = World::new(spec, Terrain::Flat(Amsl(0.0)))
         .map_err(|error| Failure::new(Failure::INPUT, error.to_string()))?;
     for (index, mission) in missions {

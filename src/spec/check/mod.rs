@@ -23,7 +23,7 @@ use super::value_sources::{ValueSources, in_order};
 use super::{Algorithm, Issue, MissionOptions, MissionSpec, Objective, Planner, Wind};
 use crate::geodesy::LatLon;
 
-/// Checks a whole spec and the table beside it.
+/// Checks a whole spec and its table.
 ///
 /// # Errors
 /// Every problem, in file order.

@@ -58,7 +58,7 @@ impl Checker {
     }
 }
 
-/// The definition that a schema refers to, or the schema itself; `null` beside it is skipped.
+/// The definition that a schema refers to, or the schema itself, without the alternative `null`.
 pub(super) fn resolved<'s>(schema: &'s Schema, root: &'s Schema) -> &'s Schema {
     let schema = schema.pointer("/anyOf/0").unwrap_or(schema);
     let target = schema["$ref"]

@@ -32,7 +32,7 @@ pub struct Fleet {
     pub start_grid: Option<Grid>,
     /// Where they go: the first of this grid is the goal of the first of the other.
     pub goal_grid: Option<Grid>,
-    /// A table beside this file, one row for each vehicle. The names of its columns are the
+    /// A table, one row for each vehicle, its path relative to this file. Its columns are named by the
     /// keys of a vehicle, with _ for the dot: id, start_lat, start_lon, goal_agl_m, speed_mps.
     /// An empty cell means the default.
     pub csv: Option<String>,
@@ -55,8 +55,7 @@ pub struct Grid {
     pub spacing_m: f64,
 }
 
-/// The schema of a [`Vehicle`] of which no key is required, and without those that every vehicle
-/// has for itself.
+/// The schema of a [`Vehicle`] without `id` and `sysid`, and without required keys.
 fn part_of_vehicle(generator: &mut SchemaGenerator) -> Schema {
     let mut schema = Vehicle::json_schema(generator);
     let object = schema.ensure_object();

@@ -1,11 +1,10 @@
-//! What of a review was judged against a limit that was given.
+//! The margins of a review that were judged against a given limit.
 
 use crate::cli::args::Limits;
 use crate::spec::MissionSpec;
 use crate::verify::{Margin, Review};
 
-/// A limit that is judged only if it was given: names of its margins, what it is
-/// called, the flag that gives it.
+/// A limit that is judged only if it was given: names of its margins, its name, its flag.
 struct Optional {
     margins: &'static [&'static str],
     called: &'static str,
@@ -69,7 +68,7 @@ const OPTIONAL: &[Optional] = &[
     },
 ];
 
-/// Margins against what was made of the mission itself: they say nothing.
+/// Margins against keys that come from the mission itself: they always hold.
 const OF_ITSELF: &[&str] = &[
     "start",
     "goal",
@@ -83,7 +82,7 @@ const OF_ITSELF: &[&str] = &[
     "fence complete",
 ];
 
-/// Keeps what was judged against something, and says what was not judged.
+/// Retains the margins judged against a given limit; returns the limits that were not judged.
 pub(crate) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limits) -> Vec<String> {
     let mut not_judged = Vec::new();
     for optional in OPTIONAL.iter().filter(|optional| !(optional.given)(limits)) {
@@ -102,7 +101,7 @@ pub(crate) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limit
         let itself = OF_ITSELF.contains(&margin.what.as_str())
             // Of a rally point as well.
             || margin.what.ends_with(" in the area");
-        // A home of which there is none still fails.
+        // A missing home still fails.
         let home = margin.what == "home position" && margin.ok;
         !itself && !home
     });

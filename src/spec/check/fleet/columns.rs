@@ -111,7 +111,7 @@ fn number_like(cell: &str) -> &'static str {
     }
 }
 
-/// Keys of which one in a row replaces any in the defaults: an altitude has one reference.
+/// Alternative keys: one in a row replaces any in the defaults, as an altitude has one reference.
 const ALTITUDES: [&str; 2] = ["agl_m", "amsl_m"];
 
 /// Puts the keys of a row over those of the defaults. Null and absent keys change nothing.
