@@ -8,7 +8,7 @@ use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::MissionSpec;
-use crate::verify::{self, Margin, Review};
+use crate::verify::{self, Limit, Margin, Review};
 use crate::world::World;
 
 use tighten::Strictness;
@@ -127,7 +127,7 @@ impl Dispatched {
                 "no path was found that keeps every limit; in its way: {}",
                 others.join(", ")
             );
-            let margin = Margin::unjudged(&vehicle.id, "path", why);
+            let margin = Margin::unjudged(&vehicle.id, Limit::Path, why);
             self.review.margins.push(margin);
         }
     }
@@ -164,7 +164,7 @@ fn encode_and_verify(
             Ok(mission) => missions.push((index, mission)),
             Err(error) => problems.push(Margin::unjudged(
                 &spec.vehicles[index].id,
-                "encoding",
+                Limit::Encoding,
                 error.to_string(),
             )),
         }
@@ -177,7 +177,7 @@ fn encode_and_verify(
     // Why a mission is missing says that it is.
     let is_known = |margin: &Margin| {
         let mut known = problems.iter();
-        margin.what == "mission" && known.any(|problem| problem.vehicle == margin.vehicle)
+        margin.limit == Limit::Mission && known.any(|problem| problem.vehicle == margin.vehicle)
     };
     review.margins.retain(|margin| !is_known(margin));
     review.margins.extend(problems);

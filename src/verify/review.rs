@@ -17,7 +17,7 @@ use super::limits::mission::Contract;
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::timeline::Timeline;
-use super::{Margin, Moment, Review, Track};
+use super::{Limit, Margin, Moment, Review, Track};
 
 /// Most points of one track.
 const TRACK_POINTS: u32 = 600;
@@ -97,18 +97,22 @@ fn roll_call(spec: &MissionSpec, missions: &[(usize, &VehicleMission)]) -> Vec<M
             Some(count) => *count += 1,
             None => margins.push(Margin::unjudged(
                 "",
-                "mission",
+                Limit::Mission,
                 format!("a mission for vehicle {index}, which the spec does not have"),
             )),
         }
     }
     for (vehicle, count) in spec.vehicles.iter().zip(counts) {
         match count {
-            0 => margins.push(Margin::unjudged(&vehicle.id, "mission", "mission missing")),
+            0 => margins.push(Margin::unjudged(
+                &vehicle.id,
+                Limit::Mission,
+                "mission missing",
+            )),
             1 => {}
             _ => margins.push(Margin::unjudged(
                 &vehicle.id,
-                "mission",
+                Limit::Mission,
                 format!("{count} missions for one vehicle"),
             )),
         }
@@ -160,12 +164,12 @@ impl<'a> Sortie<'a> {
             home::tell_cost(&mut margins, self.stands.amsl);
         }
         if let Err(why) = &self.fence {
-            margins.push(Margin::unjudged(id, "fence", why.clone()));
+            margins.push(Margin::unjudged(id, Limit::Fence, why.clone()));
         }
         let wind = spec.wind.filter(|wind| wind.speed_mps > 0.0);
         if self.vehicle.airframe.has_wing() && self.vehicle.carried_by() != wind {
             let why = "the wind of the spec is not the one that carries this wing";
-            margins.push(Margin::unjudged(id, "wind", why));
+            margins.push(Margin::unjudged(id, Limit::Wind, why));
         }
         margins.extend(space.rally_margins(id, self.mission, self.stands.amsl, fence));
         margins

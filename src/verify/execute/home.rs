@@ -2,7 +2,7 @@
 
 use crate::geodesy::Amsl;
 use crate::mission::{VehicleMission, command, frame};
-use crate::verify::Margin;
+use crate::verify::{Limit, Margin};
 
 /// Whether a mission flies at altitudes above home; takeoff and landing alone do not count.
 pub(crate) fn counts_from_home(mission: &VehicleMission) -> bool {
@@ -18,7 +18,9 @@ pub(crate) fn counts_from_home(mission: &VehicleMission) -> bool {
 /// flies lower by as much as home really lies lower.
 pub(crate) fn tell_cost(margins: &mut [Margin], home: Amsl) {
     for margin in margins {
-        if margin.what == "terrain clearance" && margin.value.is_finite() && margin.note.is_empty()
+        if margin.limit == Limit::TerrainClearance
+            && margin.value.is_finite()
+            && margin.note.is_empty()
         {
             margin.note = format!(
                 "altitudes are above home, assumed at {:.1} m: {:.1} m minus as much as it lies lower than that, {:.1} m to spare",

@@ -9,7 +9,7 @@ use crate::spec::{Separation, Span};
 
 use crate::verify::measure::segment::Chord;
 use crate::verify::measure::timeline::{Distance, Metric, Nearest, Timeline, motion, nearest};
-use crate::verify::{Margin, Moment, Sense, Shift};
+use crate::verify::{Limit, Margin, Moment, Requirement, Shift};
 
 /// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
 const LISTED_FLEET: usize = 16;
@@ -191,24 +191,19 @@ fn judge(
     } else {
         String::new()
     };
+    let required = Requirement::at_least(Limit::Separation, limit_m, "m");
+    let at = moment(mine, found.times_s.0);
     Margin {
-        vehicle: a.vehicle.id.clone(),
         other: Some(b.vehicle.id.clone()),
-        what: "separation".to_owned(),
-        value: found.distance_m,
-        limit: limit_m,
-        sense: Sense::AtLeast,
-        unit: "m",
-        at: Some(moment(mine, found.times_s.0)),
         shift: Some(Shift {
             worst_s: shift_s,
             allowed_s: with_slack(alone_s, slack_s),
         }),
-        ok: found.distance_m >= limit_m,
         note: format!(
             "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s{lateness}",
             b.vehicle.id, there.item, there.t_s
         ),
+        ..required.margin(&a.vehicle.id, found.distance_m, Some(at))
     }
 }
 
@@ -226,18 +221,11 @@ fn never_together(
     if below_m.is_finite() || gap_s <= 0.0 {
         return None;
     }
+    let required = Requirement::at_least(Limit::Separation, separation.time_slack_s, "s");
     Some(Margin {
-        vehicle: a.vehicle.id.clone(),
         other: Some(b.vehicle.id.clone()),
-        what: "separation".to_owned(),
-        value: gap_s,
-        limit: separation.time_slack_s,
-        sense: Sense::AtLeast,
-        unit: "s",
-        at: None,
-        shift: None,
-        ok: gap_s >= separation.time_slack_s,
         note: "never in the air at the same time".to_owned(),
+        ..required.margin(&a.vehicle.id, gap_s, None)
     })
 }
 

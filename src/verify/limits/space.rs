@@ -10,7 +10,7 @@ use crate::verify::measure::outline::{Cylinder, Keep, Outline};
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
 use crate::verify::measure::worst::Worst;
-use crate::verify::{Margin, Moment};
+use crate::verify::{Limit, Margin, Moment};
 
 /// Along a climb-out or glide the ground must stay this share of the height above the runway
 /// below the vehicle, until that is the minimum height.
@@ -93,32 +93,30 @@ impl<'a> Space<'a> {
                 }
             }
         }
-        let names = |kind: &str, ids: Vec<&String>| -> Vec<String> {
-            ids.into_iter().map(|id| format!("{kind} {id}")).collect()
-        };
-        let threats = names("threat", self.spec.threats.iter().map(|t| &t.id).collect());
-        let zones = names("zone", self.spec.no_fly.iter().map(|z| &z.id).collect());
-        let single = |worst: Worst, what: &str| worst.margin(id, what, "m");
+        let threats = self.spec.threats.iter();
+        let threats = threats.map(|threat| Limit::Threat(threat.id.clone()));
+        let zones = self.spec.no_fly.iter();
+        let zones = zones.map(|zone| Limit::Zone(zone.id.clone()));
+        let margin = |worst: Worst, limit: Limit| worst.margin(id, limit, "m");
         // Nothing but a column up and down is no mission whose height is known to be good.
-        let clearance = single(found.clearance, "terrain clearance").or_else(|| {
+        let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
             let why = "the vehicle leaves the ground and flies nowhere";
-            (!flight.chords.is_empty()).then(|| Margin::unjudged(id, "terrain clearance", why))
+            let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
+            (!flight.chords.is_empty()).then(unjudged)
         });
+        let obstacles = threats.zip(found.threats).chain(zones.zip(found.zones));
         [
             clearance,
-            single(found.slope, "takeoff and landing clearance"),
-            single(found.contact, "ground contact"),
-            single(found.ceiling, "ceiling"),
+            margin(found.slope, Limit::TakeoffLandingClearance),
+            margin(found.contact, Limit::GroundContact),
+            margin(found.ceiling, Limit::Ceiling),
         ]
         .into_iter()
-        .chain(
-            threats
-                .into_iter()
-                .chain(zones)
-                .zip(found.threats.into_iter().chain(found.zones))
-                .map(|(what, worst)| worst.margin(id, what, "m")),
-        )
-        .chain([single(found.area, "area"), single(found.fence, "fence")])
+        .chain(obstacles.map(|(limit, worst)| margin(worst, limit)))
+        .chain([
+            margin(found.area, Limit::Area),
+            margin(found.fence, Limit::Fence),
+        ])
         .flatten()
         .collect()
     }
