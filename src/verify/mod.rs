@@ -98,8 +98,8 @@ mod limits;
 mod measure;
 mod review;
 
+pub use execute::wing::altitude_lag::{MAX_LAG_S, SLOPE_MIN_M};
 pub use execute::wing::overshoot::EARLY_SHARE;
-pub use execute::wing::tecs::{MOST_LAG_S, SLOPE_MIN_M};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use review::review;
 

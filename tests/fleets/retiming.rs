@@ -107,7 +107,10 @@ fn a_mission_without_its_delay_leaves_at_once() {
         most: 300.0,
     });
     let review = judged(&fleet, without);
-    assert!(broken(&review).contains(&"departure".to_owned()), "{review:?}");
+    assert!(
+        broken(&review).contains(&"departure".to_owned()),
+        "{review:?}"
+    );
 }
 
 #[test]

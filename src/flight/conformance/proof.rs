@@ -13,7 +13,7 @@ use crate::flight::session::{LATE_S, LATE_SHARE};
 use crate::path::VehicleLimits;
 use crate::spec::{Airframe, AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::verify::{
-    EARLY_SHARE, Flown, Limit, MOST_LAG_S, Margin, Moment, Requirement, SLOPE_MIN_M,
+    EARLY_SHARE, Flown, Limit, MAX_LAG_S, Margin, Moment, Requirement, SLOPE_MIN_M,
 };
 use crate::world::World;
 
@@ -50,7 +50,7 @@ impl Tube {
         let slopes_mps = vehicle.climb_mps.max(vehicle.descent_mps);
         Self {
             across_m: BESIDE_M.max(turns_m),
-            up_m: BESIDE_M.max(SLOPE_MIN_M + MOST_LAG_S * slopes_mps),
+            up_m: BESIDE_M.max(SLOPE_MIN_M + MAX_LAG_S * slopes_mps),
         }
     }
 }

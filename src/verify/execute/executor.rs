@@ -8,14 +8,13 @@ use crate::path::{STOP_LATE_S, leg_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, World};
 
-use super::decode;
-use super::decode::{Height, Order, Step, Unknown};
+use super::decode::{self, Step, Unknown};
 use super::flight::{End, Flight, Legs, Mark, Slope};
-use super::legs;
-use super::legs::Knot;
+use super::item::{Height, Order};
+use super::legs::{self, Knot};
 use super::trajectory::TrajectoryBuilder;
+use super::wing::altitude_lag;
 use super::wing::l1::Guidance;
-use super::wing::tecs;
 use crate::verify::measure::segment::Phase;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
@@ -47,12 +46,12 @@ pub(crate) fn fly(
         speed_mps: cruise_speed_mps(mission),
         knots: Vec::new(),
         moving_mps: 0.0,
-        at_once_m: tecs::threshold_m(mission),
+        at_once_m: altitude_lag::threshold_m(mission),
         guidance: Guidance::of(vehicle, mission),
         early_top: None,
         drift: None,
-        lag_s: tecs::lag_s(mission),
-        early_m: tecs::early_m(vehicle, mission),
+        lag_s: altitude_lag::lag_s(mission),
+        early_m: altitude_lag::early_m(vehicle, mission),
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.trajectory.chords;
@@ -116,11 +115,11 @@ impl Pilot<'_> {
             }
         }
         let last = steps.last().map_or(1, |step| step.row);
-        let settled = match &unread {
+        let result = match &unread {
             Some(_) => self.stop(),
             None => self.finish(last),
         };
-        settled.err().or(unread)
+        result.err().or(unread)
     }
 
     fn obey(&mut self, step: &Step, mission: &VehicleMission) -> Result<(), Unknown> {
@@ -342,8 +341,8 @@ impl Pilot<'_> {
         };
         self.flight
             .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
-        self.lay_beside(&knots, &firsts)?;
-        self.lay_swings(&knots, &grounds_mps, &firsts)?;
+        self.lay_altitude_offsets(&knots, &firsts)?;
+        self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
         self.drift_onto(&knots, &firsts);
         if last_mps <= 0.0 {
             self.trajectory.late_s += STOP_LATE_S;

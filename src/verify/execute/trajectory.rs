@@ -128,13 +128,13 @@ impl<'a> TrajectoryBuilder<'a> {
         };
         let duration_s = piece.duration_s();
         let acceleration_mps2 = piece.acceleration_mps2();
-        let wanted = duration_s * (acceleration_mps2 / (8.0 * CHORD_ERROR_M)).sqrt();
+        let needed = duration_s * (acceleration_mps2 / (8.0 * CHORD_ERROR_M)).sqrt();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "clamped to a small positive count"
         )]
-        let count = wanted.ceil().clamp(1.0, 1e5) as u32;
+        let count = needed.ceil().clamp(1.0, 1e5) as u32;
         let step_s = duration_s / f64::from(count);
         let error_m = acceleration_mps2 * step_s * step_s / 8.0;
         let base = Chord {

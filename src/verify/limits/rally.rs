@@ -9,7 +9,7 @@ use crate::mission::VehicleMission;
 
 use super::fence::Fence;
 use super::space::Space;
-use crate::verify::execute::decode;
+use crate::verify::execute::item;
 use crate::verify::measure::outline::Keep;
 use crate::verify::measure::segment::Stretch;
 use crate::verify::measure::worst::Worst;
@@ -25,9 +25,9 @@ impl Space<'_> {
         fence: &Fence,
     ) -> Vec<Margin> {
         let mut margins = Vec::new();
-        for (index, item) in mission.rally.iter().enumerate() {
+        for (index, point) in mission.rally.iter().enumerate() {
             let number = index + 1;
-            match decode::rally(item, mission.autopilot, home, self.world) {
+            match item::rally(point, mission.autopilot, home, self.world) {
                 Ok((place, amsl, agl_m)) => {
                     let at = Moment {
                         place,

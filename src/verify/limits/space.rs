@@ -155,7 +155,7 @@ impl<'a> Space<'a> {
             return;
         }
         // What is wanted at a fraction of a part; on a slope it grows with the height.
-        let wanted_m = |part: &Stretch, w: f64| match chord.slope_from_m {
+        let required_m = |part: &Stretch, w: f64| match chord.slope_from_m {
             Some(ground_m) => SLOPE_SHARE * (chord.at(part.along(w)).amsl.0 - ground_m),
             None => limit_m,
         };
@@ -171,23 +171,23 @@ impl<'a> Space<'a> {
             };
             for patch in patches {
                 let over_m = |w: f64, ground_m: f64| {
-                    chord.at(part.along(w)).amsl.0 - ground_m - wanted_m(part, w)
+                    chord.at(part.along(w)).amsl.0 - ground_m - required_m(part, w)
                 };
                 let (over_m, v) = patch.least_clearance_m(
                     over_m(patch.w.0, patch.height_m.0),
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                let beside_m = if chord.bow_m > 0.0 {
+                let rise_m = if chord.bow_m > 0.0 {
                     let line = (part.place(patch.w.0), part.place(patch.w.1));
                     let slope = self.surface.steepest(line, chord.bow_m, part.place(w));
                     chord.bow_m * slope
                 } else {
                     0.0
                 };
-                let wanted_m = wanted_m(part, w);
-                let least_m = over_m + wanted_m - beside_m;
-                worst.at_least(least_m, wanted_m, || moment(chord, part, w));
+                let required_m = required_m(part, w);
+                let least_m = over_m + required_m - rise_m;
+                worst.at_least(least_m, required_m, || moment(chord, part, w));
             }
         }
     }

@@ -4,8 +4,8 @@ use crate::geodesy::LatLon;
 use crate::spec::Hill;
 
 use super::outline::metres_per_degree;
+use super::patch::{ERROR_M, Patch, SHARE};
 use super::segment::DEVIATION_M;
-use super::surface::{ERROR_M, Patch, SHARE};
 
 /// Metres in a degree on the sphere that analytic hills are drawn on.
 const METRES_PER_DEGREE: f64 = 111_195.08;
@@ -327,7 +327,7 @@ mod tests {
         }
 
         #[test]
-        fn beside_a_line_the_ground_rises_by_no_more_than_the_bound_of_its_slope(
+        fn near_a_line_the_ground_rises_by_no_more_than_the_bound_of_its_slope(
             hills in hills(),
             from in (-300.0..300.0, -300.0..300.0),
             way in (-20.0..20.0, -20.0..20.0),

@@ -4,8 +4,7 @@ use crate::geodesy::{AboveHome, Amsl};
 use crate::mission::{Item, VehicleMission, command};
 use crate::spec::{Airframe, Autopilot};
 
-use crate::verify::execute::decode;
-use crate::verify::execute::decode::{Height, Order, own_height, place};
+use crate::verify::execute::item::{self, Height, Order, own_height, place};
 
 /// What one item makes a plane or vtol do.
 pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
@@ -53,12 +52,12 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
             "DO_CHANGE_SPEED of kind {first} does not set the airspeed"
         )),
-        _ => decode::read(item, autopilot, home),
+        _ => item::read(item, autopilot, home),
     }
 }
 
 fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-    let height = decode::height(item, autopilot, home)?;
+    let height = item::height(item, autopilot, home)?;
     Ok(match autopilot {
         // The place is not read. A QuadPlane climbs by the altitude, whatever the frame.
         Autopilot::ArduPilot => Order::Takeoff {
@@ -77,7 +76,7 @@ fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, Strin
 }
 
 fn landing(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-    decode::height(item, autopilot, home)?;
+    item::height(item, autopilot, home)?;
     Ok(Order::Land {
         at: Some(place(item)?),
     })

@@ -6,9 +6,10 @@ use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::path::{along, climb_out, heading_rad};
 
 use super::overshoot::{EARLY_SHARE, OVERSHOOT_M};
-use crate::verify::execute::decode::{Height, Unknown};
+use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{Circle, End, Mark};
+use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed};
 use crate::verify::limits::space::SLOPE_SHARE;
 use crate::verify::measure::segment::{Chord, Phase};

@@ -24,7 +24,7 @@ const WITHIN_S: f64 = 2.0;
 impl Pilot<'_> {
     /// Lays the way that a wing of ArduPilot takes beside its legs, to be judged in space; for
     /// the separation, widens the chords of the legs by as much, and counts what it takes longer.
-    pub(crate) fn lay_swings(
+    pub(crate) fn lay_overshoot(
         &mut self,
         knots: &[Knot],
         grounds_mps: &[f64],
@@ -42,7 +42,7 @@ impl Pilot<'_> {
         let own = knots.windows(2);
         let own = own.map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]));
         let own = own.collect::<Result<Vec<_>, _>>()?;
-        let mut lines = self.lines_beside(knots, firsts)?;
+        let mut lines = self.offset_lines(knots, firsts)?;
         for (lines, own) in lines.iter_mut().zip(own) {
             lines.push(own);
         }
@@ -55,8 +55,11 @@ impl Pilot<'_> {
         {
             let (from, to) = pair;
             let passed = &fixes[index * EVERY..=(index + 1) * EVERY];
-            let beside_m = passed.iter().map(|fix| fix.beside_m).fold(0.0, f64::max);
-            if beside_m < TOLERANCE_M {
+            let cross_track_m = passed
+                .iter()
+                .map(|fix| fix.cross_track_m)
+                .fold(0.0, f64::max);
+            if cross_track_m < TOLERANCE_M {
                 continue;
             }
             let leg = to.leg;
@@ -92,7 +95,7 @@ impl Pilot<'_> {
         let rise_m = early.amsl.0 - knots[0].amsl_m;
         let t_s = self.trajectory.t_s;
         let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
-        let aside_m = top.map_or(0.0, |top| beside_m(early.at, next.at, top.at));
+        let aside_m = top.map_or(0.0, |top| cross_track_m(early.at, next.at, top.at));
         let first = firsts.first().copied().unwrap_or_default();
         for chord in &mut self.trajectory.chords[first..] {
             if chord.phase == Phase::Join {
@@ -142,7 +145,7 @@ impl Pilot<'_> {
                 );
                 let near = fixes[step(within.0).min(fixes.len())..].iter();
                 let near = near.take_while(|fix| fix.t_s <= within.1);
-                let wide_m = near.map(|fix| fix.beside_m).fold(0.0, f64::max);
+                let wide_m = near.map(|fix| fix.cross_track_m).fold(0.0, f64::max);
                 chord.wide_m = chord.wide_m.max(wide_m);
                 chord.late_s = chord.late_s.max(late_at_s);
             }
@@ -181,7 +184,7 @@ fn halfway(chord: &Chord, leg: &[Knot]) -> f64 {
 }
 
 /// Distance of a place from the straight line between two others, metres.
-fn beside_m(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
+fn cross_track_m(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
     let share = share(from, to, at);
     at.distance_m(EastNorth {
         east_m: from.east_m + (to.east_m - from.east_m) * share,
@@ -194,6 +197,8 @@ fn chord_error_m(passed: &[Fix]) -> f64 {
     let (Some(first), Some(last)) = (passed.first(), passed.last()) else {
         return 0.0;
     };
-    let off = passed.iter().map(|fix| beside_m(first.at, last.at, fix.at));
+    let off = passed
+        .iter()
+        .map(|fix| cross_track_m(first.at, last.at, fix.at));
     off.fold(0.0, f64::max)
 }
