@@ -21,6 +21,14 @@ pub(crate) struct Unknown {
     pub(crate) why: String,
 }
 
+impl Unknown {
+    /// An error for a row.
+    pub(crate) fn err<T>(row: usize, why: impl Into<String>) -> Result<T, Self> {
+        let why = why.into();
+        Err(Self { row, why })
+    }
+}
+
 /// Most orders of a mission; each repetition of a jump counts.
 const MAX_ORDERS: usize = 200_000;
 /// `MAV_CMD_NAV_LAST`: commands with greater numbers do not navigate.

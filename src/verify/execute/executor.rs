@@ -124,12 +124,7 @@ impl Pilot<'_> {
 
     fn obey(&mut self, step: &Step, mission: &VehicleMission) -> Result<(), Unknown> {
         let row = step.row;
-        let unknown = |why: &str| {
-            Err(Unknown {
-                row,
-                why: why.to_owned(),
-            })
-        };
+        let unknown = |why: &str| Unknown::err(row, why);
         let moves = !matches!(step.order, Order::Nothing | Order::Speed { .. });
         if moves && self.ended {
             return unknown("the mission goes on after the landing");
@@ -195,13 +190,9 @@ impl Pilot<'_> {
         let place = self.world.frame.from_plan(home.at);
         let (amsl_m, _) = self.resolve(row, place, height)?;
         if amsl_m <= home.amsl.0 || home.amsl.0.is_nan() {
-            return Err(Unknown {
-                row,
-                why: format!(
-                    "takeoff to {amsl_m:.2} m AMSL, not above home at {:.2} m",
-                    home.amsl.0
-                ),
-            });
+            let home_m = home.amsl.0;
+            let why = format!("takeoff to {amsl_m:.2} m AMSL, not above home at {home_m:.2} m");
+            return Unknown::err(row, why);
         }
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
@@ -372,10 +363,8 @@ impl Pilot<'_> {
         if away_m <= REACH_M {
             Ok(self.world.frame.to_plan(place))
         } else {
-            Err(Unknown {
-                row,
-                why: format!("a place {:.0} km from the origin", away_m / 1000.0),
-            })
+            let why = format!("a place {:.0} km from the origin", away_m / 1000.0);
+            Unknown::err(row, why)
         }
     }
 

@@ -1,4 +1,4 @@
-//! What altitudes above home owe to the altitude of home.
+//! How the clearance of altitudes above home depends on the altitude of home.
 
 use crate::geodesy::Amsl;
 use crate::mission::{VehicleMission, command, frame};
@@ -13,10 +13,10 @@ pub(crate) fn counts_from_home(mission: &VehicleMission) -> bool {
     })
 }
 
-/// Says at the smallest clearance of such a mission which altitude of home it assumes,
-/// and what an error of it costs: the autopilot adds the altitude that it measures, and
-/// flies lower by as much as home really lies lower.
-pub(crate) fn tell_cost(margins: &mut [Margin], home: Amsl) {
+/// Notes at the smallest clearance of such a mission which altitude of home it assumes and what
+/// an error of that altitude costs. The autopilot adds the altitude that it measures, so the
+/// vehicle flies lower by as much as home is lower.
+pub(crate) fn note_cost(margins: &mut [Margin], home: Amsl) {
     for margin in margins {
         if margin.limit == Limit::TerrainClearance
             && margin.value.is_finite()

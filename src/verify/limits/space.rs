@@ -27,6 +27,7 @@ pub(crate) struct Space<'a> {
 }
 
 /// The worst values of one flight so far.
+#[derive(Default)]
 struct Found {
     clearance: Worst,
     slope: Worst,
@@ -61,14 +62,9 @@ impl<'a> Space<'a> {
     /// The margins of one flight to everything that stands still.
     pub(crate) fn margins(&self, id: &str, flight: &Flight, fence: &Fence) -> Vec<Margin> {
         let mut found = Found {
-            clearance: Worst::default(),
-            slope: Worst::default(),
-            contact: Worst::default(),
-            ceiling: Worst::default(),
             threats: vec![Worst::default(); self.threats.len()],
             zones: vec![Worst::default(); self.zones.len()],
-            area: Worst::default(),
-            fence: Worst::default(),
+            ..Found::default()
         };
         let mut last: Option<(EastNorth, LatLon)> = None;
         for chord in &flight.chords {
@@ -121,58 +117,62 @@ impl<'a> Space<'a> {
         .collect()
     }
 
-    /// Height above ground: the minimum wherever the vehicle flies; the column of a
-    /// takeoff or landing begins or ends on the ground and is judged at its upper end, and
-    /// a climb-out or glide has its own limit.
+    /// Height above ground. On the route it must be the minimum. The column of a takeoff or
+    /// landing begins or ends on the ground and is judged at its upper end. A climb-out and a
+    /// glide have a limit of their own.
     fn judge_ground(&self, chord: &Chord, parts: &[Stretch], found: &mut Found) {
-        let limit_m = self.world.min_agl.0;
+        let min_m = self.world.min_agl.0;
         if chord.grounded {
-            let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
             if let Some(part) = parts.first() {
-                match self.surface.height_m(part.from) {
-                    Ok(ground_m) => {
-                        let above_m = chord.at(top).amsl.0 - ground_m;
-                        found.contact.at_least(above_m, 0.0, || Moment {
-                            place: part.from,
-                            amsl: chord.at(top).amsl,
-                            t_s: chord.time_s(top),
-                            item: chord.row,
-                        });
-                    }
-                    Err(gap) => no_data(&mut found.contact, 0.0, chord, gap),
-                }
+                self.judge_contact(chord, part, &mut found.contact);
             }
-            return;
-        }
-        if let Some((from_m, to_m)) = chord.agl_m {
+        } else if let Some((from_m, to_m)) = chord.agl_m {
             let (least_m, u) = if from_m <= to_m {
                 (from_m, 0.0)
             } else {
                 (to_m, 1.0)
             };
             let at = || chord.moment(&self.world.frame, u);
-            found.clearance.at_least(least_m, limit_m, at);
-            return;
-        }
-        // What is wanted at a fraction of a part; on a slope it grows with the height.
-        let required_m = |part: &Stretch, w: f64| match chord.slope_from_m {
-            Some(ground_m) => SLOPE_SHARE * (chord.at(part.along(w)).amsl.0 - ground_m),
-            None => limit_m,
-        };
-        let worst = if chord.slope_from_m.is_some() {
-            &mut found.slope
+            found.clearance.at_least(least_m, min_m, at);
+        } else if let Some(ground_m) = chord.slope_from_m {
+            let share_m = |amsl_m: f64| SLOPE_SHARE * (amsl_m - ground_m);
+            self.judge_clearance(chord, parts, &share_m, &mut found.slope);
         } else {
-            &mut found.clearance
-        };
+            self.judge_clearance(chord, parts, &|_| min_m, &mut found.clearance);
+        }
+    }
+
+    /// The upper end of a vertical takeoff or landing, above the ground.
+    fn judge_contact(&self, chord: &Chord, part: &Stretch, worst: &mut Worst) {
+        let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
+        let amsl = chord.at(top).amsl;
+        match self.surface.height_m(part.from) {
+            Ok(ground_m) => worst.at_least(amsl.0 - ground_m, 0.0, || Moment {
+                place: part.from,
+                amsl,
+                t_s: chord.time_s(top),
+                item: chord.row,
+            }),
+            Err(gap) => no_data(worst, 0.0, chord, gap),
+        }
+    }
+
+    /// Height above the ground under a chord, and the height required at an altitude.
+    fn judge_clearance(
+        &self,
+        chord: &Chord,
+        parts: &[Stretch],
+        required_m: &dyn Fn(f64) -> f64,
+        worst: &mut Worst,
+    ) {
         for part in parts {
             let patches = match self.surface.under(part.from, part.to) {
                 Ok(patches) => patches,
-                Err(gap) => return no_data(worst, limit_m, chord, gap),
+                Err(gap) => return no_data(worst, self.world.min_agl.0, chord, gap),
             };
+            let amsl_m = |w: f64| chord.at(part.along(w)).amsl.0;
             for patch in patches {
-                let over_m = |w: f64, ground_m: f64| {
-                    chord.at(part.along(w)).amsl.0 - ground_m - required_m(part, w)
-                };
+                let over_m = |w: f64, ground_m: f64| amsl_m(w) - ground_m - required_m(amsl_m(w));
                 let (over_m, v) = patch.least_clearance_m(
                     over_m(patch.w.0, patch.height_m.0),
                     over_m(patch.w.1, patch.height_m.1),
@@ -185,9 +185,9 @@ impl<'a> Space<'a> {
                 } else {
                     0.0
                 };
-                let required_m = required_m(part, w);
-                let least_m = over_m + required_m - rise_m;
-                worst.at_least(least_m, required_m, || moment(chord, part, w));
+                let bound_m = required_m(amsl_m(w));
+                let least_m = over_m + bound_m - rise_m;
+                worst.at_least(least_m, bound_m, || moment(chord, part, w));
             }
         }
     }

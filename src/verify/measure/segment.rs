@@ -71,6 +71,16 @@ impl Chord {
         }
     }
 
+    /// The fraction of the chord at a time.
+    pub(crate) fn fraction_at(&self, t_s: f64) -> f64 {
+        let lasts_s = self.to_s - self.from_s;
+        if lasts_s > 0.0 {
+            ((t_s - self.from_s) / lasts_s).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
     /// The point at a fraction of the chord.
     pub(crate) fn at(&self, u: f64) -> PlanPoint {
         let mix = |a: f64, b: f64| a + (b - a) * u;
