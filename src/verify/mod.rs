@@ -5,8 +5,8 @@
 //!       -> space (ground, ceiling, threats, zones, area, fence), contract (the rest of the spec), separation (pairs)
 //! ```
 //!
-//! It judges missions from anywhere, knows nothing of the search that may have
-//! made them, and reads the ground from its source. What it cannot judge fails.
+//! It judges missions of any source, knows nothing of the search that may have made them, and
+//! reads the ground from its source. A limit that it cannot judge fails.
 //!
 //! # The flight model
 //!
@@ -65,7 +65,7 @@
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
 //! before it, by its sources.
 //!
-//! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/l1.rs`: the way that it gives
+//! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/execute/wing/l1.rs`: the way that it gives
 //! is judged in space besides the legs, and for the separation the vehicle is anywhere within what
 //! that way is beside the legs 2 s before and after, and late by what it takes longer. A climb-out
 //! of ArduPlane is judged 14 m higher from 0.4 of it on, and straight on from there to the next place.
@@ -106,10 +106,10 @@ pub use review::review;
 use crate::geodesy::{Amsl, LatLon};
 use crate::spec::Span;
 
-/// What `verify` found.
+/// The verdict on the missions of a fleet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Review {
-    /// Every limit with its worst value, whether kept or not.
+    /// Every limit with its worst value, violated or not.
     pub margins: Vec<Margin>,
     /// Where each vehicle is over time, in the order of the missions given.
     pub tracks: Vec<Track>,
@@ -136,11 +136,11 @@ pub struct Margin {
     pub unit: &'static str,
     /// Where and when it is worst, if that is anywhere.
     pub at: Option<Moment>,
-    /// Of a separation that is kept or broken at some moment: how the two are shifted there.
+    /// Of a separation that has a worst moment: how the two vehicles are shifted there.
     pub shift: Option<Shift>,
-    /// Whether the limit is kept.
+    /// Whether the limit holds.
     pub ok: bool,
-    /// What a reader needs to know besides; empty as a rule.
+    /// A remark for the reader; usually empty.
     pub note: String,
 }
 
@@ -276,7 +276,7 @@ impl Margin {
 }
 
 impl Review {
-    /// Whether every limit that concerns this vehicle is kept.
+    /// Whether every limit that concerns this vehicle holds.
     #[must_use]
     pub fn accepts(&self, vehicle: &str) -> bool {
         let mut concerned = self
@@ -287,7 +287,7 @@ impl Review {
         concerned.peek().is_some() && concerned.all(|margin| margin.ok)
     }
 
-    /// Whether every limit is kept. A review without any margin has judged nothing and fails.
+    /// Whether every limit holds. A review without any margin has judged nothing and fails.
     #[must_use]
     pub fn passes(&self) -> bool {
         !self.margins.is_empty() && self.margins.iter().all(|margin| margin.ok)

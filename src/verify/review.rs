@@ -102,19 +102,12 @@ fn roll_call(spec: &MissionSpec, missions: &[(usize, &VehicleMission)]) -> Vec<M
         }
     }
     for (vehicle, count) in spec.vehicles.iter().zip(counts) {
-        match count {
-            0 => margins.push(Margin::unjudged(
-                &vehicle.id,
-                Limit::Mission,
-                "mission missing",
-            )),
-            1 => {}
-            _ => margins.push(Margin::unjudged(
-                &vehicle.id,
-                Limit::Mission,
-                format!("{count} missions for one vehicle"),
-            )),
-        }
+        let why = match count {
+            0 => "mission missing".to_owned(),
+            1 => continue,
+            _ => format!("{count} missions for one vehicle"),
+        };
+        margins.push(Margin::unjudged(&vehicle.id, Limit::Mission, why));
     }
     margins
 }

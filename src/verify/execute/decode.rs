@@ -82,8 +82,8 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mission::Home;
-    use crate::spec::Airframe;
+    use crate::mission::{Home, Item};
+    use crate::spec::{Airframe, Autopilot};
 
     fn decoded(autopilot: Autopilot, items: Vec<Item>) -> (Vec<usize>, Option<String>) {
         let mission = VehicleMission {

@@ -55,11 +55,11 @@ pub(crate) fn fly(
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.trajectory.chords;
-    pilot.flight.settled()
+    pilot.flight.cut_at_nan()
 }
 
-/// Whether a mission without a delay starts at `depart_s`, by whoever launches it, and not
-/// at T0. What was chosen from a window is nowhere but in the mission.
+/// Whether a mission without a delay starts at `depart_s`, launched by an operator, and not at T0.
+/// A departure chosen from a window is in the mission only.
 pub(crate) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
     let waits_elsewhere = autopilot == Autopilot::Px4 || vehicle.airframe.has_wing();
     waits_elsewhere && vehicle.retiming.depart_s.is_none()
@@ -91,7 +91,7 @@ pub(crate) struct Pilot<'a> {
     pub(crate) early_top: Option<PlanPoint>,
     /// Where the wind has driven it as it rose, until it goes on from there: metres.
     pub(crate) drift: Option<EastNorth>,
-    /// So many seconds of its climb it is beside a slope; 0 for none.
+    /// Lag behind a slope, seconds of the climb rate; 0 for none.
     pub(crate) lag_s: f64,
     /// So far before a waypoint it has its altitude, metres.
     pub(crate) early_m: f64,

@@ -400,7 +400,7 @@ impl Line {
         let up_m = (start_m + ramp_m(from_mps)).min(end_m);
         let down_m = (end_m - ramp_m(to_mps)).max(up_m);
         let mut cut = |a_m: f64, b_m: f64, speed_mps: (f64, f64)| {
-            // A hair of rounding is no piece.
+            // Lengths within rounding are no pieces.
             if b_m - a_m > 1e-9 {
                 let fraction = (a_m / self.length_m, b_m / self.length_m);
                 pieces.push(Piece {

@@ -52,7 +52,7 @@ impl AltitudeLine {
         }
     }
 
-    /// So many metres higher.
+    /// The line raised by a height, metres.
     pub(crate) fn raised(&self, by_m: f64) -> Self {
         Self {
             follows: self.follows,
@@ -179,7 +179,7 @@ impl<'a> TrajectoryBuilder<'a> {
         })
     }
 
-    /// The ends of the two legs beside a fillet, as far as the corner itself.
+    /// The ends of the two legs at a fillet, up to the corner itself.
     fn lay_corner(
         &mut self,
         piece: &Piece,
@@ -224,7 +224,7 @@ impl<'a> TrajectoryBuilder<'a> {
         self.lay(Chord::unflown((to.row, to.phase), when_s, ends), line)
     }
 
-    /// Lays a piece of a leg that may be flown beside its line, to be judged in space: from one
+    /// Lays a piece of a leg that may be flown off its line, to be judged in space: from one
     /// place to another, each at the altitude of a fraction of the leg.
     pub(crate) fn lay_aside(
         &mut self,

@@ -20,8 +20,8 @@ pub(crate) struct Surface<'a> {
     terrain: &'a Terrain,
     /// Bound of the third derivative along any line, 1/m^2; 0 where parabolas are exact.
     third_derivative: f64,
-    /// Hills that must be looked at one by one, each where it is: so steep, or so many,
-    /// that a bound for all of them says nothing.
+    /// Hills that are evaluated one by one, where a common bound would be too loose: they are
+    /// steep, or there are many.
     steep: Option<Hills>,
 }
 
@@ -53,8 +53,8 @@ impl<'a> Surface<'a> {
         Ok(self.terrain.height(place)?.0)
     }
 
-    /// A bound of the slope of the ground, rise over run, within so many metres of the line
-    /// between two places; on a grid, in the cell of a place on that line and those beside it.
+    /// A bound of the slope of the ground, rise over run, within `within_m` of the line
+    /// between two places; on a grid, in the cell of a place on that line and its neighbours.
     pub(crate) fn steepest(&self, line: (LatLon, LatLon), within_m: f64, place: LatLon) -> f64 {
         if let Some(hills) = &self.steep {
             return hills.steepest(line, within_m);
@@ -129,7 +129,7 @@ fn longest_m(third_derivative: f64) -> f64 {
     (ERROR_M * SHARE / third_derivative).cbrt()
 }
 
-/// The steepest slope in the cell of a place and those beside it: in a bilinear cell
+/// The steepest slope in the cell of a place and its neighbours: in a bilinear cell
 /// no slope east or north exceeds that of the steeper of two opposite edges.
 fn steepest_cell(grid: &TerrainGrid, place: LatLon) -> f64 {
     let (row, column) = grid.row_column(place);

@@ -2,7 +2,7 @@
 
 use crate::verify::{Limit, Margin, Moment, Requirement, Sense};
 
-/// A limit is kept when it is missed by no more than this: the noise of float32
+/// A limit holds when it is missed by no more than this: the noise of float32
 /// altitudes (half a millimetre at 8 km), in the unit of the limit.
 const ROUNDING: f64 = 1e-3;
 

@@ -8,7 +8,7 @@ use super::items;
 /// Default of `ALT_SLOPE_MIN` (`ArduPlane/Parameters.cpp`, 4.7.0-dev of December 2025), metres.
 pub const SLOPE_MIN_M: f64 = 15.0;
 
-/// So many seconds of its climb a vehicle is below an upward slope, and above a downward one
+/// Lag below an upward slope and above a downward one, seconds of the climb rate
 /// (`TECS_HDEM_TCONST` is 3): measured on one plane and one QuadPlane, ArduPlane 4.7.0-dev of
 /// December 2025, simulated, 3.1 to 3.7 m at 1.15 m/s, 5.2 m at 1.6 m/s, 10.9 m at 2.9 m/s,
 /// and most of it still on the next leg.
@@ -18,7 +18,7 @@ const LAG_S: f64 = 3.3;
 pub const MAX_LAG_S: f64 = 3.5;
 
 /// Changes of altitude from one waypoint to the next that are smaller than this are flown at once
-/// (`Plane::set_offset_altitude_location`), metres; none but on a wing of ArduPilot.
+/// (`Plane::set_offset_altitude_location`), metres; 0 except on a wing of ArduPilot.
 pub(crate) fn threshold_m(mission: &VehicleMission) -> f64 {
     if mission.autopilot != Autopilot::ArduPilot || !mission.airframe.has_wing() {
         return 0.0;
@@ -34,7 +34,7 @@ pub(crate) fn threshold_m(mission: &VehicleMission) -> f64 {
     }
 }
 
-/// So many seconds of its climb a vehicle is beside a slope; none but on a wing.
+/// Lag behind a slope, seconds of the climb rate; 0 except on a wing.
 pub(crate) fn lag_s(mission: &VehicleMission) -> f64 {
     match mission.autopilot {
         _ if !mission.airframe.has_wing() => 0.0,
@@ -43,8 +43,8 @@ pub(crate) fn lag_s(mission: &VehicleMission) -> f64 {
     }
 }
 
-/// So far before a waypoint PX4 has its altitude, metres (`FixedWingPositionControl`, the altitude
-/// of a leg; assumed, not measured); none but on a wing of PX4.
+/// Distance before a waypoint at which PX4 has its altitude, metres (`FixedWingPositionControl`, the
+/// altitude of a leg; assumed, not measured); 0 except on a wing of PX4.
 pub(crate) fn early_m(vehicle: &Vehicle, mission: &VehicleMission) -> f64 {
     match (mission.autopilot, vehicle.wing) {
         (Autopilot::Px4, Some(wing)) => items::loiter_radius_m(mission)

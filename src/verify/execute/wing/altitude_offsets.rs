@@ -1,4 +1,4 @@
-//! Altitudes beside the line of a leg, which wings fly: their altitude and speed controller (TECS)
+//! Altitudes of wings off the line of a leg: their altitude and speed controller (TECS)
 //! follows a slope late, and to ArduPlane small changes of altitude are no slopes.
 
 use crate::geodesy::{EastNorth, PlanPoint};
@@ -80,7 +80,7 @@ impl Pilot<'_> {
             .collect()
     }
 
-    /// For each leg the altitudes beside its own line: at that of its end where the change is
+    /// For each leg the altitudes off its own line: at that of its end where the change is
     /// small and flown at once; below or above its line where it is a slope or follows one, by
     /// the lag. Over followed ground no lag was measured and none is given.
     pub(crate) fn offset_lines(

@@ -95,12 +95,12 @@ fn radius_m(param: f64, mission: &VehicleMission) -> Result<f64, String> {
     held_m(mission, name).ok_or_else(|| format!("a circle without a radius, and no {name}"))
 }
 
-/// The radius of circles of PX4 where no item states one, if its parameters tell.
+/// The radius of circles of PX4 where no item states one, if its parameters state one.
 pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
     held_m(mission, "NAV_LOITER_RAD").map(f64::abs)
 }
 
-/// A radius that the parameters tell.
+/// A radius from the parameters.
 fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
     let found = mission.params.iter().find(|param| param.name == name)?;
     Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)

@@ -1,6 +1,6 @@
 //! The way that ArduPlane flies around corners: its L1 law (Park, Deyst and How, "A New Nonlinear
 //! Guidance Logic for Trajectory Tracking", 2004, with a period and a damping) aims at a point
-//! ahead on the leg, and the wing banks late and slips. It swings out of corners.
+//! ahead on the leg, and the wing banks late and slips. It overshoots corners.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
 
@@ -13,7 +13,7 @@ use crate::verify::execute::legs::Knot;
 /// Share of `g tan(bank)` that turns the wing, and how long an error of bank lasts, seconds:
 /// fitted to the plane of ArduPilot's simulator (ArduPlane 4.7.0-dev of December 2025, still air),
 /// which slips in its turns (14.2 degrees a second at 33.3 degrees of bank and 19.1 m/s, 0.73 of a
-/// coordinated turn) and reaches its bank within a second. With these the swing comes out no less
+/// coordinated turn) and reaches its bank within a second. With these the overshoot comes out no less
 /// than any measured one, and by no more than 45 % more (the test below).
 const TURNING_SHARE: f64 = 0.70;
 const BANK_LAG_S: f64 = 0.5;
@@ -69,7 +69,7 @@ struct Wing {
 }
 
 impl Guidance {
-    /// That of a mission's vehicle; none but on a wing of ArduPilot.
+    /// The guidance of a mission's vehicle; only a wing of ArduPilot has one.
     pub(crate) fn of(vehicle: &Vehicle, mission: &VehicleMission) -> Option<Self> {
         if mission.autopilot != Autopilot::ArduPilot || !mission.airframe.has_wing() {
             return None;
@@ -261,7 +261,7 @@ mod tests {
         ]
     }
 
-    /// How far outside of the second leg the way swings, metres.
+    /// Overshoot of the path outside of the second leg, metres.
     fn overshoot_m(guidance: &Guidance, turn_deg: f64, speed_mps: f64, amsl_m: f64) -> f64 {
         let knots = corner(turn_deg, amsl_m);
         let next = Line::new(knots[1].at, knots[2].at);
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn overshoot_at_corners_is_that_of_a_real_ardu_plane_or_a_little_wider() {
         // ArduPlane 4.7.0-dev of December 2025, its simulated plane, still air; legs of 45 s.
-        // Bank limit, WP_RADIUS, speed over the ground, altitude above the sea, and the swing.
+        // Bank limit, WP_RADIUS, speed over the ground, altitude above the sea, and the overshoot.
         let angles_deg = [5.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0, 120.0, 150.0];
         let flown: [(f64, f64, f64, f64, [f64; 9]); 4] = [
             (

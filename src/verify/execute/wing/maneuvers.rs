@@ -128,8 +128,8 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    /// A leg that climbs from the ground, in the part where its height decides what is wanted
-    /// below it and the part where the minimum height does.
+    /// A leg that climbs from the ground, split into the part where its height decides the
+    /// required clearance and the part where the minimum height does.
     fn in_two(&self, ground: &Knot, top: Knot, ground_m: f64) -> Vec<Knot> {
         let split_m = ground_m + self.world.min_agl.0 / SLOPE_SHARE;
         let sloping = |knot: Knot| Knot {

@@ -1,4 +1,4 @@
-//! Ways beside the legs, which ArduPlane flies: it swings out of corners, and climbs out early.
+//! Paths of ArduPlane off its legs: it overshoots corners, and climbs out early.
 
 use crate::geodesy::{EastNorth, PlanPoint};
 
@@ -16,14 +16,14 @@ pub const EARLY_SHARE: f64 = 0.4;
 pub(crate) const OVERSHOOT_M: f64 = 14.0;
 /// Ways nearer to their legs than this are not looked at, metres.
 const TOLERANCE_M: f64 = 0.5;
-/// Places of a way that are judged are so many steps apart.
+/// Steps of the path from one judged point to the next.
 const EVERY: usize = 10;
 /// A way is taken to be as far from a chord as it is within this of its time, seconds.
 const WITHIN_S: f64 = 2.0;
 
 impl Pilot<'_> {
-    /// Lays the way that a wing of ArduPilot takes beside its legs, to be judged in space; for
-    /// the separation, widens the chords of the legs by as much, and counts what it takes longer.
+    /// Lays the path that a wing of ArduPilot flies off its legs, to be judged in space. For the
+    /// separation, widens the chords of the legs by its distance and adds the time it takes longer.
     pub(crate) fn lay_overshoot(
         &mut self,
         knots: &[Knot],
@@ -109,8 +109,8 @@ impl Pilot<'_> {
         self.trajectory.chords.push(chord);
     }
 
-    /// Widens the chords of the legs by what the way is beside them, and makes them late by what
-    /// it takes longer.
+    /// Widens the chords of the legs by the distance of the path from them, and makes them late by
+    /// the time that the path takes longer.
     fn widen(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) {
         let mut starts_s = None;
         let (before_s, mut late_s) = (self.trajectory.late_s, 0.0_f64);
