@@ -438,10 +438,10 @@ fn row(margin: &verify::Margin, paint: Paint) -> [String; 6] {
     };
     [
         who,
-        margin.what.clone(),
+        margin.limit.to_string(),
         value(margin.value),
-        if margin.limit.is_finite() {
-            format!("{} {}", table::sense(margin), value(margin.limit))
+        if margin.bound.is_finite() {
+            format!("{} {}", table::sense(margin), value(margin.bound))
         } else {
             "-".to_owned()
         },
