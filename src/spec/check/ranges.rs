@@ -58,11 +58,9 @@ impl Checker {
     }
 }
 
-/// The definition that a schema refers to, or the schema itself, without the alternative `null`.
+/// The definition that a schema refers to, also as the alternative to `null`, or the schema itself.
 pub(super) fn resolved<'s>(schema: &'s Schema, root: &'s Schema) -> &'s Schema {
-    let schema = schema.pointer("/anyOf/0").unwrap_or(schema);
-    let target = schema["$ref"]
-        .as_str()
-        .and_then(|text| text.strip_prefix('#'));
-    target.and_then(|path| root.pointer(path)).unwrap_or(schema)
+    let target = schema.pointer("/anyOf/0/$ref").or(schema.get("$ref"));
+    let path = target.and_then(|target| target.as_str()?.strip_prefix('#'));
+    path.and_then(|path| root.pointer(path)).unwrap_or(schema)
 }

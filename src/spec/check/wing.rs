@@ -86,7 +86,7 @@ impl Checker {
         match flown.home_to_start_m {
             None if needs_distance && keys.home.is_none() => {
                 let found =
-                    "a takeoff along a course without a home: the vehicle stands under its start";
+                    "a takeoff along a course and no home: the vehicle stands under its start";
                 self.report(path, found, "home: {lat, lon}, away from start");
             }
             Some(apart_m) if needs_distance && apart_m < MIN_HOME_TO_START_M => {

@@ -36,7 +36,7 @@ pub struct Vehicle {
     #[schemars(required, range(min = 1, max = 255))]
     pub sysid: Option<i64>,
     /// Which autopilot reads the mission.
-    #[schemars(required)]
+    #[schemars(with = "Autopilot")]
     pub autopilot: Option<Autopilot>,
     /// What flies; absent: copter.
     pub airframe: Option<Airframe>,
@@ -46,14 +46,14 @@ pub struct Vehicle {
     /// Where it stands, on the ground; absent: under start. A plane needs one, away from start.
     pub home: Option<Place>,
     /// The planned path begins here, airborne.
-    #[schemars(required)]
+    #[schemars(with = "EndPoint")]
     pub start: Option<EndPoint>,
     /// The planned path ends here, airborne. A plane that lands touches down at this place,
     /// and its glide begins at this height.
-    #[schemars(required)]
+    #[schemars(with = "EndPoint")]
     pub goal: Option<EndPoint>,
     /// At the goal: land; loiter there for ever; or return along a planned path and land at home.
-    #[schemars(required)]
+    #[schemars(with = "Finish")]
     pub finish: Option<Finish>,
     /// Planned speed, m/s: over the ground; of planes and vtol the indicated airspeed.
     #[schemars(required, range(min = 0.5, max = 100))]
