@@ -1,16 +1,16 @@
-//! What a study of the planner says, as a table and as JSON.
+//! Results of a study of the planner as Markdown tables and as JSON.
 
 use std::fmt::Write;
 
 use serde_json::{Value, json};
 
 use super::{BestKnown, PlannerRun, PlannerStudy, variants};
-use crate::study::stats::{Summary, number};
+use crate::study::stats::{Summary, as_f64};
 
 /// Runs of one variant with one budget on one mission.
 struct Cell {
     runs: usize,
-    /// How many keep every limit.
+    /// Number of runs that keep every limit.
     clean: usize,
     best_known: f64,
     /// Costs above the best known, percent.
@@ -46,12 +46,11 @@ fn cell(
         clean: mine.iter().filter(|run| run.clean).count(),
         best_known,
         above: Summary::of(&above)?,
-        near: number(near) / number(mine.len()),
+        near: as_f64(near) / as_f64(mine.len()),
     })
 }
 
-/// A markdown table: a row for each mission, by budget, for the planner as it is; and one
-/// for each part left out, over all missions.
+/// Markdown tables: the planner by mission and budget; and each variant over all missions.
 #[must_use]
 pub fn planner_md(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> String {
     let mut text = String::from("| mission | vehicles | best known |");
@@ -101,7 +100,7 @@ pub fn planner_md(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -
     text
 }
 
-/// Percent for people.
+/// Percent, or `fails` for a run that violates a limit.
 fn percent(value: f64) -> String {
     if value.is_finite() {
         format!("{value:.2}")
@@ -131,8 +130,8 @@ fn ablations(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> Str
                 .collect();
             let summary =
                 |of: fn(&Cell) -> f64| Summary::of(&cells.iter().map(of).collect::<Vec<_>>());
-            let clean = cells.iter().map(|cell| number(cell.clean)).sum::<f64>()
-                / cells.iter().map(|cell| number(cell.runs)).sum::<f64>();
+            let clean = cells.iter().map(|cell| as_f64(cell.clean)).sum::<f64>()
+                / cells.iter().map(|cell| as_f64(cell.runs)).sum::<f64>();
             let (medians, worst) = (summary(|c| c.above.median), summary(|c| c.above.worst));
             if let Some((medians, worst)) = medians.zip(worst) {
                 let _ = write!(

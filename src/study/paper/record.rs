@@ -1,4 +1,4 @@
-//! What one run left: one line of JSON.
+//! Results of one run: one line of JSON.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! A map of the study as a view from the south-west.
 
 use super::ground::{DANGER, rim, tint};
-use super::svg::{Drawing, outline};
+use super::{Drawing, outline};
 use crate::geodesy::EastNorth;
 use crate::spec::{Cylinder, Scenario};
 
@@ -15,7 +15,7 @@ struct View<'a> {
 }
 
 /// The ground with threats from the south-west, about 540 by 390 pixels.
-pub(super) fn view(drawing: &mut Drawing, scenario: &Scenario, at: [f64; 2]) {
+pub(in crate::study) fn view(drawing: &mut Drawing, scenario: &Scenario, at: [f64; 2]) {
     let view = View { scenario, at };
     // What is far first; a threat where its axis is.
     let mut parts = Vec::new();

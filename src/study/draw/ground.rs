@@ -4,10 +4,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use super::stats::number;
-use super::svg::{Drawing, Plot, outline};
+use super::{Drawing, Plot, outline};
 use crate::geodesy::EastNorth;
 use crate::spec::{Cylinder, Scenario};
+use crate::study::stats::as_f64;
 
 /// Cells along one side, from above.
 const CELLS: i32 = 64;
@@ -16,10 +16,10 @@ const BAND_M: f64 = 250.0;
 /// Height that has the darkest colour, metres.
 const SUMMIT_M: f64 = 3000.0;
 /// Colour of threats.
-pub(super) const DANGER: &str = "#c1272d";
+pub(in crate::study) const DANGER: &str = "#c1272d";
 
 /// A plot of a map in km.
-pub(super) fn plot(scenario: &Scenario, at: [f64; 2], side: f64) -> Plot {
+pub(in crate::study) fn plot(scenario: &Scenario, at: [f64; 2], side: f64) -> Plot {
     let (low, high) = (scenario.south_west, scenario.north_east);
     Plot {
         at,
@@ -31,7 +31,7 @@ pub(super) fn plot(scenario: &Scenario, at: [f64; 2], side: f64) -> Plot {
 }
 
 /// Colour of a height, `light` times as bright.
-pub(super) fn tint(height_m: f64, light: f64) -> String {
+pub(in crate::study) fn tint(height_m: f64, light: f64) -> String {
     const STOPS: [[f64; 3]; 4] = [
         [228.0, 238.0, 214.0],
         [240.0, 228.0, 182.0],
@@ -55,7 +55,7 @@ pub(super) fn tint(height_m: f64, light: f64) -> String {
 }
 
 /// The ground from above.
-pub(super) fn bands(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
+pub(in crate::study) fn bands(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
     let grid = Grid::new(scenario);
     drawing.add(&format!(
         "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>",
@@ -89,7 +89,7 @@ pub(super) fn bands(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
 }
 
 /// What the colours of the bands mean, upwards from a place.
-pub(super) fn key(drawing: &mut Drawing, [x, y]: [f64; 2]) {
+pub(in crate::study) fn key(drawing: &mut Drawing, [x, y]: [f64; 2]) {
     let mut height_m = 0.0;
     while height_m < SUMMIT_M {
         let bottom = y - height_m / BAND_M * 9.0;
@@ -109,7 +109,7 @@ pub(super) fn key(drawing: &mut Drawing, [x, y]: [f64; 2]) {
 }
 
 /// Threats from above.
-pub(super) fn threats(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
+pub(in crate::study) fn threats(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
     for threat in &scenario.threats {
         let rim: Vec<[f64; 2]> = rim(threat)
             .into_iter()
@@ -120,7 +120,7 @@ pub(super) fn threats(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
     }
 }
 
-pub(super) fn rim(threat: &Cylinder) -> Vec<EastNorth> {
+pub(in crate::study) fn rim(threat: &Cylinder) -> Vec<EastNorth> {
     (0..40)
         .map(|k| {
             let angle = f64::from(k) * TAU / 40.0;
@@ -245,7 +245,12 @@ fn node(scenario: &Scenario, column: i32, row: i32) -> EastNorth {
 }
 
 /// Starts as dots, goals as squares.
-pub(super) fn ends(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot, colours: &[&str]) {
+pub(in crate::study) fn ends(
+    drawing: &mut Drawing,
+    scenario: &Scenario,
+    plot: &Plot,
+    colours: &[&str],
+) {
     for (vehicle, colour) in scenario.vehicles.iter().zip(colours.iter().cycle()) {
         let at = |at: EastNorth| plot.place(at.east_m * 1e-3, at.north_m * 1e-3);
         let ([x, y], [u, v]) = (at(vehicle.start.at), at(vehicle.goal.at));
@@ -259,12 +264,16 @@ pub(super) fn ends(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot, colo
 }
 
 /// Draws the sample of a line of a legend, its left end given.
-pub(super) type Sample<'a> = &'a dyn Fn(&mut Drawing, [f64; 2]);
+pub(in crate::study) type Sample<'a> = &'a dyn Fn(&mut Drawing, [f64; 2]);
 
 /// Lines of a legend, each with a sample drawn by `sample` at its left.
-pub(super) fn legend(drawing: &mut Drawing, [x, y]: [f64; 2], lines: &[(&str, Sample<'_>)]) {
+pub(in crate::study) fn legend(
+    drawing: &mut Drawing,
+    [x, y]: [f64; 2],
+    lines: &[(&str, Sample<'_>)],
+) {
     for (index, (text, sample)) in lines.iter().enumerate() {
-        let y = y + 18.0 * number(index);
+        let y = y + 18.0 * as_f64(index);
         sample(drawing, [x, y - 4.0]);
         drawing.text([x + 30.0, y], 11.0, "start", text);
     }
@@ -277,7 +286,7 @@ mod tests {
 
     #[test]
     fn bands_ring_what_is_higher() {
-        let text = include_str!("../../missions/paper/s1.yaml");
+        let text = include_str!("../../../missions/paper/s1.yaml");
         let scenario = Scenario::parse(Path::new("s1.yaml"), text).unwrap();
         let grid = Grid::new(&scenario);
         let rings = grid.rings(1500.0);
