@@ -18,7 +18,7 @@ pub use fleet::{
     deliveries, delivery_ground,
 };
 pub use paper::{
-    Config, ConfigError, Contestant, Job, MapText, Method, Protocol, Record, Results, Role, Terms,
+    Config, ConfigError, Contestant, Job, MapText, Method, Protocol, Record, Results, Role,
     VehicleRecord, ablations, contestants, readings, results_md, run, shipped_maps, write_results,
 };
 pub use planner::{

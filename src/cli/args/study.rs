@@ -3,6 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
+use clap::builder::RangedU64ValueParser;
+
+use crate::study::MAX_DELIVERIES;
 
 #[derive(Debug, Subcommand)]
 pub(in crate::cli) enum Study {
@@ -26,7 +29,7 @@ pub(in crate::cli) struct FleetStudy {
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) out: Option<PathBuf>,
     /// Numbers of vehicles
-    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100,300,1000", value_parser = fleet_size)]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100,300,1000", value_parser = number(1, MAX_DELIVERIES as u64))]
     pub(in crate::cli) sizes: Vec<usize>,
     /// Objective evaluations of each plan
     #[arg(long, value_name = "N", default_value_t = 1000)]
@@ -39,12 +42,8 @@ pub(in crate::cli) struct FleetStudy {
     pub(in crate::cli) json: bool,
 }
 
-fn fleet_size(text: &str) -> Result<usize, String> {
-    let max = crate::study::MAX_DELIVERIES;
-    text.parse()
-        .ok()
-        .filter(|size| (1..=max).contains(size))
-        .ok_or_else(|| format!("not a number of vehicles from 1 to {max}"))
+fn number(min: u64, max: u64) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(min..=max)
 }
 
 #[derive(Debug, clap::Args)]
@@ -137,13 +136,13 @@ pub(in crate::cli) struct Planner {
     #[arg(long, value_name = "DIR", default_value = "missions")]
     pub(in crate::cli) missions: PathBuf,
     /// Runs on each mission with each budget
-    #[arg(long, value_name = "N", default_value_t = 40, value_parser = crate::cli::study::parse_count)]
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = number(1, 10_000))]
     pub(in crate::cli) seeds: usize,
     /// Seed of the first run; each later run has the next
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(in crate::cli) seed: u64,
     /// Evaluations for each vehicle
-    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [40_000, 10_000], value_parser = crate::cli::study::parse_budget)]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [40_000, 10_000], value_parser = number(100, 100_000_000))]
     pub(in crate::cli) evaluations: Vec<usize>,
     /// Also run the planner without its parts, one at a time
     #[arg(long)]

@@ -36,10 +36,10 @@ pub(super) fn run(arguments: &args::FleetStudy) -> Result<(), Failure> {
 
 impl From<FleetError> for Failure {
     fn from(error: FleetError) -> Self {
-        let code = match error {
-            FleetError::Ground(_) => Self::INPUT,
-            FleetError::Io { .. } | FleetError::Plan { .. } => Self::OUTPUT,
-        };
-        Self::new(code, error.to_string())
+        match error {
+            FleetError::Store(error) => error.into(),
+            FleetError::Ground(error) => error.into(),
+            FleetError::Plan { .. } => Self::new(Self::OUTPUT, error.to_string()),
+        }
     }
 }

@@ -182,23 +182,6 @@ pub(super) fn parse_range(text: &str) -> Result<std::ops::RangeInclusive<u64>, S
         .ok_or_else(|| "not FIRST-LAST, such as 101-120".to_owned())
 }
 
-/// A number of runs.
-pub(super) fn parse_count(text: &str) -> Result<usize, String> {
-    number(text, 1..=10_000)
-}
-
-/// Evaluations, as many as a spec allows.
-pub(super) fn parse_budget(text: &str) -> Result<usize, String> {
-    number(text, 100..=100_000_000)
-}
-
-fn number(text: &str, range: std::ops::RangeInclusive<usize>) -> Result<usize, String> {
-    text.parse()
-        .ok()
-        .filter(|number| range.contains(number))
-        .ok_or_else(|| format!("not a number from {} to {}", range.start(), range.end()))
-}
-
 impl From<ConfigError> for Failure {
     fn from(error: ConfigError) -> Self {
         let code = match error {

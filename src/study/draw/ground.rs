@@ -1,8 +1,9 @@
-//! The ground of a map as it is drawn: bands of height from above, and a view from the
-//! south-west.
+//! A map from above: bands of height, threats, starts and goals, legends.
 
-use std::collections::BTreeMap;
 use std::f64::consts::TAU;
+
+use contour::ContourBuilder;
+use geo::Coord;
 
 use super::{Drawing, Plot, outline};
 use crate::geodesy::EastNorth;
@@ -10,10 +11,10 @@ use crate::spec::{Cylinder, Scenario};
 use crate::study::stats::as_f64;
 
 /// Cells along one side, from above.
-const CELLS: i32 = 64;
+const CELLS: usize = 64;
 /// Height of a band, metres.
 const BAND_M: f64 = 250.0;
-/// Height that has the darkest colour, metres.
+/// Height of the darkest colour, metres.
 const SUMMIT_M: f64 = 3000.0;
 /// Colour of threats.
 pub(in crate::study) const DANGER: &str = "#c1272d";
@@ -28,6 +29,13 @@ pub(in crate::study) fn plot(scenario: &Scenario, at: [f64; 2], side: f64) -> Pl
         y: [low.north_m * 1e-3, high.north_m * 1e-3],
         log: false,
     }
+}
+
+fn on_plot(points: &[EastNorth], plot: &Plot) -> Vec<[f64; 2]> {
+    let points = points.iter();
+    points
+        .map(|at| plot.place(at.east_m * 1e-3, at.north_m * 1e-3))
+        .collect()
 }
 
 /// Colour of a height, `light` times as bright.
@@ -56,7 +64,8 @@ pub(in crate::study) fn tint(height_m: f64, light: f64) -> String {
 
 /// The ground from above.
 pub(in crate::study) fn bands(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
-    let grid = Grid::new(scenario);
+    let heights_m = heights_m(scenario);
+    let top_m = heights_m.iter().copied().fold(0.0, f64::max);
     drawing.add(&format!(
         "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>",
         plot.at[0],
@@ -66,29 +75,20 @@ pub(in crate::study) fn bands(drawing: &mut Drawing, scenario: &Scenario, plot: 
         tint(0.5 * BAND_M, 1.0)
     ));
     let mut level_m = BAND_M;
-    while level_m < grid.top_m() {
-        let shapes: Vec<String> = grid
-            .rings(level_m)
-            .iter()
-            .map(|ring| {
-                let points: Vec<[f64; 2]> = ring
-                    .iter()
-                    .map(|at| plot.place(at.east_m * 1e-3, at.north_m * 1e-3))
-                    .collect();
-                outline(&points) + "z"
-            })
-            .collect();
+    while level_m < top_m {
+        let rings = rings(scenario, &heights_m, level_m);
+        let shapes = rings.iter().map(|ring| outline(&on_plot(ring, plot)) + "z");
         drawing.add(&format!(
             "<path d=\"{}\" fill=\"{}\" fill-rule=\"evenodd\" stroke=\"#000\" \
              stroke-opacity=\".12\" stroke-width=\".5\"/>",
-            shapes.concat(),
+            shapes.collect::<String>(),
             tint(level_m + 0.5 * BAND_M, 1.0)
         ));
         level_m += BAND_M;
     }
 }
 
-/// What the colours of the bands mean, upwards from a place.
+/// Legend of the bands, upwards from a point.
 pub(in crate::study) fn key(drawing: &mut Drawing, [x, y]: [f64; 2]) {
     let mut height_m = 0.0;
     while height_m < SUMMIT_M {
@@ -111,10 +111,7 @@ pub(in crate::study) fn key(drawing: &mut Drawing, [x, y]: [f64; 2]) {
 /// Threats from above.
 pub(in crate::study) fn threats(drawing: &mut Drawing, scenario: &Scenario, plot: &Plot) {
     for threat in &scenario.threats {
-        let rim: Vec<[f64; 2]> = rim(threat)
-            .into_iter()
-            .map(|at| plot.place(at.east_m * 1e-3, at.north_m * 1e-3))
-            .collect();
+        let rim = on_plot(&rim(threat), plot);
         drawing.fill(&rim, DANGER, 0.25);
         drawing.line(&[&rim[..], &rim[..1]].concat(), DANGER, 1.0);
     }
@@ -132,116 +129,38 @@ pub(in crate::study) fn rim(threat: &Cylinder) -> Vec<EastNorth> {
         .collect()
 }
 
-/// Heights at the nodes of a grid, and a ring of nothing around it.
-struct Grid<'a> {
-    scenario: &'a Scenario,
-    heights_m: Vec<f64>,
+/// Heights at the nodes of a grid, row by row from the south-west.
+fn heights_m(scenario: &Scenario) -> Vec<f64> {
+    let nodes = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (column, row)));
+    let height_m = |(column, row)| scenario.surface.height_m(at_node(scenario, column, row));
+    nodes
+        .map(|(column, row)| height_m((as_f64(column), as_f64(row))))
+        .collect()
 }
 
-/// An edge of the grid: from a node to the east, or else to the north.
-type Edge = (i32, i32, bool);
-
-impl<'a> Grid<'a> {
-    fn new(scenario: &'a Scenario) -> Self {
-        let nodes = (0..=CELLS).flat_map(|row| (0..=CELLS).map(move |column| (column, row)));
-        Self {
-            scenario,
-            heights_m: nodes
-                .map(|(column, row)| scenario.surface.height_m(node(scenario, column, row)))
-                .collect(),
-        }
-    }
-
-    fn top_m(&self) -> f64 {
-        self.heights_m.iter().copied().fold(0.0, f64::max)
-    }
-
-    fn height_m(&self, column: i32, row: i32) -> f64 {
-        let inside = 0..=CELLS;
-        if inside.contains(&column) && inside.contains(&row) {
-            let index = usize::try_from(row * (CELLS + 1) + column);
-            index.map_or(f64::MIN, |index| self.heights_m[index])
-        } else {
-            f64::MIN
-        }
-    }
-
-    /// Closed lines around all that is higher than a level, which they have to their left.
-    fn rings(&self, level_m: f64) -> Vec<Vec<EastNorth>> {
-        let mut steps = BTreeMap::new();
-        for row in -1..=CELLS {
-            for column in -1..=CELLS {
-                self.steps(column, row, level_m, &mut steps);
-            }
-        }
-        let mut rings = Vec::new();
-        while let Some((first, mut next)) = steps.pop_first() {
-            let mut ring = vec![self.crossing(first, level_m)];
-            while next != first {
-                ring.push(self.crossing(next, level_m));
-                let Some(after) = steps.remove(&next) else {
-                    break;
-                };
-                next = after;
-            }
-            rings.push(ring);
-        }
-        rings
-    }
-
-    /// How lines cross one cell, by the edge they come from: around it, from each edge that
-    /// leaves the high side to the next that returns to it.
-    fn steps(&self, column: i32, row: i32, level_m: f64, steps: &mut BTreeMap<Edge, Edge>) {
-        let corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
-            .map(|(right, up)| self.height_m(column + right, row + up) > level_m);
-        let edges: [Edge; 4] = [
-            (column, row, true),
-            (column + 1, row, false),
-            (column, row + 1, true),
-            (column, row, false),
-        ];
-        for k in 0..4 {
-            if corners[k] && !corners[(k + 1) % 4] {
-                let back = (1..4)
-                    .map(|more| (k + more) % 4)
-                    .find(|&at| !corners[at] && corners[(at + 1) % 4]);
-                if let Some(back) = back {
-                    steps.insert(edges[k], edges[back]);
-                }
-            }
-        }
-    }
-
-    /// Where a line of a level crosses an edge.
-    fn crossing(&self, (column, row, eastward): Edge, level_m: f64) -> EastNorth {
-        let (to_column, to_row) = if eastward {
-            (column + 1, row)
-        } else {
-            (column, row + 1)
-        };
-        let (a, b) = (self.height_m(column, row), self.height_m(to_column, to_row));
-        let share = ((level_m - a) / (b - a)).clamp(0.0, 1.0);
-        let (from, to) = (
-            node(self.scenario, column, row),
-            node(self.scenario, to_column, to_row),
-        );
-        EastNorth {
-            east_m: from.east_m + share * (to.east_m - from.east_m),
-            north_m: from.north_m + share * (to.north_m - from.north_m),
-        }
-    }
-}
-
-/// A node of the grid; beyond the map the nearest on its edge.
-fn node(scenario: &Scenario, column: i32, row: i32) -> EastNorth {
-    let along = |from: f64, to: f64, k: i32| {
-        from + (to - from) * f64::from(k.clamp(0, CELLS)) / f64::from(CELLS)
-    };
+/// A point of the map by columns and rows of the grid; beyond the map the nearest on its edge.
+fn at_node(scenario: &Scenario, column: f64, row: f64) -> EastNorth {
     let (low, high) = (scenario.south_west, scenario.north_east);
+    let cells = as_f64(CELLS);
+    let along = |from: f64, to: f64, k: f64| from + (to - from) * k.clamp(0.0, cells) / cells;
     EastNorth {
         east_m: along(low.east_m, high.east_m, column),
         north_m: along(low.north_m, high.north_m, row),
     }
+}
+
+/// Closed lines around the ground above a level, along the edge of the map where it is above.
+fn rings(scenario: &Scenario, heights_m: &[f64], level_m: f64) -> Vec<Vec<EastNorth>> {
+    let lines = ContourBuilder::new(CELLS + 1, CELLS + 1, true).lines(heights_m, &[level_m]);
+    let lines = lines
+        .into_iter()
+        .flatten()
+        .flat_map(|line| line.into_inner().0.0);
+    // Nodes lie at the centres of the crate's cells.
+    let point = |at: Coord| at_node(scenario, at.x - 0.5, at.y - 0.5);
+    lines
+        .map(|line| line.0.into_iter().map(point).collect())
+        .collect()
 }
 
 /// Starts as dots, goals as squares.
@@ -252,8 +171,8 @@ pub(in crate::study) fn ends(
     colours: &[&str],
 ) {
     for (vehicle, colour) in scenario.vehicles.iter().zip(colours.iter().cycle()) {
-        let at = |at: EastNorth| plot.place(at.east_m * 1e-3, at.north_m * 1e-3);
-        let ([x, y], [u, v]) = (at(vehicle.start.at), at(vehicle.goal.at));
+        let ends = on_plot(&[vehicle.start.at, vehicle.goal.at], plot);
+        let ([x, y], [u, v]) = (ends[0], ends[1]);
         drawing.add(&format!(
             "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{colour}\"/>\
              <rect x=\"{:.1}\" y=\"{:.1}\" width=\"7\" height=\"7\" fill=\"#111\"/>",
@@ -285,27 +204,17 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn bands_ring_what_is_higher() {
+    fn rings_enclose_higher_ground() {
         let text = include_str!("../../../missions/paper/s1.yaml");
         let scenario = Scenario::parse(Path::new("s1.yaml"), text).unwrap();
-        let grid = Grid::new(&scenario);
-        let rings = grid.rings(1500.0);
+        let heights_m = heights_m(&scenario);
+        let above_1500 = rings(&scenario, &heights_m, 1500.0);
         // Five summits above 1500 m, two of which hang together at most.
-        assert!((4..=5).contains(&rings.len()), "{}", rings.len());
-        for at in rings.iter().flatten() {
+        assert!((4..=5).contains(&above_1500.len()), "{}", above_1500.len());
+        for at in above_1500.iter().flatten() {
             assert!((scenario.surface.height_m(*at) - 1500.0).abs() < 60.0);
         }
-        // Counted around, the high side to the left, every ring has a positive area.
-        for ring in &rings {
-            let next = ring.iter().cycle().skip(1);
-            let twice: f64 = ring
-                .iter()
-                .zip(next)
-                .map(|(a, b)| a.east_m * b.north_m - b.east_m * a.north_m)
-                .sum();
-            assert!(twice > 0.0);
-        }
         // All of the map is above -1 m: one ring, its edge.
-        assert_eq!(grid.rings(-1.0).len(), 1);
+        assert_eq!(rings(&scenario, &heights_m, -1.0).len(), 1);
     }
 }

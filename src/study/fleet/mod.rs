@@ -13,6 +13,7 @@ use std::time::Instant;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
+use super::store::{StoreError, io_at};
 use crate::spec::{SpecError, SpecFile};
 use crate::world::{self, World};
 
@@ -23,13 +24,8 @@ pub use growth::{FleetGrowth, FleetRun};
 #[derive(Debug, thiserror::Error)]
 pub enum FleetError {
     /// A file, folder or program cannot be used.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// The cause.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Store(#[from] StoreError),
     /// `sortie plan` failed.
     #[error("sortie plan {}: {message}", spec.display())]
     Plan {
@@ -237,12 +233,6 @@ fn run_plan(spec: &Path, out: &Path, verdict: i32) -> Result<f64, FleetError> {
 /// One file that `plan` wrote.
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T, FleetError> {
     let file = fs::File::open(path).map_err(io_at(path))?;
-    serde_json::from_reader(io::BufReader::new(file)).map_err(|error| io_at(path)(error.into()))
-}
-
-fn io_at(path: &Path) -> impl FnOnce(io::Error) -> FleetError + '_ {
-    move |source| FleetError::Io {
-        path: path.to_owned(),
-        source,
-    }
+    let read = serde_json::from_reader(io::BufReader::new(file));
+    Ok(read.map_err(|error| io_at(path)(error.into()))?)
 }

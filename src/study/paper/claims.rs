@@ -1,15 +1,12 @@
 //! The paper's claims about MSFOA: the paper's number, the measured number, and whether the
 //! claim holds.
 
-use super::contestants::{Contestant, Protocol};
+use super::contestants::Contestant;
 use super::convergence::Curve;
 use super::published::{PUBLISHED, Published};
-use super::results::{OTHERS, READINGS, Reading, Results};
+use super::results::{READINGS, Results};
 use crate::study::document::{Table, yes_no};
 use crate::study::stats::Summary;
-
-/// Below this p a difference is significant.
-const SIGNIFICANT: f64 = 0.05;
 
 /// Indices in the seven, of [`PUBLISHED`] and of [`Results::seven`] alike.
 const MSFOA: usize = 0;
@@ -92,45 +89,6 @@ pub(super) fn claims(results: &Results<'_>) -> Table {
         }
     }
     table
-}
-
-/// MSFOA against each other algorithm by rank sums.
-pub(super) fn opponents(results: &Results<'_>) -> Table {
-    let found = |(name, protocol): &Reading| results.find(name, *protocol);
-    let readings: Vec<&Contestant> = READINGS.iter().filter_map(found).collect();
-    let titles: Vec<String> = readings.iter().map(|one| one.title()).collect();
-    let mut table = Table::new(
-        "MSFOA against each other algorithm, map by map: + it has the lower median, - the \
-         higher, = p is 0.05 or more. Paper: + throughout, except - against MFOA on the second \
-         map.",
-        format!("against | {}", titles.join(" | ")),
-    );
-    for name in OTHERS {
-        let Some(other) = results.find(name, Protocol::Evaluations) else {
-            continue;
-        };
-        let signs = |msfoa: &&Contestant| {
-            let maps = results.maps.iter();
-            let signs: Vec<&str> = maps.map(|map| sign(results, msfoa, other, map)).collect();
-            signs.join(" ")
-        };
-        let cells: Vec<String> = readings.iter().map(signs).collect();
-        table.row(format!("{} | {}", other.label, cells.join(" | ")));
-    }
-    table
-}
-
-fn sign(results: &Results<'_>, msfoa: &Contestant, other: &Contestant, map: &str) -> &'static str {
-    let p = results.p(other, msfoa, map);
-    let median = |of| results.summary(of, map).map(|summary| summary.median);
-    match (
-        p.is_some_and(|p| p < SIGNIFICANT),
-        median(msfoa) < median(other),
-    ) {
-        (false, _) => "=",
-        (true, true) => "+",
-        (true, false) => "-",
-    }
 }
 
 impl Case<'_> {

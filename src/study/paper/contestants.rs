@@ -1,15 +1,12 @@
 //! The algorithms of the experiment and their budgets.
 
-use serde::{Deserialize, Serialize};
-
 use crate::optimize::{
     AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, Mapping, MfoaParameters,
     Parents, PsoParameters, PublishedParameters,
 };
 
 /// What is equal among the contestants.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Protocol {
     /// Iterations, as in the paper: MSFOA evaluates every fly twice and has twice the
     /// evaluations of the others.

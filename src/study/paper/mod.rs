@@ -21,7 +21,7 @@ use super::store::{StoreError, io_at, write_whole};
 pub use config::{Config, ConfigError, Job, MapText};
 pub(super) use config::{read_text, sha256, unreadable};
 pub use contestants::{Contestant, Method, Protocol, Role, ablations, contestants, readings};
-pub use record::{Record, Terms, VehicleRecord};
+pub use record::{Record, VehicleRecord};
 pub use results::Results;
 pub use runner::run;
 

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use super::claims::{claims, opponents};
+use super::claims::claims;
 use super::config::Config;
 use super::contestants::{Contestant, Protocol, Role};
-use super::published::{Published, best_orders, of_contestant, wrong_sums};
-use super::record::Terms;
-use super::results::{READINGS, Results};
+use super::published::{Published, of_contestant};
+use super::results::{READINGS, Reading, Results};
 use super::shipped_maps;
+use crate::cost::CostTerms;
 use crate::study::document::{Document, Table, yes_no};
 use crate::study::stats::as_f64;
 use crate::study::store::Study;
@@ -17,9 +17,9 @@ pub(super) fn document(results: &Results<'_>) -> Document {
     let mut sections = Vec::new();
     let maps = &results.maps;
     let is_paper = maps.iter().any(|map| results.scenario(map).is_some());
-    let claims = is_paper.then(|| claims(results));
-    let tables = claims.into_iter().chain([opponents(results)]);
-    sections.push(("Claims of the paper".to_owned(), tables.collect()));
+    if is_paper {
+        sections.push(("Claims of the paper".to_owned(), vec![claims(results)]));
+    }
     for map in maps {
         sections.push((map.clone(), vec![best(results, map), spread(results, map)]));
     }
@@ -32,10 +32,6 @@ pub(super) fn document(results: &Results<'_>) -> Document {
         if results.contestants.iter().any(|one| one.role == role) {
             sections.push((name.to_owned(), vec![variations(results, role)]));
         }
-    }
-    if is_paper {
-        let tables = vec![wrong_sums(), best_orders()];
-        sections.push(("Sums of the paper's Table 2".to_owned(), tables));
     }
     Document {
         title: "The paper's experiment, run again",
@@ -111,8 +107,9 @@ fn notes(results: &Results<'_>) -> Vec<String> {
         ),
         "MSFOA, R = 0.1: the published local step. R from 0.3: the step shrinks to 0.".to_owned(),
         "The default planner and all variations run the first quarter of the seeds.".to_owned(),
-        "p: Wilcoxon's rank-sum test, two-sided, not corrected for the number of tests. Rank: \
-         Friedman's mean rank; blocks are runs of one number on one map. Lists are in the order \
+        "p: Wilcoxon's rank-sum test, two-sided, not corrected for the number of tests. MSFOA \
+         better: + and - where p is below 0.05, else =; by the paper + against all, except - \
+         against MFOA on its second map. Rank: Friedman's mean rank; blocks are runs of one number on one map. Lists are in the order \
          of the maps."
             .to_owned(),
     ]
@@ -210,7 +207,7 @@ fn spread(results: &Results<'_>, map: &str) -> Table {
 }
 
 /// A limit by name, and the term that is above 0 where it is broken.
-type Limit = (&'static str, fn(&Terms) -> f64);
+type Limit = (&'static str, fn(&CostTerms) -> f64);
 
 fn broken_limits(results: &Results<'_>, contestant: &Contestant, map: &str) -> String {
     let limits: [Limit; 5] = [
@@ -230,7 +227,7 @@ fn broken_limits(results: &Results<'_>, contestant: &Contestant, map: &str) -> S
 }
 
 /// Ratios to one reading of MSFOA, rank-sum tests and Friedman's ranks.
-fn tests(results: &Results<'_>, reading: (&'static str, Protocol)) -> Table {
+fn tests(results: &Results<'_>, reading: Reading) -> Table {
     let msfoa = results.find(reading.0, reading.1);
     let title = msfoa.map_or_else(String::new, Contestant::title);
     let (ranks, p) = results.friedman(reading).unwrap_or_default();
@@ -239,7 +236,7 @@ fn tests(results: &Results<'_>, reading: (&'static str, Protocol)) -> Table {
             "Averages over those of {title} (Friedman p = {})",
             probability(p)
         ),
-        "algorithm | ratio | geometric mean | p | rank | paper's ratio | its geometric mean",
+        "algorithm | ratio | geometric mean | p | MSFOA better | rank | paper's ratio | its geometric mean",
     );
     let average = |of, map: &String| {
         let (row, index) = published(results, of, map)?;
@@ -253,11 +250,12 @@ fn tests(results: &Results<'_>, reading: (&'static str, Protocol)) -> Table {
             .filter_map(|map| Some(average(one, map)? / average(msfoa, map)?))
             .collect();
         table.row(format!(
-            "{} | {} | {} | {} | {rank:.2} | {} | {}",
+            "{} | {} | {} | {} | {} | {rank:.2} | {} | {}",
             one.label,
             list(&ratios),
             geometric_mean(&ratios),
             probabilities(results, one, msfoa),
+            signs(results, one, msfoa),
             list(&paper),
             geometric_mean(&paper),
         ));
@@ -325,6 +323,23 @@ fn probabilities(results: &Results<'_>, one: &Contestant, other: &Contestant) ->
             _ => "-".to_owned(),
         });
     all.collect::<Vec<_>>().join(", ")
+}
+
+/// Map by map: + the reading of MSFOA has the lower median, - the higher, = not significant.
+fn signs(results: &Results<'_>, one: &Contestant, msfoa: &Contestant) -> String {
+    /// Below this p a difference is significant.
+    const SIGNIFICANT: f64 = 0.05;
+    let sign = |map: &String| {
+        let median = |of| results.summary(of, map).map(|summary| summary.median);
+        let p = results.p(one, msfoa, map).unwrap_or(1.0);
+        match (p < SIGNIFICANT, median(msfoa) < median(one)) {
+            (false, _) => "=",
+            (true, true) => "+",
+            (true, false) => "-",
+        }
+    };
+    let signs: Vec<&str> = results.maps.iter().map(sign).collect();
+    signs.join(" ")
 }
 
 fn probability(p: f64) -> String {

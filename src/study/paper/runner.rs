@@ -212,9 +212,9 @@ fn judge(setting: &Setting, all: &[Found]) -> Vec<VehicleRecord> {
         let points = 0..east_m.len();
         vehicles.push(VehicleRecord {
             total: terms.total(),
-            terms: terms.into(),
+            terms,
             fine_total: fine.total(),
-            fine: fine.into(),
+            fine,
             safe: fine.is_clean(),
             evaluations: found.evaluations,
             control_points: points.map(|k| [east_m[k], north_m[k], amsl_m[k]]).collect(),
