@@ -33,7 +33,7 @@ impl Table {
         self.rows.push(row);
     }
 
-    /// The table alone; all columns but the first are aligned to the right.
+    /// The table without its caption; all columns but the first are aligned to the right.
     pub(super) fn markdown(&self) -> String {
         let rule = "---:|".repeat(self.head.split(CELL).count() - 1);
         let mut text = format!("| {} |\n|---|{rule}\n", self.head);

@@ -284,8 +284,13 @@ impl Draft {
             let most = limits(Autopilot::ArduPilot).items;
             let _ = writeln!(text, "mission: {{max_items: {most}}}");
         }
+        text.push_str(&self.vehicles(place));
+        text
+    }
+
+    fn vehicles(&self, place: impl Fn(EastNorth) -> String) -> String {
         let speed_mps = if self.length_m > 20_000.0 { 25 } else { 15 };
-        text.push_str("vehicles:\n");
+        let mut text = "vehicles:\n".to_owned();
         for (index, (start, goal)) in self.ends.iter().enumerate() {
             let sysid = index + 1;
             let _ = writeln!(

@@ -285,7 +285,7 @@ mod tests {
     use crate::cost::CostTerms;
     use std::path::Path;
 
-    /// Seven control points from start to goal, each share of the way pushed aside and up.
+    /// Seven control points from start to goal, each offset by `pushed` of its share of the leg.
     fn spline(leg: &Leg, pushed: impl Fn(f64) -> [f64; 3]) -> Spline {
         let (from, to) = (leg.from, leg.to);
         let axis = |axis: usize, a: f64, b: f64| -> Vec<f64> {

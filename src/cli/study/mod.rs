@@ -63,27 +63,7 @@ fn print_speed(arguments: &args::Speed) -> Result<(), Failure> {
         let document = serde_json::to_value(&of).unwrap_or_default();
         return out(json_text(&document).trim_end());
     }
-    let (rates, paper) = (&of.rates, &of.paper);
-    out(&format!(
-        "{}, {}, costs a second:\n\
-         one thread, local candidates {:.0}, global {:.0}; plain reference {:.0}\n\
-         {} threads {:.0}; exact only below a bound {:.0}; among two earlier vehicles {:.0}\n\
-         by the paper's objective: local {:.0}, global {:.0}, among two earlier vehicles {:.0}; \
-         plain reference {:.0}",
-        of.cpu,
-        of.dispatch,
-        rates.fast_one_thread,
-        rates.fast_global_one_thread,
-        rates.reference_one_thread,
-        of.threads,
-        of.fast_all_threads,
-        of.fast_pruned_one_thread,
-        rates.fast_traffic_one_thread,
-        paper.fast_one_thread,
-        paper.fast_global_one_thread,
-        paper.fast_traffic_one_thread,
-        paper.reference_one_thread,
-    ))
+    out(of.table().trim_end())
 }
 
 fn write_scenario(arguments: &args::Scenario) -> Result<(), Failure> {

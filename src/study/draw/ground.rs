@@ -209,7 +209,7 @@ mod tests {
         let scenario = Scenario::parse(Path::new("s1.yaml"), text).unwrap();
         let heights_m = heights_m(&scenario);
         let above_1500 = rings(&scenario, &heights_m, 1500.0);
-        // Five summits above 1500 m, two of which hang together at most.
+        // Five summits above 1500 m; at most two share a ring.
         assert!((4..=5).contains(&above_1500.len()), "{}", above_1500.len());
         for at in above_1500.iter().flatten() {
             assert!((scenario.surface.height_m(*at) - 1500.0).abs() < 60.0);

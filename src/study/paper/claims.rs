@@ -129,14 +129,14 @@ fn place(case: &Case<'_>, column: usize, value: fn(&Summary) -> f64) -> Option<J
 
 fn leading_group(case: &Case<'_>) -> Option<Judged> {
     let ratio = |all: &[f64]| {
-        let (mut highest, mut lowest_other) = (f64::MIN, f64::MAX);
+        let (mut max, mut min_other) = (f64::MIN, f64::MAX);
         for (index, value) in all.iter().enumerate() {
             match index {
-                MSFOA | ABC | MFOA => highest = highest.max(*value),
-                _ => lowest_other = lowest_other.min(*value),
+                MSFOA | ABC | MFOA => max = max.max(*value),
+                _ => min_other = min_other.min(*value),
             }
         }
-        highest / lowest_other
+        max / min_other
     };
     let (paper, measured) = (
         ratio(&case.published(1)),

@@ -70,14 +70,16 @@ pub enum ConfigError {
     #[error("two maps are named `{0}`")]
     SameName(String),
     /// A number is out of range.
-    #[error("{name} is {found} (allowed: {allowed})")]
+    #[error("{name} is {found} (allowed: {min} to {max})")]
     Number {
         /// Its name.
         name: &'static str,
         /// The value given.
         found: usize,
-        /// The allowed values.
-        allowed: &'static str,
+        /// The lowest allowed value.
+        min: usize,
+        /// The highest allowed value.
+        max: usize,
     },
 }
 
@@ -247,22 +249,21 @@ impl Config {
     /// # Errors
     /// An invalid map, two maps of one name, a number out of range.
     pub fn scenarios(&self) -> Result<Vec<Scenario>, ConfigError> {
-        let number = |name, found, range: std::ops::RangeInclusive<usize>, allowed| {
-            if range.contains(&found) {
-                Ok(())
-            } else {
-                Err(ConfigError::Number {
+        let points = self.control_points.unwrap_or(2);
+        for (name, found, min, max) in [
+            ("runs", self.runs, 1, 10_000),
+            ("population", self.population, 10, 10_000),
+            ("iterations", self.iterations, 5, 100_000),
+            ("control points", points, 2, 30),
+        ] {
+            if !(min..=max).contains(&found) {
+                return Err(ConfigError::Number {
                     name,
                     found,
-                    allowed,
-                })
+                    min,
+                    max,
+                });
             }
-        };
-        number("runs", self.runs, 1..=10_000, "1 to 10000")?;
-        number("population", self.population, 10..=10_000, "10 to 10000")?;
-        number("iterations", self.iterations, 5..=100_000, "5 to 100000")?;
-        if let Some(points) = self.control_points {
-            number("control points", points, 2..=30, "2 to 30")?;
         }
         let mut scenarios: Vec<Scenario> = Vec::new();
         for map in &self.maps {

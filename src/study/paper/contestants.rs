@@ -5,7 +5,7 @@ use crate::optimize::{
     Parents, PsoParameters, PublishedParameters,
 };
 
-/// What is equal among the contestants.
+/// The budget that is equal among the contestants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Protocol {
     /// Iterations, as in the paper: MSFOA evaluates every fly twice and has twice the
@@ -43,7 +43,7 @@ pub struct Contestant {
     pub name: String,
     /// Name in tables.
     pub label: String,
-    /// What it has in common with the others.
+    /// Its budget.
     pub protocol: Protocol,
     /// How it searches.
     pub method: Method,

@@ -141,7 +141,7 @@ fn panel(drawing: &mut Drawing, plot: &Plot, record: &Record) {
     }
 }
 
-/// What the lines of figures 2 to 4 mean.
+/// Legend of figures 2 to 4.
 fn meanings(drawing: &mut Drawing, setting: &Setting, [x, y]: [f64; 2]) {
     for (index, vehicle) in setting.scenario.vehicles.iter().enumerate() {
         let y = y + 18.0 * as_f64(index);

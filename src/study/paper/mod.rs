@@ -51,7 +51,7 @@ pub(super) const MAPS_8: [(&str, &str); 3] = [
     ),
 ];
 
-/// The document `RESULTS.md`. It depends on the runs alone.
+/// The document `RESULTS.md`. It depends only on the runs.
 #[must_use]
 pub fn results_md(results: &Results<'_>) -> String {
     report::document(results).markdown()

@@ -89,13 +89,13 @@ impl Problem for Encoded {
         self.encoding.dimension()
     }
 
-    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], bound: f64, costs: &mut [f64]) {
         let mut batch = Batch::new(self.model.control_points());
         for candidate in candidates.chunks_exact(self.dimension()) {
             batch.push(&controls(&self.encoding.spline(candidate)));
         }
         self.model
-            .totals(&batch, cutoff, &mut Scratch::default(), costs);
+            .totals(&batch, bound, &mut Scratch::default(), costs);
     }
 }
 

@@ -43,7 +43,7 @@ pub enum Population {
 
 /// One vehicle's objective and a good path: the third map of the paper's experiment with a
 /// tenth threat, its ground on a grid of 513 nodes a side, 8 free control points and 101
-/// samples, at each of which the ground is read once.
+/// samples, and each sample reads the ground once.
 pub struct SpeedCourse {
     setting: Setting,
     /// The objective.
@@ -152,12 +152,12 @@ impl Problem for SpeedCourse {
         3 * FREE
     }
 
-    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], bound: f64, costs: &mut [f64]) {
         let rows = candidates.chunks_exact(3 * FREE);
         let splines: Vec<_> = rows.map(|row| self.encoding.spline(row)).collect();
         for (batch, costs) in batches(&splines).iter().zip(costs.chunks_mut(BATCH)) {
             self.model
-                .totals(batch, cutoff, &mut Scratch::default(), costs);
+                .totals(batch, bound, &mut Scratch::default(), costs);
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Costs per second of the objective on this machine.
 //!
 //! The world is the third map of the paper's experiment with a tenth threat, its ground on a
-//! grid of 513 nodes a side. The path has 8 free control points and 101 samples, each of which
-//! reads the ground once unless stated otherwise. Candidates are a [`Population`] around a path
+//! grid of 513 nodes a side. The path has 8 free control points and 101 samples, and
+//! each reads the ground once unless stated otherwise. Candidates are a [`Population`] around a path
 //! found by differential evolution. A rate is that of the fastest of several passes, because
 //! other programs slow down the others.
 
@@ -13,6 +13,7 @@ use std::time::Instant;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::document::Table;
 use super::setting::controls;
 use super::stats::as_f64;
 use crate::cost::{Batch, CostModel, Dispatch, Scratch};
@@ -102,6 +103,35 @@ pub fn speed(seconds: f64) -> Result<Speed, SpecError> {
         threads: rayon::current_num_threads(),
         paper: rates(&SpeedCourse::new(Objective::Paper)?, seconds),
     })
+}
+
+impl Speed {
+    /// The rates as a Markdown table.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let Self {
+            cpu,
+            dispatch,
+            threads,
+            ..
+        } = self;
+        let head = format!("{cpu}, {dispatch} | operational, costs a second | paper");
+        let mut table = Table::new("", head);
+        let mut row = |name: &str, of: fn(&Rates) -> f64| {
+            let (operational, paper) = (of(&self.rates), of(&self.paper));
+            table.row(format!("{name} | {operational:.0} | {paper:.0}"));
+        };
+        row("local candidates", |of| of.fast_one_thread);
+        row("global candidates", |of| of.fast_global_one_thread);
+        row("local, two earlier vehicles", |of| {
+            of.fast_traffic_one_thread
+        });
+        row("local, plain reference", |of| of.reference_one_thread);
+        let (pruned, all) = (self.fast_pruned_one_thread, self.fast_all_threads);
+        table.row(format!("local, exact only below a bound | {pruned:.0} | "));
+        table.row(format!("local, {threads} threads | {all:.0} | "));
+        table.markdown()
+    }
 }
 
 fn rates(course: &SpeedCourse, seconds: f64) -> Rates {
