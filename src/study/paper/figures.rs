@@ -1,25 +1,22 @@
 //! The paper's figures: 1 the maps, 2 to 4 the best paths, 5 to 7 the convergence.
 
-use super::account::row_name;
-use super::contest::{Contestant, Role};
+use super::contestants::{Contestant, Role};
 use super::convergence::convergence;
-use super::ground::{DANGER, bands, ends, key, legend, plot, threats};
 use super::record::Record;
-use super::setting::Setting;
-use super::stats::number;
-use super::svg::{COLOURS, Drawing, Plot};
-use super::tables::Results;
-use super::view::view;
+use super::results::Results;
 use crate::numeric::Basis;
+use crate::study::document::Figure;
+use crate::study::draw::ground::{DANGER, bands, ends, key, legend, plot, threats};
+use crate::study::draw::view::view;
+use crate::study::draw::{COLOURS, Drawing, Plot};
+use crate::study::setting::Setting;
+use crate::study::stats::as_f64;
 
 /// Points of a drawn path.
 const PATH_POINTS: usize = 121;
 
 /// All figures of a study: file name, caption, SVG.
-pub(super) fn figures(
-    results: &Results<'_>,
-    settings: &[Setting],
-) -> Vec<(String, String, String)> {
+pub(super) fn figures(results: &Results<'_>, settings: &[Setting]) -> Vec<Figure> {
     let mut all = vec![(
         "figure1.svg".to_owned(),
         "The maps, in three dimensions and from above: terrain, threats, starts (dots) and \
@@ -56,9 +53,9 @@ pub(super) fn figures(
 /// Figure 1: a row for each map.
 fn maps(settings: &[Setting]) -> String {
     let row = 420.0;
-    let mut drawing = Drawing::new(1090.0, row * number(settings.len()));
+    let mut drawing = Drawing::new(1090.0, row * as_f64(settings.len()));
     for (index, setting) in settings.iter().enumerate() {
-        let top = row * number(index);
+        let top = row * as_f64(index);
         let scenario = &setting.scenario;
         view(&mut drawing, scenario, [10.0, top + 25.0]);
         let plot = plot(scenario, [660.0, top + 30.0], 335.0);
@@ -88,13 +85,13 @@ fn paths(results: &Results<'_>, setting: &Setting) -> String {
         .collect();
     let rows = (shown.len() + 1).div_ceil(COLUMNS);
     let mut drawing = Drawing::new(
-        PANEL[0] * number(COLUMNS) + 20.0,
-        PANEL[1] * number(rows) + 14.0,
+        PANEL[0] * as_f64(COLUMNS) + 20.0,
+        PANEL[1] * as_f64(rows) + 14.0,
     );
     let corner = |index: usize| {
         [
-            PANEL[0] * number(index % COLUMNS),
-            PANEL[1] * number(index / COLUMNS),
+            PANEL[0] * as_f64(index % COLUMNS),
+            PANEL[1] * as_f64(index / COLUMNS),
         ]
     };
     let plot_at = |[left, top]: [f64; 2]| plot(scenario, [left + 50.0, top + 42.0], 235.0);
@@ -122,7 +119,7 @@ fn paths(results: &Results<'_>, setting: &Setting) -> String {
             if is_low { "east, km" } else { "" },
             if is_left { "north, km" } else { "" },
         );
-        let title = row_name(contestant);
+        let title = contestant.title();
         drawing.text([plot.at[0], plot.at[1] - 22.0], 12.0, "start", &title);
         let cost = format!("J = {:.1}, finely {:.1}", record.total, record.fine_total);
         drawing.text([plot.at[0], plot.at[1] - 7.0], 11.0, "start", &cost);
@@ -144,15 +141,15 @@ fn panel(drawing: &mut Drawing, plot: &Plot, record: &Record) {
     }
 }
 
-/// What the lines of figures 2 to 4 mean.
+/// Legend of figures 2 to 4.
 fn meanings(drawing: &mut Drawing, setting: &Setting, [x, y]: [f64; 2]) {
     for (index, vehicle) in setting.scenario.vehicles.iter().enumerate() {
-        let y = y + 18.0 * number(index);
+        let y = y + 18.0 * as_f64(index);
         let colour = COLOURS[index % COLOURS.len()];
         drawing.line(&[[x, y - 4.0], [x + 24.0, y - 4.0]], colour, 2.0);
         drawing.text([x + 30.0, y], 11.0, "start", &vehicle.id);
     }
-    let below = y + 18.0 * number(setting.scenario.vehicles.len());
+    let below = y + 18.0 * as_f64(setting.scenario.vehicles.len());
     legend(
         drawing,
         [x, below],

@@ -1,14 +1,17 @@
-//! Drawings: a plane with axes, and what is put on it.
+//! SVG drawings with axes.
+
+pub(super) mod ground;
+pub(super) mod view;
 
 use std::fmt::Write;
 
-/// Colours of lines, in order; readable beside each other and in print.
-pub(super) const COLOURS: [&str; 8] = [
+/// Colours of lines, in order; distinct on screen and on paper.
+pub(in crate::study) const COLOURS: [&str; 8] = [
     "#c1272d", "#0000a7", "#008176", "#b8860b", "#7b3294", "#4d4d4d", "#e66101", "#1f9ede",
 ];
 
 /// A drawing under construction; sizes in pixels.
-pub(super) struct Drawing {
+pub(in crate::study) struct Drawing {
     width: f64,
     height: f64,
     body: String,
@@ -16,22 +19,22 @@ pub(super) struct Drawing {
 
 /// A part of a drawing with axes of its own.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plot {
+pub(in crate::study) struct Plot {
     /// Left and top edge.
-    pub(super) at: [f64; 2],
+    pub(in crate::study) at: [f64; 2],
     /// Width and height.
-    pub(super) size: [f64; 2],
+    pub(in crate::study) size: [f64; 2],
     /// Range of x, left to right.
-    pub(super) x: [f64; 2],
+    pub(in crate::study) x: [f64; 2],
     /// Range of y, bottom to top.
-    pub(super) y: [f64; 2],
+    pub(in crate::study) y: [f64; 2],
     /// Whether y, then above 0, is logarithmic.
-    pub(super) log: bool,
+    pub(in crate::study) log: bool,
 }
 
 impl Plot {
     /// Where a value is in the drawing.
-    pub(super) fn place(&self, x: f64, y: f64) -> [f64; 2] {
+    pub(in crate::study) fn place(&self, x: f64, y: f64) -> [f64; 2] {
         let share = |value: f64, [from, to]: [f64; 2]| (value - from) / (to - from);
         let up = if self.log {
             share(y.ln(), self.y.map(f64::ln))
@@ -47,7 +50,7 @@ impl Plot {
 
 impl Drawing {
     /// An empty drawing.
-    pub(super) fn new(width: f64, height: f64) -> Self {
+    pub(in crate::study) fn new(width: f64, height: f64) -> Self {
         Self {
             width,
             height,
@@ -56,13 +59,13 @@ impl Drawing {
     }
 
     /// Adds raw markup.
-    pub(super) fn add(&mut self, markup: &str) {
+    pub(in crate::study) fn add(&mut self, markup: &str) {
         self.body.push_str(markup);
         self.body.push('\n');
     }
 
     /// A line through points.
-    pub(super) fn line(&mut self, points: &[[f64; 2]], colour: &str, width: f64) {
+    pub(in crate::study) fn line(&mut self, points: &[[f64; 2]], colour: &str, width: f64) {
         self.add(&format!(
             "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" \
              stroke-linejoin=\"round\"/>",
@@ -71,7 +74,7 @@ impl Drawing {
     }
 
     /// A broken line through points.
-    pub(super) fn dashes(&mut self, points: &[[f64; 2]], colour: &str, width: f64) {
+    pub(in crate::study) fn dashes(&mut self, points: &[[f64; 2]], colour: &str, width: f64) {
         self.add(&format!(
             "<path d=\"{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"{width}\" \
              stroke-dasharray=\"5 3\"/>",
@@ -80,7 +83,7 @@ impl Drawing {
     }
 
     /// A filled shape.
-    pub(super) fn fill(&mut self, points: &[[f64; 2]], colour: &str, opacity: f64) {
+    pub(in crate::study) fn fill(&mut self, points: &[[f64; 2]], colour: &str, opacity: f64) {
         self.add(&format!(
             "<path d=\"{}z\" fill=\"{colour}\" fill-opacity=\"{opacity}\"/>",
             outline(points)
@@ -88,7 +91,7 @@ impl Drawing {
     }
 
     /// A text; `anchor` is start, middle or end.
-    pub(super) fn text(&mut self, [x, y]: [f64; 2], size: f64, anchor: &str, text: &str) {
+    pub(in crate::study) fn text(&mut self, [x, y]: [f64; 2], size: f64, anchor: &str, text: &str) {
         let text = escaped(text);
         self.add(&format!(
             "<text x=\"{x:.1}\" y=\"{y:.1}\" font-size=\"{size}\" text-anchor=\"{anchor}\">{text}</text>"
@@ -96,7 +99,7 @@ impl Drawing {
     }
 
     /// Frame, ticks and names of the axes of a plot.
-    pub(super) fn axes(&mut self, plot: &Plot, x_name: &str, y_name: &str) {
+    pub(in crate::study) fn axes(&mut self, plot: &Plot, x_name: &str, y_name: &str) {
         let ([left, top], [width, height]) = (plot.at, plot.size);
         let (bottom, middle) = (top + height, left + width / 2.0);
         self.add(&format!(
@@ -128,7 +131,7 @@ impl Drawing {
     }
 
     /// The whole SVG document.
-    pub(super) fn finish(self) -> String {
+    pub(in crate::study) fn finish(self) -> String {
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" \
              viewBox=\"0 0 {w} {h}\" font-family=\"sans-serif\" fill=\"#111\">\n\
@@ -141,7 +144,7 @@ impl Drawing {
 }
 
 /// Path data through points: the first, then steps, in tenths of a pixel.
-pub(super) fn outline(points: &[[f64; 2]]) -> String {
+pub(in crate::study) fn outline(points: &[[f64; 2]]) -> String {
     let mut text = String::new();
     let mut before: Option<[f64; 2]> = None;
     for point in points {
@@ -157,7 +160,7 @@ pub(super) fn outline(points: &[[f64; 2]]) -> String {
 }
 
 /// Text safe inside markup.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::study) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -1,9 +1,9 @@
-//! Figures 5 to 7: how the best cost falls, on average over the runs.
+//! Figures 5 to 7: the best cost over the budget, averaged over the runs.
 
-use super::contest::{Contestant, Protocol};
-use super::stats::{Summary, number};
-use super::svg::{COLOURS, Drawing, Plot};
-use super::tables::{READINGS, Results};
+use super::contestants::Contestant;
+use super::results::{READINGS, Reading, Results};
+use crate::study::draw::{COLOURS, Drawing, Plot};
+use crate::study::stats::{Summary, as_f64};
 
 /// The average best cost of one contestant on one map.
 pub(super) struct Curve<'a> {
@@ -37,11 +37,11 @@ impl<'a> Curve<'a> {
     /// Share of the budget after which the average is no more than a cost.
     pub(super) fn reaches(&self, cost: f64) -> Option<f64> {
         let first = self.spread.iter().position(|of| of.average <= cost)?;
-        Some(number(first + 1) / number(self.spread.len()))
+        Some(as_f64(first + 1) / as_f64(self.spread.len()))
     }
 }
 
-/// Both protocols beside each other, and a legend.
+/// A plot for each protocol, and a legend.
 pub(super) fn convergence(results: &Results<'_>, map: &str) -> String {
     let mut drawing = Drawing::new(1120.0, 440.0);
     let config = results.config;
@@ -56,7 +56,7 @@ pub(super) fn convergence(results: &Results<'_>, map: &str) -> String {
     let mut shown = Vec::new();
     for (index, (readings, unit, most)) in sides.into_iter().enumerate() {
         let curves = curves(results, readings, map);
-        let plot = plot(&curves, number(most), 65.0 + 465.0 * number(index));
+        let plot = plot(&curves, as_f64(most), 65.0 + 465.0 * as_f64(index));
         for (curve, colour) in curves.iter().zip(COLOURS.iter().cycle()) {
             band(&mut drawing, &plot, curve, colour);
         }
@@ -71,20 +71,16 @@ pub(super) fn convergence(results: &Results<'_>, map: &str) -> String {
         shown = curves;
     }
     for (index, curve) in shown.iter().enumerate() {
-        let y = 48.0 + 18.0 * number(index);
+        let y = 48.0 + 18.0 * as_f64(index);
         let colour = COLOURS[index % COLOURS.len()];
         drawing.line(&[[968.0, y - 4.0], [992.0, y - 4.0]], colour, 2.5);
-        drawing.text([998.0, y], 11.0, "start", curve.contestant.label);
+        drawing.text([998.0, y], 11.0, "start", &curve.contestant.label);
     }
     drawing.finish()
 }
 
 /// The readings of MSFOA, and the six others.
-fn curves<'a>(
-    results: &'a Results<'_>,
-    readings: &[(&str, Protocol)],
-    map: &str,
-) -> Vec<Curve<'a>> {
+fn curves<'a>(results: &'a Results<'_>, readings: &[Reading], map: &str) -> Vec<Curve<'a>> {
     let msfoa = readings
         .iter()
         .filter_map(|(name, protocol)| results.find(name, *protocol));
@@ -96,13 +92,13 @@ fn curves<'a>(
 
 /// Where a curve passes, its parts spread over the whole axis.
 fn points(plot: &Plot, curve: &Curve<'_>, value: impl Fn(&Summary) -> f64) -> Vec<[f64; 2]> {
-    let parts = number(curve.spread.len().max(1));
+    let parts = as_f64(curve.spread.len().max(1));
     curve
         .spread
         .iter()
         .enumerate()
         .map(|(k, of)| {
-            let x = plot.x[1] * number(k + 1) / parts;
+            let x = plot.x[1] * as_f64(k + 1) / parts;
             plot.place(x, value(of).clamp(plot.y[0], plot.y[1]))
         })
         .collect()

@@ -1,25 +1,29 @@
-//! Tables 2 and 3 of the paper, and the tests it does not have.
+//! The runs by contestant and map: Tables 2 and 3 as CSV, and the tests the paper does not have.
 
 use std::fmt::Write;
 
 use super::config::{Config, ConfigError};
-use super::contest::{Contestant, Protocol};
+use super::contestants::{Contestant, Protocol};
 use super::record::Record;
-use super::stats::{Summary, friedman, rank_sum_p};
+use super::{MAPS_8, shipped_maps};
+use crate::study::stats::{Summary, friedman, rank_sum_p};
 
 /// The runs of a whole study, sorted into a table of contestants and maps.
 pub struct Results<'a> {
-    /// What was run.
+    /// The configuration.
     pub config: &'a Config,
     /// Names of the maps.
     pub maps: Vec<String>,
-    /// Rows.
+    /// The contestants, in the order of the tables.
     pub contestants: Vec<Contestant>,
     records: &'a [Record],
 }
 
-/// The four ways to read the paper's MSFOA.
-pub(super) const READINGS: [(&str, Protocol); 4] = [
+/// A contestant by name and protocol.
+pub(super) type Reading = (&'static str, Protocol);
+
+/// The readings of the paper's MSFOA.
+pub(super) const READINGS: [Reading; 4] = [
     ("msfoa-literal", Protocol::Iterations),
     ("msfoa-dwindle", Protocol::Iterations),
     ("msfoa-literal", Protocol::Evaluations),
@@ -29,10 +33,10 @@ pub(super) const READINGS: [(&str, Protocol); 4] = [
 pub(super) const OTHERS: [&str; 6] = ["foa", "pso", "de", "abc", "iffo", "mfoa"];
 
 impl<'a> Results<'a> {
-    /// Sorts the runs of a study, which must all be there.
+    /// Takes all runs of a study.
     ///
     /// # Errors
-    /// A configuration that makes no study.
+    /// An invalid configuration.
     pub fn new(config: &'a Config, records: &'a [Record]) -> Result<Self, ConfigError> {
         let maps = config.scenarios()?;
         Ok(Self {
@@ -74,10 +78,13 @@ impl<'a> Results<'a> {
             .min_by(|a, b| a.total.total_cmp(&b.total))
     }
 
-    /// Which of the paper's three scenarios a map stands for, from 0.
+    /// Index of the paper's scenario that a map stands for, from 0: a shipped map, with
+    /// either number of control points.
     pub(super) fn scenario(&self, map: &str) -> Option<usize> {
         let index = self.maps.iter().position(|name| name == map)?;
-        super::paper_scenario(&self.config.maps.get(index)?.text)
+        let text = &self.config.maps.get(index)?.text;
+        let mut shipped = shipped_maps().into_iter().zip(MAPS_8);
+        shipped.position(|((_, five), (_, eight))| text == five || text == eight)
     }
 
     /// Averages of one contestant over those of another, map by map.
@@ -89,7 +96,7 @@ impl<'a> Results<'a> {
             .collect()
     }
 
-    /// How many of the runs are safe at 2001 samples.
+    /// Number of runs that are safe at 2001 samples.
     pub(super) fn safe(&self, contestant: &Contestant, map: &str) -> usize {
         self.cell(contestant, map)
             .filter(|record| record.safe)
@@ -104,7 +111,7 @@ impl<'a> Results<'a> {
     }
 
     /// One reading of MSFOA and the six others.
-    pub(super) fn seven(&self, reading: (&str, Protocol)) -> Vec<&Contestant> {
+    pub(super) fn seven(&self, reading: Reading) -> Vec<&Contestant> {
         let others = OTHERS.map(|name| (name, Protocol::Evaluations));
         std::iter::once(reading)
             .chain(others)
@@ -118,7 +125,7 @@ impl<'a> Results<'a> {
     }
 
     /// Friedman's mean ranks of the seven, blocks being run numbers on maps, and p.
-    pub(super) fn friedman(&self, reading: (&str, Protocol)) -> Option<(Vec<f64>, f64)> {
+    pub(super) fn friedman(&self, reading: Reading) -> Option<(Vec<f64>, f64)> {
         let seven = self.seven(reading);
         let mut rows = Vec::new();
         for map in &self.maps {

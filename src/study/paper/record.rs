@@ -1,4 +1,4 @@
-//! What one run left: one line of JSON.
+//! Results of one run: one line of JSON.
 
 use serde::{Deserialize, Serialize};
 
@@ -37,11 +37,11 @@ pub struct VehicleRecord {
     /// J of the paper at the samples of the search.
     pub total: f64,
     /// Its terms.
-    pub terms: Terms,
+    pub terms: CostTerms,
     /// J at 2001 samples.
     pub fine_total: f64,
     /// Terms at 2001 samples; CH with the ground itself as limit.
-    pub fine: Terms,
+    pub fine: CostTerms,
     /// Whether no limit is violated there.
     pub safe: bool,
     /// Evaluations spent.
@@ -50,38 +50,4 @@ pub struct VehicleRecord {
     pub control_points: Vec<[f64; 3]>,
     /// Least J after each fiftieth of the evaluations.
     pub trace: Vec<f64>,
-}
-
-/// The seven terms.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Terms {
-    /// JL.
-    pub length: f64,
-    /// JH.
-    pub altitude: f64,
-    /// JT.
-    pub threat: f64,
-    /// CH.
-    pub terrain: f64,
-    /// CT.
-    pub turn: f64,
-    /// CG.
-    pub climb: f64,
-    /// JP.
-    pub collision: f64,
-}
-
-impl From<CostTerms> for Terms {
-    fn from(terms: CostTerms) -> Self {
-        Self {
-            length: terms.length,
-            altitude: terms.altitude,
-            threat: terms.threat,
-            terrain: terms.terrain,
-            turn: terms.turn,
-            climb: terms.climb,
-            collision: terms.collision,
-        }
-    }
 }

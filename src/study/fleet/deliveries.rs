@@ -1,6 +1,6 @@
-//! Fleets of any size over the shipped terrain: deliveries from ten depots to places all
-//! around, so that their ways cross everywhere. Every two seconds a copter takes off, or up
-//! to ten minutes later; each fleet is the beginning of every larger one.
+//! Fleets of any size over the shipped terrain: deliveries from ten depots to goals in all
+//! directions, so that routes cross everywhere. A copter may take off every two seconds, or up
+//! to ten minutes later. Each fleet is the beginning of every larger one.
 
 use std::fmt::Write;
 
@@ -9,34 +9,35 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
+use crate::study::stats::as_f64;
 use crate::world::World;
 
-/// The elevation of the area: path beside the mission, and content.
+/// The elevation of the area: path relative to the mission, and content.
 pub const DELIVERY_TERRAIN: (&str, &[u8]) = (
     "terrain/jacksboro.tif",
-    include_bytes!("../../missions/terrain/jacksboro.tif"),
+    include_bytes!("../../../missions/terrain/jacksboro.tif"),
 );
 
-/// Most vehicles of a fleet.
-pub const MOST_DELIVERIES: usize = 2000;
+/// Largest fleet.
+pub const MAX_DELIVERIES: usize = 2000;
 
 /// Depots, each with a square of pads.
 const DEPOTS: usize = 10;
 const PADS_A_SIDE: usize = 3;
 const PAD_SPACING_M: f64 = 150.0;
 const DEPOT_SPACING_M: f64 = 5000.0;
-/// Every so many seconds a copter takes off, from one depot after the other.
+/// Interval between departures, which take turns among the depots, seconds.
 const EVERY_S: f64 = 2.0;
-/// So much later it may take off, seconds.
+/// Length of each departure window, seconds.
 const WINDOW_S: f64 = 600.0;
-/// Goals are at least this far from their depot, from pads and from each other, metres.
-const LEAST_WAY_M: f64 = 15_000.0;
-const LEAST_FROM_PAD_M: f64 = 400.0;
-const LEAST_FROM_GOAL_M: f64 = 220.0;
-/// And from the border of the area, and from threats, metres.
-const LEAST_FROM_BORDER_M: f64 = 500.0;
+/// Smallest distances of a goal from its depot, from pads and from other goals, metres.
+const MIN_ROUTE_M: f64 = 15_000.0;
+const MIN_FROM_PAD_M: f64 = 400.0;
+const MIN_FROM_GOAL_M: f64 = 220.0;
+/// Smallest distance of pads and goals from the border of the area and from threats, metres.
+const MIN_FROM_BORDER_M: f64 = 500.0;
 
-/// A mission spec and the table of vehicles beside it.
+/// A mission spec and its table of vehicles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Deliveries {
     /// The spec.
@@ -45,21 +46,21 @@ pub struct Deliveries {
     pub table: String,
 }
 
-/// A delivery of one vehicle only: a mission over the same ground, from which to load it.
+/// A mission of one vehicle over the same ground, to load the ground.
 #[must_use]
 pub fn delivery_ground() -> String {
     format!(
         "{}vehicles:\n  - {{id: a, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 15, finish: land,\n     \
          start: {{lat: 36.375, lon: -84.135, agl_m: 80}}, goal: {{lat: 36.245, lon: -84.345, agl_m: 80}}}}\n",
-        place("deliveries")
+        ground("deliveries")
     )
 }
 
-/// The mission of a fleet over the ground of [`delivery_ground`], with so many evaluations
-/// for each plan. The same text for the same numbers.
+/// The mission of a fleet over the ground of [`delivery_ground`], with the evaluations of each
+/// plan. The same numbers give the same text.
 #[must_use]
 pub fn deliveries(world: &World, vehicles: usize, evaluations: usize) -> Deliveries {
-    let vehicles = vehicles.clamp(1, MOST_DELIVERIES);
+    let vehicles = vehicles.clamp(1, MAX_DELIVERIES);
     let name = format!("fleet-{vehicles}");
     let mut draft = Draft {
         world,
@@ -74,8 +75,8 @@ pub fn deliveries(world: &World, vehicles: usize, evaluations: usize) -> Deliver
     }
 }
 
-/// What all fleets have in common.
-fn place(name: &str) -> String {
+/// The part that all fleets have in common.
+fn ground(name: &str) -> String {
     format!(
         "sortie: 1\n\
          name: {name}\n\
@@ -128,7 +129,7 @@ fn spec(name: &str, vehicles: usize, evaluations: usize) -> String {
          # For each plan. Forty times as many make the fleet less than 3 % cheaper.\n\
          planner: {{seed: 1, evaluations: {evaluations}, control_points: 8}}\n\
          mission: {{altitude: amsl, tolerance_m: 5, fence: true}}\n",
-        place(name)
+        ground(name)
     )
 }
 
@@ -141,7 +142,7 @@ struct Draft<'a> {
 }
 
 impl Draft<'_> {
-    /// Any place of the area.
+    /// A random place of the area.
     fn anywhere(&mut self) -> EastNorth {
         let ground = &self.world.ground;
         let side = |nodes: usize| as_f64(nodes - 1) * ground.spacing_m;
@@ -151,8 +152,8 @@ impl Draft<'_> {
         }
     }
 
-    /// Whether a copter can come and go at a place: within the area, away from threats, and
-    /// with no ground around that rises faster than a copter climbs or comes down.
+    /// Whether a copter can take off and land at a place: within the area, away from threats,
+    /// and with no ground around that rises faster than a copter climbs or descends.
     fn is_open(&self, at: EastNorth) -> bool {
         let around = |radius_m: f64| {
             (0..12_u8).map(move |k| {
@@ -165,11 +166,11 @@ impl Draft<'_> {
         };
         let world = self.world;
         let height_m = world.ground.height_m(at);
-        let is_inside = around(LEAST_FROM_BORDER_M).all(|near| world.in_area(near));
+        let is_inside = around(MIN_FROM_BORDER_M).all(|near| world.in_area(near));
         let is_safe = world
             .threats
             .iter()
-            .all(|disc| disc.center.distance_m(at) > disc.radius_m + LEAST_FROM_BORDER_M);
+            .all(|disc| disc.center.distance_m(at) > disc.radius_m + MIN_FROM_BORDER_M);
         is_inside
             && is_safe
             && [100.0, 200.0, 400.0, 700.0, 1000.0, 1500.0]
@@ -208,9 +209,9 @@ impl Draft<'_> {
             let is_apart = |from: &[EastNorth], least_m: f64| {
                 from.iter().all(|other| other.distance_m(at) > least_m)
             };
-            if pad.distance_m(at) > LEAST_WAY_M
-                && is_apart(&self.pads, LEAST_FROM_PAD_M)
-                && is_apart(&self.goals, LEAST_FROM_GOAL_M)
+            if pad.distance_m(at) > MIN_ROUTE_M
+                && is_apart(&self.pads, MIN_FROM_PAD_M)
+                && is_apart(&self.goals, MIN_FROM_GOAL_M)
                 && self.is_open(at)
             {
                 self.goals.push(at);
@@ -229,8 +230,8 @@ impl Draft<'_> {
             let pad = self.pads[depot * pads + turn % pads];
             let goal = self.place_goal(pad);
             let degrees = |at: EastNorth| {
-                let place = self.world.frame.from_plan(at);
-                format!("{:.5},{:.5}", place.lat_deg, place.lon_deg)
+                let at = self.world.frame.from_plan(at);
+                format!("{:.5},{:.5}", at.lat_deg, at.lon_deg)
             };
             let (from, to) = (degrees(pad), degrees(goal));
             let opens_s = as_f64(index) * EVERY_S;
@@ -239,9 +240,4 @@ impl Draft<'_> {
         }
         text
     }
-}
-
-#[expect(clippy::cast_precision_loss, reason = "small numbers")]
-fn as_f64(number: usize) -> f64 {
-    number as f64
 }

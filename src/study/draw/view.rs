@@ -1,7 +1,7 @@
 //! A map of the study as a view from the south-west.
 
 use super::ground::{DANGER, rim, tint};
-use super::svg::{Drawing, outline};
+use super::{Drawing, outline};
 use crate::geodesy::EastNorth;
 use crate::spec::{Cylinder, Scenario};
 
@@ -15,9 +15,9 @@ struct View<'a> {
 }
 
 /// The ground with threats from the south-west, about 540 by 390 pixels.
-pub(super) fn view(drawing: &mut Drawing, scenario: &Scenario, at: [f64; 2]) {
+pub(in crate::study) fn view(drawing: &mut Drawing, scenario: &Scenario, at: [f64; 2]) {
     let view = View { scenario, at };
-    // What is far first; a threat where its axis is.
+    // Far parts first; the distance of a threat is that of its axis.
     let mut parts = Vec::new();
     for row in 0..SQUARES {
         for column in 0..SQUARES {
@@ -38,7 +38,7 @@ pub(super) fn view(drawing: &mut Drawing, scenario: &Scenario, at: [f64; 2]) {
 }
 
 impl View<'_> {
-    /// A place in parts of the map.
+    /// A point as shares of the map east and north.
     fn share(&self, at: EastNorth) -> [f64; 2] {
         let (low, high) = (self.scenario.south_west, self.scenario.north_east);
         [
@@ -131,7 +131,7 @@ impl View<'_> {
             ),
         ];
         for (along, from_m, to_m, name, side, anchor) in sides {
-            let at = |share: f64| self.project(along.map(|way: f64| way * share), 0.0);
+            let at = |share: f64| self.project(along.map(|part: f64| part * share), 0.0);
             drawing.line(&[at(0.0), at(1.0)], "#333", 1.0);
             for part in 0..=4 {
                 let share = f64::from(part) / 4.0;

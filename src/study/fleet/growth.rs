@@ -1,8 +1,11 @@
-//! How planning a fleet grows with its size.
+//! Time, memory and cost of planning over the size of the fleet.
 
 use std::fmt::Write;
 
 use serde::Serialize;
+
+use crate::study::document::Table;
+use crate::study::stats::as_f64;
 
 /// A fleet of one size, planned by `sortie plan` from the spec to the files.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -11,26 +14,26 @@ pub struct FleetRun {
     pub vehicles: usize,
     /// Time of the whole command, seconds.
     pub wall_s: f64,
-    /// Time of all processors, seconds; none where the system does not tell.
+    /// Time of all processors, seconds; `None` where the system does not report it.
     pub cpu_s: Option<f64>,
-    /// Most memory at once, MiB; none where the system does not tell.
+    /// Peak memory, MiB; `None` where the system does not report it.
     pub memory_mib: Option<f64>,
     /// Objective evaluations.
     pub evaluations: usize,
-    /// Plans beyond the first of each vehicle.
+    /// Plans after the first of each vehicle.
     pub made_again: usize,
-    /// Limits that `verify` found broken.
+    /// Margins that fail verification.
     pub violations: usize,
-    /// Of these, separations.
+    /// Separations among them.
     pub separations: usize,
     /// Sum of the costs.
     pub cost: f64,
-    /// Sum of the costs with many more evaluations, where that was asked for.
+    /// Sum of the costs with the evaluations of the reference, where requested.
     pub reference_cost: Option<f64>,
 }
 
 impl FleetRun {
-    /// How much dearer the fleet is than with many more evaluations, as a fraction.
+    /// Cost above that with the evaluations of the reference, as a fraction.
     #[must_use]
     pub fn above_reference(&self) -> Option<f64> {
         self.reference_cost
@@ -38,19 +41,20 @@ impl FleetRun {
     }
 }
 
-/// Fleets smaller than this say little of growth: the rest of the command outweighs them.
-const LEAST_TELLING: usize = 10;
+/// Size from which a fleet counts for the growth; below, the rest of the command takes longer
+/// than planning.
+const MIN_SIZE: usize = 10;
 
-/// What all runs have in common, and the runs in order of size.
+/// All runs of a fleet study.
 #[derive(Clone, Debug, Serialize)]
 pub struct FleetGrowth {
     /// Evaluations of each plan.
     pub evaluations_a_plan: usize,
-    /// Those of the reference.
+    /// Evaluations of each plan of the reference.
     pub reference_evaluations: usize,
     /// Threads.
     pub threads: usize,
-    /// The runs.
+    /// The runs, in order of size.
     pub runs: Vec<FleetRun>,
     /// Exponent of the growth of wall time with size, from 10 vehicles on.
     pub wall_exponent: Option<f64>,
@@ -59,23 +63,21 @@ pub struct FleetGrowth {
 }
 
 impl FleetGrowth {
-    /// Of some runs.
+    /// Evaluations of each plan that the cost is compared with.
+    pub const REFERENCE: usize = 40_000;
+
+    /// Runs in order of size.
     #[must_use]
-    pub fn of(
-        evaluations_a_plan: usize,
-        reference_evaluations: usize,
-        threads: usize,
-        runs: Vec<FleetRun>,
-    ) -> Self {
-        let telling = || runs.iter().filter(|run| run.vehicles >= LEAST_TELLING);
+    pub fn of(evaluations_a_plan: usize, threads: usize, runs: Vec<FleetRun>) -> Self {
+        let counted = || runs.iter().filter(|run| run.vehicles >= MIN_SIZE);
         let size = |run: &FleetRun| as_f64(run.vehicles);
-        let wall: Vec<(f64, f64)> = telling().map(|run| (size(run), run.wall_s)).collect();
-        let cpu: Vec<(f64, f64)> = telling()
+        let wall: Vec<(f64, f64)> = counted().map(|run| (size(run), run.wall_s)).collect();
+        let cpu: Vec<(f64, f64)> = counted()
             .filter_map(|run| Some((size(run), run.cpu_s?)))
             .collect();
         Self {
             evaluations_a_plan,
-            reference_evaluations,
+            reference_evaluations: Self::REFERENCE,
             threads,
             wall_exponent: exponent(&wall),
             cpu_exponent: exponent(&cpu),
@@ -86,10 +88,13 @@ impl FleetGrowth {
     /// The table, in Markdown.
     #[must_use]
     pub fn table(&self) -> String {
-        let mut text = format!(
-            "| vehicles | wall, s | processor, s | memory, MiB | evaluations | made again | violations | of separation | cost | above {} evaluations |\n\
-             |---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
-            self.reference_evaluations
+        let mut table = Table::new(
+            "",
+            format!(
+                "vehicles | wall, s | processor, s | memory, MiB | evaluations | made again | \
+                 violations | of separation | cost | above {} evaluations",
+                self.reference_evaluations
+            ),
         );
         let known = |value: Option<f64>, digits: usize| {
             value.map_or("n/a".to_owned(), |value| format!("{value:.digits$}"))
@@ -98,9 +103,8 @@ impl FleetGrowth {
             let above = run
                 .above_reference()
                 .map_or("-".to_owned(), |above| format!("{:+.2} %", 100.0 * above));
-            let _ = writeln!(
-                text,
-                "| {} | {:.2} | {} | {} | {} | {} | {} | {} | {:.1} | {above} |",
+            table.row(format!(
+                "{} | {:.2} | {} | {} | {} | {} | {} | {} | {:.1} | {above}",
                 run.vehicles,
                 run.wall_s,
                 known(run.cpu_s, 2),
@@ -110,8 +114,9 @@ impl FleetGrowth {
                 run.violations,
                 run.separations,
                 run.cost,
-            );
+            ));
         }
+        let mut text = table.markdown();
         let exponents = [
             ("wall", self.wall_exponent),
             ("processor", self.cpu_exponent),
@@ -120,7 +125,7 @@ impl FleetGrowth {
             if let Some(exponent) = exponent {
                 let _ = write!(
                     text,
-                    "\n{name} time grows as the {exponent:.2}th power of the number of vehicles, from {LEAST_TELLING} on"
+                    "\n{name} time: exponent of growth {exponent:.2}, from {MIN_SIZE} vehicles"
                 );
             }
         }
@@ -129,8 +134,8 @@ impl FleetGrowth {
     }
 }
 
-/// The power with which the second number grows with the first: the slope of the straight
-/// line through their logarithms, by least squares. None of fewer than two sizes.
+/// The exponent of the second number's growth with the first: the slope of the line through
+/// their logarithms by least squares. `None` of fewer than two sizes.
 fn exponent(points: &[(f64, f64)]) -> Option<f64> {
     let logs: Vec<(f64, f64)> = points
         .iter()
@@ -144,11 +149,6 @@ fn exponent(points: &[(f64, f64)]) -> Option<f64> {
     let spread: f64 = logs.iter().map(|log| (log.0 - x).powi(2)).sum();
     let common: f64 = logs.iter().map(|log| (log.0 - x) * (log.1 - y)).sum();
     (spread > 0.0).then(|| common / spread)
-}
-
-#[expect(clippy::cast_precision_loss, reason = "small numbers")]
-fn as_f64(number: usize) -> f64 {
-    number as f64
 }
 
 #[cfg(test)]
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn small_fleets_count_for_nothing_and_what_is_not_known_is_said() {
+    fn small_fleets_do_not_count_and_missing_values_are_marked() {
         let run = |vehicles: usize, wall_s: f64| FleetRun {
             vehicles,
             wall_s,
@@ -176,7 +176,7 @@ mod tests {
             ..FleetRun::default()
         };
         let runs = vec![run(1, 5.0), run(10, 1.0), run(100, 10.0)];
-        let growth = FleetGrowth::of(1000, 40_000, 2, runs);
+        let growth = FleetGrowth::of(1000, 2, runs);
         assert!((growth.wall_exponent.unwrap() - 1.0).abs() < 1e-9);
         assert_eq!(growth.cpu_exponent, None);
         let table = growth.table();

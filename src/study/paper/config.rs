@@ -1,19 +1,21 @@
-//! What a study is: everything its results depend on, under one hash.
+//! Configuration of the experiment: all that its results depend on, under one hash.
 
-use std::path::Path;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::contest::{Contestant, Role, ablations, contestants, readings};
+use super::contestants::{Contestant, Role, ablations, contestants, readings};
 use super::record::Record;
-use super::runner::Job;
-use super::setting::Setting;
-use super::store::Study;
+use super::shipped_maps;
 use crate::cost::PaperOptions;
 use crate::spec::{Scenario, SpecError};
+use crate::study::setting::Setting;
+use crate::study::store::Study;
 
-/// A study; with [`Config::choices`] it is the file `study.json`.
+/// The configuration; with [`Config::choices`] it is the file `study.json`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
@@ -27,12 +29,12 @@ pub struct Config {
     pub iterations: usize,
     /// Seed of the first run; each later run has the next.
     pub seed: u64,
-    /// Whether MSFOA without its parts takes part.
+    /// Whether MSFOA also runs without its parts.
     pub ablations: bool,
-    /// Whether other readings of what the paper leaves open take part.
+    /// Whether other readings of what the paper leaves open also run.
     pub readings: bool,
-    /// Whether the objective is searched as printed, gaps and all. Judged is always the
-    /// objective whose gaps are closed.
+    /// Whether the objective is searched as published, gaps and all. Paths are always judged
+    /// by the objective whose gaps are closed.
     pub published_objective: bool,
     /// Free control points instead of the maps' own.
     pub control_points: Option<usize>,
@@ -40,7 +42,7 @@ pub struct Config {
     pub maps: Vec<MapText>,
 }
 
-/// A map as it was given.
+/// A map as given.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapText {
@@ -50,25 +52,100 @@ pub struct MapText {
     pub text: String,
 }
 
-/// What is wrong with a study.
+/// An error of a configuration.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConfigError {
-    /// A map is broken.
+    /// A map is no valid scenario.
     #[error(transparent)]
     Map(#[from] SpecError),
+    /// A file or folder cannot be read.
+    #[error("{}: cannot be read: {reason}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// The cause.
+        reason: String,
+    },
     /// Two maps have one name.
     #[error("two maps are named `{0}`")]
     SameName(String),
     /// A number is out of range.
-    #[error("{name} is {found} (allowed: {allowed})")]
+    #[error("{name} is {found} (allowed: {min} to {max})")]
     Number {
-        /// Which.
+        /// Its name.
         name: &'static str,
-        /// What was given.
+        /// The value given.
         found: usize,
-        /// What may be given.
-        allowed: &'static str,
+        /// The lowest allowed value.
+        min: usize,
+        /// The highest allowed value.
+        max: usize,
     },
+}
+
+pub(in crate::study) fn unreadable(path: &Path) -> impl Fn(io::Error) -> ConfigError + '_ {
+    |error| ConfigError::Unreadable {
+        path: path.to_owned(),
+        reason: error.to_string(),
+    }
+}
+
+pub(in crate::study) fn read_text(path: &Path) -> Result<String, ConfigError> {
+    fs::read_to_string(path).map_err(unreadable(path))
+}
+
+impl MapText {
+    /// The maps of some files; the shipped maps without files.
+    ///
+    /// # Errors
+    /// A file that cannot be read.
+    pub fn read(paths: &[PathBuf]) -> Result<Vec<Self>, ConfigError> {
+        if paths.is_empty() {
+            let map = |(file, text): (&str, &str)| Self {
+                file: file.to_owned(),
+                text: text.to_owned(),
+            };
+            return Ok(shipped_maps().map(map).into());
+        }
+        let map = |path: &PathBuf| {
+            let file = path.file_name().unwrap_or(path.as_os_str());
+            Ok(Self {
+                file: file.to_string_lossy().into_owned(),
+                text: read_text(path)?,
+            })
+        };
+        paths.iter().map(map).collect()
+    }
+}
+
+/// One run; jobs are in the order of the results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Job {
+    /// Index of the contestant.
+    pub contestant: usize,
+    /// Index of the map.
+    pub map: usize,
+    /// Number of the run, from 0.
+    pub run: usize,
+}
+
+impl Job {
+    /// All jobs of a study.
+    #[must_use]
+    pub fn all(config: &Config) -> Vec<Self> {
+        let mut jobs = Vec::new();
+        for (contestant, of) in config.contestants().iter().enumerate() {
+            for map in 0..config.maps.len() {
+                let runs = 0..of.runs(config.runs);
+                jobs.extend(runs.map(|run| Self {
+                    contestant,
+                    map,
+                    run,
+                }));
+            }
+        }
+        jobs
+    }
 }
 
 impl Study for Config {
@@ -103,7 +180,7 @@ impl Study for Config {
             .map(|job| {
                 let contestant = &contestants[job.contestant];
                 let map = maps.get(job.map).map_or("", String::as_str);
-                name(contestant.name, contestant.protocol.name(), map, job.run)
+                name(&contestant.name, contestant.protocol.name(), map, job.run)
             })
             .collect()
     }
@@ -121,8 +198,8 @@ fn name(algorithm: &str, protocol: &str, scenario: &str, run: usize) -> String {
     format!("{algorithm} ({protocol}) on {scenario}, run {run}")
 }
 
-/// SHA-256 of something as JSON, hexadecimal.
-pub(super) fn sha256(of: &impl Serialize) -> String {
+/// SHA-256 of a value as JSON, hexadecimal.
+pub(in crate::study) fn sha256(of: &impl Serialize) -> String {
     let json = serde_json::to_vec(of).unwrap_or_default();
     Sha256::digest(&json)
         .iter()
@@ -131,7 +208,7 @@ pub(super) fn sha256(of: &impl Serialize) -> String {
 }
 
 impl Config {
-    /// What is searched.
+    /// The objective that is searched.
     #[must_use]
     pub fn objective(&self) -> PaperOptions {
         if self.published_objective {
@@ -141,7 +218,7 @@ impl Config {
         }
     }
 
-    /// All that take part, in the order of the tables.
+    /// The contestants, in the order of the tables.
     #[must_use]
     pub fn contestants(&self) -> Vec<Contestant> {
         let mut all = contestants(self.population);
@@ -151,7 +228,7 @@ impl Config {
         if self.readings {
             all.extend(readings(self.population));
         }
-        // The planner knows the closed objective alone.
+        // The planner searches only the objective whose gaps are closed.
         all.retain(|of| of.role != Role::Own || !self.published_objective);
         all
     }
@@ -170,24 +247,23 @@ impl Config {
     /// The maps, checked.
     ///
     /// # Errors
-    /// Broken maps, two of one name, and numbers that make no study.
+    /// An invalid map, two maps of one name, a number out of range.
     pub fn scenarios(&self) -> Result<Vec<Scenario>, ConfigError> {
-        let number = |name, found, range: std::ops::RangeInclusive<usize>, allowed| {
-            if range.contains(&found) {
-                Ok(())
-            } else {
-                Err(ConfigError::Number {
+        let points = self.control_points.unwrap_or(2);
+        for (name, found, min, max) in [
+            ("runs", self.runs, 1, 10_000),
+            ("population", self.population, 10, 10_000),
+            ("iterations", self.iterations, 5, 100_000),
+            ("control points", points, 2, 30),
+        ] {
+            if !(min..=max).contains(&found) {
+                return Err(ConfigError::Number {
                     name,
                     found,
-                    allowed,
-                })
+                    min,
+                    max,
+                });
             }
-        };
-        number("runs", self.runs, 1..=10_000, "1 to 10000")?;
-        number("population", self.population, 10..=10_000, "10 to 10000")?;
-        number("iterations", self.iterations, 5..=100_000, "5 to 100000")?;
-        if let Some(points) = self.control_points {
-            number("control points", points, 2..=30, "2 to 30")?;
         }
         let mut scenarios: Vec<Scenario> = Vec::new();
         for map in &self.maps {
