@@ -6,6 +6,7 @@
 
 mod codec;
 mod fleet;
+mod ground_station;
 mod io;
 mod message;
 mod rtt;

@@ -9,7 +9,7 @@ use crate::link::time::Time;
 /// Wait for the `MISSION_ACK`, milliseconds (mission service guide).
 const CLEAR_MS: u64 = 1500;
 /// Repetitions before the vehicle counts as silent. PX4 says nothing while it is busy, up to 5 s.
-const MOST_CLEARS: u32 = 8;
+const MAX_CLEARS: u32 = 8;
 
 /// A clearing in progress.
 #[derive(Debug)]
@@ -71,7 +71,7 @@ impl Clear {
         if self.outcome.is_some() || self.poll_timeout().is_none_or(|due| now < due) {
             return;
         }
-        if now >= self.deadline || self.sent >= MOST_CLEARS {
+        if now >= self.deadline || self.sent >= MAX_CLEARS {
             let unconfirmed = Cleared {
                 acknowledged: false,
             };

@@ -4,14 +4,14 @@
 use std::collections::VecDeque;
 
 use crate::link::message::{Address, Body, Message, MissionResult, Route};
-use crate::link::rtt::Pace;
+use crate::link::rtt::RttEstimator;
 use crate::link::time::Time;
 use crate::mission::Item;
 
 /// Wait for `MISSION_COUNT`, milliseconds (mission service guide).
 const LIST_MS: u64 = 1500;
 /// `MISSION_REQUEST_LIST`s without any answer before the vehicle counts as silent.
-const MOST_LISTS: u32 = 20;
+const MAX_LISTS: u32 = 20;
 /// Silence in mid transfer before it is started over, milliseconds. PX4 forgets after 5 s.
 const SILENCE_MS: u64 = 6000;
 /// Wait after `DENIED` or `ERROR` before asking again, milliseconds.
@@ -26,7 +26,7 @@ pub struct Download {
     phase: Phase,
     items: Vec<Item>,
     opaque_id: u32,
-    pace: Pace,
+    rtt: RttEstimator,
     lists: u32,
     complaint: Option<MissionResult>,
     repeats: u32,
@@ -80,7 +80,7 @@ impl Download {
             phase: Phase::Listing { again: now },
             items: Vec::new(),
             opaque_id: 0,
-            pace: Pace::default(),
+            rtt: RttEstimator::default(),
             lists: 0,
             complaint: None,
             repeats: 0,
@@ -118,7 +118,7 @@ impl Download {
             return;
         }
         match self.phase {
-            Phase::Listing { .. } if self.lists >= MOST_LISTS => {
+            Phase::Listing { .. } if self.lists >= MAX_LISTS => {
                 self.outcome = Some(Err(match self.complaint {
                     Some(result) => DownloadError::Refused { result },
                     None => DownloadError::Silent { lists: self.lists },
@@ -150,7 +150,7 @@ impl Download {
         let due = match self.phase {
             Phase::Listing { again } => again,
             Phase::Reading { sent, heard, .. } => {
-                (sent + self.pace.wait_ms()).min(heard + SILENCE_MS)
+                (sent + self.rtt.wait_ms()).min(heard + SILENCE_MS)
             }
         };
         Some(due.min(self.deadline))
@@ -218,7 +218,7 @@ impl Download {
         if usize::from(seq) != self.items.len() {
             return;
         }
-        self.pace.answered(now - *asked);
+        self.rtt.sample(now - *asked);
         *asked = now;
         *heard = now;
         self.items.push(item);
@@ -259,7 +259,7 @@ impl Download {
             // PX4 says ERROR, and forgets the transfer, when an old copy of a request overtakes newer ones.
             MissionResult::DENIED | MissionResult::ERROR => {
                 if matches!(self.phase, Phase::Reading { .. }) {
-                    self.pace.slow_down();
+                    self.rtt.back_off();
                 }
                 self.complaint = Some(result);
                 self.phase = Phase::Listing {

@@ -28,12 +28,12 @@ const TRANSFER_MS: u64 = 120_000;
 /// What each item adds to the time allowed, milliseconds.
 const ITEM_MS: u64 = 5000;
 /// How often the vehicle is asked for its version, a heartbeat apart.
-const MOST_VERSION_REQUESTS: u32 = 5;
+const MAX_VERSION_REQUESTS: u32 = 5;
 /// Answers in MAVLink 1 for so long, milliseconds, mean that the vehicle speaks no other:
 /// two of our heartbeats, in MAVLink 2, have gone out by then.
 const OLD_MS: u64 = 2500;
 /// Most texts of the vehicle that are kept.
-const MOST_TEXTS: usize = 50;
+const MAX_TEXTS: usize = 50;
 /// The lists in the order of transfer.
 const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
 
@@ -161,7 +161,7 @@ impl<'a> Session<'a> {
             Message::StatusText { text, .. } => {
                 if self.is_of_vehicle(from)
                     && self.texts.last() != Some(text)
-                    && self.texts.len() < MOST_TEXTS
+                    && self.texts.len() < MAX_TEXTS
                 {
                     self.texts.push(text.clone());
                 }
@@ -171,7 +171,7 @@ impl<'a> Session<'a> {
                 flight_software, ..
             } if self.is_of_vehicle(from) => {
                 self.software = identity::version(*flight_software);
-                self.version_requests = MOST_VERSION_REQUESTS;
+                self.version_requests = MAX_VERSION_REQUESTS;
             }
             Message::MissionCurrent { opaque_ids, .. } if self.is_of_vehicle(from) => {
                 self.compare_ids(now, *opaque_ids);
@@ -284,7 +284,7 @@ impl<'a> Session<'a> {
     /// Where it is.
     #[must_use]
     pub fn progress(&self) -> Progress {
-        let total = self.wanted().items(ORDER[self.at]).len();
+        let total = self.expected().items(ORDER[self.at]).len();
         let (stage, done, total) = match &self.stage {
             _ if self.report.is_some() => ("done", 0, 0),
             Stage::Working(task) => {
@@ -317,7 +317,7 @@ impl<'a> Session<'a> {
     /// Asks which software the vehicle runs. Nothing waits for the answer.
     fn request_version(&mut self) {
         if let (Some((target, _)), true) =
-            (self.vehicle, self.version_requests < MOST_VERSION_REQUESTS)
+            (self.vehicle, self.version_requests < MAX_VERSION_REQUESTS)
         {
             self.version_requests += 1;
             let order = Command::request_version();

@@ -8,7 +8,7 @@ mod error;
 use std::collections::VecDeque;
 
 use crate::link::message::{Body, Message, MissionResult, Route};
-use crate::link::rtt::Pace;
+use crate::link::rtt::RttEstimator;
 use crate::link::time::Time;
 use crate::mission::Item;
 
@@ -17,7 +17,7 @@ pub use error::UploadError;
 /// Wait for the answer to `MISSION_COUNT`, milliseconds (mission service guide).
 const COUNT_MS: u64 = 1500;
 /// `MISSION_COUNT`s without any answer before the vehicle counts as silent.
-const MOST_COUNTS: u32 = 20;
+const MAX_COUNTS: u32 = 20;
 /// An identical request within this time is the echo of one already answered, milliseconds.
 const ECHO_MS: u64 = 100;
 /// Silence after the final item before its `MISSION_ACK` counts as lost, milliseconds.
@@ -26,7 +26,7 @@ const ACK_MS: u64 = 4000;
 /// First wait after `DENIED`, milliseconds; it doubles up to four times.
 const DENIED_MS: u64 = 2000;
 /// `ERROR`s for the same item before they count as a refusal of that item.
-const MOST_ERRORS: u32 = 3;
+const MAX_ERRORS: u32 = 3;
 
 /// An upload in progress.
 #[derive(Debug)]
@@ -40,7 +40,7 @@ pub struct Upload {
     phase: Phase,
     /// Which items went out since the last `MISSION_COUNT` of a new run.
     sent: Vec<bool>,
-    pace: Pace,
+    rtt: RttEstimator,
     counts: u32,
     denials: u32,
     errors: (u16, u32),
@@ -99,7 +99,7 @@ impl Upload {
             deadline,
             outbox: VecDeque::new(),
             phase: Phase::Counting { again: now },
-            pace: Pace::default(),
+            rtt: RttEstimator::default(),
             counts: 0,
             denials: 0,
             errors: (0, 0),
@@ -149,7 +149,7 @@ impl Upload {
             return;
         }
         match self.phase {
-            Phase::Counting { .. } if self.counts >= MOST_COUNTS => {
+            Phase::Counting { .. } if self.counts >= MAX_COUNTS => {
                 self.outcome = Some(Err(UploadError::Silent {
                     counts: self.counts,
                 }));
@@ -196,7 +196,7 @@ impl Upload {
                 asked, sent, heard, ..
             } => {
                 let room_ms = if sent > asked { self.room_ms } else { 0 };
-                (sent + self.pace.wait_ms().max(room_ms)).min(heard + self.silence_ms)
+                (sent + self.rtt.wait_ms().max(room_ms)).min(heard + self.silence_ms)
             }
         };
         Some(due.min(self.deadline))
@@ -305,7 +305,7 @@ impl Upload {
             }
             Phase::Sending { asked, .. } => {
                 let after_ms = now - *asked;
-                self.pace.answered(after_ms);
+                self.rtt.sample(after_ms);
                 self.begin(now, seq, false);
             }
             _ => self.begin(now, seq, false),
@@ -402,7 +402,7 @@ impl Upload {
         self.errors = (seq, if at == seq { times + 1 } else { 1 });
         if self.is_final(seq) && self.all_sent() && self.errors.1 == 1 {
             self.finish(false, 0);
-        } else if self.errors.1 >= MOST_ERRORS {
+        } else if self.errors.1 >= MAX_ERRORS {
             self.reject(MissionResult::ERROR);
         } else {
             self.start(now, true);

@@ -7,7 +7,7 @@ use crate::link::transfer::clear::Clear;
 use crate::link::transfer::download::{Download, DownloadError};
 use crate::link::transfer::identity;
 use crate::link::transfer::report::{Failure, Verdict};
-use crate::link::transfer::target::Wanted;
+use crate::link::transfer::expected::Expected;
 use crate::link::transfer::task::{Ended, Task};
 use crate::link::transfer::upload::{Sent, Upload, UploadError};
 use crate::mission::Item;
@@ -16,7 +16,7 @@ use crate::spec::Autopilot;
 /// Pause before a list is sent again that had no space while the vehicle was starting, milliseconds.
 const PAUSE_MS: u64 = 2000;
 /// Confirmed uploads of one list that read back otherwise before it is given up.
-const MOST_ROUNDS: u32 = 3;
+const MAX_ROUNDS: u32 = 3;
 /// How long PX4 is listened to after the last read-back, milliseconds: it judges a mission
 /// after accepting it, and says once a second what it holds.
 const LISTEN_MS: u64 = 1200;
@@ -25,14 +25,14 @@ const LISTEN_MS: u64 = 1200;
 const REJECTED: &str = "Mission rejected";
 
 impl<'a> Session<'a> {
-    /// What is wanted, by the rules of the autopilot that answers, if it says which it is.
-    pub(crate) fn wanted(&self) -> Wanted<'a> {
+    /// What is expected, by the rules of the autopilot that answers, if it says which it is.
+    pub(crate) fn expected(&self) -> Expected<'a> {
         let mission = self.order.mission;
         let autopilot = self
             .vehicle
             .and_then(|(_, heartbeat)| identity::named(heartbeat.autopilot))
             .unwrap_or(mission.autopilot);
-        Wanted { mission, autopilot }
+        Expected { mission, autopilot }
     }
 
     pub(crate) fn route(&self) -> Option<Route> {
@@ -48,17 +48,17 @@ impl<'a> Session<'a> {
     pub(crate) fn begin_list(&mut self, now: Time) {
         let Some(route) = self.route() else { return };
         self.complaint = None;
-        if self.wanted().items(route.list).is_empty() {
+        if self.expected().items(route.list).is_empty() {
             self.work(Task::Download(Download::new(route, self.deadline, now)));
         } else {
             // How long this vehicle may be silent before it has given up or lost us:
             // several times its own re-request period (1 s, 250 ms, MAVSDK 500 ms).
-            let (silence_ms, room_ms) = match (self.wanted().autopilot, self.vehicle) {
+            let (silence_ms, room_ms) = match (self.expected().autopilot, self.vehicle) {
                 (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => (4000, 800),
                 (Autopilot::ArduPilot, _) => (5000, 0),
                 (Autopilot::Px4, _) => (3000, 0),
             };
-            let rows = self.wanted().rows(route.list);
+            let rows = self.expected().rows(route.list);
             let upload = Upload::new(route, rows, silence_ms, self.deadline, now);
             let upload = upload.leaving_room(room_ms);
             self.work(Task::Upload(upload));
@@ -134,8 +134,8 @@ impl<'a> Session<'a> {
 
     fn read(&mut self, now: Time, outcome: Result<Vec<Item>, DownloadError>) {
         let list = ORDER[self.at];
-        let wanted = self.wanted();
-        let shall_be_empty = wanted.items(list).is_empty();
+        let expected = self.expected();
+        let shall_be_empty = expected.items(list).is_empty();
         let mut read = match outcome {
             Ok(read) => read,
             // A vehicle that knows no fence or rally holds none.
@@ -147,11 +147,11 @@ impl<'a> Session<'a> {
                 return;
             }
         };
-        let found = wanted.compare(list, &mut read);
+        let found = expected.compare(list, &mut read);
         if found.is_empty() {
             self.held[usize::from(list.mission_type())] = read;
             self.next_list(now);
-        } else if self.rounds >= MOST_ROUNDS {
+        } else if self.rounds >= MAX_ROUNDS {
             let count = found.len();
             self.differences = found;
             let complaint = self.complaint;
@@ -186,7 +186,7 @@ impl<'a> Session<'a> {
             self.at += 1;
             self.begin_list(now);
         } else {
-            let listen_ms = match self.wanted().autopilot {
+            let listen_ms = match self.expected().autopilot {
                 Autopilot::Px4 => LISTEN_MS,
                 Autopilot::ArduPilot => 0,
             };
