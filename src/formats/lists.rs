@@ -5,8 +5,8 @@
 //! lines `RALLY lat lon alt break_alt land_dir flags`, metres above home (MAVProxy,
 //! ArduPilot's autotest).
 
-use super::text::TextReader;
 use super::document::{point_item, raised_item};
+use super::text::TextReader;
 use super::text::field::{float, scaled};
 use super::{Document, FormatError};
 use crate::mission::{command, frame};

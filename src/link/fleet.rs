@@ -13,8 +13,9 @@ use super::message::List;
 use super::message::{Address, Message};
 use super::time::Time;
 use super::transfer::onboard::{Onboard, Reading};
+use super::transfer::order::Order;
 use super::transfer::report::{Failure, TransferReport, Verdict};
-use super::transfer::session::{Order, Progress, Session};
+use super::transfer::session::{Progress, Session};
 use crate::mission::VehicleMission;
 use crate::spec::Link;
 

@@ -207,10 +207,10 @@ type Shape = (&'static str, bool, Vec<LatLon>);
 
 fn polygon(first: &Item, others: &[Item]) -> Option<Shape> {
     let corners = std::iter::once(first).chain(others);
-    let places: Option<Vec<LatLon>> = corners.map(Item::place).collect();
-    let places = places.filter(|places| places.len() >= 3)?;
+    let corners: Option<Vec<LatLon>> = corners.map(Item::place).collect();
+    let corners = corners.filter(|corners| corners.len() >= 3)?;
     let inclusion = first.command == command::FENCE_POLYGON_INCLUSION;
-    Some(("polygon", inclusion, ring(places)))
+    Some(("polygon", inclusion, ring(corners)))
 }
 
 fn circle(item: &Item) -> Option<Shape> {

@@ -175,11 +175,11 @@ impl Kml {
         }
         self.open("outerBoundaryIs");
         self.open("LinearRing");
-        let places: Vec<String> = ring
+        let tuples: Vec<String> = ring
             .iter()
             .map(|&place| coordinates(place, top.unwrap_or(Amsl(0.0))))
             .collect();
-        self.leaf("coordinates", &places.join(" "));
+        self.leaf("coordinates", &tuples.join(" "));
         self.close("LinearRing");
         self.close("outerBoundaryIs");
         self.close("Polygon");
@@ -201,8 +201,8 @@ impl Kml {
             self.leaf("extrude", "1");
         }
         self.leaf("altitudeMode", altitude_mode(*first));
-        let places: Vec<String> = points.iter().map(|point| coordinates_of(*point)).collect();
-        self.leaf("coordinates", &places.join(" "));
+        let tuples: Vec<String> = points.iter().map(|point| coordinates_of(*point)).collect();
+        self.leaf("coordinates", &tuples.join(" "));
         self.close("LineString");
         self.close("Placemark");
     }

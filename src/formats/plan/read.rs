@@ -51,7 +51,9 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     for part in ["geoFence", "rallyPoints"] {
         let node = root.get(part);
         if node.value.is_null() {
-            document.repairs.push(repair(part, "missing: taken as empty"));
+            document
+                .repairs
+                .push(repair(part, "missing: taken as empty"));
         } else if part == "geoFence" {
             fence(&node, &mut document)?;
         } else {
@@ -281,7 +283,10 @@ fn resolved(mut item: Item, ids: &[Option<u64>], node: &Node<'_>) -> Result<Item
         return Err(FormatError::Json {
             at: node.get("items").at,
             item: None,
-            found: format!("a jump to item {target}, of which there are {}", rows.len()),
+            found: format!(
+                "a jump to item {target}: the file has {} of that id",
+                rows.len()
+            ),
             allowed: "a doJumpId of the file".to_owned(),
         });
     };
@@ -359,7 +364,10 @@ fn check_altitude(
 fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
     let version = node.get("version");
     if version.value.is_null() || version.value == 1 {
-        let what = format!("{}: this fence is ignored, as QGroundControl does", version.value);
+        let what = format!(
+            "{}: this fence is ignored, as QGroundControl does",
+            version.value
+        );
         document.repairs.push(repair(&version.at, &what));
         return Ok(());
     }

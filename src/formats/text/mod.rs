@@ -112,7 +112,8 @@ impl TextReader {
             });
         }
         let has_spaces_too = |part: &&str| part.trim().contains(char::is_whitespace);
-        let fields: Vec<Field<'_>> = if separator == Some('\t') && parts.iter().any(has_spaces_too) {
+        let fields: Vec<Field<'_>> = if separator == Some('\t') && parts.iter().any(has_spaces_too)
+        {
             self.words(number, data)
         } else {
             let parts = parts.iter().map(|part| field(number, line, part.trim()));

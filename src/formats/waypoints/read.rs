@@ -183,7 +183,7 @@ impl Reader {
                 );
                 self.repair(line, column, what);
             }
-            // Its own number tells whether a home row was counted.
+            // Its own number shows whether a home row was counted.
             self.rows = usize::from(sequence == 1);
         }
         self.first_item.get_or_insert(self.rows);
@@ -261,7 +261,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn a_missing_field_is_told_with_its_line() {
+    fn a_missing_field_is_reported_with_its_line() {
         let error =
             read("QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t36.1\t-84.2\n").expect_err("ten fields");
         assert_eq!(
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_among_the_numbers_is_told_with_line_and_column() {
+    fn a_word_among_the_numbers_is_reported_with_line_and_column() {
         let error = read("QGC WPL 110\n0\t1\t0\t16\t0\t0\tabc\t0\t36.1\t-84.2\t400\t1\n")
             .expect_err("a word");
         assert_eq!(
@@ -308,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn spaces_commas_crlf_comments_names_and_a_missing_last_newline_are_read_and_told() {
+    fn spaces_commas_crlf_comments_names_and_a_missing_last_newline_are_repaired() {
         let text = "\u{feff}QGC WPL 110\r\n# made by hand\r\n\
             0,1,0,16,0,0,0,0,36.1,-84.2,400,1\r\n\r\n\
             1 0 3 NAV_TAKEOFF 0 0 0 0 36.1 -84.2 30\r\n\
@@ -317,7 +317,7 @@ mod tests {
         assert_eq!(document.home.map(|home| home.x), Some(361_000_000));
         let commands: Vec<u16> = document.items.iter().map(|item| item.command).collect();
         assert_eq!(commands, [22, 16]);
-        let told: Vec<(usize, &str)> = document
+        let repairs: Vec<(usize, &str)> = document
             .repairs
             .iter()
             .map(|r| match r.at {
@@ -326,7 +326,7 @@ mod tests {
             })
             .collect();
         assert_eq!(
-            told,
+            repairs,
             [
                 (1, "a byte order mark was left out"),
                 (1, "carriage returns were taken as line ends"),

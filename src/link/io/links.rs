@@ -124,7 +124,11 @@ fn serve(
         }
         let received = match radio.receive(radio.now() + TURN_MS) {
             Err(error) if radio.can_recover() => {
-                if !has_failed && inbox.send(Arrival::Failed(name.to_owned(), error.to_string())).is_err() {
+                if !has_failed
+                    && inbox
+                        .send(Arrival::Failed(name.to_owned(), error.to_string()))
+                        .is_err()
+                {
                     return Ok(());
                 }
                 has_failed = true;

@@ -285,7 +285,7 @@ impl ParamValue {
         let bytes = if bytewise && self.kind < REAL_32 {
             #[expect(
                 clippy::cast_possible_truncation,
-                reason = "`as` saturates; the read-back tells"
+                reason = "`as` saturates; the read-back shows it"
             )]
             let whole = value.round() as i32;
             whole.to_le_bytes()

@@ -89,13 +89,23 @@ fn mission_layout(mission: &mut MissionMessage, fields: &mut dyn Fields) {
         Body::Item { seq, current, item } => {
             let Item { frame, x, y, .. } = *item;
             let mut place = [x, y].map(|value| to_float(frame, value).to_le_bytes());
-            item_layout((target, mission_type), (seq, current, item), &mut place, fields);
+            item_layout(
+                (target, mission_type),
+                (seq, current, item),
+                &mut place,
+                fields,
+            );
             let place = place.map(|bytes| from_float(item.frame, f32::from_le_bytes(bytes)));
             [item.x, item.y] = place;
         }
         Body::ItemInt { seq, current, item } => {
             let mut place = [item.x, item.y].map(i32::to_le_bytes);
-            item_layout((target, mission_type), (seq, current, item), &mut place, fields);
+            item_layout(
+                (target, mission_type),
+                (seq, current, item),
+                &mut place,
+                fields,
+            );
             [item.x, item.y] = place.map(i32::from_le_bytes);
         }
     }

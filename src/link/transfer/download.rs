@@ -1,5 +1,5 @@
-//! Reading one list from one vehicle (`MISSION_REQUEST_LIST`, one request at a time,
-//! closing `MISSION_ACK`). Same driver contract as [`crate::link::Upload`].
+//! Reads one list from one vehicle (`MISSION_REQUEST_LIST`, one request at a time,
+//! closing `MISSION_ACK`).
 
 use std::collections::VecDeque;
 
@@ -17,7 +17,7 @@ const SILENCE_MS: u64 = 6000;
 /// Wait after `DENIED` or `ERROR` before asking again, milliseconds.
 const BUSY_MS: u64 = 1500;
 
-/// A download in progress.
+/// A download in progress; see the [driver contract](crate::link#driver-contract).
 #[derive(Debug)]
 pub struct Download {
     route: Route,
@@ -35,7 +35,7 @@ pub struct Download {
 
 #[derive(Clone, Copy, Debug)]
 enum Phase {
-    /// The list is asked for, or will be at that time.
+    /// The list was requested, or will be at that time.
     Listing { again: Time },
     /// The item after those held was asked for first, last, and the vehicle last gave one then.
     Reading {
@@ -90,7 +90,7 @@ impl Download {
         download
     }
 
-    /// Takes in a message, whoever sent it.
+    /// Takes in a message of any sender.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         if self.outcome.is_some() {
             return;
@@ -250,13 +250,14 @@ impl Download {
         }
     }
 
-    /// A vehicle that is still receiving, or lost count of us, is asked again after a while.
+    /// A vehicle that is still receiving, or lost our transfer, gets the request again later.
     fn answered(&mut self, now: Time, result: MissionResult) {
         match result {
             MissionResult::ACCEPTED
             | MissionResult::INVALID_SEQUENCE
             | MissionResult::OPERATION_CANCELLED => {}
-            // PX4 says ERROR, and forgets the transfer, when an old copy of a request overtakes newer ones.
+            // PX4 answers ERROR, and drops the transfer, when an old copy of a request
+            // overtakes newer ones.
             MissionResult::DENIED | MissionResult::ERROR => {
                 if matches!(self.phase, Phase::Reading { .. }) {
                     self.rtt.back_off();

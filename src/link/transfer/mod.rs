@@ -7,6 +7,7 @@ pub(super) mod download;
 pub(super) mod expected;
 pub(super) mod identity;
 pub(super) mod onboard;
+pub(super) mod order;
 pub(super) mod report;
 pub(super) mod session;
 pub(super) mod task;
