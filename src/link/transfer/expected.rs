@@ -1,18 +1,18 @@
-//! What a vehicle shall hold, as it goes over the wire and as it is compared.
+//! The lists that a vehicle must hold, as they are sent and as they are compared.
 
 use super::compare::{Difference, differences};
 use crate::link::message::List;
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::Autopilot;
 
-/// The lists for one vehicle, by the rules of the autopilot that reads them.
+/// The lists for one vehicle, by the rules of its autopilot.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wanted<'a> {
+pub(crate) struct Expected<'a> {
     pub(crate) mission: &'a VehicleMission,
     pub(crate) autopilot: Autopilot,
 }
 
-impl<'a> Wanted<'a> {
+impl<'a> Expected<'a> {
     /// The items of a list, without home.
     pub(crate) fn items(&self, list: List) -> &'a [Item] {
         match list {
@@ -36,8 +36,8 @@ impl<'a> Wanted<'a> {
         rows
     }
 
-    /// Takes home away from what was read, because the vehicle puts its own there,
-    /// and says in what the rest differs.
+    /// Removes home from the items read, because the vehicle puts its own there, and
+    /// compares the rest.
     pub(crate) fn compare(&self, list: List, read: &mut Vec<Item>) -> Vec<Difference> {
         if self.has_home(list) && !read.is_empty() {
             read.remove(0);

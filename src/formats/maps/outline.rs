@@ -1,4 +1,4 @@
-//! Outlines for maps: closed rings of places, counter-clockwise.
+//! Outlines for maps: closed rings, counter-clockwise.
 
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 use crate::world::{Disc, World};
@@ -6,26 +6,26 @@ use crate::world::{Disc, World};
 /// Corners of a circle.
 const CORNERS: u32 = 72;
 
-/// A circle as the polygon around it: what is drawn is never smaller than what is judged.
+/// The polygon circumscribed about a threat, so that no map draws it too small.
 pub(crate) fn circle(world: &World, disc: &Disc) -> Vec<LatLon> {
-    around(&world.frame, disc.center, disc.radius_m)
+    circumscribed(&world.frame, disc.center, disc.radius_m)
 }
 
-/// The polygon around a circle.
-pub(crate) fn around(frame: &LocalFrame, center: EastNorth, radius_m: f64) -> Vec<LatLon> {
+/// The polygon circumscribed about a circle.
+pub(crate) fn circumscribed(frame: &LocalFrame, center: EastNorth, radius_m: f64) -> Vec<LatLon> {
     let half_step_rad = std::f64::consts::PI / f64::from(CORNERS);
-    round(frame, center, radius_m / half_step_rad.cos())
+    inscribed(frame, center, radius_m / half_step_rad.cos())
 }
 
-/// The polygon within a circle, its corners on it.
-pub(crate) fn round(frame: &LocalFrame, center: EastNorth, reach_m: f64) -> Vec<LatLon> {
+/// The polygon inscribed in a circle.
+pub(crate) fn inscribed(frame: &LocalFrame, center: EastNorth, radius_m: f64) -> Vec<LatLon> {
     let step_rad = std::f64::consts::TAU / f64::from(CORNERS);
     let corners = (0..CORNERS)
         .map(|corner| {
             let (sin, cos) = (f64::from(corner) * step_rad).sin_cos();
             frame.from_plan(EastNorth {
-                east_m: center.east_m + reach_m * cos,
-                north_m: center.north_m + reach_m * sin,
+                east_m: center.east_m + radius_m * cos,
+                north_m: center.north_m + radius_m * sin,
             })
         })
         .collect();
@@ -46,7 +46,7 @@ pub(crate) fn ring(mut corners: Vec<LatLon>) -> Vec<LatLon> {
     corners
 }
 
-/// Degrees to 1e-7, metres to centimetres: finer than anything that is known.
+/// A value rounded to one part in `per_unit`: 1e7 for degrees, 1e2 for metres.
 pub(crate) fn rounded(value: f64, per_unit: f64) -> f64 {
     (value * per_unit).round() / per_unit
 }

@@ -1,8 +1,8 @@
-//! Any mission file, told by what is in it and not by its name.
+//! Mission files of any format, detected from their content.
 
 use super::{Document, FormatError, lists, plan, text, waypoints};
 
-/// What a file turned out to be.
+/// Format of a mission file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// `QGC WPL`: a mission, or a fence or rally points in the same layout.
@@ -18,8 +18,8 @@ pub enum Kind {
 /// Reads a mission file of any kind from its bytes.
 ///
 /// # Errors
-/// [`FormatError::Text`] when it is no text or of no known kind, and what the reader
-/// of its kind finds.
+/// [`FormatError::Text`] when it is not text or of no known format, and the errors of
+/// the reader of its format.
 pub fn read(bytes: &[u8]) -> Result<(Kind, Document), FormatError> {
     let text = text::decoded(bytes)?;
     let kind = kind(text)?;
@@ -32,7 +32,7 @@ pub fn read(bytes: &[u8]) -> Result<(Kind, Document), FormatError> {
     Ok((kind, document))
 }
 
-/// Told by the first line that says something.
+/// The format, by the first line that is neither empty nor a comment.
 fn kind(text: &str) -> Result<Kind, FormatError> {
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
     let mut lines = lines.map(|(index, line)| (index + 1, line.trim()));
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_told_by_what_is_in_them() {
+    fn formats_are_detected_from_the_content() {
         let row = "0\t1\t0\t16\t0\t0\t0\t0\t36.1\t-84.2\t400\t1\n";
         let wpl = format!("# by hand\nQGC WPL 110\n{row}");
         assert_eq!(
@@ -79,10 +79,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_text_is_told_with_its_place() {
-        let told = |bytes: &[u8]| read(bytes).expect_err("no text").to_string();
-        assert!(told(b"\xff\xfeQ\0").starts_with("line 1, column 1: UTF-16"));
-        assert!(told(b"QGC\nWP\0").starts_with("line 2, column 3: a NUL byte"));
-        assert!(told(b"QGC \xe9").starts_with("line 1, column 5: a byte that is not UTF-8"));
+    fn bytes_that_are_not_text_are_reported_with_their_location() {
+        let error = |bytes: &[u8]| read(bytes).expect_err("no text").to_string();
+        assert!(error(b"\xff\xfeQ\0").starts_with("line 1, column 1: UTF-16"));
+        assert!(error(b"QGC\nWP\0").starts_with("line 2, column 3: a NUL byte"));
+        assert!(error(b"QGC \xe9").starts_with("line 1, column 5: a byte that is not UTF-8"));
     }
 }

@@ -1,10 +1,10 @@
-//! What a `.plan` holds beside what is flown: drawings of surveys, estimates, unknown keys.
+//! Content of a `.plan` that is not flown: drawings of surveys, estimates, unknown keys.
 
 use serde_json::Value;
 
 use super::altitude_mode;
 
-/// Keys that the reader takes, or that say how a ground station shows what it takes.
+/// Known keys: those that the reader takes, and those that only affect the display.
 const ROOT: &[&str] = &[
     "fileType",
     "version",
@@ -43,31 +43,31 @@ const RALLY: &[&str] = &["version", "points"];
 /// Vehicle types that stand for their kind: fixed wing, quadrotor, quad-VTOL.
 const KINDS: [u64; 3] = [1, 2, 20];
 
-/// What is not kept, one sentence each.
+/// The dropped content, one sentence each.
 pub(super) fn of(plan: &Value) -> Vec<String> {
-    let mut beside = Beside::default();
-    beside.keys("", plan, ROOT);
-    beside.mission(&plan["mission"]);
-    beside.fence(&plan["geoFence"]);
-    beside.keys("rallyPoints", &plan["rallyPoints"], RALLY);
-    beside.told
+    let mut dropped = Dropped::default();
+    dropped.keys("", plan, ROOT);
+    dropped.mission(&plan["mission"]);
+    dropped.fence(&plan["geoFence"]);
+    dropped.keys("rallyPoints", &plan["rallyPoints"], RALLY);
+    dropped.notes
 }
 
 #[derive(Default)]
-struct Beside {
-    told: Vec<String>,
+struct Dropped {
+    notes: Vec<String>,
 }
 
 fn list(value: &Value) -> impl Iterator<Item = (usize, &Value)> {
     value.as_array().into_iter().flatten().enumerate()
 }
 
-impl Beside {
+impl Dropped {
     fn keys(&mut self, at: &str, object: &Value, known: &[&str]) {
         let keys = object.as_object().into_iter().flat_map(|map| map.keys());
         for key in keys.filter(|key| !known.contains(&key.as_str())) {
             let dot = if at.is_empty() { "" } else { "." };
-            self.told.push(format!("{at}{dot}{key}"));
+            self.notes.push(format!("{at}{dot}{key}"));
         }
     }
 
@@ -75,7 +75,7 @@ impl Beside {
         self.keys("mission", mission, MISSION);
         for key in ["cruiseSpeed", "hoverSpeed"] {
             if let Some(speed_mps) = mission[key].as_f64() {
-                self.told.push(format!(
+                self.notes.push(format!(
                     "mission.{key} {speed_mps}: the ground station's for its estimate of time"
                 ));
             }
@@ -84,7 +84,7 @@ impl Beside {
             .as_u64()
             .filter(|kind| !KINDS.contains(kind))
         {
-            self.told.push(format!(
+            self.notes.push(format!(
                 "mission.vehicleType {kind}: one type stands for all of its kind"
             ));
         }
@@ -94,7 +94,7 @@ impl Beside {
                 let flown = &item["TransectStyleComplexItem"]["Items"];
                 let kind = item["complexItemType"].as_str().unwrap_or("complex item");
                 let count = list(flown).count();
-                self.told.push(format!(
+                self.notes.push(format!(
                     "{at}: what the {kind} was drawn from; its {count} flown items are kept"
                 ));
                 for (inner, item) in list(flown) {
@@ -112,7 +112,7 @@ impl Beside {
     fn item(&mut self, at: &str, item: &Value) {
         self.keys(at, item, ITEM);
         if item["AltitudeMode"].as_u64() == Some(altitude_mode::CALCULATED) {
-            self.told.push(format!(
+            self.notes.push(format!(
                 "{at}.AltitudeMode: drawn above terrain, kept as the altitude that is flown"
             ));
         }
@@ -125,7 +125,7 @@ impl Beside {
             self.keys(&at, polygon, POLYGON);
             let has_height = |corner: &Value| list(corner).count() > 2;
             if list(&polygon["polygon"]).any(|(_, corner)| has_height(corner)) {
-                self.told
+                self.notes
                     .push(format!("{at}: altitudes of corners: a fence is flat"));
             }
         }
