@@ -23,7 +23,7 @@ impl CostModel {
         (from.min(last_piece) / BLOCK, to.min(last_piece) / BLOCK)
     }
 
-    /// The same as [`Self::totals`] without a cutoff, and in `along`, row by row, for each of the
+    /// The same as [`Self::totals`], and in `along`, row by row, for each of the
     /// [`Self::blocks`] the total from the beginning to its end, collisions left out: when others
     /// are met depends on the whole way up to there. The last block's and the collisions are the
     /// total, to the bit. The paper's objective is not told apart: zeros.
@@ -44,7 +44,7 @@ impl CostModel {
         assert!(along.len() >= totals.len() * blocks, "a row each");
         let lanes = dispatch!(self.dispatch.0, simd => lanes(simd));
         scratch.runs_up = true;
-        self.totals(batch, f64::INFINITY, scratch, totals);
+        self.totals(batch, scratch, totals);
         scratch.runs_up = false;
         for (index, row) in along
             .chunks_exact_mut(blocks)

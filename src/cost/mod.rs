@@ -101,7 +101,7 @@ impl Margins {
 
 /// What one route joins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leg {
+pub struct RouteEnds {
     /// Where the route begins.
     pub from: PlanPoint,
     /// Where it ends.

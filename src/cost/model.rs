@@ -13,7 +13,7 @@ use super::relief::Relief;
 use super::sampling::Sampling;
 use super::timing::Timing;
 use super::traffic::Traffic;
-use super::{Controls, CostTerms, Leg, Margins};
+use super::{Controls, CostTerms, Margins, RouteEnds};
 use fearless_simd::{dispatch, prelude::*};
 
 use crate::path::{Flight, VehicleLimits};
@@ -76,24 +76,24 @@ impl CostModel {
         world: &World,
         spec: &MissionSpec,
         vehicle: usize,
-        leg: Leg,
+        ends: RouteEnds,
         earlier: &[Flight],
         margins: Margins,
         parameters: &[f64],
     ) -> Self {
         assert!(parameters.len() >= 2, "a path has two ends");
         let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
-        let straight_m = leg.from.distance_m(leg.to);
+        let straight_m = ends.from.distance_m(ends.to);
         let path = Sampling::new(spec, parameters, straight_m, world.ground.spacing_m);
         let relief = Relief::new(&world.ground, world.max_amsl.0 + WALL_OVER_CEILING_M);
-        let floor_agl_m = floor_agl_m(world, &relief, &leg, &margins, path.fine.samples());
+        let floor_agl_m = floor_agl_m(world, &relief, &ends, &margins, path.fine.samples());
         Self {
             objective: spec.planner.objective,
             weights: spec.planner.weights,
-            hazards: Hazards::new(world, &leg, &margins),
+            hazards: Hazards::new(world, &ends, &margins),
             traffic: Traffic::new(&spec.separation, &margins, earlier),
-            timing: Timing::new(world, spec, vehicle, &leg),
-            paper: Paper::new(PaperOptions::default(), &leg, earlier),
+            timing: Timing::new(world, spec, vehicle, &ends),
+            paper: Paper::new(PaperOptions::default(), &ends, earlier),
             per_turn_radius: 1.0 / (limits.turn_radius_m * (1.0 + margins.turn_fraction)),
             per_substep: path.per_substep(),
             slope_share: 1.0 - margins.climb_fraction,
@@ -178,17 +178,16 @@ impl CostModel {
         }
     }
 
-    /// The totals of a batch: each equal to `terms(controls).total()` to the bit, or, if
-    /// that is above `cutoff`, some number above `cutoff`.
+    /// The totals of a batch: each equal to `terms(controls).total()` to the bit.
     ///
     /// Allocates nothing once the scratch has grown.
     ///
     /// # Panics
     /// When the batch has control points in another number than [`Self::control_points`].
-    pub fn totals(&self, batch: &Batch, cutoff: f64, scratch: &mut Scratch, totals: &mut [f64]) {
+    pub fn totals(&self, batch: &Batch, scratch: &mut Scratch, totals: &mut [f64]) {
         let mut terms = std::mem::take(&mut scratch.terms);
         terms.resize(totals.len(), CostTerms::default());
-        self.evaluate(batch, cutoff, scratch, &mut terms);
+        self.evaluate(batch, scratch, &mut terms);
         for (total, terms) in totals.iter_mut().zip(&terms) {
             *total = terms.total();
         }
@@ -203,21 +202,15 @@ impl CostModel {
     #[must_use]
     pub fn judge(&self, batch: &Batch) -> Vec<CostTerms> {
         let mut terms = vec![CostTerms::default(); batch.len()];
-        self.evaluate(batch, f64::INFINITY, &mut Scratch::default(), &mut terms);
+        self.evaluate(batch, &mut Scratch::default(), &mut terms);
         terms
     }
 
     /// The terms of the first candidates, as many as `out` has, as many at once as the vectors
     /// have lanes.
-    pub(super) fn evaluate(
-        &self,
-        batch: &Batch,
-        cutoff: f64,
-        scratch: &mut Scratch,
-        out: &mut [CostTerms],
-    ) {
+    pub(super) fn evaluate(&self, batch: &Batch, scratch: &mut Scratch, out: &mut [CostTerms]) {
         assert_eq!(batch.controls(), self.control_points(), "control points");
-        dispatch!(self.dispatch.0, simd => self.evaluate_by(simd, batch, cutoff, scratch, out));
+        dispatch!(self.dispatch.0, simd => self.evaluate_by(simd, batch, scratch, out));
     }
 
     #[inline(always)]
@@ -225,14 +218,13 @@ impl CostModel {
         &self,
         simd: S,
         batch: &Batch,
-        cutoff: f64,
         scratch: &mut Scratch,
         out: &mut [CostTerms],
     ) {
         scratch.grow(&self.path, out.len().div_ceil(V::<S>::LEN));
         match self.objective {
             Objective::Operational => {
-                operational_lanes::terms(simd, self, batch, cutoff, scratch, out);
+                operational_lanes::terms(simd, self, batch, scratch, out);
             }
             Objective::Paper => paper_lanes::terms(simd, self, batch, scratch, out),
         }
@@ -278,16 +270,16 @@ impl CostModel {
 fn floor_agl_m(
     world: &World,
     relief: &Relief,
-    leg: &Leg,
+    ends: &RouteEnds,
     margins: &Margins,
     count: usize,
 ) -> Vec<f64> {
     let limit_m = world.min_agl.0;
-    let kept_m = |end: crate::geodesy::PlanPoint| {
+    let margin_m = |end: crate::geodesy::PlanPoint| {
         let agl_m = end.amsl.0 - relief.height_m(end.at.east_m, end.at.north_m);
         (agl_m - limit_m).clamp(0.0, margins.clearance_m.max(0.0))
     };
-    let (from_m, to_m) = (kept_m(leg.from), kept_m(leg.to));
+    let (from_m, to_m) = (margin_m(ends.from), margin_m(ends.to));
     let ramp = |end_m: f64, away: f64| {
         let share = (away * 20.0).min(1.0);
         end_m + (margins.clearance_m - end_m) * share
@@ -322,8 +314,8 @@ impl Scratch {
     pub(super) fn load<S: Simd>(&mut self, batch: &Batch, first: usize, used: usize) {
         for lane in 0..V::<S>::LEN {
             let of = batch.candidate(first + lane.min(used - 1));
-            let places = of.east_m.iter().zip(of.north_m).zip(of.amsl_m);
-            for (wide, ((east_m, north_m), amsl_m)) in self.controls.iter_mut().zip(places) {
+            let positions = of.east_m.iter().zip(of.north_m).zip(of.amsl_m);
+            for (wide, ((east_m, north_m), amsl_m)) in self.controls.iter_mut().zip(positions) {
                 (wide[0][lane], wide[1][lane], wide[2][lane]) = (*east_m, *north_m, *amsl_m);
             }
         }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::hazards::Segment;
+use super::hazards::Piece;
 use super::model::CostModel;
 use crate::geodesy::Amsl;
 use crate::numeric::angle::quadrant_angle;
@@ -58,9 +58,9 @@ pub(super) struct Clearance {
 
 impl Step {
     #[inline]
-    pub(super) fn of(segment: &Segment) -> Self {
-        let (east_m, north_m) = (segment.b[0] - segment.a[0], segment.b[1] - segment.a[1]);
-        let rise_m = segment.amsl_b_m - segment.amsl_a_m;
+    pub(super) fn of(piece: &Piece) -> Self {
+        let (east_m, north_m) = (piece.b[0] - piece.a[0], piece.b[1] - piece.a[1]);
+        let rise_m = piece.amsl_b_m - piece.amsl_a_m;
         let run_sq = east_m * east_m + north_m * north_m;
         Self {
             east_m,
@@ -87,8 +87,8 @@ impl CostModel {
 
     /// How far the slope of a piece, rise over run, is beyond its limit.
     #[inline]
-    pub(super) fn slope_excess(&self, step: &Step, segment: Segment) -> f64 {
-        let middle = Amsl(0.5 * (segment.amsl_a_m + segment.amsl_b_m));
+    pub(super) fn slope_excess(&self, step: &Step, piece: Piece) -> f64 {
+        let middle = Amsl(0.5 * (piece.amsl_a_m + piece.amsl_b_m));
         let limit = if step.rise_m >= 0.0 {
             self.limits.climb.at(middle)
         } else {

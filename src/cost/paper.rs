@@ -9,7 +9,7 @@
 use super::model::CostModel;
 use super::operational::Step;
 use super::reference::Curve;
-use super::{CostTerms, Leg};
+use super::{CostTerms, RouteEnds};
 use crate::geodesy::Amsl;
 use crate::path::Flight;
 
@@ -105,7 +105,7 @@ pub(super) struct Paper {
 /// A point of an earlier flight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
-    place: [f64; 3],
+    position: [f64; 3],
     t_s: f64,
     /// 101 over the points of its flight.
     weight: f64,
@@ -127,12 +127,12 @@ pub(super) struct PaperSums<T = f64> {
 }
 
 impl Paper {
-    pub(super) fn new(options: PaperOptions, leg: &Leg, earlier: &[Flight]) -> Self {
+    pub(super) fn new(options: PaperOptions, ends: &RouteEnds, earlier: &[Flight]) -> Self {
         let mut all: Vec<Other> = earlier.iter().flat_map(others).collect();
-        all.sort_by(|a, b| a.place[0].total_cmp(&b.place[0]));
+        all.sort_by(|a, b| a.position[0].total_cmp(&b.position[0]));
         Self {
             options,
-            goal_m: [leg.to.at.east_m, leg.to.at.north_m],
+            goal_m: [ends.to.at.east_m, ends.to.at.north_m],
             others: all,
             boxes: earlier.iter().flat_map(boxes).collect(),
         }
@@ -157,7 +157,7 @@ impl Paper {
         let mut before: Option<Step> = None;
         let mut steps = Vec::new();
         for k in 0..model.path.samples - 1 {
-            let step = Step::of(&curve.segment(k, 1));
+            let step = Step::of(&curve.piece(k, 1));
             steps.push(step);
             sums.length_km += step.length_km;
             sums.threat += self.exposure_per_km(model, curve, k) * step.length_km;
@@ -215,13 +215,14 @@ impl Paper {
         } else {
             high_m.max(0.0)
         };
-        let wanted_m = self.wanted_m(model, index);
-        let deep_m = (ground_m + wanted_m - amsl_m).max(0.0) + (amsl_m - model.max_amsl_m).max(0.0);
+        let required_agl_m = self.required_agl_m(model, index);
+        let deep_m =
+            (ground_m + required_agl_m - amsl_m).max(0.0) + (amsl_m - model.max_amsl_m).max(0.0);
         (high_m * 1e-3, deep_m * 1e-3)
     }
 
     /// Height above ground from which Eq. 23 counts at a sample, metres.
-    pub(super) fn wanted_m(&self, model: &CostModel, index: usize) -> f64 {
+    pub(super) fn required_agl_m(&self, model: &CostModel, index: usize) -> f64 {
         if self.options.terrain_from_min_agl {
             model.floor_agl_m[index]
         } else {
@@ -231,10 +232,10 @@ impl Paper {
 
     /// Sum of `T_de` at the middle of a piece (Eq. 24), with zones and area.
     fn exposure_per_km(&self, model: &CostModel, curve: &Curve, k: usize) -> f64 {
-        let segment = curve.segment(k, 1);
+        let piece = curve.piece(k, 1);
         let middle = [
-            0.5 * (segment.a[0] + segment.b[0]),
-            0.5 * (segment.a[1] + segment.b[1]),
+            0.5 * (piece.a[0] + piece.b[0]),
+            0.5 * (piece.a[1] + piece.b[1]),
         ];
         let hazards = &model.hazards;
         let mut exposure = 0.0;
@@ -249,7 +250,7 @@ impl Paper {
                 };
             }
         }
-        hazards.add_polygons(&segment, exposure, &mut Vec::new())
+        hazards.add_polygons(&piece, exposure, &mut Vec::new())
     }
 
     /// Whether there are earlier flights.
@@ -274,16 +275,20 @@ impl Paper {
         let limit_m = self.options.collision_km * 1e3;
         let from = self
             .others
-            .partition_point(|other| other.place[0] <= east_m - limit_m);
+            .partition_point(|other| other.position[0] <= east_m - limit_m);
         let rest = &self.others[from..];
-        &rest[..rest.partition_point(|other| other.place[0] < east_m + limit_m)]
+        &rest[..rest.partition_point(|other| other.position[0] < east_m + limit_m)]
     }
 
     /// Eq. 29 and 30 for two points.
     fn risk(&self, own: [f64; 3], own_s: f64, other: &Other) -> f64 {
         let options = &self.options;
-        let place = other.place;
-        let apart = [own[0] - place[0], own[1] - place[1], own[2] - place[2]];
+        let position = other.position;
+        let apart = [
+            own[0] - position[0],
+            own[1] - position[1],
+            own[2] - position[2],
+        ];
         let apart_sq = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
         let limit_m = options.collision_km * 1e3;
         if apart_sq >= limit_m * limit_m {
@@ -323,7 +328,7 @@ fn others(flight: &Flight) -> impl Iterator<Item = Other> + '_ {
     flight.points.iter().map(move |timed| {
         let at = timed.point.at;
         Other {
-            place: [at.east_m, at.north_m, timed.point.amsl.0],
+            position: [at.east_m, at.north_m, timed.point.amsl.0],
             t_s: timed.t_s,
             weight,
         }
@@ -334,7 +339,7 @@ fn others(flight: &Flight) -> impl Iterator<Item = Other> + '_ {
 fn boxes(flight: &Flight) -> Vec<[[f64; 2]; 2]> {
     let points: Vec<Other> = others(flight).collect();
     let around = |run: &[Other], axis: usize| {
-        let values = run.iter().map(|other| other.place[axis]);
+        let values = run.iter().map(|other| other.position[axis]);
         let low_m = values.clone().fold(f64::INFINITY, f64::min);
         [low_m, values.fold(f64::NEG_INFINITY, f64::max)]
     };

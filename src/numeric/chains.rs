@@ -292,9 +292,9 @@ mod tests {
     }
 
     fn capsule() -> impl Strategy<Value = Capsule> {
-        let place = || (1.0..9.0_f64, 0.0..10.0_f64);
+        let position = || (1.0..9.0_f64, 0.0..10.0_f64);
         (
-            place(),
+            position(),
             (-3.0..3.0_f64, -3.0..3.0_f64),
             0.0..1.2_f64,
             any::<bool>(),

@@ -20,7 +20,7 @@ pub use fly::Mapping;
 pub use foa::FoaParameters;
 pub use iffo::IffoParameters;
 pub use mfoa::MfoaParameters;
-pub use msfoa::{LEAST_EASED, MsfoaParameters, Start};
+pub use msfoa::{MIN_RELAXED_BUDGET, MsfoaParameters, SearchSeed};
 pub use msfoa_published::{Parents, PublishedParameters, Step};
 pub use pso::PsoParameters;
 
@@ -37,13 +37,12 @@ pub trait Problem: Sync {
     /// Costs of a batch.
     ///
     /// `candidates` is row-major, `costs.len()` rows of [`Self::dimension`].
-    /// A cost above `cutoff` need not be exact, only above `cutoff`; pass
-    /// `f64::INFINITY` for exact costs. A cost is never NaN.
-    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]);
+    /// A cost is never NaN.
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]);
 
     /// The same variables with limits that cost less to break, where there are any: a search may
     /// begin with that, and ends with the problem itself.
-    fn eased(&self) -> Option<&dyn Problem> {
+    fn relaxed(&self) -> Option<&dyn Problem> {
         None
     }
 
@@ -56,7 +55,7 @@ pub trait Problem: Sync {
     /// Exact costs of a batch, and in `parts`, `costs.len()` rows of [`Self::groups`], what of
     /// each cost each group may change. Parts overlap where several groups change the same.
     fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
-        self.evaluate(candidates, f64::INFINITY, costs);
+        self.evaluate(candidates, costs);
         for (parts, cost) in parts.chunks_exact_mut(self.groups()).zip(costs) {
             parts.fill(*cost);
         }
@@ -107,13 +106,13 @@ pub struct Outcome {
 
 /// New starts from a place: other ways to write down nearly the same thing, from which a
 /// search gets further.
-pub type Redraw<'a> = dyn Fn(&[f64], &mut ChaCha8Rng) -> Vec<Start> + 'a;
+pub type Redraw<'a> = dyn Fn(&[f64], &mut ChaCha8Rng) -> Vec<SearchSeed> + 'a;
 
 /// Where the sub-swarms of [`Algorithm::Msfoa`] begin, and begin again.
 #[derive(Clone, Copy, Default)]
-pub struct Starts<'a> {
+pub struct SearchSeeds<'a> {
     /// The most promising first.
-    pub given: &'a [Start],
+    pub given: &'a [SearchSeed],
     /// What a swarm that gains nothing any more makes of its best place.
     pub redraw: Option<&'a Redraw<'a>>,
 }
@@ -122,13 +121,13 @@ pub struct Starts<'a> {
 ///
 /// All numbers are drawn on the calling thread from `rng`; only evaluations run
 /// in parallel, so the outcome does not depend on the number of threads.
-/// Only the sub-swarms of [`Algorithm::Msfoa`] begin at `starts`; all others start at
+/// Only the sub-swarms of [`Algorithm::Msfoa`] begin at `seeds`; all others start at
 /// random, as printed.
 #[must_use]
 pub fn minimise<P: Problem + ?Sized>(
     problem: &P,
     algorithm: &Algorithm,
-    starts: Starts<'_>,
+    seeds: SearchSeeds<'_>,
     budget: usize,
     rng: &mut ChaCha8Rng,
     watch: &(dyn Fn(TracePoint) + Sync),
@@ -137,7 +136,7 @@ pub fn minimise<P: Problem + ?Sized>(
     let evaluating = &mut evaluator;
     let mut finalists = Vec::new();
     match algorithm {
-        Algorithm::Msfoa(of) => finalists = msfoa::search(evaluating, of, starts, rng),
+        Algorithm::Msfoa(of) => finalists = msfoa::search(evaluating, of, seeds, rng),
         Algorithm::MsfoaLiteral(of) => finalists = msfoa_published::search(evaluating, of, rng),
         Algorithm::Foa(of) => foa::search(evaluating, of, rng),
         Algorithm::Pso(of) => pso::search(evaluating, of, rng),

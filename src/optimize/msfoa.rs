@@ -9,7 +9,7 @@
 //! Beyond it, as measured: swarms begin in given starts instead of anywhere; local
 //! steps are drawn from a distribution that each swarm adapts to what it smells
 //! (`adapted`); at first, and when a swarm begins again, limits are cheap to break, so
-//! that swarms get from one good path to another (`Problem::eased`); swarms race, so
+//! that swarms get from one good path to another (`Problem::relaxed`); swarms race, so
 //! that the budget goes to the promising ones; one that gains nothing any more begins
 //! again elsewhere; an offspring takes the first variables from one swarm and the rest
 //! from another, which for paths is the first part of one route and the second of
@@ -24,13 +24,13 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::adapted::Adapted;
-use super::{Candidate, Evaluator, Problem, Redraw, Starts};
+use super::{Candidate, Evaluator, Problem, Redraw, SearchSeeds};
 use race::{drop_the_slow, survivors};
 use swarm::{Flight, Swarm};
 
 /// Where a sub-swarm begins.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Start {
+pub struct SearchSeed {
     /// Centre, in the unit cube.
     pub mean: Vec<f64>,
     /// Unit of the steps, per variable.
@@ -63,13 +63,13 @@ pub struct MsfoaParameters {
 /// Shares of the budget at which the rounds of the race end.
 const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
 /// Rounds that search the eased problem.
-const EASED_ROUNDS: usize = 1;
+const RELAXED_ROUNDS: usize = 1;
 /// Evaluations from which on the eased problem is searched first: with fewer a swarm does not
 /// get clean again in time, and crowded fleets then have to be planned once more.
-pub const LEAST_EASED: usize = 3500;
+pub const MIN_RELAXED_BUDGET: usize = 3500;
 /// For so many evaluations a swarm that begins again searches the eased problem: else it mostly
 /// comes back to where it was.
-const EASED_AGAIN: usize = 320;
+const RELAXED_AGAIN: usize = 320;
 /// Rounds in which a tired swarm begins in a start that none has tried.
 const FRESH_ROUNDS: usize = 2;
 /// How often a tired swarm redraws its best place otherwise; else it stays there with a
@@ -84,7 +84,7 @@ const PARENTS: usize = 4;
 pub(super) fn search<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     parameters: &MsfoaParameters,
-    starts: Starts<'_>,
+    seeds: SearchSeeds<'_>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Candidate> {
     let parameters = MsfoaParameters {
@@ -93,21 +93,21 @@ pub(super) fn search<P: Problem + ?Sized>(
         group: parameters.group.max(1),
         ..*parameters
     };
-    let redraw = starts.redraw;
-    let mut given = starts.given.to_vec();
+    let redraw = seeds.redraw;
+    let mut given = seeds.given.to_vec();
     while given.len() < parameters.swarms {
-        given.push(random_start(evaluator.dimension(), rng));
+        given.push(random_seed(evaluator.dimension(), rng));
     }
     let mut unused = given.iter();
     let mut swarms: Vec<Swarm> = unused
         .by_ref()
         .take(parameters.swarms)
-        .map(|start| Swarm::new(start, &parameters))
+        .map(|seed| Swarm::new(seed, &parameters))
         .collect();
     let mut left_behind = Vec::new();
     // Swarms that stopped for another start: they take part in the race all the same.
     let mut resting = Vec::new();
-    let is_eased = evaluator.budget() >= LEAST_EASED && evaluator.ease();
+    let is_relaxed = evaluator.budget() >= MIN_RELAXED_BUDGET && evaluator.relax();
     for (round, end) in ROUND_ENDS.into_iter().enumerate() {
         let last = round + 1 == ROUND_ENDS.len();
         let round_end = share(evaluator.budget(), end);
@@ -117,13 +117,13 @@ pub(super) fn search<P: Problem + ?Sized>(
                 if parameters.restarts && swarm.is_tired(parameters.flies) {
                     left_behind.push(swarm.best.clone());
                     match unused.next().filter(|_| round < FRESH_ROUNDS) {
-                        Some(start) => {
-                            let fresh = Swarm::new(start, &parameters);
+                        Some(seed) => {
+                            let fresh = Swarm::new(seed, &parameters);
                             resting.push(std::mem::replace(swarm, fresh));
                         }
                         None => {
                             begin_again(evaluator, swarm, redraw, &parameters, rng);
-                            if is_eased && round >= EASED_ROUNDS {
+                            if is_relaxed && round >= RELAXED_ROUNDS {
                                 wander(evaluator, swarm, &parameters, rng);
                             }
                         }
@@ -134,7 +134,7 @@ pub(super) fn search<P: Problem + ?Sized>(
         if !last && parameters.racing {
             swarms.append(&mut resting);
         }
-        if round + 1 == EASED_ROUNDS && evaluator.tighten() {
+        if round + 1 == RELAXED_ROUNDS && evaluator.restore() {
             judge_again(evaluator, &mut swarms, &mut left_behind);
             judge_again(evaluator, &mut resting, &mut Vec::new());
         }
@@ -178,8 +178,8 @@ fn judge_again<P: Problem + ?Sized>(
 }
 
 /// A start anywhere, of its own class.
-fn random_start(dimension: usize, rng: &mut ChaCha8Rng) -> Start {
-    Start {
+fn random_seed(dimension: usize, rng: &mut ChaCha8Rng) -> SearchSeed {
+    SearchSeed {
         mean: (0..dimension).map(|_| rng.random()).collect(),
         scale: vec![0.5; dimension],
         class: rng.random(),
@@ -225,7 +225,7 @@ fn generation<P: Problem + ?Sized>(
     let mut rows = vec![0.0; flights.len() * dimension];
     let fly = |number: usize, flight: &mut Flight, point: &mut [f64]| match flight {
         Flight::Local(draw) => swarms[number / flies].adapted.take(draw, point),
-        Flight::Global(place) => point.copy_from_slice(place),
+        Flight::Global(position) => point.copy_from_slice(position),
     };
     // What a window leaves out does not cancel: the last of a cost is found as a whole.
     let in_parts = evaluator.spent() * WHOLE.1 <= evaluator.budget() * WHOLE.0;
@@ -267,22 +267,18 @@ fn begin_again<P: Problem + ?Sized>(
     match redraw {
         Some(redraw) => {
             let drawn = redraw(&swarm.elite.position, rng);
-            let rows: Vec<f64> = drawn
-                .iter()
-                .flat_map(|start| &start.mean)
-                .copied()
-                .collect();
+            let rows: Vec<f64> = drawn.iter().flat_map(|seed| &seed.mean).copied().collect();
             let costs = evaluator.evaluate(&rows);
             let best = drawn
                 .into_iter()
                 .zip(costs)
                 .min_by(|a, b| a.1.total_cmp(&b.1));
-            if let Some((start, _)) = best {
+            if let Some((seed, _)) = best {
                 let (class, elite) = (swarm.class, swarm.elite.clone());
                 *swarm = Swarm {
                     class,
                     elite,
-                    ..Swarm::new(&start, parameters)
+                    ..Swarm::new(&seed, parameters)
                 };
             }
         }
@@ -307,15 +303,15 @@ fn wander<P: Problem + ?Sized>(
     parameters: &MsfoaParameters,
     rng: &mut ChaCha8Rng,
 ) {
-    let until = evaluator.spent() + EASED_AGAIN;
-    if until + 2 * EASED_AGAIN >= evaluator.budget() || !evaluator.ease() {
+    let until = evaluator.spent() + RELAXED_AGAIN;
+    if until + 2 * RELAXED_AGAIN >= evaluator.budget() || !evaluator.relax() {
         return;
     }
     let elite = swarm.set_out();
     while evaluator.spent() < until {
         generation(evaluator, std::slice::from_mut(swarm), parameters, rng);
     }
-    evaluator.tighten();
+    evaluator.restore();
     let rows = [swarm.best.position.as_slice(), swarm.adapted.mean()].concat();
     let costs = evaluator.evaluate(&rows);
     swarm.come_back(elite, [costs[0], costs[1]]);

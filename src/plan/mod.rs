@@ -5,14 +5,20 @@ mod bound;
 mod classes;
 mod diagnosis;
 mod fleet;
+mod route_context;
 mod search;
+mod search_options;
+mod spline;
 
-pub use crate::plan::diagnosis::blocking_set::{Barrier, Barriers};
-pub use crate::plan::diagnosis::relaxations::{Change, Remedy};
-pub use crate::plan::diagnosis::violations::{Break, breaks};
+pub use crate::plan::diagnosis::blocking_set::{BlockingElement, BlockingSets};
+pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
+pub use crate::plan::diagnosis::violations::{Violation, violations};
 pub use fleet::columns::ColumnConflict;
-pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
+pub use fleet::{
+    Progress, Request, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan, replan_from,
+};
 pub use search::objective::objective;
+pub use search_options::SearchOptions;
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
@@ -56,10 +62,10 @@ pub struct VehiclePlan {
     pub blocked_by: Vec<usize>,
     /// Proven, once the same was asked: what closes every way that one of its routes could
     /// take, in a row around an end of it. Nothing if that is not so.
-    pub cut_off_by: Vec<Barrier>,
+    pub blocking_set: Vec<BlockingElement>,
     /// What it would have a path with, if that was tried because nothing of the above is the
     /// reason.
-    pub remedies: Option<Vec<Remedy>>,
+    pub relaxations: Option<Vec<Relaxation>>,
 }
 
 /// One planned spline.
@@ -83,12 +89,12 @@ impl FleetPlan {
     /// The spec with the departures and speeds that were chosen. Missions are made from it, and
     /// judged against the spec itself.
     #[must_use]
-    pub fn settled(&self, spec: &MissionSpec) -> MissionSpec {
-        let mut settled = spec.clone();
-        for (vehicle, plan) in settled.vehicles.iter_mut().zip(&self.vehicles) {
-            plan.settle(vehicle);
+    pub fn retimed(&self, spec: &MissionSpec) -> MissionSpec {
+        let mut retimed = spec.clone();
+        for (vehicle, plan) in retimed.vehicles.iter_mut().zip(&self.vehicles) {
+            plan.apply_to(vehicle);
         }
-        settled
+        retimed
     }
 }
 
@@ -96,12 +102,12 @@ impl VehiclePlan {
     /// Indices of the earlier vehicles that its path would meet at the departure and speed that
     /// the spec wants, if others were chosen, or that it is then planned around.
     #[must_use]
-    pub fn gives_way_to(&self, wanted: &Vehicle) -> &[usize] {
-        let as_wanted = [
-            (self.depart_s, wanted.depart_s),
-            (self.speed_mps, wanted.speed_mps),
+    pub fn gives_way_to(&self, specified: &Vehicle) -> &[usize] {
+        let as_specified = [
+            (self.depart_s, specified.depart_s),
+            (self.speed_mps, specified.speed_mps),
         ];
-        if as_wanted
+        if as_specified
             .iter()
             .all(|(is, was)| is.to_bits() == was.to_bits())
         {
@@ -112,7 +118,7 @@ impl VehiclePlan {
     }
 
     /// Has a vehicle take off and fly as was chosen.
-    pub(crate) fn settle(&self, vehicle: &mut Vehicle) {
+    pub(crate) fn apply_to(&self, vehicle: &mut Vehicle) {
         (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);
     }
 

@@ -14,8 +14,8 @@ use super::scenario::{MOST_DIFFICULT, scenario};
 use super::setting::Setting;
 use super::store::Study;
 use crate::cost::PaperOptions;
-use crate::plan::{Request, plan_fleet};
-use crate::spec::{Document, Finish, MissionSpec, Objective, Part, Scenario, SpecError};
+use crate::plan::{Request, SearchOptions, plan_fleet_with};
+use crate::spec::{Document, Finish, MissionSpec, Objective, Scenario, SpecError};
 use crate::world::{self, World};
 
 pub use best::{BestKnown, Known};
@@ -101,12 +101,92 @@ pub struct Arena {
 
 /// The planner as it is, and without one part at a time if `ablations`.
 #[must_use]
-pub fn variants(ablations: bool) -> Vec<(&'static str, Option<Part>)> {
-    let mut all = vec![("planner", None)];
+pub fn variants(ablations: bool) -> Vec<(&'static str, SearchOptions)> {
+    let all = SearchOptions::default();
+    let mut variants = vec![("planner", all)];
     if ablations {
-        all.extend(Part::ALL.map(|(name, part)| (name, Some(part))));
+        variants.extend([
+            (
+                "no route classes",
+                SearchOptions {
+                    classes: false,
+                    ..all
+                },
+            ),
+            (
+                "one cost field",
+                SearchOptions {
+                    slope_factors: &[1.0],
+                    ..all
+                },
+            ),
+            ("no warps", SearchOptions { warps: 0, ..all }),
+            (
+                "no tightening",
+                SearchOptions {
+                    tightening: false,
+                    ..all
+                },
+            ),
+            (
+                "no detours",
+                SearchOptions {
+                    detours: false,
+                    ..all
+                },
+            ),
+            (
+                "no racing",
+                SearchOptions {
+                    racing: false,
+                    ..all
+                },
+            ),
+            (
+                "no offspring",
+                SearchOptions {
+                    offspring: false,
+                    ..all
+                },
+            ),
+            (
+                "no restarts",
+                SearchOptions {
+                    restarts: false,
+                    ..all
+                },
+            ),
+            (
+                "no redrawing",
+                SearchOptions {
+                    redrawing: false,
+                    ..all
+                },
+            ),
+            (
+                "no windows",
+                SearchOptions {
+                    windows: false,
+                    ..all
+                },
+            ),
+            (
+                "penalties of the judge",
+                SearchOptions {
+                    penalty: None,
+                    ..all
+                },
+            ),
+            (
+                "no relaxed problem",
+                SearchOptions {
+                    relaxed_share: 1.0,
+                    ..all
+                },
+            ),
+        ]);
     }
-    all
+    variants
 }
 
 impl MissionText {
@@ -238,7 +318,7 @@ impl Study for PlannerStudy {
     fn choices(&self) -> Vec<String> {
         variants(self.ablations)
             .iter()
-            .map(|(name, without)| format!("{name}: {without:?}"))
+            .map(|(name, options)| format!("{name}: {options:?}"))
             .collect()
     }
 
@@ -276,8 +356,8 @@ pub fn run_planner(
 ) {
     let (variants, hash) = (variants(study.ablations), study.hash());
     let make = |job: &PlannerJob| {
-        let (name, without) = variants[job.variant];
-        let mut run = one(&arenas[job.mission], without, job);
+        let (name, options) = variants[job.variant];
+        let mut run = one(&arenas[job.mission], options, job);
         run.config.clone_from(&hash);
         name.clone_into(&mut run.variant);
         run.mission.clone_from(&study.missions[job.mission].name);
@@ -287,17 +367,16 @@ pub fn run_planner(
 }
 
 /// One run.
-fn one(arena: &Arena, without: Option<Part>, job: &PlannerJob) -> PlannerRun {
+fn one(arena: &Arena, options: SearchOptions, job: &PlannerJob) -> PlannerRun {
     let mut spec = arena.spec.clone();
     spec.planner.evaluations = job.evaluations;
-    spec.planner.without = without;
     let request = Request {
         seed: job.seed,
         margins: Vec::new(),
         extra_parameters: Vec::new(),
         progress: &|_| (),
     };
-    let plan = plan_fleet(&spec, &arena.world, &request);
+    let plan = plan_fleet_with(&spec, &arena.world, &request, options);
     let vehicles: Vec<f64> = plan.vehicles.iter().map(|of| of.terms.total()).collect();
     PlannerRun {
         config: String::new(),

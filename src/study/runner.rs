@@ -13,7 +13,7 @@ use super::store::Study;
 use crate::cost::{Batch, Controls, CostModel, Scratch};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
-use crate::optimize::{Algorithm, Problem, Starts, TracePoint, minimise};
+use crate::optimize::{Algorithm, Problem, SearchSeeds, TracePoint, minimise};
 use crate::path::{Flight, time_route};
 use crate::plan::{Request, plan_fleet};
 
@@ -232,15 +232,14 @@ impl Problem for Encoded {
         3 * self.free
     }
 
-    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
         let mut found = Found::default();
         let mut batch = Batch::new(self.model.control_points());
         for candidate in candidates.chunks_exact(self.dimension()) {
             self.decode(candidate, &mut found);
             batch.push(&found.controls());
         }
-        self.model
-            .totals(&batch, cutoff, &mut Scratch::default(), costs);
+        self.model.totals(&batch, &mut Scratch::default(), costs);
     }
 }
 
@@ -271,7 +270,7 @@ fn printed(
         let outcome = minimise(
             &problem,
             algorithm,
-            Starts::default(),
+            SearchSeeds::default(),
             budget,
             &mut rng,
             &|_| (),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use geo::Polygon;
 
-use crate::cost::{CostModel, Leg, Margins, PaperOptions};
+use crate::cost::{CostModel, Margins, PaperOptions, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::numeric::bspline::uniform_parameters;
 use crate::path::Flight;
@@ -54,9 +54,9 @@ impl Setting {
     }
 
     /// The leg of a vehicle; all begin at once.
-    pub(super) fn leg(&self, vehicle: usize) -> Leg {
+    pub(super) fn leg(&self, vehicle: usize) -> RouteEnds {
         let stations = &self.world.stations[vehicle];
-        Leg {
+        RouteEnds {
             from: stations.start,
             to: stations.goal,
             start_s: 0.0,
@@ -221,7 +221,7 @@ mod tests {
     use std::path::Path;
 
     /// Seven control points from start to goal, each share of the way pushed aside and up.
-    fn controls(leg: &Leg, pushed: impl Fn(f64) -> [f64; 3]) -> [Vec<f64>; 3] {
+    fn controls(leg: &RouteEnds, pushed: impl Fn(f64) -> [f64; 3]) -> [Vec<f64>; 3] {
         let (from, to) = (leg.from, leg.to);
         let axis = |axis: usize, a: f64, b: f64| -> Vec<f64> {
             (0..7)

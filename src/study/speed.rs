@@ -29,8 +29,6 @@ pub struct Speed {
     pub fast_dense_one_thread: f64,
     /// Local candidates, all threads.
     pub fast_all_threads: f64,
-    /// Local candidates, no more exact than needed to find the best twentieth.
-    pub fast_cutoff_one_thread: f64,
     /// Local candidates with two earlier vehicles in the collision term.
     pub fast_traffic_one_thread: f64,
     /// The plain reference, one thread.
@@ -92,7 +90,7 @@ pub fn speed(seconds: f64) -> Result<Speed, SpecError> {
     while fastest.goes_on() {
         fastest.pass(|| {
             local.par_iter().for_each(|batch| {
-                totals(&operational.model, batch, f64::INFINITY);
+                totals(&operational.model, batch);
             });
         });
     }
@@ -103,7 +101,6 @@ pub fn speed(seconds: f64) -> Result<Speed, SpecError> {
         fast_near_one_thread: rate(&operational, Near),
         fast_dense_one_thread: fast(&operational.dense(), &operational.batches(Near), seconds),
         fast_all_threads,
-        fast_cutoff_one_thread: cut(&operational.model, &local, seconds),
         fast_traffic_one_thread: fast(&operational.among_others(), &local, seconds),
         reference_one_thread: plain(&operational, seconds),
         dispatch: Dispatch::best().name(),
@@ -175,40 +172,26 @@ impl Meter {
     }
 }
 
-fn totals(model: &CostModel, batch: &Batch, cutoff: f64) -> [f64; BATCH] {
+fn totals(model: &CostModel, batch: &Batch) -> [f64; BATCH] {
     let mut costs = [0.0; BATCH];
     let costs_of = &mut costs[..batch.len()];
-    model.totals(batch, cutoff, &mut Scratch::default(), costs_of);
+    model.totals(batch, &mut Scratch::default(), costs_of);
     costs
 }
 
 fn fast(model: &CostModel, batches: &[Batch], seconds: f64) -> f64 {
-    pass_all(model, batches, f64::INFINITY, seconds)
-}
-
-fn pass_all(model: &CostModel, batches: &[Batch], cutoff: f64, seconds: f64) -> f64 {
     let mut scratch = Scratch::default();
     let mut costs = [0.0; BATCH];
     let mut meter = Meter::new(seconds);
     while meter.goes_on() {
         meter.pass(|| {
             for batch in batches {
-                model.totals(batch, cutoff, &mut scratch, &mut costs[..batch.len()]);
+                model.totals(batch, &mut scratch, &mut costs[..batch.len()]);
                 std::hint::black_box(&costs);
             }
         });
     }
     meter.rate()
-}
-
-/// With a cutoff that one in twenty is below.
-fn cut(model: &CostModel, batches: &[Batch], seconds: f64) -> f64 {
-    let mut costs: Vec<f64> = batches
-        .iter()
-        .flat_map(|batch| totals(model, batch, f64::INFINITY))
-        .collect();
-    costs.sort_by(f64::total_cmp);
-    pass_all(model, batches, costs[costs.len() / 20], seconds)
 }
 
 /// The plain reference.

@@ -10,7 +10,7 @@ use super::shipped_maps;
 use crate::cost::{Batch, Controls, CostModel, PaperOptions, Scratch};
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
-use crate::optimize::{Algorithm, DeParameters, Problem, Starts, minimise};
+use crate::optimize::{Algorithm, DeParameters, Problem, SearchSeeds, minimise};
 use crate::path::{Flight, time_route};
 use crate::spec::{Cylinder, Objective, Scenario, SpecError};
 use crate::world::Ground;
@@ -93,7 +93,7 @@ impl SpeedCourse {
         let found = minimise(
             &course,
             &algorithm,
-            Starts::default(),
+            SearchSeeds::default(),
             SEARCH,
             &mut rng,
             &|_| (),
@@ -188,12 +188,11 @@ impl Problem for SpeedCourse {
         3 * FREE
     }
 
-    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
         let rows = candidates.chunks_exact(3 * FREE);
         let splines: Vec<_> = rows.map(|row| self.spline(row)).collect();
         for (batch, costs) in batches(&splines).iter().zip(costs.chunks_mut(BATCH)) {
-            self.model
-                .totals(batch, cutoff, &mut Scratch::default(), costs);
+            self.model.totals(batch, &mut Scratch::default(), costs);
         }
     }
 }

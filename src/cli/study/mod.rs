@@ -60,7 +60,7 @@ fn measured(arguments: &args::Speed) -> Result<(), Failure> {
     out(&format!(
         "{}, {}, costs a second:\n\
          one thread, local candidates {:.0}, global {:.0}; plain reference {:.0}\n\
-         {} threads {:.0}; with a cutoff {:.0}; among two earlier vehicles {:.0}\n\
+         {} threads {:.0}; among two earlier vehicles {:.0}\n\
          by the paper's objective: local {:.0}, global {:.0}, among two earlier vehicles {:.0}; \
          plain reference {:.0}",
         of.cpu,
@@ -70,7 +70,6 @@ fn measured(arguments: &args::Speed) -> Result<(), Failure> {
         of.reference_one_thread,
         of.threads,
         of.fast_all_threads,
-        of.fast_cutoff_one_thread,
         of.fast_traffic_one_thread,
         of.paper.fast_one_thread,
         of.paper.fast_global_one_thread,

@@ -8,21 +8,21 @@ use fearless_simd::prelude::*;
 
 use super::boxes::{Bounds, meets};
 use super::lanes::{
-    Lanes, Place, Scratch, Steps, V, Wide, load, point, points, splat, steps, store, store_place,
+    Lanes, Position, Scratch, Steps, V, Wide, load, point, points, splat, steps, store,
+    store_position,
 };
 use super::limits::LimitLanes;
 use super::threats::{Danger, clear};
-use crate::cost::hazards::{Hazards, Segment};
+use crate::cost::hazards::{Hazards, Piece};
 use crate::cost::model::CostModel;
 use crate::cost::relief::{CellLanes, Corners, ReliefLanes};
-use crate::cost::sampling::MOST_SUBSTEPS;
+use crate::cost::sampling::MAX_SUBSTEPS;
 use crate::numeric::geometry::POINT_SQ;
 
-/// Pieces of a block, for which hazards are culled together, and between two looks at the
-/// cutoff.
+/// Pieces of a block, for which hazards are culled together.
 pub(crate) const BLOCK: usize = 8;
 /// Fine samples of a block.
-pub(crate) const FINE: usize = BLOCK * MOST_SUBSTEPS;
+pub(crate) const FINE: usize = BLOCK * MAX_SUBSTEPS;
 
 /// The pieces of a block.
 pub(crate) struct Block<S: Simd> {
@@ -32,9 +32,9 @@ pub(crate) struct Block<S: Simd> {
     /// Readings of the ground in each piece.
     substeps: usize,
     /// Places at the samples, that with which it begins included.
-    places: [Place<S>; BLOCK + 1],
+    positions: [Position<S>; BLOCK + 1],
     /// Those at the fine samples too, if there are more.
-    fine: [Place<S>; FINE],
+    fine: [Position<S>; FINE],
     /// Where in the ground grid the fine samples lie.
     cells: [CellLanes<S>; FINE],
     /// The last piece of the block before, and those of this one.
@@ -76,7 +76,7 @@ impl<S: Simd> Look<S> {
 
     /// Measures the next one, between two ends.
     #[inline(always)]
-    fn measure(&mut self, limits: &LimitLanes<S>, ends: &[Place<S>]) -> Steps<S> {
+    fn measure(&mut self, limits: &LimitLanes<S>, ends: &[Position<S>]) -> Steps<S> {
         let step = steps::<S>(&ends[0], &ends[1]);
         self.least_sq = self.least_sq.min(step.run_sq);
         self.steep |= limits.may_be_steep(&step);
@@ -89,13 +89,13 @@ impl<S: Simd> Look<S> {
 
 /// One piece of every lane.
 #[derive(Clone, Copy)]
-pub(crate) struct Piece<'a, S: Simd> {
-    pub(crate) a: &'a Place<S>,
-    pub(crate) b: &'a Place<S>,
+pub(crate) struct PieceLanes<'a, S: Simd> {
+    pub(crate) a: &'a Position<S>,
+    pub(crate) b: &'a Position<S>,
     pub(crate) step: &'a Steps<S>,
 }
 
-impl<S: Simd> Piece<'_, S> {
+impl<S: Simd> PieceLanes<'_, S> {
     /// Altitude half way.
     #[inline(always)]
     pub(crate) fn middle_m(&self) -> V<S> {
@@ -114,7 +114,7 @@ impl<S: Simd> Block<S> {
             start: 0,
             count: 0,
             substeps,
-            places: [nowhere; BLOCK + 1],
+            positions: [nowhere; BLOCK + 1],
             fine: [nowhere; FINE],
             cells: [CellLanes::first(simd); FINE],
             steps: [steps::<S>(&nowhere, &nowhere); BLOCK + 1],
@@ -128,9 +128,9 @@ impl<S: Simd> Block<S> {
 
     /// Goes back to where paths begin.
     #[inline(always)]
-    pub(crate) fn begin(&mut self, simd: S, place: Place<S>) {
+    pub(crate) fn begin(&mut self, simd: S, position: Position<S>) {
         (self.start, self.count) = (0, 0);
-        self.places[0] = place;
+        self.positions[0] = position;
         self.along_m = splat(simd, 0.0);
     }
 
@@ -143,12 +143,12 @@ impl<S: Simd> Block<S> {
         count: usize,
         controls: &[[Wide; 3]],
     ) {
-        self.places[0] = self.places[self.count];
+        self.positions[0] = self.positions[self.count];
         self.steps[0] = self.steps[self.count];
         self.start += self.count;
         self.count = count;
-        let mut bounds = Bounds::of(&self.places[0]);
-        let ends = &mut self.places[1..=count];
+        let mut bounds = Bounds::of(&self.positions[0]);
+        let ends = &mut self.positions[1..=count];
         if self.substeps == 1 {
             for (row, end) in rows.iter().zip(ends) {
                 *end = point(simd, row, controls);
@@ -179,8 +179,8 @@ impl<S: Simd> Block<S> {
     /// Finds the cells of the ground under the fine samples.
     #[inline(always)]
     pub(crate) fn find(&mut self, relief: &ReliefLanes<'_, S>) {
-        let (places, fine) = (&self.places, &self.fine);
-        let fine = fine_places::<S>(places, fine, (self.count, self.substeps));
+        let (positions, fine) = (&self.positions, &self.fine);
+        let fine = fine_positions::<S>(positions, fine, (self.count, self.substeps));
         for (at, cell) in fine.iter().zip(&mut self.cells) {
             *cell = relief.cell(at[0], at[1]);
         }
@@ -197,7 +197,7 @@ impl<S: Simd> Block<S> {
         corners: &mut [Corners; FINE],
     ) {
         let mut look = Look::at(simd, &self.steps[0]);
-        let pieces = self.places[..=self.count].windows(2);
+        let pieces = self.positions[..=self.count].windows(2);
         let pieces = pieces.zip(&mut self.steps[1..]);
         if self.substeps == 1 {
             let grounds = self.cells.iter().zip(corners);
@@ -226,9 +226,9 @@ impl<S: Simd> Block<S> {
 
     /// The pieces with the places and cells of their fine samples.
     #[inline(always)]
-    pub(crate) fn grounds(&self) -> impl Iterator<Item = (&Place<S>, &CellLanes<S>)> {
-        let (places, fine) = (&self.places, &self.fine);
-        let fine = fine_places::<S>(places, fine, (self.count, self.substeps));
+    pub(crate) fn grounds(&self) -> impl Iterator<Item = (&Position<S>, &CellLanes<S>)> {
+        let (positions, fine) = (&self.positions, &self.fine);
+        let fine = fine_positions::<S>(positions, fine, (self.count, self.substeps));
         fine.iter().zip(&self.cells)
     }
 
@@ -236,12 +236,12 @@ impl<S: Simd> Block<S> {
     #[inline(always)]
     pub(crate) fn keep(&mut self, scratch: &mut Scratch) {
         if self.start == 0 {
-            store_place::<S>(&self.places[0], &mut scratch.curve[0]);
+            store_position::<S>(&self.positions[0], &mut scratch.curve[0]);
             store::<S>(self.along_m, &mut scratch.along_m[0]);
         }
         let curve = &mut scratch.curve[self.start + 1..];
-        for (place, stored) in self.places[1..=self.count].iter().zip(curve) {
-            store_place::<S>(place, stored);
+        for (position, stored) in self.positions[1..=self.count].iter().zip(curve) {
+            store_position::<S>(position, stored);
         }
         let along_m = &mut scratch.along_m[self.start + 1..];
         for (step, stored) in self.steps[1..=self.count].iter().zip(along_m) {
@@ -257,16 +257,16 @@ impl<S: Simd> Block<S> {
 
     /// Where the pieces begin and end; beyond the last piece anything.
     #[inline(always)]
-    pub(crate) fn places(&self) -> &[Place<S>; BLOCK + 1] {
-        &self.places
+    pub(crate) fn positions(&self) -> &[Position<S>; BLOCK + 1] {
+        &self.positions
     }
 
     /// Piece number `k` of one lane.
     #[inline(always)]
-    fn segment(&self, k: usize, lane: usize) -> Segment {
-        let at = |place: &Place<S>, axis: usize| place[axis].as_slice()[lane];
-        let (a, b) = (&self.places[k], &self.places[k + 1]);
-        Segment {
+    fn piece(&self, k: usize, lane: usize) -> Piece {
+        let at = |position: &Position<S>, axis: usize| position[axis].as_slice()[lane];
+        let (a, b) = (&self.positions[k], &self.positions[k + 1]);
+        Piece {
             a: [at(a, 0), at(a, 1)],
             b: [at(b, 0), at(b, 1)],
             amsl_a_m: at(a, 2),
@@ -282,12 +282,12 @@ impl<S: Simd> Block<S> {
 
     /// The pieces, if any of them may be too steep.
     #[inline(always)]
-    pub(crate) fn steep(&self) -> impl Iterator<Item = Piece<'_, S>> {
+    pub(crate) fn steep(&self) -> impl Iterator<Item = PieceLanes<'_, S>> {
         let count = if self.may_be_steep { self.count } else { 0 };
-        let ends = self.places[..=count].windows(2);
+        let ends = self.positions[..=count].windows(2);
         ends.zip(self.steps()).map(
             #[inline(always)]
-            |(pair, step)| Piece {
+            |(pair, step)| PieceLanes {
                 a: &pair[0],
                 b: &pair[1],
                 step,
@@ -325,7 +325,7 @@ impl<S: Simd> Block<S> {
         let (zones, outside) = self.near_polygons(hazards);
         let threats = (&hazards.threats[..], danger);
         let exposures = &mut scratch.exposures;
-        let is_near = (scratch.encounters).add(simd, self, threats, exposures);
+        let is_near = (scratch.approaches).add(simd, self, threats, exposures);
         if !is_near {
             if zones | outside == 0 {
                 return sum;
@@ -337,7 +337,7 @@ impl<S: Simd> Block<S> {
                 let mut lanes = zones | outside;
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
-                    let piece = self.segment(k, lane);
+                    let piece = self.piece(k, lane);
                     exposure[lane] =
                         hazards.add_polygons(&piece, exposure[lane], &mut scratch.crossings);
                     lanes &= lanes - 1;
@@ -371,13 +371,13 @@ impl<S: Simd> Block<S> {
 /// The fine samples of so many pieces with so many readings of the ground each: the ends
 /// themselves, if there is one.
 #[inline(always)]
-fn fine_places<'a, S: Simd>(
-    places: &'a [Place<S>],
-    fine: &'a [Place<S>],
+fn fine_positions<'a, S: Simd>(
+    positions: &'a [Position<S>],
+    fine: &'a [Position<S>],
     (count, substeps): (usize, usize),
-) -> &'a [Place<S>] {
+) -> &'a [Position<S>] {
     if substeps == 1 {
-        &places[1..=count]
+        &positions[1..=count]
     } else {
         &fine[..count * substeps]
     }

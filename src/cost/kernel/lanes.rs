@@ -13,20 +13,20 @@ use super::block::FINE;
 use super::boxes::BlockBox;
 use super::threats::{Approaches, Exposures};
 use crate::cost::CostTerms;
-use crate::cost::hazards::Segment;
+use crate::cost::hazards::Piece;
 use crate::cost::relief::Corners;
 use crate::numeric::angle::{ATAN, TAN_PI_8};
 
 /// Lanes of the widest vectors.
-pub(crate) const MOST_LANES: usize = 8;
+pub(crate) const MAX_LANES: usize = 8;
 /// One number for each lane; narrower vectors use the first ones.
-pub(crate) type Wide = [f64; MOST_LANES];
+pub(crate) type Wide = [f64; MAX_LANES];
 /// A vector of the instructions at hand.
 pub(crate) type V<S> = <S as Simd>::f64s;
 /// A choice of lanes.
 pub(crate) type Lanes<S> = <V<S> as SimdBase<S>>::Mask;
 /// A point of every lane: east, north, altitude.
-pub(crate) type Place<S> = [V<S>; 3];
+pub(crate) type Position<S> = [V<S>; 3];
 
 /// Buffers of an evaluation; they grow on first use and are then reused.
 #[derive(Clone, Debug, Default)]
@@ -47,7 +47,7 @@ pub struct Scratch {
     pub(crate) runs_up: bool,
     /// Corners of the cells of a block.
     pub(crate) corners: [Corners; FINE],
-    pub(crate) encounters: Approaches,
+    pub(crate) approaches: Approaches,
     pub(crate) exposures: Exposures,
 }
 
@@ -85,9 +85,9 @@ pub(crate) fn store<S: Simd>(value: V<S>, wide: &mut Wide) {
 }
 
 #[inline(always)]
-pub(crate) fn store_place<S: Simd>(place: &Place<S>, to: &mut [Wide; 3]) {
+pub(crate) fn store_position<S: Simd>(position: &Position<S>, to: &mut [Wide; 3]) {
     for axis in 0..3 {
-        store::<S>(place[axis], &mut to[axis]);
+        store::<S>(position[axis], &mut to[axis]);
     }
 }
 
@@ -97,7 +97,7 @@ pub(crate) fn point<S: Simd>(
     simd: S,
     (first, weights): &(usize, [f64; 4]),
     controls: &[[Wide; 3]],
-) -> Place<S> {
+) -> Position<S> {
     let four = &controls[*first..][..4];
     let weights = [
         splat(simd, weights[0]),
@@ -105,14 +105,14 @@ pub(crate) fn point<S: Simd>(
         splat(simd, weights[2]),
         splat(simd, weights[3]),
     ];
-    let mut place = [splat(simd, 0.0); 3];
-    for (axis, value) in place.iter_mut().enumerate() {
+    let mut position = [splat(simd, 0.0); 3];
+    for (axis, value) in position.iter_mut().enumerate() {
         *value = weights[0] * load(simd, &four[0][axis])
             + weights[1] * load(simd, &four[1][axis])
             + weights[2] * load(simd, &four[2][axis])
             + weights[3] * load(simd, &four[3][axis]);
     }
-    place
+    position
 }
 
 /// The same of several rows.
@@ -121,16 +121,16 @@ pub(crate) fn points<S: Simd>(
     simd: S,
     rows: &[(usize, [f64; 4])],
     controls: &[[Wide; 3]],
-    places: &mut [Place<S>],
+    positions: &mut [Position<S>],
 ) {
-    for (row, place) in rows.iter().zip(places) {
-        *place = point(simd, row, controls);
+    for (row, position) in rows.iter().zip(positions) {
+        *position = point(simd, row, controls);
     }
 }
 
 /// The step between two points.
 #[inline(always)]
-pub(crate) fn steps<S: Simd>(a: &Place<S>, b: &Place<S>) -> Steps<S> {
+pub(crate) fn steps<S: Simd>(a: &Position<S>, b: &Position<S>) -> Steps<S> {
     let (east_m, north_m, rise_m) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     let run_sq = east_m * east_m + north_m * north_m;
     Steps {
@@ -162,9 +162,9 @@ pub(crate) fn quadrant_angles<S: Simd>(simd: S, opposite: V<S>, adjacent: V<S>) 
 
 /// The piece of one lane from sample `k` to the next.
 #[inline]
-pub(crate) fn segment(curve: &[[Wide; 3]], k: usize, lane: usize) -> Segment {
+pub(crate) fn piece(curve: &[[Wide; 3]], k: usize, lane: usize) -> Piece {
     let (a, b) = (&curve[k], &curve[k + 1]);
-    Segment {
+    Piece {
         a: [a[0][lane], a[1][lane]],
         b: [b[0][lane], b[1][lane]],
         amsl_a_m: a[2][lane],

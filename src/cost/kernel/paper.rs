@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block};
 use super::boxes::meets;
-use super::lanes::{Lanes, MOST_LANES, Scratch, V, Wide, point, splat, store};
+use super::lanes::{Lanes, MAX_LANES, Scratch, V, Wide, point, splat, store};
 use super::limits::LimitLanes;
 use super::threats::{Danger, Pieces};
 use super::turns::TightTurns;
@@ -150,7 +150,7 @@ impl Paper {
         if !self.options.altitude_unclamped {
             high_m = high_m.max(0.0);
         }
-        let below_m = (ground_m + self.wanted_m(model, index) - amsl_m).max(0.0);
+        let below_m = (ground_m + self.required_agl_m(model, index) - amsl_m).max(0.0);
         let deep_m = below_m + (amsl_m - model.max_amsl_m).max(0.0);
         (high_m * 1e-3, deep_m * 1e-3)
     }
@@ -190,7 +190,7 @@ fn add_collisions<S: Simd>(
     model: &CostModel,
     scratch: &Scratch,
     used: usize,
-    sums: &mut [f64; MOST_LANES],
+    sums: &mut [f64; MAX_LANES],
 ) {
     let last = model.path.samples - 1;
     for (block, start) in (0..last).step_by(BLOCK).enumerate() {

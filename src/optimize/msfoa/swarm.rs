@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::{MsfoaParameters, Start};
+use super::{MsfoaParameters, SearchSeed};
 use crate::optimize::Candidate;
 use crate::optimize::adapted::{Adapted, Draw};
 
@@ -26,25 +26,25 @@ pub(super) struct Swarm {
     /// Its keenest fly of all.
     pub(super) elite: Candidate,
     /// What that cost in the eased problem, when this was left.
-    pub(super) eased_cost: Option<f64>,
+    pub(super) relaxed_cost: Option<f64>,
     /// Evaluations since the last gain, and the cost then.
     pub(super) idle: usize,
     pub(super) idle_cost: f64,
 }
 
 impl Swarm {
-    pub(super) fn new(start: &Start, parameters: &MsfoaParameters) -> Self {
+    pub(super) fn new(seed: &SearchSeed, parameters: &MsfoaParameters) -> Self {
         let nobody = Candidate {
-            position: start.mean.clone(),
+            position: seed.mean.clone(),
             cost: f64::INFINITY,
         };
         Self {
-            class: start.class,
-            scale: start.scale.clone(),
-            adapted: Adapted::new(&start.mean, &start.scale, parameters.step, parameters.flies),
+            class: seed.class,
+            scale: seed.scale.clone(),
+            adapted: Adapted::new(&seed.mean, &seed.scale, parameters.step, parameters.flies),
             best: nobody.clone(),
             elite: nobody,
-            eased_cost: None,
+            relaxed_cost: None,
             idle: 0,
             idle_cost: f64::INFINITY,
         }
@@ -84,7 +84,7 @@ impl Swarm {
 
     /// The costs of these by the problem itself, after an eased one.
     pub(super) fn judge_again(&mut self, [best, elite, mean]: [f64; 3]) {
-        self.eased_cost = Some(self.elite.cost);
+        self.relaxed_cost = Some(self.elite.cost);
         (self.best.cost, self.elite.cost) = (best, elite);
         if best < elite {
             self.elite = self.best.clone();
@@ -175,12 +175,12 @@ mod tests {
             offspring: true,
             restarts: true,
         };
-        let start = Start {
+        let seed = SearchSeed {
             mean: vec![0.5],
             scale: vec![0.1],
             class: 0,
         };
-        let mut swarm = Swarm::new(&start, &parameters);
+        let mut swarm = Swarm::new(&seed, &parameters);
         let mut cost = 100.0;
         for _ in 0..100 {
             cost *= 0.99;
