@@ -53,7 +53,7 @@ fn blocking_sets(world: &World, vehicle: usize) -> Vec<BlockingElement> {
 }
 
 /// Whether it is proven that nobody can fly from the start of a vehicle to its goal.
-fn is_cut_off(world: &World, vehicle: usize) -> bool {
+fn is_blocked(world: &World, vehicle: usize) -> bool {
     !blocking_sets(world, vehicle).is_empty()
 }
 
@@ -69,8 +69,8 @@ fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
         spec.area.north_east = place(36.351, -84.17);
         spec
     };
-    assert!(is_cut_off(&world(&walls(None)), 0));
-    assert!(!is_cut_off(&world(&walls(Some(3))), 0));
+    assert!(is_blocked(&world(&walls(None)), 0));
+    assert!(!is_blocked(&world(&walls(Some(3))), 0));
     // A zone in the gap closes it, unless it leaves room under the ceiling.
     let mut zoned = walls(Some(3));
     let corners = [
@@ -84,20 +84,20 @@ fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
         polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
         below: Some(Amsl(zoned.area.max_amsl.0 - 1.0)),
     });
-    assert!(!is_cut_off(&world(&zoned), 0));
+    assert!(!is_blocked(&world(&zoned), 0));
     zoned.no_fly[0].below = None;
-    assert!(is_cut_off(&world(&zoned), 0));
+    assert!(is_blocked(&world(&zoned), 0));
 }
 
 #[test]
 fn of_the_generated_scenarios_those_that_nobody_can_fly_are_told_apart() {
-    let cut_off = |seed: u64, difficulty: u8| {
+    let is_proven = |seed: u64, difficulty: u8| {
         let file = generated(seed, difficulty);
         let world = sortie::world::load(&file).expect("the ground is analytic");
-        (0..file.spec.vehicles.len()).all(|vehicle| is_cut_off(&world, vehicle))
+        (0..file.spec.vehicles.len()).all(|vehicle| is_blocked(&world, vehicle))
     };
-    assert!(cut_off(108, 8) && cut_off(120, 10));
-    assert!(!cut_off(107, 7) && !cut_off(110, 10) && !cut_off(118, 8));
+    assert!(is_proven(108, 8) && is_proven(120, 10));
+    assert!(!is_proven(107, 7) && !is_proven(110, 10) && !is_proven(118, 8));
 }
 
 #[test]
@@ -412,8 +412,11 @@ fn plan_says_on_its_output_what_closes_every_way() {
         text.contains("every way is closed by zone wall and the edge of the area"),
         "{text}"
     );
-    assert!(plan.contains("\"cut_off\": true") || plan.contains("\"cut_off\":true"));
-    assert!(plan.contains("\"cut_off_by\""));
+    assert!(
+        plan.contains("\"is_proven_infeasible\": true")
+            || plan.contains("\"is_proven_infeasible\":true")
+    );
+    assert!(plan.contains("\"blocking_set\""));
 }
 
 /// A wall of a metre across the whole area.

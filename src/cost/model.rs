@@ -1,21 +1,13 @@
 //! What the objective of one route needs, owned and laid out for its loops.
 
 use super::hazards::Hazards;
-use super::kernel::batch::{Batch, Dispatch};
-use super::kernel::block::BLOCK;
-use super::kernel::boxes::BlockBox;
-use super::kernel::lanes::{Scratch, V, Wide};
-use super::kernel::{operational as operational_lanes, paper as paper_lanes};
-use super::operational::Sums;
+use super::kernel::batch::Dispatch;
 use super::paper::{Paper, PaperOptions};
-use super::reference::{self, Curve};
 use super::relief::Relief;
 use super::sampling::Sampling;
 use super::timing::Timing;
 use super::traffic::Traffic;
-use super::{Controls, CostTerms, Margins, RouteEnds};
-use fearless_simd::{dispatch, prelude::*};
-
+use super::{Margins, RouteEnds};
 use crate::path::{Flight, VehicleLimits};
 use crate::spec::{MissionSpec, Objective, Weights};
 use crate::world::World;
@@ -158,109 +150,19 @@ impl CostModel {
         self.path.fine.control_points()
     }
 
+    /// Height above ground from which Eq. 23 counts at a sample, metres.
+    pub(super) fn paper_agl_m(&self, index: usize) -> f64 {
+        if self.paper.options.terrain_from_min_agl {
+            self.floor_agl_m[index]
+        } else {
+            0.0
+        }
+    }
+
     /// Number of samples k.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.path.samples
-    }
-
-    /// The seven terms of a candidate, weighted as they enter the total: the
-    /// plain reference, one term after the other.
-    ///
-    /// # Panics
-    /// When a coordinate has fewer than [`Self::control_points`] numbers.
-    #[must_use]
-    pub fn terms(&self, controls: &Controls<'_>) -> CostTerms {
-        let curve = Curve::new(self, controls);
-        match self.objective {
-            Objective::Operational => self.weigh(&reference::sums(self, &curve)),
-            Objective::Paper => self.paper.terms(self, &curve),
-        }
-    }
-
-    /// The totals of a batch: each equal to `terms(controls).total()` to the bit.
-    ///
-    /// Allocates nothing once the scratch has grown.
-    ///
-    /// # Panics
-    /// When the batch has control points in another number than [`Self::control_points`].
-    pub fn totals(&self, batch: &Batch, scratch: &mut Scratch, totals: &mut [f64]) {
-        let mut terms = std::mem::take(&mut scratch.terms);
-        terms.resize(totals.len(), CostTerms::default());
-        self.evaluate(batch, scratch, &mut terms);
-        for (total, terms) in totals.iter_mut().zip(&terms) {
-            *total = terms.total();
-        }
-        scratch.terms = terms;
-    }
-
-    /// The terms of a batch: the same as those of [`Self::terms`], to the bit, by the
-    /// fast way.
-    ///
-    /// # Panics
-    /// When the batch has control points in another number than [`Self::control_points`].
-    #[must_use]
-    pub fn judge(&self, batch: &Batch) -> Vec<CostTerms> {
-        let mut terms = vec![CostTerms::default(); batch.len()];
-        self.evaluate(batch, &mut Scratch::default(), &mut terms);
-        terms
-    }
-
-    /// The terms of the first candidates, as many as `out` has, as many at once as the vectors
-    /// have lanes.
-    pub(super) fn evaluate(&self, batch: &Batch, scratch: &mut Scratch, out: &mut [CostTerms]) {
-        assert_eq!(batch.controls(), self.control_points(), "control points");
-        dispatch!(self.dispatch.0, simd => self.evaluate_by(simd, batch, scratch, out));
-    }
-
-    #[inline(always)]
-    fn evaluate_by<S: Simd>(
-        &self,
-        simd: S,
-        batch: &Batch,
-        scratch: &mut Scratch,
-        out: &mut [CostTerms],
-    ) {
-        scratch.grow(&self.path, out.len().div_ceil(V::<S>::LEN));
-        match self.objective {
-            Objective::Operational => {
-                operational_lanes::terms(simd, self, batch, scratch, out);
-            }
-            Objective::Paper => paper_lanes::terms(simd, self, batch, scratch, out),
-        }
-    }
-
-    /// The same in every lane, in the order of the fields of [`CostTerms`].
-    #[inline(always)]
-    pub(super) fn weigh_lanes<S: Simd>(&self, sums: &Sums<V<S>>) -> [V<S>; 7] {
-        let weights = &self.weights;
-        #[expect(clippy::cast_precision_loss, reason = "few samples")]
-        let samples = self.path.samples as f64;
-        [
-            sums.length_km * weights.length,
-            sums.altitude * weights.altitude,
-            sums.threat * 100.0 * weights.threat,
-            sums.terrain * 100.0 * weights.terrain,
-            (sums.turn / samples) * (100.0 * self.straight_km) * weights.turn,
-            sums.climb * 100.0 * weights.climb,
-            sums.collision * 100.0 * weights.collision,
-        ]
-    }
-
-    /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).
-    pub(super) fn weigh(&self, sums: &Sums) -> CostTerms {
-        let weights = &self.weights;
-        #[expect(clippy::cast_precision_loss, reason = "few samples")]
-        let samples = self.path.samples as f64;
-        CostTerms {
-            length: weights.length * sums.length_km,
-            altitude: weights.altitude * sums.altitude,
-            threat: weights.threat * (100.0 * sums.threat),
-            terrain: weights.terrain * (100.0 * sums.terrain),
-            turn: weights.turn * (100.0 * self.straight_km * (sums.turn / samples)),
-            climb: weights.climb * (100.0 * sums.climb),
-            collision: weights.collision * (100.0 * sums.collision),
-        }
     }
 }
 
@@ -291,33 +193,4 @@ fn floor_agl_m(
             limit_m + ramp(from_m, at).min(ramp(to_m, 1.0 - at))
         })
         .collect()
-}
-
-impl Scratch {
-    /// Makes room for so many groups of candidates, one in each lane.
-    fn grow(&mut self, path: &Sampling, groups: usize) {
-        let blocks = (path.samples - 1).div_ceil(BLOCK);
-        self.controls
-            .resize(path.fine.control_points(), Default::default());
-        self.curve.resize(path.samples, Default::default());
-        self.along_m.resize(path.samples, Default::default());
-        self.boxes.resize(blocks, BlockBox::default());
-        if self.runs_up {
-            self.running.clear();
-            self.running.resize(blocks * groups, Wide::default());
-        }
-    }
-
-    /// Puts `used` candidates from number `first` on into the lanes; the last of them also
-    /// fills the lanes that are left.
-    #[inline(always)]
-    pub(super) fn load<S: Simd>(&mut self, batch: &Batch, first: usize, used: usize) {
-        for lane in 0..V::<S>::LEN {
-            let of = batch.candidate(first + lane.min(used - 1));
-            let positions = of.east_m.iter().zip(of.north_m).zip(of.amsl_m);
-            for (wide, ((east_m, north_m), amsl_m)) in self.controls.iter_mut().zip(positions) {
-                (wide[0][lane], wide[1][lane], wide[2][lane]) = (*east_m, *north_m, *amsl_m);
-            }
-        }
-    }
 }

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::CostTerms;
 use super::hazards::Piece;
 use super::model::CostModel;
 use crate::geodesy::Amsl;
@@ -73,6 +74,22 @@ impl Step {
 }
 
 impl CostModel {
+    /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).
+    pub(super) fn weigh(&self, sums: &Sums) -> CostTerms {
+        let weights = &self.weights;
+        #[expect(clippy::cast_precision_loss, reason = "few samples")]
+        let samples = self.path.samples as f64;
+        CostTerms {
+            length: weights.length * sums.length_km,
+            altitude: weights.altitude * sums.altitude,
+            threat: weights.threat * (100.0 * sums.threat),
+            terrain: weights.terrain * (100.0 * sums.terrain),
+            turn: weights.turn * (100.0 * self.straight_km * (sums.turn / samples)),
+            climb: weights.climb * (100.0 * sums.climb),
+            collision: weights.collision * (100.0 * sums.collision),
+        }
+    }
+
     /// Clearance at an altitude over ground, where so much height is wanted.
     #[inline]
     pub(super) fn clearance(&self, amsl_m: f64, ground_m: f64, floor_agl_m: f64) -> Clearance {

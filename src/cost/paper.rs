@@ -6,12 +6,9 @@
 //! belong to: lengths outside the area and inside zones (threat), height above
 //! the ceiling and ground without data (terrain).
 
-use super::model::CostModel;
-use super::operational::Step;
-use super::reference::Curve;
 use super::{CostTerms, RouteEnds};
-use crate::geodesy::Amsl;
 use crate::path::Flight;
+use crate::spec::Weights;
 
 /// How the danger of a threat falls with distance `d < R` (`T_de` of Eq. 24 is misprinted).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +94,7 @@ pub(super) struct Paper {
     pub(super) options: PaperOptions,
     goal_m: [f64; 2],
     /// Points of earlier flights from west to east.
-    others: Vec<Other>,
+    pub(super) others: Vec<Other>,
     /// Boxes around runs of points that follow each other: east and north, from and to.
     boxes: Vec<[[f64; 2]; 2]>,
 }
@@ -146,45 +143,10 @@ impl Paper {
         self.boxes.iter().map(move |sides| sides.map(widen))
     }
 
-    /// The weighted terms of a candidate: the plain reference.
-    pub(super) fn terms(&self, model: &CostModel, curve: &Curve) -> CostTerms {
-        let mut sums = PaperSums::default();
-        for index in 0..model.path.samples {
-            let (high_km, deep_km) = self.heights(model, curve, index);
-            sums.altitude += high_km;
-            sums.terrain += deep_km;
-        }
-        let mut before: Option<Step> = None;
-        let mut steps = Vec::new();
-        for k in 0..model.path.samples - 1 {
-            let step = Step::of(&curve.piece(k, 1));
-            steps.push(step);
-            sums.length_km += step.length_km;
-            sums.threat += self.exposure_per_km(model, curve, k) * step.length_km;
-            sums.climb += slope_excess(model, &step, curve.amsl_m[k]);
-            if before.is_some_and(|before| model.is_too_tight(&before, &step)) {
-                sums.turns += 1.0;
-            }
-            before = Some(step);
-        }
-        let along_m = Curve::along_m(&steps);
-        let profile = model.timing.profile(along_m[steps.len()]);
-        for (index, along_m) in along_m.iter().enumerate() {
-            let own = [
-                curve.east_m[index],
-                curve.north_m[index],
-                curve.amsl_m[index],
-            ];
-            let own_s = model.timing.start_s + profile.time_at_s(*along_m);
-            sums.collision += self.collision(own, own_s, &self.others);
-        }
-        self.weigh(model, &sums)
-    }
-
     /// Raw sums to weighted terms.
-    pub(super) fn weigh(&self, model: &CostModel, sums: &PaperSums) -> CostTerms {
-        let (options, weights) = (&self.options, &model.weights);
-        let scale = per_101(model.path.samples);
+    pub(super) fn weigh(&self, weights: &Weights, samples: usize, sums: &PaperSums) -> CostTerms {
+        let options = &self.options;
+        let scale = per_101(samples);
         // CT doubles at each violation: c0 (2^m - 1).
         let doubled = doublings(sums.turns * scale).exp2() - 1.0;
         CostTerms {
@@ -196,61 +158,6 @@ impl Paper {
             climb: weights.climb * (sums.climb * options.climb_factor * scale),
             collision: weights.collision * (sums.collision * scale),
         }
-    }
-
-    /// Terms of Eq. 21 and 23 at one sample, km.
-    fn heights(&self, model: &CostModel, curve: &Curve, index: usize) -> (f64, f64) {
-        let amsl_m = curve.amsl_m[index];
-        let ground_m = model
-            .relief
-            .height_m(curve.east_m[index], curve.north_m[index]);
-        let over_m = if self.options.altitude_over_ground {
-            amsl_m - ground_m
-        } else {
-            amsl_m
-        };
-        let high_m = over_m - model.min_agl_m;
-        let high_m = if self.options.altitude_unclamped {
-            high_m
-        } else {
-            high_m.max(0.0)
-        };
-        let required_agl_m = self.required_agl_m(model, index);
-        let deep_m =
-            (ground_m + required_agl_m - amsl_m).max(0.0) + (amsl_m - model.max_amsl_m).max(0.0);
-        (high_m * 1e-3, deep_m * 1e-3)
-    }
-
-    /// Height above ground from which Eq. 23 counts at a sample, metres.
-    pub(super) fn required_agl_m(&self, model: &CostModel, index: usize) -> f64 {
-        if self.options.terrain_from_min_agl {
-            model.floor_agl_m[index]
-        } else {
-            0.0
-        }
-    }
-
-    /// Sum of `T_de` at the middle of a piece (Eq. 24), with zones and area.
-    fn exposure_per_km(&self, model: &CostModel, curve: &Curve, k: usize) -> f64 {
-        let piece = curve.piece(k, 1);
-        let middle = [
-            0.5 * (piece.a[0] + piece.b[0]),
-            0.5 * (piece.a[1] + piece.b[1]),
-        ];
-        let hazards = &model.hazards;
-        let mut exposure = 0.0;
-        for threat in &hazards.threats {
-            let (east_m, north_m) = (middle[0] - threat.center[0], middle[1] - threat.center[1]);
-            let share_sq =
-                (east_m * east_m + north_m * north_m) / (threat.radius_m * threat.radius_m);
-            if share_sq < 1.0 {
-                exposure += match self.options.threat_form {
-                    ThreatForm::Quartic => 1.0 / (1.0 + share_sq * share_sq),
-                    ThreatForm::Linear => 1.0 - share_sq.sqrt(),
-                };
-            }
-        }
-        hazards.add_polygons(&piece, exposure, &mut Vec::new())
     }
 
     /// Whether there are earlier flights.
@@ -303,22 +210,6 @@ impl Paper {
             (1.0 - gap_min / options.collision_min).max(0.0)
         };
         options.collision_factor * cubed * cubed * cubed
-    }
-}
-
-/// Eq. 26 and 27 for one piece: slope beyond the limit by angle or polynomial,
-/// which are those at its first point.
-fn slope_excess(model: &CostModel, step: &Step, amsl_m: f64) -> f64 {
-    let limit = if step.rise_m >= 0.0 {
-        model.limits.climb.by_shape(Amsl(amsl_m))
-    } else {
-        model.limits.descent.by_shape(Amsl(amsl_m))
-    };
-    let excess_m = step.rise_m.abs() - limit * model.slope_share * step.run_m;
-    if excess_m > 0.0 {
-        excess_m / step.run_m.max(1e-3)
-    } else {
-        0.0
     }
 }
 

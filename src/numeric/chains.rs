@@ -308,7 +308,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_chain_lies_between_two_places_if_no_way_leads_past_it(
+        fn a_chain_lies_between_two_points_if_no_path_leads_past_it(
             capsules in prop::collection::vec(capsule(), 0..25)
         ) {
             let capsules = with_edge(capsules);

@@ -6,15 +6,10 @@
 
 use fearless_simd::prelude::*;
 
-use super::boxes::{Bounds, meets};
-use super::lanes::{
-    Lanes, Position, Scratch, Steps, V, Wide, load, point, points, splat, steps, store,
-    store_position,
-};
+use super::boxes::Bounds;
+use super::lanes::{Lanes, Position, Steps, V, Wide, point, points, splat, steps};
 use super::limits::LimitLanes;
-use super::threats::{Danger, clear};
-use crate::cost::hazards::{Hazards, Piece};
-use crate::cost::model::CostModel;
+use crate::cost::hazards::Piece;
 use crate::cost::relief::{CellLanes, Corners, ReliefLanes};
 use crate::cost::sampling::MAX_SUBSTEPS;
 use crate::numeric::geometry::POINT_SQ;
@@ -27,20 +22,20 @@ pub(crate) const FINE: usize = BLOCK * MAX_SUBSTEPS;
 /// The pieces of a block.
 pub(crate) struct Block<S: Simd> {
     /// The sample with which it begins.
-    start: usize,
-    count: usize,
+    pub(super) start: usize,
+    pub(super) count: usize,
     /// Readings of the ground in each piece.
     substeps: usize,
     /// Places at the samples, that with which it begins included.
-    positions: [Position<S>; BLOCK + 1],
+    pub(super) positions: [Position<S>; BLOCK + 1],
     /// Those at the fine samples too, if there are more.
     fine: [Position<S>; FINE],
     /// Where in the ground grid the fine samples lie.
     cells: [CellLanes<S>; FINE],
     /// The last piece of the block before, and those of this one.
-    steps: [Steps<S>; BLOCK + 1],
+    pub(super) steps: [Steps<S>; BLOCK + 1],
     /// Horizontal distance along the route at the end, if it is kept.
-    along_m: V<S>,
+    pub(super) along_m: V<S>,
     pub(crate) bounds: Bounds<S>,
     /// Whether a piece goes nowhere, or straight up.
     pub(crate) stays: bool,
@@ -232,29 +227,6 @@ impl<S: Simd> Block<S> {
         fine.iter().zip(&self.cells)
     }
 
-    /// Writes down where the pieces lie, for what is met at times that depend on whole paths.
-    #[inline(always)]
-    pub(crate) fn keep(&mut self, scratch: &mut Scratch) {
-        if self.start == 0 {
-            store_position::<S>(&self.positions[0], &mut scratch.curve[0]);
-            store::<S>(self.along_m, &mut scratch.along_m[0]);
-        }
-        let curve = &mut scratch.curve[self.start + 1..];
-        for (position, stored) in self.positions[1..=self.count].iter().zip(curve) {
-            store_position::<S>(position, stored);
-        }
-        let along_m = &mut scratch.along_m[self.start + 1..];
-        for (step, stored) in self.steps[1..=self.count].iter().zip(along_m) {
-            self.along_m += step.run_m();
-            store::<S>(self.along_m, stored);
-        }
-        let stored = &mut scratch.boxes[self.start / BLOCK];
-        for axis in 0..2 {
-            store::<S>(self.bounds.low[axis], &mut stored.low[axis]);
-            store::<S>(self.bounds.high[axis], &mut stored.high[axis]);
-        }
-    }
-
     /// Where the pieces begin and end; beyond the last piece anything.
     #[inline(always)]
     pub(crate) fn positions(&self) -> &[Position<S>; BLOCK + 1] {
@@ -263,7 +235,7 @@ impl<S: Simd> Block<S> {
 
     /// Piece number `k` of one lane.
     #[inline(always)]
-    fn piece(&self, k: usize, lane: usize) -> Piece {
+    pub(super) fn piece(&self, k: usize, lane: usize) -> Piece {
         let at = |position: &Position<S>, axis: usize| position[axis].as_slice()[lane];
         let (a, b) = (&self.positions[k], &self.positions[k + 1]);
         Piece {
@@ -309,62 +281,6 @@ impl<S: Simd> Block<S> {
                 Some(((&self.steps[k], &self.steps[k + 1]), bit % V::<S>::LEN))
             },
         )
-    }
-
-    /// Threats, zones and area, added to `sum`.
-    #[inline(always)]
-    pub(crate) fn add_threats(
-        &self,
-        simd: S,
-        model: &CostModel,
-        danger: impl Danger,
-        scratch: &mut Scratch,
-        mut sum: V<S>,
-    ) -> V<S> {
-        let hazards = &model.hazards;
-        let (zones, outside) = self.near_polygons(hazards);
-        let threats = (&hazards.threats[..], danger);
-        let exposures = &mut scratch.exposures;
-        let is_near = (scratch.approaches).add(simd, self, threats, exposures);
-        if !is_near {
-            if zones | outside == 0 {
-                return sum;
-            }
-            clear(simd, exposures);
-        }
-        if zones | outside != 0 {
-            for (k, exposure) in exposures[..self.count].iter_mut().enumerate() {
-                let mut lanes = zones | outside;
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    let piece = self.piece(k, lane);
-                    exposure[lane] =
-                        hazards.add_polygons(&piece, exposure[lane], &mut scratch.crossings);
-                    lanes &= lanes - 1;
-                }
-            }
-        }
-        for (exposure, step) in exposures.iter().zip(self.steps()) {
-            sum += load(simd, exposure) * step.length_km;
-        }
-        sum
-    }
-
-    /// Which lanes need a look at zones, and which at the edge of the area.
-    #[inline(always)]
-    fn near_polygons(&self, hazards: &Hazards) -> (u64, u64) {
-        let (low, high) = (&self.bounds.low, &self.bounds.high);
-        let mut zones = 0;
-        for zone in &hazards.zones {
-            let (zone_low, zone_high) = zone.bounds();
-            zones |= meets::<S>(low, high, &zone_low, &zone_high).to_bitmask();
-        }
-        let bounds = &hazards.bounds;
-        let inside = low[0].simd_ge(bounds.low[0])
-            & high[0].simd_le(bounds.high[0])
-            & low[1].simd_ge(bounds.low[1])
-            & high[1].simd_le(bounds.high[1]);
-        (zones, (!inside).to_bitmask())
     }
 }
 

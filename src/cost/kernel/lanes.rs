@@ -9,12 +9,6 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use fearless_simd::prelude::*;
 
-use super::block::FINE;
-use super::boxes::BlockBox;
-use super::threats::{Approaches, Exposures};
-use crate::cost::CostTerms;
-use crate::cost::hazards::Piece;
-use crate::cost::relief::Corners;
 use crate::numeric::angle::{ATAN, TAN_PI_8};
 
 /// Lanes of the widest vectors.
@@ -27,29 +21,6 @@ pub(crate) type V<S> = <S as Simd>::f64s;
 pub(crate) type Lanes<S> = <V<S> as SimdBase<S>>::Mask;
 /// A point of every lane: east, north, altitude.
 pub(crate) type Position<S> = [V<S>; 3];
-
-/// Buffers of an evaluation; they grow on first use and are then reused.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    /// Control points of each lane: east, north, altitude.
-    pub(crate) controls: Vec<[Wide; 3]>,
-    /// The curves at the samples.
-    pub(crate) curve: Vec<[Wide; 3]>,
-    /// Horizontal distance along the routes at the samples, metres.
-    pub(crate) along_m: Vec<Wide>,
-    /// Boxes of the blocks.
-    pub(crate) boxes: Vec<BlockBox>,
-    pub(crate) crossings: Vec<(f64, i32)>,
-    /// The terms of a batch.
-    pub(crate) terms: Vec<CostTerms>,
-    /// Totals up to the end of each block, group of lanes by group, if `runs_up`.
-    pub(crate) running: Vec<Wide>,
-    pub(crate) runs_up: bool,
-    /// Corners of the cells of a block.
-    pub(crate) corners: [Corners; FINE],
-    pub(crate) approaches: Approaches,
-    pub(crate) exposures: Exposures,
-}
 
 /// A step of every lane; see [`crate::cost::operational::Step`].
 #[derive(Clone, Copy)]
@@ -158,18 +129,6 @@ pub(crate) fn quadrant_angles<S: Simd>(simd: S, opposite: V<S>, adjacent: V<S>) 
     let angle = z + z * (w * sum);
     let angle = is_far.select(splat(simd, FRAC_PI_4) + angle, angle);
     is_steep.select(splat(simd, FRAC_PI_2) - angle, angle)
-}
-
-/// The piece of one lane from sample `k` to the next.
-#[inline]
-pub(crate) fn piece(curve: &[[Wide; 3]], k: usize, lane: usize) -> Piece {
-    let (a, b) = (&curve[k], &curve[k + 1]);
-    Piece {
-        a: [a[0][lane], a[1][lane]],
-        b: [b[0][lane], b[1][lane]],
-        amsl_a_m: a[2][lane],
-        amsl_b_m: b[2][lane],
-    }
 }
 
 /// Products of the horizontal vectors.

@@ -3,8 +3,10 @@
 use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block};
-use super::lanes::{MAX_LANES, Scratch, V, Wide, piece, point, splat, store};
+use super::exposure::add_threats;
+use super::lanes::{MAX_LANES, V, Wide, point, splat, store};
 use super::limits::LimitLanes;
+use super::scratch::Scratch;
 use super::threats::Chords;
 use super::turns::TightTurns;
 use crate::cost::model::CostModel;
@@ -76,12 +78,12 @@ impl<S: Simd> Pass<'_, S> {
             let end = segments.min(start + BLOCK);
             self.add_ground(block, (start, end), scratch, (&mut before, &mut sums));
             if !model.traffic.is_empty() {
-                block.keep(scratch);
+                scratch.keep(block);
             }
             self.add_limits(block, &mut turns, &mut sums);
-            sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
+            sums.threat = add_threats(simd, block, &model.hazards, Chords, (scratch, sums.threat));
             if end == segments || scratch.runs_up {
-                self.settle(&mut turns);
+                self.flush(&mut turns);
                 sums.turn = turns.sums(simd);
             }
             if scratch.runs_up {
@@ -147,15 +149,15 @@ impl<S: Simd> Pass<'_, S> {
         }
         for (turn, lane) in block.tight() {
             if turns.push(turn, lane) {
-                self.settle(turns);
+                self.flush(turns);
             }
         }
     }
 
     #[inline(always)]
-    fn settle(&self, turns: &mut TightTurns) {
+    fn flush(&self, turns: &mut TightTurns) {
         let simd = self.ground.simd;
-        turns.settle(
+        turns.flush(
             simd,
             #[inline(always)]
             |into, out| self.model.turn_excesses(simd, into, out),
@@ -174,6 +176,25 @@ fn spread<S: Simd>(sums: &Sums<V<S>>) -> Sums<Wide> {
             wide
         },
     )
+}
+
+impl CostModel {
+    /// [`CostModel::weigh`] in every lane, in the order of the fields of [`CostTerms`].
+    #[inline(always)]
+    fn weigh_lanes<S: Simd>(&self, sums: &Sums<V<S>>) -> [V<S>; 7] {
+        let weights = &self.weights;
+        #[expect(clippy::cast_precision_loss, reason = "few samples")]
+        let samples = self.path.samples as f64;
+        [
+            sums.length_km * weights.length,
+            sums.altitude * weights.altitude,
+            sums.threat * 100.0 * weights.threat,
+            sums.terrain * 100.0 * weights.terrain,
+            (sums.turn / samples) * (100.0 * self.straight_km) * weights.turn,
+            sums.climb * 100.0 * weights.climb,
+            sums.collision * 100.0 * weights.collision,
+        ]
+    }
 }
 
 /// The totals so far, summed in the order of [`CostTerms::total`].
@@ -287,7 +308,7 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
 /// Separation of one lane from earlier flights.
 fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, sums: &mut Sums) {
     let last = model.path.samples - 1;
-    let piece = |k: usize| piece(&scratch.curve, k, lane);
+    let piece = |k: usize| scratch.piece(k, lane);
     let length_m = scratch.along_m[last][lane];
     let profile = model.timing.profile(length_m);
     let time_s = |k: usize| model.timing.start_s + profile.time_at_s(scratch.along_m[k][lane]);

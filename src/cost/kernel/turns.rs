@@ -54,7 +54,7 @@ impl TightTurns {
 
     /// Adds what the turns that wait cost, each at least 0.
     #[inline(always)]
-    pub(crate) fn settle<S: Simd>(&mut self, simd: S, cost: impl Fn(&Steps<S>, &Steps<S>) -> V<S>) {
+    pub(crate) fn flush<S: Simd>(&mut self, simd: S, cost: impl Fn(&Steps<S>, &Steps<S>) -> V<S>) {
         if self.count == 0 {
             return;
         }

@@ -1,6 +1,8 @@
 //! The operational objective plainly: one candidate, term after term, nothing
 //! culled, nothing cut short. Sums run in the same order as in the fast form.
 
+pub(super) mod paper;
+
 use super::Controls;
 use super::hazards::Piece;
 use super::model::CostModel;
