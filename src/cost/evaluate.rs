@@ -78,7 +78,7 @@ impl CostModel {
         }
     }
 
-    /// Number of blocks of a path that [`Self::totals_along`] tells apart.
+    /// Number of blocks of a path in [`Self::totals_along`].
     #[must_use]
     pub fn blocks(&self) -> usize {
         (self.samples() - 1).div_ceil(BLOCK)
@@ -96,7 +96,7 @@ impl CostModel {
     /// The same as [`Self::totals`], and in `along`, row by row, for each of the
     /// [`Self::blocks`] the total from the beginning to its end, collisions left out: when others
     /// are met depends on the whole way up to there. The last block's and the collisions are the
-    /// total, to the bit. The paper's objective is not told apart: zeros.
+    /// total, to the bit. Zeros for the paper's objective.
     ///
     /// Allocates nothing once the scratch has grown.
     ///

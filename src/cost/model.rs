@@ -108,7 +108,7 @@ impl CostModel {
         self
     }
 
-    /// The same model with violated limits so many times dearer: for a search that must
+    /// The same model with violated limits `factor` times dearer: for a search that must
     /// not buy a shorter way with a violation.
     #[must_use]
     pub fn with_penalties(mut self, factor: f64) -> Self {

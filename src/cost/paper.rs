@@ -135,9 +135,9 @@ impl Paper {
         }
     }
 
-    /// Boxes outside of which no own point collides: east and north, from and to.
+    /// Boxes that hold every own point with a collision: east and north, from and to.
     pub(super) fn wide_boxes(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
-        // A hair more than the limit, so that rounding never hides a point.
+        // A little more than the limit, so that rounding never hides a point.
         let widen_m = self.options.collision_km * 1e3 * (1.0 + 1e-9) + 1e-6;
         let widen = move |[low_m, high_m]: [f64; 2]| [low_m - widen_m, high_m + widen_m];
         self.boxes.iter().map(move |sides| sides.map(widen))
@@ -240,7 +240,7 @@ fn boxes(flight: &Flight) -> Vec<[[f64; 2]; 2]> {
         .collect()
 }
 
-/// How often CT doubles: for every violating point, of which finer sampling has more.
+/// How often CT doubles: for every violating point, scaled because finer sampling has more.
 fn doublings(points_of_101: f64) -> f64 {
     points_of_101.ceil().min(30.0)
 }

@@ -65,7 +65,7 @@ impl Segment {
 
 /// Whether two motions are surely further apart than some distances, horizontally or in
 /// height, at all pairs of times that count, or have no such pair: by the boxes of what
-/// each covers meanwhile. What is not told apart so may still be.
+/// each covers meanwhile. `false` proves nothing.
 #[must_use]
 pub fn are_surely_apart(
     a: &Segment,

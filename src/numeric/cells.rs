@@ -88,7 +88,7 @@ impl Cells {
         self.visit(&range, |[cell, at @ ..]| {
             let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
             for member in &self.members[members] {
-                // What is in several of these cells is told in the first of them.
+                // An item in several of these cells is reported in the first of them.
                 let is_first = (0..3)
                     .all(|axis| at[axis] == range[axis].0.max(usize::from(member.first[axis])));
                 if is_first {

@@ -15,20 +15,20 @@ pub fn plain(value: f64) -> String {
     }
 }
 
-/// A number with so many digits, or with as many more as tell it from the limit that it
+/// A number with `digits` digits, or with as many more as distinguish it from the limit that it
 /// is held against.
 #[must_use]
 pub fn distinct_from(value: f64, limit: f64, digits: usize) -> String {
     if !value.is_finite() || value.abs() >= HUGE {
         return plain(value);
     }
-    let tells = |text: &String| match text.parse::<f64>() {
+    let differs = |text: &String| match text.parse::<f64>() {
         Ok(read) => (read < limit) == (value < limit) && (read > limit) == (value > limit),
         Err(_) => false,
     };
     (digits..=MOST_DIGITS)
         .map(|digits| format!("{value:.digits$}"))
-        .find(tells)
+        .find(differs)
         .unwrap_or_else(|| plain(value))
 }
 

@@ -130,7 +130,7 @@ impl Track {
 
 /// Tracks in the order in which they came, found by time and place.
 ///
-/// The index is kept in parts of which each is about twice as large as the next: a new
+/// The index has parts, each about twice as large as the next: a new
 /// track makes a part of its own, and parts that have become alike are made one. So
 /// adding `n` tracks costs `n log n`, and a look goes through `log n` parts.
 #[derive(Clone, Debug)]

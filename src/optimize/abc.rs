@@ -110,7 +110,7 @@ fn neighbour(sources: &[Source], index: usize, rng: &mut ChaCha8Rng) -> Vec<f64>
     position
 }
 
-/// The sources that so many onlookers choose.
+/// The sources that the onlookers choose.
 fn choices(sources: &[Source], onlookers: usize, rng: &mut ChaCha8Rng) -> Vec<usize> {
     let mut sum = 0.0;
     let sums: Vec<f64> = sources

@@ -20,19 +20,19 @@ pub struct TracePoint {
 /// keeps the best point and the trace of convergence.
 pub struct Evaluator<'a, P: Problem + ?Sized> {
     problem: &'a P,
-    /// Whether the eased problem is evaluated, if there is one.
+    /// Whether the relaxed problem is evaluated, if there is one.
     is_relaxed: bool,
     budget: usize,
     spent: usize,
     best: Option<Candidate>,
     trace: Vec<TracePoint>,
-    /// The best and the trace of the problem itself, while the eased one is evaluated.
+    /// The best and the trace of the problem itself, while the relaxed one is evaluated.
     aside: (Option<Candidate>, Vec<TracePoint>),
     watch: &'a (dyn Fn(TracePoint) + Sync),
 }
 
 impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
-    /// An evaluator that makes at most `budget` evaluations and tells `watch`
+    /// An evaluator that makes at most `budget` evaluations and reports to `watch`
     /// after every batch.
     #[must_use]
     pub fn new(problem: &'a P, budget: usize, watch: &'a (dyn Fn(TracePoint) + Sync)) -> Self {
@@ -84,7 +84,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         self.trace
     }
 
-    /// Evaluates the eased problem from now on, if there is one; the best so far is set aside.
+    /// Evaluates the relaxed problem from now on, if there is one; the best so far is set aside.
     /// Whether there is.
     pub fn relax(&mut self) -> bool {
         if !self.is_relaxed && self.problem.relaxed().is_some() {
@@ -94,8 +94,8 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         self.is_relaxed
     }
 
-    /// Evaluates the problem itself again: what the eased one cost is forgotten, and the best is
-    /// what it was before. Whether it was eased.
+    /// Evaluates the problem itself again: what the relaxed one cost is forgotten, and the best is
+    /// what it was before. Whether it was relaxed.
     pub fn restore(&mut self) -> bool {
         let was_relaxed = std::mem::replace(&mut self.is_relaxed, false);
         if was_relaxed {
@@ -104,7 +104,7 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         was_relaxed
     }
 
-    /// Groups of variables of which parts of a cost are known.
+    /// Groups of variables with known parts of a cost.
     #[must_use]
     pub fn groups(&self) -> usize {
         self.problem.groups()

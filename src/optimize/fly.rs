@@ -24,7 +24,7 @@ pub enum Mapping {
 }
 
 impl Mapping {
-    /// Pairs of a fly for so many variables.
+    /// Pairs of a fly for a number of variables.
     pub(super) fn pairs(self, dimension: usize) -> usize {
         match self {
             Self::Variable => dimension,

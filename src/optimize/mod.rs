@@ -1,4 +1,4 @@
-//! Search, and nothing but search: it must not know what is optimised.
+//! Optimisers over the unit cube, independent of what is optimised.
 
 mod abc;
 mod adapted;
@@ -40,14 +40,14 @@ pub trait Problem: Sync {
     /// A cost is never NaN.
     fn evaluate(&self, candidates: &[f64], costs: &mut [f64]);
 
-    /// The same variables with limits that cost less to break, where there are any: a search may
-    /// begin with that, and ends with the problem itself.
+    /// The relaxed problem, if there is one: the same variables with violated limits that cost
+    /// less. A search may begin with it, and ends with the problem itself.
     fn relaxed(&self) -> Option<&dyn Problem> {
         None
     }
 
-    /// Groups of variables, neighbours and equally many in each, of which it is known what part
-    /// of a cost they may change. A single one where nothing is known.
+    /// Groups of neighbouring variables, equally many in each, with a known part of the cost that
+    /// they may change. A single one where nothing is known.
     fn groups(&self) -> usize {
         1
     }
@@ -65,7 +65,7 @@ pub trait Problem: Sync {
 /// The algorithms, with their parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Algorithm {
-    /// Sub-swarms in given starts, adapted steps, racing: the default.
+    /// Sub-swarms in given seeds, adapted steps, racing: the default.
     Msfoa(MsfoaParameters),
     /// Algorithm 2 of the paper, with a constant or a shrinking local step.
     MsfoaLiteral(PublishedParameters),
@@ -100,12 +100,12 @@ pub struct Outcome {
     pub finalists: Vec<Candidate>,
     /// Evaluations spent: never more than the budget.
     pub evaluations: usize,
-    /// The best cost after so many evaluations, one point for each improvement.
+    /// The best cost by number of evaluations, one point for each improvement.
     pub trace: Vec<TracePoint>,
 }
 
-/// New starts from a place: other ways to write down nearly the same thing, from which a
-/// search gets further.
+/// New seeds from a position: other encodings of nearly the same path, from which a search gets
+/// further.
 pub type Redraw<'a> = dyn Fn(&[f64], &mut ChaCha8Rng) -> Vec<SearchSeed> + 'a;
 
 /// Where the sub-swarms of [`Algorithm::Msfoa`] begin, and begin again.

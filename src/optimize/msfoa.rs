@@ -6,7 +6,7 @@
 //! place of its keenest fly; and the competition of offspring, by which swarms
 //! exchange what they know (Eq. 14, 18, 19).
 //!
-//! Beyond it, as measured: swarms begin in given starts instead of anywhere; local
+//! Beyond it, as measured: swarms begin in given seeds instead of anywhere; local
 //! steps are drawn from a distribution that each swarm adapts to what it smells
 //! (`adapted`); at first, and when a swarm begins again, limits are cheap to break, so
 //! that swarms get from one good path to another (`Problem::relaxed`); swarms race, so
@@ -35,7 +35,7 @@ pub struct SearchSeed {
     pub mean: Vec<f64>,
     /// Unit of the steps, per variable.
     pub scale: Vec<f64>,
-    /// Starts of one class lead to the same valley: later rounds keep one of each.
+    /// Seeds of one class lead to the same valley: later rounds keep one of each.
     pub class: u64,
 }
 
@@ -48,7 +48,7 @@ pub struct MsfoaParameters {
     pub flies: usize,
     /// Cost above which a swarm searches globally.
     pub threshold: f64,
-    /// Standard deviation of the first local steps, in units of a start's scale.
+    /// Standard deviation of the first local steps, in units of the scale of a seed.
     pub step: f64,
     /// Variables that belong together: offspring are cut between such groups.
     pub group: usize,
@@ -62,20 +62,20 @@ pub struct MsfoaParameters {
 
 /// Shares of the budget at which the rounds of the race end.
 const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
-/// Rounds that search the eased problem.
+/// Rounds that search the relaxed problem.
 const RELAXED_ROUNDS: usize = 1;
-/// Evaluations from which on the eased problem is searched first: with fewer a swarm does not
+/// Evaluations from which on the relaxed problem is searched first: with fewer a swarm does not
 /// get clean again in time, and crowded fleets then have to be planned once more.
 pub const MIN_RELAXED_BUDGET: usize = 3500;
-/// For so many evaluations a swarm that begins again searches the eased problem: else it mostly
-/// comes back to where it was.
+/// Evaluations for which a swarm that begins again searches the relaxed problem: without them it
+/// mostly comes back to where it was.
 const RELAXED_AGAIN: usize = 320;
-/// Rounds in which a tired swarm begins in a start that none has tried.
+/// Rounds in which a tired swarm begins in a seed that none has tried.
 const FRESH_ROUNDS: usize = 2;
 /// How often a tired swarm redraws its best place otherwise; else it stays there with a
 /// new shape.
 const REDRAWN: f64 = 0.7;
-/// After so many parts of the evaluations, of so many, swarms learn from whole flies.
+/// Share of the evaluations, as a fraction, after which swarms learn from whole flies.
 const WHOLE: (usize, usize) = (4, 5);
 /// Swarms that mate at the end of a round.
 const PARENTS: usize = 4;
@@ -156,8 +156,8 @@ pub(super) fn search<P: Problem + ?Sized>(
     left_behind
 }
 
-/// What swarms found in the eased problem is judged by the problem itself, with the mean that
-/// each has now; of what they left behind so many as there are swarms.
+/// What swarms found in the relaxed problem is judged by the problem itself, with the mean that
+/// each has now; of what they left behind as many as there are swarms.
 fn judge_again<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     swarms: &mut [Swarm],
@@ -177,7 +177,7 @@ fn judge_again<P: Problem + ?Sized>(
     }
 }
 
-/// A start anywhere, of its own class.
+/// A seed anywhere, of its own class.
 fn random_seed(dimension: usize, rng: &mut ChaCha8Rng) -> SearchSeed {
     SearchSeed {
         mean: (0..dimension).map(|_| rng.random()).collect(),
@@ -296,7 +296,7 @@ fn begin_again<P: Problem + ?Sized>(
     }
 }
 
-/// A swarm searches the eased problem for a while, if enough is left to get clean again.
+/// A swarm searches the relaxed problem for a while, if enough is left to get clean again.
 fn wander<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     swarm: &mut Swarm,

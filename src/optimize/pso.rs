@@ -4,7 +4,7 @@
 //! What is left open, and how it is read here:
 //!
 //! - `v = w v + c1 r1 (p - x) + c2 r2 (g - x)`, r1 and r2 drawn for each variable;
-//!   w falls linearly over the iterations, the last of which has 0.4.
+//!   w falls linearly over the iterations, to 0.4 in the last one.
 //! - Speed is limited to 0.2 of the map an iteration, a limit the paper does not print;
 //!   [`PsoParameters::max_speed`] may be infinite.
 //! - Positions are clamped to the map, and a clamped variable stops.

@@ -1,4 +1,8 @@
-//! Paths for a fleet, one vehicle after the other in order of priority.
+//! Prioritised planning: paths for a fleet, one vehicle after the other in order of priority.
+//!
+//! `fleet` commits vehicles in order; `classes` finds homotopy classes; `search` searches one
+//! route; `altitude` decodes altitudes; `bound` estimates the best cost; `diagnosis` says why
+//! there is no path.
 
 mod altitude;
 mod bound;
@@ -37,9 +41,9 @@ pub struct FleetPlan {
 /// The path of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VehiclePlan {
-    /// When it takes off, seconds after T0: what the spec wants, or another time of its window.
+    /// Takeoff, seconds after T0: the specified time, or another one of its window.
     pub depart_s: f64,
-    /// How fast it flies, m/s: what the spec wants, or another speed of its range.
+    /// Speed, m/s: the specified one, or another one of its range.
     pub speed_mps: f64,
     /// Start to goal; with [`crate::spec::Finish::Return`] a second one, goal to over home.
     pub routes: Vec<Route>,
@@ -47,7 +51,7 @@ pub struct VehiclePlan {
     pub terms: CostTerms,
     /// Proven: no path costs less.
     pub bound: f64,
-    /// What the relaxed problem suggests the best path costs; proves nothing.
+    /// Estimate of the best cost from the cost field; proves nothing.
     pub estimate: f64,
     /// Objective evaluations spent, on all plans that were made for it.
     pub evaluations: usize,
@@ -57,14 +61,14 @@ pub struct VehiclePlan {
     /// Indices of the earlier vehicles that it is planned around, in order; from the
     /// flights of all others it is apart.
     pub avoids: Vec<usize>,
-    /// Indices of the earlier vehicles because of which its path breaks a limit, once
-    /// [`FleetPlan::name_blockers`] was asked.
+    /// Indices of the earlier vehicles that leave it no path within the limits; set by
+    /// [`FleetPlan::name_blockers`].
     pub blocked_by: Vec<usize>,
-    /// Proven, once the same was asked: what closes every way that one of its routes could
-    /// take, in a row around an end of it. Nothing if that is not so.
+    /// Blocking set, proven and set by the same: the obstacles that close every path of one of
+    /// its routes, in a row around an end of it. Empty without a proof.
     pub blocking_set: Vec<BlockingElement>,
-    /// What it would have a path with, if that was tried because nothing of the above is the
-    /// reason.
+    /// Relaxations with which it has a path. `None` if they were not tried, because one of the
+    /// above is the reason.
     pub relaxations: Option<Vec<Relaxation>>,
 }
 
@@ -99,8 +103,8 @@ impl FleetPlan {
 }
 
 impl VehiclePlan {
-    /// Indices of the earlier vehicles that its path would meet at the departure and speed that
-    /// the spec wants, if others were chosen, or that it is then planned around.
+    /// Indices of the earlier vehicles that it conflicts with at the specified departure and
+    /// speed, if others were chosen, or that it is then planned around.
     #[must_use]
     pub fn gives_way_to(&self, specified: &Vehicle) -> &[usize] {
         let as_specified = [
@@ -117,7 +121,7 @@ impl VehiclePlan {
         }
     }
 
-    /// Has a vehicle take off and fly as was chosen.
+    /// Sets the chosen departure and speed.
     pub(crate) fn apply_to(&self, vehicle: &mut Vehicle) {
         (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);
     }
@@ -140,7 +144,7 @@ impl VehiclePlan {
         self.routes.iter().map(Route::points).collect()
     }
 
-    /// Horizontal and vertical way of all routes, metres.
+    /// Length of all routes in three dimensions, metres.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         let pieces = self.routes.iter().flat_map(|route| route.path.windows(2));

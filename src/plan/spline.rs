@@ -47,7 +47,7 @@ impl Frame {
         positions.into_iter().flat_map(pair).collect()
     }
 
-    /// A distance in metres as steps of the two numbers, for so many numbers in pairs.
+    /// A distance in metres as steps of the two numbers, for `numbers` numbers in pairs.
     pub(crate) fn scale(&self, distance_m: f64, numbers: usize) -> Vec<f64> {
         let width_m = self.north_east.east_m - self.south_west.east_m;
         let height_m = self.north_east.north_m - self.south_west.north_m;

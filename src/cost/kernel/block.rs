@@ -99,8 +99,7 @@ impl<S: Simd> PieceLanes<'_, S> {
 }
 
 impl<S: Simd> Block<S> {
-    /// Room for the blocks of paths, one after the other, whose pieces have so many readings of
-    /// the ground.
+    /// An empty block of paths whose pieces have `substeps` readings of the ground.
     #[inline(always)]
     pub(crate) fn new(simd: S, substeps: usize) -> Self {
         let zero = splat(simd, 0.0);
@@ -129,7 +128,7 @@ impl<S: Simd> Block<S> {
         self.along_m = splat(simd, 0.0);
     }
 
-    /// Goes on to the next pieces, so many, whose fine samples are at these rows.
+    /// Goes on to the next `count` pieces, with fine samples at these rows.
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
@@ -284,7 +283,7 @@ impl<S: Simd> Block<S> {
     }
 }
 
-/// The fine samples of so many pieces with so many readings of the ground each: the ends
+/// The fine samples of `count` pieces with `substeps` readings of the ground each: the ends
 /// themselves, if there is one.
 #[inline(always)]
 fn fine_positions<'a, S: Simd>(

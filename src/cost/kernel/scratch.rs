@@ -36,7 +36,7 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Makes room for so many groups of candidates, one in each lane.
+    /// Grows to `groups` groups of candidates, one candidate in each lane.
     pub(in crate::cost) fn grow(&mut self, path: &Sampling, groups: usize) {
         let blocks = (path.samples - 1).div_ceil(BLOCK);
         self.controls

@@ -39,7 +39,7 @@ pub(crate) type Exposures = [Wide; ROW];
 /// Most pairs of a threat and a candidate that are looked at together, a bit for each.
 const PAIRS: usize = u64::BITS as usize;
 
-/// Most vectors of pieces of so many pairs.
+/// Most vectors of pieces of [`PAIRS`] pairs.
 const FOUND: usize = PAIRS * BLOCK / 2;
 
 /// What is near a block, in memory that is kept.

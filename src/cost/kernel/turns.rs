@@ -73,7 +73,7 @@ impl TightTurns {
     }
 }
 
-/// Pieces of which no more is known.
+/// Pieces by their horizontal parts alone.
 #[inline(always)]
 fn pieces<S: Simd>(simd: S, [east_m, north_m, run_sq]: &[Wide; 3]) -> Steps<S> {
     Steps {

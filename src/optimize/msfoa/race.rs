@@ -10,7 +10,7 @@ use crate::optimize::Candidate;
 /// Share of the swarms that survives a round.
 const SURVIVAL: f64 = 0.4;
 
-/// Swarms that go on after so many rounds: at least two until the last round.
+/// Swarms that go on after `rounds` rounds: at least two until the last round.
 pub(super) fn survivors(swarms: usize, rounds: usize) -> usize {
     if rounds + 1 == ROUND_ENDS.len() {
         return 1;

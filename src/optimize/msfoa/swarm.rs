@@ -13,7 +13,7 @@ use crate::optimize::adapted::{Adapted, Draw};
 const PATIENCE: usize = 700;
 /// What counts as gain, as a share of the cost.
 const GAIN: f64 = 2e-4;
-/// Global steps, in units of a start's scale.
+/// Global steps, in units of the scale of a seed.
 const GLOBAL_STEP: f64 = 3.0;
 
 /// One sub-swarm.
@@ -25,7 +25,7 @@ pub(super) struct Swarm {
     pub(super) best: Candidate,
     /// Its keenest fly of all.
     pub(super) elite: Candidate,
-    /// What that cost in the eased problem, when this was left.
+    /// What that cost in the relaxed problem, when this was left.
     pub(super) relaxed_cost: Option<f64>,
     /// Evaluations since the last gain, and the cost then.
     pub(super) idle: usize,
@@ -82,7 +82,7 @@ impl Swarm {
         [best, elite, self.adapted.mean()]
     }
 
-    /// The costs of these by the problem itself, after an eased one.
+    /// The costs of these by the problem itself, after an relaxed one.
     pub(super) fn judge_again(&mut self, [best, elite, mean]: [f64; 3]) {
         self.relaxed_cost = Some(self.elite.cost);
         (self.best.cost, self.elite.cost) = (best, elite);
@@ -95,7 +95,7 @@ impl Swarm {
         self.see(&middle, mean);
     }
 
-    /// Forgets its keenest flies, to search the eased problem; that of all is given back.
+    /// Forgets its keenest flies, to search the relaxed problem; that of all is given back.
     pub(super) fn set_out(&mut self) -> Candidate {
         self.best.cost = f64::INFINITY;
         std::mem::replace(&mut self.elite, self.best.clone())

@@ -11,7 +11,7 @@ use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
 use crate::world::World;
 
-/// What is kept beyond the minimum grows to the full over one part of the path in so many.
+/// What is kept beyond the minimum grows to the full over one part in this many of the path.
 const RAMP: usize = 20;
 
 /// Steepest slopes, rise over run, both positive.
@@ -169,7 +169,7 @@ impl<'a> FloorMaker<'a> {
         }
     }
 
-    /// What is kept beyond the minimum, so many samples from an end that keeps `end_m`: it
+    /// Margin above the minimum, `samples` samples from an end with the margin `end_m`: it
     /// grows to the full over a twentieth of the path, as it does in the objective. A path
     /// that begins at the minimum would else have to leap.
     fn ramp(&self, end_m: f64, samples: usize, all: usize) -> f64 {

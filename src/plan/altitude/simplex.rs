@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-/// Entries of a row in terms of the basis below this are no pivots.
+/// Entries of a row in terms of the basis below this cannot leave it.
 const MIN_EXCHANGE: f64 = 1e-9;
 /// Numbers are padded to a multiple of this.
 pub(crate) const PAD: usize = 8;
@@ -127,8 +127,8 @@ fn load<S: Simd>(simd: S, numbers: &[f64]) -> S::f64s {
     S::f64s::from_slice(simd, numbers)
 }
 
-/// The first of the greatest numbers, of which there are a multiple of [`PAD`], if they are
-/// greater than one.
+/// The first of the greatest numbers, if they are above a limit; their count must be a multiple
+/// of [`PAD`].
 #[inline(always)]
 pub(crate) fn greatest<S: Simd>(simd: S, values: &[f64], above: f64) -> Option<(usize, f64)> {
     let lanes = S::f64s::LEN;

@@ -1,4 +1,4 @@
-//! What flying costs per kilometre, on a grid: the relaxed problem that route classes
+//! What flying costs per kilometre, on a grid: the relaxed problem that homotopy classes
 //! and estimates come from.
 
 use std::f64::consts::FRAC_1_SQRT_2;

@@ -71,13 +71,13 @@ impl Grid {
             + index(at.east_m - self.south_west.east_m, self.columns)
     }
 
-    /// Whether fewer than so many nodes are beside a node in some direction.
+    /// Whether the edge is nearer than `nodes` nodes in some direction.
     pub(crate) fn is_near_edge(&self, node: usize, nodes: usize) -> bool {
         let (column, row) = self.column_row(node);
         column.min(row) < nodes || column + nodes >= self.columns || row + nodes >= self.rows
     }
 
-    /// The node so many columns and rows away, if there is one.
+    /// The node some columns and rows away, if there is one.
     pub(crate) fn step(&self, node: usize, (columns, rows): (isize, isize)) -> Option<usize> {
         let (column, row) = self.column_row(node);
         let column = column.checked_add_signed(columns)?;

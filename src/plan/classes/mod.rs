@@ -1,4 +1,4 @@
-//! Route classes: which sides of the obstacles a path can take.
+//! Homotopy classes: which sides of the obstacles a path can take.
 //!
 //! Obstacles are the persistent maxima of the cost fields, so no list of peaks or
 //! threats is needed and any terrain will do. Shortest path trees from both ends
@@ -60,7 +60,7 @@ const KINDS: [(Step, &[Step]); 5] = [
 /// No move leads further than this along an axis.
 const REACH: usize = 3;
 
-/// A move in one of 32 directions; nodes are so many numbers further on in the grid.
+/// A move in one of 32 directions; nodes are given by their offset in the grid.
 struct Move {
     step: Step,
     length_km: f64,

@@ -11,9 +11,9 @@ use crate::geodesy::EastNorth;
 const PERSISTENCE: f64 = 0.3;
 /// Costs above this are all the same to an obstacle: walls merge to one.
 const WALL: f64 = 6.0;
-/// Obstacles nearer than so many cells are the same one.
+/// Obstacles nearer than this many cells are the same one.
 const SAME_CELLS: f64 = 3.0;
-/// Most obstacles: those that stand out least are left away first.
+/// Most obstacles: those that stand out least are dropped first.
 const MAX_OBSTACLES: usize = 24;
 
 /// Obstacles with rays across the straight line from start to goal.

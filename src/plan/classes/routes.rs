@@ -1,4 +1,4 @@
-//! The routes of one route: a guide in every class, and what the ground under them costs.
+//! The routes of one route: a line in every class, and what the ground under them costs.
 
 use rayon::prelude::*;
 
@@ -15,20 +15,20 @@ use crate::world::World;
 const GAP_CELLS: f64 = 3.0;
 /// A gap beside a zone of fewer cells than this may be closed by the nodes beside it.
 const ZONE_GAP_CELLS: f64 = 2.0;
-/// A guide that goes through such a gap is bent where it is so many cells off the straight.
+/// A line through such a gap bends where it is this many cells off the straight.
 const TIGHT_CELLS: f64 = 0.5;
 /// Evaluations from which on a fine grid pays: a coarse one misses narrow classes.
 const FINE: usize = 4000;
-/// Most guides.
+/// Most classes.
 const MAX_CLASSES: usize = 60;
 
-/// Guides, cheapest first, and the straight line.
+/// Classes, cheapest first, and the straight line.
 pub(crate) struct HomotopyClasses {
     pub classes: Vec<HomotopyClass>,
-    /// The fields in which guides were found, without threats; none if none was looked for.
+    /// The fields in which classes were found, without threats; none if none was looked for.
     pub grounds: Vec<Field>,
     /// Only where zones are thin, or the gaps beside them: how far off the straight a bend of a
-    /// guide is that a path has to follow, metres. Nothing draws it into a gap that it misses.
+    /// line is that a path has to follow, metres. Nothing draws it into a gap that it misses.
     pub tight_m: Option<f64>,
 }
 
@@ -111,7 +111,7 @@ fn narrowest_gap_m(world: &World) -> f64 {
     least_m
 }
 
-/// The straight line as a guide.
+/// The straight line as a line.
 fn straight(start: EastNorth, goal: EastNorth, signature: u64) -> HomotopyClass {
     HomotopyClass {
         signature,

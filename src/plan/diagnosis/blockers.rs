@@ -1,4 +1,4 @@
-//! What is in the way of a vehicle for which no path was found.
+//! Reasons why no path was found for a vehicle.
 
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use crate::plan::{BlockingElement, FleetPlan, Relaxation, VehiclePlan};
 use crate::spec::MissionSpec;
 use crate::world::World;
 
-/// Vehicles for which remedies are looked for, at most: each costs a dozen searches.
+/// Vehicles for which relaxations are tried, at most: each costs a dozen searches.
 const MAX_TRIED: usize = 4;
 
 /// Why no path was found.

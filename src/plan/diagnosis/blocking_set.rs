@@ -1,4 +1,4 @@
-//! Whether there is any way at all between two places, and what closes every way if not.
+//! Blocking sets: obstacles that provably close every path between two points.
 
 use geo::Polygon;
 
@@ -8,7 +8,7 @@ use crate::numeric::geometry::Point;
 use crate::spec::MissionSpec;
 use crate::world::{Ground, PlanZone, World};
 
-/// Something that nobody may fly through, at any height.
+/// An obstacle that no vehicle may fly through, at any height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BlockingElement {
     /// The threat of this index.

@@ -1,4 +1,4 @@
-//! What a vehicle would have a path with, for which none was found.
+//! Relaxations: changes with which a vehicle without a path has one.
 
 use rayon::prelude::*;
 
@@ -35,13 +35,13 @@ const MORE_EVALUATIONS: usize = 160_000;
 const EVALUATIONS: usize = 20_000;
 /// Metres that waypoints are tried to keep to the path instead of more.
 const TOLERANCES_M: [f64; 2] = [1.0, 0.1];
-/// Turn radii that are tried, in units of the vehicle's; the first that helps is told.
+/// Turn radii that are tried, in units of the vehicle's; the first that helps is reported.
 const RADII: [f64; 3] = [0.5, 0.2, 0.05];
 /// Slopes that are tried, in units of the vehicle's.
 const SLOPES: [f64; 3] = [1.5, 3.0, 10.0];
 
-/// The remedies of a vehicle that finds no path alone, perhaps none; nothing is said if it
-/// finds one among these `margins`, for then it needs none.
+/// The relaxations that help a vehicle without a path of its own, perhaps none. `None` if it
+/// finds a path with these `margins`, and so needs no relaxation.
 pub(crate) fn relaxations(
     spec: &MissionSpec,
     world: &World,
@@ -130,7 +130,7 @@ fn of_tolerance(margins: Margins, spec: &MissionSpec, other: &MissionSpec) -> Ma
 }
 
 impl Relaxation {
-    /// What is to be written in the spec, or changed of the vehicle.
+    /// The change of the spec or of the vehicle, in words.
     #[must_use]
     pub fn words(&self, vehicle: &Vehicle) -> String {
         let changes: Vec<String> = self.0.iter().map(|change| change.words(vehicle)).collect();

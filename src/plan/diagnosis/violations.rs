@@ -1,4 +1,4 @@
-//! The limits that a path breaks, by the name and place of what stands in its way.
+//! Violations: the limits that a path breaks, with the name of the obstacle and the position.
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::Basis;
@@ -9,7 +9,7 @@ use crate::plan::{Route, VehiclePlan};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::world::World;
 
-/// Something a path goes through or does not manage, where it is worst.
+/// A limit that a path breaks, where it is worst.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation {
     /// What, in words: `threat radar-1`, `zone town`, `the ground`, `a turn`.

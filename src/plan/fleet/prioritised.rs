@@ -1,5 +1,5 @@
-//! How the plans of a fleet come to stand: drafts of each vehicle, many at once, as
-//! [`crate::plan::fleet`] says what they mean.
+//! Prioritised planning in parallel: candidates of many vehicles at once, committed in priority
+//! order. [`crate::plan::fleet`] defines the result.
 
 use rayon::prelude::*;
 
@@ -13,7 +13,7 @@ use crate::spec::{Algorithm, Objective};
 
 /// Vehicles that are planned around all before them from the start.
 const HEAD: usize = 8;
-/// Vehicles that are brought to stand at once, as far as they do not depend on each other.
+/// Vehicles planned at once, as far as they do not depend on each other.
 const WINDOW: usize = 32;
 
 /// A plan and the flight it makes.
@@ -23,9 +23,9 @@ pub(crate) struct Candidate {
     track: Track,
     /// Whether this is the plan of an earlier round.
     is_reused: bool,
-    /// Whether this is a way at another time than the wanted one.
+    /// Whether this is a path at another time than the specified one.
     is_retimed: bool,
-    /// Whether this is the draft before at another time, or that one again for want of a
+    /// Whether this is the candidate before at another time, or that one again for lack of a
     /// better time: nothing is left to try around the same vehicles.
     is_last: bool,
     /// Those before it that it came too near to, among the first `checked`.
@@ -33,22 +33,22 @@ pub(crate) struct Candidate {
     checked: usize,
 }
 
-/// What a vehicle's next step is.
+/// The next step of a vehicle.
 enum Step {
-    /// This draft stands.
+    /// Commit this candidate.
     Commit(usize),
-    /// To make this draft, around these vehicles.
+    /// Make this candidate, around these vehicles.
     Plan(usize, Vec<usize>),
 }
 
-/// A fleet as far as its plans stand.
+/// A fleet as far as its plans are committed.
 pub(crate) struct Fleet<'a> {
     planning: Planning<'a>,
     /// Plans of an earlier round, as far as there are any.
     previous: Vec<VehiclePlan>,
     /// Whether such a plan must be made anew.
     again: Vec<bool>,
-    /// Plans and flights that stand, and whether they are not those of the earlier round.
+    /// Committed plans and flights, and whether they are not those of the earlier round.
     plans: Vec<VehiclePlan>,
     flights: Vec<Flight>,
     is_new: Vec<bool>,
@@ -74,7 +74,7 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    /// Brings all vehicles to stand, many at once.
+    /// Plans and commits all vehicles, many at once.
     pub(crate) fn plan_in_parallel(mut self) -> FleetPlan {
         let count = self.planning.spec.vehicles.len();
         // Those that are planned as if alone, and those that have a plan, wait for no one.
@@ -113,8 +113,8 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    /// Makes the drafts of a vehicle, until one stands against all that stand, or has to
-    /// wait for one that does not stand yet.
+    /// Makes candidates of a vehicle until one holds against all commits, or must wait for a
+    /// vehicle that is not committed yet.
     pub(crate) fn advance(&self, index: usize, chain: &mut Vec<Candidate>) {
         while let Step::Plan(number, avoids) = self.step(index, chain) {
             if avoids.last().is_some_and(|&last| last >= self.plans.len()) {
@@ -126,7 +126,7 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    /// Goes through the drafts of a vehicle, as they hold against all that stand now.
+    /// Goes through the candidates of a vehicle, as they hold against all commits.
     fn step(&self, index: usize, chain: &mut [Candidate]) -> Step {
         let nearness = self.planning.nearness(index);
         let mut avoids = self.first_avoids(index);
@@ -139,8 +139,8 @@ impl<'a> Fleet<'a> {
                 ));
                 candidate.checked = self.plans.len();
             }
-            // Times that were passed over stay so, whoever comes to stand besides; and a way
-            // alone does not depend on whom it meets.
+            // Rejected times stay rejected with more commits, and a path alone does not depend on
+            // its conflicts.
             let is_as_before = candidate.is_retimed && candidate.near.is_empty();
             if is_as_before && number == 1 {
                 candidate.plan.avoids.clone_from(&avoids);
@@ -179,7 +179,7 @@ impl<'a> Fleet<'a> {
         Step::Plan(chain.len(), avoids)
     }
 
-    /// Those a vehicle's first draft is planned around.
+    /// The vehicles that the first candidate is planned around.
     fn first_avoids(&self, index: usize) -> Vec<usize> {
         let at_once = index < HEAD || self.planning.spec.planner.objective == Objective::Paper;
         match self.previous.get(index) {
@@ -196,7 +196,7 @@ impl<'a> Fleet<'a> {
         can_retime(&self.planning.spec.vehicles[index])
     }
 
-    /// The next draft of a chain.
+    /// The next candidate of a chain.
     fn candidate(&self, index: usize, avoids: Vec<usize>, chain: &[Candidate]) -> Candidate {
         let old = self.previous.get(index).filter(|_| chain.is_empty());
         let is_reused = old.filter(|_| !self.again[index]);
@@ -249,8 +249,8 @@ impl<'a> Fleet<'a> {
         flights.collect()
     }
 
-    /// A plan around some of those that stand. Who has retiming takes off when nobody of them is
-    /// in the way of its takeoff and landing.
+    /// A plan around committed vehicles. A vehicle with retiming departs when none of them is in
+    /// the way of its takeoff and landing.
     fn around(
         &self,
         index: usize,
@@ -277,9 +277,9 @@ impl<'a> Fleet<'a> {
         planning.plan_vehicle(index, avoids, &earlier, estimated)
     }
 
-    /// A plan that breaks a limit gives way to that of the vehicle alone, if this keeps all and
-    /// meets nobody of whom it had to avoid. Not in the paper's experiment, whose contestants
-    /// have one budget.
+    /// A plan that breaks a limit is replaced by that of the vehicle alone, if this one keeps all
+    /// limits and conflicts with no vehicle that it had to avoid. Not in the paper's experiment,
+    /// where all have one budget.
     fn or_alone(&self, index: usize, plan: VehiclePlan) -> VehiclePlan {
         let is_published = self.planning.spec.planner.objective == Objective::Paper;
         let stands = plan.terms.is_clean() || plan.avoids.is_empty();
@@ -339,7 +339,7 @@ impl<'a> Fleet<'a> {
         })
     }
 
-    /// The last draft of a chain is the plan of the next vehicle.
+    /// Commits the last candidate of a chain as the plan of the next vehicle.
     pub(crate) fn commit(&mut self, mut chain: Vec<Candidate>) {
         let Some(last) = chain.pop() else {
             return;

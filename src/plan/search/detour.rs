@@ -23,10 +23,10 @@ const PIECES: usize = 256;
 const WARY: f64 = 1.2;
 /// Least span of a detour, in distances between control points: shorter ones cannot be fitted.
 const MIN_SPAN: f64 = 4.0;
-/// Delays, in units of what keeps two vehicles apart: from the least by so many times.
+/// Least delay, in units of the distance between two vehicles, and ratio of the longest to it.
 const MIN_DELAY: f64 = 0.5;
 const DELAYS: f64 = 12.0;
-/// One detour in so many lies anywhere, the others before the conflict.
+/// One detour in this many lies anywhere, the others before the conflict.
 const ANYWHERE: u8 = 3;
 
 /// How far along a line its first conflict with an earlier flight begins, metres.

@@ -202,7 +202,7 @@ impl Warp {
     }
 }
 
-/// At most so many extremes, shares of the length and heights: those between which the ground
+/// At most `most` extremes, shares of the length and heights: those between which the ground
 /// rises or falls most, about. They go in pairs, so that tops and bottoms alternate.
 fn outstanding(extremes: &[(f64, f64)], most: usize, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     let mut left = extremes.to_vec();

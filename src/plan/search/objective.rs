@@ -10,7 +10,7 @@ use crate::spec::MissionSpec;
 use crate::world::World;
 
 /// The objective of a vehicle's way from start to goal after `earlier` flights, as it is
-/// judged, at so many samples (at least 2), over the unit cube: first the east of all free control
+/// judged, at `samples` samples (at least 2), over the unit cube: first the east of all free control
 /// points in parts of the area's box, then the north, then the altitude in parts of the
 /// range from the lowest ground to the ceiling (Eq. 33).
 #[must_use]

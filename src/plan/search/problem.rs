@@ -52,7 +52,7 @@ impl<'a> Sampled<'a> {
         Self::above(context, margins, parameters, BETWEEN_SAMPLES_M)
     }
 
-    /// The same, with so many metres over the floor in the altitudes that are decoded.
+    /// The same, with decoded altitudes `above_m` metres over the floor.
     pub(crate) fn above(
         context: &RouteContext<'a>,
         margins: Margins,
@@ -75,7 +75,7 @@ impl<'a> Sampled<'a> {
         }
     }
 
-    /// The same with violated limits so many times dearer.
+    /// The same with violated limits `factor` times dearer.
     pub(crate) fn with_penalties(mut self, factor: f64) -> Self {
         self.model = self.model.with_penalties(factor);
         self
@@ -164,7 +164,7 @@ pub(crate) struct Horizontal<'a> {
     pub sampled: Sampled<'a>,
     pub frame: Frame,
     /// First and last block of the objective in which each free control point moves the path;
-    /// none if only whole paths are told apart.
+    /// none if only whole paths are compared.
     windows: Vec<(usize, usize)>,
     /// The same with other penalties, to begin with.
     relaxed: Option<Box<Horizontal<'a>>>,
