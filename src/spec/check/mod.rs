@@ -130,7 +130,6 @@ impl Checker {
             population: keys.population.map(count),
             threshold: keys.threshold,
             step: keys.step,
-            without: None,
         }
     }
 }

@@ -236,7 +236,7 @@ impl Checker {
         if apart_m < MIN_START_TO_GOAL_M {
             let found = format!(
                 "{} m from start",
-                digits::beside(apart_m, MIN_START_TO_GOAL_M, 1)
+                digits::distinct_from(apart_m, MIN_START_TO_GOAL_M, 1)
             );
             self.report(
                 path,
@@ -286,7 +286,7 @@ impl Checker {
                 let (own, other) = (vehicle.departures(), earlier.departures());
                 let apart_s = (own.most - other.least).max(other.most - own.least);
                 if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
-                    let across_m = digits::beside(apart_m, separation.distance_m, 1);
+                    let across_m = digits::distinct_from(apart_m, separation.distance_m, 1);
                     let found = format!(
                         "takeoff {across_m} m from `{}` and {apart_s} s apart in time",
                         earlier.id

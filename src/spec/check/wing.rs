@@ -92,7 +92,7 @@ impl Checker {
             Some(apart_m) if needs_distance && apart_m < MIN_HOME_TO_START_M => {
                 let found = format!(
                     "{} m from start",
-                    digits::beside(apart_m, MIN_HOME_TO_START_M, 1)
+                    digits::distinct_from(apart_m, MIN_HOME_TO_START_M, 1)
                 );
                 let allowed = format!("at least {MIN_HOME_TO_START_M} m from start");
                 self.report(&format!("{path}.home"), found, allowed);
