@@ -3,6 +3,7 @@
 pub(super) mod arrival;
 pub(super) mod clock;
 pub(super) mod diversion;
+pub(super) mod driver;
 pub(super) mod end;
 pub(super) mod modes;
 pub(super) mod orbit;

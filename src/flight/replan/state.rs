@@ -1,8 +1,9 @@
-//! What a vehicle in flight has before it.
+//! The state of a vehicle in flight: what it holds, where it is, what it has ahead.
 
-use super::look::Seen;
-use crate::cli::fly::Sorties;
-use crate::flight::{self, Reference, Waypoint};
+use super::observation::ObservedVehicle;
+use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::launch::plan::FlightPlan;
+use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
@@ -14,67 +15,68 @@ const AIRBORNE_M: f64 = 1.5;
 /// A waypoint this near a goal is the goal, metres.
 const GOAL_M: f64 = 2.0;
 
-/// What one vehicle has before it.
+/// One vehicle in flight.
 #[derive(Clone, Debug)]
-pub(super) struct Course {
+pub struct VehicleState {
     /// Its index in the spec.
-    pub(super) vehicle: usize,
+    pub vehicle: usize,
     /// What it holds; its home is that of the plan.
     pub(super) held: VehicleMission,
-    /// Index of the item that it flies to.
+    /// Index of its current item.
     pub(super) at: usize,
-    /// Where it is; for one that rises to its route, the top of that.
+    /// Where it is; while it climbs to its route, the top of the climb.
     pub(super) here: PlanPoint,
-    /// How long it rises before it is there, seconds.
+    /// How long it climbs to there, seconds.
     pub(super) rises_s: f64,
-    /// Whether its takeoff is not over: it must not be sent on from low down.
+    /// Whether its takeoff is not over: it must not be diverted low over the ground.
     pub(super) takes_off: bool,
-    /// Where it was since the threat was told, as far as it is now.
-    pub(super) behind: Vec<PlanPoint>,
+    /// Its flown track since the threat came up.
+    pub(super) flown: Vec<PlanPoint>,
     /// Whether it flies its mission; else it holds, or somebody flies it.
-    pub(super) in_mission: bool,
+    pub in_mission: bool,
     /// Where the leg to the item that it flies to begins.
     pub(super) origin: PlanPoint,
-    /// The places ahead in the air, each with the index of its item.
+    /// The waypoints ahead in the air, each with the index of its item.
     pub(super) ahead: Vec<(usize, PlanPoint)>,
     /// Whether it lands after the last of them.
     pub(super) lands: bool,
     /// Whether it still stands on the ground.
-    pub(super) stands: bool,
-    /// Index into `ahead` of a goal that it turns back at.
+    pub stands: bool,
+    /// Index into `ahead` of a goal at which it turns back.
     pub(super) via: Option<usize>,
-    /// A wing ends its way on a circle so wide, metres; 0 for who does not.
+    /// Radius of the circle on which a wing ends its path, metres; 0 without one.
     pub(super) circle_m: f64,
 }
 
-/// Where a course is left for a new path.
+/// Where a new path branches off the present one.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Parting {
-    /// Where.
+pub(crate) struct Branch {
+    /// The point.
     pub(super) point: PlanPoint,
-    /// Places of `ahead` that lie before it.
-    pub(super) kept: usize,
-    /// The way to it, metres.
-    pub(super) way_m: f64,
+    /// Waypoints of `ahead` that lie before it: the vehicle retains them.
+    pub(super) retained: usize,
+    /// Distance along the path to it, metres.
+    pub(super) distance_m: f64,
 }
 
-/// Since when a threat is held against the fleet.
+/// Since when the last threat counts.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Since {
+pub(super) struct ThreatTime {
     /// Milliseconds since 1970.
     pub(super) unix_ms: u64,
     /// How much faster than the clock the time of the vehicles goes.
-    pub(super) pace: f64,
+    pub(super) speedup: f64,
 }
 
-impl Since {
-    /// Where a vehicle was since then: before it was heard first, straight on as it flew then.
-    fn behind(&self, sorties: &Sorties, seen: &Seen) -> Vec<PlanPoint> {
-        let flown = seen.flown.iter().map(|(_, position)| position);
-        let mut behind: Vec<PlanPoint> = flown.map(|at| point(sorties, at)).collect();
-        if let (Some((heard_ms, first)), Some(from)) = (seen.flown.first(), behind.first()) {
+impl ThreatTime {
+    /// The flown track since then: until the first position the vehicle flew straight on as it
+    /// did there.
+    fn flown_track(&self, plan: &FlightPlan, observed: &ObservedVehicle) -> Vec<PlanPoint> {
+        let positions = observed.flown.iter().map(|(_, position)| position);
+        let mut flown: Vec<PlanPoint> = positions.map(|at| point(plan, at)).collect();
+        if let (Some((heard_ms, first)), Some(from)) = (observed.flown.first(), flown.first()) {
             #[expect(clippy::cast_precision_loss, reason = "milliseconds of one command")]
-            let before_s = heard_ms.saturating_sub(self.unix_ms) as f64 / 1000.0 * self.pace;
+            let before_s = heard_ms.saturating_sub(self.unix_ms) as f64 / 1000.0 * self.speedup;
             let [north_m, east_m, _] = first
                 .velocity_cmps
                 .map(|cmps| f64::from(cmps) / 100.0 * before_s);
@@ -83,64 +85,66 @@ impl Since {
                 from.at.north_m - north_m,
                 from.amsl,
             );
-            behind.insert(0, then);
+            flown.insert(0, then);
         }
-        behind
+        flown
     }
 }
 
-impl Course {
-    /// From what a vehicle holds, the item it flies to, and where it is; or why nothing can
-    /// be said of it.
+impl VehicleState {
+    /// From what a vehicle holds, its current item, and where it is.
+    ///
+    /// # Errors
+    /// Why its path is not known, in words.
     pub(super) fn new(
-        sorties: &Sorties,
+        plan: &FlightPlan,
         vehicle: usize,
         planned: &VehicleMission,
-        seen: &Seen,
-        since: &Since,
+        observed: &ObservedVehicle,
+        threat_time: &ThreatTime,
     ) -> Result<Self, String> {
         let held = VehicleMission {
-            items: seen.onboard.mission.clone(),
+            items: observed.onboard.mission.clone(),
             ..planned.clone()
         };
         let returns = |item: &Item| item.command == command::NAV_RETURN_TO_LAUNCH;
         if held.items.iter().any(returns) {
-            return Err("flies a NAV_RETURN_TO_LAUNCH, on a way of its own".to_owned());
+            return Err("flies a NAV_RETURN_TO_LAUNCH, on a path of its own".to_owned());
         }
         let first = usize::from(planned.autopilot == Autopilot::Px4);
-        let row = (usize::from(seen.seq) + first).max(1);
-        let mut here = point(sorties, &seen.position);
-        let nowhen = Track {
+        let row = (usize::from(observed.seq) + first).max(1);
+        let mut here = point(plan, &observed.position);
+        let no_times = Track {
             vehicle: String::new(),
             moments: Vec::new(),
         };
-        let reference = Reference::new(&held, &nowhen, &sorties.world);
+        let reference = Reference::new(&held, &no_times, &plan.world);
         let waypoints = reference.waypoints;
         let ahead_from = waypoints.iter().position(|w| w.item >= row);
         let ahead_from = ahead_from.unwrap_or(waypoints.len());
         let in_air = waypoints.len() - usize::from(reference.lands).min(waypoints.len());
-        let place_of = |w: &Waypoint| (w.item - 1, w.point);
+        let indexed = |w: &Waypoint| (w.item - 1, w.point);
         let mut ahead: Vec<(usize, PlanPoint)> = waypoints
             .get(ahead_from.max(1)..in_air)
             .unwrap_or_default()
             .iter()
-            .map(place_of)
+            .map(indexed)
             .collect();
         let before = ahead_from.saturating_sub(1);
         // A mission that was given in the air does not begin at home.
         let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
         let origin = origin.map_or(here, |w| w.point);
-        let stands = seen.position.above_home_m() < AIRBORNE_M;
+        let stands = observed.position.above_home_m() < AIRBORNE_M;
         let mut rises_s = 0.0;
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some(&(_, top))) = (rising, ahead.first()) {
-            let climb_mps = sorties.file.spec.vehicles[vehicle].climb_mps;
+            let climb_mps = plan.spec().vehicles[vehicle].climb_mps;
             rises_s = (top.amsl.0 - here.amsl.0).max(0.0) / climb_mps;
             here = PlanPoint { at: here.at, ..top };
             ahead.remove(0);
         }
         let circle_m = waypoints.last().map_or(0.0, |last| last.radius_m);
-        let station = sorties.world.stations.get(vehicle);
+        let station = plan.world.stations.get(vehicle);
         let via = station.and_then(|station| {
             let is_goal = |(_, point): &(usize, PlanPoint)| point.distance_m(station.goal) < GOAL_M;
             let found = ahead.iter().position(is_goal)?;
@@ -153,8 +157,8 @@ impl Course {
             here,
             rises_s,
             takes_off: rising,
-            behind: since.behind(sorties, seen),
-            in_mission: flight::is_mission(planned, seen.beat.custom_mode),
+            flown: threat_time.flown_track(plan, observed),
+            in_mission: modes::is_mission(planned, observed.beat.custom_mode),
             origin: if rising { here } else { origin },
             ahead,
             lands: reference.lands,
@@ -164,14 +168,14 @@ impl Course {
         })
     }
 
-    /// Where it is and every place ahead.
+    /// Where it is and every waypoint ahead.
     pub(super) fn points(&self) -> Vec<PlanPoint> {
         let ahead = self.ahead.iter().map(|(_, point)| *point);
         std::iter::once(self.here).chain(ahead).collect()
     }
 
-    /// The length of the way ahead in the air, metres.
-    pub(super) fn way_m(&self) -> f64 {
+    /// Length of the path ahead in the air, metres.
+    pub(super) fn path_m(&self) -> f64 {
         let points = self.points();
         points
             .windows(2)
@@ -179,101 +183,96 @@ impl Course {
             .sum()
     }
 
-    /// Whether its way comes nearer than a distance to a place.
+    /// Whether its path comes nearer than a distance to a place.
     pub(super) fn meets(&self, center: EastNorth, distance_m: f64) -> bool {
         comes_near(&self.points(), center, distance_m)
     }
 
-    /// Whether it was nearer than a distance to a place since the threat was told.
+    /// Whether it was nearer than a distance to a place since the threat came up.
     pub(super) fn was_near(&self, center: EastNorth, distance_m: f64) -> bool {
-        comes_near(&self.behind, center, distance_m)
+        comes_near(&self.flown, center, distance_m)
     }
 
-    /// The same of its way as far as a parting.
-    pub(super) fn meets_before(
-        &self,
-        parting: &Parting,
-        center: EastNorth,
-        distance_m: f64,
-    ) -> bool {
+    /// Whether its path comes nearer than a distance to a place before a branch.
+    pub(super) fn meets_before(&self, branch: &Branch, center: EastNorth, distance_m: f64) -> bool {
         let mut points = self.points();
-        points.truncate(parting.kept + 1);
-        points.push(parting.point);
+        points.truncate(branch.retained + 1);
+        points.push(branch.point);
         comes_near(&points, center, distance_m)
     }
 
-    /// Where it is after some metres of its way; `None` beyond the end, or where it comes
-    /// to rest before.
-    pub(super) fn after(&self, mut gone_m: f64) -> Option<Parting> {
-        let way_m = gone_m;
+    /// The branch after a distance along its path; none beyond the end.
+    pub(super) fn branch_after(&self, distance_m: f64) -> Option<Branch> {
+        let mut left_m = distance_m;
         let points = self.points();
-        for (kept, pair) in points.windows(2).enumerate() {
+        for (retained, pair) in points.windows(2).enumerate() {
             let length_m = pair[0].distance_m(pair[1]);
-            if gone_m < length_m {
-                let share = gone_m / length_m;
+            if left_m < length_m {
+                let share = left_m / length_m;
                 let mix = |a: f64, b: f64| a + (b - a) * share;
                 let point = PlanPoint::new(
                     mix(pair[0].at.east_m, pair[1].at.east_m),
                     mix(pair[0].at.north_m, pair[1].at.north_m),
                     Amsl(mix(pair[0].amsl.0, pair[1].amsl.0)),
                 );
-                return Some(Parting { point, kept, way_m });
+                return Some(Branch {
+                    point,
+                    retained,
+                    distance_m,
+                });
             }
-            gone_m -= length_m;
+            left_m -= length_m;
         }
         None
     }
 
-    /// The legs that are planned anew from a parting, end to end.
-    pub(super) fn legs(&self, parting: &Parting) -> Vec<(PlanPoint, PlanPoint)> {
+    /// The routes to plan from a branch, end to end.
+    pub(super) fn routes(&self, branch: &Branch) -> Vec<(PlanPoint, PlanPoint)> {
         let Some(&(_, last)) = self.ahead.last() else {
             return Vec::new();
         };
-        let via = self.via.filter(|via| *via >= parting.kept);
+        let via = self.via.filter(|via| *via >= branch.retained);
         match via.and_then(|via| self.ahead.get(via)) {
-            Some(&(_, via)) => vec![(parting.point, via), (via, last)],
-            None => vec![(parting.point, last)],
+            Some(&(_, via)) => vec![(branch.point, via), (via, last)],
+            None => vec![(branch.point, last)],
         }
     }
 
-    /// Items from the one at work on, with altitudes above the sea instead of above home,
-    /// each with its row.
+    /// Items from the current one on, with altitudes AMSL instead of above home, each with its row.
     pub(super) fn items_ahead(&self) -> Vec<(usize, Item)> {
         let items = self.held.items.iter().enumerate().skip(self.at);
         items
             .filter(|(_, item)| item.command != command::NAV_DELAY)
             .filter(|(_, item)| !is_takeoff(item))
-            .map(|(index, item)| (index + 1, above_the_sea(item, &self.held.home)))
+            .map(|(index, item)| (index + 1, with_amsl(item, &self.held.home)))
             .collect()
     }
 
-    /// The same of the first places ahead.
-    pub(super) fn items_kept(&self, parting: &Parting) -> Vec<Item> {
-        let places = self.ahead.iter().take(parting.kept);
-        let items = places.filter_map(|(index, _)| self.held.items.get(*index));
-        items
-            .map(|item| above_the_sea(item, &self.held.home))
-            .collect()
+    /// Items of the waypoints before a branch, with altitudes AMSL.
+    pub(super) fn retained_items(&self, branch: &Branch) -> Vec<Item> {
+        let waypoints = self.ahead.iter().take(branch.retained);
+        let items = waypoints.filter_map(|(index, _)| self.held.items.get(*index));
+        items.map(|item| with_amsl(item, &self.held.home)).collect()
     }
 
-    /// Index of the first item that is not kept.
-    pub(super) fn kept_end(&self, parting: &Parting) -> usize {
-        let last = parting.kept.checked_sub(1);
+    /// Index of the first item that is not retained.
+    pub(super) fn retained_end(&self, branch: &Branch) -> usize {
+        let last = branch.retained.checked_sub(1);
         let last = last.and_then(|last| self.ahead.get(last));
         let none = || {
             // A takeoff that is under way is not begun again.
             let items = self.held.items.iter().skip(self.at);
-            let takes_no_way = |item: &&Item| is_takeoff(item) || item.place().is_none();
-            self.at + items.take_while(takes_no_way).count()
+            let stays = |item: &&Item| is_takeoff(item) || item.place().is_none();
+            self.at + items.take_while(stays).count()
         };
         last.map_or_else(none, |(index, _)| index + 1)
     }
 }
 
 /// A position in planning coordinates.
-fn point(sorties: &Sorties, position: &Position) -> PlanPoint {
+fn point(plan: &FlightPlan, position: &Position) -> PlanPoint {
     PlanPoint {
-        at: sorties.world.frame.to_plan(position.place()),
+        at: plan.world.frame.to_plan(position.place()),
         amsl: position.amsl(),
     }
 }
@@ -283,8 +282,8 @@ pub(super) fn is_takeoff(item: &Item) -> bool {
     [command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
 }
 
-/// An item with an altitude above the sea, if it has one above home.
-fn above_the_sea(item: &Item, home: &Home) -> Item {
+/// An item with its altitude AMSL, if it has one above home.
+fn with_amsl(item: &Item, home: &Home) -> Item {
     let mut item = *item;
     if item.place().is_some() && frame::canonical(item.frame) == frame::GLOBAL_RELATIVE_ALT {
         item.frame = frame::GLOBAL;
@@ -293,10 +292,10 @@ fn above_the_sea(item: &Item, home: &Home) -> Item {
     item
 }
 
-/// Whether a way comes nearer than a distance to a place.
-fn comes_near(way: &[PlanPoint], center: EastNorth, distance_m: f64) -> bool {
-    let pairs = way.windows(2).map(|pair| (pair[0].at, pair[1].at));
-    let alone = way.last().map(|last| (last.at, last.at));
+/// Whether a path comes nearer than a distance to a place.
+fn comes_near(path: &[PlanPoint], center: EastNorth, distance_m: f64) -> bool {
+    let pairs = path.windows(2).map(|pair| (pair[0].at, pair[1].at));
+    let alone = path.last().map(|last| (last.at, last.at));
     pairs
         .chain(alone)
         .any(|(a, b)| away_m(center, a, b) < distance_m)

@@ -1,6 +1,6 @@
 //! From the flight that is judged back to the one that is flown.
 
-use crate::cli::replan::course::Course;
+use super::state::VehicleState;
 use crate::geodesy::Amsl;
 use crate::verify::Moment;
 
@@ -16,11 +16,11 @@ pub(super) struct Origin {
 }
 
 impl Origin {
-    pub(super) fn new(course: &Course, from_s: f64, rows: Vec<usize>) -> Self {
+    pub(super) fn new(state: &VehicleState, from_s: f64, rows: Vec<usize>) -> Self {
         Self {
             from_s,
-            amsl: course.here.amsl,
-            at: course.at + 1,
+            amsl: state.here.amsl,
+            at: state.at + 1,
             rows,
         }
     }

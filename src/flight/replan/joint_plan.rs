@@ -5,22 +5,21 @@
 //! there on everything is as it will be flown. What is verified of a vehicle are the items
 //! that it has before it, those that it keeps and the new ones.
 
-mod kept;
-mod origin;
+mod unaffected;
 
-use super::course::{Course, Parting};
-use super::renewed::{Renewed, Replanned, head_len};
-use super::situation::{GivenUp, Situation};
+use super::assessment::{Assessment, NoPath};
+use super::item_rows::Origin;
+use super::new_mission::{NewMission, head_len};
+use super::state::{Branch, VehicleState};
 use crate::cost::Margins;
-use crate::flight::Reference;
+use crate::flight::conformance::reference::Reference;
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, VehicleMission};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{AltitudeReference, EndPoint, Finish, MissionSpec, Placement, Vehicle};
-use crate::verify::{self, Margin};
+use crate::verify::{self, Margin, Review};
 use crate::world::{Stations, World};
-use origin::Origin;
 
 /// Evaluations for each leg: a new path is wanted now.
 const EVALUATIONS: usize = 6000;
@@ -29,20 +28,23 @@ const EVALUATIONS: usize = 6000;
 const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
 
 /// Plans the concerned around the threat and around everyone else, and judges all of it. Those
-/// for whom there is no path keep their course, so that the others have one.
-pub(super) fn replan(situation: &mut Situation<'_>, given_up: &mut GivenUp) -> Replanned {
+/// for whom there is no path keep their state, so that the others have one.
+pub(super) fn replan(
+    situation: &mut Assessment<'_>,
+    no_path: &mut NoPath,
+) -> (Vec<NewMission>, Review) {
     loop {
         let mut hands = HANDS.into_iter();
         let mut found = Present::of(situation).replan(hands.next().unwrap_or(1.0));
         for hand in hands {
-            if situation.is_sound(&found.review) {
+            if situation.is_sound(&found.1) {
                 break;
             }
             found = Present::of(situation).replan(hand);
         }
-        if situation.is_sound(&found.review) || !situation.give_up(&found.review, given_up) {
-            situation.leave_to_the_plan(&mut found.review);
-            situation.name_what_is_broken(&found.review);
+        if situation.is_sound(&found.1) || !situation.give_up(&found.1, no_path) {
+            situation.drop_verified_limits(&mut found.1);
+            situation.correct_unavoidable(&found.1);
             return found;
         }
     }
@@ -50,7 +52,7 @@ pub(super) fn replan(situation: &mut Situation<'_>, given_up: &mut GivenUp) -> R
 
 /// The spec and the world as they are now, vehicle by vehicle.
 struct Present<'a> {
-    given: &'a Situation<'a>,
+    given: &'a Assessment<'a>,
     spec: MissionSpec,
     world: World,
     plan: FleetPlan,
@@ -62,8 +64,8 @@ struct Present<'a> {
 }
 
 impl<'a> Present<'a> {
-    fn of(given: &'a Situation<'a>) -> Self {
-        let (spec, world) = (&given.sorties.file.spec, &given.sorties.world);
+    fn of(given: &'a Assessment<'a>) -> Self {
+        let (spec, world) = (given.plan.spec(), &given.plan.world);
         let mut present = Self {
             given,
             spec: MissionSpec {
@@ -84,9 +86,9 @@ impl<'a> Present<'a> {
         // Altitudes above home would be above a home that is none.
         present.spec.mission.altitude = AltitudeReference::Amsl;
         present.spec.planner.evaluations = EVALUATIONS.min(spec.planner.evaluations);
-        let climb_s = |course: &Course| {
-            let height_m = course.here.amsl.0 - ground(world, course.here).0;
-            height_m.max(0.0) / spec.vehicles[course.vehicle].climb_mps
+        let climb_s = |state: &VehicleState| {
+            let height_m = state.here.amsl.0 - ground(world, state.here).0;
+            height_m.max(0.0) / spec.vehicles[state.vehicle].climb_mps
         };
         let all = given
             .others
@@ -97,30 +99,30 @@ impl<'a> Present<'a> {
         present
     }
 
-    fn replan(mut self, hand: f64) -> Replanned {
+    fn replan(mut self, hand: f64) -> (Vec<NewMission>, Review) {
         let given = self.given;
-        for course in &given.others {
-            if course.stands {
-                self.keep_standing(course);
-            } else if course.in_mission {
-                self.keep(course);
+        for state in &given.others {
+            if state.stands {
+                self.keep_standing(state);
+            } else if state.in_mission {
+                self.keep(state);
             } else {
-                self.keep_place(course);
+                self.keep_place(state);
             }
         }
         let mut renewed = Vec::new();
-        for (course, parting) in &given.concerned {
-            renewed.extend(self.renew(course, parting, hand));
+        for (state, branch) in &given.concerned {
+            renewed.extend(self.renew(state, branch, hand));
         }
         self.judge(renewed)
     }
 
-    fn vehicle(&self, course: &Course) -> &'a Vehicle {
-        &self.given.sorties.file.spec.vehicles[course.vehicle]
+    fn vehicle(&self, state: &VehicleState) -> &'a Vehicle {
+        &self.given.plan.spec().vehicles[state.vehicle]
     }
 
-    fn problem(&mut self, course: &Course, what: &str, why: impl Into<String>) {
-        let id = &self.vehicle(course).id;
+    fn problem(&mut self, state: &VehicleState, what: &str, why: impl Into<String>) {
+        let id = &self.vehicle(state).id;
         self.problems.push(Margin::unjudged(id, what, why));
     }
 
@@ -181,8 +183,8 @@ impl<'a> Present<'a> {
         self.origins.push(origin);
     }
 
-    fn route(&self, course: &Course, path: &[PlanPoint], at_s: f64) -> Route {
-        let vehicle = self.vehicle(course);
+    fn route(&self, state: &VehicleState, path: &[PlanPoint], at_s: f64) -> Route {
+        let vehicle = self.vehicle(state);
         Route {
             control_points: Vec::new(),
             path: time_route(path, at_s, vehicle.speed_mps, vehicle.accel_mps2),
@@ -199,40 +201,44 @@ impl<'a> Present<'a> {
         Ok(built)
     }
 
-    /// A new path from where a concerned vehicle parts from its course.
-    fn renew(&mut self, course: &Course, parting: &Parting, hand: f64) -> Option<Renewed> {
-        let vehicle = self.vehicle(course);
+    /// A new path from where a concerned vehicle parts from its state.
+    fn renew(&mut self, state: &VehicleState, branch: &Branch, hand: f64) -> Option<NewMission> {
+        let vehicle = self.vehicle(state);
         let now_s = self.now_s;
-        let at_s = now_s + parting.way_m / vehicle.speed_mps;
-        let mut legs = self.search(course, parting, at_s, hand);
-        let kept: Vec<PlanPoint> = course.points().into_iter().take(parting.kept + 1).collect();
-        let turn = kept.last().copied().unwrap_or(course.here);
+        let at_s = now_s + branch.distance_m / vehicle.speed_mps;
+        let mut legs = self.search(state, branch, at_s, hand);
+        let kept: Vec<PlanPoint> = state
+            .points()
+            .into_iter()
+            .take(branch.retained + 1)
+            .collect();
+        let turn = kept.last().copied().unwrap_or(state.here);
         let last = legs.last().and_then(|leg| leg.last()).copied()?;
         legs.first_mut()?.insert(0, turn);
         // The new items begin where the last one that is kept lies.
-        self.add(vehicle, (turn, last), course.lands, at_s);
+        self.add(vehicle, (turn, last), state.lands, at_s);
         let index = self.spec.vehicles.len() - 1;
         let routes: Vec<Vec<TimedPoint>> = legs
             .iter()
-            .map(|leg| self.route(course, leg, at_s).path)
+            .map(|leg| self.route(state, leg, at_s).path)
             .collect();
         let built = mission::build_course(&self.spec, &self.world, index, &routes, routes.len());
         self.drop_last();
-        self.add(vehicle, (course.here, last), course.lands, now_s);
-        let straight = self.route(course, &[course.here, last], now_s).path;
+        self.add(vehicle, (state.here, last), state.lands, now_s);
+        let straight = self.route(state, &[state.here, last], now_s).path;
         let (built, head) = match built.and_then(|built| Ok((built, self.head(&[straight])?))) {
             Ok(found) => found,
             Err(error) => {
                 self.drop_last();
-                self.problem(course, "encoding", error.to_string());
+                self.problem(state, "encoding", error.to_string());
                 return None;
             }
         };
         let mut new: Vec<Item> = built.items[head_len(&built.items)..].to_vec();
-        let renewed = Renewed::new(course, parting, &head, &mut new, &self.world);
+        let renewed = NewMission::new(state, branch, &head, &mut new, &self.world);
         let mut judged = head;
-        let mut rows = vec![course.at + 1; judged.items.len()];
-        judged.items.extend(course.items_kept(parting));
+        let mut rows = vec![state.at + 1; judged.items.len()];
+        judged.items.extend(state.retained_items(branch));
         judged.items.extend(new);
         let first = renewed.as_ref().map_or(0, |renewed| renewed.ahead);
         rows.extend((first + 1..).take(judged.items.len() - rows.len()));
@@ -240,11 +246,11 @@ impl<'a> Present<'a> {
             .into_iter()
             .chain(legs.concat().into_iter().skip(1))
             .collect();
-        let route = self.route(course, &whole, now_s);
-        self.settle(vec![route], judged, Origin::new(course, now_s, rows));
+        let route = self.route(state, &whole, now_s);
+        self.settle(vec![route], judged, Origin::new(state, now_s, rows));
         if renewed.is_none() {
             let why = "its items ahead are not one after the other";
-            self.problem(course, "items ahead", why);
+            self.problem(state, "items ahead", why);
         }
         renewed
     }
@@ -252,8 +258,8 @@ impl<'a> Present<'a> {
     /// New paths, leg by leg, around those that are in the fleet already.
     fn search(
         &mut self,
-        course: &Course,
-        parting: &Parting,
+        state: &VehicleState,
+        branch: &Branch,
         mut at_s: f64,
         hand: f64,
     ) -> Vec<Vec<PlanPoint>> {
@@ -266,11 +272,11 @@ impl<'a> Present<'a> {
             turn_fraction: 0.1,
             climb_fraction: 0.05,
         };
-        let legs = course.legs(parting);
+        let legs = state.routes(branch);
         let mut paths = Vec::new();
         for (number, leg) in legs.iter().enumerate() {
             let is_last = number + 1 == legs.len();
-            self.add(self.vehicle(course), *leg, is_last && course.lands, at_s);
+            self.add(self.vehicle(state), *leg, is_last && state.lands, at_s);
             let request = Request {
                 seed: self.plan.seed,
                 margins: vec![margins; self.spec.vehicles.len()],
@@ -292,7 +298,7 @@ impl<'a> Present<'a> {
     }
 
     /// Judges everyone together, and times the new plans by that.
-    fn judge(self, mut renewed: Vec<Renewed>) -> Replanned {
+    fn judge(self, mut renewed: Vec<NewMission>) -> (Vec<NewMission>, Review) {
         let judged: Vec<(usize, &VehicleMission)> = self.missions.iter().enumerate().collect();
         let mut review = verify::review(&self.spec, &self.world, &judged);
         review.margins.extend(self.problems);
@@ -317,7 +323,7 @@ impl<'a> Present<'a> {
             }
             at.t_s += shift_s;
         }
-        Replanned { renewed, review }
+        (renewed, review)
     }
 }
 

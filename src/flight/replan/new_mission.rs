@@ -1,58 +1,53 @@
-//! The new mission of a vehicle in flight, as it is sent and as its flight is held against it.
+//! The new mission of a vehicle in flight, and the plan that its flight is judged by.
 
-use super::course::{Course, Parting, is_takeoff};
-use crate::flight::{Plan, Reference, Waypoint};
+use super::state::{Branch, VehicleState, is_takeoff};
+use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::record::Plan;
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::mission::{Item, VehicleMission, command};
 use crate::spec::Autopilot;
-use crate::verify::Review;
 use crate::world::World;
 
-/// A vehicle's new mission.
-pub(super) struct Renewed {
+/// The new mission of a vehicle.
+#[derive(Debug)]
+pub struct NewMission {
     /// Its index in the spec.
-    pub(super) vehicle: usize,
-    /// What it is sent.
-    pub(super) mission: VehicleMission,
+    pub vehicle: usize,
+    /// The mission as it is sent.
+    pub mission: VehicleMission,
     /// Index of the first item ahead, and of the first that is new.
     pub(super) ahead: usize,
     pub(super) new: usize,
     /// Where the leg to the first item ahead begins.
     pub(super) origin: PlanPoint,
-    /// What its flight is held against from then on.
+    /// The plan that its flight is judged by from then on.
     pub(super) plan: Plan,
 }
 
-/// What came of it.
-pub(super) struct Replanned {
-    pub(super) renewed: Vec<Renewed>,
-    pub(super) review: Review,
-}
-
-impl Renewed {
+impl NewMission {
     /// The new mission as the vehicle is sent it. ArduPilot keeps the items that it has
     /// flown, and with them its place in the list; PX4 gets what lies ahead.
     pub(super) fn new(
-        course: &Course,
-        parting: &Parting,
+        state: &VehicleState,
+        branch: &Branch,
         head: &VehicleMission,
         new: &mut Vec<Item>,
         world: &World,
     ) -> Option<Self> {
-        let (held, kept_end) = (&course.held, course.kept_end(parting));
+        let (held, retained_end) = (&state.held, state.retained_end(branch));
         let begin = match held.autopilot {
             Autopilot::ArduPilot => 0,
-            Autopilot::Px4 => course.at,
+            Autopilot::Px4 => state.at,
         };
-        let first = kept_end - parting.kept;
-        let is_contiguous = course
+        let first = retained_end - branch.retained;
+        let is_contiguous = state
             .ahead
             .first()
-            .is_none_or(|(index, _)| parting.kept == 0 || *index == first);
-        let before = held.items.get(begin..kept_end)?;
+            .is_none_or(|(index, _)| branch.retained == 0 || *index == first);
+        let before = held.items.get(begin..retained_end)?;
         if before.len() + new.len() == held.items.len() {
             // Another number of items tells the vehicle's plans apart.
-            split(new, course, parting, world);
+            split(new, state, branch, world);
         }
         let mission = VehicleMission {
             home: held.home,
@@ -62,14 +57,14 @@ impl Renewed {
         let frame = world.frame;
         let items = mission.items.len();
         (is_contiguous && first >= begin).then(|| Self {
-            vehicle: course.vehicle,
+            vehicle: state.vehicle,
             mission,
             ahead: first - begin,
-            new: kept_end - begin,
-            origin: course.origin,
+            new: retained_end - begin,
+            origin: state.origin,
             plan: Plan {
                 items,
-                reference: Reference::of_waypoints(Vec::new(), (0.0, course.lands), frame),
+                reference: Reference::of_waypoints(Vec::new(), (0.0, state.lands), frame),
             },
         })
     }
@@ -110,8 +105,8 @@ pub(super) fn head_len(items: &[Item]) -> usize {
 }
 
 /// Puts a waypoint into the middle of the first new leg, on it.
-fn split(new: &mut Vec<Item>, course: &Course, parting: &Parting, world: &World) {
-    let before = course.points().get(parting.kept).copied();
+fn split(new: &mut Vec<Item>, state: &VehicleState, branch: &Branch, world: &World) {
+    let before = state.points().get(branch.retained).copied();
     let (Some(before), Some(&first)) = (before, new.first()) else {
         return;
     };
