@@ -13,7 +13,7 @@ use crate::spec::{
     Airframe, Area, Autopilot, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
     OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
 };
-use crate::world::{Disc, Ground, Stations, Terrain, World};
+use crate::world::{Departure, Disc, Ground, Stations, Terrain, World};
 
 /// Samples at which a result is judged.
 pub(super) const JUDGED_SAMPLES: usize = 2001;
@@ -136,6 +136,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
             .vehicles
             .iter()
             .map(|mover| Stations {
+                departure: Departure::Ground,
                 home: on_ground(mover.start.at),
                 start: mover.start,
                 goal: mover.goal,

@@ -2,7 +2,7 @@
 //! gets further than the speed takes it that it tells itself.
 
 use super::limits::{Bound, moment};
-use super::proof::{BESIDE_M, at_its_fastest};
+use super::proof::{CROSS_TRACK_M, at_its_fastest};
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::Fix;
 use crate::spec::{Airframe, Vehicle};
@@ -63,11 +63,11 @@ impl FlownTrack<'_> {
         } = *vehicle;
         let paces = [
             self.pace("ground speed held", &stretches, |of| {
-                (of.across_m, by(fastest_mps, of) + BESIDE_M)
+                (of.across_m, by(fastest_mps, of) + CROSS_TRACK_M)
             }),
             self.pace("ground covered by its own speed", &stretches, |of| {
                 let own_m = of.own_m + of.fastest_mps * off_s;
-                (of.across_m, OWN * own_m + BESIDE_M)
+                (of.across_m, OWN * own_m + CROSS_TRACK_M)
             }),
             self.pace("climb rate held", &stretches, |of| {
                 (of.up_m, climbs(climb_mps, of))

@@ -1,72 +1,69 @@
-//! New paths for those who meet the threat, and the verdict on all of them together.
+//! New paths for the vehicles that meet a threat, and the verdict on the whole fleet together.
 //!
-//! Planning and verdict know flights from the ground up. A vehicle in the air is given to
-//! them as one that takes off right below where it is, so early that it is there now: from
-//! there on everything is as it will be flown. What is verified of a vehicle are the items
-//! that it has before it, those that it keeps and the new ones.
+//! The spec and the world of a joint plan hold the fleet as it is now: every vehicle in the air
+//! departs from where it is. The verdict judges the items that a vehicle has ahead: those that it
+//! retains and the new ones.
 
 mod unaffected;
 
 use super::assessment::{Assessment, NoPath};
-use super::item_rows::Origin;
 use super::new_mission::{NewMission, head_len};
 use super::state::{Branch, VehicleState};
 use crate::cost::Margins;
 use crate::flight::conformance::reference::Reference;
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::mission::{self, Item, VehicleMission};
-use crate::path::{TimedPoint, route_start_s, time_route};
+use crate::mission::{self, Item, MissionError, VehicleMission};
+use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{AltitudeReference, EndPoint, Finish, MissionSpec, Placement, Vehicle};
+use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::verify::{self, Margin, Review};
 use crate::world::{Stations, World};
 
-/// Evaluations for each leg: a new path is wanted now.
+/// Evaluations for each route: a new path must come soon.
 const EVALUATIONS: usize = 6000;
-/// What is kept in hand of every distance, in tolerances of the mission: waypoint legs may
-/// leave the path by one. What fails is planned again with more.
-const HANDS: [f64; 3] = [1.5, 3.0, 6.0];
+/// Buffers of every distance, in tolerances of the mission: waypoint legs may leave the path by
+/// one. A plan that fails is made again with the next.
+const BUFFERS: [f64; 3] = [1.5, 3.0, 6.0];
 
-/// Plans the concerned around the threat and around everyone else, and judges all of it. Those
-/// for whom there is no path keep their state, so that the others have one.
+/// Plans the concerned vehicles around the threat and around all others, and judges everything.
+/// A vehicle without a path keeps its present one, so that the others have one.
 pub(super) fn replan(
-    situation: &mut Assessment<'_>,
+    given: &mut Assessment<'_>,
     no_path: &mut NoPath,
 ) -> (Vec<NewMission>, Review) {
     loop {
-        let mut hands = HANDS.into_iter();
-        let mut found = Present::of(situation).replan(hands.next().unwrap_or(1.0));
-        for hand in hands {
-            if situation.is_sound(&found.1) {
+        let mut buffers = BUFFERS.into_iter();
+        let mut found = JointPlan::of(given).replan(buffers.next().unwrap_or(1.0));
+        for buffer in buffers {
+            if given.is_sound(&found.1) {
                 break;
             }
-            found = Present::of(situation).replan(hand);
+            found = JointPlan::of(given).replan(buffer);
         }
-        if situation.is_sound(&found.1) || !situation.give_up(&found.1, no_path) {
-            situation.drop_verified_limits(&mut found.1);
-            situation.correct_unavoidable(&found.1);
+        if given.is_sound(&found.1) || !given.give_up(&found.1, no_path) {
+            given.drop_verified_limits(&mut found.1);
+            given.correct_unavoidable(&found.1);
             return found;
         }
     }
 }
 
-/// The spec and the world as they are now, vehicle by vehicle.
-struct Present<'a> {
+/// The fleet as it is now, vehicle by vehicle: spec, world, paths and missions have one order.
+struct JointPlan<'a> {
     given: &'a Assessment<'a>,
     spec: MissionSpec,
     world: World,
     plan: FleetPlan,
     missions: Vec<VehicleMission>,
-    origins: Vec<Origin>,
+    /// Of each vehicle the row that it flies to, and the row on board of each judged item.
+    rows: Vec<(usize, Vec<usize>)>,
     problems: Vec<Margin>,
-    /// Now, on the clock of the verdict: everyone has had the time to rise.
-    now_s: f64,
 }
 
-impl<'a> Present<'a> {
+impl<'a> JointPlan<'a> {
     fn of(given: &'a Assessment<'a>) -> Self {
         let (spec, world) = (given.plan.spec(), &given.plan.world);
-        let mut present = Self {
+        let mut joint = Self {
             given,
             spec: MissionSpec {
                 vehicles: Vec::new(),
@@ -78,47 +75,34 @@ impl<'a> Present<'a> {
                 vehicles: Vec::new(),
             },
             missions: Vec::new(),
-            origins: Vec::new(),
+            rows: Vec::new(),
             problems: Vec::new(),
-            now_s: 0.0,
         };
-        present.world.stations.clear();
-        // Altitudes above home would be above a home that is none.
-        present.spec.mission.altitude = AltitudeReference::Amsl;
-        present.spec.planner.evaluations = EVALUATIONS.min(spec.planner.evaluations);
-        let climb_s = |state: &VehicleState| {
-            let height_m = state.here.amsl.0 - ground(world, state.here).0;
-            height_m.max(0.0) / spec.vehicles[state.vehicle].climb_mps
-        };
-        let all = given
-            .others
-            .iter()
-            .chain(given.concerned.iter().map(|of| &of.0));
-        let longest_s = all.map(climb_s).fold(0.0, f64::max);
-        present.now_s = longest_s.ceil() + 1.0;
-        present
+        joint.world.stations.clear();
+        // An altitude AMSL is the same whatever home the autopilot has taken.
+        joint.spec.mission.altitude = AltitudeReference::Amsl;
+        joint.spec.planner.evaluations = EVALUATIONS.min(spec.planner.evaluations);
+        joint
     }
 
-    fn replan(mut self, hand: f64) -> (Vec<NewMission>, Review) {
+    fn replan(mut self, buffer: f64) -> (Vec<NewMission>, Review) {
         let given = self.given;
         for state in &given.others {
             if state.stands {
-                self.keep_standing(state);
-            } else if state.in_mission {
-                self.keep(state);
+                self.add_standing(state);
             } else {
-                self.keep_place(state);
+                self.add_unaffected(state);
             }
         }
-        let mut renewed = Vec::new();
+        let mut new = Vec::new();
         for (state, branch) in &given.concerned {
-            renewed.extend(self.renew(state, branch, hand));
+            new.extend(self.add_diverted(state, branch, buffer));
         }
-        self.judge(renewed)
+        self.judge(new)
     }
 
     fn vehicle(&self, state: &VehicleState) -> &'a Vehicle {
-        &self.given.plan.spec().vehicles[state.vehicle]
+        self.given.plan.vehicle(state.vehicle)
     }
 
     fn problem(&mut self, state: &VehicleState, what: &str, why: impl Into<String>) {
@@ -126,39 +110,26 @@ impl<'a> Present<'a> {
         self.problems.push(Margin::unjudged(id, what, why));
     }
 
-    /// A vehicle that flies from one point to another, and is at the first at a time.
+    /// Adds a vehicle that flies from where it departs to another point.
     fn add(
         &mut self,
-        vehicle: &Vehicle,
+        state: &VehicleState,
         (from, to): (PlanPoint, PlanPoint),
         lands: bool,
-        at_s: f64,
+        departure: Departure,
     ) {
-        let end = |point: PlanPoint| EndPoint {
-            place: self.world.frame.from_plan(point.at),
-            altitude: Placement::Amsl(point.amsl),
-        };
-        let stations = Stations {
-            home: PlanPoint {
-                amsl: ground(&self.world, from),
-                ..from
-            },
+        self.spec.vehicles.push(Vehicle {
+            finish: if lands { Finish::Land } else { Finish::Loiter },
+            ..self.vehicle(state).clone()
+        });
+        self.world.stations.push(Stations {
+            departure,
             start: from,
             goal: to,
             landing: to.at,
             goal_ground: ground(&self.world, to),
-        };
-        let mut added = Vehicle {
-            home: self.world.frame.from_plan(from.at),
-            start: end(from),
-            goal: end(to),
-            finish: if lands { Finish::Land } else { Finish::Loiter },
-            depart_s: 0.0,
-            ..vehicle.clone()
-        };
-        added.depart_s = (at_s - route_start_s(&added, &stations)).max(0.0);
-        self.spec.vehicles.push(added);
-        self.world.stations.push(stations);
+            ..self.given.plan.world.stations[state.vehicle]
+        });
     }
 
     fn drop_last(&mut self) {
@@ -166,117 +137,149 @@ impl<'a> Present<'a> {
         self.world.stations.pop();
     }
 
-    /// Takes the last vehicle that was added into the fleet, with its way and its items.
-    fn settle(&mut self, routes: Vec<Route>, mission: VehicleMission, origin: Origin) {
-        let (depart_s, speed_mps) = self
-            .spec
-            .vehicles
-            .last()
-            .map_or((0.0, 0.0), |added| (added.depart_s, added.speed_mps));
+    /// Commits the path and the items of the last vehicle that was added; `rows` are the rows on
+    /// board of the items.
+    fn commit(
+        &mut self,
+        state: &VehicleState,
+        path: &[PlanPoint],
+        mission: VehicleMission,
+        rows: Vec<usize>,
+    ) {
+        let Some(added) = self.spec.vehicles.last() else {
+            return;
+        };
         self.plan.vehicles.push(VehiclePlan {
-            depart_s,
-            speed_mps,
-            routes,
+            depart_s: added.depart_s,
+            speed_mps: added.speed_mps,
+            routes: vec![self.route(state, path)],
             ..VehiclePlan::default()
         });
         self.missions.push(mission);
-        self.origins.push(origin);
+        self.rows.push((state.at + 1, rows));
     }
 
-    fn route(&self, state: &VehicleState, path: &[PlanPoint], at_s: f64) -> Route {
+    /// A path of the last vehicle that was added, timed from its departure.
+    fn route(&self, state: &VehicleState, path: &[PlanPoint]) -> Route {
         let vehicle = self.vehicle(state);
+        let departure = self.world.stations.last().map(|of| of.departure);
+        let begin = match departure.unwrap_or_default() {
+            Departure::Airborne {
+                at_s, speed_mps, ..
+            } => (at_s, speed_mps),
+            Departure::Ground => (vehicle.depart_s, 0.0),
+        };
         Route {
             control_points: Vec::new(),
-            path: time_route(path, at_s, vehicle.speed_mps, vehicle.accel_mps2),
+            path: time_route_from(path, begin, vehicle.speed_mps, vehicle.accel_mps2),
         }
     }
 
-    /// The last vehicle that was added as it takes off: delay, takeoff, speed. The items
-    /// that follow are another's.
-    fn head(&self, routes: &[Vec<TimedPoint>]) -> Result<VehicleMission, mission::MissionError> {
-        let index = self.spec.vehicles.len().saturating_sub(1);
-        let mut built =
-            mission::build_course(&self.spec, &self.world, index, routes, routes.len())?;
-        built.items.truncate(head_len(&built.items));
-        Ok(built)
-    }
-
-    /// A new path from where a concerned vehicle parts from its state.
-    fn renew(&mut self, state: &VehicleState, branch: &Branch, hand: f64) -> Option<NewMission> {
-        let vehicle = self.vehicle(state);
-        let now_s = self.now_s;
-        let at_s = now_s + branch.distance_m / vehicle.speed_mps;
-        let mut legs = self.search(state, branch, at_s, hand);
-        let kept: Vec<PlanPoint> = state
+    /// Adds a vehicle with a new path from where it branches off its present one.
+    fn add_diverted(
+        &mut self,
+        state: &VehicleState,
+        branch: &Branch,
+        buffer: f64,
+    ) -> Option<NewMission> {
+        let retained: Vec<PlanPoint> = state
             .points()
             .into_iter()
             .take(branch.retained + 1)
             .collect();
-        let turn = kept.last().copied().unwrap_or(state.here);
-        let last = legs.last().and_then(|leg| leg.last()).copied()?;
-        legs.first_mut()?.insert(0, turn);
-        // The new items begin where the last one that is kept lies.
-        self.add(vehicle, (turn, last), state.lands, at_s);
-        let index = self.spec.vehicles.len() - 1;
-        let routes: Vec<Vec<TimedPoint>> = legs
-            .iter()
-            .map(|leg| self.route(state, leg, at_s).path)
-            .collect();
-        let built = mission::build_course(&self.spec, &self.world, index, &routes, routes.len());
-        self.drop_last();
-        self.add(vehicle, (state.here, last), state.lands, now_s);
-        let straight = self.route(state, &[state.here, last], now_s).path;
-        let (built, head) = match built.and_then(|built| Ok((built, self.head(&[straight])?))) {
-            Ok(found) => found,
+        let turn = retained.last().copied().unwrap_or(state.here);
+        let mut routes = self.search(state, branch, (turn, buffer));
+        let last = routes.last().and_then(|route| route.last()).copied()?;
+        routes.first_mut()?.insert(0, turn);
+        let built = match self.encode(state, &routes) {
+            Ok(built) => built,
             Err(error) => {
-                self.drop_last();
                 self.problem(state, "encoding", error.to_string());
                 return None;
             }
         };
-        let mut new: Vec<Item> = built.items[head_len(&built.items)..].to_vec();
-        let renewed = NewMission::new(state, branch, &head, &mut new, &self.world);
-        let mut judged = head;
-        let mut rows = vec![state.at + 1; judged.items.len()];
-        judged.items.extend(state.retained_items(branch));
-        judged.items.extend(new);
-        let first = renewed.as_ref().map_or(0, |renewed| renewed.ahead);
-        rows.extend((first + 1..).take(judged.items.len() - rows.len()));
-        let whole: Vec<PlanPoint> = kept
-            .into_iter()
-            .chain(legs.concat().into_iter().skip(1))
+        let head = head_len(&built.items);
+        let mut new: Vec<Item> = built.items[head..].to_vec();
+        let found = NewMission::new(state, branch, &built, &mut new, &self.world);
+        let mut items = built.items[..head].to_vec();
+        items.extend(state.retained_items(branch));
+        items.extend(new);
+        let first = found.as_ref().map_or(0, |found| found.ahead);
+        let rows = (first + 1..).take(items.len() - head);
+        let rows = std::iter::repeat_n(state.at + 1, head)
+            .chain(rows)
             .collect();
-        let route = self.route(state, &whole, now_s);
-        self.settle(vec![route], judged, Origin::new(state, now_s, rows));
-        if renewed.is_none() {
+        let path: Vec<PlanPoint> = retained
+            .into_iter()
+            .chain(routes.concat().into_iter().skip(1))
+            .collect();
+        let departure = state.departure(self.given.now_s);
+        self.add(state, (state.here, last), state.lands, departure);
+        self.commit(state, &path, VehicleMission { items, ..built }, rows);
+        if found.is_none() {
             let why = "its items ahead are not one after the other";
             self.problem(state, "items ahead", why);
         }
-        renewed
+        found
     }
 
-    /// New paths, leg by leg, around those that are in the fleet already.
+    /// The items of new routes: they begin where the last item that is retained lies.
+    fn encode(
+        &mut self,
+        state: &VehicleState,
+        routes: &[Vec<PlanPoint>],
+    ) -> Result<VehicleMission, MissionError> {
+        let mut points = routes.iter().flatten();
+        let from = points.next().copied().unwrap_or(state.here);
+        let to = points.next_back().copied().unwrap_or(from);
+        let departure = Departure::Airborne {
+            point: from,
+            course_rad: 0.0,
+            speed_mps: 0.0,
+            at_s: self.given.now_s,
+        };
+        self.add(state, (from, to), state.lands, departure);
+        let index = self.spec.vehicles.len() - 1;
+        let routes: Vec<Vec<TimedPoint>> = routes
+            .iter()
+            .map(|route| self.route(state, route).path)
+            .collect();
+        let built = mission::build_course(&self.spec, &self.world, index, &routes, routes.len());
+        self.drop_last();
+        built
+    }
+
+    /// Searches new routes, one after the other, around the vehicles that were added before.
     fn search(
         &mut self,
         state: &VehicleState,
         branch: &Branch,
-        mut at_s: f64,
-        hand: f64,
+        (turn, buffer): (PlanPoint, f64),
     ) -> Vec<Vec<PlanPoint>> {
-        let hand_m = hand * self.spec.mission.tolerance_m;
+        let buffer_m = buffer * self.spec.mission.tolerance_m;
         let margins = Margins {
-            clearance_m: hand_m,
-            threat_m: hand_m,
-            separation_m: 2.0 * hand_m,
+            clearance_m: buffer_m,
+            threat_m: buffer_m,
+            separation_m: 2.0 * buffer_m,
             shift_s: 0.0,
             turn_fraction: 0.1,
             climb_fraction: 0.05,
         };
-        let legs = state.routes(branch);
+        let cruise_mps = self.vehicle(state).speed_mps;
+        let mut at_s = self.given.now_s + branch.distance_m / cruise_mps;
+        // It passes the branch, and rests where it turns back.
+        let mut speed_mps = cruise_mps;
+        let ends = state.routes(branch);
         let mut paths = Vec::new();
-        for (number, leg) in legs.iter().enumerate() {
-            let is_last = number + 1 == legs.len();
-            self.add(self.vehicle(state), *leg, is_last && state.lands, at_s);
+        for (number, (from, to)) in ends.iter().copied().enumerate() {
+            let is_last = number + 1 == ends.len();
+            let departure = Departure::Airborne {
+                point: from,
+                course_rad: heading_rad(turn.at, from.at),
+                speed_mps,
+                at_s,
+            };
+            self.add(state, (from, to), is_last && state.lands, departure);
             let request = Request {
                 seed: self.plan.seed,
                 margins: vec![margins; self.spec.vehicles.len()],
@@ -291,43 +294,40 @@ impl<'a> Present<'a> {
                 .get(first)
                 .map(VehiclePlan::path)
                 .unwrap_or_default();
-            at_s = timed.last().map_or(at_s, |last| last.t_s);
+            (at_s, speed_mps) = (timed.last().map_or(at_s, |last| last.t_s), 0.0);
             paths.push(timed.iter().map(|timed| timed.point).collect());
         }
         paths
     }
 
-    /// Judges everyone together, and times the new plans by that.
-    fn judge(self, mut renewed: Vec<NewMission>) -> (Vec<NewMission>, Review) {
+    /// Judges the whole fleet, and takes the times of the new plans from the verdict.
+    fn judge(self, mut new: Vec<NewMission>) -> (Vec<NewMission>, Review) {
         let judged: Vec<(usize, &VehicleMission)> = self.missions.iter().enumerate().collect();
         let mut review = verify::review(&self.spec, &self.world, &judged);
         review.margins.extend(self.problems);
-        let others = self.missions.len() - renewed.len().min(self.missions.len());
-        let shift_s = self.given.now_s - self.now_s;
-        for (renewed, index) in renewed.iter_mut().zip(others..) {
+        let others = self.missions.len() - new.len().min(self.missions.len());
+        for (new, index) in new.iter_mut().zip(others..) {
             if let (Some(mission), Some(track)) =
                 (self.missions.get(index), review.tracks.get(index))
             {
                 let judged = Reference::new(mission, track, &self.world);
-                let head = head_len(&mission.items);
-                renewed.time(&judged, head, (self.given.now_s, shift_s), &self.world);
+                new.time(&judged, head_len(&mission.items), self.given.now_s);
             }
         }
-        // From here on items, places and times are those of the flight.
         for margin in &mut review.margins {
             let Some(at) = &mut margin.at else { continue };
             let mut vehicles = self.spec.vehicles.iter();
             let of = vehicles.position(|vehicle| vehicle.id == margin.vehicle);
-            if let Some(origin) = of.and_then(|of| self.origins.get(of)) {
-                origin.moment(at);
+            if let Some((current, rows)) = of.and_then(|of| self.rows.get(of)) {
+                let row = at.item.checked_sub(1).and_then(|row| rows.get(row));
+                at.item = *row.unwrap_or(current);
             }
-            at.t_s += shift_s;
         }
-        (renewed, review)
+        (new, review)
     }
 }
 
-/// The ground below a point; no data is not a number, and then nothing passes.
+/// The ground below a point; where there is no data it is not a number, and nothing passes.
 fn ground(world: &World, point: PlanPoint) -> Amsl {
     let place = world.frame.from_plan(point.at);
     world.terrain.height(place).unwrap_or(Amsl(f64::NAN))

@@ -8,7 +8,6 @@
 mod assessment;
 mod diversions;
 mod document;
-mod item_rows;
 mod joint_plan;
 mod new_mission;
 mod observation;

@@ -1,9 +1,9 @@
 //! The new mission of a vehicle in flight, and the plan that its flight is judged by.
 
-use super::state::{Branch, VehicleState, is_takeoff};
+use super::state::{Branch, VehicleState, is_takeoff, item_at};
 use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::record::Plan;
-use crate::geodesy::{EastNorth, PlanPoint};
+use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{Item, VehicleMission, command};
 use crate::spec::Autopilot;
 use crate::world::World;
@@ -25,8 +25,9 @@ pub struct NewMission {
 }
 
 impl NewMission {
-    /// The new mission as the vehicle is sent it. ArduPilot keeps the items that it has
-    /// flown, and with them its place in the list; PX4 gets what lies ahead.
+    /// The new mission as it is sent; none if the retained items are not one after the other. To
+    /// ArduPilot it begins with the items flown so far, so that the current item keeps its number;
+    /// to PX4 it begins with the current item.
     pub(super) fn new(
         state: &VehicleState,
         branch: &Branch,
@@ -46,7 +47,7 @@ impl NewMission {
             .is_none_or(|(index, _)| branch.retained == 0 || *index == first);
         let before = held.items.get(begin..retained_end)?;
         if before.len() + new.len() == held.items.len() {
-            // Another number of items tells the vehicle's plans apart.
+            // A record identifies the plan that a vehicle flies by its number of items.
             split(new, state, branch, world);
         }
         let mission = VehicleMission {
@@ -69,19 +70,12 @@ impl NewMission {
         })
     }
 
-    /// Takes the times of its plan from the flight that was verified, whose first items up to
-    /// `head` stand for where the vehicle is; `shift_s` leads from its clock to T0.
-    pub(super) fn time(
-        &mut self,
-        judged: &Reference,
-        head: usize,
-        (now_s, shift_s): (f64, f64),
-        world: &World,
-    ) {
+    /// Takes the times of its plan from the flight that was verified. The first `head` items of
+    /// that go nowhere; `now_s` is now, seconds after T0.
+    pub(super) fn time(&mut self, judged: &Reference, head: usize, now_s: f64) {
         let ahead = judged.waypoints.iter().filter(|w| w.item > head);
         let ahead = ahead.map(|waypoint| Waypoint {
             item: waypoint.item - head + self.ahead,
-            t_s: waypoint.t_s + shift_s,
             ..*waypoint
         });
         let origin = Waypoint {
@@ -92,19 +86,19 @@ impl NewMission {
         };
         self.plan.reference = Reference::of_waypoints(
             std::iter::once(origin).chain(ahead).collect(),
-            (judged.end_s + shift_s, judged.lands),
-            world.frame,
+            (judged.end_s, judged.lands),
+            *judged.frame(),
         );
     }
 }
 
-/// Items before the first that is flown to after a takeoff.
+/// Number of items before the first to which a vehicle in the air flies.
 pub(super) fn head_len(items: &[Item]) -> usize {
     let is_head = |item: &&Item| is_takeoff(item) || item.place().is_none();
     items.iter().take_while(is_head).count()
 }
 
-/// Puts a waypoint into the middle of the first new leg, on it.
+/// Inserts a waypoint in the middle of the first new leg.
 fn split(new: &mut Vec<Item>, state: &VehicleState, branch: &Branch, world: &World) {
     let before = state.points().get(branch.retained).copied();
     let (Some(before), Some(&first)) = (before, new.first()) else {
@@ -112,21 +106,12 @@ fn split(new: &mut Vec<Item>, state: &VehicleState, branch: &Branch, world: &Wor
     };
     let Some(place) = first.place() else { return };
     let (a, b) = (before.at, world.frame.to_plan(place));
-    let middle = world.frame.from_plan(EastNorth {
-        east_m: 0.5 * (a.east_m + b.east_m),
-        north_m: 0.5 * (a.north_m + b.north_m),
-    });
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "degrees in 1e-7 and metres as missions have them"
-    )]
-    let item = Item {
-        command: command::NAV_WAYPOINT,
-        params: [0.0, first.params[1], first.params[2], first.params[3]],
-        x: (middle.lat_deg * 1e7).round() as i32,
-        y: (middle.lon_deg * 1e7).round() as i32,
-        z: (0.5 * (before.amsl.0 + f64::from(first.z))) as f32,
-        ..first
-    };
+    let middle = PlanPoint::new(
+        0.5 * (a.east_m + b.east_m),
+        0.5 * (a.north_m + b.north_m),
+        Amsl(0.5 * (before.amsl.0 + f64::from(first.z))),
+    );
+    let params = [0.0, first.params[1], first.params[2], first.params[3]];
+    let item = item_at(&world.frame, command::NAV_WAYPOINT, params, middle);
     new.insert(0, item);
 }

@@ -4,11 +4,12 @@ use super::observation::ObservedVehicle;
 use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::session::modes;
-use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
 use crate::spec::Autopilot;
 use crate::verify::Track;
+use crate::world::Departure;
 
 /// Lower above its home than this a vehicle stands on the ground, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -24,10 +25,11 @@ pub struct VehicleState {
     pub(super) held: VehicleMission,
     /// Index of its current item.
     pub(super) at: usize,
-    /// Where it is; while it climbs to its route, the top of the climb.
+    /// Where it is.
     pub(super) here: PlanPoint,
-    /// How long it climbs to there, seconds.
-    pub(super) rises_s: f64,
+    /// Its course, radians clockwise from north, and its ground speed, m/s.
+    course_rad: f64,
+    speed_mps: f64,
     /// Whether its takeoff is not over: it must not be diverted low over the ground.
     pub(super) takes_off: bool,
     /// Its flown track since the threat came up.
@@ -44,8 +46,8 @@ pub struct VehicleState {
     pub stands: bool,
     /// Index into `ahead` of a goal at which it turns back.
     pub(super) via: Option<usize>,
-    /// Radius of the circle on which a wing ends its path, metres; 0 without one.
-    pub(super) circle_m: f64,
+    /// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.
+    stay_radius_m: f32,
 }
 
 /// Where a new path branches off the present one.
@@ -113,7 +115,7 @@ impl VehicleState {
         }
         let first = usize::from(planned.autopilot == Autopilot::Px4);
         let row = (usize::from(observed.seq) + first).max(1);
-        let mut here = point(plan, &observed.position);
+        let here = point(plan, &observed.position);
         let no_times = Track {
             vehicle: String::new(),
             moments: Vec::new(),
@@ -135,15 +137,14 @@ impl VehicleState {
         let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
         let origin = origin.map_or(here, |w| w.point);
         let stands = observed.position.above_home_m() < AIRBORNE_M;
-        let mut rises_s = 0.0;
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
-        if let (true, Some(&(_, top))) = (rising, ahead.first()) {
-            let climb_mps = plan.spec().vehicles[vehicle].climb_mps;
-            rises_s = (top.amsl.0 - here.amsl.0).max(0.0) / climb_mps;
-            here = PlanPoint { at: here.at, ..top };
-            ahead.remove(0);
+        if let (true, Some((_, top))) = (rising, ahead.first_mut()) {
+            top.at = here.at;
         }
-        let circle_m = waypoints.last().map_or(0.0, |last| last.radius_m);
+        let [north_cmps, east_cmps, _] = observed.position.velocity_cmps.map(f64::from);
+        let wing = plan.vehicle(vehicle).wing;
+        #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
+        let stay_radius_m = wing.map_or(0.0, |wing| wing.loiter_radius_m as f32);
         let station = plan.world.stations.get(vehicle);
         let via = station.and_then(|station| {
             let is_goal = |(_, point): &(usize, PlanPoint)| point.distance_m(station.goal) < GOAL_M;
@@ -155,7 +156,8 @@ impl VehicleState {
             held,
             at: row - 1,
             here,
-            rises_s,
+            course_rad: east_cmps.atan2(north_cmps),
+            speed_mps: observed.position.ground_speed_mps(),
             takes_off: rising,
             flown: threat_time.flown_track(plan, observed),
             in_mission: modes::is_mission(planned, observed.beat.custom_mode),
@@ -164,7 +166,7 @@ impl VehicleState {
             lands: reference.lands,
             stands,
             via,
-            circle_m,
+            stay_radius_m,
         })
     }
 
@@ -174,13 +176,14 @@ impl VehicleState {
         std::iter::once(self.here).chain(ahead).collect()
     }
 
-    /// Length of the path ahead in the air, metres.
-    pub(super) fn path_m(&self) -> f64 {
-        let points = self.points();
-        points
-            .windows(2)
-            .map(|pair| pair[0].distance_m(pair[1]))
-            .sum()
+    /// Its departure from where it is, at a time in seconds after T0.
+    pub(super) fn departure(&self, at_s: f64) -> Departure {
+        Departure::Airborne {
+            point: self.here,
+            course_rad: self.course_rad,
+            speed_mps: self.speed_mps,
+            at_s,
+        }
     }
 
     /// Whether its path comes nearer than a distance to a place.
@@ -238,14 +241,31 @@ impl VehicleState {
         }
     }
 
-    /// Items from the current one on, with altitudes AMSL instead of above home, each with its row.
-    pub(super) fn items_ahead(&self) -> Vec<(usize, Item)> {
-        let items = self.held.items.iter().enumerate().skip(self.at);
-        items
-            .filter(|(_, item)| item.command != command::NAV_DELAY)
-            .filter(|(_, item)| !is_takeoff(item))
-            .map(|(index, item)| (index + 1, with_amsl(item, &self.held.home)))
-            .collect()
+    /// Items that it flies from where it is, with altitudes AMSL instead of above home, each with its
+    /// row: the speed that it was commanded, the rest of a takeoff under way, the items ahead. One
+    /// that does not fly its mission stays where it is.
+    pub(super) fn items_ahead(&self, frame: &LocalFrame) -> Vec<(usize, Item)> {
+        if !self.in_mission {
+            let params = [0.0, 0.0, self.stay_radius_m, 0.0];
+            let stay = item_at(frame, command::NAV_LOITER_UNLIM, params, self.here);
+            return vec![(self.at + 1, stay)];
+        }
+        let is_speed = |item: &&Item| item.command == command::DO_CHANGE_SPEED;
+        let flown = self.held.items.iter().take(self.at);
+        let speed = flown.rev().find(is_speed);
+        let speed = speed.map(|item| (self.at + 1, *item));
+        let ahead = self.held.items.iter().enumerate().skip(self.at);
+        let ahead = ahead.filter(|(_, item)| item.command != command::NAV_DELAY);
+        let ahead = ahead.map(|(index, item)| {
+            let item = match self.ahead.first() {
+                Some((_, top)) if is_takeoff(item) => {
+                    item_at(frame, command::NAV_WAYPOINT, [0.0; 4], *top)
+                }
+                _ => with_amsl(item, &self.held.home),
+            };
+            (index + 1, item)
+        });
+        speed.into_iter().chain(ahead).collect()
     }
 
     /// Items of the waypoints before a branch, with altitudes AMSL.
@@ -280,6 +300,29 @@ fn point(plan: &FlightPlan, position: &Position) -> PlanPoint {
 /// Whether an item is a takeoff.
 pub(super) fn is_takeoff(item: &Item) -> bool {
     [command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
+}
+
+/// An item at a point, with an altitude AMSL.
+pub(super) fn item_at(
+    frame: &LocalFrame,
+    command: u16,
+    params: [f32; 4],
+    point: PlanPoint,
+) -> Item {
+    let place = frame.from_plan(point.at);
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "degrees in 1e-7 and metres as missions have them"
+    )]
+    Item {
+        command,
+        frame: crate::mission::frame::GLOBAL,
+        params,
+        x: (place.lat_deg * 1e7).round() as i32,
+        y: (place.lon_deg * 1e7).round() as i32,
+        z: point.amsl.0 as f32,
+        autocontinue: true,
+    }
 }
 
 /// An item with its altitude AMSL, if it has one above home.

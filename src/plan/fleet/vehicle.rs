@@ -4,7 +4,7 @@ use super::{Progress, Request};
 use crate::cost::{CostTerms, Leg};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
-use crate::path::{Flight, homeward_end, route_start_s, time_route, way_speed_mps};
+use crate::path::{Flight, homeward_end, route_start_s, time_route_from, way_speed_mps};
 use crate::plan::bound::estimate;
 use crate::plan::search::route_context::Course;
 use crate::plan::search::{Found, lifted, search};
@@ -182,11 +182,12 @@ fn route(course: &Course<'_>, found: &Found) -> Route {
     if let Some(last) = points.last_mut() {
         *last = course.leg.to;
     }
+    let departure = course.world.stations[course.index].departure;
     Route {
         control_points: found.spline.points(),
-        path: time_route(
+        path: time_route_from(
             &points,
-            course.leg.start_s,
+            (course.leg.start_s, departure.speed_at_mps(course.leg.from)),
             way_speed_mps(course.vehicle(), course.leg.from, course.leg.to),
             course.vehicle().accel_mps2,
         ),
