@@ -3,11 +3,11 @@
 use std::fs;
 
 use sortie::spec::Vehicle;
+use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
 
 use crate::facts::{HOSTILE, IDS, data_of, facts, hilly_spec, output};
 use crate::support::place;
-
 #[test]
 fn the_page_asks_for_nothing_from_anywhere() {
     let html = facts(hilly_spec(IDS)).html();
@@ -160,7 +160,7 @@ fn every_pair_is_on_the_timeline_once_worst_first() {
     let facts = facts(hilly_spec(IDS));
     let held = facts.review.margins.iter();
     let expected: Vec<f64> = held
-        .filter(|margin| margin.what == "separation")
+        .filter(|margin| margin.limit == Limit::Separation)
         .map(|margin| margin.value)
         .collect();
     assert!(!expected.is_empty());

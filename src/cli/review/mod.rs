@@ -413,10 +413,10 @@ fn tell(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<()
         };
         rows.add([
             who,
-            margin.what.clone(),
+            margin.limit.to_string(),
             value(margin.value),
-            if margin.limit.is_finite() {
-                format!("{} {}", table::sense(margin), value(margin.limit))
+            if margin.bound.is_finite() {
+                format!("{} {}", table::sense(margin), value(margin.bound))
             } else {
                 "-".to_owned()
             },

@@ -19,6 +19,7 @@ use crate::spec::SpecFile;
 use crate::study::{
     DELIVERY_TERRAIN, FleetGrowth, FleetRun, deliveries, delivery_ground, write_whole,
 };
+use crate::verify::Limit;
 use crate::world::{self, World};
 
 /// Evaluations that the cost is compared with.
@@ -151,6 +152,7 @@ impl Home {
         let timing: Timing = read(&planned.join("timing.json"))?;
         let plan: Plan = read(&planned.join("plan.json"))?;
         let review: Review = read(&planned.join("review.json"))?;
+        let separation = Limit::Separation.to_string();
         let broken = || review.margins.iter().filter(|margin| !margin.ok);
         let all = &plan.vehicles;
         Ok(FleetRun {
@@ -161,9 +163,7 @@ impl Home {
             evaluations: all.iter().map(|one| one.evaluations).sum(),
             made_again: all.iter().map(|one| one.plans.saturating_sub(1)).sum(),
             violations: broken().count(),
-            separations: broken()
-                .filter(|margin| margin.what == "separation")
-                .count(),
+            separations: broken().filter(|margin| margin.what == separation).count(),
             cost: all
                 .iter()
                 .map(|one| one.cost.total.unwrap_or(f64::INFINITY))

@@ -16,7 +16,7 @@ use crate::mission::{self, Item, MissionError, VehicleMission};
 use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::verify::{self, Margin, Review};
+use crate::verify::{self, Limit, Margin, Review};
 use crate::world::{Stations, World};
 
 /// Evaluations for each route: a new path must come soon.
@@ -105,9 +105,9 @@ impl<'a> JointPlan<'a> {
         self.given.plan.vehicle(state.vehicle)
     }
 
-    fn problem(&mut self, state: &VehicleState, what: &str, why: impl Into<String>) {
+    fn problem(&mut self, state: &VehicleState, limit: Limit, why: impl Into<String>) {
         let id = &self.vehicle(state).id;
-        self.problems.push(Margin::unjudged(id, what, why));
+        self.problems.push(Margin::unjudged(id, limit, why));
     }
 
     /// Adds a vehicle that flies from where it departs to another point.
@@ -194,7 +194,7 @@ impl<'a> JointPlan<'a> {
         let built = match self.encode(state, &routes) {
             Ok(built) => built,
             Err(error) => {
-                self.problem(state, "encoding", error.to_string());
+                self.problem(state, Limit::Encoding, error.to_string());
                 return None;
             }
         };
@@ -218,7 +218,7 @@ impl<'a> JointPlan<'a> {
         self.commit(state, &path, VehicleMission { items, ..built }, rows);
         if found.is_none() {
             let why = "its items ahead are not one after the other";
-            self.problem(state, "items ahead", why);
+            self.problem(state, Limit::ItemsAhead, why);
         }
         found
     }
