@@ -158,7 +158,7 @@ impl<'a> Driver<'a> {
                 Arrival::Message(link, from, message) => {
                     fleet.handle(now, (link, from), &message);
                 }
-                Arrival::Twins(system) => {
+                Arrival::DuplicateSystem(system) => {
                     fleet.trouble(now, Some(system), "speaks from two addresses at once");
                 }
                 Arrival::Failed(link, why) => {
