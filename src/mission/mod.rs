@@ -7,7 +7,7 @@ mod item;
 mod params;
 
 pub use accept::differences::read_differently;
-pub use accept::{AcceptanceProblem, Limits, List, limits, problems};
+pub use accept::{AcceptanceProblem, Limits, List, limits, problems, problems_in_flight};
 pub use build::encode::home_at;
 pub use build::fence::missing_from_fence;
 pub use build::{MissionError, build, build_course};

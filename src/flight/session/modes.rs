@@ -1,4 +1,4 @@
-//! How each autopilot is told what to do.
+//! Commands and modes of each autopilot.
 
 use crate::link::Command;
 use crate::mission::VehicleMission;
@@ -90,7 +90,7 @@ pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
     }
 }
 
-/// Whether a wing in this mode circles where it was told to.
+/// Whether a wing in this mode circles as ordered.
 pub(crate) fn is_circling(of: &VehicleMission, custom_mode: u32) -> bool {
     match of.autopilot {
         Autopilot::ArduPilot => custom_mode == PLANE_LOITER,

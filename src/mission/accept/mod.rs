@@ -248,6 +248,9 @@ enum Check {
     Mission(fn(&Profile, &VehicleMission) -> Option<(usize, Finding)>),
 }
 
+/// The one rule that does not hold in the air.
+const TAKEOFF_FIRST: &str = "takeoff first";
+
 /// The rules, in the order in which problems of one item are told.
 static RULES: &[(&str, Check)] = &[
     ("something to fly", Check::Mission(something_to_fly)),
@@ -262,7 +265,7 @@ static RULES: &[(&str, Check)] = &[
     ("hold time", Check::Item(item::hold_time)),
     ("precision landing", Check::Item(item::precision_landing)),
     ("jump target", Check::Mission(jump_target)),
-    ("takeoff first", Check::Mission(takeoff_first)),
+    (TAKEOFF_FIRST, Check::Mission(takeoff_first)),
     ("takeoff altitude", Check::Mission(takeoff_altitude)),
     ("takeoff frame", Check::Item(wing::takeoff_frame)),
     ("kind of landing", Check::Item(wing::kind_of_landing)),
@@ -304,6 +307,14 @@ pub fn problems(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
     }
     found.sort_by_key(|problem| problem.item);
     found.extend(fence::problems(mission, profile.limits));
+    found
+}
+
+/// The same for a mission that a vehicle is given in the air, where it needs no takeoff.
+#[must_use]
+pub fn problems_in_flight(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
+    let mut found = problems(mission);
+    found.retain(|problem| problem.rule != TAKEOFF_FIRST);
     found
 }
 

@@ -8,11 +8,11 @@ use crate::link::{Address, Command, FlightMessage, Message, Time};
 use crate::spec::Autopilot;
 
 /// How long position and home are waited for, milliseconds.
-const TELLING_MS: u64 = 60_000;
-/// Between two requests for what a vehicle does not tell by itself, milliseconds.
+const REPORTING_MS: u64 = 60_000;
+/// Between two requests for what a vehicle does not broadcast, milliseconds.
 const REQUEST_MS: u64 = 1000;
 /// Messages that are asked for: positions, current item.
-const WANTED: [f32; 2] = [33.0, 42.0];
+const REQUESTED: [f32; 2] = [33.0, 42.0];
 
 impl FlightVehicle<'_> {
     /// Goes on with the transfer or the checks.
@@ -54,13 +54,13 @@ impl FlightVehicle<'_> {
             }
             Stage::Checking { until } => {
                 let until = *until;
-                let settled = self.settings.as_ref().and_then(SettingsCheck::outcome);
-                let told = self.home.is_some() && self.latest.is_some();
-                if let Some(differences) = settled
-                    && (told || now >= until)
+                let outcome = self.settings.as_ref().and_then(SettingsCheck::outcome);
+                let is_known = self.home.is_some() && self.latest.is_some();
+                if let Some(differences) = outcome
+                    && (is_known || now >= until)
                 {
                     let differences = differences.to_vec();
-                    self.settle(differences);
+                    self.conclude(differences);
                 }
             }
             _ => {}
@@ -73,15 +73,15 @@ impl FlightVehicle<'_> {
             return;
         }
         let bytewise = self.autopilot() == Autopilot::Px4;
-        let wanted = &self.of.mission.params;
-        self.settings = Some(SettingsCheck::new(wanted, self.set_params, bytewise, now));
+        let planned = &self.of.mission.params;
+        self.settings = Some(SettingsCheck::new(planned, self.set_params, bytewise, now));
         self.stage = Stage::Checking {
-            until: now + TELLING_MS,
+            until: now + REPORTING_MS,
         };
     }
 
-    /// All was told that will be.
-    fn settle(&mut self, differences: Vec<String>) {
+    /// Decides by everything that the vehicle has reported.
+    fn conclude(&mut self, differences: Vec<String>) {
         let mut soft = differences;
         match &self.home {
             None => soft.push("it does not say where its home is".to_owned()),
@@ -116,7 +116,7 @@ impl FlightVehicle<'_> {
         };
     }
 
-    /// Asks for what it does not tell by itself.
+    /// Requests what it does not broadcast.
     pub(crate) fn request(&mut self, now: Time, target: Address, interval_us: f32) {
         if now - self.requested < REQUEST_MS || matches!(self.stage, Stage::Ended) {
             return;
@@ -130,7 +130,7 @@ impl FlightVehicle<'_> {
             ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
         }
         if self.latest.is_none() || matches!(self.stage, Stage::Ready) {
-            for id in WANTED {
+            for id in REQUESTED {
                 ask(Command::new(
                     Command::SET_MESSAGE_INTERVAL,
                     [id, interval_us],
