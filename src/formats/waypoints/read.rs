@@ -258,6 +258,7 @@ impl Reader {
 mod tests {
     use super::read;
     use crate::formats::SourceLocation;
+    use crate::geodesy::LatLon;
     use proptest::prelude::*;
 
     #[test]
