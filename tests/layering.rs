@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 const HOUSE: &[(&str, u32, &[&str])] = &[
     ("numeric", 0, &[]),
     ("geodesy", 1, &[]),
+    ("autopilot", 1, &[]),
     ("optimize", 1, &[]),
     ("spec", 2, &["optimize"]),
     ("world", 3, &["optimize"]),

@@ -7,10 +7,9 @@ use std::fmt::Write;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use crate::autopilot::{Airframe, Autopilot, facts};
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
-use crate::mission::limits;
 use crate::numeric::Seed;
-use crate::spec::Autopilot;
 
 /// How hard the hardest scenario is.
 pub const MOST_DIFFICULT: u8 = 10;
@@ -280,7 +279,7 @@ impl Draft {
         }
         let _ = writeln!(text, "planner: {{control_points: {CONTROL_POINTS}}}");
         if self.length_m > SHORT_M {
-            let most = limits(Autopilot::ArduPilot).items;
+            let most = facts(Autopilot::ArduPilot, Airframe::Copter).capacity.items;
             let _ = writeln!(text, "mission: {{max_items: {most}}}");
         }
         let speed_mps = if self.length_m > 20_000.0 { 25 } else { 15 };

@@ -97,8 +97,6 @@ mod limits;
 mod measure;
 mod review;
 
-pub use execute::wing::overshoot::EARLY_SHARE;
-pub use execute::wing::tecs::{MOST_LAG_S, SLOPE_MIN_M};
 pub use review::review;
 
 use crate::geodesy::{Amsl, LatLon};

@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 
+use crate::autopilot::{Airframe, Autopilot, ParameterRow, SLOPE_MIN, facts, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command};
 use crate::path::most_shift_s;
-use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
+use crate::spec::{MissionSpec, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
 use super::execute::executor;
@@ -263,18 +264,28 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
             list.push(text.to_owned());
         }
     };
+    let [copter, plane, quadplane] = [Airframe::Copter, Airframe::Plane, Airframe::Vtol]
+        .map(|airframe| &facts(Autopilot::ArduPilot, airframe).behaviour);
+    let [px4_copter, px4_plane] = [Airframe::Copter, Airframe::Plane]
+        .map(|airframe| &facts(Autopilot::Px4, airframe).behaviour);
+    let (late, stop_late) = (copter.takeoff_late_s, copter.stop_late_s);
     add(
         any(|s| s.vehicle.airframe != Airframe::Plane),
-        "copters and vtol are up to 12 s late from their takeoff on, all of one autopilot and airframe alike, and up to 4.5 s more \
+        &format!(
+            "copters and vtol are up to {late} late from their takeoff on, all of one autopilot and airframe alike, and up to {stop_late} more \
          after every stop: separation holds for any lateness up to that (measured on five ArduCopters 4.7.0-dev, simulated: \
          over their homes 6 s late, on their way 6 to 8.5 s, over a ridge 8 to 12 s, after a stop 4.4 s more, at most 0.9 m beside the way \
-         and 1 m over or under it; of others assumed): those of one kind differ by up to 5.5 s, which time_slack_s must cover",
+         and 1 m over or under it; of others assumed): those of one kind differ by up to 5.5 s, which time_slack_s must cover"
+        ),
     );
+    let leg_late = px4_copter.leg_late_s;
     add(
         any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter),
-        "PX4 copters are up to 1.5 s later after every leg, and separation holds for any lateness up to that (measured on six PX4 1.16 alpha, simulated, still air: \
+        &format!(
+            "PX4 copters are up to {leg_late} later after every leg, and separation holds for any lateness up to that (measured on six PX4 1.16 alpha, simulated, still air: \
          6 to 10 s late over their homes, 1 to 1.7 s more after a corner or a change of slope, 20.7 s more after 23 legs, 4.6 s with a turn back, at most 2.1 m beside \
-         the way and 2.2 m over or under it); that the airframe can fly the speed of the spec, also in a descent, is assumed: one that could not was 44 s late after 7 minutes",
+         the way and 2.2 m over or under it); that the airframe can fly the speed of the spec, also in a descent, is assumed: one that could not was 44 s late after 7 minutes"
+        ),
     );
     add(
         any(|s| {
@@ -313,42 +324,62 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         any(|s| s.flight.takeoff_rad.is_some()),
         "a plane stands on the course of its takeoff, runs with accel_mps2 on the ground, and climbs straight at its planned speed with climb_mps, no steeper than max_climb_deg, to the height of the takeoff item",
     );
+    let early = plane.takeoff_early_s;
+    let (share, over) = (plane.climb_out_share, plane.climb_out_overshoot_m);
     add(
         any(|s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::ArduPilot),
-        "ArduPlane climbs out more steeply (4.7.0-dev, simulated: 10 m/s where 3 were planned, the height reached after 0.4 of the planned climb, \
-         14 m over it for some seconds, at its start 8 s early): the ceiling is judged 14 m over that height and the way on from 0.4 of the climb, \
-         separation counts with the height in between and with up to 9 s early; of PX4 the 9 s are assumed and the rest is not judged",
+        &format!(
+            "ArduPlane climbs out more steeply (4.7.0-dev, simulated: 10 m/s where 3 were planned, the height reached after {share} of the planned climb, \
+         {over} over it for some seconds, at its start 8 s early): the ceiling is judged {over} over that height and the way on from {share} of the climb, \
+         separation counts with the height in between and with up to {early} early; of PX4 the {early} are assumed and the rest is not judged"
+        ),
     );
     add(
         any(|s| s.vehicle.airframe.has_wing()),
         "a wing flies at its planned indicated airspeed all the way, faster through thinner air as the standard atmosphere has it, on a warm day \
          by 1 % more for every 6 degrees, and turns with max_load_factor; turns of more than a right angle follow waypoints on the way around",
     );
+    let [slope_name, old_name] = SLOPE_MIN;
+    let slope_min_m = parameter(slope_name).map_or(0.0, ParameterRow::default_si);
+    let lag = plane.altitude_lag_s;
     add(
         any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
-        "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else 15 m) at once, \
-         and is 3.3 s of its climb under a slope upwards and as much over one downwards (measured: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s): \
-         such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
+        &format!(
+            "ArduPlane flies changes of altitude smaller than {slope_name} (before 4.7 {old_name}; as in the .params file, else {slope_min_m} m) at once, \
+         and is {lag} of its climb under a slope upwards and as much over one downwards (measured: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s): \
+         such legs are judged there too, but not the separation there, nor the lag over ground that is followed"
+        ),
     );
+    let (share, after) = (quadplane.drift_share, quadplane.drift_s);
     add(
         any(|s| {
             let is_quadplane =
                 s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
             is_quadplane && s.vehicle.wing.is_some_and(|wing| wing.wind.is_some())
         }),
-        "a QuadPlane drifts downwind as it climbs, with 0.31 of the wind and 3.6 s of it more until it is on its first leg (one flight, 4.7.0-dev, simulated, 5 m/s): \
-         climb and first leg are judged there too; its landing is not",
+        &format!(
+            "a QuadPlane drifts downwind as it climbs, with {share} of the wind and {after} of it more until it is on its first leg (one flight, 4.7.0-dev, simulated, 5 m/s): \
+         climb and first leg are judged there too; its landing is not"
+        ),
     );
+    let lag = px4_plane.altitude_lag_s;
     add(
         any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing()),
-        "PX4 on a wing is 3.5 s of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
-         such legs are judged there too, and with the altitude of their end NAV_LOITER_RAD before it, by its sources as well (neither was measured)",
+        &format!(
+            "PX4 on a wing is {lag} of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
+         such legs are judged there too, and with the altitude of their end NAV_LOITER_RAD before it, by its sources as well (neither was measured)"
+        ),
     );
+    let turning = plane.turning_share;
+    let [period_s, damping] = ["NAVL1_PERIOD", "NAVL1_DAMPING"]
+        .map(|name| parameter(name).map_or(0.0, ParameterRow::default_si));
     add(
         any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
-        "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default 17 and 0.75), WP_RADIUS and ROLL_LIMIT_DEG, \
-         at 0.7 of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
-         2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; no wind)",
+        &format!(
+            "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default {period_s} and {damping}), WP_RADIUS and ROLL_LIMIT_DEG, \
+         at {turning} of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
+         2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; no wind)"
+        ),
     );
     add(
         any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing()),

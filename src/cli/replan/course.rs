@@ -6,7 +6,6 @@ use crate::flight::{self, Reference, Waypoint};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
-use crate::spec::Autopilot;
 use crate::verify::Track;
 
 /// Lower above its home than this a vehicle stands on the ground, metres.
@@ -107,7 +106,7 @@ impl Course {
         if held.items.iter().any(returns) {
             return Err("flies a NAV_RETURN_TO_LAUNCH, on a way of its own".to_owned());
         }
-        let first = usize::from(planned.autopilot == Autopilot::Px4);
+        let first = usize::from(planned.autopilot.first_row());
         let row = (usize::from(seen.seq) + first).max(1);
         let mut here = point(sorties, &seen.position);
         let nowhen = Track {

@@ -183,10 +183,7 @@ fn prototype(
     yaml += &format!(
         "vehicles:\n- id: vehicle\n  sysid: 1\n  link: sim\n  finish: loiter\n  autopilot: {}\n  airframe: {}\n  \
          home: {{{}}}\n  start: {{{}, amsl_m: 100}}\n  goal: {{{}, amsl_m: 100}}\n  speed_mps: {speed_mps}\n",
-        match autopilot {
-            Autopilot::ArduPilot => "ardupilot",
-            Autopilot::Px4 => "px4",
-        },
+        autopilot.conventions().key,
         match airframe {
             Airframe::Copter => "copter",
             Airframe::Plane => "plane",
@@ -241,12 +238,7 @@ fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -
     let in_mission = changes
         .find(|item| (0.5..=100.0).contains(&item.params[1]))
         .map(|item| f64::from(item.params[1]));
-    let default = match who {
-        (Autopilot::ArduPilot, Airframe::Copter) => 10.0,
-        (Autopilot::Px4, Airframe::Copter) => 5.0,
-        (Autopilot::ArduPilot, Airframe::Plane | Airframe::Vtol) => 12.0,
-        (Autopilot::Px4, Airframe::Plane | Airframe::Vtol) => 15.0,
-    };
+    let default = crate::autopilot::facts(who.0, who.1).defaults.cruise_mps();
     limits.speed.or(in_mission).unwrap_or(default)
 }
 

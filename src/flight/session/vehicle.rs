@@ -249,13 +249,9 @@ impl<'a> FlightVehicle<'a> {
         }
     }
 
-    /// The row of a sequence number: PX4 has no home row.
+    /// The row of a sequence number.
     fn row(&self, seq: u16) -> usize {
-        let first = match self.autopilot() {
-            Autopilot::ArduPilot => 0,
-            Autopilot::Px4 => 1,
-        };
-        usize::from(seq) + first
+        usize::from(seq) + usize::from(self.autopilot().first_row())
     }
 
     fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::link::message::List;
-use crate::link::stored_form::kept;
+use crate::link::stored_form::stored_form;
 use crate::mission::{Item, frame};
 use crate::spec::{Airframe, Autopilot};
 
@@ -58,8 +58,8 @@ pub fn differences(
         });
     }
     for (index, (sent, read)) in sent.iter().zip(read).enumerate() {
-        let kept = kept(autopilot, airframe, list, sent);
-        for (field, fine) in fields(autopilot, list, sent, &kept, read) {
+        let stored = stored_form(autopilot, airframe, list, sent);
+        for (field, fine) in fields(autopilot, list, sent, &stored, read) {
             if !fine {
                 found.push(Difference {
                     list,
@@ -74,30 +74,31 @@ pub fn differences(
     found
 }
 
-/// Every field, and whether the read-back is as sent or as this autopilot keeps it.
+/// Every field, and whether the read-back is as sent or in this autopilot's stored form.
 fn fields(
     autopilot: Autopilot,
     list: List,
     sent: &Item,
-    kept: &Item,
+    stored: &Item,
     read: &Item,
 ) -> [(&'static str, bool); 10] {
-    let either = |same: &dyn Fn(&Item) -> bool| same(sent) || same(kept);
+    let is_packed = autopilot.conventions().packs_items;
+    let either = |same: &dyn Fn(&Item) -> bool| same(sent) || same(stored);
     let param = |n: usize| either(&|item| near(autopilot, item.params[n], read.params[n]));
     // Fences are two-dimensional: neither reference nor altitude means anything.
     let flat = list == List::Fence;
     let frame = |item: &Item| frame::canonical(item.frame) == frame::canonical(read.frame);
     let z = same(sent.z, read.z)
-        || same(kept.z, read.z)
+        || same(stored.z, read.z)
         // Altitudes are cut to centimetres: more than one of them is another altitude.
-        || (autopilot == Autopilot::ArduPilot
-            && ((sent.z - read.z).abs() < 0.0101 || (kept.z - read.z).abs() < 0.001));
+        || (is_packed
+            && ((sent.z - read.z).abs() < 0.0101 || (stored.z - read.z).abs() < 0.001));
     [
         ("command", sent.command == read.command),
         ("frame", flat || either(&frame)),
         (
             "autocontinue",
-            autopilot == Autopilot::ArduPilot || sent.autocontinue == read.autocontinue,
+            is_packed || sent.autocontinue == read.autocontinue,
         ),
         ("param1", param(0)),
         ("param2", param(1)),
@@ -114,9 +115,9 @@ fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()) || (a - b).abs() <= 0.0
 }
 
-/// PX4 keeps angles in radians, so they come back a hair off.
+/// Equal within the tolerance of the autopilot.
 fn near(autopilot: Autopilot, a: f32, b: f32) -> bool {
-    same(a, b) || (autopilot == Autopilot::Px4 && (a - b).abs() <= 1e-4)
+    same(a, b) || (a - b).abs() <= autopilot.conventions().param_tolerance
 }
 
 fn text(item: &Item, field: &str) -> String {

@@ -5,8 +5,9 @@
 //! truncates: 30.129 comes back as 30.12), so no step on the way to the vehicle
 //! can lower it.
 
+use crate::autopilot::{command, frame};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::item::{Home, Item, command, frame};
+use crate::mission::item::{Home, Item};
 use crate::spec::AltitudeReference;
 use crate::world::{NoData, World};
 

@@ -1,8 +1,9 @@
 //! The fence and the rally points of a spec as items.
 
 use super::encode::{Encoder, degrees_e7, up};
+use crate::autopilot::{command, frame};
 use crate::geodesy::LatLon;
-use crate::mission::item::{Item, command, frame};
+use crate::mission::item::Item;
 use crate::spec::MissionSpec;
 use crate::world::{NoData, World};
 

@@ -6,12 +6,13 @@ pub(super) mod legs;
 pub(super) mod simplify;
 pub(super) mod wing;
 
-use super::accept::{List, limits};
-use super::item::{Item, VehicleMission, command};
+use super::accept::List;
+use super::item::{Item, VehicleMission};
 use super::params::parameters;
+use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
 use crate::path::{TimedPoint, VehicleLimits};
-use crate::spec::{AltitudeReference, Autopilot, Finish, MissionSpec, Vehicle};
+use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::world::{NoData, World};
 use encode::{ENCODING_M, Encoder};
 use simplify::{Keep, Point, waypoints};
@@ -160,6 +161,7 @@ pub fn build_course(
         !fence.is_empty(),
     );
     let mission = VehicleMission {
+        autopilot_version: vehicle.autopilot_version,
         autopilot: vehicle.autopilot,
         airframe: vehicle.airframe,
         home: encoder.home(),
@@ -202,7 +204,9 @@ fn check(
             });
         }
     }
-    if vehicle.autopilot == Autopilot::Px4 && spec.mission.altitude == AltitudeReference::Terrain {
+    let frames = vehicle.facts().acceptance.location_frames;
+    let has_terrain = frames.contains(&frame::GLOBAL_TERRAIN_ALT);
+    if !has_terrain && spec.mission.altitude == AltitudeReference::Terrain {
         return Err(MissionError::TerrainOnPx4 {
             vehicle: vehicle.id.clone(),
         });
@@ -216,7 +220,7 @@ fn count(
     vehicle: &Vehicle,
     mission: &VehicleMission,
 ) -> Result<(), MissionError> {
-    let allowed = limits(vehicle.autopilot);
+    let allowed = vehicle.facts().capacity;
     let too_many = [
         (
             List::Mission,
@@ -324,7 +328,8 @@ impl ItemWriter<'_> {
 
     /// Ground speed. PX4 has it in its parameters: with the item a copter was seen to drift off.
     fn speed(&self) -> Option<Item> {
-        (self.vehicle.autopilot == Autopilot::ArduPilot).then(|| {
+        let conventions = self.vehicle.autopilot.conventions();
+        conventions.speed_in_mission.then(|| {
             let speed_mps = float(self.vehicle.speed_mps);
             Item::without_place(command::DO_CHANGE_SPEED, [1.0, speed_mps, -1.0, 0.0])
         })
@@ -332,10 +337,7 @@ impl ItemWriter<'_> {
 
     /// An item whose `param4` is a heading: PX4 keeps its own with NaN, ArduPilot drops it.
     pub(super) fn at(&self, command: u16, hold_s: f32, point: PlanPoint) -> Result<Item, NoData> {
-        let heading = match self.vehicle.autopilot {
-            Autopilot::ArduPilot => 0.0,
-            Autopilot::Px4 => f32::NAN,
-        };
+        let heading = self.vehicle.autopilot.conventions().no_heading;
         self.encoder
             .item(command, [hold_s, 0.0, 0.0, heading], point)
     }

@@ -17,10 +17,11 @@ pub(super) struct Part {
 }
 
 /// Every column that a table may have.
-pub(super) const COLUMNS: [&str; 33] = [
+pub(super) const COLUMNS: [&str; 34] = [
     "id",
     "sysid",
     "autopilot",
+    "autopilot_version",
     "airframe",
     "link",
     "home_lat",
@@ -72,6 +73,7 @@ impl Part {
             "id" => self.id = Some(cell.to_owned()),
             "sysid" => self.sysid = Some(whole()?),
             "autopilot" => rest.autopilot = Some(word(cell)?),
+            "autopilot_version" => rest.autopilot_version = Some(cell.to_owned()),
             "airframe" => rest.airframe = Some(word(cell)?),
             "link" => rest.link = Some(cell.to_owned()),
             "home_lat" => self.home[0] = Some(number()?),

@@ -267,6 +267,7 @@ impl Making<'_, '_> {
             id: id?,
             sysid,
             autopilot: autopilot?,
+            autopilot_version: rest.autopilot_version,
             airframe: rest.airframe.unwrap_or_default(),
             link: link?,
             home,

@@ -6,12 +6,11 @@ use std::ops::RangeInclusive;
 use nalgebra::Vector3;
 
 use super::super::raw;
-use super::super::{
-    Airframe, Autopilot, EndPoint, Finish, Link, Placement, Separation, Vehicle, Wind,
-};
+use super::super::{EndPoint, Finish, Link, Placement, Separation, Vehicle, Wind};
 use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
+use crate::autopilot::{Autopilot, Version, facts, frame};
 use crate::geodesy::{Agl, Amsl, LatLon};
 use crate::numeric::digits;
 
@@ -21,9 +20,6 @@ const DEFAULT_LOAD_FACTOR: f64 = 1.15;
 /// Start and goal of a vehicle are at least this far apart, horizontally, metres.
 const LEAST_WAY_M: f64 = 10.0;
 
-/// Greatest `MAV_SYS_ID`.
-const PX4_LAST_SYSTEM_ID: i64 = 250;
-
 /// A larger fleet has not enough system ids for one each: those above are of ground stations.
 const MOST_SYSTEM_IDS: usize = 240;
 
@@ -31,33 +27,6 @@ const MOST_SYSTEM_IDS: usize = 240;
 pub(super) const LATEST_S: RangeInclusive<f64> = 0.0..=86_400.0;
 /// Planned speeds, m/s.
 pub(super) const SPEED_MPS: RangeInclusive<f64> = 0.5..=100.0;
-
-/// What an autopilot does unless told otherwise.
-struct Defaults {
-    climb_mps: f64,
-    descent_mps: f64,
-    accel_mps2: f64,
-}
-
-/// `WPNAV_SPEED_UP`, `WPNAV_SPEED_DN`, `WPNAV_ACCEL` of ArduCopter.
-const ARDUCOPTER: Defaults = Defaults {
-    climb_mps: 2.5,
-    descent_mps: 1.5,
-    accel_mps2: 2.5,
-};
-/// `TECS_CLMB_MAX`, `TECS_SINK_MAX` of ArduPlane, `FW_T_CLMB_MAX`, `FW_T_SINK_MAX` of PX4.
-/// No parameter has the acceleration of a takeoff run; this one is gentle.
-const PLANE: Defaults = Defaults {
-    climb_mps: 5.0,
-    descent_mps: 5.0,
-    accel_mps2: 3.0,
-};
-/// `MPC_Z_V_AUTO_UP`, `MPC_Z_V_AUTO_DN`, `MPC_ACC_HOR` of PX4.
-const PX4_COPTER: Defaults = Defaults {
-    climb_mps: 3.0,
-    descent_mps: 1.5,
-    accel_mps2: 3.0,
-};
 
 impl Checker<'_> {
     /// Checks the fleet; vehicles that are broken are left out, and then there is an issue.
@@ -90,13 +59,20 @@ impl Checker<'_> {
 
     /// PX4 has no terrain altitudes in missions.
     fn altitude_reference(&mut self, raw: &raw::Spec) {
-        let px4 = |vehicle: &&raw::Vehicle| matches!(vehicle.autopilot, raw::Autopilot::Px4);
+        let no_terrain = |vehicle: &&raw::Vehicle| {
+            let facts = facts(vehicle.autopilot, vehicle.airframe);
+            !facts
+                .acceptance
+                .location_frames
+                .contains(&frame::GLOBAL_TERRAIN_ALT)
+        };
         if let raw::AltitudeReference::Terrain = raw.mission.altitude
-            && let Some(vehicle) = raw.vehicles.iter().find(px4)
+            && let Some(vehicle) = raw.vehicles.iter().find(no_terrain)
         {
             let found = format!(
-                "terrain, and vehicle `{}` is px4",
-                vehicle.id.escape_debug()
+                "terrain, and vehicle `{}` is {}",
+                vehicle.id.escape_debug(),
+                vehicle.autopilot.conventions().key
             );
             self.report("mission.altitude", found, "amsl or relative");
         }
@@ -109,11 +85,12 @@ impl Checker<'_> {
         let mut seen: BTreeMap<(i64, Option<&str>), &str> = BTreeMap::new();
         for (index, vehicle) in raw.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}].sysid");
-            let px4 = matches!(vehicle.autopilot, raw::Autopilot::Px4);
+            let autopilot = vehicle.autopilot.conventions();
+            let last = i64::from(autopilot.max_system_id);
             if !(1..=255).contains(&vehicle.sysid) {
                 self.report(&path, vehicle.sysid, "1 to 255");
-            } else if px4 && vehicle.sysid > PX4_LAST_SYSTEM_ID {
-                let allowed = format!("at most {PX4_LAST_SYSTEM_ID} for px4");
+            } else if vehicle.sysid > last {
+                let allowed = format!("at most {last} for {}", autopilot.key);
                 self.report(&path, vehicle.sysid, allowed);
             }
             // Every simulated vehicle has a link of its own.
@@ -160,16 +137,10 @@ impl Checker<'_> {
             map,
             [("start", from), ("goal", to), ("home", own_home)],
         );
-        let (autopilot, lifting) = match raw.autopilot {
-            raw::Autopilot::ArduPilot => (Autopilot::ArduPilot, ARDUCOPTER),
-            raw::Autopilot::Px4 => (Autopilot::Px4, PX4_COPTER),
-        };
-        // A vtol climbs and comes down on its rotors, slower than on its wing.
-        let (airframe, defaults) = match raw.airframe {
-            raw::Airframe::Copter => (Airframe::Copter, lifting),
-            raw::Airframe::Plane => (Airframe::Plane, PLANE),
-            raw::Airframe::Vtol => (Airframe::Vtol, lifting),
-        };
+        let (autopilot, airframe) = (raw.autopilot, raw.airframe);
+        let defaults = facts(autopilot, airframe).defaults;
+        let version = raw.autopilot_version.as_deref();
+        let autopilot_version = self.version(&at("autopilot_version"), version, autopilot);
         let load_factor = raw.max_load_factor.unwrap_or(DEFAULT_LOAD_FACTOR);
         let climb_mps = raw.climb_mps.unwrap_or(defaults.climb_mps);
         let descent_mps = raw.descent_mps.unwrap_or(defaults.descent_mps);
@@ -206,6 +177,7 @@ impl Checker<'_> {
             id: raw.id.clone(),
             sysid: u8::try_from(raw.sysid).ok()?,
             autopilot,
+            autopilot_version,
             airframe,
             link: link?,
             home: home?,
@@ -217,6 +189,20 @@ impl Checker<'_> {
                 raw::Finish::Return => Finish::Return,
             },
         })
+    }
+
+    /// A version whose rules are known.
+    fn version(&mut self, path: &str, text: Option<&str>, autopilot: Autopilot) -> Option<Version> {
+        let text = text?;
+        let known = autopilot.conventions().versions;
+        let version = text.parse().ok().filter(|version| known.contains(version));
+        if version.is_none() {
+            let found = format!("`{}`", text.escape_debug());
+            let names: Vec<String> = known.iter().map(Version::to_string).collect();
+            let allowed = format!("{} for {}", names.join(", "), autopilot.conventions().key);
+            self.report(path, found, allowed);
+        }
+        version
     }
 
     /// There must be a way to plan between start and goal.

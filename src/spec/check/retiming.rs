@@ -10,7 +10,7 @@ use crate::spec::{Retiming, Span};
 impl Checker<'_> {
     /// Only what a mission file can carry is left open: judged again, a file says what was chosen.
     pub(super) fn retiming(&mut self, path: &str, raw: &raw::Vehicle) -> Retiming {
-        let is_copter = matches!(raw.airframe, raw::Airframe::Copter);
+        let is_copter = !raw.airframe.has_wing();
         let window = raw.depart_window_s.and_then(|window| {
             let path = format!("{path}.depart_window_s");
             if !is_copter {
@@ -26,7 +26,7 @@ impl Checker<'_> {
                 let found =
                     "a range of speeds, on a wing: its turns and circles depend on speed_mps";
                 self.report(&path, found, "speed_mps");
-            } else if matches!(raw.autopilot, raw::Autopilot::Px4) {
+            } else if !raw.autopilot.conventions().speed_in_mission {
                 let found =
                     "a range of speeds, on px4: its speed is a parameter, in no mission file";
                 self.report(&path, found, "speed_mps");

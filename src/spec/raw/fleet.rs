@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::{Airframe, Autopilot, Finish, Place};
+use super::{Finish, Place};
+use crate::autopilot::{Airframe, Autopilot};
 
 /// Vehicles in a compact form. They come after those of `vehicles` in priority, in the order
 /// of the table or of the grid. Their starts and goals are in `csv`, in grids or in `defaults`.
@@ -57,6 +58,8 @@ pub(in crate::spec) struct Grid {
 pub(in crate::spec) struct Defaults {
     /// Which autopilot reads the missions.
     pub(in crate::spec) autopilot: Option<Autopilot>,
+    /// Its firmware version, such as 4.7.
+    pub(in crate::spec) autopilot_version: Option<String>,
     /// What flies; absent: copter.
     pub(in crate::spec) airframe: Option<Airframe>,
     /// How to reach them. {n} is the number of the vehicle; {14550+n} and {5750+10*n} count on.

@@ -12,9 +12,7 @@ pub(super) use options::{
     Algorithm, AltitudeReference, MissionOptions, Objective, OnLinkLoss, Planner, Separation, Wind,
 };
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
-pub(super) use vehicle::{
-    Airframe, Autopilot, EndPoint, Finish, Landing, SpeedRange, Vehicle, Window,
-};
+pub(super) use vehicle::{EndPoint, Finish, Landing, SpeedRange, Vehicle, Window};
 
 use schemars::JsonSchema;
 use serde::Deserialize;

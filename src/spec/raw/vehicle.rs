@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::Place;
+use crate::autopilot::{Airframe, Autopilot};
 
 /// A place in the air: with agl_m or with amsl_m, not both.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
@@ -36,6 +37,8 @@ pub(in crate::spec) struct Vehicle {
     pub(in crate::spec) sysid: i64,
     /// Which autopilot reads the mission.
     pub(in crate::spec) autopilot: Autopilot,
+    /// Its firmware version, such as 4.7; absent: the mission suits every supported version.
+    pub(in crate::spec) autopilot_version: Option<String>,
     /// What flies; absent: copter.
     #[serde(default)]
     pub(in crate::spec) airframe: Airframe,
@@ -128,22 +131,6 @@ pub(in crate::spec) struct Landing {
     /// Angle of a plane's glide, degrees; a vtol comes down vertically.
     #[schemars(range(min = 1, max = 30))]
     pub(in crate::spec) glide_deg: f64,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(in crate::spec) enum Autopilot {
-    ArduPilot,
-    Px4,
-}
-
-#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(in crate::spec) enum Airframe {
-    #[default]
-    Copter,
-    Plane,
-    Vtol,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]

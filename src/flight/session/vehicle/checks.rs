@@ -5,7 +5,6 @@ use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
 use crate::link::{Address, Command, FlightMessage, Message, Time};
-use crate::spec::Autopilot;
 
 /// How long position and home are waited for, milliseconds.
 const TELLING_MS: u64 = 60_000;
@@ -72,7 +71,7 @@ impl FlightVehicle<'_> {
             self.stage = Stage::Refused(std::mem::take(&mut self.problems));
             return;
         }
-        let bytewise = self.autopilot() == Autopilot::Px4;
+        let bytewise = self.autopilot().conventions().bytewise_parameters;
         let wanted = &self.of.mission.params;
         self.settings = Some(SettingsCheck::new(wanted, self.set_params, bytewise, now));
         self.stage = Stage::Checking {
