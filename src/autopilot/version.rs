@@ -23,6 +23,15 @@ impl fmt::Display for Version {
     }
 }
 
+impl Version {
+    /// That of `AUTOPILOT_VERSION.flight_sw_version`; none for 0, which names no version.
+    #[must_use]
+    pub fn of_flight_software(flight_software: u32) -> Option<Self> {
+        let [major, minor, ..] = flight_software.to_be_bytes();
+        (flight_software != 0).then_some(Self { major, minor })
+    }
+}
+
 /// The text is not two numbers with a dot between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("not a version such as 4.7")]

@@ -1,5 +1,6 @@
 //! Whether a vehicle is where and what the plan takes it to be.
 
+use crate::autopilot::Version;
 use crate::geodesy::LatLon;
 use crate::link::{List, Onboard, differences};
 use crate::mission::{Home, VehicleMission};
@@ -30,6 +31,21 @@ pub(crate) fn home_problem(assumed: &Home, reported: &Home) -> Option<String> {
             reported.amsl_m, assumed.amsl_m
         )
     })
+}
+
+/// The difference between the version that a mission is for and that of the vehicle.
+pub(crate) fn version_problem(mission: &VehicleMission, found: Option<Version>) -> Option<String> {
+    let planned = mission.autopilot_version?;
+    let name = mission.autopilot.name();
+    match found {
+        Some(found) if found == planned => None,
+        Some(found) => Some(format!(
+            "it runs {name} {found}, the mission is for {planned} (autopilot_version)"
+        )),
+        None => Some(format!(
+            "it does not report its version, the mission is for {name} {planned} (autopilot_version)"
+        )),
+    }
 }
 
 /// In what the lists on board differ from the plan's, in sentences.

@@ -19,7 +19,7 @@ use crate::link::{
     Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
-use crate::spec::Autopilot;
+use crate::autopilot::{Autopilot, Version};
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -84,6 +84,8 @@ pub(crate) struct FlightVehicle<'a> {
     /// When anything was heard of it.
     pub(crate) heard: Time,
     pub(crate) home: Option<Home>,
+    /// The version of its firmware.
+    version: Option<Version>,
     settings: Option<SettingsCheck<'a>>,
     problems: Vec<String>,
     /// What it said while it was to be armed.
@@ -140,6 +142,7 @@ impl<'a> FlightVehicle<'a> {
             vehicle: None,
             heard: now,
             home: None,
+            version: None,
             settings: None,
             problems: Vec::new(),
             warnings: Vec::new(),
@@ -200,6 +203,9 @@ impl<'a> FlightVehicle<'a> {
                 let (x, y) = (*x, *y);
                 self.home = Some(Home { x, y, amsl_m });
             }
+            Message::AutopilotVersion {
+                flight_software, ..
+            } => self.version = Version::of_flight_software(*flight_software).or(self.version),
             Message::MissionCurrent { seq, total, .. } => {
                 self.item = self.row(*seq);
                 let told = (1..u16::MAX).contains(total);

@@ -54,7 +54,8 @@ impl FlightVehicle<'_> {
             Stage::Checking { until } => {
                 let until = *until;
                 let settled = self.settings.as_ref().and_then(SettingsCheck::outcome);
-                let told = self.home.is_some() && self.latest.is_some();
+                let told =
+                    self.home.is_some() && self.latest.is_some() && !self.lacks_version();
                 if let Some(differences) = settled
                     && (told || now >= until)
                 {
@@ -79,6 +80,11 @@ impl FlightVehicle<'_> {
         };
     }
 
+    /// Whether its version matters and is not known yet.
+    fn lacks_version(&self) -> bool {
+        self.of.mission.autopilot_version.is_some() && self.version.is_none()
+    }
+
     /// All was told that will be.
     fn settle(&mut self, differences: Vec<String>) {
         let mut soft = differences;
@@ -86,6 +92,7 @@ impl FlightVehicle<'_> {
             None => soft.push("it does not say where its home is".to_owned()),
             Some(home) => soft.extend(readiness::home_problem(&self.of.mission.home, home)),
         }
+        soft.extend(readiness::version_problem(self.of.mission, self.version));
         let mut hard = Vec::new();
         match self.latest {
             None => hard.push("it does not say where it is".to_owned()),
@@ -121,12 +128,16 @@ impl FlightVehicle<'_> {
             return;
         }
         self.requested = now;
+        let lacks_version = self.lacks_version();
         let mut ask = |order| {
             self.outbox
                 .push_back(Message::Flight(FlightMessage::Command { target, order }));
         };
         if self.home.is_none() {
             ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
+        }
+        if lacks_version {
+            ask(Command::request_version());
         }
         if self.latest.is_none() || matches!(self.stage, Stage::Ready) {
             for id in WANTED {
