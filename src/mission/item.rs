@@ -84,6 +84,15 @@ pub struct VehicleMission {
 }
 
 impl VehicleMission {
+    /// The same mission for one version of the firmware; absent: for every supported one.
+    #[must_use]
+    pub fn for_version(self, autopilot_version: Option<Version>) -> Self {
+        Self {
+            autopilot_version,
+            ..self
+        }
+    }
+
     /// What its autopilot does on its airframe.
     #[must_use]
     pub fn facts(&self) -> &'static Facts {

@@ -419,3 +419,32 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     list.extend(separation::assumption(sorties.len(), &spec.separation));
     list
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The texts of assumptions print figures from the table: none of them is typed here.
+    #[test]
+    fn figures_of_assumptions_are_printed_from_the_table() {
+        let source = include_str!("review.rs").split("cfg(test)").next();
+        let source = source.expect("the code before the tests");
+        let airframes = [Airframe::Copter, Airframe::Plane, Airframe::Vtol];
+        for (autopilot, airframe) in airframes
+            .map(|airframe| Autopilot::ALL.map(|autopilot| (autopilot, airframe)))
+            .concat()
+        {
+            for (name, figure) in facts(autopilot, airframe).behaviour.figures() {
+                let typed = format!(" {figure} ");
+                let assumed = figure.of(None).filter(|figure| figure.value.fract() > 0.0);
+                assert!(
+                    assumed.is_none() || !source.contains(&typed),
+                    "{name}: {typed}"
+                );
+            }
+        }
+        for typed in ["12 s late", "14 m over", "9 s early", "else 15 m", "0.7 of"] {
+            assert!(!source.contains(typed), "{typed}");
+        }
+    }
+}

@@ -80,3 +80,36 @@ pub(crate) fn list_problems(mission: &VehicleMission, onboard: &Onboard) -> Vec<
     }
     problems
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autopilot::{Airframe, Autopilot};
+
+    #[test]
+    fn a_mission_for_one_version_is_flown_by_that_version() {
+        let version = |text: &str| text.parse::<Version>().ok();
+        let mission = VehicleMission {
+            autopilot: Autopilot::ArduPilot,
+            autopilot_version: version("4.7"),
+            airframe: Airframe::Copter,
+            home: Home {
+                x: 0,
+                y: 0,
+                amsl_m: 0.0,
+            },
+            items: Vec::new(),
+            fence: Vec::new(),
+            is_fence_known: true,
+            rally: Vec::new(),
+            params: Vec::new(),
+            notes: Vec::new(),
+        };
+        assert_eq!(version_problem(&mission, version("4.7")), None);
+        let problem = version_problem(&mission, version("4.6"));
+        let expected = "it runs ArduPilot 4.6, the mission is for 4.7 (autopilot_version)";
+        assert_eq!(problem.as_deref(), Some(expected));
+        assert!(version_problem(&mission, None).is_some());
+        assert_eq!(version_problem(&mission.for_version(None), None), None);
+    }
+}

@@ -11,6 +11,7 @@ use super::end::End;
 use super::modes;
 use super::orbit::Orbit;
 use super::pending_command::{Answer, PendingCommand};
+use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
@@ -19,7 +20,6 @@ use crate::link::{
     Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
-use crate::autopilot::{Autopilot, Version};
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;

@@ -54,8 +54,7 @@ impl FlightVehicle<'_> {
             Stage::Checking { until } => {
                 let until = *until;
                 let settled = self.settings.as_ref().and_then(SettingsCheck::outcome);
-                let told =
-                    self.home.is_some() && self.latest.is_some() && !self.lacks_version();
+                let told = self.home.is_some() && self.latest.is_some() && !self.lacks_version();
                 if let Some(differences) = settled
                     && (told || now >= until)
                 {
