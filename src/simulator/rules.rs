@@ -71,7 +71,7 @@ pub(crate) fn ardupilot(
     Ok(())
 }
 
-/// PX4 looks at command and frame only: NaN altitudes and impossible places pass.
+/// PX4 looks at command and frame only: NaN altitudes and impossible locations pass.
 pub(crate) fn px4(list: List, item: &Item) -> Result<(), MissionResult> {
     let acceptance = facts(Autopilot::Px4, Airframe::Copter).acceptance;
     let is_global = acceptance.location_frames.contains(&item.frame);

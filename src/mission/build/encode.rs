@@ -147,7 +147,7 @@ pub(crate) fn quarter_up(height_m: f64) -> f32 {
     up(height_m * 4.0) / 4.0
 }
 
-/// Up to the next whole number, unless it is above one by a hair only.
+/// Up to the next whole number, unless it exceeds one by less than `TOLERANCE`.
 pub(crate) fn up(value: f64) -> f32 {
     #[expect(
         clippy::cast_possible_truncation,

@@ -15,7 +15,8 @@ use crate::path::{TimedPoint, VehicleLimits};
 use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::world::{NoData, World};
 use encode::{ENCODING_M, Encoder};
-use simplify::{Keep, Point, waypoints};
+use legs::{Keep, Point};
+use simplify::waypoints;
 
 /// Why a path cannot become a mission.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -127,12 +128,8 @@ pub fn build_course(
     let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
-    let encoder = Encoder::new(
-        world,
-        spec.mission.altitude,
-        vehicle.home,
-        stations.home.amsl,
-    );
+    let (reference, ground) = (spec.mission.altitude, stations.home.amsl);
+    let encoder = Encoder::new(world, reference, vehicle.home, ground);
     let writer = ItemWriter {
         spec,
         vehicle,
@@ -345,7 +342,7 @@ impl ItemWriter<'_> {
     /// The samples of a route that become waypoints.
     ///
     /// Between waypoints an autopilot interpolates the altitude in the frame of the
-    /// items, so the tolerance is kept in the reference of the mission.
+    /// items, so the tolerance holds in the reference of the mission.
     pub(super) fn route(&self, route: &[TimedPoint]) -> Result<Vec<PlanPoint>, NoData> {
         let path = route
             .iter()

@@ -71,7 +71,7 @@ impl Settings {
     fn arduplane(&self) -> WingLimits {
         let airspeed_mps = self.of_name("AIRSPEED_CRUISE").max(5.0);
         let least_airspeed_mps = self.of_name("AIRSPEED_MIN").clamp(3.0, airspeed_mps);
-        // The name since 4.7 stands in a plan beside the older one.
+        // A plan has the name since 4.7 as well.
         let slope_min_m = self.of_name("GLIDE_SLOPE_MIN").trunc();
         WingLimits {
             airspeed_mps,
