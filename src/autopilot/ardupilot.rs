@@ -1,7 +1,7 @@
 //! ArduCopter, ArduPlane and its QuadPlane.
 
 use super::acceptance::{Acceptance, Capacity};
-use super::behaviour::{Behaviour, Figure, Measured, NONE};
+use super::behaviour::{Behaviour, Figure, NONE, measured};
 use super::modes::{Modes, mode};
 use super::version::version;
 use super::{Conventions, Defaults, Facts, Version, command, parameters, stored_form};
@@ -64,25 +64,23 @@ const DEV: Version = version(4, 7);
 /// `missions/sitl-ardupilot.yaml`: 5.5 to 6.0 s late over their homes (motors that spin up, jerk
 /// upwards), 6.1 to 8.5 s at waypoints. Two over the ridge of Jacksboro: 8.3 s and, where slopes
 /// change by 7 degrees, 11.6 s at waypoints. ArduCopter 4.6.0-dev was 6 s late on the first.
-pub(super) const TAKEOFF_LATE_S: Figure = Figure(&[Measured {
-    value: 12.0,
-    unit: "s",
-    version: DEV,
-    samples: 5,
-    source: "ArduCopter 4.7.0-dev, simulated: at most 11.6 s late at waypoints over a ridge",
-}]);
+pub(super) const TAKEOFF_LATE_S: Figure = Figure(&[measured(
+    (12.0, "s"),
+    DEV,
+    5,
+    "ArduCopter 4.7.0-dev, simulated: at most 11.6 s late at waypoints over a ridge",
+)]);
 
 /// On the same flights a stop with a turn back took 4.4 s more on level ground (`WPNAV_JERK`),
 /// 4.2 s over the ridge. Assumed of all other vehicles; on PX4 4.6 s together with the leg to it.
-pub(super) const STOP_LATE_S: Figure = Figure(&[Measured {
-    value: 4.5,
-    unit: "s",
-    version: DEV,
-    samples: 5,
-    source: "ArduCopter 4.7.0-dev, simulated: 4.4 s after a stop with a turn back",
-}]);
+pub(super) const STOP_LATE_S: Figure = Figure(&[measured(
+    (4.5, "s"),
+    DEV,
+    5,
+    "ArduCopter 4.7.0-dev, simulated: 4.4 s after a stop with a turn back",
+)]);
 
-const COPTER_BEHAVIOUR: Behaviour = Behaviour {
+pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     takeoff_early_s: NONE,
     takeoff_late_s: TAKEOFF_LATE_S,
     stop_late_s: STOP_LATE_S,
@@ -100,61 +98,55 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
 
 /// ArduPlane 4.7.0-dev of December 2025, simulated, still air: it runs and climbs faster than
 /// planned, and is 7 to 8 s early at its start. A QuadPlane was 1 s late over its home.
-pub(super) const TAKEOFF_EARLY_S: Figure = Figure(&[Measured {
-    value: 9.0,
-    unit: "s",
-    version: DEV,
-    samples: 1,
-    source: "ArduPlane 4.7.0-dev, simulated: 8 s early at the start",
-}]);
+pub(super) const TAKEOFF_EARLY_S: Figure = Figure(&[measured(
+    (9.0, "s"),
+    DEV,
+    1,
+    "ArduPlane 4.7.0-dev, simulated: 8 s early at the start",
+)]);
 
 /// The same plane had the height of its takeoff, 80 m, 246 m from where it stood, not 508 m.
-pub(super) const CLIMB_OUT_SHARE: Figure = Figure(&[Measured {
-    value: 0.4,
-    unit: "",
-    version: DEV,
-    samples: 1,
-    source: "ArduPlane 4.7.0-dev, simulated: 10 m/s where 3 were planned",
-}]);
+pub(super) const CLIMB_OUT_SHARE: Figure = Figure(&[measured(
+    (0.4, ""),
+    DEV,
+    1,
+    "ArduPlane 4.7.0-dev, simulated: 10 m/s where 3 were planned",
+)]);
 
 /// The same plane exceeded that height before it levelled off.
-pub(super) const CLIMB_OUT_OVERSHOOT_M: Figure = Figure(&[Measured {
-    value: 14.0,
-    unit: "m",
-    version: DEV,
-    samples: 1,
-    source: "ArduPlane 4.7.0-dev, simulated: for some seconds",
-}]);
+pub(super) const CLIMB_OUT_OVERSHOOT_M: Figure = Figure(&[measured(
+    (14.0, "m"),
+    DEV,
+    1,
+    "ArduPlane 4.7.0-dev, simulated: for some seconds",
+)]);
 
 const WING_BEHAVIOUR: Behaviour = Behaviour {
     // One plane and one QuadPlane: 3.1 to 3.7 m at 1.15 m/s, 5.2 m at 1.6 m/s, 10.9 m at 2.9 m/s,
     // and most of it still on the next leg (TECS_HDEM_TCONST is 3).
-    altitude_lag_s: Figure(&[Measured {
-        value: 3.3,
-        unit: "s",
-        version: DEV,
-        samples: 2,
-        source: "ArduPlane 4.7.0-dev, simulated: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s",
-    }]),
+    altitude_lag_s: Figure(&[measured(
+        (3.3, "s"),
+        DEV,
+        2,
+        "ArduPlane 4.7.0-dev, simulated: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s",
+    )]),
     climb_out_share: CLIMB_OUT_SHARE,
     climb_out_overshoot_m: CLIMB_OUT_OVERSHOOT_M,
     // Fitted to a plane that slips in its turns: 14.2 degrees a second at 33.3 degrees of bank
     // and 19.1 m/s, 0.73 of a coordinated turn, its bank reached within a second. With these the
     // cross-track error comes out no less than any measured one, and at most 45 % more.
-    turning_share: Figure(&[Measured {
-        value: 0.7,
-        unit: "",
-        version: DEV,
-        samples: 1,
-        source: "ArduPlane 4.7.0-dev, simulated, still air, 18 m/s, bank of 34 degrees",
-    }]),
-    bank_lag_s: Figure(&[Measured {
-        value: 0.5,
-        unit: "s",
-        version: DEV,
-        samples: 1,
-        source: "ArduPlane 4.7.0-dev, simulated, still air, 18 m/s, bank of 34 degrees",
-    }]),
+    turning_share: Figure(&[measured(
+        (0.7, ""),
+        DEV,
+        1,
+        "ArduPlane 4.7.0-dev, simulated, still air, 18 m/s, bank of 34 degrees",
+    )]),
+    bank_lag_s: Figure(&[measured(
+        (0.5, "s"),
+        DEV,
+        1,
+        "ArduPlane 4.7.0-dev, simulated, still air, 18 m/s, bank of 34 degrees",
+    )]),
     ..COPTER_BEHAVIOUR
 };
 
@@ -250,20 +242,18 @@ pub(super) static QUADPLANE: Facts = Facts {
     behaviour: Behaviour {
         // In 5 m/s it was 41 m downwind after a planned climb of 27 s, and began its first leg
         // 59 m off.
-        drift_share: Figure(&[Measured {
-            value: 0.31,
-            unit: "",
-            version: DEV,
-            samples: 1,
-            source: "ArduPlane 4.7.0-dev, simulated, wind of 5 m/s",
-        }]),
-        drift_s: Figure(&[Measured {
-            value: 3.6,
-            unit: "s",
-            version: DEV,
-            samples: 1,
-            source: "ArduPlane 4.7.0-dev, simulated, wind of 5 m/s",
-        }]),
+        drift_share: Figure(&[measured(
+            (0.31, ""),
+            DEV,
+            1,
+            "ArduPlane 4.7.0-dev, simulated, wind of 5 m/s",
+        )]),
+        drift_s: Figure(&[measured(
+            (3.6, "s"),
+            DEV,
+            1,
+            "ArduPlane 4.7.0-dev, simulated, wind of 5 m/s",
+        )]),
         ..WING_BEHAVIOUR
     },
     ..ARDUPLANE

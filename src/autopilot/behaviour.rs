@@ -19,6 +19,22 @@ pub struct Measured {
     pub source: &'static str,
 }
 
+/// Shorthand for tables: value and unit, version, samples, source.
+pub(super) const fn measured(
+    (value, unit): (f64, &'static str),
+    version: Version,
+    samples: u32,
+    source: &'static str,
+) -> Measured {
+    Measured {
+        value,
+        unit,
+        version,
+        samples,
+        source,
+    }
+}
+
 impl fmt::Display for Measured {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}", self.value)?;

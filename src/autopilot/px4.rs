@@ -2,7 +2,7 @@
 
 use super::acceptance::{Acceptance, Capacity};
 use super::ardupilot;
-use super::behaviour::{Behaviour, Figure, Measured, NONE};
+use super::behaviour::{Behaviour, Figure, NONE, measured};
 use super::modes::{Modes, px4_auto};
 use super::version::version;
 use super::{Conventions, Defaults, Facts, command, frame, parameters, stored_form};
@@ -61,51 +61,40 @@ const MODES: Modes = Modes {
 };
 
 const COPTER_BEHAVIOUR: Behaviour = Behaviour {
-    takeoff_early_s: NONE,
     // 1.16 alpha of December 2024, its own simulated quadrotor, still air, on the clock of the
     // vehicle; three at once on flat ground at 7 and 8 m/s, three over the ridge of Jacksboro at 8
     // and at 12 m/s (there with less drag): 6.0 to 10.1 s late over their homes, up to 12.3 s at
     // the end of the first leg, which also has its share of `leg_late_s`.
-    takeoff_late_s: Figure(&[Measured {
-        value: 12.0,
-        unit: "s",
-        version: version(1, 16),
-        samples: 6,
-        source: "PX4 1.16 alpha, simulated: 6 to 10 s late over their homes",
-    }]),
-    stop_late_s: ardupilot::STOP_LATE_S,
+    takeoff_late_s: Figure(&[measured(
+        (12.0, "s"),
+        version(1, 16),
+        6,
+        "PX4 1.16 alpha, simulated: 6 to 10 s late over their homes",
+    )]),
     // The same flights. It slows down for corners and changes of slope, by itself and unlike
     // ArduCopter: at 8 m/s by up to 2.1 s a leg (slopes that change by 14 degrees), 12.5 s more
     // after twelve legs; at 12 m/s 1.7 s a corner of 20 degrees, 6.0 s after four such legs in a
     // row, 20.7 s after 23 legs.
-    leg_late_s: Figure(&[Measured {
-        value: 1.5,
-        unit: "s",
-        version: version(1, 16),
-        samples: 6,
-        source: "PX4 1.16 alpha, simulated: over a few legs in a row, at 8 and 12 m/s",
-    }]),
-    altitude_lag_s: NONE,
-    climb_out_share: NONE,
-    climb_out_overshoot_m: NONE,
-    drift_share: NONE,
-    drift_s: NONE,
-    turning_share: NONE,
-    bank_lag_s: NONE,
+    leg_late_s: Figure(&[measured(
+        (1.5, "s"),
+        version(1, 16),
+        6,
+        "PX4 1.16 alpha, simulated: over a few legs in a row, at 8 and 12 m/s",
+    )]),
     slow_landing_mps: 0.7,
+    ..ardupilot::COPTER_BEHAVIOUR
 };
 
 const WING_BEHAVIOUR: Behaviour = Behaviour {
     // Assumed: copters of ArduPilot were measured.
     takeoff_late_s: ardupilot::TAKEOFF_LATE_S,
     leg_late_s: NONE,
-    altitude_lag_s: Figure(&[Measured {
-        value: 3.5,
-        unit: "s",
-        version: version(1, 18),
-        samples: 0,
-        source: "TECS.cpp: (1 - FW_T_HRATE_FF) * FW_T_ALT_TC with the defaults 0.3 and 5 s",
-    }]),
+    altitude_lag_s: Figure(&[measured(
+        (3.5, "s"),
+        version(1, 18),
+        0,
+        "TECS.cpp: (1 - FW_T_HRATE_FF) * FW_T_ALT_TC with the defaults 0.3 and 5 s",
+    )]),
     // Assumed: ArduPlane was measured.
     climb_out_share: ardupilot::CLIMB_OUT_SHARE,
     climb_out_overshoot_m: ardupilot::CLIMB_OUT_OVERSHOOT_M,

@@ -218,39 +218,22 @@ fn count(
     mission: &VehicleMission,
 ) -> Result<(), MissionError> {
     let allowed = vehicle.facts().capacity;
+    let storage = "the autopilot's storage";
+    let (items, fence, rally) = (&mission.items, &mission.fence, &mission.rally);
+    let max_items = spec.mission.max_items;
     let too_many = [
-        (
-            List::Mission,
-            mission.items.len(),
-            spec.mission.max_items,
-            "mission.max_items",
-        ),
-        (
-            List::Mission,
-            mission.items.len(),
-            allowed.items,
-            "the autopilot's storage",
-        ),
-        (
-            List::Fence,
-            mission.fence.len(),
-            allowed.fence,
-            "the autopilot's storage",
-        ),
-        (
-            List::Rally,
-            mission.rally.len(),
-            allowed.rally,
-            "the autopilot's storage",
-        ),
+        (List::Mission, items, max_items, "mission.max_items"),
+        (List::Mission, items, allowed.items, storage),
+        (List::Fence, fence, allowed.fence, storage),
+        (List::Rally, rally, allowed.rally, storage),
     ]
     .into_iter()
-    .find(|(_, count, limit, _)| count > limit);
+    .find(|(_, items, limit, _)| items.len() > *limit);
     match too_many {
-        Some((list, count, limit, why)) => Err(MissionError::TooManyItems {
+        Some((list, items, limit, why)) => Err(MissionError::TooManyItems {
             vehicle: vehicle.id.clone(),
             list,
-            count,
+            count: items.len(),
             limit,
             why,
         }),
@@ -323,12 +306,17 @@ impl ItemWriter<'_> {
         }
     }
 
-    /// Ground speed. PX4 has it in its parameters: with the item a copter was seen to drift off.
+    /// Sets the speed, where a mission can: over the ground, on a wing through the air.
     fn speed(&self) -> Option<Item> {
         let conventions = self.vehicle.autopilot.conventions();
         conventions.speed_in_mission.then(|| {
+            let kind = if self.vehicle.wing.is_some() {
+                0.0
+            } else {
+                1.0
+            };
             let speed_mps = float(self.vehicle.speed_mps);
-            Item::without_place(command::DO_CHANGE_SPEED, [1.0, speed_mps, -1.0, 0.0])
+            Item::without_place(command::DO_CHANGE_SPEED, [kind, speed_mps, -1.0, 0.0])
         })
     }
 

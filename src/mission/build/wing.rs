@@ -29,7 +29,7 @@ impl ItemWriter<'_> {
         routes: &[Vec<TimedPoint>],
     ) -> Result<Vec<Item>, NoData> {
         let mut list = self.winged_takeoff(stations)?;
-        list.items.extend(self.airspeed());
+        list.items.extend(self.speed());
         let (touchdown, approach) = landing(self.vehicle, stations);
         let radius_m = self.vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
         let circles = self.vehicle.finish == Finish::Loiter;
@@ -100,15 +100,6 @@ impl ItemWriter<'_> {
             items,
             at: home.at,
             course_rad,
-        })
-    }
-
-    /// To ArduPlane speed is airspeed; PX4 has it in its parameters.
-    fn airspeed(&self) -> Option<Item> {
-        let conventions = self.vehicle.autopilot.conventions();
-        conventions.speed_in_mission.then(|| {
-            let speed_mps = float(self.vehicle.speed_mps);
-            Item::without_place(command::DO_CHANGE_SPEED, [0.0, speed_mps, -1.0, 0.0])
         })
     }
 
