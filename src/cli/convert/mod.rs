@@ -143,7 +143,7 @@ fn converted(
     let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
     let is_list = document.is_list();
     let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
-    let mut not_kept = document.beside.clone();
+    let mut not_kept = document.dropped.clone();
     let home = home(&document, target, arguments, &mut assumed)?;
     let document = Document {
         home: Some(home),

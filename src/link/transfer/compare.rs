@@ -7,7 +7,7 @@ use crate::link::stored_form::stored_form;
 use crate::mission::{Item, frame};
 use crate::spec::{Airframe, Autopilot};
 
-/// One thing that the vehicle holds otherwise than it was sent.
+/// One field that was read back otherwise than it was sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Which list.
@@ -37,7 +37,7 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Everything in which two lists differ, beyond what the autopilot keeps by design.
+/// The differences of two lists, apart from those of the autopilot's stored form.
 /// Both without the home row.
 #[must_use]
 pub fn differences(
@@ -74,7 +74,7 @@ pub fn differences(
     found
 }
 
-/// Every field, and whether the read-back is as sent or in this autopilot's stored form.
+/// Every field, and whether it was read back as sent or in its stored form.
 fn fields(
     autopilot: Autopilot,
     list: List,
@@ -115,7 +115,8 @@ fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()) || (a - b).abs() <= 0.0
 }
 
-/// Equal within the tolerance of the autopilot.
+/// Equal within the tolerance of the autopilot: PX4 stores angles in radians, so they come back
+/// with a small error.
 fn near(autopilot: Autopilot, a: f32, b: f32) -> bool {
     same(a, b) || (a - b).abs() <= autopilot.conventions().param_tolerance
 }
@@ -164,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_autopilot_keeps_is_equal_and_one_centimetre_more_is_not() {
+    fn the_stored_form_is_equal_and_one_centimetre_more_is_not() {
         let held = Item {
             params: [0.0; 4],
             ..item(80.19)
