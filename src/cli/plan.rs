@@ -21,10 +21,10 @@ use super::transfer::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
-use crate::plan::{VehiclePlan, breaks};
+use crate::plan::{VehiclePlan, violations};
 use crate::report::{self, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle};
-use crate::verify::{Margin, Review};
+use crate::verify::{Margin, Review, Topic};
 use crate::world::{self, World};
 
 /// Most vehicles of the table; of more, those with the tightest margins.
@@ -219,9 +219,9 @@ fn tell(
             format!("{:.1} km", plan.length_m() / 1000.0),
             table::clock(plan.duration_s()),
             items.map_or("-".to_owned(), |items| items.to_string()),
-            table::tightest(review, id, is_clearance),
-            table::tightest(review, id, is_of_a_place),
-            table::tightest(review, id, is_separation),
+            table::tightest(review, id, &[Topic::Clearance]),
+            table::tightest(review, id, &[Topic::Threat, Topic::Zone]),
+            table::tightest(review, id, &[Topic::Separation]),
             on_board(review.accepts(id), report),
         ]);
     }
@@ -263,16 +263,12 @@ fn tell(
     Ok(())
 }
 
-fn is_clearance(what: &str) -> bool {
-    what == "terrain clearance"
-}
-
-fn is_of_a_place(what: &str) -> bool {
-    what.starts_with("threat ") || what.starts_with("zone ")
-}
-
-fn is_separation(what: &str) -> bool {
-    what == "separation"
+/// Whether the table of the fleet has a column for a topic.
+fn has_column(topic: Topic) -> bool {
+    match topic {
+        Topic::Clearance | Topic::Threat | Topic::Zone | Topic::Separation => true,
+        Topic::Other => false,
+    }
 }
 
 /// The vehicles of the table: all, in order of priority, or of a large fleet those that are
@@ -285,8 +281,7 @@ fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
     let ids = spec.vehicles.iter().map(|vehicle| vehicle.id.as_str());
     let mut places: BTreeMap<&str, usize> = ids.zip(0..).collect();
     let mut shown = Vec::new();
-    let columns = [is_clearance, is_of_a_place, is_separation];
-    let counts = |margin: &&Margin| !margin.ok || columns.iter().any(|is| is(&margin.what));
+    let counts = |margin: &&Margin| !margin.ok || has_column(margin.limit.topic());
     for margin in worst_first(review).into_iter().filter(counts) {
         for id in std::iter::once(&margin.vehicle).chain(&margin.other) {
             if margin.ok && shown.len() >= MOST_LISTED {
@@ -305,7 +300,7 @@ fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<Strin
     vehicles
         .filter(|(_, plan)| !plan.terms.is_clean())
         .map(|(vehicle, plan)| {
-            let mut broken: Vec<String> = breaks(&file.spec, world, vehicle, plan)
+            let mut broken: Vec<String> = violations(&file.spec, world, vehicle, plan)
                 .into_iter()
                 .map(|block| {
                     let at = world.frame.from_plan(block.at.at);
@@ -339,8 +334,8 @@ fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<Strin
 fn by_itself(spec: &MissionSpec, vehicle: &Vehicle, plan: &VehiclePlan) -> String {
     /// Most barriers that are named.
     const MOST_NAMED: usize = 6;
-    let barriers = plan.cut_off_by.iter();
-    let mut closed: Vec<String> = barriers.map(|barrier| barrier.name(spec)).collect();
+    let blocking_set = plan.blocking_set.iter();
+    let mut closed: Vec<String> = blocking_set.map(|element| element.name(spec)).collect();
     if !closed.is_empty() {
         let more = closed.len().saturating_sub(MOST_NAMED);
         closed.truncate(MOST_NAMED);
@@ -349,14 +344,16 @@ fn by_itself(spec: &MissionSpec, vehicle: &Vehicle, plan: &VehiclePlan) -> Strin
         }
         return format!("; there is none: every way is closed by {}", and(&closed));
     }
-    let Some(remedies) = &plan.remedies else {
+    let Some(relaxations) = &plan.relaxations else {
         return String::new();
     };
-    let remedies = remedies.iter();
-    let remedies: Vec<String> = remedies.map(|remedy| remedy.words(vehicle)).collect();
-    match remedies.is_empty() {
+    let relaxations = relaxations.iter();
+    let relaxations: Vec<String> = relaxations
+        .map(|relaxation| relaxation.words(vehicle))
+        .collect();
+    match relaxations.is_empty() {
         true => "; there may be none".to_owned(),
-        false => format!("; one is found with {}", remedies.join(", or with ")),
+        false => format!("; one is found with {}", relaxations.join(", or with ")),
     }
 }
 

@@ -5,7 +5,7 @@
 //! form: many candidates side by side, with the same operations in the same order, so
 //! that both agree to the bit whatever the processor ([`Dispatch`]).
 
-mod along;
+mod evaluate;
 mod hazards;
 mod kernel;
 mod model;
@@ -18,16 +18,19 @@ mod timing;
 mod traffic;
 
 pub use crate::cost::kernel::batch::{Batch, Dispatch};
-pub use crate::cost::kernel::lanes::Scratch;
+pub use crate::cost::kernel::scratch::Scratch;
 pub use model::CostModel;
 pub use paper::{PaperOptions, ThreatForm};
 pub use relief::Relief;
+
+use serde::{Deserialize, Serialize};
 
 use crate::geodesy::PlanPoint;
 use crate::spec::Separation;
 
 /// The terms of the objective as they enter the total (design: they sum to it).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CostTerms {
     /// JL, Eq. 22.
     pub length: f64,
@@ -101,7 +104,7 @@ impl Margins {
 
 /// What one route joins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leg {
+pub struct RouteEnds {
     /// Where the route begins.
     pub from: PlanPoint,
     /// Where it ends.

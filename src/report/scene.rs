@@ -11,7 +11,7 @@ use super::simplify::{Fix, thin};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::{Finish, Vehicle};
-use crate::verify::{Moment, Track};
+use crate::verify::{Limit, Moment, Track};
 use crate::world::World;
 
 /// Fixes of all tracks together, samples of ground, and waypoints: a page of
@@ -122,7 +122,7 @@ impl Scene {
             .map(|(index, vehicle)| vehicle_shape(input, index, vehicle))
             .collect();
         let mut margins = input.review.margins.iter();
-        let is_held = margins.any(|margin| margin.what == "separation");
+        let is_held = margins.any(|margin| margin.limit == Limit::Separation);
         let bounds = bounds(world, &vehicles);
         let origin = world.frame.origin();
         Self {

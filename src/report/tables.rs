@@ -8,7 +8,7 @@ use super::words::{self, Ranked, escaped};
 use super::{COLOURS, ReviewInput};
 use crate::mission::VehicleMission;
 use crate::plan::VehiclePlan;
-use crate::spec::{Airframe, Autopilot, Vehicle};
+use crate::spec::{Airframe, Vehicle};
 use crate::verify::Moment;
 
 /// Sorts what is not known behind everything.
@@ -44,7 +44,7 @@ fn margin_row(row: usize, entry: &Ranked<'_>) -> String {
         class = class(margin.ok),
         word = word(margin.ok),
         who = escaped(&words::who(margin)),
-        what = escaped(&margin.what),
+        what = escaped(&margin.limit.to_string()),
         value_order = finite(margin.value).unwrap_or(-LAST),
         value = escaped(&words::value(margin)),
         limit = escaped(&words::limit(margin)),
@@ -165,10 +165,7 @@ fn flight(departure_s: f64, shape: &VehicleShape) -> String {
 }
 
 fn autopilot(vehicle: &Vehicle, planned: Option<&VehiclePlan>) -> String {
-    let autopilot = match vehicle.autopilot {
-        Autopilot::ArduPilot => "ArduPilot",
-        Autopilot::Px4 => "PX4",
-    };
+    let autopilot = vehicle.autopilot.name();
     let airframe = match vehicle.airframe {
         Airframe::Copter => "copter",
         Airframe::Plane => "plane",

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::{Parser, Subcommand};
 
 pub(super) use flight::{Fly, Replan};
-pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study};
+pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study, StudyFolder};
 
 use crate::spec::Airframe;
 

@@ -7,7 +7,7 @@ use comfy_table::{ContentArrangement, LineStyle, Table, presets};
 use super::console::Paint;
 use crate::numeric::digits;
 use crate::spec::Autopilot;
-use crate::verify::{Margin, Review, Sense};
+use crate::verify::{Limit, Margin, Review, Sense, Topic};
 
 /// With more rows than these the lines between them only take room.
 const MOST_RULED: usize = 12;
@@ -103,19 +103,19 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
 /// The same, with more decimals where it would read like the limit it misses.
 fn number_beside(value: f64, limit: f64, decimals: usize) -> String {
     if value.abs() < 1e9 {
-        digits::beside(value, limit, decimals)
+        digits::distinct_from(value, limit, decimals)
     } else {
         number(value, decimals)
     }
 }
 
-/// The tightest margin of a vehicle among the limits `wanted`, as an operator
-/// reads it: the value and what it is held against.
-pub(crate) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> bool) -> String {
+/// The tightest margin of a vehicle among the limits of some topics, as an operator
+/// reads it: the value and what it is compared with.
+pub(crate) fn tightest(review: &Review, vehicle: &str, topics: &[Topic]) -> String {
     let worst = review
         .margins
         .iter()
-        .filter(|margin| margin.concerns(vehicle) && wanted(&margin.what))
+        .filter(|margin| margin.concerns(vehicle) && topics.contains(&margin.limit.topic()))
         .min_by(|a, b| a.ok.cmp(&b.ok).then(a.slack().total_cmp(&b.slack())));
     let Some(margin) = worst else {
         return "-".to_owned();
@@ -123,20 +123,19 @@ pub(crate) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> 
     let whom = match &margin.other {
         Some(other) if other != vehicle => format!(" to {other}"),
         Some(_) => format!(" to {}", margin.vehicle),
-        None => margin
-            .what
-            .split_once(' ')
-            .filter(|(kind, _)| ["threat", "zone"].contains(kind))
-            .map_or_else(String::new, |(_, id)| format!(" to {id}")),
+        None => match &margin.limit {
+            Limit::Threat(id) | Limit::Zone(id) => format!(" to {id}"),
+            _ => String::new(),
+        },
     };
     let mark = if margin.ok { "" } else { " FAIL" };
     if !margin.value.is_finite() {
         return format!("not known{whom}{mark}");
     }
-    let limit = number(margin.limit, 0);
+    let limit = number(margin.bound, 0);
     let value = match margin.ok {
         true => number(margin.value, 0),
-        false => number_beside(margin.value, margin.limit, 0),
+        false => number_beside(margin.value, margin.bound, 0),
     };
     format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
 }
@@ -158,15 +157,15 @@ pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> Stri
 /// One margin in words: who, what, by how much, where, when.
 fn sentence(margin: &Margin, since: &str) -> String {
     let mut text = match &margin.other {
-        Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.what),
-        None => format!("{}: {}", margin.vehicle, margin.what),
+        Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.limit),
+        None => format!("{}: {}", margin.vehicle, margin.limit),
     };
     if margin.value.is_finite() {
         text += &format!(
             ": {} {unit}, {} {} {unit} allowed",
-            number_beside(margin.value, margin.limit, 1),
+            number_beside(margin.value, margin.bound, 1),
             sense(margin),
-            number(margin.limit, 1),
+            number(margin.bound, 1),
             unit = margin.unit
         );
     }
@@ -201,10 +200,7 @@ pub(crate) fn clock(seconds: f64) -> String {
 
 /// The autopilot as its people write it.
 pub(crate) fn autopilot(autopilot: Autopilot) -> &'static str {
-    match autopilot {
-        Autopilot::ArduPilot => "ArduPilot",
-        Autopilot::Px4 => "PX4",
-    }
+    autopilot.name()
 }
 
 #[cfg(test)]

@@ -139,7 +139,7 @@ impl Reading {
     }
 
     fn row(&self, seq: u16) -> usize {
-        usize::from(seq) + usize::from(self.capture.autopilot == Autopilot::Px4)
+        usize::from(seq) + usize::from(self.capture.autopilot.first_row())
     }
 
     /// Takes in a message, some milliseconds after T0.
@@ -147,8 +147,8 @@ impl Reading {
         match message {
             Message::MissionCurrent { seq, total, .. } => {
                 self.item = self.row(*seq);
-                let told = (1..u16::MAX).contains(total);
-                self.items = if told { usize::from(*total) } else { 0 };
+                let is_known = (1..u16::MAX).contains(total);
+                self.items = if is_known { usize::from(*total) } else { 0 };
             }
             Message::Flight(FlightMessage::ItemReached { seq }) if self.armed => {
                 let row = self.row(*seq);

@@ -11,6 +11,7 @@ use super::end::End;
 use super::modes;
 use super::orbit::Orbit;
 use super::pending_command::{Answer, PendingCommand};
+use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
@@ -19,7 +20,6 @@ use crate::link::{
     Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
-use crate::spec::Autopilot;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -61,7 +61,7 @@ pub(crate) enum Stage<'a> {
     Arming,
     /// The motors run.
     Armed,
-    /// The mission was told to start.
+    /// The mission was ordered to start.
     Starting,
     /// The mission is flown.
     Flying,
@@ -69,9 +69,9 @@ pub(crate) enum Stage<'a> {
     Ended,
 }
 
-/// What the fleet told it to do in flight.
+/// An order of the fleet to a vehicle in flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Told {
+pub(crate) enum Instruction {
     Hold,
     Land,
 }
@@ -84,6 +84,8 @@ pub(crate) struct FlightVehicle<'a> {
     /// When anything was heard of it.
     pub(crate) heard: Time,
     pub(crate) home: Option<Home>,
+    /// The version of its firmware.
+    version: Option<Version>,
     settings: Option<SettingsCheck<'a>>,
     problems: Vec<String>,
     /// What it said while it was to be armed.
@@ -100,11 +102,11 @@ pub(crate) struct FlightVehicle<'a> {
     /// Items on board without home, as the vehicle says.
     total: Option<usize>,
     airborne: bool,
-    pub(crate) told: Option<Told>,
-    /// Whether it is seen to stay where it was told to: watched on, for others may bring it down.
+    pub(crate) instruction: Option<Instruction>,
+    /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
     pub(crate) in_mission: bool,
-    /// Whether it was told of that it left its mission.
+    /// Whether an event has reported that it left its mission.
     left: bool,
     orbit: Orbit,
     pub(crate) flown: Flown,
@@ -140,6 +142,7 @@ impl<'a> FlightVehicle<'a> {
             vehicle: None,
             heard: now,
             home: None,
+            version: None,
             settings: None,
             problems: Vec::new(),
             warnings: Vec::new(),
@@ -152,7 +155,7 @@ impl<'a> FlightVehicle<'a> {
             item: 0,
             total: None,
             airborne: false,
-            told: None,
+            instruction: None,
             holds: false,
             in_mission: false,
             left: false,
@@ -200,10 +203,13 @@ impl<'a> FlightVehicle<'a> {
                 let (x, y) = (*x, *y);
                 self.home = Some(Home { x, y, amsl_m });
             }
+            Message::AutopilotVersion {
+                flight_software, ..
+            } => self.version = Version::of_flight_software(*flight_software).or(self.version),
             Message::MissionCurrent { seq, total, .. } => {
                 self.item = self.row(*seq);
-                let told = (1..u16::MAX).contains(total);
-                self.total = told.then_some(usize::from(*total));
+                let is_known = (1..u16::MAX).contains(total);
+                self.total = is_known.then_some(usize::from(*total));
             }
             Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
                 self.warn(text);
@@ -249,13 +255,9 @@ impl<'a> FlightVehicle<'a> {
         }
     }
 
-    /// The row of a sequence number: PX4 has no home row.
+    /// The row of a sequence number.
     fn row(&self, seq: u16) -> usize {
-        let first = match self.autopilot() {
-            Autopilot::ArduPilot => 0,
-            Autopilot::Px4 => 1,
-        };
-        usize::from(seq) + first
+        usize::from(seq) + usize::from(self.autopilot().first_row())
     }
 
     fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
@@ -293,31 +295,33 @@ impl<'a> FlightVehicle<'a> {
         self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
         match self.stage {
             Stage::Flying if !beat.is_armed() => {
-                let end = match (self.airborne, self.told) {
+                let end = match (self.airborne, self.instruction) {
                     (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
-                    (true, Some(Told::Hold)) => End::StoppedAfterHold,
-                    (true, Some(Told::Land)) => End::LandedEarly,
+                    (true, Some(Instruction::Hold)) => End::StoppedAfterHold,
+                    (true, Some(Instruction::Land)) => End::LandedEarly,
                     (true, None) => self.landing(),
                 };
                 self.end(end);
             }
-            Stage::Flying if was && !self.in_mission && self.told.is_none() => {
+            Stage::Flying if was && !self.in_mission && self.instruction.is_none() => {
                 self.left = true;
                 self.said
                     .push_back("left its mission: somebody else changed the mode".to_owned());
             }
-            Stage::Flying if !was && self.in_mission && (self.left || self.told.is_some()) => {
+            Stage::Flying
+                if !was && self.in_mission && (self.left || self.instruction.is_some()) =>
+            {
                 self.left = false;
                 self.said.push_back("is on its mission again".to_owned());
-                if self.told == Some(Told::Hold) {
-                    (self.told, self.holds) = (None, false);
+                if self.instruction == Some(Instruction::Hold) {
+                    (self.instruction, self.holds) = (None, false);
                 }
             }
             _ => {}
         }
     }
 
-    /// Does what is due. `interval_us` is how often positions are wanted.
+    /// Does what is due; requests a position every `interval_us` microseconds.
     pub(crate) fn tick(&mut self, now: Time, interval_us: f32) {
         self.work(now);
         if let (Stage::Arming, Some((until, again))) = (&self.stage, self.arming)
@@ -351,7 +355,7 @@ impl<'a> FlightVehicle<'a> {
                 Answer::Result(result) => {
                     let command = pending.command();
                     // Whoever refuses to hold or to land flies on as planned.
-                    (self.told, self.holds) = (None, false);
+                    (self.instruction, self.holds) = (None, false);
                     self.disobeyed(now, &format!("refused command {command} with {result}"));
                 }
                 Answer::Silence => {

@@ -1,7 +1,6 @@
 //! Jumps in a mission (`DO_JUMP`), as autopilots make them.
 
 use crate::mission::{Item, VehicleMission};
-use crate::spec::Autopilot;
 
 /// How often a jump is still made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,9 +15,8 @@ pub(crate) enum Jumps {
 
 /// The index of the item after a DO_JUMP.
 ///
-/// `param1` is a number as the autopilot counts, `param2` how often. Neither
-/// autopilot counts a spent jump anew within a mission, as whoever puts a loop into a
-/// loop will expect: such a jump is not read.
+/// `param1` is a number as the autopilot counts, `param2` how often. Neither autopilot counts a
+/// completed jump anew within a mission, which a loop within a loop needs: such a jump is rejected.
 pub(crate) fn jump(
     item: &Item,
     index: usize,
@@ -29,10 +27,7 @@ pub(crate) fn jump(
     if times.to_bits() == (-1.0_f64).to_bits() {
         return Err("a jump (DO_JUMP) that is made for ever".to_owned());
     }
-    let first = match mission.autopilot {
-        Autopilot::ArduPilot => 1.0,
-        Autopilot::Px4 => 0.0,
-    };
+    let first = f64::from(1 - mission.autopilot.first_row());
     let to = whole(target - first)
         .filter(|&to| to < mission.items.len())
         .ok_or_else(|| format!("a jump (DO_JUMP) to item {target}, which there is not"))?;

@@ -1,9 +1,9 @@
 //! How a flight ends: landed, at home again, or in the air for ever.
 
 use super::Pilot;
+use crate::autopilot::SLOW_LANDING_M;
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::VehicleMission;
-use crate::path::{SLOW_LANDING_M, slow_landing_mps};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
 use crate::verify::measure::segment::Phase;
@@ -27,12 +27,7 @@ impl Pilot<'_> {
         row: usize,
         mission: &VehicleMission,
     ) -> Result<(), Unknown> {
-        let refuse = |why: &str| {
-            Err(Unknown {
-                row,
-                why: why.to_owned(),
-            })
-        };
+        let refuse = |why: &str| Unknown::err(row, why);
         let Some(Amsl(return_m)) = self.vehicle.return_amsl else {
             return refuse(
                 "NAV_RETURN_TO_LAUNCH, and no return altitude is given (return_amsl_m, --return-amsl)",
@@ -62,7 +57,7 @@ impl Pilot<'_> {
                 .trajectory
                 .ground_m(row, self.world.frame.from_plan(at))?,
         };
-        let slow_mps = slow_landing_mps(self.vehicle.autopilot);
+        let slow_mps = self.vehicle.facts().behaviour.slow_landing_mps;
         let descent_mps = self.vehicle.descent_mps;
         let slow_m = ground_m + SLOW_LANDING_M;
         if self.last().amsl_m > slow_m {
@@ -80,16 +75,10 @@ impl Pilot<'_> {
             return Ok(());
         }
         if !self.airborne {
-            return Err(Unknown {
-                row,
-                why: "no takeoff".to_owned(),
-            });
+            return Unknown::err(row, "no takeoff");
         }
         if self.vehicle.airframe.has_wing() {
-            return Err(Unknown {
-                row,
-                why: "the mission ends in the air, and a wing does not stay".to_owned(),
-            });
+            return Unknown::err(row, "the mission ends in the air, and a wing does not stay");
         }
         self.stop()?;
         self.hold(row, f64::INFINITY);

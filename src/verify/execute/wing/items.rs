@@ -4,13 +4,12 @@ use crate::geodesy::{AboveHome, Amsl};
 use crate::mission::{Item, VehicleMission, command};
 use crate::spec::{Airframe, Autopilot};
 
-use crate::verify::execute::decode;
-use crate::verify::execute::decode::{Height, Order, own_height, place};
+use crate::verify::execute::item::{self, Height, Order, own_height, place};
 
 /// What one item makes a plane or vtol do.
 pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
     let (autopilot, is_vtol) = (mission.autopilot, mission.airframe == Airframe::Vtol);
-    if autopilot == Autopilot::Px4 && !item.autocontinue {
+    if autopilot.conventions().waits_without_autocontinue && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
     }
     let [first, _, third, _] = item.params.map(f64::from);
@@ -49,19 +48,19 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
             "NAV_RETURN_TO_LAUNCH ends in a circle over home, or a landing of its own".to_owned(),
         ),
         // Over at once: the rules of acceptance refuse it.
-        command::NAV_DELAY if autopilot == Autopilot::ArduPilot => Ok(Order::Nothing),
+        command::NAV_DELAY if mission.facts().acceptance.never_waits => Ok(Order::Nothing),
         command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
             "DO_CHANGE_SPEED of kind {first} does not set the airspeed"
         )),
-        _ => decode::read(item, autopilot, home),
+        _ => item::read(item, autopilot, home),
     }
 }
 
 fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-    let height = decode::height(item, autopilot, home)?;
-    Ok(match autopilot {
+    let height = item::height(item, autopilot, home)?;
+    Ok(match autopilot.conventions().reads_takeoff_location {
         // The place is not read. A QuadPlane climbs by the altitude, whatever the frame.
-        Autopilot::ArduPilot => Order::Takeoff {
+        false => Order::Takeoff {
             at: None,
             height: if item.command == command::NAV_VTOL_TAKEOFF {
                 Height::Sea(AboveHome(f64::from(item.z)).over(home))
@@ -69,7 +68,7 @@ fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, Strin
                 height
             },
         },
-        Autopilot::Px4 => Order::Takeoff {
+        true => Order::Takeoff {
             at: Some(place(item)?),
             height,
         },
@@ -77,7 +76,7 @@ fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, Strin
 }
 
 fn landing(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-    decode::height(item, autopilot, home)?;
+    item::height(item, autopilot, home)?;
     Ok(Order::Land {
         at: Some(place(item)?),
     })
@@ -96,12 +95,12 @@ fn radius_m(param: f64, mission: &VehicleMission) -> Result<f64, String> {
     held_m(mission, name).ok_or_else(|| format!("a circle without a radius, and no {name}"))
 }
 
-/// The radius of circles of PX4 where no item states one, if its parameters tell.
+/// The radius of circles of PX4 where no item states one, if its parameters state one.
 pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
     held_m(mission, "NAV_LOITER_RAD").map(f64::abs)
 }
 
-/// A radius that the parameters tell.
+/// A radius from the parameters.
 fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
     let found = mission.params.iter().find(|param| param.name == name)?;
     Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)
