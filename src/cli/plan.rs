@@ -21,7 +21,7 @@ use super::transfer::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
-use crate::plan::{VehiclePlan, breaks};
+use crate::plan::{VehiclePlan, violations};
 use crate::report::{self, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle};
 use crate::verify::{Margin, Review, Topic};
@@ -300,7 +300,7 @@ fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<Strin
     vehicles
         .filter(|(_, plan)| !plan.terms.is_clean())
         .map(|(vehicle, plan)| {
-            let mut broken: Vec<String> = breaks(&file.spec, world, vehicle, plan)
+            let mut broken: Vec<String> = violations(&file.spec, world, vehicle, plan)
                 .into_iter()
                 .map(|block| {
                     let at = world.frame.from_plan(block.at.at);
@@ -334,8 +334,8 @@ fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<Strin
 fn by_itself(spec: &MissionSpec, vehicle: &Vehicle, plan: &VehiclePlan) -> String {
     /// Most barriers that are named.
     const MOST_NAMED: usize = 6;
-    let barriers = plan.cut_off_by.iter();
-    let mut closed: Vec<String> = barriers.map(|barrier| barrier.name(spec)).collect();
+    let blocking_set = plan.blocking_set.iter();
+    let mut closed: Vec<String> = blocking_set.map(|element| element.name(spec)).collect();
     if !closed.is_empty() {
         let more = closed.len().saturating_sub(MOST_NAMED);
         closed.truncate(MOST_NAMED);
@@ -344,14 +344,16 @@ fn by_itself(spec: &MissionSpec, vehicle: &Vehicle, plan: &VehiclePlan) -> Strin
         }
         return format!("; there is none: every way is closed by {}", and(&closed));
     }
-    let Some(remedies) = &plan.remedies else {
+    let Some(relaxations) = &plan.relaxations else {
         return String::new();
     };
-    let remedies = remedies.iter();
-    let remedies: Vec<String> = remedies.map(|remedy| remedy.words(vehicle)).collect();
-    match remedies.is_empty() {
+    let relaxations = relaxations.iter();
+    let relaxations: Vec<String> = relaxations
+        .map(|relaxation| relaxation.words(vehicle))
+        .collect();
+    match relaxations.is_empty() {
         true => "; there may be none".to_owned(),
-        false => format!("; one is found with {}", remedies.join(", or with ")),
+        false => format!("; one is found with {}", relaxations.join(", or with ")),
     }
 }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
-use crate::plan::{FleetPlan, Route, VehiclePlan, breaks};
+use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::verify::{Margin, Moment, Review};
 use crate::world::World;
@@ -62,18 +62,18 @@ pub struct PlannedVehicle {
     pub evaluations: usize,
     /// Which limits the best path breaks, if none was found that keeps them all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub breaks: Vec<BlockEntry>,
+    pub violations: Vec<BlockEntry>,
     /// How often it was planned: again where a plan met earlier vehicles or failed verification.
     pub plans: usize,
     /// Proven: threats, zones and ground too high under the ceiling leave no way to its goal.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub cut_off: bool,
+    pub is_proven_infeasible: bool,
     /// What does so, in a row around an end of its way.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub cut_off_by: Vec<String>,
+    pub blocking_set: Vec<String>,
     /// Changes of the spec with which, each alone, a path that keeps every limit was found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub remedies: Vec<String>,
+    pub relaxations: Vec<String>,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
@@ -212,7 +212,7 @@ impl PlannedVehicle {
     /// turns and ground more strictly.
     fn told(mut self, passes: bool) -> Self {
         if passes {
-            self.breaks.clear();
+            self.violations.clear();
         }
         self
     }
@@ -266,7 +266,7 @@ fn planned_vehicle(
         estimate: finite(planned.estimate),
         gap: finite(planned.gap()),
         evaluations: planned.evaluations,
-        breaks: breaks(spec, world, vehicle, planned)
+        violations: violations(spec, world, vehicle, planned)
             .into_iter()
             .map(|block| BlockEntry {
                 at: control_point(block.at, world),
@@ -275,12 +275,12 @@ fn planned_vehicle(
             })
             .collect(),
         plans: planned.plans,
-        cut_off: !planned.cut_off_by.is_empty(),
-        cut_off_by: (planned.cut_off_by.iter())
-            .map(|barrier| barrier.name(spec))
+        is_proven_infeasible: !planned.blocking_set.is_empty(),
+        blocking_set: (planned.blocking_set.iter())
+            .map(|element| element.name(spec))
             .collect(),
-        remedies: (planned.remedies.iter().flatten())
-            .map(|remedy| remedy.words(vehicle))
+        relaxations: (planned.relaxations.iter().flatten())
+            .map(|relaxation| relaxation.words(vehicle))
             .collect(),
         control_points: planned
             .routes

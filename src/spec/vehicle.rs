@@ -1,7 +1,11 @@
-//! A vehicle of the checked spec: what it is, where it goes, what it can.
+//! A vehicle of the checked spec: identity, route and performance.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
+use super::keys::words;
 use super::model::Wind;
 
 /// One vehicle of the fleet.
@@ -51,7 +55,7 @@ pub struct Vehicle {
     pub wing: Option<Wing>,
 }
 
-/// What the planner may choose so that a vehicle need not go around others.
+/// Departures and speeds that the planner may choose instead of a detour around other vehicles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Retiming {
     /// Departures, seconds after T0; none: `depart_s` alone.
@@ -102,10 +106,10 @@ pub struct Landing {
     pub glide_rad: f64,
 }
 
-/// The last way to a landing, both lengths in metres.
+/// The last part of a path to a landing, both lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ApproachLengths {
-    /// The straight way on the course of the landing: a plane's glide, or the stretch on
+    /// The straight leg on the course of the landing: a plane's glide, or the distance in
     /// which a vtol slows down.
     pub straight_m: f64,
     /// Before it, for the turn onto that course: here the planned path ends.
@@ -148,8 +152,8 @@ impl Vehicle {
         self.through_air_mps(speed_mps, at) + wind_mps
     }
 
-    /// A commanded speed as it moves the vehicle at an altitude, m/s: on a wing the indicated
-    /// airspeed, in the thinner air above the sea a greater true one.
+    /// Speed through the air at a commanded speed and an altitude, m/s. The command of a wing is
+    /// an indicated airspeed; its true airspeed grows with altitude.
     fn through_air_mps(&self, speed_mps: f64, at: Amsl) -> f64 {
         match self.wing {
             Some(_) => speed_mps * true_airspeed_ratio(at),
@@ -221,7 +225,9 @@ pub enum Placement {
 }
 
 /// Which autopilot reads the mission.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Autopilot {
     /// ArduPilot.
     ArduPilot,
@@ -230,9 +236,12 @@ pub enum Autopilot {
 }
 
 /// What flies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Airframe {
     /// Multicopter.
+    #[default]
     Copter,
     /// Fixed wing: takes off along a course and lands on a glide.
     Plane,
@@ -241,7 +250,7 @@ pub enum Airframe {
 }
 
 impl Airframe {
-    /// Whether it flies on a wing on its way: it cannot stop, and circles where a copter hovers.
+    /// Whether it cruises on a wing: it cannot stop, and circles where a copter hovers.
     #[must_use]
     pub fn has_wing(self) -> bool {
         match self {
@@ -274,11 +283,13 @@ pub enum Link {
 }
 
 /// What happens at the goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Finish {
     /// Land there.
     Land,
-    /// Stay there until told otherwise.
+    /// Stay there until commanded otherwise.
     Loiter,
     /// Fly a planned path home and land there.
     Return,

@@ -103,7 +103,7 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
 /// The same, with more decimals where it would read like the limit it misses.
 fn number_beside(value: f64, limit: f64, decimals: usize) -> String {
     if value.abs() < 1e9 {
-        digits::beside(value, limit, decimals)
+        digits::distinct_from(value, limit, decimals)
     } else {
         number(value, decimals)
     }

@@ -260,6 +260,7 @@ mod tests {
 
     use super::read;
     use crate::formats::SourceLocation;
+    use crate::geodesy::LatLon;
     use proptest::prelude::*;
 
     #[test]
