@@ -255,7 +255,14 @@ fn plain(expected: &str) -> String {
 /// The JSON Schema (draft 2020-12) of a mission spec, for editors.
 #[must_use]
 pub fn json_schema() -> String {
-    let schema = schemars::schema_for!(keys::Spec);
+    let mut schema = schemars::schema_for!(keys::Spec);
+    for name in ["Autopilot", "Airframe"] {
+        if let Some(of) = schema.pointer_mut(&format!("/$defs/{name}"))
+            && let Ok(words) = of.try_into()
+        {
+            keys::words(words);
+        }
+    }
     let mut text = format!("{:#}", schema.as_value());
     text.push('\n');
     text

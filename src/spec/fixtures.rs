@@ -17,6 +17,7 @@ pub(crate) fn copter() -> Vehicle {
         id: "alpha".to_owned(),
         sysid: 1,
         autopilot: Autopilot::ArduPilot,
+        autopilot_version: None,
         airframe: Airframe::Copter,
         link: Link::Sim,
         home: place,

@@ -35,6 +35,7 @@ mod table;
 mod value_sources;
 mod vehicle;
 
+pub use crate::autopilot::{Airframe, Autopilot};
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
@@ -46,6 +47,6 @@ pub use model::{
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
 pub use vehicle::{
-    Airframe, ApproachLengths, Autopilot, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement,
-    Retiming, Span, Vehicle, Wing, turn_radius_by_load_m,
+    ApproachLengths, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement, Retiming, Span,
+    Vehicle, Wing, turn_radius_by_load_m,
 };

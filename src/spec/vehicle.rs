@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts};
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
 use super::keys::words;
@@ -17,6 +18,8 @@ pub struct Vehicle {
     pub sysid: u8,
     /// Which autopilot will read the mission.
     pub autopilot: Autopilot,
+    /// Its firmware version; absent: every supported one.
+    pub autopilot_version: Option<Version>,
     /// What flies.
     pub airframe: Airframe,
     /// How to reach it.
@@ -117,6 +120,12 @@ pub struct ApproachLengths {
 }
 
 impl Vehicle {
+    /// What its autopilot does on its airframe.
+    #[must_use]
+    pub fn facts(&self) -> &'static Facts {
+        facts(self.autopilot, self.airframe)
+    }
+
     /// The departures that the spec allows, seconds after T0.
     #[must_use]
     pub fn departures(&self) -> Span {
@@ -222,42 +231,6 @@ pub enum Placement {
     Agl(Agl),
     /// Over mean sea level.
     Amsl(Amsl),
-}
-
-/// Which autopilot reads the mission.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-#[schemars(transform = words)]
-pub enum Autopilot {
-    /// ArduPilot.
-    ArduPilot,
-    /// PX4.
-    Px4,
-}
-
-/// What flies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-#[schemars(transform = words)]
-pub enum Airframe {
-    /// Multicopter.
-    #[default]
-    Copter,
-    /// Fixed wing: takes off along a course and lands on a glide.
-    Plane,
-    /// Takes off and lands vertically, flies on its wing between.
-    Vtol,
-}
-
-impl Airframe {
-    /// Whether it cruises on a wing: it cannot stop, and circles where a copter hovers.
-    #[must_use]
-    pub fn has_wing(self) -> bool {
-        match self {
-            Self::Copter => false,
-            Self::Plane | Self::Vtol => true,
-        }
-    }
 }
 
 /// How a vehicle is reached.

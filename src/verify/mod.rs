@@ -102,8 +102,6 @@ mod limits;
 mod measure;
 mod review;
 
-pub use execute::wing::altitude_lag::{MAX_LAG_S, SLOPE_MIN_M};
-pub use execute::wing::overshoot::EARLY_SHARE;
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use review::review;
 

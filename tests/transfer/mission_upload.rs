@@ -62,8 +62,10 @@ fn holds(vehicle: &Vehicle, profile: Profile, mission: &VehicleMission) -> bool 
         let expected: Vec<Item> = wanted(mission, list)
             .iter()
             .map(|item| match profile {
-                Profile::ArduPilot => kept(Autopilot::ArduPilot, mission.airframe, list, item),
-                Profile::Px4 => kept(Autopilot::Px4, mission.airframe, list, item),
+                Profile::ArduPilot => {
+                    stored_form(Autopilot::ArduPilot, mission.airframe, list, item)
+                }
+                Profile::Px4 => stored_form(Autopilot::Px4, mission.airframe, list, item),
                 Profile::Generic => *item,
             })
             .collect();

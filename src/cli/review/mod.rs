@@ -108,6 +108,7 @@ fn with_spec(
         let vehicle_of = &file.spec.vehicles[*vehicle];
         let mission = document
             .into_mission(vehicle_of.autopilot, vehicle_of.airframe)
+            .map(|mission| mission.for_version(vehicle_of.autopilot_version))
             .map_err(|error| {
                 Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
             })?;

@@ -243,12 +243,7 @@ fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -
     let in_mission = changes
         .find(|item| (0.5..=100.0).contains(&item.params[1]))
         .map(|item| f64::from(item.params[1]));
-    let default = match who {
-        (Autopilot::ArduPilot, Airframe::Copter) => 10.0,
-        (Autopilot::Px4, Airframe::Copter) => 5.0,
-        (Autopilot::ArduPilot, Airframe::Plane | Airframe::Vtol) => 12.0,
-        (Autopilot::Px4, Airframe::Plane | Airframe::Vtol) => 15.0,
-    };
+    let default = crate::autopilot::facts(who.0, who.1).defaults.cruise_mps();
     limits.speed.or(in_mission).unwrap_or(default)
 }
 

@@ -4,6 +4,7 @@
 
 use super::reference::Waypoint;
 use super::{FlownTrack, GAP_S, Part};
+use crate::autopilot::{Airframe, Autopilot, ParameterRow, SLOPE_MIN, facts, parameter};
 use crate::flight::launch::readiness::STANDS_M;
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
@@ -11,10 +12,8 @@ use crate::flight::session::arrival::{ARRIVED_M, STILL_MPS, TURNED_RAD};
 use crate::flight::session::end::End;
 use crate::flight::session::{LATE_S, LATE_SHARE};
 use crate::path::VehicleLimits;
-use crate::spec::{Airframe, AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::verify::{
-    EARLY_SHARE, Flown, Limit, MAX_LAG_S, Margin, Moment, Requirement, SLOPE_MIN_M,
-};
+use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
+use crate::verify::{Flown, Limit, Margin, Moment, Requirement};
 use crate::world::World;
 
 /// Farther than this from its way a copter has left what was verified, metres: corners are cut
@@ -47,9 +46,13 @@ impl Tube {
         }
         let turns_m = TURNS * VehicleLimits::of(&at_its_fastest(vehicle)).turn_radius_m;
         let slopes_mps = vehicle.climb_mps.max(vehicle.descent_mps);
+        let slope_min_m = parameter(SLOPE_MIN[0]).map_or(0.0, ParameterRow::default_si);
+        let lags = Autopilot::ALL.map(|autopilot| facts(autopilot, vehicle.airframe));
+        let lags_s = lags.map(|facts| facts.behaviour.altitude_lag_s.value(None));
+        let lag_s = lags_s.into_iter().fold(0.0, f64::max);
         Self {
             across_m: CROSS_TRACK_M.max(turns_m),
-            up_m: CROSS_TRACK_M.max(SLOPE_MIN_M + MAX_LAG_S * slopes_mps),
+            up_m: CROSS_TRACK_M.max(slope_min_m + lag_s * slopes_mps),
         }
     }
 }
@@ -180,11 +183,15 @@ impl FlownTrack<'_> {
         if self.airframe != Airframe::Plane {
             return None;
         }
+        let early_share = facts(Autopilot::ArduPilot, self.airframe)
+            .behaviour
+            .climb_out_share
+            .value(None);
         let passages = self.passages(&part);
         let passed = passages.iter().find(|passage| passage.item == next.item);
         Some(ClimbOut {
             until_s: passed.map_or(f64::INFINITY, |passage| passage.flown_s),
-            wide_m: (1.0 - EARLY_SHARE) * home.point.at.distance_m(top.point.at),
+            wide_m: (1.0 - early_share) * home.point.at.distance_m(top.point.at),
         })
     }
 

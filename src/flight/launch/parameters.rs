@@ -1,7 +1,8 @@
 //! The parameters that the verdict assumes, against those of the vehicle.
 
+use crate::autopilot::other_name;
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
-use crate::mission::{Parameter, other_name};
+use crate::mission::Parameter;
 
 /// Between two requests for one parameter, milliseconds.
 const REPEAT_MS: u64 = 400;

@@ -7,7 +7,6 @@ use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
-use crate::spec::Autopilot;
 use crate::verify::Track;
 use crate::world::Departure;
 
@@ -113,7 +112,7 @@ impl VehicleState {
         if held.items.iter().any(returns) {
             return Err("flies a NAV_RETURN_TO_LAUNCH, on a path of its own".to_owned());
         }
-        let first = usize::from(planned.autopilot == Autopilot::Px4);
+        let first = usize::from(planned.autopilot.first_row());
         let row = (usize::from(observed.seq) + first).max(1);
         let here = point(plan, &observed.position);
         let no_times = Track {

@@ -260,7 +260,6 @@ mod tests {
 
     use super::read;
     use crate::formats::SourceLocation;
-    use crate::geodesy::LatLon;
     use proptest::prelude::*;
 
     #[test]

@@ -12,7 +12,7 @@ impl Checker {
         keys: &keys::Vehicle,
         (autopilot, airframe): (Autopilot, Airframe),
     ) -> Retiming {
-        let is_copter = airframe == Airframe::Copter;
+        let is_copter = !airframe.has_wing();
         let window = keys.depart_window_s.and_then(|window| {
             let path = format!("{path}.depart_window_s");
             if !is_copter {
@@ -28,7 +28,7 @@ impl Checker {
                 let found =
                     "a range of speeds, on a wing: its turns and circles depend on speed_mps";
                 self.report(&path, found, "speed_mps");
-            } else if autopilot == Autopilot::Px4 {
+            } else if !autopilot.conventions().speed_in_mission {
                 let found =
                     "a range of speeds, on px4: its speed is a parameter, in no mission file";
                 self.report(&path, found, "speed_mps");

@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::super::keys;
-use super::super::{
-    Airframe, AltitudeReference, Autopilot, EndPoint, Link, Placement, Separation, Vehicle, Wind,
-};
+use super::super::{AltitudeReference, EndPoint, Link, Placement, Separation, Vehicle, Wind};
 use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
+use crate::autopilot::{Autopilot, Version, facts, frame};
 use crate::geodesy::{Agl, Amsl, LatLon};
 use crate::numeric::digits;
 
@@ -20,49 +19,8 @@ const DEFAULT_LOAD_FACTOR: f64 = 1.15;
 /// Least horizontal distance from start to goal, metres.
 const MIN_START_TO_GOAL_M: f64 = 10.0;
 
-/// Greatest `MAV_SYS_ID`.
-const PX4_LAST_SYSTEM_ID: i64 = 250;
-
 /// System ids for vehicles: those above belong to ground stations.
 const SYSTEM_IDS: usize = 240;
-
-/// Speeds and acceleration that an autopilot has by default.
-struct Defaults {
-    climb_mps: f64,
-    descent_mps: f64,
-    accel_mps2: f64,
-}
-
-/// `WPNAV_SPEED_UP`, `WPNAV_SPEED_DN`, `WPNAV_ACCEL` of ArduCopter.
-const ARDUCOPTER: Defaults = Defaults {
-    climb_mps: 2.5,
-    descent_mps: 1.5,
-    accel_mps2: 2.5,
-};
-/// `TECS_CLMB_MAX`, `TECS_SINK_MAX` of ArduPlane, `FW_T_CLMB_MAX`, `FW_T_SINK_MAX` of PX4.
-/// No parameter has the acceleration of a takeoff run; this one is gentle.
-const PLANE: Defaults = Defaults {
-    climb_mps: 5.0,
-    descent_mps: 5.0,
-    accel_mps2: 3.0,
-};
-/// `MPC_Z_V_AUTO_UP`, `MPC_Z_V_AUTO_DN`, `MPC_ACC_HOR` of PX4.
-const PX4_COPTER: Defaults = Defaults {
-    climb_mps: 3.0,
-    descent_mps: 1.5,
-    accel_mps2: 3.0,
-};
-
-impl Defaults {
-    fn of(autopilot: Autopilot, airframe: Airframe) -> &'static Self {
-        match (airframe, autopilot) {
-            (Airframe::Plane, _) => &PLANE,
-            // A vtol climbs and descends on its rotors, slower than on its wing.
-            (Airframe::Copter | Airframe::Vtol, Autopilot::ArduPilot) => &ARDUCOPTER,
-            (Airframe::Copter | Airframe::Vtol, Autopilot::Px4) => &PX4_COPTER,
-        }
-    }
-}
 
 /// Where a vehicle stands, and the ends of its planned path; none where broken.
 struct Ends {
@@ -99,14 +57,20 @@ impl Checker {
         vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()
     }
 
-    /// PX4 has no terrain altitudes in missions.
+    /// Some autopilots have no terrain altitudes in missions.
     fn altitude_reference(&mut self, keys: &keys::Spec) {
-        let px4 = |vehicle: &&keys::Vehicle| vehicle.autopilot == Some(Autopilot::Px4);
-        if keys.mission.altitude == AltitudeReference::Terrain
-            && let Some(vehicle) = keys.vehicles.iter().find(px4)
-        {
+        let without_terrain = |vehicle: &keys::Vehicle| {
+            let autopilot = vehicle.autopilot?;
+            let acceptance = facts(autopilot, vehicle.airframe.unwrap_or_default()).acceptance;
+            let frames = acceptance.location_frames;
             let id = vehicle.id.as_deref().unwrap_or_default().escape_debug();
-            let found = format!("terrain, and vehicle `{id}` is px4");
+            let key = autopilot.conventions().key;
+            (!frames.contains(&frame::GLOBAL_TERRAIN_ALT))
+                .then(|| format!("terrain, and vehicle `{id}` is {key}"))
+        };
+        if keys.mission.altitude == AltitudeReference::Terrain
+            && let Some(found) = keys.vehicles.iter().find_map(without_terrain)
+        {
             self.report("mission.altitude", found, "amsl or relative");
         }
     }
@@ -119,11 +83,12 @@ impl Checker {
         for (index, vehicle) in vehicles.iter().enumerate() {
             let Some(sysid) = vehicle.sysid else { continue };
             let path = format!("vehicles[{index}].sysid");
-            if vehicle.autopilot == Some(Autopilot::Px4)
-                && (PX4_LAST_SYSTEM_ID + 1..=255).contains(&sysid)
-            {
-                let allowed = format!("at most {PX4_LAST_SYSTEM_ID} for px4");
-                self.report(&path, sysid, allowed);
+            if let Some(autopilot) = vehicle.autopilot.map(Autopilot::conventions) {
+                let last = i64::from(autopilot.max_system_id);
+                if (last + 1..=255).contains(&sysid) {
+                    let allowed = format!("at most {last} for {}", autopilot.key);
+                    self.report(&path, sysid, allowed);
+                }
             }
             let link = vehicle.link.as_deref().filter(|_| is_large);
             // Every simulated vehicle has a link of its own.
@@ -164,7 +129,9 @@ impl Checker {
         let ends = self.ends(path, keys, map);
         let (autopilot, speed_mps, finish) = (autopilot?, speed_mps?, finish?);
         let airframe = keys.airframe.unwrap_or_default();
-        let defaults = Defaults::of(autopilot, airframe);
+        let defaults = facts(autopilot, airframe).defaults;
+        let version = keys.autopilot_version.as_deref();
+        let autopilot_version = self.version(&at("autopilot_version"), version, autopilot);
         let flown = Flown {
             airframe,
             finish,
@@ -193,6 +160,7 @@ impl Checker {
             id: id?,
             sysid: u8::try_from(sysid?).ok()?,
             autopilot,
+            autopilot_version,
             airframe,
             link: link?,
             home: ends.home?,
@@ -200,6 +168,20 @@ impl Checker {
             goal: ends.goal?,
             finish,
         })
+    }
+
+    /// A version whose rules are known.
+    fn version(&mut self, path: &str, text: Option<&str>, autopilot: Autopilot) -> Option<Version> {
+        let text = text?;
+        let known = autopilot.conventions().versions;
+        let version = text.parse().ok().filter(|version| known.contains(version));
+        if version.is_none() {
+            let found = format!("`{}`", text.escape_debug());
+            let names: Vec<String> = known.iter().map(Version::to_string).collect();
+            let allowed = format!("{} for {}", names.join(", "), autopilot.conventions().key);
+            self.report(path, found, allowed);
+        }
+        version
     }
 
     /// Home, start and goal: apart, and where something may stand.

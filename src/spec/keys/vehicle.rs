@@ -38,6 +38,8 @@ pub struct Vehicle {
     /// Which autopilot reads the mission.
     #[schemars(with = "Autopilot")]
     pub autopilot: Option<Autopilot>,
+    /// Its firmware version, such as 4.7; absent: the mission suits every supported version.
+    pub autopilot_version: Option<String>,
     /// What flies; absent: copter.
     pub airframe: Option<Airframe>,
     /// How to reach it: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT, tcpin:HOST:PORT or serial:DEVICE:BAUD.
