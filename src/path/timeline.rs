@@ -314,7 +314,7 @@ fn speed_between(vehicle: &Vehicle, route: &[PlanPoint]) -> f64 {
     }
 }
 
-/// Distances strictly between `from_m` and `to_m` at which a leg is to be cut,
+/// Distances strictly between `from_m` and `to_m` at which a leg is cut,
 /// so that the speed is near constant on every piece; none while cruising.
 pub fn ramp_stops_m(
     profile: &SpeedProfile,

@@ -20,8 +20,7 @@ use crate::world::World;
 /// by up to 10 m (`mission.tolerance_m` as the parameters have it), positions are some metres
 /// off. Real ArduCopters were at most 1.5 m beside their way.
 pub(crate) const CROSS_TRACK_M: f64 = 30.0;
-/// A wing that turns late by the whole corner comes out of it so many turn radii beside its way,
-/// at most. Real ArduPlane, 18 m/s: 0.6 at a right angle, 1.4 at 120 degrees, 2.2 at 150; and a
+/// Greatest cross-track error, in turn radii, of a wing that turns late by the whole corner. Real ArduPlane, 18 m/s: 0.6 at a right angle, 1.4 at 120 degrees, 2.2 at 150; and a
 /// QuadPlane that the wind drove away as it climbed, 59 m or 1.1.
 const TURNS: f64 = 2.0;
 /// A vehicle that landed is not higher or lower than this over the ground of the elevation
@@ -236,7 +235,7 @@ impl FlownTrack<'_> {
 
     /// The waypoints that had to be passed while a plan was flown: all that were ahead, of a plan
     /// that another took the place of those before the item that was flown to. Not the last
-    /// item, of which the last position tells, nor the place where a climb-out ends.
+    /// item, which the last position shows, nor the place where a climb-out ends.
     fn due<'p>(&self, part: &Part<'p>, is_last: bool) -> impl Iterator<Item = &'p Waypoint> {
         let waypoints = part.plan.waypoints.iter();
         let last = waypoints.clone().next_back().map_or(0, |last| last.item);
@@ -274,8 +273,8 @@ impl FlownTrack<'_> {
         self.worst(required, std::iter::once((place.distance_m(at.at), last)))
     }
 
-    /// So late that `fly` would have given it up. In a capture nobody knows when a vehicle was to
-    /// start: whoever armed it late started it late.
+    /// So late that `fly` would have given it up. A capture does not say when a vehicle had to
+    /// start: one that was armed late started late.
     fn lateness(&self, ends_s: f64) -> Option<Margin> {
         let required = at_most(Flown::End, ends_s * (1.0 + LATE_SHARE) + LATE_S, "s");
         let last = self.fixes().last()?;
@@ -287,7 +286,7 @@ impl FlownTrack<'_> {
         self.worst(required, std::iter::once((until_s - waited_s, last)))
     }
 
-    /// The last positions show the end that the record tells of.
+    /// The last positions show the end that the record names.
     fn ending(&self, world: &World) -> Vec<Margin> {
         let (Some(last), Some(part)) = (self.fixes().last(), self.parts().last()) else {
             return Vec::new();

@@ -68,7 +68,7 @@ impl<'a> SettingsCheck<'a> {
         }
     }
 
-    /// What is to be sent now.
+    /// The message that is due, if any.
     pub(crate) fn poll(&mut self, now: Time, target: Address) -> Option<Message> {
         let planned = self.planned.get(self.at)?;
         if now < self.due {

@@ -354,7 +354,7 @@ impl<'a> FlightVehicle<'a> {
                 }
                 Answer::Result(result) => {
                     let command = pending.command();
-                    // Whoever refuses to hold or to land flies on as planned.
+                    // A vehicle that refuses to hold or to land flies on as planned.
                     (self.instruction, self.holds) = (None, false);
                     self.disobeyed(now, &format!("refused command {command} with {result}"));
                 }
