@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use super::args;
 use super::folder::runs;
-use super::print::console::{Paint, note};
+use super::print::console::{Paint, note_lines};
 use super::print::failure::Failure;
 use super::print::table;
 use super::review;
@@ -109,7 +109,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
     if !review.passes() {
-        note(&table::failures(&review, Paint::for_stdout()));
+        note_lines(&table::failures(&review, Paint::for_stdout()));
         let message = "the missions do not pass verification; nothing was started";
         return Err(Failure::new(Failure::VERDICT, message));
     }

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::args;
 use super::folder;
 use super::folder::runs;
-use super::print::console::{Paint, out};
+use super::print::console::{Paint, out, out_json, out_lines};
 use super::print::failure::Failure;
 use super::print::progress::Progress;
 use super::print::table;
@@ -22,7 +22,7 @@ use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::plan::{VehiclePlan, breaks};
-use crate::report::{self, worst_first};
+use crate::report::worst_first;
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle};
 use crate::verify::{Margin, Review};
 use crate::world::{self, World};
@@ -111,7 +111,7 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
         document["out"] = json!(target.display().to_string());
         document["upload"] = delivery.as_ref().map_or(Value::Null, Delivery::json);
-        out(report::json_text(&document).trim_end())?;
+        out_json(&document)?;
     } else {
         tell(&file, &world, &dispatched, delivery.as_ref(), &watch)?;
         out(&format!("files in {}", target.display()))?;
@@ -157,7 +157,7 @@ fn plan(file: &SpecFile, world: &World, seed: u64) -> Dispatched {
             Stage::Verifying(_) => "verifying the encoded missions".to_owned(),
         };
         if let Ok(progress) = progress.lock() {
-            progress.say(message);
+            progress.say(&message);
         }
     })
 }
@@ -225,7 +225,7 @@ fn tell(
             on_board(review.accepts(id), report),
         ]);
     }
-    out(&rows.to_string())?;
+    rows.print()?;
     if shown.len() < spec.vehicles.len() {
         let left = spec.vehicles.len() - shown.len();
         out(&format!(
@@ -237,18 +237,10 @@ fn tell(
         for line in blocked(file, world, dispatched) {
             out(&format!("{} {line}", paint.bad("FAIL")))?;
         }
-        out(&table::failures(review, paint))?;
+        out_lines(&table::failures(review, paint))?;
     }
-    for report in delivery
-        .iter()
-        .flat_map(|delivery| &delivery.reports)
-        .filter(|report| !report.is_verified())
-    {
-        out(&format!(
-            "{} {}",
-            paint.bad("FAIL"),
-            delivery::sentence(report)
-        ))?;
+    if let Some(delivery) = delivery {
+        delivery.print_failures()?;
     }
     for line in given_way(file, dispatched) {
         out(&paint.dim(&format!("note: {line}")))?;

@@ -17,7 +17,7 @@ mod told;
 use super::args;
 use super::fly::{self, Call, Said, Sorties};
 use super::folder::runs;
-use super::print::console::{Paint, note, out};
+use super::print::console::{Paint, note, out_lines};
 use super::print::failure::Failure;
 use super::print::table;
 use super::transfer::delivery;
@@ -131,7 +131,7 @@ fn lead(
     if !decision.replanned.review.passes() {
         let clock = said.t0_unix_ms.map_or("now", |_| "T0");
         let review = &decision.replanned.review;
-        out(&table::failures_since(review, Paint::for_stdout(), clock))?;
+        out_lines(&table::failures_since(review, Paint::for_stdout(), clock))?;
     }
     if !decision.is_sound {
         let message = "no new paths that pass verification; nothing was sent";

@@ -75,7 +75,7 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
         let _ = stop.send(());
     })
     .map_err(|error| Failure::new(Failure::OUTPUT, format!("no Ctrl-C: {error}")))?;
-    out(&rows.to_string())?;
+    rows.print()?;
     match arguments.for_s {
         // A timeout is the time that was told.
         Some(seconds) => drop(stopped.recv_timeout(Duration::from_secs(seconds))),

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::numeric::text::escaped;
+
 /// One problem of a spec.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
@@ -41,7 +43,7 @@ impl fmt::Display for SpecError {
             if index > 0 {
                 writeln!(f)?;
             }
-            write!(f, "{}", visible(&issue.sentence(&self.file)))?;
+            write!(f, "{}", escaped(&issue.sentence(&self.file)))?;
         }
         Ok(())
     }
@@ -73,16 +75,6 @@ impl Issue {
             Some(_) => format!("{place} ({})", self.path),
         }
     }
-}
-
-/// A text out of a file as a terminal may have it: what commands the terminal is written out.
-fn visible(text: &str) -> String {
-    let show = |sign: char| {
-        let is_command = sign.is_control();
-        let written = is_command.then(|| sign.escape_default().to_string());
-        written.unwrap_or_else(|| sign.to_string())
-    };
-    text.chars().map(show).collect()
 }
 
 #[cfg(test)]

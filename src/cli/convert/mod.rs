@@ -9,13 +9,12 @@ use serde::Serialize;
 use super::args::{self, AirframeName, AutopilotName, ListName};
 use super::folder;
 use super::folder::replace;
-use super::print::console::{note, out};
+use super::print::console::{note, out, out_json};
 use super::print::failure::Failure;
 use super::print::table;
 use crate::formats::{self, Document, Drawing, Format};
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::{self, Home, Item, VehicleMission};
-use crate::report;
 use crate::spec::{Airframe, Autopilot};
 use changes::{changes, ranges};
 
@@ -70,7 +69,7 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     let (text, report) = converted(document, target, arguments)?;
     replace::write_file(&arguments.output, text.as_bytes())?;
     if arguments.json {
-        return out(report::json_text(&report).trim_end());
+        return out_json(&report);
     }
     tell(&report)
 }

@@ -12,7 +12,7 @@ use super::journal::{Journal, text};
 use super::show::{self, Show};
 use super::{Sorties, args};
 use crate::cli::folder::{replace, runs};
-use crate::cli::print::console::{note, out};
+use crate::cli::print::console::{note, out, out_json_text};
 use crate::cli::print::failure::Failure;
 use crate::cli::transfer::delivery;
 use crate::flight::{
@@ -333,7 +333,7 @@ impl<'a> Flying<'a> {
         let written = self.keep([("jsonl", &text), ("html", &page), ("json", &document)]);
         // Whether or not that went well, the operator sees how the flight went.
         if arguments.json {
-            out(document.trim_end())?;
+            out_json_text(&document)?;
         } else {
             show::report(&judged)?;
             out(&format!("{}", path.with_extension("json").display()))?;

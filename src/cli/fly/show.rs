@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 use super::sentence;
-use crate::cli::print::console::{Paint, note, out};
+use crate::cli::print::console::{Paint, note, out, shown};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table;
 use crate::cli::print::table::Rows;
@@ -42,7 +42,7 @@ impl Show {
         let line = sentence(event);
         if self.is_live {
             // A terminal that is gone shows nothing.
-            let _ = self.all.println(line);
+            let _ = self.all.println(shown(&line));
             return Ok(());
         }
         if self.json {
@@ -67,7 +67,7 @@ impl Show {
                 self.rows.push(bar);
             }
             if let Some(row) = self.rows.get(index) {
-                row.set_message(line(status));
+                row.set_message(shown(&line(status)).into_owned());
             }
         }
     }
@@ -146,7 +146,7 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
             },
         ]);
     }
-    out(&rows.to_string())?;
+    rows.print()?;
     let stopped = judged.vehicles.iter().filter(|of| !of.ended_as_planned);
     for of in stopped {
         out(&format!(

@@ -1,10 +1,9 @@
 //! Tables for the terminal: one for the fleet, one for what fails.
 
-use std::fmt;
-
 use comfy_table::{ContentArrangement, LineStyle, Table, presets};
 
-use super::console::Paint;
+use super::console::{Paint, out, out_lines, safe};
+use super::failure::Failure;
 use crate::numeric::digits;
 use crate::spec::Autopilot;
 use crate::verify::{Margin, Review, Sense};
@@ -35,7 +34,9 @@ impl Rows {
 
     /// Adds a row with a cell for each head.
     pub(crate) fn add(&mut self, cells: impl Into<Vec<String>>) {
-        self.rows.push(cells.into());
+        let cells: Vec<String> = cells.into();
+        let safe_cells = cells.iter().map(|cell| safe(cell).into_owned());
+        self.rows.push(safe_cells.collect());
     }
 }
 
@@ -61,28 +62,25 @@ impl Rows {
     }
 }
 
-impl fmt::Display for Rows {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Rows {
+    /// Prints the table, on a narrow terminal as a list.
+    pub(crate) fn print(&self) -> Result<(), Failure> {
         for spared in 0..=self.spare.len() {
             let table = self.table(self.spare.get(..spared).unwrap_or_default());
-            let text = table.to_string();
-            let needed = text.lines().map(|line| line.chars().count()).max();
+            let lines: Vec<String> = table.lines().collect();
+            let needed = lines.iter().map(|line| line.chars().count()).max();
             let fits = |columns: u16| needed.is_none_or(|needed| needed <= usize::from(columns));
             if table.width().is_none_or(fits) {
-                return f.write_str(&text);
+                return out_lines(&lines);
             }
         }
         for (index, row) in self.rows.iter().enumerate() {
             if index > 0 {
-                writeln!(f)?;
+                out("")?;
             }
-            for (head, cell) in self
-                .header
-                .iter()
-                .zip(row)
-                .filter(|(_, cell)| !cell.is_empty())
-            {
-                writeln!(f, "{head:>18}  {cell}")?;
+            let cells = self.header.iter().zip(row);
+            for (head, cell) in cells.filter(|(_, cell)| !cell.is_empty()) {
+                out(&format!("{head:>18}  {cell}"))?;
             }
         }
         Ok(())
@@ -142,17 +140,16 @@ pub(crate) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> 
 }
 
 /// Every failed margin in words, with times after T0.
-pub(crate) fn failures(review: &Review, paint: Paint) -> String {
+pub(crate) fn failures(review: &Review, paint: Paint) -> Vec<String> {
     failures_since(review, paint, "T0")
 }
 
 /// The same with times after something else.
-pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> String {
+pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> Vec<String> {
     let failed = review.margins.iter().filter(|margin| !margin.ok);
     failed
         .map(|margin| format!("{} {}", paint.bad("FAIL"), sentence(margin, since)))
-        .collect::<Vec<_>>()
-        .join("\n")
+        .collect()
 }
 
 /// One margin in words: who, what, by how much, where, when.

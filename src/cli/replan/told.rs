@@ -118,7 +118,7 @@ pub(super) fn tell(sorties: &Sorties, decision: &Decision, told: &Told) -> Resul
             result,
         ]);
     }
-    out(&rows.to_string())?;
+    rows.print()?;
     out(&format!(
         "planned and verified in {:.2} s",
         decision.planned_s

@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use crate::cli::args;
-use crate::cli::print::console::out;
+use crate::cli::print::console::{out_json_text, out_text};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::progress::Progress;
 use crate::report::json_text;
@@ -68,10 +68,10 @@ pub(crate) fn run(arguments: &args::FleetStudy) -> Result<(), Failure> {
     let progress = Progress::start();
     let mut runs = Vec::new();
     for vehicles in sizes {
-        progress.say(format!("{vehicles} vehicles"));
+        progress.say(&format!("{vehicles} vehicles"));
         let mut run = home.plan(&world, vehicles, arguments.evaluations, "")?;
         if vehicles <= arguments.compare_to {
-            progress.say(format!("{vehicles} vehicles, {REFERENCE} evaluations each"));
+            progress.say(&format!("{vehicles} vehicles, {REFERENCE} evaluations each"));
             let reference = home.plan(&world, vehicles, REFERENCE, "-reference")?;
             run.reference_cost = Some(reference.cost);
         }
@@ -88,9 +88,9 @@ pub(crate) fn run(arguments: &args::FleetStudy) -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        out(document.trim_end())
+        out_json_text(&document)
     } else {
-        out(&format!(
+        out_text(&format!(
             "deliveries over the Cumberland Mountains, {} evaluations a plan, {threads} threads\n\n{}",
             growth.evaluations_a_plan,
             growth.table().trim_end()

@@ -9,9 +9,8 @@ use std::sync::Mutex;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::args;
-use super::print::console::out;
+use super::print::console::{out, out_json, out_text};
 use super::print::failure::Failure;
-use crate::report::json_text;
 use crate::spec::SpecError;
 use crate::study::{
     BestKnown, Config, ConfigError, Job, MapText, PlannerStudy, Results, Store, StoreError, Study,
@@ -55,9 +54,9 @@ fn measured(arguments: &args::Speed) -> Result<(), Failure> {
     let of = speed(arguments.seconds)?;
     if arguments.json {
         let document = serde_json::to_value(&of).unwrap_or_default();
-        return out(json_text(&document).trim_end());
+        return out_json(&document);
     }
-    out(&format!(
+    out_text(&format!(
         "{}, {}, costs a second:\n\
          one thread, local candidates {:.0}, global {:.0}; plain reference {:.0}\n\
          {} threads {:.0}; with a cutoff {:.0}; among two earlier vehicles {:.0}\n\
@@ -82,7 +81,7 @@ fn measured(arguments: &args::Speed) -> Result<(), Failure> {
 fn made(arguments: &args::Scenario) -> Result<(), Failure> {
     let text = scenario(arguments.seed, arguments.difficulty);
     let Some(path) = &arguments.output else {
-        return out(text.trim_end());
+        return out_text(&text);
     };
     std::fs::write(path, text).map_err(|error| {
         let message = format!("{}: cannot be written: {error}", path.display());

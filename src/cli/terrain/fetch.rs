@@ -48,12 +48,8 @@ pub(crate) fn run(arguments: &args::TerrainFetch) -> Result<(), Failure> {
     let mut missing = Vec::new();
     let squares = squares(Bounds::around(&file.spec.area));
     for (index, square) in squares.iter().enumerate() {
-        progress.say(format!(
-            "{} ({} of {})",
-            square.name(),
-            index + 1,
-            squares.len()
-        ));
+        let (name, number) = (square.name(), index + 1);
+        progress.say(&format!("{name} ({number} of {})", squares.len()));
         if let Some(path) = square.at_hand(&folder) {
             check(*square, &path)?;
             out(&format!("{}: there already", path.display()))?;
@@ -89,7 +85,7 @@ fn tell_missing(missing: &[(Square, String)], area: &Area) -> Result<(), Failure
     if needed.is_empty() {
         Ok(())
     } else {
-        Err(Failure::new(Failure::TRANSFER, needed.join("\n")))
+        Err(Failure::all(Failure::TRANSFER, needed))
     }
 }
 

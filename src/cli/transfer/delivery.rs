@@ -7,10 +7,14 @@ use serde_json::{Value, json};
 
 use crate::cli::folder::replace;
 use crate::cli::folder::runs;
-use crate::cli::print::console::{Paint, out};
+use crate::cli::print::console::{Paint, out_lines};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table::Rows;
 use crate::link::{TransferReport, Verdict};
+use crate::report::json_text;
+
+/// Differing items that are listed of each vehicle.
+const MAX_DIFFERENCES: usize = 5;
 
 /// What came of a transfer to a fleet.
 pub(crate) struct Delivery {
@@ -26,25 +30,19 @@ pub(crate) fn state(report: &TransferReport) -> String {
     }
 }
 
-/// What came of one transfer, in words.
-pub(crate) fn sentence(report: &TransferReport) -> String {
+/// The result of one transfer: a line, and indented ones with its details.
+fn lines(report: &TransferReport) -> Vec<String> {
     let why = match &report.verdict {
         Verdict::Verified => "holds exactly its mission".to_owned(),
         Verdict::Failed(failure) => failure.to_string(),
         Verdict::Refused(refusal) => format!("refused: {refusal} (--force overrides)"),
     };
-    let mut text = format!("{}: {why}", report.vehicle);
-    for difference in report.differences.iter().take(5) {
-        text += &format!("\n  {difference}");
-    }
-    for said in &report.statustexts {
-        text += &format!("\n  the vehicle says: {said}");
-    }
-    text
-}
-
-pub(crate) fn report_text(document: &Value) -> String {
-    crate::report::json_text(document)
+    let differences = report.differences.iter().take(MAX_DIFFERENCES);
+    let texts = report.statustexts.iter();
+    std::iter::once(format!("{}: {why}", report.vehicle))
+        .chain(differences.map(|difference| format!("  {difference}")))
+        .chain(texts.map(|text| format!("  the vehicle says: {text}")))
+        .collect()
 }
 
 impl Delivery {
@@ -102,7 +100,7 @@ impl Delivery {
 
     /// Writes the record to `DIR.runs/`, under its time and as the newest.
     pub(crate) fn record(&self, target: &Path) -> Result<(), Failure> {
-        let text = report_text(&self.json());
+        let text = json_text(&self.json());
         let folder = runs::folder(target);
         replace::write_file(&runs::named(&folder, "upload", "json"), text.as_bytes())?;
         replace::write_file(&folder.join("upload.json"), text.as_bytes())?;
@@ -110,7 +108,6 @@ impl Delivery {
     }
 
     pub(crate) fn tell(&self) -> Result<(), Failure> {
-        let paint = Paint::for_stdout();
         let mut rows = Rows::new(&[
             "vehicle",
             "system",
@@ -136,11 +133,18 @@ impl Delivery {
                 report.hash.chars().take(12).collect(),
             ]);
         }
-        out(&rows.to_string())?;
-        for report in self.reports.iter().filter(|report| !report.is_verified()) {
-            out(&format!("{} {}", paint.bad("FAIL"), sentence(report)))?;
-        }
-        Ok(())
+        rows.print()?;
+        self.print_failures()
+    }
+
+    /// Prints why each of the failed transfers did.
+    pub(crate) fn print_failures(&self) -> Result<(), Failure> {
+        let fail = Paint::for_stdout().bad("FAIL");
+        let failed = self.reports.iter().filter(|report| !report.is_verified());
+        failed.map(lines).try_for_each(|mut lines| {
+            lines[0] = format!("{fail} {}", lines[0]);
+            out_lines(&lines)
+        })
     }
 
     pub(crate) fn verdict(&self) -> Result<(), Failure> {

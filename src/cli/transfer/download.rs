@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &args::Download) -> Result<(), Failure> {
     };
     let progress = Progress::start();
     let onboard = link::download(&link, arguments.sysid, &|list, items| {
-        progress.say(format!("{list}: {items} items"));
+        progress.say(&format!("{list}: {items} items"));
     });
     drop(progress);
     let onboard = onboard.map_err(|failure| {

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use super::delivery::{Delivery, report_text, seconds_since_1970};
+use super::delivery::{Delivery, seconds_since_1970};
 use crate::cli::args;
 use crate::cli::folder;
 use crate::cli::folder::runs;
-use crate::cli::print::console::{Paint, note, out};
+use crate::cli::print::console::{Paint, note, note_lines, out, out_json, out_lines};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::overview::Overview;
 use crate::cli::print::progress::Progress;
@@ -56,14 +56,14 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {
-            note(&failures);
+            note_lines(&failures);
         } else {
-            out(&failures)?;
+            out_lines(&failures)?;
         }
         if !arguments.force {
             let reason = "the missions do not pass verification; nothing was sent";
             if arguments.json {
-                out(report_text(&Delivery::nothing(reason)).trim_end())?;
+                out_json(&Delivery::nothing(reason))?;
             }
             return Err(Failure::new(Failure::VERDICT, reason));
         }
@@ -72,7 +72,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     if arguments.dry_run {
         if arguments.json {
             let reason = "nothing was sent (--dry-run)";
-            return out(report_text(&Delivery::nothing(reason)).trim_end());
+            return out_json(&Delivery::nothing(reason));
         }
         return say_what_would_be_sent(&file, &missions, &links);
     }
@@ -81,7 +81,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
     delivery.record(&target)?;
     if arguments.json {
-        out(report_text(&delivery.json()).trim_end())?;
+        out_json(&delivery.json())?;
     } else {
         delivery.tell()?;
     }
@@ -192,7 +192,7 @@ fn say_what_would_be_sent(
             mission.rally.len().to_string(),
         ]);
     }
-    out(&rows.to_string())?;
+    rows.print()?;
     out("nothing was sent (--dry-run)")
 }
 
@@ -244,13 +244,13 @@ pub(crate) fn deliver(
         })
         .collect();
     let (progress, overview) = (Progress::start(), Overview::of(jobs.len()));
-    progress.say(overview.to_string());
+    progress.say(&overview.to_string());
     let shown = Mutex::new((progress, overview));
     let reports = link::upload_fleet_captured(&jobs, capture.as_ref(), &|id, at| {
         if let Ok(mut shown) = shown.lock() {
             let (progress, overview) = &mut *shown;
             overview.note(id, at);
-            progress.say(overview.to_string());
+            progress.say(&overview.to_string());
         }
     });
     drop(shown);
