@@ -178,3 +178,25 @@ pub(crate) fn milliseconds_since_1970() -> u64 {
         u64::try_from(since.as_millis()).unwrap_or(u64::MAX)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{TransferReport, Verdict, lines};
+    use crate::cli::print::console::shown;
+
+    #[test]
+    fn a_text_of_a_vehicle_is_one_line_and_commands_no_terminal() {
+        let report = TransferReport {
+            statustexts: vec!["\u{1b}[2K\r landed as planned\n".to_owned()],
+            ..TransferReport::nothing("alpha", 1, Verdict::Verified)
+        };
+        let shown: Vec<String> = lines(&report).iter().map(|line| shown(line).into()).collect();
+        assert_eq!(
+            shown,
+            [
+                "alpha: holds exactly its mission",
+                "  the vehicle says: \\u{1b}[2K\\r landed as planned\\n"
+            ]
+        );
+    }
+}
