@@ -7,7 +7,6 @@ use sortie::world::{Terrain, TerrainGrid};
 
 use crate::facts::{HOSTILE, IDS, data_of, facts, hilly_spec, output};
 use crate::support::place;
-
 #[test]
 fn the_page_asks_for_nothing_from_anywhere() {
     let html = facts(hilly_spec(IDS)).html();

@@ -1,8 +1,19 @@
 //! Fixtures shared by the tests.
 #![allow(dead_code, unreachable_pub, missing_docs)]
 
+pub mod command;
+pub mod doctored;
+pub mod in_flight;
+pub mod lossy_link;
+pub mod lossy_proxy;
+pub mod mavsdk;
+pub mod missions;
 pub mod peers;
 pub mod plans;
+pub mod ports;
+pub mod sky;
+pub mod tile_server;
+pub mod transfers;
 
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;

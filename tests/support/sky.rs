@@ -12,7 +12,7 @@ use sortie::simulator::{Surroundings, Vehicle};
 use sortie::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle as Spec, Wind};
 use sortie::world::World;
 
-use super::support::{copter, empty_spec, place, world};
+use super::{copter, empty_spec, place, world};
 
 pub const US: Address = Address {
     system: 245,

@@ -1,0 +1,7 @@
+//! The command line as its users meet it.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod cli;
+mod whole_line;

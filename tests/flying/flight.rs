@@ -1,0 +1,445 @@
+//! A fleet launched, watched and judged, in virtual time against simulated vehicles.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss
+)]
+
+use crate::support::sky;
+use sky::{Sky, US, lane, parameters, plan, plan_shipped};
+use sortie::flight::*;
+use sortie::link::*;
+use sortie::mission::{Item, command};
+use sortie::simulator::{Surroundings, Vehicle};
+use sortie::spec::{Autopilot, OnLinkLoss, Vehicle as Spec};
+
+/// Three side by side, a kilometre each; the second is a PX4, the third starts later.
+fn three() -> Vec<Spec> {
+    let mut fleet = vec![
+        lane("alpha", 1, 36.300),
+        lane("bravo", 2, 36.304),
+        lane("charlie", 3, 36.308),
+    ];
+    fleet[1].autopilot = Autopilot::Px4;
+    fleet[2].depart_s = 30.0;
+    fleet
+}
+
+#[test]
+fn three_fly_their_plan_and_the_limits_hold() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    assert_eq!(report.vehicles.len(), 3);
+    for vehicle in &report.vehicles {
+        assert_eq!(vehicle.end, "landed");
+        let cross = vehicle.cross_track_m.expect("positions");
+        let high = vehicle.altitude_error_m.expect("positions");
+        assert!(cross.worst < 6.0 && cross.median < 1.5, "{cross:?}");
+        assert!(high.worst < 3.0 && high.median < 1.0, "{high:?}");
+        assert!(vehicle.passages.len() >= 2, "{vehicle:?}");
+        for passage in &vehicle.passages {
+            assert!(passage.late_s().abs() < 15.0, "{passage:?}");
+        }
+    }
+    let separations = report.margins.iter().filter(|m| m.what == "separation");
+    assert_eq!(separations.count(), 3, "each pair");
+    // The delay is in the mission, and waited for once.
+    let charlie = sky.fleet.flown().nth(2).expect("charlie").1;
+    let up = charlie
+        .fixes
+        .iter()
+        .find(|fix| fix.amsl.0 > 402.0)
+        .expect("it flew");
+    assert!((30.0..36.0).contains(&up.t_s), "{up:?}");
+}
+
+#[test]
+fn the_shipped_fleet_flies_over_the_mountains_and_its_limits_hold() {
+    let plan = plan_shipped("jacksboro", |spec| spec.planner.evaluations = 6000);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    let ends: Vec<&str> = report.vehicles.iter().map(|v| v.end.as_str()).collect();
+    assert_eq!(ends, ["landed", "loiters", "landed"]);
+    for vehicle in &report.vehicles {
+        let cross = vehicle.cross_track_m.expect("positions");
+        let high = vehicle.altitude_error_m.expect("positions");
+        assert!(cross.worst < 6.0 && high.worst < 3.0, "{vehicle:?}");
+        for passage in &vehicle.passages {
+            assert!(passage.late_s().abs() < 25.0, "{passage:?}");
+        }
+    }
+    let of = |what: &str| report.margins.iter().filter(|m| m.what == what).count();
+    assert_eq!((of("separation"), of("terrain clearance")), (3, 3));
+    assert_eq!(of("threat radar-cross"), 3);
+}
+
+#[test]
+fn a_flight_is_judged_alike_from_its_record_and_from_a_capture_of_its_links() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let record = plan.record(&sky);
+    let mut lines: Vec<Line> = sky.events.iter().map(Line::of_event).collect();
+    for flight in &record.flights {
+        lines.push(Line::of_plan(&flight.vehicle, 0.0, &flight.plans[0]));
+        let fixes = flight.flown.fixes.iter();
+        lines.extend(fixes.map(|fix| Line::of_fix(&flight.vehicle, fix)));
+        lines.push(Line::of_end(&flight.vehicle, &flight.flown));
+    }
+    let lines = lines
+        .iter()
+        .map(|line| serde_json::to_string(line).expect("JSON"));
+    let text = lines.collect::<Vec<_>>().join("\n");
+    let read = read_record(&text, plan.world.frame).expect("a record");
+    let captures: Vec<Capture> = record
+        .flights
+        .iter()
+        .zip(&plan.dispatched.missions)
+        .map(|(flight, (index, mission))| Capture {
+            vehicle: flight.vehicle.clone(),
+            sysid: plan.spec.vehicles[*index].sysid,
+            autopilot: mission.autopilot,
+            airframe: mission.airframe,
+            plan: flight.plans[0].clone(),
+        })
+        .collect();
+    // What is no frame is passed over.
+    let spoilt = [&[1, 2, 3], sky.capture.as_slice()].concat();
+    let captured = read_tlog(&spoilt, &captures).expect("a capture");
+    let first = judge(&plan.spec, &plan.world, &record);
+    for other in [&read, &captured] {
+        let again = judge(&plan.spec, &plan.world, other);
+        assert!(again.passes(), "{again:#?}");
+        for (one, two) in first.vehicles.iter().zip(&again.vehicles) {
+            assert_eq!(one.end, two.end);
+            let (one, two) = (
+                one.cross_track_m.expect("some"),
+                two.cross_track_m.expect("some"),
+            );
+            assert!((one.worst - two.worst).abs() < 0.05, "{one:?} {two:?}");
+        }
+        for (one, two) in first.margins.iter().zip(&again.margins) {
+            assert_eq!((&one.vehicle, &one.what), (&two.vehicle, &two.what));
+            let near = (one.value - two.value).abs() < 0.3;
+            assert!(near, "{one:?} {two:?}");
+        }
+    }
+    assert!(read_tlog(b"nothing of the kind", &captures).is_err());
+}
+
+#[test]
+fn a_new_plan_counts_from_where_the_vehicle_says_that_it_holds_it() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_out();
+    let mut record = plan.record(&sky);
+    let flight = &mut record.flights[0];
+    // As if its second half had been flown by a plan 50 m beside the first.
+    let items = flight.plans[0].items + 1;
+    let half = flight.flown.fixes.len() / 2;
+    let mut beside = flight.plans[0].clone();
+    beside.items = items;
+    for waypoint in &mut beside.reference.waypoints {
+        waypoint.point.at.north_m += 50.0;
+    }
+    flight.plans.push(beside);
+    let before = judge(&plan.spec, &plan.world, &record);
+    assert!(before.vehicles[0].cross_track_m.expect("some").worst < 6.0);
+    for fix in &mut record.flights[0].flown.fixes[half..] {
+        fix.items = items;
+    }
+    let after = judge(&plan.spec, &plan.world, &record);
+    let cross = after.vehicles[0].cross_track_m.expect("some");
+    assert!((40.0..56.0).contains(&cross.worst), "{cross:?}");
+    // A threat that came up counts from then on.
+    let there = record.flights[0].flown.fixes[half];
+    let popup = |from_s: f64| PopUp {
+        from_s,
+        threat: sortie::spec::Threat {
+            id: "popup-1".to_owned(),
+            kind: "popup".to_owned(),
+            place: there.place,
+            radius_m: 40.0,
+        },
+    };
+    let worst = |record: &Record| {
+        let report = judge(&plan.spec, &plan.world, record);
+        let of = |m: &&sortie::verify::Margin| m.vehicle == "alpha" && m.what == "threat popup-1";
+        let found = report
+            .margins
+            .iter()
+            .find(of)
+            .map(|margin| (margin.value, margin.ok));
+        found.expect("judged")
+    };
+    record.popups = vec![popup(there.t_s - 1.0)];
+    let (value, ok) = worst(&record);
+    assert!((-40.0..-39.0).contains(&value) && !ok, "{value}");
+    record.popups = vec![popup(there.t_s + 10.0)];
+    assert!(worst(&record).1, "it came up behind the vehicle");
+}
+
+#[test]
+fn a_reading_suffices_when_the_missions_are_on_board_and_none_starts_otherwise() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, false), plan.vehicles());
+    let Outcome::NotStarted(why) = sky.fly_out() else {
+        panic!("nothing was on board");
+    };
+    assert_eq!(why.len(), 6, "mission and fence of three: {why:?}");
+    assert!(
+        why[0].1.contains("what is on board is not the plan"),
+        "{why:?}"
+    );
+    // Loaded by one fleet, flown by the next.
+    let mut loading = Sky::new(plan.fleet(false, true), plan.vehicles());
+    while loading
+        .events
+        .iter()
+        .all(|event| event.text != "all are ready")
+    {
+        loading.step();
+    }
+    loading.fleet.intervene(loading.now, Intervention::Leave);
+    for _ in 0..200 {
+        loading.step();
+    }
+    assert!(loading.vehicles.iter().all(|vehicle| !vehicle.is_armed()));
+    let mut sky = Sky::new(plan.fleet(false, false), loading.vehicles);
+    sky.now = loading.now;
+    sky.fly_to(5.0);
+    assert!(sky.vehicles.iter().all(Vehicle::is_armed));
+}
+
+#[test]
+fn none_is_started_when_one_is_not_as_assumed_and_what_differs_is_named() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut vehicles = plan.vehicles();
+    let (index, mission) = &plan.dispatched.missions[2];
+    let this = &plan.spec.vehicles[*index];
+    let mut params = parameters(mission);
+    params
+        .iter_mut()
+        .filter(|p| p.0 == "WPNAV_SPEED")
+        .for_each(|p| p.1 = 500.0);
+    let home = sortie::mission::Home {
+        amsl_m: mission.home.amsl_m + 30.0,
+        ..mission.home
+    };
+    let profile = this.autopilot.into();
+    let surroundings = |params| Surroundings {
+        params,
+        ..Surroundings::default()
+    };
+    let at = |home, params| Vehicle::within(profile, 3, Some(home), surroundings(params), Time(0));
+    vehicles[2] = at(home, params.clone());
+    let mut sky = Sky::new(plan.fleet(false, true), vehicles);
+    let Outcome::NotStarted(why) = sky.fly_out() else {
+        panic!("it was started");
+    };
+    let text = format!("{why:?}");
+    assert!(
+        text.contains("parameter WPNAV_SPEED is 500, the verdict assumes 1500"),
+        "{text}"
+    );
+    assert!(text.contains("home is at 430.0 m above the sea"), "{text}");
+    assert!(
+        why.iter().all(|(vehicle, _)| vehicle == "charlie"),
+        "{text}"
+    );
+    for _ in 0..100 {
+        sky.step();
+    }
+    assert!(sky.vehicles.iter().all(|vehicle| !vehicle.is_armed()));
+    // The parameter can be set.
+    let mut vehicles = plan.vehicles();
+    vehicles[2] = at(mission.home, params);
+    let mut sky = Sky::new(plan.fleet(true, true), vehicles);
+    sky.fly_to(1.0);
+}
+
+#[test]
+fn who_is_silent_is_told_with_those_alone_that_are_heard_on_its_link() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let why = |vehicles: Vec<Vehicle>| {
+        let mut sky = Sky::new(plan.fleet(false, false), vehicles);
+        sky.cut.push(2);
+        let Outcome::NotStarted(why) = sky.fly_out() else {
+            panic!("bravo is silent");
+        };
+        let mut of = why.into_iter().filter(|(vehicle, _)| vehicle == "bravo");
+        of.next().expect("bravo").1
+    };
+    let silence = "no heartbeat from system 2 within 10 s";
+    assert_eq!(why(plan.vehicles()), silence);
+    // Charlie speaks where bravo should.
+    let mut vehicles = plan.vehicles();
+    vehicles.remove(1);
+    let heard = format!("{silence} (heard on the link: system 3)");
+    assert_eq!(why(vehicles), heard);
+}
+
+#[test]
+fn a_lost_link_is_shown_and_all_hold_if_the_spec_says_so() {
+    let plan = plan(three(), OnLinkLoss::HoldAll);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(60.0);
+    sky.cut.push(2);
+    sky.fly_to(70.0);
+    assert!(sky.says("bravo", "link lost"), "{:?}", sky.events);
+    let status = sky.fleet.status(sky.now);
+    assert!(status[1].lost_s.is_some_and(|s| s > 5.0), "{status:?}");
+    sky.fly_out();
+    assert!(!sky.says("bravo", "link is back"), "{:?}", sky.events);
+    assert_eq!((sky.end(0), sky.end(2)), (End::Held, End::Held));
+    assert!(matches!(sky.end(1), End::Failed(_)));
+    let report = plan.judge(&sky);
+    assert!(!report.passes());
+}
+
+#[test]
+fn whoever_leaves_before_the_start_leaves_nobody_flying() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    (0..20).for_each(|_| sky.step());
+    sky.fleet.intervene(sky.now, Intervention::Leave);
+    assert!(matches!(sky.fly_out(), Outcome::NotStarted(_)));
+    assert!(!sky.says("alpha", "left flying"), "{:?}", sky.events);
+    assert_eq!(sky.end(0), End::NotFlown);
+}
+
+#[test]
+fn whoever_is_left_flying_with_a_dead_link_is_not_said_to_be_back() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(60.0);
+    sky.cut.push(2);
+    sky.fly_to(70.0);
+    sky.fleet.intervene(sky.now, Intervention::Leave);
+    sky.fly_out();
+    assert!(sky.says("bravo", "link lost"), "{:?}", sky.events);
+    assert!(!sky.says("bravo", "link is back"), "{:?}", sky.events);
+    assert_eq!(sky.end(1), End::LeftFlying);
+}
+
+#[test]
+fn with_continue_the_others_fly_on_and_the_time_in_the_dark_is_in_the_report() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(60.0);
+    sky.cut.push(1);
+    sky.fly_to(72.0);
+    sky.cut.clear();
+    sky.fly_to(74.0);
+    assert!(sky.says("alpha", "link lost") && sky.says("alpha", "link is back"));
+    sky.fly_out();
+    for index in 0..3 {
+        assert_eq!(sky.end(index), End::Landed);
+    }
+    let report = plan.judge(&sky);
+    let failed: Vec<_> = report.margins.iter().filter(|margin| !margin.ok).collect();
+    assert_eq!(failed.len(), 1, "{failed:?}");
+    assert_eq!(failed[0].what, "longest time without a position");
+    assert!((11.0..14.0).contains(&failed[0].value), "{failed:?}");
+}
+
+#[test]
+fn a_vehicle_that_somebody_else_holds_is_told_of_and_the_flight_fails() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(50.0);
+    sky.order(0, Command::LOITER);
+    sky.fly_out();
+    assert!(
+        sky.says("alpha", "somebody else changed the mode"),
+        "{:?}",
+        sky.events
+    );
+    assert!(matches!(sky.end(0), End::Failed(_)), "{:?}", sky.end(0));
+    assert_eq!(sky.end(1), End::Landed);
+    let report = plan.judge(&sky);
+    assert!(!report.passes());
+    assert!(
+        report.vehicles[0].end.contains("has not ended"),
+        "{report:?}"
+    );
+}
+
+#[test]
+fn an_operator_who_wants_all_to_land_has_them_land() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(45.0);
+    sky.fleet.intervene(sky.now, Intervention::Land);
+    sky.fly_out();
+    for index in 0..3 {
+        assert_eq!(sky.end(index), End::LandedEarly);
+        assert!(!sky.vehicles[index].is_armed());
+    }
+}
+
+#[test]
+fn a_vehicle_that_flies_another_way_breaks_limits_and_the_verdict_says_where() {
+    let plan = plan(three(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(50.0);
+    // Somebody uploads another mission to alpha: low, and over to where bravo flies.
+    let low = |lat: f64, lon: f64, amsl_m: f32, command| Item {
+        command,
+        frame: 0,
+        autocontinue: true,
+        params: [0.0; 4],
+        x: (lat * 1e7) as i32,
+        y: (lon * 1e7) as i32,
+        z: amsl_m,
+    };
+    let rows = [
+        low(36.3, -84.26, 400.0, command::NAV_WAYPOINT),
+        low(36.305, -84.252, 430.0, command::NAV_WAYPOINT),
+        low(36.302, -84.248, 430.0, command::NAV_WAYPOINT),
+        low(36.302, -84.248, 0.0, command::NAV_LAND),
+    ];
+    let target = sky.vehicles[0].address();
+    let mut say = |body| {
+        let mission_type = 0;
+        let message = Message::Mission(MissionMessage {
+            target,
+            mission_type,
+            body,
+        });
+        sky.vehicles[0].handle(sky.now, US, &message);
+    };
+    let (count, opaque_id) = (4, 0);
+    say(Body::Count { count, opaque_id });
+    for (seq, item) in (0..).zip(rows) {
+        let current = 0;
+        say(Body::ItemInt { seq, current, item });
+    }
+    let set = Message::Flight(FlightMessage::SetCurrent { target, seq: 1 });
+    sky.vehicles[0].handle(sky.now, US, &set);
+    sky.fly_out();
+    let report = plan.judge(&sky);
+    let failed: Vec<&str> = report
+        .margins
+        .iter()
+        .filter(|margin| !margin.ok)
+        .map(|margin| margin.what.as_str())
+        .collect();
+    assert!(failed.contains(&"terrain clearance"), "{failed:?}");
+    let worst = report.vehicles[0].cross_track_m.expect("positions").worst;
+    assert!(worst > 100.0, "{worst}");
+    let low = report
+        .margins
+        .iter()
+        .find(|m| m.what == "terrain clearance")
+        .expect("judged");
+    assert!(
+        (28.0..32.0).contains(&low.value) && low.at.is_some(),
+        "{low:?}"
+    );
+}

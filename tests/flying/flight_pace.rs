@@ -1,0 +1,80 @@
+//! A record of a flight that nobody can have flown does not pass, however well it fits its plan.
+
+use crate::support::{doctored, sky};
+use doctored::{failed, moved, says};
+use sky::{Sky, plan_shipped};
+use sortie::flight::*;
+
+/// The times of a flight, so many times as fast.
+fn hasten(record: &mut Record, share: f64) {
+    for flight in &mut record.flights {
+        for plan in &mut flight.plans {
+            plan.reference.end_s *= share;
+            let ways = plan.reference.waypoints.iter_mut();
+            ways.for_each(|waypoint| waypoint.t_s *= share);
+        }
+        let flown = &mut flight.flown;
+        flown.until_s = flown.until_s.map(|t_s| t_s * share);
+        flown.fixes.iter_mut().for_each(|fix| fix.t_s *= share);
+        flown.reached.iter_mut().for_each(|(_, t_s)| *t_s *= share);
+    }
+}
+
+#[test]
+fn a_flight_in_half_the_time_cannot_have_been_flown_whatever_speeds_and_speedup_it_tells() {
+    for speedup in [1.0, 20.0, 100.0] {
+        for told in [1.0, 2.0] {
+            let bad = failed(|record| {
+                record.speedup = speedup;
+                hasten(record, 0.5);
+                let fixes = record.flights.iter_mut().map(|of| &mut of.flown.fixes);
+                fixes.flatten().for_each(|fix| fix.speed_mps *= told);
+            });
+            for vehicle in ["alpha", "bravo", "charlie"] {
+                let held = says(&bad, vehicle, "ground speed held");
+                assert!(held, "{vehicle} {speedup} {told}: {bad:?}");
+                let covered = says(&bad, vehicle, "ground covered by its own speed");
+                assert_eq!(covered, told < 1.5, "{vehicle} {speedup}: {bad:?}");
+            }
+        }
+    }
+    // Somewhat faster than planned is what vehicles are.
+    assert_eq!(failed(|record| hasten(record, 0.95)), Vec::new());
+}
+
+#[test]
+fn nobody_climbs_or_descends_much_faster_than_it_may() {
+    // A ramp of 200 m within 20 s, up and down again, over a flight that is level.
+    let what = ["climb rate held", "descent rate held"];
+    for (sign, what) in [1.0, -1.0].into_iter().zip(what) {
+        let bad = failed(|record| {
+            for fix in &mut record.flights[0].flown.fixes {
+                let since_s = (fix.t_s - 45.0).clamp(0.0, 20.0);
+                *fix = moved(fix, 0.0, sign * 10.0 * since_s);
+            }
+        });
+        assert!(says(&bad, "alpha", what), "{bad:?}");
+    }
+}
+
+#[test]
+fn a_wing_flies_no_mission_in_half_the_time() {
+    for name in ["plane-ardupilot", "vtol-px4"] {
+        let plan = plan_shipped(name, |spec| spec.planner.evaluations = 6000);
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        let record = plan.record(&sky);
+        let report = judge(&plan.spec, &plan.world, &record);
+        assert!(report.passes(), "{name}: {report:#?}");
+        for told in [1.0, 2.0] {
+            let mut record = record.clone();
+            hasten(&mut record, 0.5);
+            let fixes = record.flights[0].flown.fixes.iter_mut();
+            fixes.for_each(|fix| fix.speed_mps *= told);
+            let report = judge(&plan.spec, &plan.world, &record);
+            let bad = report.margins.iter().filter(|margin| !margin.ok);
+            let bad: Vec<&str> = bad.map(|margin| margin.what.as_str()).collect();
+            assert!(bad.contains(&"ground speed held"), "{name}: {bad:?}");
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Planes and VTOL flown: the shipped missions as an operator flies them, and what is done with
+//! wings in flight, in virtual time against simulated vehicles.
+
+use crate::support;
+use crate::support::sky;
+use std::f64::consts::PI;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+
+use serde_json::Value;
+
+use sky::{Planned, Sky, plan, plan_shipped};
+use sortie::flight::*;
+use sortie::spec::*;
+use support::place;
+
+fn missions() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("missions")
+}
+
+fn sortie(arguments: &[&str], spec: &Path, out: &Path) -> Child {
+    let (command, rest) = arguments.split_first().expect("a command");
+    Command::new(assert_cmd::cargo::cargo_bin("sortie"))
+        .args([command, &"--json"])
+        .args(rest)
+        .arg(out)
+        .arg(spec)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("sortie starts")
+}
+
+/// What a run that ended well printed.
+fn well(child: Child, spec: &Path) -> Output {
+    let output = child.wait_with_output().expect("sortie runs");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(
+        output.status.code(),
+        Some(0),
+        "{}: {told}{}",
+        spec.display(),
+        String::from_utf8_lossy(&output.stdout)
+    );
+    output
+}
+
+/// The shipped missions with a wing, and how they end.
+const SHIPPED: [(&str, &str); 4] = [
+    ("plane-ardupilot", "landed"),
+    ("plane-px4", "landed"),
+    ("vtol-ardupilot", "landed"),
+    ("vtol-px4", "loiters"),
+];
+
+#[test]
+fn every_shipped_wing_flies_its_mission_and_its_limits_hold() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shipped = SHIPPED.map(|(name, _)| missions().join(name).with_extension("yaml"));
+    let out = |spec: &Path| folder.path().join(spec.file_stem().expect("a name"));
+    for spec in &shipped {
+        well(sortie(&["plan", "--out"], spec, &out(spec)), spec);
+    }
+    let fly = |spec: &Path| sortie(&["fly", "--speedup", "30", "--dir"], spec, &out(spec));
+    let flying: Vec<Child> = shipped.iter().map(|spec| fly(spec)).collect();
+    for ((child, spec), (_, end)) in flying.into_iter().zip(&shipped).zip(SHIPPED) {
+        let flown = well(child, spec);
+        let flown: Value = serde_json::from_slice(&flown.stdout).expect("flight.json");
+        let vehicle = &flown["vehicles"][0];
+        assert_eq!(flown["verdict"], "pass", "{flown}");
+        assert_eq!(vehicle["end"], end, "{flown}");
+        // Real ArduPlane was 32 m beside the first of these ways, and within 3 m on 95 % of it.
+        let beside = &vehicle["cross_track_m"];
+        assert!(beside["worst"].as_f64() < Some(40.0), "{vehicle}");
+        assert!(beside["p95"].as_f64() < Some(5.0), "{vehicle}");
+        assert!(vehicle["altitude_error_m"]["worst"].as_f64() < Some(15.0));
+        let passed = vehicle["waypoints"].as_array().expect("waypoints");
+        assert!(passed.len() > 10, "{vehicle}");
+        // An approach is slower than the way before it.
+        for passage in &passed[..passed.len() - 1] {
+            let late_s = passage["late_s"].as_f64().expect("a time");
+            assert!(late_s.abs() < 30.0, "{}: {passage}", spec.display());
+        }
+    }
+}
+
+#[test]
+fn every_shipped_wing_flies_its_mission_in_wind_too() {
+    for (name, end) in SHIPPED {
+        let plan = plan_shipped(name, |spec| {
+            spec.wind = Some(Wind {
+                from_rad: 240_f64.to_radians(),
+                speed_mps: 5.0,
+            });
+            let wing = spec.vehicles[0].wing.as_mut().expect("a wing");
+            (wing.wind, wing.loiter_radius_m) = (spec.wind, 100.0);
+        });
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        let report = plan.judge(&sky);
+        assert!(report.passes(), "{name}: {report:#?}");
+        assert_eq!(report.vehicles[0].end, end);
+        // What a ground station captured of it says the same.
+        let (_, mission) = &plan.dispatched.missions[0];
+        let capture = Capture {
+            vehicle: plan.spec.vehicles[0].id.clone(),
+            sysid: plan.spec.vehicles[0].sysid,
+            autopilot: mission.autopilot,
+            airframe: mission.airframe,
+            plan: plan.record(&sky).flights[0].plans[0].clone(),
+        };
+        let captured = read_tlog(&sky.capture, &[capture]).expect("a capture");
+        let again = judge(&plan.spec, &plan.world, &captured);
+        assert!(again.passes(), "{name}: {again:#?}");
+        assert_eq!(again.vehicles[0].end, end);
+    }
+}
+
+/// Takes off eastward, flies 3 km east, and lands eastward or circles.
+fn plane(id: &str, sysid: u8, autopilot: Autopilot, lat: f64) -> Vehicle {
+    Vehicle {
+        autopilot,
+        home: place(lat, -84.30),
+        ..support::plane(id, sysid, place(lat, -84.28), place(lat, -84.245))
+    }
+}
+
+fn vtol(id: &str, sysid: u8, autopilot: Autopilot, lat: f64) -> Vehicle {
+    support::vtol(plane(id, sysid, autopilot, lat))
+}
+
+/// Both airframes on both autopilots, a kilometre apart; the planes land, and so on.
+fn four() -> Vec<Vehicle> {
+    vec![
+        plane("heron", 1, Autopilot::ArduPilot, 36.29),
+        plane("gannet", 2, Autopilot::Px4, 36.30),
+        vtol("osprey", 3, Autopilot::ArduPilot, 36.31),
+        vtol("kestrel", 4, Autopilot::Px4, 36.32),
+    ]
+}
+
+fn ends<'a>(plan: &Planned, sky: &Sky<'a>) -> Vec<String> {
+    let report = plan.judge(sky);
+    report.vehicles.iter().map(|v| v.end.clone()).collect()
+}
+
+#[test]
+fn wings_circle_where_they_are_told_to_hold() {
+    let plan = plan(four(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(120.0);
+    sky.fleet.intervene(sky.now, Intervention::Hold);
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    assert_eq!(ends(&plan, &sky), ["held"; 4]);
+    for (_, flown) in sky.fleet.flown() {
+        let last = flown.fixes.last().expect("positions");
+        assert!(last.speed_mps > 10.0, "a wing does not stop: {last:?}");
+        let begin = flown.fixes.iter().find(|fix| fix.t_s > 120.0);
+        let begin = begin.expect("positions");
+        let away_m = begin.place.chord_m(last.place);
+        assert!(away_m < 300.0, "{away_m}");
+        assert!((last.amsl.0 - begin.amsl.0).abs() < 15.0, "{last:?}");
+    }
+}
+
+#[test]
+fn planes_told_to_land_fly_on_to_their_landing_and_vtol_come_down_where_they_are() {
+    let plan = plan(four(), OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(120.0);
+    sky.fleet.intervene(sky.now, Intervention::Hold);
+    sky.fly_to(125.0);
+    sky.fleet.intervene(sky.now, Intervention::Land);
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let wanted = ["landed", "landed", "landed early", "landed early"];
+    assert_eq!(ends(&plan, &sky), wanted, "{:?}", sky.events);
+    assert!(sky.says("heron", "lands as planned"));
+}
+
+#[test]
+fn a_plane_without_a_landing_circles_when_it_is_told_to_land() {
+    let mut fleet = vec![plane("heron", 1, Autopilot::ArduPilot, 36.30)];
+    fleet[0].finish = Finish::Loiter;
+    let plan = plan(fleet, OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(100.0);
+    sky.fleet.intervene(sky.now, Intervention::Land);
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    assert_eq!(ends(&plan, &sky), ["held"]);
+    assert!(sky.says("heron", "has no landing"), "{:?}", sky.events);
+}
+
+#[test]
+fn a_plane_whose_link_is_lost_flies_on_and_the_others_circle() {
+    let plan = plan(four(), OnLinkLoss::HoldAll);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(100.0);
+    sky.cut.push(1);
+    sky.fly_to(160.0);
+    assert!(sky.says("heron", "link lost"), "{:?}", sky.events);
+    sky.cut.clear();
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let ends = ends(&plan, &sky);
+    assert_eq!(ends[1..], ["held"; 3], "{:?}", sky.events);
+    assert!(!plan.judge(&sky).passes());
+}
+
+#[test]
+fn a_wind_that_nobody_told_of_drives_a_wing_into_a_threat_and_the_verdict_says_so() {
+    // A turn to the north, flown in a wind that pushes it on to the east.
+    let mut fleet = vec![plane("heron", 1, Autopilot::ArduPilot, 36.30)];
+    fleet[0].goal.place = place(36.33, -84.28);
+    if let Some(wing) = &mut fleet[0].wing
+        && let Some(landing) = &mut wing.landing
+    {
+        landing.heading_rad = 0.0;
+    }
+    let mut plan = plan(fleet, OnLinkLoss::Continue);
+    let fly = |plan: &Planned, wind: Option<Wind>| {
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles_in(wind));
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        (plan.judge(&sky), plan.record(&sky))
+    };
+    let (report, record) = fly(&plan, None);
+    assert!(report.passes(), "{report:#?}");
+    // Beyond the easternmost place of the turn.
+    let fixes = &record.flights[0].flown.fixes;
+    let in_turn = fixes.iter().filter(|fix| fix.place.lat_deg < 36.315);
+    let turn = in_turn.max_by(|a, b| a.place.lon_deg.total_cmp(&b.place.lon_deg));
+    let turn = plan.world.frame.to_plan(turn.expect("positions").place);
+    let radius_m = 300.0;
+    let center = sortie::geodesy::EastNorth {
+        east_m: turn.east_m + radius_m + 10.0,
+        ..turn
+    };
+    plan.world
+        .threats
+        .push(sortie::world::Disc { center, radius_m });
+    plan.spec.threats.push(Threat {
+        id: "mast".to_owned(),
+        kind: "mast".to_owned(),
+        place: plan.world.frame.from_plan(center),
+        radius_m,
+    });
+    assert!(fly(&plan, None).0.passes());
+    let (report, _) = fly(
+        &plan,
+        Some(Wind {
+            from_rad: 1.5 * PI,
+            speed_mps: 12.0,
+        }),
+    );
+    let broken: Vec<_> = report.margins.iter().filter(|m| !m.ok).collect();
+    assert_eq!(broken.len(), 1, "{broken:#?}");
+    assert_eq!(broken[0].what, "threat mast");
+    assert!(broken[0].value < -5.0, "{broken:#?}");
+    assert!(!report.passes());
+}

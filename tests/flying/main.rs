@@ -1,0 +1,15 @@
+//! Flights of simulated vehicles: launch, alarms, records, new paths in flight.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod flight;
+mod flight_commands;
+mod flight_hold;
+mod flight_pace;
+mod flight_record;
+mod flight_trouble;
+mod flight_vehicle;
+mod flight_wings;
+mod replan_trouble;
+mod replan_wings;

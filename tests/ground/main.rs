@@ -1,0 +1,9 @@
+//! The earth and its elevation: geodesy against outside truth, readers, `sortie terrain`.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod geodesy_truth;
+mod terrain;
+mod terrain_commands;
+mod terrain_folder;

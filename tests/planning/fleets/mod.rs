@@ -1,0 +1,5 @@
+//! Fleets: from their compact form to files, and the conflicts between vehicles.
+
+mod conflicts;
+mod retiming;
+mod table;

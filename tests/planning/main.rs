@@ -1,0 +1,16 @@
+//! Planning: the objective, the algorithms, vehicles alone and fleets, verdicts, studies.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod cost;
+mod cost_worlds;
+mod determinism;
+mod evaluate;
+mod fleets;
+mod optimizers;
+mod plan_fleet;
+mod plan_verdicts;
+mod shipped_missions;
+mod study;
+mod study_fleet;

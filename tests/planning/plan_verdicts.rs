@@ -1,0 +1,423 @@
+//! Fleets for which there is no path, or none was found: the verdict names what blocks them.
+
+use crate::support;
+
+use std::process::Command;
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::geodesy::Amsl;
+use sortie::plan::{Barrier, Barriers, Change, breaks};
+use sortie::spec::*;
+use sortie::world::{Terrain, TerrainGrid, World};
+use support::plans::{EAST, SOUTH, WEST, plan};
+use support::{copter, empty_spec, generated, place, threat, world};
+
+/// Planned, encoded and judged, as `sortie plan` does.
+fn dispatched(spec: &MissionSpec, world: &World) -> Dispatched {
+    dispatch(spec, world, spec.planner.seed, &|_| ())
+}
+
+/// What breaks the only vehicle of a spec, in words.
+fn blocked(spec: &MissionSpec) -> Vec<String> {
+    let (world, fleet) = plan(spec);
+    let found = breaks(spec, &world, &spec.vehicles[0], &fleet.vehicles[0]);
+    assert_eq!(found.is_empty(), fleet.vehicles[0].terms.is_clean());
+    found.into_iter().map(|block| block.what).collect()
+}
+
+#[test]
+fn a_goal_behind_a_closed_ring_is_blocked_by_threats_of_the_ring_and_no_others() {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    let metres_per_degree = 89_800.0;
+    for k in 0..8 {
+        let angle = f64::from(k) * std::f64::consts::FRAC_PI_4;
+        let at = place(
+            EAST.lat_deg + 1500.0 * angle.sin() / 111_000.0,
+            EAST.lon_deg + 1500.0 * angle.cos() / metres_per_degree,
+        );
+        spec.threats.push(threat(&format!("ring-{k}"), at, 700.0));
+    }
+    spec.threats.push(threat("aside", SOUTH, 500.0));
+    let found = blocked(&spec);
+    assert!(!found.is_empty());
+    assert!(
+        found.iter().all(|what| what.starts_with("threat ring-")),
+        "{found:?}"
+    );
+}
+
+/// What closes every way from the start of a vehicle to its goal.
+fn barriers(world: &World, vehicle: usize) -> Vec<Barrier> {
+    let stations = world.stations[vehicle];
+    Barriers::of(world).between(stations.start.at, stations.goal.at)
+}
+
+/// Whether it is proven that nobody can fly from the start of a vehicle to its goal.
+fn is_cut_off(world: &World, vehicle: usize) -> bool {
+    !barriers(world, vehicle).is_empty()
+}
+
+#[test]
+fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
+    let walls = |gap: Option<u8>| {
+        let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+        for row in (0..=20).filter(|row| gap != Some(*row)) {
+            let at = place(36.25 + 0.005 * f64::from(row), -84.25);
+            spec.threats.push(threat(&format!("wall-{row}"), at, 300.0));
+        }
+        spec.area.south_west = place(36.249, -84.33);
+        spec.area.north_east = place(36.351, -84.17);
+        spec
+    };
+    assert!(is_cut_off(&world(&walls(None)), 0));
+    assert!(!is_cut_off(&world(&walls(Some(3))), 0));
+    // A zone in the gap closes it, unless it leaves room under the ceiling.
+    let mut zoned = walls(Some(3));
+    let corners = [
+        (36.26, -84.27),
+        (36.26, -84.23),
+        (36.27, -84.23),
+        (36.27, -84.27),
+    ];
+    zoned.no_fly.push(Zone {
+        id: "gap".to_owned(),
+        polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
+        below: Some(Amsl(zoned.area.max_amsl.0 - 1.0)),
+    });
+    assert!(!is_cut_off(&world(&zoned), 0));
+    zoned.no_fly[0].below = None;
+    assert!(is_cut_off(&world(&zoned), 0));
+}
+
+#[test]
+fn of_the_generated_scenarios_those_that_nobody_can_fly_are_told_apart() {
+    let cut_off = |seed: u64, difficulty: u8| {
+        let file = generated(seed, difficulty);
+        let world = sortie::world::load(&file).expect("the ground is analytic");
+        (0..file.spec.vehicles.len()).all(|vehicle| is_cut_off(&world, vehicle))
+    };
+    assert!(cut_off(108, 8) && cut_off(120, 10));
+    assert!(!cut_off(107, 7) && !cut_off(110, 10) && !cut_off(118, 8));
+}
+
+#[test]
+fn where_all_is_threat_the_threat_is_named() {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    let middle = place(36.30, -84.25);
+    spec.threats.push(threat("everywhere", middle, 6000.0));
+    spec.area.south_west = place(36.28, -84.33);
+    spec.area.north_east = place(36.32, -84.17);
+    assert_eq!(blocked(&spec), ["threat everywhere"]);
+}
+
+#[test]
+fn a_pass_that_no_turn_fits_into_is_named_by_what_stands_beside_it() {
+    // Two walls of threats with passes far apart: through one, then at once through the other.
+    let mut fast = copter("alpha", 1, WEST, EAST);
+    fast.speed_mps = 40.0;
+    fast.accel_mps2 = 1.0;
+    let mut spec = empty_spec(vec![fast]);
+    for row in 0..=20 {
+        let lat = 36.25 + 0.005 * f64::from(row);
+        for (wall, lon, open) in [("a", -84.26, 18), ("b", -84.245, 2)] {
+            if row != open {
+                spec.threats
+                    .push(threat(&format!("{wall}-{row}"), place(lat, lon), 300.0));
+            }
+        }
+    }
+    spec.area.south_west = place(36.249, -84.33);
+    spec.area.north_east = place(36.351, -84.17);
+    let found = blocked(&spec);
+    let named = |wall: &str| found.iter().any(|what| what.contains(wall));
+    assert!(named(" a-") || named(" b-"), "{found:?}");
+}
+
+#[test]
+fn a_ridge_above_the_ceiling_is_named_with_its_height() {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    let hills = (0..25).map(|k| Hill {
+        place: place(36.18 + 0.01 * f64::from(k), -84.25),
+        height_m: 900.0,
+        radius_m: 1500.0,
+    });
+    spec.terrain = TerrainSource::Analytic {
+        base: Amsl(300.0),
+        hills: hills.collect(),
+    };
+    spec.area.max_amsl = Amsl(800.0);
+    let found = blocked(&spec);
+    assert!(
+        found
+            .iter()
+            .any(|what| what.starts_with("the ground") || what.starts_with("the ceiling")),
+        "{found:?}"
+    );
+}
+
+/// A copter from `WEST` to `EAST` over flat ground, in an area around them.
+fn across() -> MissionSpec {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    spec.area.south_west = place(36.249, -84.33);
+    spec.area.north_east = place(36.351, -84.17);
+    spec
+}
+
+/// A zone of some metres from west to east around a meridian, between two latitudes.
+fn wall(id: &str, lon_deg: f64, (south_deg, north_deg): (f64, f64), width_m: f64) -> Zone {
+    let half_deg = 0.5 * width_m / 89_800.0;
+    let (west, east) = (lon_deg - half_deg, lon_deg + half_deg);
+    Zone {
+        id: id.to_owned(),
+        polygon: vec![
+            place(south_deg, west),
+            place(north_deg, west),
+            place(north_deg, east),
+            place(south_deg, east),
+        ],
+        below: None,
+    }
+}
+
+#[test]
+fn a_wall_thinner_than_any_cell_is_passed_at_its_open_end_or_through_its_gap() {
+    let passes = |zones: Vec<Zone>| {
+        let spec = MissionSpec {
+            no_fly: zones,
+            ..across()
+        };
+        let found = dispatched(&spec, &world(&spec));
+        let vehicle = &found.plan.vehicles[0];
+        assert!(vehicle.terms.is_clean(), "{:?}", vehicle.terms);
+        assert!(vehicle.terms.length > 1.01 * vehicle.bound);
+        assert!(found.review.passes());
+    };
+    for width_m in [0.5, 2.0, 10.0, 60.0] {
+        passes(vec![wall("wall", -84.25, (36.24, 36.315), width_m)]);
+        passes(vec![
+            wall("south", -84.25, (36.24, 36.275), width_m),
+            wall("north", -84.25, (36.276, 36.36), width_m),
+        ]);
+    }
+}
+
+#[test]
+fn a_wall_from_edge_to_edge_is_named_with_the_edge_however_thin() {
+    for width_m in [0.02, 1.0, 30.0] {
+        let mut spec = across();
+        spec.planner.evaluations = 2000;
+        spec.no_fly = vec![wall("wall", -84.25, (36.24, 36.36), width_m)];
+        let world = world(&spec);
+        let found = dispatched(&spec, &world);
+        let vehicle = &found.plan.vehicles[0];
+        let mut named: Vec<String> = vehicle.cut_off_by.iter().map(|of| of.name(&spec)).collect();
+        named.sort();
+        assert_eq!(named, ["the edge of the area", "zone wall"], "{width_m} m");
+        let broken = breaks(&spec, &world, &spec.vehicles[0], vehicle);
+        assert_eq!(broken.len(), 1, "{broken:?}");
+        assert_eq!(broken[0].what, "zone wall");
+        assert_eq!(vehicle.remedies, None);
+    }
+}
+
+#[test]
+fn many_small_threats_in_a_row_close_the_way_together() {
+    let mut spec = across();
+    spec.planner.evaluations = 1000;
+    for k in 0..1200 {
+        let at = place(36.249 + 0.102 * f64::from(k) / 1199.0, -84.25);
+        spec.threats.push(threat(&format!("post-{k}"), at, 6.0));
+    }
+    let world = world(&spec);
+    let closed = barriers(&world, 0);
+    assert!(closed.contains(&Barrier::Edge));
+    assert!(closed.len() > 500, "{}", closed.len());
+    spec.threats.remove(600);
+    spec.threats.remove(600);
+    assert_eq!(barriers(&support::world(&spec), 0), []);
+}
+
+/// Flat ground with nodes 90 m apart, and none where `is_void` says so of row and column.
+fn with_voids(spec: &MissionSpec, is_void: impl Fn(usize, usize) -> bool) -> World {
+    let (rows, columns) = (160, 200);
+    let step_deg = 1.0 / 1200.0;
+    let heights_m = (0..rows * columns)
+        .map(|node| match is_void(node / columns, node % columns) {
+            true => f32::NAN,
+            false => 500.0,
+        })
+        .collect();
+    let grid = TerrainGrid {
+        north_west: place(36.36, -84.335),
+        row_step_deg: step_deg,
+        column_step_deg: step_deg,
+        rows,
+        columns,
+        heights_m,
+    };
+    World::new(spec, Terrain::Grid(grid)).expect("there is ground under the ends")
+}
+
+#[test]
+fn a_column_of_voids_closes_the_way_and_is_named() {
+    let spec = across();
+    let closed = with_voids(&spec, |_, column| column == 100);
+    assert_eq!(barriers(&closed, 0).len(), 2);
+    assert!(barriers(&closed, 0).contains(&Barrier::Void));
+    let found = dispatched(&spec, &closed);
+    let broken = breaks(&spec, &closed, &spec.vehicles[0], &found.plan.vehicles[0]);
+    assert!(
+        broken
+            .iter()
+            .any(|of| of.what == "ground of unknown height"),
+        "{broken:?}"
+    );
+    let open = with_voids(&spec, |row, column| column == 100 && row > 60);
+    assert_eq!(barriers(&open, 0), []);
+    assert!(dispatched(&spec, &open).plan.vehicles[0].terms.is_clean());
+}
+
+#[test]
+fn a_hole_in_the_data_on_the_way_is_passed_without_a_penalty() {
+    let spec = across();
+    let is_hole = |row: usize, column: usize| row.abs_diff(72) < 6 && column.abs_diff(100) < 6;
+    for hole in [|row, column| row == 72 && column == 100, is_hole] {
+        let world = with_voids(&spec, hole);
+        let found = dispatched(&spec, &world);
+        let vehicle = &found.plan.vehicles[0];
+        assert!(vehicle.terms.is_clean(), "{:?}", vehicle.terms);
+        assert!(
+            vehicle.terms.total() < 1.02 * vehicle.bound,
+            "{:?}",
+            vehicle.terms
+        );
+        assert!(found.review.passes());
+    }
+}
+
+#[test]
+fn ground_that_the_grid_does_not_show_proves_nothing() {
+    let mut spec = across();
+    spec.area.max_amsl = Amsl(450.0);
+    // A plateau up to the ceiling, and a slot of hollows along the way.
+    let slot = |radius_m: f64, apart_deg: f64, count: u32| {
+        let hills = (0..count).map(|k| Hill {
+            place: place(36.30, -84.32 + apart_deg * f64::from(k)),
+            height_m: -300.0,
+            radius_m,
+        });
+        TerrainSource::Analytic {
+            base: Amsl(440.0),
+            hills: hills.collect(),
+        }
+    };
+    spec.terrain = slot(8.0, 0.0002, 701);
+    assert_eq!(barriers(&world(&spec), 0), []);
+    spec.terrain = slot(400.0, 0.005, 29);
+    assert_eq!(barriers(&world(&spec), 0), []);
+    // The same in two halves: high ground lies all around each of them.
+    if let TerrainSource::Analytic { hills, .. } = &mut spec.terrain {
+        hills.retain(|hill| (hill.place.lon_deg + 84.25).abs() > 0.02);
+    }
+    assert_eq!(barriers(&world(&spec), 0), [Barrier::Ground]);
+}
+
+/// Two walls, each with a gap, and the gaps 4.4 km from each other.
+fn offset_gaps(thick_m: f64, apart_m: f64, gap_deg: f64) -> MissionSpec {
+    let mut spec = across();
+    let half_deg = 0.5 * (thick_m + apart_m) / 89_800.0;
+    let (a, b) = (-84.25 - half_deg, -84.25 + half_deg);
+    spec.no_fly = vec![
+        wall("a-south", a, (36.24, 36.32), thick_m),
+        wall("a-north", a, (36.32 + gap_deg, 36.36), thick_m),
+        wall("b-south", b, (36.24, 36.28), thick_m),
+        wall("b-north", b, (36.28 + gap_deg, 36.36), thick_m),
+    ];
+    spec
+}
+
+#[test]
+fn a_pass_narrower_than_a_turn_names_the_turn_and_one_that_fits_does_pass() {
+    let mut spec = offset_gaps(400.0, 250.0, 0.001);
+    spec.vehicles[0].speed_mps = 40.0;
+    spec.planner.evaluations = 20_000;
+    let world = world(&spec);
+    let found = dispatched(&spec, &world);
+    let vehicle = &found.plan.vehicles[0];
+    assert!(!vehicle.terms.is_clean());
+    assert_eq!(vehicle.cut_off_by, []);
+    let remedies = vehicle.remedies.as_ref().expect("they were looked for");
+    let turns = remedies.iter().find_map(|remedy| match remedy.0[..] {
+        [Change::TurnRadius(radius_m), ref others @ ..] => {
+            Some((remedy, radius_m, others.to_vec()))
+        }
+        _ => None,
+    });
+    let (remedy, radius_m, others) = turns.unwrap_or_else(|| panic!("{remedies:?}"));
+    let words = remedy.words(&spec.vehicles[0]);
+    assert!(words.starts_with("turns of "), "{words}");
+    // What it says is so: as slow as that there is a path.
+    let as_slow = radius_m / sortie::path::VehicleLimits::of(&spec.vehicles[0]).turn_radius_m;
+    spec.vehicles[0].speed_mps *= as_slow.sqrt();
+    for change in others {
+        if let Change::ControlPoints(count) = change {
+            spec.planner.control_points = count;
+        }
+    }
+    let slow = dispatched(&spec, &world);
+    assert!(slow.plan.vehicles[0].terms.is_clean());
+}
+
+#[test]
+fn who_needs_more_control_points_is_told_how_many_and_that_is_right() {
+    let mut spec = offset_gaps(18.0, 400.0, 0.002);
+    spec.planner.control_points = 5;
+    spec.planner.evaluations = 20_000;
+    let world = world(&spec);
+    let found = dispatched(&spec, &world);
+    let remedies = found.plan.vehicles[0].remedies.clone();
+    let remedies = remedies.expect("they were looked for");
+    assert!(!remedies.is_empty());
+    for remedy in &remedies {
+        if let [Change::ControlPoints(count)] = remedy.0[..] {
+            spec.planner.control_points = count;
+            assert!(dispatched(&spec, &world).plan.vehicles[0].terms.is_clean());
+        }
+    }
+}
+
+#[test]
+fn plan_says_on_its_output_what_closes_every_way() {
+    let folder = std::env::temp_dir().join(format!("sortie-closed-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let spec = folder.join("closed.yaml");
+    std::fs::write(&spec, CLOSED).expect("a spec");
+    let out = Command::new(env!("CARGO_BIN_EXE_sortie"))
+        .args(["plan", "--out"])
+        .args([&folder.join("out"), &spec])
+        .output()
+        .expect("it runs");
+    let text =
+        String::from_utf8_lossy(&out.stdout).into_owned() + &String::from_utf8_lossy(&out.stderr);
+    let plan = std::fs::read_to_string(folder.join("out/plan.json")).expect("a plan");
+    std::fs::remove_dir_all(&folder).expect("it is there");
+    assert_eq!(out.status.code(), Some(4), "{text}");
+    assert!(
+        text.contains("every way is closed by zone wall and the edge of the area"),
+        "{text}"
+    );
+    assert!(plan.contains("\"cut_off\": true") || plan.contains("\"cut_off\":true"));
+    assert!(plan.contains("\"cut_off_by\""));
+}
+
+/// A wall of a metre across the whole area.
+const CLOSED: &str = "sortie: 1
+name: closed
+area: {south_west: {lat: -35.405, lon: 149.11}, north_east: {lat: -35.315, lon: 149.22}, min_agl_m: 40, max_amsl_m: 704}
+terrain: {flat: {amsl_m: 584}}
+no_fly:
+  - {id: wall, polygon: [[-35.41, 149.165], [-35.41, 149.16501], [-35.31, 149.16501], [-35.31, 149.165]]}
+vehicles:
+  - {id: a, sysid: 1, autopilot: ardupilot, link: sim, finish: land, speed_mps: 10, start: {lat: -35.36, lon: 149.16, agl_m: 60}, goal: {lat: -35.36, lon: 149.172, agl_m: 60}}
+planner: {evaluations: 1000}
+";

@@ -1,0 +1,9 @@
+//! Transfers: the protocol in virtual time, over sockets, and against simulated vehicles.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod link_commands;
+mod mission_upload;
+mod simulated_vehicle;
+mod udp_loopback;

@@ -1,0 +1,8 @@
+//! The verdict on encoded missions: laws, sampled flights, a second implementation.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod verify;
+mod verify_independent;
+mod verify_sampled;
