@@ -1,5 +1,5 @@
-//! What the views of a report draw: the facts in planning coordinates, rounded
-//! and thinned so that a page stays small for any fleet.
+//! The shapes that the views of a report draw, in planning coordinates: rounded and
+//! simplified, so that a page stays small for any fleet.
 
 use serde::Serialize;
 
@@ -7,7 +7,7 @@ use super::ReviewInput;
 use super::documents::{rounded, whole_path};
 use super::flown::{FlownFacts, FlownShape};
 use super::relief::{Bounds, Relief};
-use super::simplify::{Fix, thin};
+use super::simplify::{Fix, simplify};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::{Finish, Vehicle};
@@ -16,9 +16,13 @@ use crate::world::World;
 
 /// Fixes of all tracks together, samples of ground, and waypoints: a page of
 /// 1000 vehicles stays under 3 MB.
-const MOST_FIXES: usize = 24_000;
-const MOST_GROUND: usize = 36_000;
-const MOST_WAYPOINTS: usize = 12_000;
+const MAX_FIXES: usize = 24_000;
+const MAX_GROUND_SAMPLES: usize = 36_000;
+const MAX_WAYPOINTS: usize = 12_000;
+/// Fixes of one track: the corners of a survey of a day.
+const MAX_FIXES_EACH: usize = 6000;
+/// How far rounding to decimetres moves a point at most, metres.
+const ROUNDING_M: f64 = 0.087;
 
 /// Everything that the views draw.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -77,12 +81,12 @@ pub(super) struct VehicleShape {
     /// The plan under what was flown, on the page of a flight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) flown: Option<FlownShape>,
-    /// How far the thinned track is from the whole one at most, metres.
+    /// How far any point of the trajectory is from the drawn track at most, metres.
     pub(super) drawn_within_m: f64,
     /// How its motion ends; none without a track.
     #[serde(skip)]
     pub(super) end: Option<Ending>,
-    /// Length of the whole track, metres, not of the thinned one.
+    /// Length of the trajectory, metres, not of the drawn track.
     #[serde(skip)]
     pub(super) length_m: f64,
 }
@@ -239,7 +243,7 @@ fn ring(polygon: &geo::Polygon<f64>) -> Vec<[f64; 2]> {
 
 fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> VehicleShape {
     let world = input.world;
-    let share = |most: usize, least: usize| (most / input.spec.vehicles.len().max(1)).max(least);
+    let share = |all: usize, least: usize| (all / input.spec.vehicles.len().max(1)).max(least);
     let point = |point: PlanPoint| {
         [
             metres(point.at.east_m),
@@ -248,11 +252,11 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         ]
     };
     let whole = fixes(input, index, vehicle);
-    let (kept, drawn_within_m) = thin(&whole, share(MOST_FIXES, 12).min(1500));
-    let track = TrackShape::new(&kept);
+    let (simplified, error_m) = simplify(&whole, share(MAX_FIXES, 12).min(MAX_FIXES_EACH));
+    let track = TrackShape::new(&simplified);
     let mission = input.missions.iter().find(|(of, _)| *of == index);
     let waypoints = mission.map_or_else(Vec::new, |(_, mission)| waypoints(mission, world));
-    let too_many = waypoints.len() > share(MOST_WAYPOINTS, 0);
+    let too_many = waypoints.len() > share(MAX_WAYPOINTS, 0);
     let stations = world.stations.get(index);
     let station = |pick: fn(&crate::world::Stations) -> PlanPoint| {
         stations.map_or([0.0; 3], |stations| point(pick(stations)))
@@ -263,11 +267,11 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         start: station(|stations| stations.start),
         goal: station(|stations| stations.goal),
         returns: vehicle.finish == Finish::Return,
-        ground: ground_under(&track, world, share(MOST_GROUND, 24).min(600)),
+        ground: ground_under(&track, world, share(MAX_GROUND_SAMPLES, 24).min(600)),
         track,
         waypoints: if too_many { Vec::new() } else { waypoints },
         flown: None,
-        drawn_within_m: metres(drawn_within_m),
+        drawn_within_m: ((error_m + ROUNDING_M) * 10.0).ceil() / 10.0,
         end: ending(&whole, world, vehicle),
         length_m: whole
             .windows(2)
