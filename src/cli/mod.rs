@@ -32,8 +32,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Err(error) => {
             if error.use_stderr() {
                 // Without colours, as the text quotes arguments.
-                for line in error.render().to_string().lines() {
-                    note(line);
+                let text = error.render().to_string();
+                note_lines(&text.lines().collect::<Vec<_>>());
+                if let Some(next) = args::next_step(error.kind()) {
+                    note(next);
                 }
                 return Failure::USAGE.into();
             }

@@ -1,4 +1,4 @@
-//! Margins in words and in order: what an operator reads.
+//! Margins as words, and in the order of a report.
 
 use std::cmp::Ordering;
 
@@ -13,8 +13,8 @@ pub(super) struct Ranked<'a> {
     pub(super) slack: f64,
 }
 
-/// Broken limits first, then kept ones, each from the tightest; what has
-/// nothing to measure comes last.
+/// Broken limits first, then kept ones, each from the tightest; margins without a
+/// measure come last.
 pub(super) fn ranked(review: &Review) -> Vec<Ranked<'_>> {
     let mut ranked: Vec<Ranked<'_>> = review
         .margins
@@ -70,30 +70,30 @@ fn slack(margin: &Margin) -> f64 {
     if margin.ok { off } else { -off }
 }
 
-/// What an operator asks first; the first word of the limit.
+/// The limits that matter most, by their first word.
 const VITAL: [&str; 5] = ["terrain", "separation", "threat", "zone", "no-fly"];
 
 /// The worst margins of different kinds: broken ones, then the vital, then others.
-pub(super) fn telling<'a, 'r>(ranked: &'r [Ranked<'a>], most: usize) -> Vec<&'r Ranked<'a>> {
+pub(super) fn most_important<'a, 'r>(ranked: &'r [Ranked<'a>], count: usize) -> Vec<&'r Ranked<'a>> {
     fn kind<'r>(entry: &'r Ranked<'_>) -> &'r str {
         entry.margin.what.split(' ').next().unwrap_or("")
     }
     let broken = ranked.iter().filter(|entry| !entry.margin.ok);
-    let kept = || {
+    let held = || {
         ranked
             .iter()
             .filter(|entry| entry.margin.ok && measures(entry.margin))
     };
     let vital = VITAL
         .iter()
-        .filter_map(|vital| kept().find(|entry| kind(entry) == *vital));
-    let mut told: Vec<&Ranked<'a>> = Vec::new();
-    for entry in broken.chain(vital).chain(kept()) {
-        if told.len() < most && told.iter().all(|other| kind(other) != kind(entry)) {
-            told.push(entry);
+        .filter_map(|vital| held().find(|entry| kind(entry) == *vital));
+    let mut chosen: Vec<&Ranked<'a>> = Vec::new();
+    for entry in broken.chain(vital).chain(held()) {
+        if chosen.len() < count && chosen.iter().all(|other| kind(other) != kind(entry)) {
+            chosen.push(entry);
         }
     }
-    told
+    chosen
 }
 
 /// The verdict in one line.
@@ -109,7 +109,7 @@ pub(super) fn headline(review: &Review) -> String {
     }
 }
 
-/// Who the margin is about.
+/// The vehicles of a margin.
 pub(super) fn who(margin: &Margin) -> String {
     match &margin.other {
         Some(other) => format!("{} and {other}", margin.vehicle),
@@ -121,7 +121,7 @@ pub(super) fn who(margin: &Margin) -> String {
 /// The worst value with its unit.
 pub(super) fn value(margin: &Margin) -> String {
     if margin.value.is_finite() {
-        with_unit(&number_beside(margin.value, margin.limit), margin.unit)
+        with_unit(&number_against(margin.value, margin.limit), margin.unit)
     } else if margin.ok {
         "–".to_owned()
     } else {
@@ -152,8 +152,8 @@ fn with_unit(number: &str, unit: &str) -> String {
     }
 }
 
-/// With as few digits as still show on which side of the limit it is.
-fn number_beside(value: f64, limit: f64) -> String {
+/// A number with the fewest digits that show on which side of the limit it is.
+fn number_against(value: f64, limit: f64) -> String {
     let apart = (value - limit).abs() > 1e-9;
     let scales = [
         (1, 10.0),
@@ -170,12 +170,12 @@ fn number_beside(value: f64, limit: f64) -> String {
         .map_or_else(|| format!("{value:e}"), |(digits, _)| number(value, digits))
 }
 
-/// No length, time or count on Earth is as large: it is written with a power of ten.
-const ABSURD: f64 = 1e12;
+/// From here on a number is written with a power of ten.
+const HUGE: f64 = 1e12;
 
-/// A whole number without digits, any other with so many; thousands set apart.
+/// A number with `digits` decimals, a whole one with none; thousands are separated.
 pub(super) fn number(value: f64, digits: usize) -> String {
-    if value.abs() >= ABSURD {
+    if value.abs() >= HUGE {
         let text = format!("{value:.3e}").replace('-', "−");
         let (mantissa, power) = text.split_at(text.find('e').unwrap_or(text.len()));
         let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
@@ -213,12 +213,12 @@ pub(super) fn clock(t_s: f64) -> String {
     }
 }
 
-/// A place as an operator types it.
+/// Latitude and longitude, degrees.
 pub(super) fn place(place: LatLon) -> String {
     format!("{:.6}, {:.6}", place.lat_deg, place.lon_deg)
 }
 
-/// Text inside of an element or a quoted attribute.
+/// Text for an element or a quoted attribute of HTML.
 pub(super) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {

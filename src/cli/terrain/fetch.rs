@@ -66,11 +66,11 @@ pub(crate) fn run(arguments: &args::TerrainFetch) -> Result<(), Failure> {
         }
     }
     drop(progress);
-    tell_missing(&missing, &file.spec.area)
+    report_missing(&missing, &file.spec.area)
 }
 
-/// What the server lacks is a failure where the area is, and a note in the margin around it.
-fn tell_missing(missing: &[(Square, String)], area: &Area) -> Result<(), Failure> {
+/// A tile that the server lacks is a failure within the area, and a note in the margin around it.
+fn report_missing(missing: &[(Square, String)], area: &Area) -> Result<(), Failure> {
     let mut needed = Vec::new();
     for (square, url) in missing {
         let line = format!("{url}: the server has no such file");
@@ -199,7 +199,7 @@ impl<'a> Template<'a> {
         };
         let filled = template.fill(one);
         if filled.contains(['{', '}']) {
-            return usage(format!("--url {text}: unknown name (allowed: {PLACES})"));
+            return usage(format!("--url {text}: unknown name (allowed: {FIELDS})"));
         }
         let others = [
             Square {
@@ -215,7 +215,7 @@ impl<'a> Template<'a> {
         ];
         if others.iter().any(|other| template.fill(*other) == filled) {
             return usage(format!(
-                "--url {text}: the same for different tiles (allowed: {PLACES})"
+                "--url {text}: the same for different tiles (allowed: {FIELDS})"
             ));
         }
         Ok(template)
@@ -231,8 +231,8 @@ impl<'a> Template<'a> {
     }
 }
 
-/// What a template may hold.
-const PLACES: &str = "{tile} such as N36W085, {ns}, {ew}, {lat} of two digits, {lon} of three";
+/// The fields of a template.
+const FIELDS: &str = "{tile} such as N36W085, {ns}, {ew}, {lat} of two digits, {lon} of three";
 
 #[cfg(test)]
 mod tests {

@@ -1,4 +1,4 @@
-//! What came of a transfer: the table, the sentences, the record.
+//! The result of a transfer: table, sentences and record.
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -16,12 +16,12 @@ use crate::report::json_text;
 /// Differing items that are listed of each vehicle.
 const MAX_DIFFERENCES: usize = 5;
 
-/// What came of a transfer to a fleet.
+/// The result of a transfer to a fleet.
 pub(crate) struct Delivery {
     pub(crate) reports: Vec<TransferReport>,
 }
 
-/// `on board` as one word and the figures behind it.
+/// The verdict in one word, and the time of the transfer.
 pub(crate) fn state(report: &TransferReport) -> String {
     match &report.verdict {
         Verdict::Verified => format!("verified, {:.1} s", report.seconds),
@@ -107,11 +107,11 @@ impl Delivery {
         Ok(())
     }
 
-    pub(crate) fn tell(&self) -> Result<(), Failure> {
+    pub(crate) fn print(&self) -> Result<(), Failure> {
         let mut rows = Rows::new(&[
             "vehicle",
             "system",
-            "says it is",
+            "reports",
             "items",
             "fence",
             "rally",
@@ -157,7 +157,7 @@ impl Delivery {
             .filter(|report| !report.is_verified())
             .count();
         let message = format!(
-            "{failed} of {} vehicles do not hold their mission for certain",
+            "{failed} of {} vehicles: mission not verified on board",
             self.reports.len()
         );
         Err(Failure::new(Failure::TRANSFER, message))

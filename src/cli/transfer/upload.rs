@@ -67,14 +67,14 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
             }
             return Err(Failure::new(Failure::VERDICT, reason));
         }
-        note("the missions do not pass verification; sent all the same, as told by --force");
+        note("the missions do not pass verification; sent nevertheless (--force)");
     }
     if arguments.dry_run {
         if arguments.json {
             let reason = "nothing was sent (--dry-run)";
             return out_json(&Delivery::nothing(reason));
         }
-        return say_what_would_be_sent(&file, &missions, &links);
+        return print_dry_run(&file, &missions, &links);
     }
     runs::make(&runs::folder(&target))?;
     let tlog = arguments.tlog.as_deref();
@@ -83,7 +83,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     if arguments.json {
         out_json(&delivery.json())?;
     } else {
-        delivery.tell()?;
+        delivery.print()?;
     }
     delivery.verdict()
 }
@@ -175,7 +175,7 @@ pub(crate) fn links(file: &SpecFile, arguments: &[String]) -> Result<Vec<(usize,
         .collect()
 }
 
-fn say_what_would_be_sent(
+fn print_dry_run(
     file: &SpecFile,
     missions: &[(usize, VehicleMission)],
     links: &[(usize, Link)],
@@ -201,8 +201,8 @@ pub(crate) fn link_of<'a>(
     vehicle: usize,
     links: &'a [(usize, Link)],
 ) -> &'a Link {
-    let told = links.iter().rev().find(|(of, _)| *of == vehicle);
-    told.map_or(&file.spec.vehicles[vehicle].link, |(_, link)| link)
+    let given = links.iter().rev().find(|(of, _)| *of == vehicle);
+    given.map_or(&file.spec.vehicles[vehicle].link, |(_, link)| link)
 }
 
 /// Transfers to every vehicle at once. Simulated vehicles are started inside
@@ -214,7 +214,7 @@ pub(crate) fn deliver(
     force: bool,
     tlog: Option<&Path>,
 ) -> Result<Delivery, Failure> {
-    told_apart(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
+    distinct_on_links(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
     let capture = tlog.map(begin_capture).transpose()?;
     let mut simulated: Vec<Running> = Vec::new();
     let mut resolved: Vec<Link> = Vec::new();
@@ -260,8 +260,8 @@ pub(crate) fn deliver(
     Ok(Delivery { reports })
 }
 
-/// On one link vehicles are told apart by system id alone.
-fn told_apart(
+/// Vehicles on one link need different system ids.
+fn distinct_on_links(
     file: &SpecFile,
     vehicles: impl Iterator<Item = usize>,
     links: &[(usize, Link)],
@@ -346,11 +346,11 @@ fleet:
             (250, 1, 1)
         );
         let all = || 0..file.spec.vehicles.len();
-        assert!(told_apart(&file, all(), &[]).is_ok(), "each has its own");
+        assert!(distinct_on_links(&file, all(), &[]).is_ok(), "each has its own");
         let to = |index: usize, port: u16| (index, Link::UdpOut(format!("127.0.0.1:{port}")));
-        assert!(told_apart(&file, all(), &[to(0, 14550), to(240, 14551)]).is_ok());
-        assert!(told_apart(&file, all(), &[to(0, 14550), to(239, 14550)]).is_ok());
-        let refused = told_apart(&file, all(), &[to(0, 14550), to(240, 14550)]);
+        assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(240, 14551)]).is_ok());
+        assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(239, 14550)]).is_ok());
+        let refused = distinct_on_links(&file, all(), &[to(0, 14550), to(240, 14550)]);
         let message = refused.unwrap_err().message;
         assert!(
             message.contains("d1 and d241 have one system id, 1"),

@@ -3,12 +3,12 @@
 /// A place in planning coordinates and time: east, north, altitude (m), time
 /// (s), and the row of the item being flown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Fix {
-    pub(super) east_m: f64,
-    pub(super) north_m: f64,
-    pub(super) amsl_m: f64,
-    pub(super) t_s: f64,
-    pub(super) item: usize,
+pub(in crate::report) struct Fix {
+    pub(in crate::report) east_m: f64,
+    pub(in crate::report) north_m: f64,
+    pub(in crate::report) amsl_m: f64,
+    pub(in crate::report) t_s: f64,
+    pub(in crate::report) item: usize,
 }
 
 /// Smallest tolerance, metres: below what a page can show.
@@ -19,7 +19,7 @@ const MIN_TOLERANCE_M: f64 = 0.1;
 ///
 /// The two ends, the last fix of every item, and the highest and lowest fix stay. The
 /// tolerance grows from a decimetre until at most `max_fixes` are left, or only those.
-pub(super) fn simplify(fixes: &[Fix], max_fixes: usize) -> (Vec<Fix>, f64) {
+pub(in crate::report) fn simplify(fixes: &[Fix], max_fixes: usize) -> (Vec<Fix>, f64) {
     let corners = corners(fixes);
     let max_fixes = max_fixes.max(corners.len());
     let mut tolerance_m = MIN_TOLERANCE_M;
