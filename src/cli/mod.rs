@@ -21,9 +21,9 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
+use args::{Arguments, Command};
 use print::console::{note, note_lines, out_text};
 use print::failure::Failure;
-use args::{Arguments, Command};
 
 /// Runs one command and returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
@@ -60,7 +60,12 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Schema => out_text(&crate::spec::json_schema()),
         Command::Completions { shell } => {
             let mut completions = Vec::new();
-            clap_complete::generate(*shell, &mut Arguments::command(), "sortie", &mut completions);
+            clap_complete::generate(
+                *shell,
+                &mut Arguments::command(),
+                "sortie",
+                &mut completions,
+            );
             out_text(&String::from_utf8_lossy(&completions))
         }
     };

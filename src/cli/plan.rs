@@ -61,7 +61,7 @@ impl Stopwatch {
             .map(|(stage, seconds)| ((*stage).to_owned(), json!(seconds)))
             .collect();
         document.insert("cpu_s".to_owned(), json!(usage::cpu_s()));
-        document.insert("memory_mib".to_owned(), json!(usage::most_memory_mib()));
+        document.insert("memory_mib".to_owned(), json!(usage::peak_memory_mib()));
         document.into()
     }
 
@@ -116,15 +116,9 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         out(&format!("files in {}", target.display()))?;
     }
     if !passes {
-        let unsent = if arguments.upload {
-            "; nothing was sent"
-        } else {
-            ""
-        };
-        return Err(Failure::new(
-            Failure::VERDICT,
-            format!("the fleet does not pass verification{unsent}"),
-        ));
+        let unsent = ["", "; nothing was sent"][usize::from(arguments.upload)];
+        let message = format!("the fleet does not pass verification{unsent}");
+        return Err(Failure::new(Failure::VERDICT, message));
     }
     match delivery {
         Some(delivery) => delivery.verdict(),
@@ -278,7 +272,7 @@ fn is_separation(what: &str) -> bool {
 }
 
 /// The vehicles of the table: all, in order of priority, or of a large fleet those that are
-/// nearest to a limit of its columns, the worst first; whoever breaks any limit comes before.
+/// nearest to a limit of its columns, the worst first; vehicles that break a limit come first.
 fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
     let count = spec.vehicles.len();
     if count <= MAX_LISTED {

@@ -45,7 +45,9 @@ impl ReviewInput<'_> {
     /// strictly than the objective.
     pub(super) fn infeasibilities(&self) -> Vec<Infeasibility> {
         let plan = self.plan.filter(|_| !self.review.passes());
-        plan.map_or_else(Vec::new, |plan| infeasibilities(self.spec, self.world, plan))
+        plan.map_or_else(Vec::new, |plan| {
+            infeasibilities(self.spec, self.world, plan)
+        })
     }
 }
 

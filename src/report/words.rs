@@ -74,7 +74,10 @@ fn slack(margin: &Margin) -> f64 {
 const VITAL: [&str; 5] = ["terrain", "separation", "threat", "zone", "no-fly"];
 
 /// The worst margins of different kinds: broken ones, then the vital, then others.
-pub(super) fn most_important<'a, 'r>(ranked: &'r [Ranked<'a>], count: usize) -> Vec<&'r Ranked<'a>> {
+pub(super) fn most_important<'a, 'r>(
+    ranked: &'r [Ranked<'a>],
+    count: usize,
+) -> Vec<&'r Ranked<'a>> {
     fn kind<'r>(entry: &'r Ranked<'_>) -> &'r str {
         entry.margin.what.split(' ').next().unwrap_or("")
     }

@@ -166,7 +166,10 @@ fn what_a_file_says_of_itself_commands_no_terminal() {
     fs::write(folder.path().join(name), &bytes).expect("written");
     let output = sortie(folder.path(), &["terrain", "info", name]);
     let words = text(&output.stdout);
-    assert!(words.starts_with("a\\u{1b}[2K\\rb\\nlanded as planned.tif: "), "{words}");
+    assert!(
+        words.starts_with("a\\u{1b}[2K\\rb\\nlanded as planned.tif: "),
+        "{words}"
+    );
     assert!(words.contains("\\u{1b}[2K\\r"), "{words}");
     assert!(!words.contains(['\u{1b}', '\r']), "{words}");
     assert_eq!(words.lines().count(), 5, "{words}");

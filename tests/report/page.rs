@@ -167,7 +167,9 @@ fn the_page_of_a_failure_says_why_no_path_was_found() {
     facts.plan.vehicles[1].remedies = Some(vec![Remedy(vec![Change::Evaluations(80_000)])]);
     facts.review.margins[0].ok = false;
     let page = facts.html();
-    let (_, reasons) = page.split_once("<section id=\"infeasible\">").expect("reasons");
+    let (_, reasons) = page
+        .split_once("<section id=\"infeasible\">")
+        .expect("reasons");
     let (reasons, _) = reasons.split_once("</section>").expect("an end");
     for part in [
         "alpha: no path was found from start to goal",
@@ -178,7 +180,11 @@ fn the_page_of_a_failure_says_why_no_path_was_found() {
     ] {
         assert!(reasons.contains(part), "{part}: {reasons}");
     }
-    facts.review.margins.iter_mut().for_each(|margin| margin.ok = true);
+    facts
+        .review
+        .margins
+        .iter_mut()
+        .for_each(|margin| margin.ok = true);
     assert!(!facts.html().contains("<section id=\"infeasible\">"));
 }
 

@@ -122,7 +122,10 @@ fn the_track_of_a_long_survey_passes_every_waypoint() {
     };
     let planned_m = length(&mut lanes.iter().copied());
     let flown_m = length(&mut moments.iter().map(|at| at.place));
-    assert!((flown_m / planned_m - 1.0).abs() < 0.03, "{flown_m} {planned_m}");
+    assert!(
+        (flown_m / planned_m - 1.0).abs() < 0.03,
+        "{flown_m} {planned_m}"
+    );
 }
 
 /// Flying 80 m above home over ground that is 60 m at least below: 20 m of error may be made.

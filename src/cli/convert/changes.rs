@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::mission::Item;
 
-/// The differences between items and what came back of them, same ones told together.
+/// The differences between items and those read back; equal differences share a line.
 pub(crate) fn changes(what: &str, was: &[Item], is: &[Item]) -> Vec<String> {
     if was.len() == is.len() && was != is && is_reordered(was, is) {
         return vec![format!("the order of the {what}s")];

@@ -37,6 +37,17 @@ enum Target {
     GeoJson,
 }
 
+impl Target {
+    fn text(self, mission: &VehicleMission, name: &str) -> Result<String, String> {
+        Ok(match self {
+            Self::Plan => formats::plan::write(mission),
+            Self::Rows(list) => rows(mission, list)?,
+            Self::Kml => formats::kml::write_mission(name, &Drawing::of(mission)),
+            Self::GeoJson => formats::geojson::write_mission(name, &Drawing::of(mission)),
+        })
+    }
+}
+
 /// The report of a conversion.
 #[derive(Debug, Serialize)]
 struct Report {
@@ -134,11 +145,9 @@ fn converted(
     };
     let mut assumed = Vec::new();
     let made_for = document.autopilot;
-    let who = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
-    let what = document
-        .airframe
-        .map(|airframe| format!("a {}", name_of(airframe)));
-    let made: Vec<String> = who.into_iter().chain(what).collect();
+    let made_by = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
+    let airframe_of = document.airframe.map(|of| format!("a {}", name_of(of)));
+    let made: Vec<String> = made_by.into_iter().chain(airframe_of).collect();
     let autopilot = autopilot(made_for, arguments.autopilot, &mut assumed);
     let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
     let is_list = document.is_list();
@@ -154,17 +163,12 @@ fn converted(
         .into_mission(autopilot, airframe)
         .map_err(|error| bad(&error.to_string()))?;
     let name = folder::stem(&arguments.input);
-    let text = match target {
-        Target::Plan => formats::plan::write(&mission),
-        Target::Rows(list) => rows(&mission, list).map_err(|what| bad(&what))?,
-        Target::Kml => formats::kml::write_mission(&name, &Drawing::of(&mission)),
-        Target::GeoJson => formats::geojson::write_mission(&name, &Drawing::of(&mission)),
-    };
+    let text = target.text(&mission, &name).map_err(|what| bad(&what))?;
     lost.extend(losses(&mission, target, &made));
     if matches!(target, Target::Plan | Target::Rows(_)) {
         lost.extend(differences(&mission, &text, target).map_err(|what| bad(&what))?);
     }
-    let asks_for_another = arguments.autopilot.is_some() && made_for != Some(autopilot);
+    let is_foreign = arguments.autopilot.is_some() && made_for != Some(autopilot);
     let count = |of: ListName, items: &[Item]| match target {
         Target::Rows(list) if of != list => 0,
         _ => items.len(),
@@ -179,13 +183,11 @@ fn converted(
         repairs,
         assumed,
         lost,
-        read_differently: if asks_for_another {
-            let all = mission::read_differently(&mission).into_iter();
-            all.map(|(what, items)| format!("{}: {what}", ranges("item", &items)))
-                .collect()
-        } else {
-            Vec::new()
-        },
+        read_differently: (is_foreign.then(|| mission::read_differently(&mission)))
+            .into_iter()
+            .flatten()
+            .map(|(what, items)| format!("{}: {what}", ranges("item", &items)))
+            .collect(),
         refused: mission::problems(&mission)
             .iter()
             .filter(|problem| !(is_list && problem.list == mission::List::Mission))

@@ -156,7 +156,10 @@ mod tests {
         let hostile = "\u{1b}[2K\r landed\n";
         for (on, expected) in [
             (false, "FAIL \\u{1b}[2K\\r landed\\n"),
-            (true, "\u{1b}[31;1mFAIL\u{1b}[0m \\u{1b}[2K\\r landed\\n\u{1b}[0m"),
+            (
+                true,
+                "\u{1b}[31;1mFAIL\u{1b}[0m \\u{1b}[2K\\r landed\\n\u{1b}[0m",
+            ),
         ] {
             let paint = Paint { on };
             let line = format!("{} {hostile}", paint.bad("FAIL"));

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::console::shown;
 
-/// A line on stderr that says what is being done. Hidden unless stderr is a terminal.
+/// A line on stderr with the current step. Hidden unless stderr is a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
 }

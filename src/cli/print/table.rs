@@ -8,8 +8,8 @@ use crate::numeric::digits;
 use crate::spec::Autopilot;
 use crate::verify::{Margin, Review, Sense};
 
-/// With more rows than these the lines between them only take room.
-const MOST_RULED: usize = 12;
+/// With more rows than this, the lines between them are left out.
+const MAX_RULED: usize = 12;
 
 /// A table, or on a terminal too narrow for it a list of the same cells.
 pub(crate) struct Rows {
@@ -27,7 +27,7 @@ impl Rows {
         }
     }
 
-    /// Columns that a narrow terminal does without, the first one first.
+    /// Columns that a narrow terminal omits, in this order.
     pub(crate) fn spare(&mut self, heads: &[&'static str]) {
         self.spare = heads.to_vec();
     }
@@ -41,7 +41,7 @@ impl Rows {
 }
 
 impl Rows {
-    /// The table without some columns.
+    /// The table without the columns `without`.
     fn table(&self, without: &[&str]) -> Table {
         let keeps = |column: usize| {
             let head = self.header.get(column);
@@ -49,7 +49,7 @@ impl Rows {
         };
         let mut table = Table::new();
         table.load_style(presets::UTF8_HORIZONTAL_ONLY);
-        if self.rows.len() > MOST_RULED {
+        if self.rows.len() > MAX_RULED {
             table.style_mut().row_separator = LineStyle::none();
         }
         table.set_content_arrangement(ContentArrangement::Disabled);
@@ -87,7 +87,7 @@ impl Rows {
     }
 }
 
-/// A number of at most so many decimals; short whatever its size.
+/// A number with at most `decimals` decimals; a huge one with a power of ten.
 pub(crate) fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         "not known".to_owned()
@@ -98,8 +98,8 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     }
 }
 
-/// The same, with more decimals where it would read like the limit it misses.
-fn number_beside(value: f64, limit: f64, decimals: usize) -> String {
+/// A number with enough decimals to differ from the limit it misses.
+fn number_against(value: f64, limit: f64, decimals: usize) -> String {
     if value.abs() < 1e9 {
         digits::beside(value, limit, decimals)
     } else {
@@ -107,13 +107,13 @@ fn number_beside(value: f64, limit: f64, decimals: usize) -> String {
     }
 }
 
-/// The tightest margin of a vehicle among the limits `wanted`, as an operator
-/// reads it: the value and what it is held against.
-pub(crate) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> bool) -> String {
+/// The tightest margin of a vehicle among the limits that `selects` accepts: value and
+/// limit.
+pub(crate) fn tightest(review: &Review, vehicle: &str, selects: impl Fn(&str) -> bool) -> String {
     let worst = review
         .margins
         .iter()
-        .filter(|margin| margin.concerns(vehicle) && wanted(&margin.what))
+        .filter(|margin| margin.concerns(vehicle) && selects(&margin.what))
         .min_by(|a, b| a.ok.cmp(&b.ok).then(a.slack().total_cmp(&b.slack())));
     let Some(margin) = worst else {
         return "-".to_owned();
@@ -134,17 +134,17 @@ pub(crate) fn tightest(review: &Review, vehicle: &str, wanted: impl Fn(&str) -> 
     let limit = number(margin.limit, 0);
     let value = match margin.ok {
         true => number(margin.value, 0),
-        false => number_beside(margin.value, margin.limit, 0),
+        false => number_against(margin.value, margin.limit, 0),
     };
     format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
 }
 
-/// Every failed margin in words, with times after T0.
+/// A sentence for each failed margin, with times after T0.
 pub(crate) fn failures(review: &Review, paint: Paint) -> Vec<String> {
     failures_since(review, paint, "T0")
 }
 
-/// The same with times after something else.
+/// A sentence for each failed margin, with times after `since`.
 pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> Vec<String> {
     let failed = review.margins.iter().filter(|margin| !margin.ok);
     failed
@@ -152,7 +152,7 @@ pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> Vec<
         .collect()
 }
 
-/// One margin in words: who, what, by how much, where, when.
+/// One margin in words: vehicles, limit, value, place and time.
 fn sentence(margin: &Margin, since: &str) -> String {
     let mut text = match &margin.other {
         Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.what),
@@ -161,7 +161,7 @@ fn sentence(margin: &Margin, since: &str) -> String {
     if margin.value.is_finite() {
         text += &format!(
             ": {} {unit}, {} {} {unit} allowed",
-            number_beside(margin.value, margin.limit, 1),
+            number_against(margin.value, margin.limit, 1),
             sense(margin),
             number(margin.limit, 1),
             unit = margin.unit
@@ -196,7 +196,7 @@ pub(crate) fn clock(seconds: f64) -> String {
     format!("{:.0}:{:02.0}", (whole / 60.0).floor(), whole % 60.0)
 }
 
-/// The autopilot as its people write it.
+/// The name of an autopilot.
 pub(crate) fn autopilot(autopilot: Autopilot) -> &'static str {
     match autopilot {
         Autopilot::ArduPilot => "ArduPilot",

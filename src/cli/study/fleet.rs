@@ -71,7 +71,9 @@ pub(crate) fn run(arguments: &args::FleetStudy) -> Result<(), Failure> {
         progress.say(&format!("{vehicles} vehicles"));
         let mut run = home.plan(&world, vehicles, arguments.evaluations, "")?;
         if vehicles <= arguments.compare_to {
-            progress.say(&format!("{vehicles} vehicles, {REFERENCE} evaluations each"));
+            progress.say(&format!(
+                "{vehicles} vehicles, {REFERENCE} evaluations each"
+            ));
             let reference = home.plan(&world, vehicles, REFERENCE, "-reference")?;
             run.reference_cost = Some(reference.cost);
         }

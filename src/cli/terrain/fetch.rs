@@ -1,8 +1,8 @@
 //! `sortie terrain fetch`: the tiles of a spec from a server of SRTM tiles.
 //!
-//! A tile is written beside its final name, checked from end to end, and only then
-//! renamed. What a broken transfer left is gone on with if the server still has the same
-//! file, which its `ETag` or `Last-Modified` tells; otherwise it is begun again.
+//! A tile is written next to its final name, checked from end to end, and then renamed. A
+//! broken transfer is resumed if the server still has the same file (`ETag` or
+//! `Last-Modified`); otherwise it starts again.
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! `sortie terrain`: elevation files, looked at, got from a server, and made for a vehicle.
+//! `sortie terrain`: elevation files, inspected, fetched, and exported for a vehicle.
 
 pub(super) mod export;
 pub(super) mod fetch;
@@ -27,7 +27,7 @@ pub(super) fn unusable(path: &Path, error: &TerrainError) -> Failure {
     Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
 }
 
-/// Looks at every file; those that cannot be used are told at the end.
+/// Inspects every file, and reports the unusable ones at the end.
 fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
     let mut files: Vec<PathBuf> = Vec::new();
     for path in &arguments.files {

@@ -109,14 +109,7 @@ impl Delivery {
 
     pub(crate) fn print(&self) -> Result<(), Failure> {
         let mut rows = Rows::new(&[
-            "vehicle",
-            "system",
-            "reports",
-            "items",
-            "fence",
-            "rally",
-            "on board",
-            "hash",
+            "vehicle", "system", "reports", "items", "fence", "rally", "on board", "hash",
         ]);
         rows.spare(&["hash", "system", "rally", "fence"]);
         for report in &self.reports {
@@ -190,7 +183,10 @@ mod tests {
             statustexts: vec!["\u{1b}[2K\r landed as planned\n".to_owned()],
             ..TransferReport::nothing("alpha", 1, Verdict::Verified)
         };
-        let shown: Vec<String> = lines(&report).iter().map(|line| shown(line).into()).collect();
+        let shown: Vec<String> = lines(&report)
+            .iter()
+            .map(|line| shown(line).into())
+            .collect();
         assert_eq!(
             shown,
             [

@@ -18,28 +18,14 @@ use crate::cli::review;
 use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
 use crate::simulator;
-use crate::simulator::{Profile, Running, Simulated};
-use crate::spec::{Autopilot, Link, SpecFile};
+use crate::simulator::{Running, Simulated};
+use crate::spec::{Link, SpecFile};
 use crate::verify;
 use crate::world;
 
 pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let (file, files, target) = match &arguments.spec {
-        Some(spec) => {
-            let file = SpecFile::read(spec)?;
-            let files = review::assign(&file, arguments.paths.iter(), &[])?;
-            if !arguments.force {
-                refuse_rejected(files.values())?;
-            }
-            for path in files.values().filter(|path| folder::is_waypoints(path)) {
-                note(&format!(
-                    "{}: a .waypoints file holds no fence and no rally points: what is on board is cleared",
-                    path.display()
-                ));
-            }
-            let target = PathBuf::from("out").join(&file.spec.name);
-            (file, files, target)
-        }
+        Some(spec) => from_files(spec, arguments)?,
         None => from_folder(&arguments.paths, arguments.force).map_err(|refusal| {
             let way_out = match refusal.code {
                 Failure::VERDICT => " (--force overrides)",
@@ -86,6 +72,26 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         delivery.print()?;
     }
     delivery.verdict()
+}
+
+/// A spec and the mission files of the command line, and the folder of their records.
+fn from_files(
+    spec: &Path,
+    arguments: &args::Upload,
+) -> Result<(SpecFile, review::Files, PathBuf), Failure> {
+    let file = SpecFile::read(spec)?;
+    let files = review::assign(&file, arguments.paths.iter(), &[])?;
+    if !arguments.force {
+        refuse_rejected(files.values())?;
+    }
+    for path in files.values().filter(|path| folder::is_waypoints(path)) {
+        note(&format!(
+            "{}: a .waypoints file holds no fence and no rally points: those on board are cleared",
+            path.display()
+        ));
+    }
+    let target = PathBuf::from("out").join(&file.spec.name);
+    Ok((file, files, target))
 }
 
 /// The spec and the missions of a folder that `plan` wrote.
@@ -300,13 +306,9 @@ fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
 
 fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result<Running, Failure> {
     let this = &file.spec.vehicles[vehicle];
-    let profile = match this.autopilot {
-        Autopilot::ArduPilot => Profile::ArduPilot,
-        Autopilot::Px4 => Profile::Px4,
-    };
     simulator::spawn(&Simulated {
         airframe: this.airframe,
-        ..Simulated::on_loopback(profile, this.sysid, Some(mission.home))
+        ..Simulated::on_loopback(this.autopilot.into(), this.sysid, Some(mission.home))
     })
     .map_err(|error| {
         Failure::new(
@@ -346,7 +348,10 @@ fleet:
             (250, 1, 1)
         );
         let all = || 0..file.spec.vehicles.len();
-        assert!(distinct_on_links(&file, all(), &[]).is_ok(), "each has its own");
+        assert!(
+            distinct_on_links(&file, all(), &[]).is_ok(),
+            "each has its own"
+        );
         let to = |index: usize, port: u16| (index, Link::UdpOut(format!("127.0.0.1:{port}")));
         assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(240, 14551)]).is_ok());
         assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(239, 14550)]).is_ok());

@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::report::scene::{Bounds, Relief, round_step};
 use crate::geodesy::EastNorth;
+use crate::report::scene::{Bounds, Relief, round_step};
 
 /// Contour lines at a round interval.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -8,11 +8,11 @@ mod labels;
 
 use std::fmt::Write as _;
 
-use contour::{Contours, Line};
-use labels::{Area, Labels, Side};
 use crate::report::scene::{Bounds, Scene, VehicleShape, round_step};
 use crate::report::words::{self, escaped};
 use crate::report::{COLOURS, ReviewInput};
+use contour::{Contours, Line};
+use labels::{Area, Labels, Side};
 
 /// Width of the map in units of its own.
 const WIDTH: f64 = 1000.0;
@@ -327,7 +327,11 @@ fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape, c
         );
     }
     for planned in vehicle.flown.iter().flat_map(|flown| &flown.planned) {
-        let planned = view.path(planned.iter().map(|[east_m, north_m, _]| (*east_m, *north_m)));
+        let planned = view.path(
+            planned
+                .iter()
+                .map(|[east_m, north_m, _]| (*east_m, *north_m)),
+        );
         let _ = write!(
             svg,
             "<path class=\"planned v{class}\" d=\"{planned}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\".35\" stroke-width=\"8\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"

@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::mission::VehicleMission;
+use crate::plan::VehiclePlan;
 use crate::report::documents::finite;
 use crate::report::scene::{Scene, VehicleShape};
 use crate::report::words::{self, Ranked, escaped};
 use crate::report::{COLOURS, ReviewInput};
-use crate::mission::VehicleMission;
-use crate::plan::VehiclePlan;
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::verify::Moment;
 

@@ -41,7 +41,7 @@ pub(in crate::report) struct FlownShape {
 
 impl FlownShape {
     pub(in crate::report) fn new(facts: &FlownFacts) -> Self {
-                let point = |p: &PlanPoint| [metres(p.at.east_m), metres(p.at.north_m), metres(p.amsl.0)];
+        let point = |p: &PlanPoint| [metres(p.at.east_m), metres(p.at.north_m), metres(p.amsl.0)];
         let bucket = facts.errors.len().div_ceil(MAX_ERRORS).max(1);
         // The worst of each span of time, so that no peak is lost.
         let errors = facts.errors.chunks(bucket).filter_map(|chunk| {

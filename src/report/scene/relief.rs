@@ -183,7 +183,13 @@ const CLEAR: Shade = 128;
 /// A `data:` URI of a picture as PNG, its rows from the top. It is not compressed:
 /// compressors choose by processor, and the report has the same bytes everywhere.
 fn data_uri(columns: u32, rows: u32, shades: &[Shade]) -> String {
-    let dark_or_light = |shade| if shade < CLEAR { [28, 38, 48] } else { [255; 3] };
+    let dark_or_light = |shade| {
+        if shade < CLEAR {
+            [28, 38, 48]
+        } else {
+            [255; 3]
+        }
+    };
     let colours: Vec<u8> = (0..=Shade::MAX).flat_map(dark_or_light).collect();
     let opacity = |shade: Shade| shade.abs_diff(CLEAR).saturating_mul(2);
     let opacities: Vec<u8> = (0..=Shade::MAX).map(opacity).collect();

@@ -104,7 +104,8 @@ pub(super) fn ending(fixes: &[Fix], world: &World, vehicle: &Vehicle) -> Option<
     if !stays {
         return Some(Ending::Down { t_s: last.t_s });
     }
-    let is_same = |fix: &&Fix| at(fix).distance_m(at(last)).hypot(fix.amsl_m - last.amsl_m) < SAME_PLACE_M;
+    let is_same =
+        |fix: &&Fix| at(fix).distance_m(at(last)).hypot(fix.amsl_m - last.amsl_m) < SAME_PLACE_M;
     let arrival = fixes.iter().rev().take_while(is_same).last()?;
     Some(Ending::Stays {
         from_s: arrival.t_s,

@@ -42,7 +42,11 @@ impl Checker<'_> {
             let with = hidden.map_or_else(String::new, |sign| {
                 format!(" with the invisible character {}", code(sign))
             });
-            self.report(path, format!("name `{}`{with}", name.escape_debug()), allowed);
+            self.report(
+                path,
+                format!("name `{}`{with}", name.escape_debug()),
+                allowed,
+            );
         } else if is_device(name) {
             let found = format!("name `{name}`, which is a device to Windows");
             self.report(path, found, "another name");
@@ -55,7 +59,10 @@ impl Checker<'_> {
     pub(super) fn label(&mut self, path: &str, name: &str) {
         let shown = name.escape_debug();
         if let Some(hidden) = name.chars().find(|sign| is_hidden(*sign)) {
-            let found = format!("name `{shown}` with the invisible character {}", code(hidden));
+            let found = format!(
+                "name `{shown}` with the invisible character {}",
+                code(hidden)
+            );
             self.report(path, found, "visible characters");
         } else if name.trim().is_empty() || name.len() > MAX_BYTES {
             let allowed = format!("1 to {MAX_BYTES} printable bytes");
@@ -69,7 +76,9 @@ impl Checker<'_> {
     /// The letters of a word belong to one script, or to several that are written together
     /// (UTS #39, section 5.1): a Cyrillic letter among Latin ones looks like another name.
     fn one_script(&mut self, path: &str, name: &str, word: &str) -> bool {
-        let ends = word.char_indices().map(|(at, sign)| (at + sign.len_utf8(), sign));
+        let ends = word
+            .char_indices()
+            .map(|(at, sign)| (at + sign.len_utf8(), sign));
         let mut mixed = ends.filter(|(end, _)| !word[..*end].is_single_script());
         let Some((_, sign)) = mixed.next() else {
             return true;
@@ -90,7 +99,10 @@ impl Checker<'_> {
         for (index, name) in names.enumerate() {
             let (lowercase, is_ascii) = (name.to_lowercase(), name.is_ascii());
             let look: String = skeleton(&lowercase).collect();
-            let first = seen.get(&lowercase).copied().map(|first| (first, "already"));
+            let first = seen
+                .get(&lowercase)
+                .copied()
+                .map(|first| (first, "already"));
             let first = first.or_else(|| {
                 let (first, other_is_ascii) = *alike.get(&look)?;
                 (!is_ascii || !other_is_ascii).then_some((first, "which looks like"))
