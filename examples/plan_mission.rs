@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let verdict = if margin.ok { "ok" } else { "FAIL" };
         println!(
             "  {verdict:4} {} {}: {:.1} {} (limit {:.1})",
-            margin.vehicle, margin.what, margin.value, margin.unit, margin.limit
+            margin.vehicle, margin.limit, margin.value, margin.unit, margin.bound
         );
     }
     if let Some((_, mission)) = found.missions.first() {

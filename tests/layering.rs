@@ -1,18 +1,27 @@
-//! The architecture is the folder list: each folder imports only from lower layers.
+//! The architecture is the folder list: each folder imports only from lower layers, files of
+//! one folder import each other in no circle, and neither folders nor functions grow large.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+#[path = "support/source.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod source;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use source::{SourceFile, source_files};
 
 /// Folder, layer, and what it may not import although it lies lower.
-const HOUSE: &[(&str, u32, &[&str])] = &[
+const LAYERS: &[(&str, u32, &[&str])] = &[
     ("numeric", 0, &[]),
     ("geodesy", 1, &[]),
     ("optimize", 1, &[]),
+    ("autopilot", 1, &[]),
+    ("shapes", 1, &[]),
     ("spec", 2, &["optimize"]),
     ("world", 3, &["optimize"]),
     ("path", 4, &["optimize"]),
     ("cost", 5, &["optimize"]),
     ("plan", 6, &[]),
+    ("tasks", 7, &[]),
     ("mission", 7, &["optimize", "cost", "plan"]),
     ("formats", 8, &["optimize", "cost", "plan"]),
     ("verify", 8, &["optimize", "cost", "plan"]),
@@ -22,92 +31,358 @@ const HOUSE: &[(&str, u32, &[&str])] = &[
     ("report", 10, &["optimize", "link"]),
     ("flight", 11, &[]),
     ("study", 11, &["link"]),
-    ("cli", 12, &[]),
+    ("studio", 12, &[]),
+    ("cli", 13, &[]),
 ];
+/// Most files flat in a folder beside its `mod.rs`.
+const MAX_FILES: usize = 12;
+/// Most lines of a function, signature and braces included.
+const MAX_LINES: usize = 60;
+/// Most arguments of a function; members of a tuple count each.
+const MAX_ARGUMENTS: usize = 6;
 
-fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).expect("src can be read") {
-        let path = entry.expect("src can be read").path();
-        if path.is_dir() {
-            rust_files(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            found.push(path);
+/// Every path in the code, with its line: those of `use` trees as their leaves, and others
+/// that begin with `crate`, `self` or `super`.
+fn paths(code: &str) -> Vec<(usize, Vec<String>)> {
+    let mut found = Vec::new();
+    let line_of = |at: usize| code[..at].matches('\n').count() + 1;
+    let mut rest = String::from(code);
+    for (at, _) in code.match_indices("use ") {
+        let before = code[..at].chars().next_back();
+        if before.is_some_and(|c| c.is_alphanumeric() || c == '_') {
+            continue;
+        }
+        let Some(length) = code[at..].find(';') else {
+            continue;
+        };
+        let tree: String = code[at + 4..at + length]
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        leaves(&tree, &[], &mut |leaf| found.push((line_of(at), leaf)));
+        rest.replace_range(at..at + length, &" ".repeat(length));
+    }
+    for root in ["crate::", "super::", "self::"] {
+        for (at, _) in rest.match_indices(root) {
+            let before = rest[..at].chars().next_back();
+            if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
+                continue;
+            }
+            let path: String = rest[at..]
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_' || *c == ':')
+                .collect();
+            let segments = path.split("::").filter(|s| !s.is_empty());
+            found.push((line_of(at), segments.map(str::to_owned).collect()));
+        }
+    }
+    found
+}
+
+/// Calls back with each leaf of a `use` tree, `a::{b, c::d as e}` as `a::b` and `a::c::d`.
+fn leaves(tree: &str, prefix: &[String], found: &mut impl FnMut(Vec<String>)) {
+    let tree = tree.trim();
+    let (head, group) = match tree.find('{') {
+        Some(at) => (
+            &tree[..at],
+            tree[at + 1..].rsplit_once('}').map(|(inside, _)| inside),
+        ),
+        None => (tree.split(" as ").next().unwrap_or(tree), None),
+    };
+    let mut path = prefix.to_vec();
+    path.extend(
+        head.split("::")
+            .map(str::trim)
+            .filter(|s| !s.is_empty())
+            .map(str::to_owned),
+    );
+    let Some(group) = group else {
+        return found(path);
+    };
+    let (mut depth, mut from) = (0, 0);
+    for (at, c) in group.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                leaves(&group[from..at], &path, found);
+                from = at + 1;
+            }
+            _ => {}
+        }
+    }
+    if !group[from..].trim().is_empty() {
+        leaves(&group[from..], &path, found);
+    }
+}
+
+/// The path from the root of the crate; none for what is outside of it.
+fn absolute(
+    path: &[String],
+    module: &[String],
+    modules: &BTreeSet<Vec<String>>,
+) -> Option<Vec<String>> {
+    let mut base = module.to_vec();
+    match path.first()?.as_str() {
+        "crate" => Some(path[1..].to_vec()),
+        "self" => Some([&base[..], &path[1..]].concat()),
+        "super" => {
+            let ups = path.iter().take_while(|s| *s == "super").count();
+            base.truncate(base.len().saturating_sub(ups));
+            Some([&base[..], &path[ups..]].concat())
+        }
+        first => {
+            base.push(first.to_owned());
+            modules.contains(&base).then(|| [module, path].concat())
         }
     }
 }
 
-/// Folders named after `crate::` in a line, `crate::{a, b}` included.
-fn imports(line: &str) -> Vec<String> {
-    let name = |text: &str| {
-        text.trim_start()
-            .chars()
-            .take_while(|c| c.is_alphanumeric() || *c == '_')
-            .collect::<String>()
+/// The imports of each module by the modules that they name: module -> (line, module).
+fn imports(files: &[SourceFile]) -> BTreeMap<Vec<String>, Vec<(usize, Vec<String>)>> {
+    let modules: BTreeSet<Vec<String>> = files.iter().map(|file| file.module.clone()).collect();
+    let of = |file: &SourceFile| {
+        let named = paths(&file.product_code())
+            .into_iter()
+            .filter_map(|(line, path)| {
+                let mut path = absolute(&path, &file.module, &modules)?;
+                while !modules.contains(&path) {
+                    path.pop()?;
+                }
+                Some((line, path))
+            });
+        (file.module.clone(), named.collect())
     };
-    line.match_indices("crate::")
-        .flat_map(|(at, found)| {
-            let rest = &line[at + found.len()..];
-            match rest.strip_prefix('{') {
-                Some(list) => list.split([',', '}']).map(name).collect(),
-                None => vec![name(rest)],
-            }
-        })
+    files
+        .iter()
+        .filter(|file| file.name != "main.rs")
+        .map(of)
         .collect()
 }
 
 #[test]
 fn each_folder_imports_only_what_lies_below_it() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    rust_files(&src, &mut files);
+    let files = source_files();
+    let row = |folder: &str| LAYERS.iter().find(|(name, ..)| *name == folder);
     let mut broken = Vec::new();
-    let mut folders_seen = 0;
-    for file in files {
-        let inside = file.strip_prefix(&src).expect("a file of src");
-        let Some(folder) = inside
-            .parent()
-            .and_then(|p| p.iter().next())
-            .and_then(|p| p.to_str())
-        else {
+    let mut seen = BTreeSet::new();
+    for (module, imported) in imports(&files) {
+        let Some(folder) = module.first() else {
             continue;
         };
-        let row = HOUSE.iter().find(|(name, ..)| *name == folder);
         let (_, layer, forbidden) =
-            row.unwrap_or_else(|| panic!("{folder} is not a room of the house"));
-        folders_seen += 1;
-        let text = fs::read_to_string(&file).expect("a source file");
-        for (number, line) in text.lines().enumerate() {
-            let code = line.split("//").next().unwrap_or("");
-            for import in imports(code) {
-                let Some((_, below, _)) = HOUSE.iter().find(|(name, ..)| *name == import) else {
-                    continue;
-                };
-                if import != folder && (below >= layer || forbidden.contains(&import.as_str())) {
-                    broken.push(format!(
-                        "{}:{}: {folder} (layer {layer}) must not import {import} (layer {below})",
-                        inside.display(),
-                        number + 1
-                    ));
-                }
+            row(folder).unwrap_or_else(|| panic!("src/{folder} has no layer"));
+        seen.insert(folder.clone());
+        for (line, target) in imported {
+            let Some((name, below, _)) = target.first().and_then(|name| row(name)) else {
+                continue;
+            };
+            if name != folder && (below >= layer || forbidden.contains(name)) {
+                broken.push(format!(
+                    "{}:{line}: {folder} (layer {layer}) must not import {name} (layer {below})",
+                    module.join("/")
+                ));
             }
         }
     }
-    assert!(
-        folders_seen > 10,
-        "only {folders_seen} files were looked at"
-    );
+    assert!(seen.len() > 15, "only {seen:?} were looked at");
     assert!(broken.is_empty(), "\n{}", broken.join("\n"));
 }
 
 #[test]
-fn imports_are_found_in_every_spelling() {
-    assert_eq!(imports("use crate::plan::Route;"), ["plan"]);
+fn files_of_one_folder_import_each_other_in_no_circle() {
+    let graph = imports(&source_files());
+    let is_kin = |a: &[String], b: &[String]| a.starts_with(b) || b.starts_with(a);
+    let edges: BTreeMap<&Vec<String>, BTreeSet<&Vec<String>>> = graph
+        .iter()
+        .map(|(from, targets)| {
+            let others = targets
+                .iter()
+                .map(|(_, to)| to)
+                .filter(|to| !is_kin(from, to));
+            (from, others.collect())
+        })
+        .collect();
+    let mut circles = BTreeSet::new();
+    for start in edges.keys() {
+        // Breadth first, so that the circle found is a shortest one.
+        let mut before: BTreeMap<&Vec<String>, &Vec<String>> = BTreeMap::new();
+        let mut queue = std::collections::VecDeque::from([*start]);
+        while let Some(at) = queue.pop_front() {
+            for &to in edges.get(at).into_iter().flatten() {
+                if to == *start {
+                    let mut circle = vec![at.join("/")];
+                    let mut step = at;
+                    while let Some(previous) = before.get(step) {
+                        circle.push(previous.join("/"));
+                        step = previous;
+                    }
+                    circle.sort();
+                    circles.insert(circle.join(" <-> "));
+                    queue.clear();
+                    break;
+                }
+                if to != *start && !before.contains_key(to) {
+                    before.insert(to, at);
+                    queue.push_back(to);
+                }
+            }
+        }
+    }
+    let list: Vec<String> = circles.into_iter().collect();
+    assert!(list.is_empty(), "\n{}", list.join("\n"));
+}
+
+#[test]
+fn no_folder_has_many_files_flat() {
+    let mut flat: BTreeMap<String, usize> = BTreeMap::new();
+    for file in source_files() {
+        let (folder, name) = file.name.rsplit_once('/').unwrap_or(("", &file.name));
+        if !["mod.rs", "lib.rs", "main.rs"].contains(&name) {
+            *flat.entry(folder.to_owned()).or_default() += 1;
+        }
+    }
+    flat.retain(|_, count| *count > MAX_FILES);
+    assert!(flat.is_empty(), "more than {MAX_FILES} files: {flat:?}");
+}
+
+/// Each function of the code: its line, name, arguments and lines.
+fn functions(code: &str) -> Vec<(usize, String, usize, usize)> {
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices("fn ") {
+        if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
+            continue;
+        }
+        let rest = &code[at + 3..];
+        let name: String = rest
+            .chars()
+            .take_while(|c| c.is_alphanumeric() || *c == '_')
+            .collect();
+        if name.is_empty() {
+            continue;
+        }
+        let Some(open) = parenthesis(rest) else {
+            continue;
+        };
+        let close = open + closing(&rest[open..], '(', ')');
+        let count = arguments(&rest[open + 1..close]);
+        let Some(end) = rest[close..].find([';', '{']).map(|end| close + end) else {
+            continue;
+        };
+        if rest[end..].starts_with(';') {
+            continue;
+        }
+        let length = end + closing(&rest[end..], '{', '}');
+        let lines = rest[..length].matches('\n').count() + 1;
+        found.push((code[..at].matches('\n').count() + 1, name, count, lines));
+    }
+    found
+}
+
+/// Where the list of arguments opens: the first parenthesis outside of generics.
+fn parenthesis(text: &str) -> Option<usize> {
+    let mut depth = 0;
+    for (at, c) in text.char_indices() {
+        match c {
+            '<' => depth += 1,
+            '>' if !text[..at].ends_with('-') => depth -= 1,
+            '(' if depth == 0 => return Some(at),
+            '{' | ';' => return None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Where what opens at the first character closes.
+fn closing(text: &str, open: char, close: char) -> usize {
+    let mut depth = 0;
+    for (at, c) in text.char_indices() {
+        if c == open {
+            depth += 1;
+        } else if c == close {
+            depth -= 1;
+            if depth == 0 {
+                return at;
+            }
+        }
+    }
+    text.len()
+}
+
+/// How many arguments a list has, `self` apart, members of a tuple each.
+fn arguments(list: &str) -> usize {
+    let of = |argument: &&str| match argument.trim().split_once(':') {
+        Some((_, kind)) if kind.trim().starts_with('(') => {
+            let inside = kind.trim().trim_start_matches('(').trim_end_matches(')');
+            members(inside).len()
+        }
+        Some(_) => 1,
+        None => 0,
+    };
+    members(list).iter().map(of).sum()
+}
+
+/// What stands between the commas of a list, brackets left whole.
+fn members(list: &str) -> Vec<&str> {
+    let mut all = Vec::new();
+    let (mut depth, mut from) = (0, 0);
+    for (at, c) in list.char_indices() {
+        match c {
+            '(' | '[' | '<' | '{' => depth += 1,
+            '>' if list[..at].ends_with('-') => {}
+            ')' | ']' | '}' | '>' => depth -= 1,
+            ',' if depth == 0 => {
+                all.push(&list[from..at]);
+                from = at + 1;
+            }
+            _ => {}
+        }
+    }
+    all.push(&list[from..]);
+    all.retain(|member| !member.trim().is_empty());
+    all
+}
+
+#[test]
+fn no_function_is_long_or_takes_many_arguments() {
+    let mut large = Vec::new();
+    let mut seen = 0;
+    for file in source_files() {
+        if file.name.ends_with("tests.rs") {
+            continue;
+        }
+        for (line, name, arguments, lines) in functions(&file.product_code()) {
+            seen += 1;
+            if lines > MAX_LINES || arguments > MAX_ARGUMENTS {
+                large.push(format!(
+                    "{}:{line}: {name}: {lines} lines, {arguments} arguments",
+                    file.name
+                ));
+            }
+        }
+    }
+    assert!(seen > 2000, "only {seen} functions were looked at");
+    assert!(large.is_empty(), "\n{}", large.join("\n"));
+}
+
+#[test]
+fn imports_and_functions_are_found_in_every_spelling() {
+    let of = |code: &str| -> Vec<String> {
+        paths(code)
+            .into_iter()
+            .map(|(_, path)| path.join("::"))
+            .collect()
+    };
+    assert_eq!(of("use crate::plan::Route;"), ["crate::plan::Route"]);
     assert_eq!(
-        imports("use crate::{plan, cost::Terms};"),
-        ["plan", "cost", ""]
+        of("pub use crate::{plan, cost::{Terms, self as c}};"),
+        ["crate::plan", "crate::cost::Terms", "crate::cost::self"]
     );
     assert_eq!(
-        imports("let a = crate::link::f(crate::spec::g());"),
-        ["link", "spec"]
+        of("let a = crate::link::f(super::spec::g());"),
+        ["crate::link::f", "super::spec::g"]
     );
+    let code = "fn a<F: Fn(u8) -> u8>(&self, x: (f64, Option<u8>), f: F) -> u8 {\n\n}\nfn b();";
+    assert_eq!(functions(code), [(1, "a".to_owned(), 3, 3)]);
 }

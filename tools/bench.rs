@@ -44,12 +44,15 @@ fn measure() -> Result<(), Box<dyn Error>> {
     let of = speed(0.3)?;
     writeln!(out, "{} ({}), a second:", of.cpu, of.dispatch)?;
     for (what, rate) in [
-        ("costs, local", of.fast_one_thread),
-        ("costs, global", of.fast_global_one_thread),
+        ("costs, local", of.rates.fast_one_thread),
+        ("costs, global", of.rates.fast_global_one_thread),
         ("costs, all threads", of.fast_all_threads),
-        ("costs, cutoff", of.fast_cutoff_one_thread),
-        ("costs, two earlier vehicles", of.fast_traffic_one_thread),
-        ("costs, plain reference", of.reference_one_thread),
+        ("costs, cutoff", of.fast_pruned_one_thread),
+        (
+            "costs, two earlier vehicles",
+            of.rates.fast_traffic_one_thread,
+        ),
+        ("costs, plain reference", of.rates.reference_one_thread),
         ("paper's costs, local", of.paper.fast_one_thread),
         (
             "paper's costs, plain reference",

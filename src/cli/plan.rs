@@ -23,7 +23,7 @@ use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::report::{infeasibilities, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
-use crate::verify::{Margin, Review};
+use crate::verify::{Margin, Review, Topic};
 use crate::world::{self, World};
 
 /// Vehicles that the table lists: of a larger fleet, those with the tightest margins.
@@ -242,9 +242,9 @@ fn print_fleet(
             format!("{:.1} km", plan.length_m() / 1000.0),
             table::clock(plan.duration_s()),
             items.map_or("-".to_owned(), |items| items.to_string()),
-            table::tightest(review, id, is_clearance),
-            table::tightest(review, id, is_of_a_place),
-            table::tightest(review, id, is_separation),
+            table::tightest(review, id, &[Topic::Clearance]),
+            table::tightest(review, id, &[Topic::Threat, Topic::Zone]),
+            table::tightest(review, id, &[Topic::Separation]),
             on_board(review.accepts(id), report),
         ]);
     }
@@ -259,16 +259,12 @@ fn print_fleet(
     Ok(())
 }
 
-fn is_clearance(what: &str) -> bool {
-    what == "terrain clearance"
-}
-
-fn is_of_a_place(what: &str) -> bool {
-    what.starts_with("threat ") || what.starts_with("zone ")
-}
-
-fn is_separation(what: &str) -> bool {
-    what == "separation"
+/// Whether the table of the fleet has a column for a topic.
+fn has_column(topic: Topic) -> bool {
+    match topic {
+        Topic::Clearance | Topic::Threat | Topic::Zone | Topic::Separation => true,
+        Topic::Other => false,
+    }
 }
 
 /// The vehicles of the table: all, in order of priority, or of a large fleet those that are
@@ -281,8 +277,7 @@ fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
     let ids = spec.vehicles.iter().map(|vehicle| vehicle.id.as_str());
     let mut indices: BTreeMap<&str, usize> = ids.zip(0..).collect();
     let mut shown = Vec::new();
-    let columns = [is_clearance, is_of_a_place, is_separation];
-    let counts = |margin: &&Margin| !margin.ok || columns.iter().any(|is| is(&margin.what));
+    let counts = |margin: &&Margin| !margin.ok || has_column(margin.limit.topic());
     for margin in worst_first(review).into_iter().filter(counts) {
         for id in std::iter::once(&margin.vehicle).chain(&margin.other) {
             if margin.ok && shown.len() >= MAX_LISTED {

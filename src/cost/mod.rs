@@ -23,11 +23,14 @@ pub use model::CostModel;
 pub use paper::{PaperOptions, ThreatForm};
 pub use relief::Relief;
 
+use serde::{Deserialize, Serialize};
+
 use crate::geodesy::PlanPoint;
 use crate::spec::Separation;
 
 /// The terms of the objective as they enter the total (design: they sum to it).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CostTerms {
     /// JL, Eq. 22.
     pub length: f64,

@@ -8,7 +8,7 @@ use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::MissionSpec;
-use crate::verify::{self, Margin, Review};
+use crate::verify::{self, Limit, Margin, Review};
 use crate::world::World;
 
 use tighten::Strictness;
@@ -26,7 +26,7 @@ pub struct Dispatched {
     pub rounds: usize,
 }
 
-/// What is being done, for whoever watches.
+/// The stage of a dispatch, for progress reports.
 #[derive(Clone, Copy, Debug)]
 pub enum Stage {
     /// Searching, in this round (from 1).
@@ -35,17 +35,17 @@ pub enum Stage {
     Verifying(usize),
 }
 
-/// Rounds of planning that every fleet has. What a few stricter rounds cannot mend is a
-/// conflict in the spec, and an operator wants to hear of it soon.
+/// Rounds of planning that every fleet has. A violation that remains after them is a conflict in
+/// the spec, and the operator should see it soon.
 const ROUNDS: usize = 5;
-/// Most rounds while each leaves fewer failures than all before: in a large fleet one that
-/// gives way to a mended vehicle may fail for the first time in a late round.
-const MOST_ROUNDS: usize = 12;
+/// Most rounds, as long as each has fewer violations than all before. In a large fleet a vehicle
+/// that gives way to a repaired one may fail for the first time in a late round.
+const MAX_ROUNDS: usize = 12;
 
-/// Plans the fleet, and plans again what fails, with stricter margins where it failed.
+/// Plans the fleet, and plans again the vehicles that fail, with stricter margins.
 ///
-/// An infeasible mission is not an error: the review of the best round (the one
-/// with the fewest failures, the earliest of them) says what is violated.
+/// An infeasible mission is not an error: the review names the violated limits. It is that of the
+/// best round, the earliest of those with the fewest violations.
 #[must_use]
 pub fn dispatch(
     spec: &MissionSpec,
@@ -80,9 +80,9 @@ pub fn dispatch(
     };
     let mut latest = judge(1, plan_again(1, &strictness, None));
     let mut best = latest.clone();
-    let mut mends = true;
-    for round in 2..=MOST_ROUNDS {
-        if latest.review.passes() || round > ROUNDS && !mends {
+    let mut improves = true;
+    for round in 2..=MAX_ROUNDS {
+        if latest.review.passes() || round > ROUNDS && !improves {
             break;
         }
         let again = strictness.tighten(spec, world, &latest.plan, &latest.review);
@@ -93,13 +93,27 @@ pub fn dispatch(
             round,
             plan_again(round, &strictness, Some((&latest.plan, &again))),
         );
-        mends = failures(&latest) < failures(&best);
-        if mends {
+        improves = failures(&latest) < failures(&best);
+        if improves {
             best = latest.clone();
         }
         best.rounds = round;
     }
     if !best.review.passes() {
+        best.add_blockers(spec, world, seed, strictness);
+    }
+    best
+}
+
+impl Dispatched {
+    /// Adds a margin for every vehicle without a path, if other vehicles are the reason.
+    fn add_blockers(
+        &mut self,
+        spec: &MissionSpec,
+        world: &World,
+        seed: u64,
+        strictness: Strictness,
+    ) {
         let request = Request {
             seed,
             margins: strictness.margins,
@@ -107,15 +121,7 @@ pub fn dispatch(
             progress: &|_| (),
         };
         let at_first = Strictness::first(spec).margins;
-        best.plan.name_blockers(spec, world, &request, &at_first);
-        best.tell_blockers(spec);
-    }
-    best
-}
-
-impl Dispatched {
-    /// The verdict says of a vehicle that fails whether others are the reason.
-    fn tell_blockers(&mut self, spec: &MissionSpec) {
+        self.plan.name_blockers(spec, world, &request, &at_first);
         for (vehicle, plan) in spec.vehicles.iter().zip(&self.plan.vehicles) {
             let others = plan.blocked_by.iter();
             let others = others.filter_map(|&other| spec.vehicles.get(other));
@@ -127,7 +133,7 @@ impl Dispatched {
                 "no path was found that keeps every limit; in its way: {}",
                 others.join(", ")
             );
-            let margin = Margin::unjudged(&vehicle.id, "path", why);
+            let margin = Margin::unjudged(&vehicle.id, Limit::Path, why);
             self.review.margins.push(margin);
         }
     }
@@ -142,8 +148,8 @@ fn failures(dispatched: &Dispatched) -> usize {
         .count()
 }
 
-/// Encodes every vehicle's routes and judges what was encoded. A mission that
-/// cannot be encoded is missing from the list, and the review says why.
+/// Encodes the routes of every vehicle and judges the missions. A mission that cannot be encoded
+/// is absent from the list, and the review gives the reason.
 fn encode_and_verify(
     spec: &MissionSpec,
     world: &World,
@@ -162,11 +168,10 @@ fn encode_and_verify(
     for (index, encoded) in encoded.into_iter().enumerate() {
         match encoded {
             Ok(mission) => missions.push((index, mission)),
-            Err(error) => problems.push(Margin::unjudged(
-                &spec.vehicles[index].id,
-                "encoding",
-                error.to_string(),
-            )),
+            Err(error) => {
+                let id = &spec.vehicles[index].id;
+                problems.push(Margin::unjudged(id, Limit::Encoding, error.to_string()));
+            }
         }
     }
     let judged: Vec<(usize, &VehicleMission)> = missions
@@ -174,10 +179,10 @@ fn encode_and_verify(
         .map(|(index, mission)| (*index, mission))
         .collect();
     let mut review = verify::review(spec, world, &judged);
-    // Why a mission is missing says that it is.
+    // The encoding error replaces "mission missing".
     let is_known = |margin: &Margin| {
         let mut known = problems.iter();
-        margin.what == "mission" && known.any(|problem| problem.vehicle == margin.vehicle)
+        margin.limit == Limit::Mission && known.any(|problem| problem.vehicle == margin.vehicle)
     };
     review.margins.retain(|margin| !is_known(margin));
     review.margins.extend(problems);

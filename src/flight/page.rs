@@ -6,7 +6,7 @@ use super::record::{Flight, Record};
 use crate::mission::VehicleMission;
 use crate::report::{self, FlownError, FlownFacts, ReviewInput};
 use crate::spec::MissionSpec;
-use crate::verify::{Margin, Moment, Review, Track};
+use crate::verify::{Flown, Limit, Margin, Moment, Review, Track};
 use crate::world::{Disc, World};
 
 /// The page of a flight that was judged by its record. Threats that came up on the way
@@ -29,7 +29,10 @@ pub fn flight_page(
     // What was flown has no other departures.
     spec.separation.time_slack_s = 0.0;
     let ended = judged.vehicles.iter().filter(|v| !v.ended_as_planned);
-    let ended = ended.map(|v| Margin::unjudged(&v.vehicle, "end of the flight", v.end.clone()));
+    let ended = ended.map(|v| {
+        let limit = Limit::Flown(Flown::End);
+        Margin::unjudged(&v.vehicle, limit, v.end.clone())
+    });
     let review = Review {
         margins: judged.margins.iter().cloned().chain(ended).collect(),
         tracks: record.flights.iter().map(track).collect(),

@@ -162,8 +162,8 @@ fn key(at: Location, spacing_m: u16) -> Option<Key> {
 
 /// A block, and how many of its patches lack a height of the area.
 ///
-/// Each height is that of the place for which the vehicle reads it: the one so many
-/// metres from the corner of the *square* by its arithmetic. Counted from the corner of
+/// Each height is that of the place for which the vehicle reads it: its
+/// distance in metres from the corner of the *square* by the vehicle's arithmetic. Counted from the corner of
 /// the block, as ground stations do, it would be up to 40 m away at 60 degrees north.
 fn block(terrain: &Terrain, area: &Area, key: Key, spacing_m: u16) -> ([u8; BLOCK_BYTES], usize) {
     let square = corner_of(key.lat_deg, key.lon_deg);
@@ -220,8 +220,8 @@ pub struct Hidden {
     pub height_m: f64,
 }
 
-/// Most places that [`hidden`] looks at.
-const MOST_PLACES: usize = 1 << 20;
+/// Most posts that [`hidden`] compares.
+const MAX_POINTS: usize = 1 << 20;
 
 /// The worst that lies between the heights of a database: at the posts of the elevation
 /// file within the area (evenly thinned if there are more than a million), by how much
@@ -245,13 +245,13 @@ pub fn hidden(terrain: &Terrain, area: &Area, spacing_m: u16) -> Option<Hidden> 
             inside(west, grid.column_lon_deg(*column), east)
         })
         .collect();
-    let step = (rows.len() * columns.len()).div_ceil(MOST_PLACES).max(1);
-    let places = rows
+    let step = (rows.len() * columns.len()).div_ceil(MAX_POINTS).max(1);
+    let posts = rows
         .iter()
         .flat_map(|row| columns.iter().map(move |column| (*row, *column)))
         .step_by(step);
     let mut worst: Option<Hidden> = None;
-    for (row, column) in places {
+    for (row, column) in posts {
         let place = LatLon {
             lat_deg: grid.row_lat_deg(row),
             lon_deg: grid.column_lon_deg(column),

@@ -1,12 +1,14 @@
-//! What a mission file says, whatever its format.
+//! The content of a mission file of any format.
 
 use std::fmt;
 
 use super::FormatError;
-use crate::mission::{Home, Item, VehicleMission, command};
+use crate::geodesy::LatLon;
+use crate::mission::{Home, Item, VehicleMission, command, frame, home_at};
 use crate::spec::{Airframe, Autopilot};
+use crate::world::Terrain;
 
-/// What a mission file says.
+/// The content of a mission file.
 ///
 /// Targets of DO_JUMP are rows as in a `.waypoints` file (home is 0), whatever the
 /// autopilot counts.
@@ -14,11 +16,14 @@ use crate::spec::{Airframe, Autopilot};
 pub struct Document {
     /// Where the vehicle stands, if the file says so.
     pub home: Option<Home>,
+    /// Where the vehicle stands, if the file gives the place without an altitude above
+    /// mean sea level; [`Document::home`] is `None` then. See [`Document::home_on`].
+    pub home_place: Option<LatLon>,
     /// Mission items; home is not among them.
     pub items: Vec<Item>,
     /// Fence items.
     pub fence: Vec<Item>,
-    /// Whether the format can hold a fence, so that none means none.
+    /// Whether the format can hold a fence, so that an empty list means "no fence".
     pub is_fence_known: bool,
     /// Rally items.
     pub rally: Vec<Item>,
@@ -26,41 +31,42 @@ pub struct Document {
     pub autopilot: Option<Autopilot>,
     /// For what kind of airframe, if the file says so.
     pub airframe: Option<Airframe>,
-    /// What the file holds beside what is flown, which no conversion keeps.
-    pub beside: Vec<String>,
-    /// What was read although the format does not allow it.
+    /// Content that is not flown and that no conversion carries over, such as the drawing
+    /// of a survey.
+    pub dropped: Vec<String>,
+    /// Deviations from the format that the reader resolved.
     pub repairs: Vec<Repair>,
 }
 
-/// Something a reader understood although the format does not allow it.
+/// A deviation from the format, and how the reader resolved it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Repair {
     /// Where.
-    pub at: Spot,
-    /// What was understood as what.
+    pub at: SourceLocation,
+    /// What was found, and what it was taken as.
     pub what: String,
 }
 
-/// A place in a file.
+/// A location in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Spot {
-    /// Of a text.
+pub enum SourceLocation {
+    /// In a text.
     Text {
         /// Line, from 1.
         line: usize,
         /// Column in characters, from 1.
         column: usize,
     },
-    /// Of a JSON document: a path such as `mission.items[2].params[4]`; empty for the whole.
+    /// Path in a JSON document, such as `mission.items[2].params[4]`; empty for the whole.
     Json(String),
 }
 
 impl fmt::Display for Repair {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.at {
-            Spot::Text { line, column } => write!(f, "line {line}, column {column}: ")?,
-            Spot::Json(path) if path.is_empty() => {}
-            Spot::Json(path) => write!(f, "{path}: ")?,
+            SourceLocation::Text { line, column } => write!(f, "line {line}, column {column}: ")?,
+            SourceLocation::Json(path) if path.is_empty() => {}
+            SourceLocation::Json(path) => write!(f, "{path}: ")?,
         }
         f.write_str(&self.what)
     }
@@ -69,13 +75,13 @@ impl fmt::Display for Repair {
 impl Document {
     /// The mission of one vehicle.
     ///
-    /// Files have no parameters, so [`VehicleMission::params`] is empty. Repairs
+    /// Mission files hold no parameters, so [`VehicleMission::params`] is empty. Repairs
     /// become notes.
     ///
     /// # Errors
-    /// [`FormatError::NoHome`] without a home: set [`Document::home`] first if it is
-    /// known from elsewhere. [`FormatError::OtherAutopilot`] when the file was made
-    /// for another one: set [`Document::autopilot`] to `None` to convert it.
+    /// [`FormatError::NoHome`] without a home; set [`Document::home`] first if it is
+    /// known from elsewhere. [`FormatError::OtherAutopilot`] for a file made for another
+    /// autopilot; set [`Document::autopilot`] to `None` to convert it.
     pub fn into_mission(
         self,
         autopilot: Autopilot,
@@ -114,7 +120,15 @@ impl Document {
         })
     }
 
-    /// Whether it is a fence or rally points and no mission.
+    /// Home at [`Document::home_place`], with the altitude of the ground there; `None`
+    /// without a place, and where the terrain has no data.
+    #[must_use]
+    pub fn home_on(&self, terrain: &Terrain) -> Option<Home> {
+        let place = self.home_place?;
+        Some(home_at(place, terrain.height(place).ok()?))
+    }
+
+    /// Whether the file holds a fence or rally points and no mission.
     #[must_use]
     pub fn is_list(&self) -> bool {
         let lists = !self.fence.is_empty() || !self.rally.is_empty();
@@ -131,6 +145,28 @@ impl Document {
     }
 }
 
+/// A fence or rally item at a place in 1e-7 degrees, without an altitude.
+pub(super) fn point_item(command: u16, param1: f32, (x, y): (i32, i32)) -> Item {
+    Item {
+        command,
+        frame: frame::GLOBAL,
+        autocontinue: false,
+        params: [param1, 0.0, 0.0, 0.0],
+        x,
+        y,
+        z: 0.0,
+    }
+}
+
+/// A fence or rally item at an altitude above home.
+pub(super) fn raised_item(command: u16, at: (i32, i32), above_home_m: f32) -> Item {
+    Item {
+        frame: frame::GLOBAL_RELATIVE_ALT,
+        z: above_home_m,
+        ..point_item(command, 0.0, at)
+    }
+}
+
 /// The items of a mission with targets of DO_JUMP as rows (home is 0).
 pub(super) fn rows(mission: &VehicleMission) -> impl Iterator<Item = Item> + '_ {
     let shift = row_shift(mission.autopilot);
@@ -140,7 +176,7 @@ pub(super) fn rows(mission: &VehicleMission) -> impl Iterator<Item = Item> + '_ 
         .map(move |&item| shift_jump(item, shift))
 }
 
-/// How much a row is above the number that the autopilot gives an item.
+/// Rows minus item numbers: PX4 counts its items from 0, without home.
 fn row_shift(autopilot: Autopilot) -> f32 {
     match autopilot {
         Autopilot::ArduPilot => 0.0,

@@ -5,7 +5,7 @@ use crate::spec::Autopilot;
 /// Why a file cannot be read, or cannot become a mission.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum FormatError {
-    /// A place in a text file.
+    /// At a location in a text file.
     #[error("line {line}, column {column}: {found} (allowed: {allowed})")]
     Text {
         /// Line, from 1.
@@ -17,7 +17,7 @@ pub enum FormatError {
         /// What is allowed.
         allowed: String,
     },
-    /// A place in a JSON document.
+    /// At a path in a JSON document.
     #[error("{at}: {found} (allowed: {allowed})")]
     Json {
         /// Path, such as `mission.items[2].params[4]`; items count from 0 here.
@@ -29,7 +29,7 @@ pub enum FormatError {
         /// What is allowed.
         allowed: String,
     },
-    /// The file does not say where home is, so altitudes above home mean nothing.
+    /// The file has no home position, so altitudes above home mean nothing.
     #[error("the file has no home position")]
     NoHome,
     /// The file was made for another autopilot.

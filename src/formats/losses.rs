@@ -1,4 +1,4 @@
-//! What a format cannot keep, in one place.
+//! Content that a format cannot hold.
 
 use crate::mission::{Item, VehicleMission, frame};
 
@@ -11,7 +11,7 @@ pub enum Format {
     Plan,
 }
 
-/// What a file of this format never tells, for whoever judges it alone.
+/// Content that a file of this format never holds, as a note for reviews.
 #[must_use]
 pub fn known_losses(format: Format) -> &'static str {
     match format {
@@ -22,44 +22,44 @@ pub fn known_losses(format: Format) -> &'static str {
     }
 }
 
-/// What is lost when a mission is written in a format, one sentence each; empty
-/// when everything comes back.
+/// Content lost when a mission is written in a format, one sentence each; empty when
+/// everything reads back.
 ///
 /// | | `.waypoints` | `.plan` |
 /// |---|---|---|
-/// | NaN ("the vehicle's default") | written as 0 | kept as `null` |
-/// | other numbers beside finite ones | written as 0 | written as `null` |
-/// | fence, rally | no place | kept |
+/// | NaN ("the vehicle's default") | written as 0 | written as `null` |
+/// | infinite numbers | written as 0 | written as `null` |
+/// | fence, rally | not written | written |
 /// | order of a fence | - | return point, polygons, circles |
 /// | `param2` to `param4`, altitude, frame, autocontinue of a fence item | - | dropped |
 /// | `param1` to `param4`, autocontinue of a rally point | - | dropped |
-/// | autopilot, airframe | dropped | kept |
+/// | autopilot, airframe | dropped | written |
 /// | parameters, notes | dropped | dropped |
 #[must_use]
 pub fn losses(mission: &VehicleMission, format: Format) -> Vec<String> {
-    let mut told = Vec::new();
+    let mut lost = Vec::new();
     match format {
         Format::Waypoints => {
             let numbers = |item: &Item| item.params.iter().chain([&item.z]).all(|v| v.is_finite());
-            let lost = mission.items.iter().filter(|item| !numbers(item)).count();
-            if lost > 0 {
-                told.push(format!(
-                    "NaN (\"the vehicle's default\") is written as 0 in {lost} items"
+            let open = mission.items.iter().filter(|item| !numbers(item)).count();
+            if open > 0 {
+                lost.push(format!(
+                    "NaN (\"the vehicle's default\") is written as 0 in {open} items"
                 ));
             }
             if !mission.fence.is_empty() {
-                told.push(format!(
+                lost.push(format!(
                     "the fence ({} items) is not in it",
                     mission.fence.len()
                 ));
             }
             if !mission.rally.is_empty() {
-                told.push(format!(
+                lost.push(format!(
                     "{} rally points are not in it",
                     mission.rally.len()
                 ));
             }
-            told.push("it does not say for which autopilot it is".to_owned());
+            lost.push("it does not say for which autopilot it is".to_owned());
         }
         Format::Plan => {
             if mission
@@ -67,7 +67,7 @@ pub fn losses(mission: &VehicleMission, format: Format) -> Vec<String> {
                 .iter()
                 .any(|item| item.params.iter().chain([&item.z]).any(|v| v.is_infinite()))
             {
-                told.push("infinite numbers are written as null".to_owned());
+                lost.push("infinite numbers are written as null".to_owned());
             }
             let plain = |item: &Item| {
                 item.params[1..]
@@ -75,17 +75,17 @@ pub fn losses(mission: &VehicleMission, format: Format) -> Vec<String> {
                     .chain([&item.z])
                     .all(|v| v.to_bits() == 0)
             };
-            let places =
-                |item: &Item, expected| item.frame == expected && plain(item) && !item.autocontinue;
-            if !mission.fence.iter().all(|item| places(item, frame::GLOBAL)) {
-                told.push(
+            let is_written =
+                |item: &Item| item.frame == frame::GLOBAL && plain(item) && !item.autocontinue;
+            if !mission.fence.iter().all(is_written) {
+                lost.push(
                     "frame, altitude and param2 to param4 of fence items are dropped".to_owned(),
                 );
             }
         }
     }
     if !mission.params.is_empty() {
-        told.push("parameters are not in it".to_owned());
+        lost.push("parameters are not in it".to_owned());
     }
-    told
+    lost
 }

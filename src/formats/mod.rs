@@ -1,12 +1,13 @@
 //! Files: written, and read back exactly.
 //!
-//! [`waypoints`] and [`plan`] hold missions and are read as well as written; what
-//! each of them cannot keep is told by [`losses`]. Fence and rally [`lists`] are read
-//! only; [`read`] reads any of them, whatever the name of the file. [`params`],
-//! [`kml`] and [`geojson`] are maps for others to read, of a fleet and of one [`Drawing`].
+//! [`waypoints`] and [`plan`] hold missions and are both read and written; [`losses`]
+//! names what each of them cannot hold. Fence and rally [`lists`] are only read.
+//! [`read`] detects the format from the content, not from the name of the file.
+//! [`kml`] and [`geojson`] are maps of a fleet or of one [`Drawing`], for other programs;
+//! [`params`] are parameter files and [`dat`] ArduPilot's terrain database.
 
-mod any;
 pub mod dat;
+mod detect;
 mod document;
 mod error;
 pub mod lists;
@@ -17,8 +18,8 @@ pub mod plan;
 mod text;
 pub mod waypoints;
 
-pub use any::{Kind, read};
-pub use document::{Document, Repair, Spot};
+pub use detect::{Kind, read};
+pub use document::{Document, Repair, SourceLocation};
 pub use error::FormatError;
 pub use losses::{Format, known_losses, losses};
 pub use maps::drawing::Drawing;

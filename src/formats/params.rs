@@ -3,7 +3,7 @@
 use crate::mission::{Parameter, VehicleMission};
 use crate::spec::Autopilot;
 
-/// The parameters that the verdict assumes.
+/// The parameters that the verdict assumes, as text.
 ///
 /// ArduPilot: `NAME,VALUE` lines with `#` comments. PX4: QGroundControl's table of
 /// vehicle, component, name, value and `MAV_PARAM_TYPE` (6 int32, 9 float).
@@ -35,14 +35,14 @@ pub fn write(mission: &VehicleMission) -> String {
 pub struct ParamsError {
     /// From 1.
     pub line: usize,
-    /// What stands there.
+    /// The line, cut to 80 characters.
     pub text: String,
 }
 
-/// Reads either of the two forms; the comment before a parameter is why it matters.
+/// Reads either form; the comment before a parameter becomes [`Parameter::why`].
 ///
 /// # Errors
-/// The first line that is of no known form.
+/// The first line of neither form.
 pub fn read(text: &str) -> Result<Vec<Parameter>, ParamsError> {
     let mut params = Vec::new();
     let mut why = "";

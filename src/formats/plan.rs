@@ -1,8 +1,8 @@
 //! QGroundControl's `.plan`: JSON with mission, fence and rally points.
 
-mod beside;
+mod dropped;
 mod read;
-mod unambiguous;
+mod unique_keys;
 mod write;
 
 pub use read::read;
@@ -33,8 +33,8 @@ mod altitude_mode {
     pub(super) const RELATIVE: u64 = 1;
     /// Above mean sea level, frame 0.
     pub(super) const ABSOLUTE: u64 = 2;
-    /// Above terrain as the ground station knows it; flown as frame 0.
+    /// Above the ground station's terrain; flown as frame 0.
     pub(super) const CALCULATED: u64 = 3;
-    /// Above terrain as the vehicle knows it, frame 10.
+    /// Above the vehicle's terrain, frame 10.
     pub(super) const TERRAIN: u64 = 4;
 }

@@ -1,8 +1,8 @@
 //! `QGC WPL 110`: twelve columns of text, degrees, row 0 is home.
 //!
-//! Written as every reader takes it: LF, TAB, exact 1e-7 degrees, no exponents,
-//! no NaN. Read as it is found: other separators, line ends, comments, and the
-//! header 120, which has no home row.
+//! The writer uses the form that every reader accepts: LF, TAB, exact 1e-7 degrees, no
+//! exponents, no NaN. The reader also accepts other separators, line ends, comments, and
+//! the header 120, which has no home row.
 
 mod read;
 
@@ -12,7 +12,7 @@ use crate::mission::{Item, VehicleMission, command, frame};
 
 pub use read::read;
 
-/// The mission as text; fence, rally and parameters have other files.
+/// The mission as text, without fence, rally points and parameters.
 ///
 /// A NaN is written as 0, because readers differ in whether they take "nan"
 /// ([`super::losses`]).
@@ -34,7 +34,7 @@ pub fn write(mission: &VehicleMission) -> String {
     text
 }
 
-/// A fence or rally points alone, as MAVProxy keeps them: rows from 0 and no home.
+/// A fence or rally points alone, as MAVProxy stores them: rows from 0, no home row.
 #[must_use]
 pub fn write_list(items: &[Item]) -> String {
     let mut text = String::from("QGC WPL 110\n");

@@ -1,29 +1,26 @@
-//! Transfers to many vehicles at once: a thread for each link, any number of
-//! vehicles on each, told apart by system id.
+//! Transfers to many vehicles at once: a thread for each link, any number of vehicles on
+//! each, distinguished by system id.
 
 use std::collections::BTreeMap;
 use std::io;
 use std::net::SocketAddr;
 
 use super::codec::Version;
-use super::io::radio::{Heard, Radio};
+use super::ground_station::{address, free_address};
+use super::io::radio::{Radio, Received};
 use super::io::tlog::Tlog;
 use super::message::List;
 use super::message::{Address, Message};
 use super::time::Time;
 use super::transfer::onboard::{Onboard, Reading};
+use super::transfer::order::Order;
 use super::transfer::report::{Failure, TransferReport, Verdict};
-use super::transfer::session::{Order, Progress, Session};
+use super::transfer::session::{Progress, Session};
 use crate::mission::VehicleMission;
 use crate::spec::Link;
 
-/// Our system id, if no vehicle has it. Not 255, which other ground stations use:
-/// answers to them must not be taken for answers to us.
-const GROUND_STATION: u8 = 245;
-/// Our component id, `MAV_COMP_ID_MISSIONPLANNER`.
-const COMPONENT: u8 = 190;
-
-/// Two vehicles that speak once a second are both heard, and the first of them again, within this.
+/// Within this time two vehicles that speak once a second are both heard, and the first
+/// of them again, milliseconds.
 const WATCH_MS: u64 = 2200;
 
 /// One vehicle's transfer.
@@ -35,15 +32,15 @@ pub struct Job<'a> {
     pub sysid: u8,
     /// How it is reached. [`Link::Sim`] must have been replaced by the address of a running vehicle.
     pub link: &'a Link,
-    /// What it shall hold.
+    /// The mission to transfer.
     pub mission: &'a VehicleMission,
     /// Whether refusals (armed, another vehicle than in the spec) are overridden.
     pub force: bool,
 }
 
 /// Transfers all missions at once, reads them back and compares. The reports come
-/// in the order of the jobs. `progress` is told the vehicle's id and where it is,
-/// from several threads, whenever that changes.
+/// in the order of the jobs. `progress` gets the vehicle's id and its progress, from
+/// several threads, at every change.
 #[must_use]
 pub fn upload_fleet(
     jobs: &[Job<'_>],
@@ -67,7 +64,7 @@ pub fn upload_fleet_captured(
     let us = |of_link: &[Job<'_>]| {
         // A fleet that has every system id leaves one free on each link.
         let own: Vec<u8> = of_link.iter().map(|job| job.sysid).collect();
-        free_system(&all).map_or_else(|| ground_station(&own), address)
+        free_address(&all).unwrap_or_else(|| address(&own))
     };
     let mut reports: Vec<(usize, TransferReport)> = std::thread::scope(|scope| {
         let threads: Vec<_> = links
@@ -93,16 +90,16 @@ pub fn upload_fleet_captured(
 }
 
 /// Reads everything that one vehicle holds. Without a system id it must be the only
-/// one on the link. `progress` is told the list at work and how many of its items came.
+/// one on the link. `progress` gets the current list and the number of items read.
 ///
 /// # Errors
-/// When the vehicle is not there, or does not give one of its lists.
+/// When the vehicle does not speak, or does not give one of its lists.
 pub fn download(
     link: &Link,
     sysid: Option<u8>,
     progress: &dyn Fn(List, usize),
 ) -> Result<Onboard, Failure> {
-    let us = ground_station(sysid.as_slice());
+    let us = address(sysid.as_slice());
     let failure = |error: io::Error| Failure::Link {
         link: link.to_string(),
         error: error.to_string(),
@@ -127,34 +124,17 @@ pub fn download(
             return outcome.clone();
         }
         let due = reading.poll_timeout().unwrap_or_default();
-        for heard in radio.receive(due).map_err(failure)? {
-            match heard {
-                Heard::Message(from, _, message) => {
+        for received in radio.receive(due).map_err(failure)? {
+            match received {
+                Received::Message(from, _, message) => {
                     reading.handle(radio.now(), from, &message);
                 }
-                Heard::Twins(sysid, at) if sysid == system => {
-                    reading.abort(Failure::Twins { sysid, at });
+                Received::DuplicateSystem(sysid, at) if sysid == system => {
+                    reading.abort(Failure::DuplicateSystem { sysid, at });
                 }
-                Heard::Twins(..) => {}
+                Received::DuplicateSystem(..) => {}
             }
         }
-    }
-}
-
-/// Our address, with a system id that no vehicle has.
-pub(super) fn ground_station(vehicles: &[u8]) -> Address {
-    address(free_system(vehicles).unwrap_or(GROUND_STATION))
-}
-
-fn free_system(vehicles: &[u8]) -> Option<u8> {
-    let mut ours = (1..=GROUND_STATION).rev();
-    ours.find(|system| !vehicles.contains(system))
-}
-
-fn address(system: u8) -> Address {
-    Address {
-        system,
-        component: COMPONENT,
     }
 }
 
@@ -201,8 +181,8 @@ struct Driver<'a> {
     shown: Vec<Option<Progress>>,
     /// When the first message came.
     heard: Option<Time>,
-    /// System ids that spoke from two addresses when all was done.
-    twins: BTreeMap<u8, [SocketAddr; 2]>,
+    /// System ids that spoke from two addresses after the transfers.
+    duplicates: BTreeMap<u8, [SocketAddr; 2]>,
 }
 
 impl<'a> Driver<'a> {
@@ -228,7 +208,7 @@ impl<'a> Driver<'a> {
             jobs: jobs.to_vec(),
             shown: vec![None; jobs.len()],
             heard: None,
-            twins: BTreeMap::new(),
+            duplicates: BTreeMap::new(),
         }
     }
 
@@ -245,14 +225,14 @@ impl<'a> Driver<'a> {
             self.show(progress);
             let due = self.sessions.iter().filter_map(Session::poll_timeout).min();
             let Some(due) = due else { return Ok(()) };
-            for heard in self.radio.receive(due)? {
-                self.handle(heard);
+            for received in self.radio.receive(due)? {
+                self.handle(received);
             }
         }
     }
 
-    /// A transfer may be over before a second vehicle of the same system id has said a word:
-    /// where anyone may speak, all are listened to for as long as they are silent.
+    /// Listens after the transfers on a link where any peer may speak: a transfer may end
+    /// before a second vehicle with the same system id has sent its first heartbeat.
     fn watch(&mut self) -> io::Result<()> {
         let is_loaded =
             |session: &Session<'_>| session.report().is_some_and(TransferReport::is_verified);
@@ -261,46 +241,46 @@ impl<'a> Driver<'a> {
         };
         let until = Time(heard.0 + WATCH_MS);
         while self.sessions.iter().any(is_loaded) && self.radio.now() < until {
-            for heard in self.radio.receive(until)? {
-                if let Heard::Twins(sysid, at) = heard {
-                    self.twins.insert(sysid, at);
+            for received in self.radio.receive(until)? {
+                if let Received::DuplicateSystem(sysid, at) = received {
+                    self.duplicates.insert(sysid, at);
                 }
             }
         }
         Ok(())
     }
 
-    /// What became of every vehicle.
+    /// The report of each vehicle.
     fn reports(&self) -> Vec<TransferReport> {
         let mut reports = Vec::new();
         for (session, job) in self.sessions.iter().zip(&self.jobs) {
             let mut report = session.report().cloned();
-            let twins = self.twins.get(&job.sysid).filter(|_| !job.force);
-            if let (Some(report), Some(&at)) = (&mut report, twins)
+            let duplicates = self.duplicates.get(&job.sysid).filter(|_| !job.force);
+            if let (Some(report), Some(&at)) = (&mut report, duplicates)
                 && report.is_verified()
             {
                 let sysid = job.sysid;
-                report.verdict = Verdict::Failed(Failure::Twins { sysid, at });
+                report.verdict = Verdict::Failed(Failure::DuplicateSystem { sysid, at });
             }
             reports.extend(report);
         }
         reports
     }
 
-    fn handle(&mut self, heard: Heard) {
+    fn handle(&mut self, received: Received) {
         let now = self.radio.now();
         self.heard.get_or_insert(now);
-        match heard {
-            Heard::Message(sender, version, message) => {
+        match received {
+            Received::Message(sender, version, message) => {
                 for session in &mut self.sessions {
                     session.hear_version(now, sender, version);
                     session.handle(now, sender, &message);
                 }
             }
-            Heard::Twins(sysid, at) => {
+            Received::DuplicateSystem(sysid, at) => {
                 for (session, job) in self.sessions.iter_mut().zip(&self.jobs) {
                     if job.sysid == sysid && !job.force {
-                        session.abort(now, Failure::Twins { sysid, at });
+                        session.abort(now, Failure::DuplicateSystem { sysid, at });
                     }
                 }
             }

@@ -1,11 +1,16 @@
 //! Missions to and from vehicles: sans-IO machines, codec, sockets.
 //!
-//! [`Upload`], [`Download`], [`Clear`] and [`Session`] know neither sockets nor
-//! clocks: a driver hands in messages and the time, sends what `poll_transmit`
-//! gives, and comes back at `poll_timeout`. [`upload_fleet`] is that driver.
+//! # Driver contract
+//!
+//! [`Upload`], [`Download`], [`Clear`], [`Session`] and [`Reading`] know neither sockets
+//! nor clocks. A driver passes each message to `handle` of any sender, and calls
+//! `handle_timeout` when `poll_timeout` is due (`None` at the end). After each of these
+//! calls it sends every message that `poll_transmit` returns. [`upload_fleet`] is such a
+//! driver.
 
 mod codec;
 mod fleet;
+mod ground_station;
 mod io;
 mod message;
 mod rtt;
@@ -19,8 +24,9 @@ pub use crate::link::transfer::clear::{Clear, Cleared};
 pub use crate::link::transfer::compare::{Difference, differences};
 pub use crate::link::transfer::download::{Download, DownloadError};
 pub use crate::link::transfer::onboard::{Onboard, Reading};
+pub use crate::link::transfer::order::Order;
 pub use crate::link::transfer::report::{Failure, Refusal, TransferReport, Verdict, hash};
-pub use crate::link::transfer::session::{Order, Progress, Session};
+pub use crate::link::transfer::session::{Progress, Session};
 pub use crate::link::transfer::upload::{Sent, Upload, UploadError};
 pub use codec::{Decoder, Encoder, Version};
 pub use fleet::{Job, download, upload_fleet, upload_fleet_captured};

@@ -345,9 +345,9 @@ fn margin_entry(margin: &Margin) -> MarginEntry {
     MarginEntry {
         vehicle: margin.vehicle.clone(),
         other: margin.other.clone(),
-        what: margin.what.clone(),
-        value: rounded_against(margin.value, margin.limit),
-        limit: rounded(margin.limit, 1e9),
+        what: margin.limit.to_string(),
+        value: rounded_against(margin.value, margin.bound),
+        limit: rounded(margin.bound, 1e9),
         unit: margin.unit,
         at: margin.at.as_ref().map(place),
         ok: margin.ok,

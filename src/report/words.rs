@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::geodesy::LatLon;
-use crate::verify::{Margin, Review, Sense};
+use crate::verify::{Margin, Review, Sense, Topic};
 
 /// The margins of a review, worst first, with how near each is to its limit.
 pub(super) struct Ranked<'a> {
@@ -43,7 +43,7 @@ pub fn worst_first(review: &Review) -> Vec<&Margin> {
 /// (26 of 26 items, 0 of 0 faults) is at its limit without being near anything.
 pub(super) fn measures(margin: &Margin) -> bool {
     let countable = customary(margin.unit).is_none();
-    let full = (margin.value - margin.limit).abs() <= 0.0;
+    let full = (margin.value - margin.bound).abs() <= 0.0;
     !(margin.ok && (countable && full || !margin.value.is_finite()))
 }
 
@@ -61,42 +61,45 @@ fn slack(margin: &Margin) -> f64 {
     if !margin.value.is_finite() {
         return if margin.ok { 1.0 } else { -1.0 };
     }
-    let scale = if margin.limit.abs() > 0.0 && margin.limit.is_finite() {
-        margin.limit.abs()
+    let scale = if margin.bound.abs() > 0.0 && margin.bound.is_finite() {
+        margin.bound.abs()
     } else {
         customary(margin.unit).unwrap_or(1.0)
     };
-    let off = (margin.value - margin.limit).abs() / scale;
+    let off = (margin.value - margin.bound).abs() / scale;
     if margin.ok { off } else { -off }
 }
 
-/// The limits that matter most, by their first word.
-const VITAL: [&str; 5] = ["terrain", "separation", "threat", "zone", "no-fly"];
+/// Where a topic stands among the limits that hold; the most important first.
+fn rank(topic: Topic) -> usize {
+    match topic {
+        Topic::Clearance => 0,
+        Topic::Separation => 1,
+        Topic::Threat => 2,
+        Topic::Zone => 3,
+        Topic::Other => 4,
+    }
+}
 
-/// The worst margins of different kinds: broken ones, then the vital, then others.
+/// The worst margins of different limits: violated ones, then those of topics, then others.
 pub(super) fn most_important<'a, 'r>(
     ranked: &'r [Ranked<'a>],
     count: usize,
 ) -> Vec<&'r Ranked<'a>> {
-    fn kind<'r>(entry: &'r Ranked<'_>) -> &'r str {
-        entry.margin.what.split(' ').next().unwrap_or("")
-    }
-    let broken = ranked.iter().filter(|entry| !entry.margin.ok);
-    let held = || {
-        ranked
-            .iter()
-            .filter(|entry| entry.margin.ok && measures(entry.margin))
-    };
-    let vital = VITAL
+    let violated = ranked.iter().filter(|entry| !entry.margin.ok);
+    let mut held: Vec<_> = ranked
         .iter()
-        .filter_map(|vital| held().find(|entry| kind(entry) == *vital));
-    let mut chosen: Vec<&Ranked<'a>> = Vec::new();
-    for entry in broken.chain(vital).chain(held()) {
-        if chosen.len() < count && chosen.iter().all(|other| kind(other) != kind(entry)) {
-            chosen.push(entry);
+        .filter(|entry| entry.margin.ok && measures(entry.margin))
+        .collect();
+    held.sort_by_key(|entry| rank(entry.margin.limit.topic()));
+    let mut shown: Vec<&Ranked<'a>> = Vec::new();
+    for entry in violated.chain(held) {
+        let limit = &entry.margin.limit;
+        if shown.len() < count && !shown.iter().any(|other| other.margin.limit.is_like(limit)) {
+            shown.push(entry);
         }
     }
-    chosen
+    shown
 }
 
 /// The verdict in one line.
@@ -124,7 +127,7 @@ pub(super) fn who(margin: &Margin) -> String {
 /// The worst value with its unit.
 pub(super) fn value(margin: &Margin) -> String {
     if margin.value.is_finite() {
-        with_unit(&number_against(margin.value, margin.limit), margin.unit)
+        with_unit(&number_against(margin.value, margin.bound), margin.unit)
     } else if margin.ok {
         "–".to_owned()
     } else {
@@ -134,10 +137,10 @@ pub(super) fn value(margin: &Margin) -> String {
 
 /// The limit with its direction and unit.
 pub(super) fn limit(margin: &Margin) -> String {
-    if !margin.limit.is_finite() {
+    if !margin.bound.is_finite() {
         return "–".to_owned();
     }
-    let limit = with_unit(&number(margin.limit, 1), margin.unit);
+    let limit = with_unit(&number(margin.bound, 1), margin.unit);
     if !margin.value.is_finite() {
         limit
     } else if margin.sense == Sense::AtLeast {
@@ -244,16 +247,16 @@ pub(super) fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::{clock, escaped, limit, number, ranked, value};
-    use crate::verify::{Margin, Review, Sense};
+    use crate::verify::{Limit, Margin, Review, Sense};
 
-    fn margin(what: &str, value: f64, limit: f64, unit: &'static str, ok: bool) -> Margin {
+    fn margin(limit: Limit, value: f64, bound: f64, unit: &'static str, ok: bool) -> Margin {
         Margin {
             vehicle: "alpha".to_owned(),
             other: None,
-            what: what.to_owned(),
-            value,
             limit,
-            sense: if (value >= limit) == ok {
+            value,
+            bound,
+            sense: if (value >= bound) == ok {
                 Sense::AtLeast
             } else {
                 Sense::AtMost
@@ -270,24 +273,24 @@ mod tests {
     fn broken_limits_come_first_and_counts_of_nothing_last() {
         let review = Review {
             margins: vec![
-                margin("acceptance", 0.0, 0.0, "items", true),
-                margin("terrain clearance", 90.0, 60.0, "m", true),
-                margin("climb", 16.0, 15.0, "deg", false),
-                margin("threat radar", 20.0, 0.0, "m", true),
-                margin("area", f64::NAN, 0.0, "m", false),
+                margin(Limit::Acceptance, 0.0, 0.0, "items", true),
+                margin(Limit::TerrainClearance, 90.0, 60.0, "m", true),
+                margin(Limit::ClimbAngle, 16.0, 15.0, "deg", false),
+                margin(Limit::Threat("radar".to_owned()), 20.0, 0.0, "m", true),
+                margin(Limit::Area, f64::NAN, 0.0, "m", false),
             ],
             tracks: Vec::new(),
             assumptions: Vec::new(),
         };
-        let order: Vec<&str> = ranked(&review)
+        let order: Vec<String> = ranked(&review)
             .iter()
-            .map(|r| r.margin.what.as_str())
+            .map(|r| r.margin.limit.to_string())
             .collect();
         assert_eq!(
             order,
             [
                 "area",
-                "climb",
+                "climb angle",
                 "threat radar",
                 "terrain clearance",
                 "acceptance"
@@ -297,21 +300,45 @@ mod tests {
 
     #[test]
     fn a_value_never_reads_like_the_limit_it_misses() {
-        assert_eq!(value(&margin("", 59.96, 60.0, "m", false)), "59.96 m");
-        assert_eq!(value(&margin("", 59.9996, 60.0, "m", false)), "59.9996 m");
-        assert_eq!(value(&margin("", 60.0, 60.0, "m", true)), "60 m");
-        assert_eq!(value(&margin("", f64::NAN, 60.0, "m", false)), "not known");
+        assert_eq!(
+            value(&margin(Limit::TerrainClearance, 59.96, 60.0, "m", false)),
+            "59.96 m"
+        );
+        assert_eq!(
+            value(&margin(Limit::TerrainClearance, 59.9996, 60.0, "m", false)),
+            "59.9996 m"
+        );
+        assert_eq!(
+            value(&margin(Limit::TerrainClearance, 60.0, 60.0, "m", true)),
+            "60 m"
+        );
+        assert_eq!(
+            value(&margin(Limit::TerrainClearance, f64::NAN, 60.0, "m", false)),
+            "not known"
+        );
     }
 
     #[test]
     fn a_limit_says_whether_it_is_a_least_or_a_greatest_value() {
-        assert_eq!(limit(&margin("", 61.0, 60.0, "m", true)), "at least 60 m");
-        assert_eq!(limit(&margin("", 59.0, 60.0, "m", false)), "at least 60 m");
-        assert_eq!(limit(&margin("", 9.0, 15.0, "deg", true)), "at most 15°");
-        assert_eq!(limit(&margin("", 16.0, 15.0, "deg", false)), "at most 15°");
+        assert_eq!(
+            limit(&margin(Limit::TerrainClearance, 61.0, 60.0, "m", true)),
+            "at least 60 m"
+        );
+        assert_eq!(
+            limit(&margin(Limit::TerrainClearance, 59.0, 60.0, "m", false)),
+            "at least 60 m"
+        );
+        assert_eq!(
+            limit(&margin(Limit::TerrainClearance, 9.0, 15.0, "deg", true)),
+            "at most 15°"
+        );
+        assert_eq!(
+            limit(&margin(Limit::TerrainClearance, 16.0, 15.0, "deg", false)),
+            "at most 15°"
+        );
         let none = Margin {
             sense: Sense::AtMost,
-            ..margin("acceptance", 0.0, 0.0, "problems", true)
+            ..margin(Limit::Acceptance, 0.0, 0.0, "problems", true)
         };
         assert_eq!(limit(&none), "at most 0 problems");
     }
@@ -324,7 +351,10 @@ mod tests {
         assert_eq!(number(1_234_567.0, 1), "1\u{202f}234\u{202f}567");
         assert_eq!(number(1e308, 1), "1e308");
         assert_eq!(number(-f64::MAX, 1), "−1.798e308");
-        assert_eq!(value(&margin("", 1e300, 60.0, "m", true)), "1e300 m");
+        assert_eq!(
+            value(&margin(Limit::TerrainClearance, 1e300, 60.0, "m", true)),
+            "1e300 m"
+        );
         assert_eq!(clock(59.6), "1:00");
         assert_eq!(clock(3671.2), "1:01:11");
         assert_eq!(clock(-0.2), "0:00");

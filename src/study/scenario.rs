@@ -1,5 +1,5 @@
-//! Missions made of a seed, for trying planners on what nobody tuned them for: ridges
-//! with narrow passes, belts of threats with one gap, pockets that end nowhere.
+//! Missions generated from a seed, which no planner was tuned on: ridges with narrow passes,
+//! belts of threats with one gap, pockets that are dead ends.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -7,13 +7,14 @@ use std::fmt::Write;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use super::stats::as_f64;
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 use crate::mission::limits;
 use crate::numeric::Seed;
 use crate::spec::Autopilot;
 
-/// How hard the hardest scenario is.
-pub const MOST_DIFFICULT: u8 = 10;
+/// The highest difficulty.
+pub const MAX_DIFFICULTY: u8 = 10;
 
 /// The middle of every generated area.
 const ORIGIN: LatLon = LatLon {
@@ -27,7 +28,7 @@ const HILL_SPACING: f64 = 0.8;
 /// Height of such a ridge over that of one of its hills, sqrt(pi) / spacing.
 const RIDGE_OVER_HILL: f64 = 2.2155;
 /// Narrowest gap in a belt, metres: six times the turn radius at 15 m/s.
-const LEAST_GAP_M: f64 = 540.0;
+const MIN_GAP_M: f64 = 540.0;
 /// Free control points: up to six gaps and passes, each with a turn before and behind it.
 const CONTROL_POINTS: usize = 24;
 /// Paths of scenarios up to this length fit into the items that a spec allows by itself.
@@ -44,14 +45,14 @@ struct Round {
     height_m: f64,
 }
 
-/// What is laid across the way.
+/// An obstacle across the whole area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Obstacle {
     Belt,
     Ridge,
 }
 
-/// A scenario in the making: start in the west, goal in the east, the middle at 0, 0.
+/// A scenario being generated: start in the west, goal in the east, the middle at 0, 0.
 struct Draft {
     rng: ChaCha8Rng,
     /// 0 for the easiest, 1 for the hardest.
@@ -62,14 +63,14 @@ struct Draft {
     ends: Vec<(EastNorth, EastNorth)>,
 }
 
-/// The text of a mission spec of some difficulty, 1 to [`MOST_DIFFICULT`]: 5 to 200 km
+/// The text of a mission spec of some difficulty, 1 to [`MAX_DIFFICULTY`]: 5 to 200 km
 /// long, with 5 to 40 threats, one to three vehicles, and analytic ground so that it is
-/// one file. The same text for the same numbers; nobody has proven that it can be flown.
+/// one file. The same numbers give the same text. No plan is known to exist.
 #[must_use]
 pub fn scenario(seed: u64, difficulty: u8) -> String {
-    let difficulty = difficulty.clamp(1, MOST_DIFFICULT);
+    let difficulty = difficulty.clamp(1, MAX_DIFFICULTY);
     let mut rng = Seed(seed).stream("scenario", u64::from(difficulty));
-    let hardness = f64::from(difficulty - 1) / f64::from(MOST_DIFFICULT - 1);
+    let hardness = f64::from(difficulty - 1) / f64::from(MAX_DIFFICULTY - 1);
     let size = (hardness + rng.random_range(-0.25..0.25)).clamp(0.0, 1.0);
     let mut draft = Draft {
         hardness,
@@ -147,11 +148,11 @@ impl Draft {
         }
     }
 
-    /// Discs side by side across the way, with one gap.
+    /// Discs side by side from south to north, with one gap.
     fn place_belt(&mut self, along: f64, discs: usize) {
         let half_m = self.rng.random_range(0.3..0.45) * self.length_m;
         let share = self.rng.random_range(0.02..0.04) * (1.5 - self.hardness);
-        let gap_m = (share * self.length_m).max(LEAST_GAP_M);
+        let gap_m = (share * self.length_m).max(MIN_GAP_M);
         let middle_m = self.rng.random_range(-0.8..0.8) * (half_m - gap_m);
         let (south_m, north_m) = (
             half_m + middle_m - 0.5 * gap_m,
@@ -161,7 +162,7 @@ impl Draft {
         for (side, width_m, count) in [(-1.0, south_m, in_south), (1.0, north_m, discs - in_south)]
         {
             let spacing_m = width_m / as_f64(count.max(1));
-            // A little overlap, so that nothing leaks through where discs are out of line.
+            // A little overlap, so that discs out of line leave no gap.
             let radius_m = 0.53 * spacing_m;
             for disc in 0..count {
                 let away_m = 0.5 * gap_m + radius_m + as_f64(disc) * spacing_m;
@@ -173,7 +174,7 @@ impl Draft {
         }
     }
 
-    /// Hills in a row across the whole area, higher than the ceiling but for one pass.
+    /// Hills in a row across the whole area, higher than the ceiling except at one pass.
     fn place_ridge(&mut self, along: f64) {
         let radius_m = self.rng.random_range(0.035..0.06) * self.length_m;
         let height_m = self.ridge_m() / RIDGE_OVER_HILL;
@@ -198,7 +199,7 @@ impl Draft {
         }
     }
 
-    /// Discs on an arc that is open to the west: who flies in must come out again.
+    /// Discs on an arc that is open to the west: a dead end.
     fn place_pocket(&mut self) {
         let along = self.rng.random_range(0.2..0.7);
         let across = self.rng.random_range(-0.2..0.2);
@@ -217,16 +218,16 @@ impl Draft {
 
     /// A threat, smaller where it would come too near to a start or goal.
     fn add_threat(&mut self, at: EastNorth, radius_m: f64) {
-        let room_m = self
+        let free_m = self
             .ends
             .iter()
             .flat_map(|(start, goal)| [start.distance_m(at), goal.distance_m(at)])
             .fold(f64::INFINITY, f64::min)
             - 0.03 * self.length_m;
-        if room_m > 50.0 {
+        if free_m > 50.0 {
             self.threats.push(Round {
                 at,
-                radius_m: radius_m.min(room_m),
+                radius_m: radius_m.min(free_m),
                 height_m: 0.0,
             });
         }
@@ -283,8 +284,13 @@ impl Draft {
             let most = limits(Autopilot::ArduPilot).items;
             let _ = writeln!(text, "mission: {{max_items: {most}}}");
         }
+        text.push_str(&self.vehicles(place));
+        text
+    }
+
+    fn vehicles(&self, place: impl Fn(EastNorth) -> String) -> String {
         let speed_mps = if self.length_m > 20_000.0 { 25 } else { 15 };
-        text.push_str("vehicles:\n");
+        let mut text = "vehicles:\n".to_owned();
         for (index, (start, goal)) in self.ends.iter().enumerate() {
             let sysid = index + 1;
             let _ = writeln!(
@@ -312,23 +318,17 @@ fn whole(value: f64) -> usize {
     whole
 }
 
-fn as_f64(count: usize) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "small counts")]
-    let count = count as f64;
-    count
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use super::{MOST_DIFFICULT, scenario};
+    use super::{MAX_DIFFICULTY, scenario};
     use crate::spec::SpecFile;
     use crate::world;
 
     #[test]
     fn every_scenario_is_a_good_spec_of_the_promised_size() {
-        for difficulty in 1..=MOST_DIFFICULT {
+        for difficulty in 1..=MAX_DIFFICULTY {
             for seed in 0..4 {
                 let text = scenario(seed, difficulty);
                 let file = SpecFile::parse(Path::new("scenario.yaml"), text.clone())
@@ -347,7 +347,7 @@ mod tests {
 
     #[test]
     fn a_long_scenario_may_have_as_many_items_as_the_autopilot_keeps_and_no_other_line_changes() {
-        for (difficulty, allowed) in [(1, 200), (MOST_DIFFICULT, 649)] {
+        for (difficulty, allowed) in [(1, 200), (MAX_DIFFICULTY, 649)] {
             let text = scenario(1, difficulty);
             let file = SpecFile::parse(Path::new("scenario.yaml"), text.clone()).expect("good");
             assert_eq!(file.spec.mission.max_items, allowed);

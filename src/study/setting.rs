@@ -1,13 +1,14 @@
-//! A scenario as the objective and the planner read it.
+//! A scenario of the paper as the objective and the planner read it.
 
 use std::sync::Arc;
 
 use geo::Polygon;
 
-use crate::cost::{CostModel, Leg, Margins, PaperOptions};
+use crate::cost::{Controls, CostModel, Leg, Margins, PaperOptions};
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
+use crate::numeric::Basis;
 use crate::numeric::bspline::uniform_parameters;
-use crate::path::Flight;
+use crate::path::{Flight, time_route};
 use crate::spec::AltitudeReference;
 use crate::spec::{
     Airframe, Area, Autopilot, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
@@ -15,17 +16,51 @@ use crate::spec::{
 };
 use crate::world::{Disc, Ground, Stations, Terrain, World};
 
+/// Control points by coordinate, ends included: metres east, north and up.
+pub(super) type Spline = [Vec<f64>; 3];
+
+pub(super) fn controls(spline: &Spline) -> Controls<'_> {
+    let [east_m, north_m, amsl_m] = spline;
+    Controls {
+        east_m,
+        north_m,
+        amsl_m,
+    }
+}
+
+/// Eq. 33: a point of the unit cube as a spline. First all free values east, then all north,
+/// then all altitudes, each as a share of the map.
+pub(super) struct Encoding {
+    /// Start and goal; low and high edge of the map, by coordinate.
+    axes: [[f64; 4]; 3],
+    free: usize,
+}
+
+impl Encoding {
+    pub(super) fn dimension(&self) -> usize {
+        3 * self.free
+    }
+
+    pub(super) fn spline(&self, candidate: &[f64]) -> Spline {
+        let mut parts = candidate.chunks_exact(self.free);
+        self.axes.map(|[from, to, low, high]| {
+            let free = parts.next().unwrap_or_default();
+            let free = free.iter().map(|share| low + share * (high - low));
+            std::iter::once(from).chain(free).chain([to]).collect()
+        })
+    }
+}
+
 /// Samples at which a result is judged.
 pub(super) const JUDGED_SAMPLES: usize = 2001;
 
 /// The paper's vehicles have one speed throughout: they reach it in no time, m/s^2.
 const AT_ONCE_MPS2: f64 = 1e6;
 
-/// A scenario and what is made of it.
+/// A scenario as spec and world.
 ///
-/// Objective and planner read planning coordinates alone, which a scenario has from the
-/// beginning. The geodetic side of a mission is needed by type only: it is laid around
-/// latitude 0, longitude 0, and nothing here reads it.
+/// Objective and planner read only planning coordinates, which a scenario states itself. The
+/// geodetic side of a mission lies around latitude 0, longitude 0, and nothing reads it.
 #[derive(Clone, Debug)]
 pub struct Setting {
     /// The scenario.
@@ -36,7 +71,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// Lays out a scenario that is searched with some reading of the objective.
+    /// A scenario that is searched with a reading of the objective.
     #[must_use]
     pub fn new(scenario: Scenario, objective: PaperOptions) -> Self {
         let frame = LocalFrame::new(LatLon {
@@ -53,13 +88,44 @@ impl Setting {
         }
     }
 
-    /// The leg of a vehicle; all begin at once.
+    /// The leg of a vehicle; all vehicles depart at once.
     pub(super) fn leg(&self, vehicle: usize) -> Leg {
         let stations = &self.world.stations[vehicle];
         Leg {
             from: stations.start,
             to: stations.goal,
             start_s: 0.0,
+        }
+    }
+
+    pub(super) fn encoding(&self, vehicle: usize) -> Encoding {
+        let Leg { from, to, .. } = self.leg(vehicle);
+        let (low, high) = (self.scenario.south_west, self.scenario.north_east);
+        Encoding {
+            axes: [
+                [from.at.east_m, to.at.east_m, low.east_m, high.east_m],
+                [from.at.north_m, to.at.north_m, low.north_m, high.north_m],
+                [from.amsl.0, to.amsl.0, 0.0, self.scenario.max_amsl.0],
+            ],
+            free: self.spec.planner.control_points,
+        }
+    }
+
+    /// The flight along a spline as later vehicles see it: one point for each sample of the
+    /// search.
+    pub(super) fn flight(&self, vehicle: usize, spline: &Spline) -> Flight {
+        let basis = Basis::uniform(spline[0].len(), self.spec.planner.samples);
+        let [east, north, amsl] = [0, 1, 2].map(|axis: usize| basis.sampled(&spline[axis]));
+        let points: Vec<PlanPoint> = amsl
+            .into_iter()
+            .zip(east.into_iter().zip(north))
+            .map(|(amsl_m, (east_m, north_m))| PlanPoint::new(east_m, north_m, Amsl(amsl_m)))
+            .collect();
+        let vehicle = &self.spec.vehicles[vehicle];
+        Flight {
+            points: time_route(&points, 0.0, vehicle.speed_mps, vehicle.accel_mps2),
+            route_starts_s: vec![0.0],
+            loiters: false,
         }
     }
 
@@ -77,9 +143,9 @@ impl Setting {
         .with_paper(self.objective)
     }
 
-    /// The same, finely, for the question whether a path is safe: with the ground itself as
-    /// limit, because what keeps the least height between 101 samples may miss it by
-    /// centimetres between 2001.
+    /// The objective that judges whether a path is safe, at 2001 samples. Its limit is the
+    /// ground itself: a path that keeps the minimum height at 101 samples may miss it by
+    /// centimetres between them.
     pub(super) fn judge(&self, vehicle: usize, earlier: &[Flight]) -> CostModel {
         self.model(vehicle, earlier, JUDGED_SAMPLES)
             .with_paper(PaperOptions {
@@ -115,7 +181,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
     };
     World {
         frame,
-        // For verdicts on missions, of which there are none here; searches read the grid.
+        // Only verification reads the terrain; searches read the grid.
         terrain: Terrain::Flat(Amsl(0.0)),
         // As fine as a grid may be: 98 m on a map of 100 km.
         ground: Arc::new(Ground::sample_by(&area, 1.0, height)),
@@ -216,12 +282,11 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cost::{Controls, CostTerms};
-    use crate::path::time_route;
+    use crate::cost::CostTerms;
     use std::path::Path;
 
-    /// Seven control points from start to goal, each share of the way pushed aside and up.
-    fn controls(leg: &Leg, pushed: impl Fn(f64) -> [f64; 3]) -> [Vec<f64>; 3] {
+    /// Seven control points from start to goal, each offset by `pushed` of its share of the leg.
+    fn spline(leg: &Leg, pushed: impl Fn(f64) -> [f64; 3]) -> Spline {
         let (from, to) = (leg.from, leg.to);
         let axis = |axis: usize, a: f64, b: f64| -> Vec<f64> {
             (0..7)
@@ -236,12 +301,8 @@ mod tests {
         ]
     }
 
-    fn terms(model: &CostModel, [east_m, north_m, amsl_m]: &[Vec<f64>; 3]) -> CostTerms {
-        model.terms(&Controls {
-            east_m,
-            north_m,
-            amsl_m,
-        })
+    fn terms(model: &CostModel, spline: &Spline) -> CostTerms {
+        model.terms(&controls(spline))
     }
 
     #[test]
@@ -274,13 +335,13 @@ mod tests {
         };
         let second = setting.model(1, &[first], 101);
         let flat = |_: f64| [0.0; 3];
-        let of_straight = terms(&second, &controls(&setting.leg(1), flat));
+        let of_straight = terms(&second, &spline(&setting.leg(1), flat));
         assert!(of_straight.collision > 0.0, "{of_straight:?}");
         assert!(of_straight.turn <= 0.0 && of_straight.climb <= 0.0);
         let alone = setting.model(0, &[], 101);
         let zigzag = |share: f64| [0.0, 30_000.0 * (share * 9.425).sin(), 0.0];
-        assert!(terms(&alone, &controls(&leg, zigzag)).turn > 0.0);
+        assert!(terms(&alone, &spline(&leg, zigzag)).turn > 0.0);
         let steep = |share: f64| [0.0, 0.0, 60_000.0 * share * (1.0 - share)];
-        assert!(terms(&alone, &controls(&leg, steep)).climb > 0.0);
+        assert!(terms(&alone, &spline(&leg, steep)).climb > 0.0);
     }
 }

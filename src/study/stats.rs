@@ -1,11 +1,14 @@
 //! Statistics of runs.
+//!
+//! Written here because no dependency has rank-sum and Friedman tests (statrs 0.18 has neither),
+//! and a crate for the normal tail alone would change the published digits of p.
 
 use std::f64::consts::SQRT_2;
 
 /// Best, average, median, deviation and worst of some costs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
-    /// Least.
+    /// Lowest.
     pub best: f64,
     /// Mean.
     pub average: f64,
@@ -13,24 +16,24 @@ pub struct Summary {
     pub median: f64,
     /// Standard deviation of the sample (n - 1); 0 of one.
     pub deviation: f64,
-    /// Greatest.
+    /// Highest.
     pub worst: f64,
 }
 
 impl Summary {
-    /// Of at least one cost; `None` of none.
+    /// `None` without costs.
     #[must_use]
     pub fn of(costs: &[f64]) -> Option<Self> {
         let mut sorted = costs.to_vec();
         sorted.sort_by(f64::total_cmp);
         let (&best, &worst) = (sorted.first()?, sorted.last()?);
-        let average = sorted.iter().sum::<f64>() / number(sorted.len());
+        let average = sorted.iter().sum::<f64>() / as_f64(sorted.len());
         let squares: f64 = sorted.iter().map(|cost| (cost - average).powi(2)).sum();
         Some(Self {
             best,
             average,
             median: median(&sorted),
-            deviation: (squares / number(sorted.len().saturating_sub(1).max(1))).sqrt(),
+            deviation: (squares / as_f64(sorted.len().saturating_sub(1).max(1))).sqrt(),
             worst,
         })
     }
@@ -52,7 +55,7 @@ fn median(sorted: &[f64]) -> f64 {
 pub fn rank_sum_p(a: &[f64], b: &[f64]) -> Option<f64> {
     let pooled: Vec<f64> = a.iter().chain(b).copied().collect();
     let (ranks, ties) = ranks(&pooled);
-    let (n, m, all) = (number(a.len()), number(b.len()), number(pooled.len()));
+    let (n, m, all) = (as_f64(a.len()), as_f64(b.len()), as_f64(pooled.len()));
     let u = ranks[..a.len()].iter().sum::<f64>() - n * (n + 1.0) / 2.0;
     let variance = n * m / 12.0 * (all + 1.0 - ties / (all * (all - 1.0)));
     if variance.is_nan() || variance <= 0.0 {
@@ -70,7 +73,7 @@ pub fn friedman(rows: &[Vec<f64>]) -> Option<(Vec<f64>, f64)> {
     if columns < 2 || rows.iter().any(|row| row.len() != columns) {
         return None;
     }
-    let (n, k) = (number(rows.len()), number(columns));
+    let (n, k) = (as_f64(rows.len()), as_f64(columns));
     let mut mean = vec![0.0; columns];
     let mut tied = 0.0;
     for row in rows {
@@ -101,9 +104,9 @@ fn ranks(values: &[f64]) -> (Vec<f64>, f64) {
     let mut ranks = vec![0.0; values.len()];
     let (mut ties, mut before) = (0.0, 0);
     for group in order.chunk_by(|&a, &b| values[a].total_cmp(&values[b]).is_eq()) {
-        let t = number(group.len());
+        let t = as_f64(group.len());
         for &index in group {
-            ranks[index] = number(before) + (t + 1.0) / 2.0;
+            ranks[index] = as_f64(before) + (t + 1.0) / 2.0;
         }
         ties += t * t * t - t;
         before += group.len();
@@ -133,11 +136,9 @@ fn upper_tail(z: f64) -> f64 {
     if z < 0.0 { 1.0 - half } else { half }
 }
 
-/// A count as a number.
-pub(super) fn number(count: usize) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "counts of runs")]
-    let number = count as f64;
-    number
+#[expect(clippy::cast_precision_loss, reason = "small counts")]
+pub(super) fn as_f64(count: usize) -> f64 {
+    count as f64
 }
 
 #[cfg(test)]

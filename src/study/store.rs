@@ -1,18 +1,23 @@
-//! The folder of a study: what survives a kill, and how shards become one.
+//! The folder of a study: finished runs survive a kill, and shards become one study.
 //!
-//! `study.json` is the configuration. While runs are made, each finished one is
-//! appended to `journal.jsonl` in one write; a line that a kill cut short was never
-//! finished. When all are there, `runs.jsonl` has them in the order of the study, whole or
-//! not at all, and the journal goes. `times.jsonl` has the seconds; `.lock` is locked
-//! while a process writes.
+//! - `study.json`: the configuration.
+//! - `journal.jsonl`: finished runs, each appended in one write; a last line without its end is
+//!   an unfinished run.
+//! - `runs.jsonl`: all runs in the order of the study. It appears whole when the runs are
+//!   finished, and the journal is removed.
+//! - `times.jsonl`: wall times in seconds.
+//! - `.lock`: locked while a process writes.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+
+use super::workers::Done;
 
 const CONFIG: &str = "study.json";
 const JOURNAL: &str = "journal.jsonl";
@@ -20,59 +25,59 @@ const RUNS: &str = "runs.jsonl";
 const TIMES: &str = "times.jsonl";
 const LOCK: &str = ".lock";
 
-/// What is wrong with a study's folder.
+/// An error of a study's folder.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// The file system refuses.
+    /// A file or folder cannot be used.
     #[error("cannot use {}: {source}", path.display())]
     Io {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// A file is not what it should be.
-    #[error("{}:{line}: {what}", path.display())]
+    /// A file has invalid content.
+    #[error("{}:{line}: {reason}", path.display())]
     Content {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// Which line, from 1.
+        /// The line, from 1.
         line: usize,
-        /// What is wrong.
-        what: String,
+        /// The cause.
+        reason: String,
     },
-    /// Another process writes there.
+    /// Another process writes to the folder.
     #[error("{} is being written by another process", .0.display())]
     Busy(PathBuf),
-    /// There are results, and nothing says to go on with them.
-    #[error("{} holds a study already (allowed: --resume, or another folder)", .0.display())]
+    /// The folder has results, and resuming was not requested.
+    #[error("{} already holds a study; use --resume or another folder", .0.display())]
     Occupied(PathBuf),
     /// Results of another configuration.
-    #[error("{} is a study of another configuration ({theirs}, not {ours})", folder.display())]
+    #[error("{} is a study of another configuration ({found}, expected {expected})", folder.display())]
     Different {
-        /// Its folder.
+        /// The folder.
         folder: PathBuf,
-        /// Beginning of its hash.
-        theirs: String,
-        /// Beginning of the hash it should have.
-        ours: String,
+        /// Beginning of the hash found.
+        found: String,
+        /// Beginning of the hash expected.
+        expected: String,
     },
-    /// A run is in two shards.
-    #[error("{}: {what} is in an earlier shard already", folder.display())]
+    /// Two shards have the same run.
+    #[error("{}: {run} is already in an earlier shard", folder.display())]
     Twice {
         /// The later folder.
         folder: PathBuf,
-        /// Which run.
-        what: String,
+        /// Name of the run.
+        run: String,
     },
-    /// Shards that do not make a whole study.
+    /// Shards that are not a whole study.
     #[error("{missing} of {all} runs are missing, the first is {first}")]
     Missing {
-        /// How many.
+        /// Number of missing runs.
         missing: usize,
-        /// Of how many.
+        /// Number of runs of the study.
         all: usize,
-        /// The first.
+        /// Name of the first missing run.
         first: String,
     },
     /// No shard.
@@ -80,28 +85,37 @@ pub enum StoreError {
     Nothing,
 }
 
-/// A study that a folder can keep: its configuration.
+/// A study that a [`Store`] keeps in a folder: its configuration.
 pub trait Study: Serialize + DeserializeOwned + Clone {
-    /// What one run leaves.
-    type Run: Serialize + DeserializeOwned + std::fmt::Debug;
+    /// Result of one run.
+    type Run: Serialize + DeserializeOwned + std::fmt::Debug + Send;
 
-    /// Hash of all that the results depend on; every run carries it.
+    /// Hash of everything that the results depend on; every run carries it.
     fn hash(&self) -> String;
 
-    /// What the program brings of its own, a line each.
+    /// Parameters that come with the program, one line each.
     fn choices(&self) -> Vec<String>;
 
-    /// What tells each run from all others, in the order of the results.
+    /// Unique names of all runs, in the order of the results.
     fn names(&self) -> Vec<String>;
 
-    /// The same of a run that was made.
+    /// Name of a finished run.
     fn name(run: &Self::Run) -> String;
 
     /// The hash that a run carries.
     fn hash_of(run: &Self::Run) -> &str;
+
+    /// Beginning of the hash, to print.
+    fn short_hash(&self) -> String {
+        short(&self.hash())
+    }
 }
 
-/// Seconds of one run.
+fn short(hash: &str) -> String {
+    hash.chars().take(12).collect()
+}
+
+/// Wall time of one run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Time {
     run: String,
@@ -111,36 +125,48 @@ struct Time {
 /// The file `study.json`.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Settled<S> {
+struct StudyFile<S> {
     hash: String,
     config: S,
     choices: Vec<String>,
 }
 
-/// Finished runs, by their place in the study.
+/// Finished runs by their index in the study.
 type Finished<S> = BTreeMap<usize, <S as Study>::Run>;
+
+/// Runs of a shard so far.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Finished runs.
+    pub finished: usize,
+    /// All runs of the shard.
+    pub all: usize,
+    /// Name of the last finished run; empty at the beginning.
+    pub last: &'a str,
+}
 
 /// An open folder.
 #[derive(Debug)]
 pub struct Store<S: Study> {
     folder: PathBuf,
-    places: BTreeMap<String, usize>,
+    /// Index of each run in the study by its name.
+    indices: BTreeMap<String, usize>,
     finished: Finished<S>,
     journal: File,
     times: File,
-    /// Held while the folder is written; the system lets go of it when a process ends.
+    /// Locked while the folder is written; the system releases it when the process ends.
     _lock: File,
 }
 
 impl<S: Study> Store<S> {
-    /// Opens a folder for a study, with what was finished there before if `resume`.
+    /// Opens a folder for a study, with the runs finished there before if `resume`.
     ///
     /// # Errors
     /// A folder that cannot be used, holds another study, or holds this one without `resume`.
     pub fn open(folder: &Path, config: &S, resume: bool) -> Result<Self, StoreError> {
         fs::create_dir_all(folder).map_err(io_at(folder))?;
         let lock = locked(folder)?;
-        let places = places(config);
+        let indices = indices(config);
         let mut finished = Finished::<S>::new();
         if folder.join(CONFIG).exists() {
             if !resume {
@@ -148,13 +174,13 @@ impl<S: Study> Store<S> {
             }
             same(folder, config)?;
             for name in [RUNS, JOURNAL] {
-                finished.extend(records(&folder.join(name), config, &places)?);
+                finished.extend(records(&folder.join(name), config, &indices)?);
             }
         } else {
             write_whole(&folder.join(CONFIG), &json(config)?)?;
         }
         let path = folder.join(JOURNAL);
-        // Without the cut line, if there is one.
+        // Drops an unfinished last line.
         write_whole(&path, &lines(finished.values())?)?;
         let append = |path: &Path| {
             OpenOptions::new()
@@ -168,40 +194,65 @@ impl<S: Study> Store<S> {
             journal: append(&path)?,
             times: append(&folder.join(TIMES))?,
             folder: folder.to_owned(),
-            places,
+            indices,
             finished,
         })
     }
 
-    /// Whether the run at a place of the study is finished.
-    #[must_use]
-    pub fn has(&self, place: usize) -> bool {
-        self.finished.contains_key(&place)
-    }
-
-    /// Keeps a finished run.
+    /// Makes the unfinished runs of a shard, `(1, 1)` for all, and returns their number. `make`
+    /// takes their indices in the study.
     ///
     /// # Errors
-    /// A journal that cannot be written.
-    pub fn keep(&mut self, record: S::Run, seconds: f64) -> Result<(), StoreError> {
-        let path = self.folder.join(JOURNAL);
-        let time = Time {
-            run: S::name(&record),
-            seconds,
+    /// A journal that cannot be written; no further run starts then.
+    pub fn fill(
+        &mut self,
+        (part, parts): (usize, usize),
+        make: impl FnOnce(&[usize], Done<'_, S::Run>),
+        progress: &(dyn Fn(Progress<'_>) + Sync),
+    ) -> Result<usize, StoreError> {
+        let shard = (0..self.indices.len()).filter(|index| index % parts == part - 1);
+        let (finished, open): (Vec<usize>, Vec<usize>) =
+            shard.partition(|index| self.finished.contains_key(index));
+        let all = finished.len() + open.len();
+        let report = |finished, last: &str| {
+            progress(Progress {
+                finished,
+                all,
+                last,
+            });
         };
+        report(finished.len(), "");
+        let state = Mutex::new((self, finished.len(), Ok(())));
+        make(&open, &|run, seconds| {
+            let name = S::name(&run);
+            let Ok(mut state) = state.lock() else {
+                return false;
+            };
+            let (store, finished, result) = &mut *state;
+            if result.is_ok() {
+                *result = store.add(run, seconds);
+                *finished += 1;
+                report(*finished, &name);
+            }
+            result.is_ok()
+        });
+        let result = state.into_inner().map_or(Ok(()), |(.., result)| result);
+        result.map(|()| open.len())
+    }
+
+    fn add(&mut self, record: S::Run, seconds: f64) -> Result<(), StoreError> {
+        let run = S::name(&record);
+        let index = self.indices.get(&run).copied();
         let line = lines(std::iter::once(&record))?;
         self.journal
             .write_all(line.as_bytes())
             .and_then(|()| self.journal.sync_data())
-            .map_err(io_at(&path))?;
-        let time = lines(std::iter::once(&time))?;
-        let path = self.folder.join(TIMES);
+            .map_err(io_at(&self.folder.join(JOURNAL)))?;
+        let time = lines(std::iter::once(&Time { run, seconds }))?;
         self.times
             .write_all(time.as_bytes())
-            .map_err(io_at(&path))?;
-        if let Some(place) = self.places.get(&S::name(&record)) {
-            self.finished.insert(*place, record);
-        }
+            .map_err(io_at(&self.folder.join(TIMES)))?;
+        self.finished.extend(index.map(|index| (index, record)));
         Ok(())
     }
 
@@ -216,42 +267,42 @@ impl<S: Study> Store<S> {
         Ok(self.finished.into_values().collect())
     }
 
-    /// Whether all runs of the study are finished, those of other shards too.
+    /// Whether all runs of the study are finished, including those of other shards.
     #[must_use]
     pub fn is_whole(&self) -> bool {
-        self.finished.len() == self.places.len()
+        self.finished.len() == self.indices.len()
     }
 }
 
-/// Makes one study of shards: `study.json`, `runs.jsonl` and `times.jsonl` in `out`, the
-/// first two byte for byte as one run without shards leaves them.
+/// Merges shards into one study: `study.json`, `runs.jsonl` and `times.jsonl` in `out`. The
+/// first two are byte for byte those of a study without shards.
 ///
 /// # Errors
-/// Shards of different configurations, with a run twice or with runs missing; files.
+/// Shards of different configurations, a run in two shards, missing runs, unusable files.
 pub fn merge<S: Study>(shards: &[PathBuf], out: &Path) -> Result<(S, Vec<S::Run>), StoreError> {
     let first = shards.first().ok_or(StoreError::Nothing)?;
     let config = read_study::<S>(first)?.config;
-    let places = places(&config);
+    let indices = indices(&config);
     let mut finished = Finished::<S>::new();
     let mut times = String::new();
     for shard in shards {
         same(shard, &config)?;
-        for (place, record) in records(&shard.join(RUNS), &config, &places)? {
-            let what = S::name(&record);
-            if finished.insert(place, record).is_some() {
+        for (index, record) in records(&shard.join(RUNS), &config, &indices)? {
+            let run = S::name(&record);
+            if finished.insert(index, record).is_some() {
                 let folder = shard.clone();
-                return Err(StoreError::Twice { folder, what });
+                return Err(StoreError::Twice { folder, run });
             }
         }
         times.push_str(&read(&shard.join(TIMES))?);
     }
-    let mut missing = places
+    let mut missing = indices
         .iter()
-        .filter(|(_, place)| !finished.contains_key(place));
+        .filter(|(_, index)| !finished.contains_key(index));
     if let Some((name, _)) = missing.next() {
         return Err(StoreError::Missing {
             missing: 1 + missing.count(),
-            all: places.len(),
+            all: indices.len(),
             first: name.clone(),
         });
     }
@@ -290,7 +341,7 @@ pub fn write_whole(path: &Path, text: &str) -> Result<(), StoreError> {
     write().map_err(io_at(path))
 }
 
-/// Takes the folder for this process alone.
+/// Locks the folder for this process.
 fn locked(folder: &Path) -> Result<File, StoreError> {
     let path = folder.join(LOCK);
     let file = File::create(&path).map_err(io_at(&path))?;
@@ -308,8 +359,8 @@ pub(super) fn io_at(path: &Path) -> impl FnOnce(io::Error) -> StoreError + '_ {
     }
 }
 
-/// The places of all runs of a study by their names.
-fn places(config: &impl Study) -> BTreeMap<String, usize> {
+/// Indices of all runs of a study by their names.
+fn indices(config: &impl Study) -> BTreeMap<String, usize> {
     config.names().into_iter().zip(0..).collect()
 }
 
@@ -317,34 +368,33 @@ fn read(path: &Path) -> Result<String, StoreError> {
     fs::read_to_string(path).map_err(io_at(path))
 }
 
-fn read_study<S: Study>(folder: &Path) -> Result<Settled<S>, StoreError> {
+fn read_study<S: Study>(folder: &Path) -> Result<StudyFile<S>, StoreError> {
     let path = folder.join(CONFIG);
     let study = serde_json::from_str(&read(&path)?).map_err(|error| {
-        let (line, what) = (error.line(), error.to_string());
-        StoreError::Content { path, line, what }
+        let (line, reason) = (error.line(), error.to_string());
+        StoreError::Content { path, line, reason }
     })?;
     Ok(study)
 }
 
-/// Whether a folder has this very study.
+/// Checks that a folder has this study.
 fn same<S: Study>(folder: &Path, config: &S) -> Result<(), StoreError> {
-    let short = |hash: &str| hash.chars().take(12).collect();
-    let (theirs, ours) = (read_study::<S>(folder)?.hash, config.hash());
-    if theirs == ours {
+    let (found, expected) = (read_study::<S>(folder)?.hash, config.hash());
+    if found == expected {
         return Ok(());
     }
     Err(StoreError::Different {
         folder: folder.to_owned(),
-        theirs: short(&theirs),
-        ours: short(&ours),
+        found: short(&found),
+        expected: short(&expected),
     })
 }
 
-/// The records of a file, if it is there, without a last line that was cut.
+/// The records of a file, without an unfinished last line; none without the file.
 fn records<S: Study>(
     path: &Path,
     config: &S,
-    places: &BTreeMap<String, usize>,
+    indices: &BTreeMap<String, usize>,
 ) -> Result<Vec<(usize, S::Run)>, StoreError> {
     let text = match fs::read_to_string(path) {
         Ok(text) => text,
@@ -355,20 +405,20 @@ fn records<S: Study>(
     let hash = config.hash();
     let mut found = Vec::new();
     for (line, text) in (1..).zip(whole.lines()) {
-        let bad = |what: String| StoreError::Content {
+        let bad = |reason: String| StoreError::Content {
             path: path.to_owned(),
             line,
-            what,
+            reason,
         };
         let record: S::Run =
-            serde_json::from_str(text).map_err(|error| bad(format!("no record: {error}")))?;
+            serde_json::from_str(text).map_err(|error| bad(format!("not a record: {error}")))?;
         if S::hash_of(&record) != hash {
             return Err(bad("a record of another configuration".to_owned()));
         }
-        let place = places
+        let index = indices
             .get(&S::name(&record))
             .ok_or_else(|| bad("a run that the study does not have".to_owned()))?;
-        found.push((*place, record));
+        found.push((*index, record));
     }
     Ok(found)
 }
@@ -386,12 +436,12 @@ fn one_line(value: &impl Serialize) -> Result<String, StoreError> {
     serde_json::to_string(value).map_err(|error| StoreError::Content {
         path: PathBuf::new(),
         line: 0,
-        what: error.to_string(),
+        reason: error.to_string(),
     })
 }
 
 fn json(config: &impl Study) -> Result<String, StoreError> {
-    let study = Settled {
+    let study = StudyFile {
         hash: config.hash(),
         choices: config.choices(),
         config: config.clone(),

@@ -5,8 +5,8 @@
 //!       -> space (ground, ceiling, threats, zones, area, fence), contract (the rest of the spec), separation (pairs)
 //! ```
 //!
-//! It judges missions from anywhere, knows nothing of the search that may have
-//! made them, and reads the ground from its source. What it cannot judge fails.
+//! It judges missions of any source, knows nothing of the search that may have made them, and
+//! reads the ground from its source. A limit that it cannot judge fails.
 //!
 //! # The flight model
 //!
@@ -65,7 +65,7 @@
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
 //! before it, by its sources.
 //!
-//! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/l1.rs`: the way that it gives
+//! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/execute/wing/l1.rs`: the way that it gives
 //! is judged in space besides the legs, and for the separation the vehicle is anywhere within what
 //! that way is beside the legs 2 s before and after, and late by what it takes longer. A climb-out
 //! of ArduPlane is judged 14 m higher from 0.4 of it on, and straight on from there to the next place.
@@ -93,21 +93,23 @@
 //! clearance over arcs and separation come out short by that, never long.
 
 mod execute;
+mod limit;
 mod limits;
 mod measure;
 mod review;
 
+pub use execute::wing::altitude_lag::{MAX_LAG_S, SLOPE_MIN_M};
 pub use execute::wing::overshoot::EARLY_SHARE;
-pub use execute::wing::tecs::{MOST_LAG_S, SLOPE_MIN_M};
+pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use review::review;
 
 use crate::geodesy::{Amsl, LatLon};
 use crate::spec::Span;
 
-/// What `verify` found.
+/// The verdict on the missions of a fleet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Review {
-    /// Every limit with its worst value, whether kept or not.
+    /// Every limit with its worst value, violated or not.
     pub margins: Vec<Margin>,
     /// Where each vehicle is over time, in the order of the missions given.
     pub tracks: Vec<Track>,
@@ -122,23 +124,23 @@ pub struct Margin {
     pub vehicle: String,
     /// Id of the other vehicle, for separation.
     pub other: Option<String>,
-    /// Which limit, in words: `terrain clearance`, `threat radar-1`, `separation`, ...
-    pub what: String,
+    /// Which limit.
+    pub limit: Limit,
     /// The worst value; NaN where it cannot be known, and then `ok` is false and `note` says why.
     pub value: f64,
-    /// What it is held against; NaN where there is nothing to hold it against.
-    pub limit: f64,
+    /// What the value must be at least or at most; NaN where the limit has no such value.
+    pub bound: f64,
     /// Which side of the limit is good.
     pub sense: Sense,
     /// Unit of both, such as `m`, `deg`, `items`.
     pub unit: &'static str,
     /// Where and when it is worst, if that is anywhere.
     pub at: Option<Moment>,
-    /// Of a separation that is kept or broken at some moment: how the two are shifted there.
+    /// Of a separation that has a worst moment: how the two vehicles are shifted there.
     pub shift: Option<Shift>,
-    /// Whether the limit is kept.
+    /// Whether the limit holds.
     pub ok: bool,
-    /// What a reader needs to know besides; empty as a rule.
+    /// A remark for the reader; usually empty.
     pub note: String,
 }
 
@@ -172,9 +174,6 @@ pub enum Sense {
     AtMost,
 }
 
-/// The limit that fails where not all items can be judged.
-pub(crate) const ITEMS_JUDGED: &str = "items judged";
-
 /// A place and time of a flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
@@ -198,27 +197,68 @@ pub struct Track {
     pub moments: Vec<Moment>,
 }
 
-impl Margin {
-    /// A limit that fails because it cannot be judged.
-    #[must_use]
-    pub fn unjudged(vehicle: &str, what: impl Into<String>, note: impl Into<String>) -> Self {
+/// A limit with the bound that its value is compared with.
+#[derive(Clone, Debug)]
+pub(crate) struct Requirement {
+    pub(crate) limit: Limit,
+    pub(crate) bound: f64,
+    pub(crate) sense: Sense,
+    pub(crate) unit: &'static str,
+}
+
+impl Requirement {
+    /// The value must be at least `bound`.
+    pub(crate) fn at_least(limit: Limit, bound: f64, unit: &'static str) -> Self {
+        let sense = Sense::AtLeast;
         Self {
+            limit,
+            bound,
+            sense,
+            unit,
+        }
+    }
+
+    /// The value must be at most `bound`.
+    pub(crate) fn at_most(limit: Limit, bound: f64, unit: &'static str) -> Self {
+        Self {
+            sense: Sense::AtMost,
+            ..Self::at_least(limit, bound, unit)
+        }
+    }
+
+    /// The margin of a value; NaN violates the limit.
+    pub(crate) fn margin(self, vehicle: &str, value: f64, at: Option<Moment>) -> Margin {
+        let mut margin = Margin {
             vehicle: vehicle.to_owned(),
             other: None,
-            what: what.into(),
-            value: f64::NAN,
-            limit: f64::NAN,
-            sense: Sense::AtLeast,
-            unit: "",
-            at: None,
+            limit: self.limit,
+            value,
+            bound: self.bound,
+            sense: self.sense,
+            unit: self.unit,
+            at,
             shift: None,
             ok: false,
-            note: note.into(),
-        }
+            note: String::new(),
+        };
+        margin.ok = match margin.sense {
+            Sense::AtLeast => value >= margin.bound,
+            Sense::AtMost => value <= margin.bound,
+        };
+        margin
     }
 }
 
 impl Margin {
+    /// A limit that fails because it cannot be judged.
+    #[must_use]
+    pub fn unjudged(vehicle: &str, limit: Limit, note: impl Into<String>) -> Self {
+        Self {
+            note: note.into(),
+            ..Requirement::at_least(limit, f64::NAN, "").margin(vehicle, f64::NAN, None)
+        }
+    }
+
     /// Whether the limit is one of this vehicle, alone or with another.
     #[must_use]
     pub fn concerns(&self, vehicle: &str) -> bool {
@@ -230,14 +270,14 @@ impl Margin {
     #[must_use]
     pub fn slack(&self) -> f64 {
         match self.sense {
-            Sense::AtLeast => self.value - self.limit,
-            Sense::AtMost => self.limit - self.value,
+            Sense::AtLeast => self.value - self.bound,
+            Sense::AtMost => self.bound - self.value,
         }
     }
 }
 
 impl Review {
-    /// Whether every limit that concerns this vehicle is kept.
+    /// Whether every limit that concerns this vehicle holds.
     #[must_use]
     pub fn accepts(&self, vehicle: &str) -> bool {
         let mut concerned = self
@@ -248,7 +288,7 @@ impl Review {
         concerned.peek().is_some() && concerned.all(|margin| margin.ok)
     }
 
-    /// Whether every limit is kept. A review without any margin has judged nothing and fails.
+    /// Whether every limit holds. A review without any margin has judged nothing and fails.
     #[must_use]
     pub fn passes(&self) -> bool {
         !self.margins.is_empty() && self.margins.iter().all(|margin| margin.ok)

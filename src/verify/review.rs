@@ -17,7 +17,7 @@ use super::limits::mission::Contract;
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::timeline::Timeline;
-use super::{Margin, Moment, Review, Track};
+use super::{Limit, Margin, Moment, Review, Track};
 
 /// One mission and the vehicle it is for.
 struct Sortie<'a> {
@@ -32,11 +32,11 @@ struct Sortie<'a> {
     flight: Flight,
 }
 
-/// Judges encoded missions against a spec, whoever made them.
+/// Judges encoded missions of any source against a spec.
 ///
-/// Each mission comes with the index of its vehicle in the spec. A vehicle
-/// without a mission fails; so does whatever cannot be judged. The ground is
-/// `world.terrain`; `world.ground` is never read.
+/// Each mission comes with the index of its vehicle in the spec. A vehicle without a mission
+/// fails, and so does a limit that cannot be judged. The ground is `world.terrain`; `world.ground`
+/// is never read.
 #[must_use]
 pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMission)]) -> Review {
     let mut margins = roll_call(spec, missions);
@@ -92,23 +92,19 @@ fn roll_call(spec: &MissionSpec, missions: &[(usize, &VehicleMission)]) -> Vec<M
     for (index, _) in missions {
         match counts.get_mut(*index) {
             Some(count) => *count += 1,
-            None => margins.push(Margin::unjudged(
-                "",
-                "mission",
-                format!("a mission for vehicle {index}, which the spec does not have"),
-            )),
+            None => {
+                let why = format!("a mission for vehicle {index}, which the spec does not have");
+                margins.push(Margin::unjudged("", Limit::Mission, why));
+            }
         }
     }
     for (vehicle, count) in spec.vehicles.iter().zip(counts) {
-        match count {
-            0 => margins.push(Margin::unjudged(&vehicle.id, "mission", "mission missing")),
-            1 => {}
-            _ => margins.push(Margin::unjudged(
-                &vehicle.id,
-                "mission",
-                format!("{count} missions for one vehicle"),
-            )),
-        }
+        let why = match count {
+            0 => "mission missing".to_owned(),
+            1 => continue,
+            _ => format!("{count} missions for one vehicle"),
+        };
+        margins.push(Margin::unjudged(&vehicle.id, Limit::Mission, why));
     }
     margins
 }
@@ -154,15 +150,15 @@ impl<'a> Sortie<'a> {
         let mut margins = contract.margins(self.home, fence);
         margins.extend(space.margins(id, &self.flight, fence));
         if home::counts_from_home(self.mission) {
-            home::tell_cost(&mut margins, self.stands.amsl);
+            home::note_cost(&mut margins, self.stands.amsl);
         }
         if let Err(why) = &self.fence {
-            margins.push(Margin::unjudged(id, "fence", why.clone()));
+            margins.push(Margin::unjudged(id, Limit::Fence, why.clone()));
         }
         let wind = spec.wind.filter(|wind| wind.speed_mps > 0.0);
         if self.vehicle.airframe.has_wing() && self.vehicle.carried_by() != wind {
             let why = "the wind of the spec is not the one that carries this wing";
-            margins.push(Margin::unjudged(id, "wind", why));
+            margins.push(Margin::unjudged(id, Limit::Wind, why));
         }
         margins.extend(space.rally_margins(id, self.mission, self.stands.amsl, fence));
         margins
@@ -176,7 +172,7 @@ impl<'a> Sortie<'a> {
 
     /// The ends of every flown chord. Velocity is constant between them, so nothing is lost.
     fn track(&self, world: &World) -> Track {
-        // A circle that is kept for ever is drawn once.
+        // A circle that is flown for ever is drawn once.
         let circles = self.flight.circle.map(|circle| circle.chord);
         let chords = self.flight.chords.iter().enumerate();
         let flown = chords.filter(|(index, chord)| chord.flown && Some(*index) != circles);
@@ -222,133 +218,137 @@ fn furthest_rally_m(sorties: &[Sortie<'_>]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// What the flight model takes for granted, as far as it was used.
-fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec<String> {
-    let any = |test: fn(&Sortie<'_>) -> bool| sorties.iter().any(test);
-    let mut list: Vec<String> = [
-        "legs are straight in the local frame, altitude linear with distance",
-        "corners are flown as arcs of the turn radius at unchanged speed; the legs are judged as far as the corner too",
-        "vehicles speed up and slow down with accel_mps2, climb and descend vertically with climb_mps and descent_mps",
-        "each vehicle stands on the ground at the place of its home row when its mission starts, and takes that for home",
-    ]
-    .map(str::to_owned)
-    .to_vec();
-    let mut add = |used: bool, text: &str| {
-        if used {
-            list.push(text.to_owned());
-        }
-    };
-    add(
-        any(|s| s.vehicle.airframe != Airframe::Plane),
+/// What the flight model assumes of every mission.
+const ASSUMED: [&str; 4] = [
+    "legs are straight in the local frame, altitude linear with distance",
+    "corners are flown as arcs of the turn radius at unchanged speed; the legs are judged as far as the corner too",
+    "vehicles speed up and slow down with accel_mps2, climb and descend vertically with climb_mps and descent_mps",
+    "each vehicle stands on the ground at the place of its home row when its mission starts, and takes that for home",
+];
+
+/// What the flight model assumes of some missions: the condition and the text.
+type Assumption = (fn(&Sortie<'_>) -> bool, &'static str);
+
+const ASSUMED_OF_SOME: &[Assumption] = &[
+    (
+        |s| s.vehicle.airframe != Airframe::Plane,
         "copters and vtol are up to 12 s late from their takeoff on, all of one autopilot and airframe alike, and up to 4.5 s more \
          after every stop: separation holds for any lateness up to that (measured on five ArduCopters 4.7.0-dev, simulated: \
          over their homes 6 s late, on their way 6 to 8.5 s, over a ridge 8 to 12 s, after a stop 4.4 s more, at most 0.9 m beside the way \
          and 1 m over or under it; of others assumed): those of one kind differ by up to 5.5 s, which time_slack_s must cover",
-    );
-    add(
-        any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter),
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
         "PX4 copters are up to 1.5 s later after every leg, and separation holds for any lateness up to that (measured on six PX4 1.16 alpha, simulated, still air: \
          6 to 10 s late over their homes, 1 to 1.7 s more after a corner or a change of slope, 20.7 s more after 23 legs, 4.6 s with a turn back, at most 2.1 m beside \
          the way and 2.2 m over or under it); that the airframe can fly the speed of the spec, also in a descent, is assumed: one that could not was 44 s late after 7 minutes",
-    );
-    add(
-        any(|s| {
+    ),
+    (
+        |s| {
             s.flight
                 .cruises
                 .iter()
                 .any(|cruise| cruise.speed_mps.is_none())
                 && s.mission.autopilot == Autopilot::Px4
-        }),
+        },
         "PX4 flies with the speed of the spec: MPC_XY_CRUISE (on a wing FW_AIRSPD_TRIM) as in its .params file",
-    );
-    add(
-        any(|s| {
+    ),
+    (
+        |s| {
             let is_launched = executor::is_launched(s.vehicle, s.mission.autopilot);
             is_launched && s.flight.delay_s.is_none() && s.vehicle.depart_s > 0.0
-        }),
+        },
         "PX4 vehicles, planes and vtol are started depart_s after T0 by whoever launches them",
-    );
-    add(
-        any(|s| s.holds(command::NAV_RETURN_TO_LAUNCH)),
+    ),
+    (
+        |s| s.holds(command::NAV_RETURN_TO_LAUNCH),
         "a return to launch climbs to return_amsl_m however near home it begins, flies straight home and lands at once: RTL_ALT, RTL_CONE_SLOPE and RTL_LOIT_TIME (PX4: RTL_RETURN_ALT, RTL_CONE_ANG and RTL_LAND_DELAY) as in the .params file of the vehicle",
-    );
-    add(
-        any(|s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED)),
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED),
         "PX4 obeys DO_CHANGE_SPEED: a copter was seen to stick or to drift off with it, leave it out and set MPC_XY_CRUISE",
-    );
-    add(
-        any(|s| home::counts_from_home(s.mission)),
+    ),
+    (
+        |s| home::counts_from_home(s.mission),
         "altitudes above home count from the ground under the home row; a home that lies lower, or is measured too high, takes as much from every clearance",
-    );
-    add(
-        any(|s| s.flight.follows_terrain),
+    ),
+    (
+        |s| s.flight.follows_terrain,
         "vehicles that follow the terrain have the same elevation data and keep their height above it exactly",
-    );
-    add(
-        any(|s| s.flight.takeoff_rad.is_some()),
+    ),
+    (
+        |s| s.flight.takeoff_rad.is_some(),
         "a plane stands on the course of its takeoff, runs with accel_mps2 on the ground, and climbs straight at its planned speed with climb_mps, no steeper than max_climb_deg, to the height of the takeoff item",
-    );
-    add(
-        any(|s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::ArduPilot),
+    ),
+    (
+        |s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::ArduPilot,
         "ArduPlane climbs out more steeply (4.7.0-dev, simulated: 10 m/s where 3 were planned, the height reached after 0.4 of the planned climb, \
          14 m over it for some seconds, at its start 8 s early): the ceiling is judged 14 m over that height and the way on from 0.4 of the climb, \
          separation counts with the height in between and with up to 9 s early; of PX4 the 9 s are assumed and the rest is not judged",
-    );
-    add(
-        any(|s| s.vehicle.airframe.has_wing()),
+    ),
+    (
+        |s| s.vehicle.airframe.has_wing(),
         "a wing flies at its planned indicated airspeed all the way, faster through thinner air as the standard atmosphere has it, on a warm day \
          by 1 % more for every 6 degrees, and turns with max_load_factor; turns of more than a right angle follow waypoints on the way around",
-    );
-    add(
-        any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
         "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else 15 m) at once, \
          and is 3.3 s of its climb under a slope upwards and as much over one downwards (measured: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s): \
          such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
-    );
-    add(
-        any(|s| {
+    ),
+    (
+        |s| {
             let is_quadplane =
                 s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
             is_quadplane && s.vehicle.wing.is_some_and(|wing| wing.wind.is_some())
-        }),
+        },
         "a QuadPlane drifts downwind as it climbs, with 0.31 of the wind and 3.6 s of it more until it is on its first leg (one flight, 4.7.0-dev, simulated, 5 m/s): \
          climb and first leg are judged there too; its landing is not",
-    );
-    add(
-        any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing()),
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
         "PX4 on a wing is 3.5 s of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
          such legs are judged there too, and with the altitude of their end NAV_LOITER_RAD before it, by its sources as well (neither was measured)",
-    );
-    add(
-        any(|s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing()),
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
         "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default 17 and 0.75), WP_RADIUS and ROLL_LIMIT_DEG, \
          at 0.7 of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
          2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; no wind)",
-    );
-    add(
-        any(|s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing()),
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
         "a wing of PX4 keeps to its legs and arcs: what it swings out of corners was not measured and is not judged",
-    );
-    add(
-        any(|s| s.flight.landing.is_some()),
+    ),
+    (
+        |s| s.flight.landing.is_some(),
         "a plane glides straight from the waypoint before its landing to the place of the landing: flare and roll are not judged; on a climb-out or glide the ground must stay half of the height above the runway below the vehicle, until that is min_agl_m",
-    );
-    add(
-        any(|s| s.flight.circle.is_some()),
+    ),
+    (
+        |s| s.flight.circle.is_some(),
         "a circle is entered between its tangent and the straight way to its middle, and from then on the vehicle may be anywhere on it",
-    );
-    add(
-        any(|s| s.vehicle.airframe == Airframe::Vtol),
+    ),
+    (
+        |s| s.vehicle.airframe == Airframe::Vtol,
         "a vtol climbs and lands vertically over its places, with climb_mps and descent_mps, and speeds up and slows down on its way with accel_mps2",
-    );
-    add(
-        any(|s| matches!(s.flight.end, Some(End::Stays(_))) && s.flight.circle.is_none()),
+    ),
+    (
+        |s| matches!(s.flight.end, Some(End::Stays(_))) && s.flight.circle.is_none(),
         "a vehicle that loiters, or whose mission ends in the air, hovers there for ever",
-    );
-    add(
-        world.terrain == Terrain::Unknown,
-        "the ground is not known: landings end at the altitude of home",
-    );
+    ),
+];
+
+/// What the flight model assumes and used.
+fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec<String> {
+    let used = ASSUMED_OF_SOME
+        .iter()
+        .filter(|(is_used, _)| sorties.iter().any(is_used))
+        .map(|(_, text)| *text);
+    let unknown = (world.terrain == Terrain::Unknown)
+        .then_some("the ground is not known: landings end at the altitude of home");
+    let texts = ASSUMED.into_iter().chain(used).chain(unknown);
+    let mut list: Vec<String> = texts.map(str::to_owned).collect();
     let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
     list.extend(assumptions::windy_copters(flown(), spec.wind));
     list.extend(assumptions::carried_wings(

@@ -12,6 +12,7 @@ use sortie::link::*;
 use sortie::mission::{Item, command};
 use sortie::simulator::{Surroundings, Vehicle};
 use sortie::spec::{Autopilot, OnLinkLoss, Vehicle as Spec};
+use sortie::verify::{Flown, Limit};
 
 /// Three side by side, a kilometre each; the second is a PX4, the third starts later.
 fn three() -> Vec<Spec> {
@@ -44,7 +45,10 @@ fn three_fly_their_plan_and_the_limits_hold() {
             assert!(passage.late_s().abs() < 15.0, "{passage:?}");
         }
     }
-    let separations = report.margins.iter().filter(|m| m.what == "separation");
+    let separations = report
+        .margins
+        .iter()
+        .filter(|m| m.limit == Limit::Separation);
     assert_eq!(separations.count(), 3, "each pair");
     // The delay is in the mission, and waited for once.
     let charlie = sky.fleet.flown().nth(2).expect("charlie").1;
@@ -73,7 +77,13 @@ fn the_shipped_fleet_flies_over_the_mountains_and_its_limits_hold() {
             assert!(passage.late_s().abs() < 25.0, "{passage:?}");
         }
     }
-    let of = |what: &str| report.margins.iter().filter(|m| m.what == what).count();
+    let of = |what: &str| {
+        report
+            .margins
+            .iter()
+            .filter(|m| m.limit.to_string() == what)
+            .count()
+    };
     assert_eq!((of("separation"), of("terrain clearance")), (3, 3));
     assert_eq!(of("threat radar-cross"), 3);
 }
@@ -124,7 +134,7 @@ fn a_flight_is_judged_alike_from_its_record_and_from_a_capture_of_its_links() {
             assert!((one.worst - two.worst).abs() < 0.05, "{one:?} {two:?}");
         }
         for (one, two) in first.margins.iter().zip(&again.margins) {
-            assert_eq!((&one.vehicle, &one.what), (&two.vehicle, &two.what));
+            assert_eq!((&one.vehicle, &one.limit), (&two.vehicle, &two.limit));
             let near = (one.value - two.value).abs() < 0.3;
             assert!(near, "{one:?} {two:?}");
         }
@@ -169,7 +179,9 @@ fn a_new_plan_counts_from_where_the_vehicle_says_that_it_holds_it() {
     };
     let worst = |record: &Record| {
         let report = judge(&plan.spec, &plan.world, record);
-        let of = |m: &&sortie::verify::Margin| m.vehicle == "alpha" && m.what == "threat popup-1";
+        let of = |m: &&sortie::verify::Margin| {
+            m.vehicle == "alpha" && m.limit == Limit::Threat("popup-1".to_owned())
+        };
         let found = report
             .margins
             .iter()
@@ -344,7 +356,7 @@ fn with_continue_the_others_fly_on_and_the_time_in_the_dark_is_in_the_report() {
     let report = plan.judge(&sky);
     let failed: Vec<_> = report.margins.iter().filter(|margin| !margin.ok).collect();
     assert_eq!(failed.len(), 1, "{failed:?}");
-    assert_eq!(failed[0].what, "longest time without a position");
+    assert_eq!(failed[0].limit, Limit::Flown(Flown::Gap));
     assert!((11.0..14.0).contains(&failed[0].value), "{failed:?}");
 }
 
@@ -424,19 +436,19 @@ fn a_vehicle_that_flies_another_way_breaks_limits_and_the_verdict_says_where() {
     sky.vehicles[0].handle(sky.now, US, &set);
     sky.fly_out();
     let report = plan.judge(&sky);
-    let failed: Vec<&str> = report
+    let failed: Vec<&Limit> = report
         .margins
         .iter()
         .filter(|margin| !margin.ok)
-        .map(|margin| margin.what.as_str())
+        .map(|margin| &margin.limit)
         .collect();
-    assert!(failed.contains(&"terrain clearance"), "{failed:?}");
+    assert!(failed.contains(&&Limit::TerrainClearance), "{failed:?}");
     let worst = report.vehicles[0].cross_track_m.expect("positions").worst;
     assert!(worst > 100.0, "{worst}");
     let low = report
         .margins
         .iter()
-        .find(|m| m.what == "terrain clearance")
+        .find(|m| m.limit == Limit::TerrainClearance)
         .expect("judged");
     assert!(
         (28.0..32.0).contains(&low.value) && low.at.is_some(),

@@ -4,6 +4,7 @@ use crate::support::{doctored, sky};
 use doctored::{failed, moved, says};
 use sky::{Sky, plan_shipped};
 use sortie::flight::*;
+use sortie::verify::{Flown, Limit};
 
 /// The times of a flight, so many times as fast.
 fn hasten(record: &mut Record, share: f64) {
@@ -73,8 +74,11 @@ fn a_wing_flies_no_mission_in_half_the_time() {
             fixes.for_each(|fix| fix.speed_mps *= told);
             let report = judge(&plan.spec, &plan.world, &record);
             let bad = report.margins.iter().filter(|margin| !margin.ok);
-            let bad: Vec<&str> = bad.map(|margin| margin.what.as_str()).collect();
-            assert!(bad.contains(&"ground speed held"), "{name}: {bad:?}");
+            let bad: Vec<&Limit> = bad.map(|margin| &margin.limit).collect();
+            assert!(
+                bad.contains(&&Limit::Flown(Flown::GroundSpeed)),
+                "{name}: {bad:?}"
+            );
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::support::doctored;
 use doctored::{failed, flown, moved, says, told};
 use sortie::flight::*;
 use sortie::geodesy::{Amsl, LatLon};
+use sortie::verify::{Flown, Limit};
 use support::place;
 
 /// The record as `fly` writes it.
@@ -52,12 +53,18 @@ fn an_honest_record_passes_and_every_proof_is_among_its_margins() {
     assert!(report.passes() && again.passes(), "{again:#?}");
     let ends: Vec<&str> = report.vehicles.iter().map(|v| v.end.as_str()).collect();
     assert_eq!(ends, ["landed", "landed", "loiters"]);
-    let of = |what: &str| report.margins.iter().filter(|m| m.what == what).count();
+    let of = |what: &str| {
+        report
+            .margins
+            .iter()
+            .filter(|m| m.limit.to_string() == what)
+            .count()
+    };
     for what in [
         "first position from home",
         "speed between two positions",
-        "beside the planned way",
-        "over or under the planned way",
+        "cross-track error",
+        "altitude error",
         "waypoints missed",
         "nearest to its goal",
         "last position from the planned end",
@@ -181,8 +188,8 @@ fn time_without_a_position_counts_to_the_end_that_was_told() {
     let (plan, _) = flown();
     let report = judge(&plan.spec, &plan.world, &read(&silent).expect("a record"));
     let bad = report.margins.iter().filter(|margin| !margin.ok);
-    let bad: Vec<(&str, &str)> = bad.map(|m| (m.vehicle.as_str(), m.what.as_str())).collect();
-    let what = "end of the flight";
+    let bad: Vec<(&str, &Limit)> = bad.map(|m| (m.vehicle.as_str(), &m.limit)).collect();
+    let what = &Limit::Flown(Flown::End);
     assert_eq!(bad, [("alpha", what), ("bravo", what)]);
 }
 
@@ -217,9 +224,9 @@ fn a_flight_beside_or_over_its_way_is_not_the_one_that_was_verified() {
         })
     };
     let bad = aside(-200.0, 0.0);
-    assert!(says(&bad, "alpha", "beside the planned way"), "{bad:?}");
+    assert!(says(&bad, "alpha", "cross-track error"), "{bad:?}");
     let bad = aside(0.0, 60.0);
-    let what = "over or under the planned way";
+    let what = "altitude error";
     assert!(says(&bad, "alpha", what), "{bad:?}");
     // A few metres are what positions are off, and corners cut.
     assert_eq!(aside(-8.0, 5.0), Vec::new());
@@ -234,7 +241,7 @@ fn who_is_told_to_hold_is_not_off_its_way_and_fails_by_its_end() {
             *fix = moved(fix, -200.0, 0.0);
         }
     });
-    assert!(!says(&bad, "alpha", "beside the planned way"), "{bad:?}");
+    assert!(!says(&bad, "alpha", "cross-track error"), "{bad:?}");
 }
 
 #[test]
@@ -246,7 +253,7 @@ fn altitudes_of_another_reference_do_not_pass() {
     });
     for what in [
         "first position from home",
-        "over or under the planned way",
+        "altitude error",
         "last position from the ground",
     ] {
         assert!(says(&bad, "alpha", what), "{what}: {bad:?}");
@@ -487,8 +494,8 @@ fn a_threat_between_two_positions_is_met() {
     let mut bad = report.margins.iter().filter(|margin| !margin.ok);
     let met = bad.next().expect("the pole is met");
     assert_eq!(
-        (met.vehicle.as_str(), met.what.as_str()),
-        ("alpha", "threat pole")
+        (met.vehicle.as_str(), &met.limit),
+        ("alpha", &Limit::Threat("pole".to_owned()))
     );
     assert!(met.value < -0.9 * radius_m, "{met:?}");
 }

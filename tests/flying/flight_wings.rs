@@ -12,6 +12,7 @@ use serde_json::Value;
 use sky::{Planned, Sky, plan, plan_shipped};
 use sortie::flight::*;
 use sortie::spec::*;
+use sortie::verify::Limit;
 use support::place;
 
 fn missions() -> PathBuf {
@@ -252,7 +253,7 @@ fn a_wind_that_nobody_told_of_drives_a_wing_into_a_threat_and_the_verdict_says_s
     );
     let broken: Vec<_> = report.margins.iter().filter(|m| !m.ok).collect();
     assert_eq!(broken.len(), 1, "{broken:#?}");
-    assert_eq!(broken[0].what, "threat mast");
+    assert_eq!(broken[0].limit, Limit::Threat("mast".to_owned()));
     assert!(broken[0].value < -5.0, "{broken:#?}");
     assert!(!report.passes());
 }

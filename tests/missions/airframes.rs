@@ -12,7 +12,7 @@ use sortie::geodesy::{Amsl, LatLon};
 use sortie::mission::{self, Item, VehicleMission, command};
 use sortie::path::time_route;
 use sortie::spec::*;
-use sortie::verify::{self, Margin, Review};
+use sortie::verify::{self, Limit, Margin, Review};
 use sortie::world::World;
 use support::{empty_spec, place, world};
 
@@ -109,14 +109,17 @@ fn failed(review: &Review) -> Vec<&Margin> {
 }
 
 fn names(margins: &[&Margin]) -> Vec<String> {
-    margins.iter().map(|margin| margin.what.clone()).collect()
+    margins
+        .iter()
+        .map(|margin| margin.limit.to_string())
+        .collect()
 }
 
-fn margin<'a>(review: &'a Review, what: &str) -> &'a Margin {
+fn margin(review: &Review, limit: Limit) -> &Margin {
     let mut all = review.margins.iter();
-    all.find(|margin| margin.what == what).unwrap_or_else(|| {
+    all.find(|margin| margin.limit == limit).unwrap_or_else(|| {
         panic!(
-            "no {what} in {:?}",
+            "no {limit} in {:?}",
             names(&review.margins.iter().collect::<Vec<_>>())
         )
     })
@@ -141,9 +144,9 @@ fn a_plane_climbs_out_flies_and_glides_to_its_place() {
                 Finish::Loiter => assert_eq!(last, Some(command::NAV_LOITER_UNLIM)),
                 Finish::Land | Finish::Return => {
                     assert_eq!(last, Some(command::NAV_LAND));
-                    let glide = margin(&review, "glide angle");
+                    let glide = margin(&review, Limit::GlideAngle);
                     assert!((glide.value - 6.0).abs() < 0.2, "{glide:?}");
-                    assert!(margin(&review, "takeoff and landing clearance").ok);
+                    assert!(margin(&review, Limit::TakeoffLandingClearance).ok);
                 }
             }
         }
@@ -197,7 +200,7 @@ fn a_hill_under_the_glide_fails_and_names_the_landing() {
     let failed = failed(&review);
     assert_eq!(names(&failed), ["takeoff and landing clearance"]);
     assert_eq!(failed[0].at.map(|at| at.item), Some(mission.items.len()));
-    assert!(failed[0].value < failed[0].limit && failed[0].value > 5.0);
+    assert!(failed[0].value < failed[0].bound && failed[0].value > 5.0);
 }
 
 #[test]
@@ -214,7 +217,7 @@ fn a_circle_that_touches_a_threat_fails_although_its_middle_is_clear() {
     spec.threats[0].radius_m = 90.0;
     let (_, review) = judged(&spec);
     assert_eq!(names(&failed(&review)), ["threat mast", "fence"]);
-    assert!((margin(&review, "threat mast").value + 10.0).abs() < 2.0);
+    assert!((margin(&review, Limit::Threat("mast".to_owned())).value + 10.0).abs() < 2.0);
 }
 
 #[test]
@@ -238,7 +241,7 @@ fn a_circle_is_kept_for_ever_and_others_stay_away_from_its_rim() {
     let route = time_route(&route, 0.0, 15.0, 2.5);
     let second = mission::build(&spec, &world, 1, &[route]).expect("a mission");
     let review = verify::review(&spec, &world, &[(0, &first), (1, &second)]);
-    let separation = margin(&review, "separation");
+    let separation = margin(&review, Limit::Separation);
     assert!(
         !separation.ok && (separation.value - 90.0).abs() < 1.0,
         "{separation:?}"
@@ -326,7 +329,7 @@ fn what_a_wing_does_on_its_own_is_not_judged() {
         let mut mission = built(&spec, &world);
         mission.items.last_mut().expect("items").command = command;
         let review = verify::review(&spec, &world, &[(0, &mission)]);
-        let judged = margin(&review, "items judged");
+        let judged = margin(&review, Limit::ItemsJudged);
         assert!(!judged.ok && judged.note.contains(why), "{judged:?}");
     }
 }
@@ -345,7 +348,7 @@ fn the_way_to_a_place_never_turns_more_tightly_than_the_plane_can() {
             landing.heading_rad = heading_rad;
         }
         let (_, review) = judged(&turned);
-        let fit = margin(&review, "turn fit");
+        let fit = margin(&review, Limit::TurnFit);
         assert!(fit.ok, "{heading_rad}: {fit:?}");
     }
 }
@@ -399,7 +402,7 @@ fn a_quadplane_is_judged_where_the_wind_drives_it_as_it_climbs() {
             radius_m: 50.0,
         });
         let (_, review) = judged(&in_wind(spec, 0.0, 5.0));
-        margin(&review, "threat mast").value
+        margin(&review, Limit::Threat("mast".to_owned())).value
     };
     let drifted_m = clearance_m(Autopilot::Px4) - clearance_m(Autopilot::ArduPilot);
     assert!((drifted_m - 42.8).abs() < 0.5, "{drifted_m}");
@@ -466,7 +469,7 @@ fn a_wind_too_strong_for_a_leg_fails_and_names_its_item() {
     let mission = built(&spec, &world);
     // 14.5 m/s against the takeoff eastward leave half a metre a second.
     let review = verify::review(&in_wind(spec, 90.0, 14.5), &world, &[(0, &mission)]);
-    let judged = margin(&review, "items judged");
+    let judged = margin(&review, Limit::ItemsJudged);
     assert!(
         !judged.ok && judged.note.contains("a course of 90 degrees at 15.0 m/s"),
         "{judged:?}"
@@ -612,7 +615,7 @@ fn clearance_over(
     };
     let review = verify::review(&spec, &world(&spec), &[(0, &mission)]);
     let flown_s = length_m(end) / spec.vehicles[0].speed_mps;
-    (margin(&review, "terrain clearance").value, flown_s)
+    (margin(&review, Limit::TerrainClearance).value, flown_s)
 }
 
 #[test]
@@ -689,7 +692,7 @@ fn clearance_outside_a_corner(autopilot: Autopilot) -> f64 {
     let route = time_route(&[stations.start, corner, stations.goal], 0.0, 15.0, 2.5);
     let mission = mission::build(&spec, &world, 0, &[route]).expect("a mission");
     let review = verify::review(&spec, &world, &[(0, &mission)]);
-    margin(&review, "threat mast").value
+    margin(&review, Limit::Threat("mast".to_owned())).value
 }
 
 #[test]

@@ -410,9 +410,8 @@ fn tables_and_account_are_made_of_the_runs() {
         "Friedman",
         "| one swarm, R = 0.1 |",
         "| FOA, S = 1/D |",
-        "What holds",
+        "## Claims of the paper",
         "| the default planner |",
-        "| MSFOA, scenario 2 |",
         "sortie study paper missions/paper/s1.yaml --out DIR --runs 2",
     ] {
         assert!(text.contains(wanted), "{wanted}");
@@ -434,15 +433,15 @@ fn a_mission_without_a_best_known_total_is_named_and_a_lower_total_is_kept_when_
         let done = sortie(&arguments).success();
         String::from_utf8(done.get_output().stdout.clone()).expect("text")
     };
-    let told = |what: &str| format!("{what} (--update keeps it)");
+    let told = |what: &str| format!("{what} (--update saves it)");
     let new = format!(
-        "not in {}, held against the best of these runs: first",
+        "not in {}, compared with the best of these runs: first",
         best.display()
     );
     let text = study("a", "500", &[]);
     assert!(text.contains(&told(&new)) && !best.exists(), "{text}");
     let text = study("b", "500", &["--update"]);
-    assert!(text.contains(&format!("{new} (kept)")), "{text}");
+    assert!(text.contains(&format!("{new} (updated)")), "{text}");
     let text = study("c", "4000", &[]);
     let below = format!("below the best known of {}: first", best.display());
     assert!(

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use sortie::geodesy::Amsl;
 use sortie::spec::{Finish, TerrainSource};
-use sortie::verify::{Margin, Moment, Review};
+use sortie::verify::{Limit, Margin, Moment, Review};
 
 use crate::facts::{HOSTILE, IDS, data_of, facts, hilly_spec, output, passing};
 
@@ -211,7 +211,7 @@ fn the_slider_moves_the_clock_and_every_cursor_and_no_limit_is_drawn_that_was_no
     without
         .review
         .margins
-        .retain(|margin| margin.what != "separation");
+        .retain(|margin| margin.limit != Limit::Separation);
     for (name, facts, limits) in [
         ("slider.html", with_limit, 1),
         ("no-limit.html", without, 0),
@@ -273,7 +273,7 @@ fn hostile_names_stay_text() {
     let mut facts = facts(spec);
     facts.review.assumptions.push(HOSTILE[2].to_owned());
     facts.review.margins[2].note = HOSTILE[0].to_owned();
-    facts.review.margins[2].what = HOSTILE[1].to_owned();
+    facts.review.margins[2].limit = Limit::Threat(HOSTILE[1].to_owned());
     let html = facts.html();
     assert_eq!(data_of(&html)["scene"]["vehicles"][0]["id"], HOSTILE[0]);
     let html = with_script(
@@ -315,7 +315,7 @@ fn pages_of_every_size_and_verdict_run_without_an_error() {
     let mut absurd = facts(hilly_spec(IDS));
     absurd.spec.name = "absurd".to_owned();
     absurd.review.margins[0].value = 1e308;
-    absurd.review.margins[1].limit = -1e308;
+    absurd.review.margins[1].bound = -1e308;
     absurd.world.threats[0].radius_m = 1e300;
     absurd.spec.separation.distance_m = 1e308;
     let html = absurd.html();

@@ -10,7 +10,7 @@ use sortie::path::TimedPoint;
 use sortie::plan::{FleetPlan, Route, VehiclePlan};
 use sortie::report::{ReviewInput, review_html, review_svg};
 use sortie::spec::*;
-use sortie::verify::{Margin, Moment, Review, Sense, Track};
+use sortie::verify::{Limit, Margin, Moment, Review, Sense, Track};
 use sortie::world::World;
 
 use crate::support::{copter, empty_spec, place, world};
@@ -336,14 +336,14 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
     for (index, track) in tracks.iter().enumerate() {
         let offset = f64::from(u8::try_from(index % 200).expect("small"));
         let mut add =
-            |what: &str, value: f64, limit: f64, unit, ok, at: Option<Moment>, note: &str| {
+            |limit: Limit, value: f64, bound: f64, unit, ok, at: Option<Moment>, note: &str| {
                 margins.push(Margin {
                     vehicle: track.vehicle.clone(),
                     other: None,
-                    what: what.to_owned(),
-                    value,
                     limit,
-                    sense: if (value >= limit) == ok {
+                    value,
+                    bound,
+                    sense: if (value >= bound) == ok {
                         Sense::AtLeast
                     } else {
                         Sense::AtMost
@@ -364,7 +364,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .expect("a track");
         add(
-            "terrain clearance",
+            Limit::TerrainClearance,
             lowest_m,
             60.0,
             "m",
@@ -376,7 +376,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
             let value =
                 90.0 + 400.0 * f64::from(u8::try_from(number).expect("few")) + 33.3 * offset;
             add(
-                &format!("threat {}", threat.id),
+                Limit::Threat(threat.id.clone()),
                 value,
                 0.0,
                 "m",
@@ -386,7 +386,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
             );
         }
         add(
-            "area",
+            Limit::Area,
             310.0 + offset,
             0.0,
             "m",
@@ -395,7 +395,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
             "",
         );
         add(
-            "climb angle",
+            Limit::ClimbAngle,
             9.2 + offset % 4.0,
             15.0,
             "deg",
@@ -404,7 +404,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
             "",
         );
         add(
-            "turn fit",
+            Limit::TurnFit,
             0.41,
             1.0,
             "",
@@ -412,9 +412,9 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
             Some(track.moments[150]),
             "",
         );
-        add("item count", 26.0, 200.0, "items", true, None, "");
+        add(Limit::ItemCount, 26.0, 200.0, "items", true, None, "");
         add(
-            "acceptance",
+            Limit::Acceptance,
             0.0,
             0.0,
             "rules",
@@ -429,9 +429,9 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
             margins.push(Margin {
                 vehicle: track.vehicle.clone(),
                 other: Some(other.vehicle.clone()),
-                what: "separation".to_owned(),
+                limit: Limit::Separation,
                 value: nearest_m,
-                limit: 100.0,
+                bound: 100.0,
                 sense: Sense::AtLeast,
                 unit: "m",
                 at: Some(at),
@@ -472,7 +472,7 @@ fn nearest(world: &World, track: &Track, other: &Track) -> (f64, Moment) {
 /// The same, every limit kept.
 pub(crate) fn passing(mut facts: Facts) -> Facts {
     for margin in facts.review.margins.iter_mut().filter(|margin| !margin.ok) {
-        margin.value = margin.limit + 1.4;
+        margin.value = margin.bound + 1.4;
         margin.ok = true;
     }
     facts

@@ -4,6 +4,7 @@ use std::fs;
 
 use sortie::plan::{Barrier, Change, Remedy};
 use sortie::spec::Vehicle;
+use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
 
 use crate::facts::{HOSTILE, IDS, data_of, facts, hilly_spec, output};
@@ -203,7 +204,7 @@ fn every_pair_is_on_the_timeline_once_worst_first() {
     let facts = facts(hilly_spec(IDS));
     let held = facts.review.margins.iter();
     let expected: Vec<f64> = held
-        .filter(|margin| margin.what == "separation")
+        .filter(|margin| margin.limit == Limit::Separation)
         .map(|margin| margin.value)
         .collect();
     assert!(!expected.is_empty());

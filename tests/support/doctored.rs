@@ -47,7 +47,9 @@ pub fn failed(doctor: impl FnOnce(&mut Record)) -> Vec<(String, String)> {
     doctor(&mut record);
     let report = judge(&plan.spec, &plan.world, &record);
     let bad = report.margins.iter().filter(|margin| !margin.ok);
-    let bad: Vec<_> = bad.map(|m| (m.vehicle.clone(), m.what.clone())).collect();
+    let bad: Vec<_> = bad
+        .map(|m| (m.vehicle.clone(), m.limit.to_string()))
+        .collect();
     let ended = report.vehicles.iter().all(|v| v.ended_as_planned);
     assert_eq!(report.passes(), bad.is_empty() && ended, "{report:#?}");
     bad

@@ -384,7 +384,7 @@ fn the_last_requested_item_is_sent_again_after_250_ms_but_never_the_final_one() 
 
 #[test]
 fn a_vehicle_whose_own_request_each_item_puts_off_is_left_room_for_it() {
-    let mut upload = upload(3).leaving_room(800);
+    let mut upload = upload(3).with_min_gap(800);
     hear(&mut upload, 0, Body::RequestInt { seq: 0 });
     sent(&mut upload);
     assert_eq!(wait(&mut upload), 250);
@@ -480,6 +480,19 @@ fn a_vehicle_that_gave_up_gets_the_count_again() {
     // Its echo does not start yet another one.
     hear(&mut machine, 8050, ack(MissionResult::OPERATION_CANCELLED));
     assert_eq!(sent(&mut machine), [""; 0]);
+}
+
+#[test]
+fn a_storm_of_cancellations_is_answered_four_times_a_second() {
+    let mut machine = upload(3);
+    let mut answers = 0;
+    for ms in 0..2000 {
+        hear(&mut machine, ms, Body::Request { seq: 0 });
+        hear(&mut machine, ms, ack(MissionResult::OPERATION_CANCELLED));
+        machine.handle_timeout(Time(ms));
+        answers += sent(&mut machine).len();
+    }
+    assert!((2..=2 * 8 + 2).contains(&answers), "{answers}");
 }
 
 #[test]

@@ -265,6 +265,29 @@ fn a_vehicle_behind_tcp_is_loaded_too() {
 }
 
 #[test]
+fn a_cut_connection_is_opened_again_and_the_transfer_goes_on() {
+    let vehicle = start(Profile::Px4, 1);
+    let address = vehicle.address();
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let link = Link::Tcp(listener.local_addr().expect("bound").to_string());
+    std::thread::spawn(move || {
+        let (first, _) = listener.accept().expect("a connection");
+        let cut = first.try_clone().expect("a stream");
+        std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_millis(700));
+            let _ = cut.shutdown(std::net::Shutdown::Both);
+        });
+        bridge(first, address);
+        let (second, _) = listener.accept().expect("another connection");
+        bridge(second, address);
+    });
+    let mission = mission(Autopilot::Px4, 12);
+    let report = upload(1, &link, &mission, false);
+    assert_eq!(report.verdict, Verdict::Verified, "{report:?}");
+    assert!(report.seconds > 0.7, "over before the cut: {report:?}");
+}
+
+#[test]
 fn a_vehicle_that_connects_to_us_is_loaded_too() {
     let vehicle = start(Profile::ArduPilot, 1);
     let ground = ports::unshared();

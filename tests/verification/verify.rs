@@ -12,7 +12,7 @@ use sortie::geodesy::{AboveHome, Agl, Amsl, LatLon, PlanPoint};
 use sortie::mission::{Home, Item, VehicleMission, build, command, frame};
 use sortie::path::TimedPoint;
 use sortie::spec::*;
-use sortie::verify::{Margin, Review, review};
+use sortie::verify::{Limit, Margin, Review, review};
 use sortie::world::{Terrain, TerrainGrid, World};
 use support::{copter, empty_spec, place, world};
 
@@ -31,28 +31,28 @@ fn failures(review: &Review) -> Vec<String> {
         .map(|m| {
             format!(
                 "{} {}: {} / {} {}",
-                m.vehicle, m.what, m.value, m.limit, m.note
+                m.vehicle, m.limit, m.value, m.bound, m.note
             )
         })
         .collect()
 }
 
-fn find<'a>(review: &'a Review, what: &str) -> &'a Margin {
+fn find(review: &Review, limit: Limit) -> &Margin {
     review
         .margins
         .iter()
-        .find(|margin| margin.what == what)
-        .unwrap_or_else(|| panic!("no margin {what} among {:#?}", review.margins))
+        .find(|margin| margin.limit == limit)
+        .unwrap_or_else(|| panic!("no margin {limit} among {:#?}", review.margins))
 }
 
 /// Only this margin fails.
-fn only_failure<'a>(review: &'a Review, what: &str) -> &'a Margin {
-    let margin = find(review, what);
-    assert!(!margin.ok, "{what} is kept: {margin:?}");
+fn only_failure(review: &Review, limit: Limit) -> &Margin {
+    let margin = find(review, limit);
+    assert!(!margin.ok, "the limit is kept: {margin:?}");
     let others: Vec<_> = review
         .margins
         .iter()
-        .filter(|m| !m.ok && m.what != what)
+        .filter(|m| !m.ok && m.limit != margin.limit)
         .collect();
     assert!(others.is_empty(), "also failed: {others:?}");
     margin
@@ -84,9 +84,9 @@ fn a_clean_straight_mission_passes_and_says_by_how_much() {
     let (spec, mission) = one();
     let review = judge(&spec, &[&mission]);
     assert!(review.passes(), "{:#?}", failures(&review));
-    let clearance = find(&review, "terrain clearance");
+    let clearance = find(&review, Limit::TerrainClearance);
     assert!((clearance.value - 80.0).abs() < 0.011, "{clearance:?}");
-    assert!((find(&review, "ceiling").value - 480.0).abs() < 0.011);
+    assert!((find(&review, Limit::Ceiling).value - 480.0).abs() < 0.011);
     let track = &review.tracks[0];
     let (first, last) = (track.moments[0], track.moments[track.moments.len() - 1]);
     assert!(metres_apart(first.place, west()) < 0.1 && metres_apart(last.place, east()) < 0.1);
@@ -133,7 +133,7 @@ fn the_track_of_a_long_survey_passes_every_waypoint() {
 fn a_mission_above_home_says_which_home_it_assumes_and_what_an_error_costs() {
     let (mut spec, mission) = one();
     assert!(
-        find(&judge(&spec, &[&mission]), "terrain clearance")
+        find(&judge(&spec, &[&mission]), Limit::TerrainClearance)
             .note
             .is_empty()
     );
@@ -146,8 +146,8 @@ fn a_mission_above_home_says_which_home_it_assumes_and_what_an_error_costs() {
         }
     }
     let review = judge(&spec, &[&above_home]);
-    let clearance = find(&review, "terrain clearance");
-    let spare_m = clearance.value - clearance.limit;
+    let clearance = find(&review, Limit::TerrainClearance);
+    let spare_m = clearance.value - clearance.bound;
     assert_eq!(
         clearance.note,
         format!(
@@ -171,7 +171,7 @@ fn a_leg_through_a_threat_fails_and_names_item_place_and_time() {
         radius_m: 1500.0,
     });
     let review = judge(&spec, &[&mission]);
-    let margin = only_failure(&review, "threat radar-1");
+    let margin = only_failure(&review, Limit::Threat("radar-1".to_owned()));
     // One hundredth of a degree of latitude at 36.3 N (WGS84): 1109.6 m.
     assert!((margin.value - (1109.6 - 1500.0)).abs() < 0.5, "{margin:?}");
     let worst = margin.at.expect("a place");
@@ -197,7 +197,7 @@ fn a_leg_between_two_fine_waypoints_that_cuts_a_hill_fails_at_the_hill() {
         }],
     };
     let review = judge(&spec, &[&mission]);
-    let margin = only_failure(&review, "terrain clearance");
+    let margin = only_failure(&review, Limit::TerrainClearance);
     assert!((margin.value - 20.0).abs() < 0.02, "{margin:?}");
     let worst = margin.at.expect("a place");
     assert_eq!(worst.item, 4);
@@ -224,13 +224,13 @@ fn steep_hills_beside_a_leg_leave_its_clearance_and_one_on_it_fails_it() {
     spec.terrain = terrain(&hills);
     let review = judge(&spec, &[&mission]);
     assert!(review.passes(), "{:#?}", failures(&review));
-    let margin = find(&review, "terrain clearance");
+    let margin = find(&review, Limit::TerrainClearance);
     assert!((margin.value - 80.0).abs() < 0.01, "{margin:?}");
     // The leg is straight in the plane: it bows from the parallel by a foot.
     hills.push(hill(36.300_002_61, -84.225));
     spec.terrain = terrain(&hills);
     let review = judge(&spec, &[&mission]);
-    let margin = only_failure(&review, "terrain clearance");
+    let margin = only_failure(&review, Limit::TerrainClearance);
     // The flight may be a millimetre beside the line, where it is 86 to 1 steep.
     assert!((-20.1..=-20.0).contains(&margin.value), "{margin:?}");
     let worst = margin.at.expect("a place");
@@ -254,11 +254,11 @@ fn a_waypoint_moved_onto_another_path_fails_the_pair_and_names_both() {
     );
     let passed = judge(&spec, &[&first, &apart]);
     assert!(passed.passes(), "{:#?}", failures(&passed));
-    let kept = find(&passed, "separation");
+    let kept = find(&passed, Limit::Separation);
     assert!((kept.value - 2219.0).abs() < 2.0, "{kept:?}");
     let moved = level(&beta, height_m, &[south(-84.30), middle(), south(-84.20)]);
     let review = judge(&spec, &[&first, &moved]);
-    let margin = only_failure(&review, "separation");
+    let margin = only_failure(&review, Limit::Separation);
     assert_eq!(
         (margin.vehicle.as_str(), margin.other.as_deref()),
         ("alpha", Some("beta"))
@@ -289,11 +289,11 @@ fn a_departure_delay_separates_crossing_vehicles_until_the_slack_eats_it() {
     let from_middle_m = metres_apart(north, middle()) - metres_apart(west(), middle());
     let apart_s = 40.0 + from_middle_m / 15.0;
     let expected_m = 15.0 * (apart_s - 5.0) / 2_f64.sqrt();
-    let value_m = find(&passed, "separation").value;
+    let value_m = find(&passed, Limit::Separation).value;
     assert!((value_m - expected_m).abs() < 1.0, "{value_m} {expected_m}");
     spec.separation.time_slack_s = apart_s - 2.0;
     let review = judge(&spec, &[&first, &late]);
-    let margin = only_failure(&review, "separation");
+    let margin = only_failure(&review, Limit::Separation);
     assert!(
         (margin.value - 15.0 * 2.0 / 2_f64.sqrt()).abs() < 1.0,
         "{margin:?}"
@@ -315,7 +315,7 @@ fn a_px4_copter_may_be_later_after_every_leg() {
         late.items.insert(0, delay(40.0));
         find(
             &judge(&empty_spec(vec![alpha, beta]), &[&first, &late]),
-            "separation",
+            Limit::Separation,
         )
         .value
     };
@@ -339,12 +339,12 @@ fn vertical_separation_counts_where_the_spec_has_one() {
     let low = level(&alpha, GROUND_M + 80.0, &[west(), east()]);
     let high = level(&beta, GROUND_M + 130.0, &[north, south]);
     let three = judge(&spec, &[&low, &high]);
-    assert!((only_failure(&three, "separation").value - 50.0).abs() < 0.05);
+    assert!((only_failure(&three, Limit::Separation).value - 50.0).abs() < 0.05);
     spec.separation.vertical_m = Some(30.0);
     let two = judge(&spec, &[&low, &high]);
     assert!(two.passes(), "{:#?}", failures(&two));
     spec.separation.vertical_m = Some(60.0);
-    let margin_m = only_failure(&judge(&spec, &[&low, &high]), "separation").value;
+    let margin_m = only_failure(&judge(&spec, &[&low, &high]), Limit::Separation).value;
     assert!(margin_m < 0.1, "{margin_m}");
 }
 
@@ -360,7 +360,7 @@ fn landed_vehicles_do_not_count_and_loitering_ones_stay_for_ever() {
     second.items.insert(0, delay(2000.0));
     let passed = judge(&spec, &[&first, &second]);
     assert!(passed.passes(), "{:#?}", failures(&passed));
-    let pair = find(&passed, "separation");
+    let pair = find(&passed, Limit::Separation);
     assert_eq!(pair.unit, "s");
     assert!(pair.value > 1000.0 && pair.note.contains("never in the air"));
     spec.vehicles[0].finish = Finish::Loiter;
@@ -373,7 +373,7 @@ fn landed_vehicles_do_not_count_and_loitering_ones_stay_for_ever() {
         height_m,
         0.0,
     );
-    let margin_m = only_failure(&judge(&spec, &[&staying, &second]), "separation").value;
+    let margin_m = only_failure(&judge(&spec, &[&staying, &second]), Limit::Separation).value;
     assert!(margin_m < 0.1);
 }
 
@@ -400,7 +400,7 @@ fn missing_elevation_on_the_way_fails_with_the_place_and_no_number() {
     let world = World::new(&spec, void_grid()).expect("ground under the stations");
     let mission = level(&vehicle, GROUND_M + 80.0, &[west(), middle(), east()]);
     let review = judge_in(&spec, &world, &[&mission]);
-    let margin = only_failure(&review, "terrain clearance");
+    let margin = only_failure(&review, Limit::TerrainClearance);
     assert!(margin.value.is_nan());
     let worst = margin.at.expect("a place");
     assert_eq!(worst.item, 4);
@@ -473,7 +473,7 @@ fn one_path_in_four_references_has_one_clearance() {
                 .any(|text| text.contains("follow the terrain")),
             [10, 11].contains(&frame)
         );
-        find(&review, "terrain clearance").value
+        find(&review, Limit::TerrainClearance).value
     })
     .collect();
     for value in &values {
@@ -495,22 +495,22 @@ fn altitudes_above_home_are_above_the_ground_there_whatever_the_home_row_says() 
     assert!(judge(&spec, &[&mission]).passes());
     mission.home.amsl_m -= 30.0;
     let review = judge(&spec, &[&mission]);
-    assert!((find(&review, "terrain clearance").value - 80.0).abs() < 0.01);
-    let home = find(&review, "home altitude");
+    assert!((find(&review, Limit::TerrainClearance).value - 80.0).abs() < 0.01);
+    let home = find(&review, Limit::HomeAltitude);
     assert!(!home.ok && (home.value - 30.0).abs() < 0.01, "{home:?}");
     // A wide tolerance is none for the altitude of home.
     let mut wide = spec.clone();
     wide.mission.tolerance_m = 50.0;
     mission.home.amsl_m = GROUND_M as f32 + 6.0;
     let review = judge(&wide, &[&mission]);
-    let home = only_failure(&review, "home altitude");
-    assert!((home.limit - 5.0).abs() < 1e-9, "{home:?}");
+    let home = only_failure(&review, Limit::HomeAltitude);
+    assert!((home.bound - 5.0).abs() < 1e-9, "{home:?}");
     mission.home = Home {
         x: 0,
         y: 0,
         amsl_m: 0.0,
     };
-    assert!(!find(&judge(&spec, &[&mission]), "home position").ok);
+    assert!(!find(&judge(&spec, &[&mission]), Limit::HomePosition).ok);
 }
 
 #[test]
@@ -520,7 +520,7 @@ fn returning_to_launch_fails_without_a_return_altitude_and_its_leg_is_judged_wit
     mission.items[last] = Item::without_place(command::NAV_RETURN_TO_LAUNCH, [0.0; 4]);
     spec.vehicles[0].finish = Finish::Return;
     let review = judge(&spec, &[&mission]);
-    let margin = find(&review, "items judged");
+    let margin = find(&review, Limit::ItemsJudged);
     assert!(
         !margin.ok && margin.note.contains("return_amsl_m"),
         "{margin:?}"
@@ -529,7 +529,7 @@ fn returning_to_launch_fails_without_a_return_altitude_and_its_leg_is_judged_wit
     spec.vehicles[0].return_amsl = Some(Amsl(600.0));
     let review = judge(&spec, &[&mission]);
     assert!(review.passes(), "{:#?}", failures(&review));
-    assert!((find(&review, "ceiling").value - 600.0).abs() < 0.01);
+    assert!((find(&review, Limit::Ceiling).value - 600.0).abs() < 0.01);
     let end = review.tracks[0].moments.last().copied().expect("a track");
     assert!(metres_apart(end.place, west()) < 0.1);
     // From a home in the north the way back alone crosses a hill.
@@ -546,7 +546,7 @@ fn returning_to_launch_fails_without_a_return_altitude_and_its_leg_is_judged_wit
         }],
     };
     let review = judge(&spec, &[&mission]);
-    let clearance = only_failure(&review, "terrain clearance");
+    let clearance = only_failure(&review, Limit::TerrainClearance);
     assert_eq!(clearance.at.expect("a place").item, last + 1);
     let told = |review: &Review, text: &str| {
         let mut assumptions = review.assumptions.iter();
@@ -574,7 +574,7 @@ fn legs_to_the_start_and_to_the_landing_keep_the_minimum_height_too() {
     assert!(judge(&spec, &[&joined]).passes());
     spec.terrain = hill(-84.315);
     let review = judge(&spec, &[&joined]);
-    let margin = only_failure(&review, "terrain clearance");
+    let margin = only_failure(&review, Limit::TerrainClearance);
     assert!((margin.value - 2.0).abs() < 0.02, "{margin:?}");
     assert_eq!(margin.at.expect("a place").item, 3);
     // A landing beyond the goal: the leg there is flown at the height of the goal.
@@ -583,10 +583,10 @@ fn legs_to_the_start_and_to_the_landing_keep_the_minimum_height_too() {
     let last = mission.items.len() - 1;
     mission.items[last] = land(beyond);
     let review = judge(&spec, &[&mission]);
-    let margin = find(&review, "terrain clearance");
+    let margin = find(&review, Limit::TerrainClearance);
     assert!(!margin.ok && (margin.value - 2.0).abs() < 0.02);
     assert_eq!(margin.at.expect("a place").item, last + 1);
-    assert!(find(&review, "ground contact").ok);
+    assert!(find(&review, Limit::GroundContact).ok);
 }
 
 #[test]
@@ -594,7 +594,7 @@ fn a_vehicle_that_only_goes_up_and_down_has_no_clearance_to_pass_with() {
     let (spec, mut mission) = one();
     mission.items = vec![takeoff(west(), 480.0), speed(15.0), land(west())];
     let review = judge(&spec, &[&mission]);
-    let margin = find(&review, "terrain clearance");
+    let margin = find(&review, Limit::TerrainClearance);
     assert!(!margin.ok && margin.note.contains("flies nowhere"));
 }
 
@@ -608,12 +608,12 @@ fn a_wide_acceptance_radius_and_a_precision_landing_fail_on_px4_alone() {
     spec.vehicles[0].autopilot = Autopilot::Px4;
     mission.autopilot = Autopilot::Px4;
     let review = judge(&spec, &[&mission]);
-    assert!(find(&review, "acceptance").note.contains("precision"));
-    assert!(!find(&review, "acceptance").ok);
+    assert!(find(&review, Limit::Acceptance).note.contains("precision"));
+    assert!(!find(&review, Limit::Acceptance).ok);
     mission.items[last].params[1] = 0.0;
     let review = judge(&spec, &[&mission]);
-    let margin = only_failure(&review, "acceptance radius");
-    assert!((margin.value - 300.0).abs() < 1e-9 && (margin.limit - 5.0).abs() < 1e-9);
+    let margin = only_failure(&review, Limit::AcceptanceRadius);
+    assert!((margin.value - 300.0).abs() < 1e-9 && (margin.bound - 5.0).abs() < 1e-9);
     let worst = margin.at.expect("a place");
     assert!(worst.item == 3 && metres_apart(worst.place, middle()) < 1.0);
     assert!(
@@ -647,14 +647,14 @@ fn a_fence_that_lost_a_part_fails_where_the_file_could_hold_it() {
     let world = world(&spec);
     let routes = [timed(&world, west(), east(), GROUND_M + 80.0)];
     let whole = build(&spec, &world, 0, &routes).expect("a mission");
-    assert!(find(&judge(&spec, &[&whole]), "fence complete").ok);
+    assert!(find(&judge(&spec, &[&whole]), Limit::FenceComplete).ok);
     let missing = |fence: Vec<Item>| {
         let mission = VehicleMission {
             fence,
             ..whole.clone()
         };
         let review = judge(&spec, &[&mission]);
-        only_failure(&review, "fence complete").note.clone()
+        only_failure(&review, Limit::FenceComplete).note.clone()
     };
     assert!(missing(Vec::new()).ends_with("area, zone town, threat radar-1"));
     assert!(missing(whole.fence[..7].to_vec()).ends_with(": threat radar-1"));
@@ -688,7 +688,7 @@ fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
         change(&mut mission);
         let review = judge(&spec, &[&mission]);
         assert!(!review.passes());
-        let margin = find(&review, "items judged").clone();
+        let margin = find(&review, Limit::ItemsJudged).clone();
         assert!(!margin.ok, "{margin:?}");
         margin.note
     };
@@ -752,8 +752,8 @@ fn px4_takes_an_altitude_of_zero_for_zero() {
     mission.autopilot = Autopilot::Px4;
     mission.items[2].z = 0.0;
     let review = judge(&spec, &[&mission]);
-    assert!(find(&review, "items judged").ok);
-    assert!(find(&review, "terrain clearance").value < -390.0);
+    assert!(find(&review, Limit::ItemsJudged).ok);
+    assert!(find(&review, Limit::TerrainClearance).value < -390.0);
 }
 
 #[test]
@@ -761,7 +761,7 @@ fn a_vehicle_without_a_mission_and_a_mission_without_a_vehicle_fail() {
     let (spec, mission) = one();
     let world = world(&spec);
     let none = review(&spec, &world, &[]);
-    assert!(!none.passes() && find(&none, "mission").note == "mission missing");
+    assert!(!none.passes() && find(&none, Limit::Mission).note == "mission missing");
     assert!(!review(&spec, &world, &[(0, &mission), (7, &mission)]).passes());
     assert!(!review(&spec, &world, &[(0, &mission), (0, &mission)]).passes());
     let empty = VehicleMission {
@@ -788,7 +788,7 @@ fn ardupilot_altitudes_are_judged_in_whole_centimetres() {
         }
     }
     let review = judge(&spec, &[&mission]);
-    let value = only_failure(&review, "terrain clearance").value;
+    let value = only_failure(&review, Limit::TerrainClearance).value;
     assert!((value - 79.99).abs() < 1e-6, "{value}");
 }
 
@@ -821,15 +821,15 @@ fn climbs_descents_and_turns_are_held_against_their_limits() {
     let steep = fly(vec![high(36.30, -84.29, 680.0), high(36.30, -84.25, 680.0)]);
     let review = judge(&spec, &[&steep]);
     assert!(review.passes(), "{:#?}", failures(&review));
-    assert!((find(&review, "climb angle").value - 12.55).abs() < 0.05);
-    assert!((find(&review, "climb speed").value - 3.33).abs() < 0.02);
+    assert!((find(&review, Limit::ClimbAngle).value - 12.55).abs() < 0.05);
+    assert!((find(&review, Limit::ClimbSpeed).value - 3.33).abs() < 0.02);
     spec.vehicles[0].max_climb_rad = Some(12_f64.to_radians());
-    let margin = only_failure(&judge(&spec, &[&steep]), "climb angle").clone();
+    let margin = only_failure(&judge(&spec, &[&steep]), Limit::ClimbAngle).clone();
     assert_eq!(margin.at.expect("a place").item, 3);
     spec.vehicles[0].max_climb_rad = None;
     spec.vehicles[0].climb_mps = 3.0;
     assert_eq!(
-        only_failure(&judge(&spec, &[&steep]), "climb speed")
+        only_failure(&judge(&spec, &[&steep]), Limit::ClimbSpeed)
             .at
             .expect("a place")
             .item,
@@ -841,7 +841,7 @@ fn climbs_descents_and_turns_are_held_against_their_limits() {
         high(36.3005, -84.2893, 480.0),
         high(36.3000, -84.2893, 480.0),
     ]);
-    let margin = only_failure(&judge(&spec, &[&zigzag]), "turn fit").clone();
+    let margin = only_failure(&judge(&spec, &[&zigzag]), Limit::TurnFit).clone();
     assert!(margin.value < -50.0, "{margin:?}");
 }
 
@@ -867,7 +867,7 @@ fn zones_count_below_their_ceiling_only() {
         let review = judge(&spec, &[&mission]);
         assert_eq!(review.passes(), ok, "{below:?}: {:#?}", failures(&review));
         if !ok {
-            let margin = only_failure(&review, "zone town");
+            let margin = only_failure(&review, Limit::Zone("town".to_owned()));
             // Half of the width of a hundredth of a degree: 449 m.
             assert!((margin.value + 449.0).abs() < 2.0, "{margin:?}");
             assert_eq!(margin.at.expect("a place").item, 3);
@@ -903,19 +903,19 @@ fn leaving_the_area_or_the_fence_fails() {
     ];
     let review = judge(&spec, &[&mission]);
     assert!(review.passes(), "{:#?}", failures(&review));
-    let kept = find(&review, "fence").value;
+    let kept = find(&review, Limit::Fence).value;
     assert!((kept - (887.7 - 500.0)).abs() < 1.0, "{kept}");
     mission.fence[4].params[0] = 900.0;
-    only_failure(&judge(&spec, &[&mission]), "fence");
+    only_failure(&judge(&spec, &[&mission]), Limit::Fence);
     mission.fence.pop();
     mission.fence.pop();
     assert!(
-        !find(&judge(&spec, &[&mission]), "fence").ok,
+        !find(&judge(&spec, &[&mission]), Limit::Fence).ok,
         "three of four corners"
     );
     mission.fence.clear();
     spec.area.north_east.lat_deg = 36.2999;
-    let margin = only_failure(&judge(&spec, &[&mission]), "area").clone();
+    let margin = only_failure(&judge(&spec, &[&mission]), Limit::Area).clone();
     assert!((margin.value + 11.1).abs() < 0.5, "{margin:?}");
 }
 
@@ -923,13 +923,13 @@ fn leaving_the_area_or_the_fence_fails() {
 fn an_ardupilot_mission_without_a_speed_item_cannot_be_timed() {
     let (spec, mut mission) = one();
     mission.items.remove(1);
-    let margin = only_failure(&judge(&spec, &[&mission]), "speed").clone();
+    let margin = only_failure(&judge(&spec, &[&mission]), Limit::Speed).clone();
     assert!(
         margin.value.is_nan() && margin.note.contains("WPNAV_SPEED"),
         "{margin:?}"
     );
     mission.items.insert(1, speed(10.0));
-    let margin = only_failure(&judge(&spec, &[&mission]), "speed").clone();
+    let margin = only_failure(&judge(&spec, &[&mission]), Limit::Speed).clone();
     assert!((margin.value - 5.0).abs() < 1e-6);
 }
 
@@ -1025,12 +1025,8 @@ fn a_rally_point_is_clear_of_the_ground_threats_and_zones_and_inside_the_area() 
     let good = rally(place(36.305, -84.26), 40.9);
     assert!(good.passes(), "{:#?}", failures(&good));
     // ArduPilot keeps whole metres.
-    assert!((find(&good, "rally 1").value - 40.0).abs() < 1e-6);
-    assert!(
-        find(&good, "rally 1 to threats and zones")
-            .note
-            .contains("mast")
-    );
+    assert!((find(&good, Limit::RallyClearance(1)).value - 40.0).abs() < 1e-6);
+    assert!(find(&good, Limit::RallyObstacles(1)).note.contains("mast"));
     let told = good
         .assumptions
         .iter()
@@ -1038,18 +1034,25 @@ fn a_rally_point_is_clear_of_the_ground_threats_and_zones_and_inside_the_area() 
     // 0.04 degrees of longitude and 0.005 of latitude from home at 36.3 N, 84.3 W (WGS84).
     assert!(told.expect("a limit").contains("3.64"), "{told:?}");
     assert!(
-        (only_failure(&rally(place(36.305, -84.26), 39.0), "rally 1").limit - 40.0).abs() < 1e-9
+        (only_failure(
+            &rally(place(36.305, -84.26), 39.0),
+            Limit::RallyClearance(1)
+        )
+        .bound
+            - 40.0)
+            .abs()
+            < 1e-9
     );
     let masked = rally(place(36.31, -84.252), 60.0);
-    let margin = only_failure(&masked, "rally 1 to threats and zones");
+    let margin = only_failure(&masked, Limit::RallyObstacles(1));
     assert!((margin.value - (179.7 - 300.0)).abs() < 0.5, "{margin:?}");
     let low = rally(place(36.282, -84.272), 100.0);
     assert!(
-        only_failure(&low, "rally 1 to threats and zones")
+        only_failure(&low, Limit::RallyObstacles(1))
             .note
             .contains("town")
     );
-    only_failure(&rally(place(36.10, -84.26), 60.0), "rally 1 in the area");
+    only_failure(&rally(place(36.10, -84.26), 60.0), Limit::RallyArea(1));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use sortie::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use sortie::mission::VehicleMission;
 use sortie::numeric::SpeedProfile;
 use sortie::spec::*;
-use sortie::verify::{Review, review};
+use sortie::verify::{Limit, Review, review};
 use sortie::world::{Terrain, TerrainGrid, World};
 use support::{copter, empty_spec, place};
 
@@ -288,12 +288,12 @@ fn rough() -> Terrain {
     })
 }
 
-fn value(review: &Review, what: &str) -> f64 {
+fn value(review: &Review, limit: Limit) -> f64 {
     review
         .margins
         .iter()
-        .find(|margin| margin.what == what)
-        .unwrap_or_else(|| panic!("no margin {what} among {:#?}", review.margins))
+        .find(|margin| margin.limit == limit)
+        .unwrap_or_else(|| panic!("no margin {limit} among {:#?}", review.margins))
         .value
 }
 
@@ -344,7 +344,7 @@ fn compare_in_space(
         sample.amsl.0 - ground.0
     };
     agree(
-        value(&review, "terrain clearance"),
+        value(&review, Limit::TerrainClearance),
         least(samples.iter().map(above_m)),
         rough_m,
     )?;
@@ -354,7 +354,7 @@ fn compare_in_space(
         at.east_m.hypot(at.north_m) - 700.0
     };
     agree(
-        value(&review, "threat radar"),
+        value(&review, Limit::Threat("radar".to_owned())),
         least(samples.iter().map(outside_m)),
         1.0,
     )
@@ -386,7 +386,7 @@ fn compare_in_time(
     let found_m = together_m(&one, &other, slack_steps);
     // Both move at most 15 m/s across and 5 up, and meet at most half a step from a sample.
     agree(
-        value(&review, "separation"),
+        value(&review, Limit::Separation),
         found_m,
         2.0 * 15.9 * 0.5 * EVERY_S + 0.2,
     )

@@ -9,7 +9,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 pub(super) use flight::{Fly, Replan};
-pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study};
+pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study, StudyFolder};
 
 use crate::spec::Airframe;
 

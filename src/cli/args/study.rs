@@ -3,35 +3,38 @@
 use std::path::PathBuf;
 
 use clap::Subcommand;
+use clap::builder::RangedU64ValueParser;
+
+use crate::study::MAX_DELIVERIES;
 
 #[derive(Debug, Subcommand)]
 pub(in crate::cli) enum Study {
-    /// Seven algorithms on three maps, many times
+    /// Run the paper's experiment: seven algorithms on three maps, many times
     Paper(Paper),
-    /// The default planner against the best paths known: many seeds, many missions
+    /// Compare the default planner with the best known plans: many seeds, many missions
     Planner(Planner),
-    /// Make one study of its shards
+    /// Merge the shards of a study
     Merge(Merge),
-    /// How many costs a second the objective gives on this machine
+    /// Measure costs per second of the objective on this machine
     Speed(Speed),
-    /// How planning grows with the fleet: time, memory, evaluations, violations, cost
+    /// Plan fleets of growing size: time, memory, evaluations, violations, cost
     Fleet(FleetStudy),
-    /// Write a mission spec made of a seed: ridges, belts of threats, dead ends, narrow passes
+    /// Generate a mission spec from a seed: ridges, belts of threats, dead ends, narrow passes
     Scenario(Scenario),
 }
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct FleetStudy {
-    /// Keep the missions and what was planned in this folder
+    /// Save missions and plans in this folder
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) out: Option<PathBuf>,
     /// Numbers of vehicles
-    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100,300,1000", value_parser = fleet_size)]
+    #[arg(long, value_name = "N,...", value_delimiter = ',', default_value = "1,3,10,30,100,300,1000", value_parser = number(1, MAX_DELIVERIES as u64))]
     pub(in crate::cli) sizes: Vec<usize>,
-    /// Objective evaluations for each plan
+    /// Objective evaluations of each plan
     #[arg(long, value_name = "N", default_value_t = 1000)]
     pub(in crate::cli) evaluations: usize,
-    /// Compare the cost of fleets of up to this many vehicles with that at 40 000 evaluations
+    /// Compare fleets of up to N vehicles with plans of 40 000 evaluations
     #[arg(long, value_name = "N", default_value_t = 100)]
     pub(in crate::cli) compare_to: usize,
     /// Print one JSON document instead of the table
@@ -39,12 +42,8 @@ pub(in crate::cli) struct FleetStudy {
     pub(in crate::cli) json: bool,
 }
 
-fn fleet_size(text: &str) -> Result<usize, String> {
-    let most = crate::study::MOST_DELIVERIES;
-    text.parse()
-        .ok()
-        .filter(|size| (1..=most).contains(size))
-        .ok_or_else(|| format!("not a number of vehicles from 1 to {most}"))
+fn number(min: u64, max: u64) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(min..=max)
 }
 
 #[derive(Debug, clap::Args)]
@@ -66,26 +65,37 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, clap::Args)]
 pub(in crate::cli) struct Scenario {
-    /// Which one of this difficulty
+    /// Seed; each gives another mission of the same difficulty
     #[arg(long, value_name = "N")]
     pub(in crate::cli) seed: u64,
     /// From 1 (5 threats, some kilometres) to 10 (40 threats, up to 200 km)
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u8).range(1..=10))]
     pub(in crate::cli) difficulty: u8,
-    /// The file to write instead of stdout
+    /// Write to a file instead of stdout
     #[arg(short, long, value_name = "FILE")]
     pub(in crate::cli) output: Option<PathBuf>,
 }
 
+/// The folder of a study and the part of it to make.
 #[derive(Debug, clap::Args)]
-pub(in crate::cli) struct Paper {
-    /// Maps (YAML with `frame: local`) instead of the three that come with the program
-    #[arg(value_name = "MAPS")]
-    pub(in crate::cli) maps: Vec<PathBuf>,
+pub(in crate::cli) struct StudyFolder {
     /// Output folder
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) out: PathBuf,
-    /// Runs of each algorithm on each map; a quarter of them of the planner and of variations
+    /// Run only part I of N, for `study merge`
+    #[arg(long, value_name = "I/N", value_parser = crate::cli::study::parse_shard)]
+    pub(in crate::cli) shard: Option<(usize, usize)>,
+    /// Continue the study in the folder
+    #[arg(long)]
+    pub(in crate::cli) resume: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct Paper {
+    /// Maps (YAML with `frame: local`) instead of the three shipped ones
+    #[arg(value_name = "MAPS")]
+    pub(in crate::cli) maps: Vec<PathBuf>,
+    /// Runs of each algorithm on each map; a quarter of that for the planner and for variations
     #[arg(long, value_name = "N", default_value_t = 40)]
     pub(in crate::cli) runs: usize,
     /// Iterations
@@ -100,21 +110,17 @@ pub(in crate::cli) struct Paper {
     /// Seed of the first run; each later run has the next
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(in crate::cli) seed: u64,
-    /// Also run MSFOA without its parts
+    /// Also run MSFOA without its parts, one at a time
     #[arg(long)]
     pub(in crate::cli) ablations: bool,
-    /// Also read what the paper leaves open in other ways
+    /// Also run other readings of what the paper leaves open
     #[arg(long)]
     pub(in crate::cli) readings: bool,
-    /// Search the objective as published, gaps and all; the default planner then stays away
+    /// Search the objective as published, gaps and all; excludes the default planner
     #[arg(long, alias = "printed-objective")]
     pub(in crate::cli) published_objective: bool,
-    /// Make only part I of N, for `study merge`
-    #[arg(long, value_name = "I/N", value_parser = crate::cli::study::parse_shard)]
-    pub(in crate::cli) shard: Option<(usize, usize)>,
-    /// Go on with what is in the folder
-    #[arg(long)]
-    pub(in crate::cli) resume: bool,
+    #[command(flatten)]
+    pub(in crate::cli) folder: StudyFolder,
 }
 
 #[derive(Debug, clap::Args)]
@@ -123,39 +129,32 @@ pub(in crate::cli) struct Planner {
     /// and the generated ones with the seeds 101 to 120
     #[arg(value_name = "SPECS")]
     pub(in crate::cli) specs: Vec<PathBuf>,
-    /// Generated missions of these seeds, beside SPECS
+    /// Add generated missions of these seeds to SPECS
     #[arg(long, value_name = "FIRST-LAST", value_parser = crate::cli::study::parse_range)]
     pub(in crate::cli) generated: Option<std::ops::RangeInclusive<u64>>,
     /// Folder of the shipped missions
     #[arg(long, value_name = "DIR", default_value = "missions")]
     pub(in crate::cli) missions: PathBuf,
-    /// Output folder
-    #[arg(long, value_name = "DIR")]
-    pub(in crate::cli) out: PathBuf,
     /// Runs on each mission with each budget
-    #[arg(long, value_name = "N", default_value_t = 40, value_parser = crate::cli::study::parse_count)]
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = number(1, 10_000))]
     pub(in crate::cli) seeds: usize,
     /// Seed of the first run; each later run has the next
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(in crate::cli) seed: u64,
     /// Evaluations for each vehicle
-    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [40_000, 10_000], value_parser = crate::cli::study::parse_budget)]
+    #[arg(long, value_name = "N,N", value_delimiter = ',', default_values_t = [40_000, 10_000], value_parser = number(100, 100_000_000))]
     pub(in crate::cli) evaluations: Vec<usize>,
     /// Also run the planner without its parts, one at a time
     #[arg(long)]
     pub(in crate::cli) ablations: bool,
-    /// The best costs known
+    /// File of the best known costs
     #[arg(long, value_name = "FILE", default_value = "missions/best-known.json")]
     pub(in crate::cli) best_known: PathBuf,
-    /// Lower the best costs known where a run is below them
+    /// Update the best known costs with lower ones
     #[arg(long)]
     pub(in crate::cli) update: bool,
-    /// Make only part I of N, for `study merge`
-    #[arg(long, value_name = "I/N", value_parser = crate::cli::study::parse_shard)]
-    pub(in crate::cli) shard: Option<(usize, usize)>,
-    /// Go on with what is in the folder
-    #[arg(long)]
-    pub(in crate::cli) resume: bool,
+    #[command(flatten)]
+    pub(in crate::cli) folder: StudyFolder,
     /// Print one JSON document instead of the table
     #[arg(long)]
     pub(in crate::cli) json: bool,
@@ -169,7 +168,7 @@ pub(in crate::cli) struct Merge {
     /// Output folder
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) out: PathBuf,
-    /// The best costs known, for a study of the planner
+    /// File of the best known costs, for a study of the planner
     #[arg(long, value_name = "FILE", default_value = "missions/best-known.json")]
     pub(in crate::cli) best_known: PathBuf,
 }

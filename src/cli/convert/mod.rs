@@ -152,7 +152,7 @@ fn converted(
     let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
     let is_list = document.is_list();
     let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
-    let mut lost = document.beside.clone();
+    let mut lost = document.dropped.clone();
     let home = home(&document, target, arguments, &mut assumed)?;
     let document = Document {
         home: Some(home),

@@ -121,7 +121,7 @@ impl<'a> Flying<'a> {
                 Arrival::Message(link, from, message) => {
                     fleet.handle(now, (link, from), &message);
                 }
-                Arrival::Twins(system) => {
+                Arrival::DuplicateSystem(system) => {
                     let what = "speaks from two addresses at once";
                     fleet.trouble(now, Some(system), what);
                 }

@@ -11,7 +11,7 @@ use crate::cli::print::table;
 use crate::cli::print::table::Rows;
 use crate::flight::{Event, Fleet, FlightReport, Spread, Status};
 use crate::link::Time;
-use crate::verify::Sense;
+use crate::verify::{Limit, Sense};
 
 /// Between two pictures of the table, milliseconds.
 const PICTURE_MS: u64 = 250;
@@ -122,10 +122,10 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
     for vehicle in &judged.vehicles {
         let latest = vehicle.passages.iter().map(crate::flight::Passage::late_s);
         let latest = latest.max_by(|a, b| a.abs().total_cmp(&b.abs()));
-        let own = |what: &str| {
-            let mut margins = judged.margins.iter();
-            margins.find(|m| m.vehicle == vehicle.vehicle && m.what == what)
-        };
+        let clearance = judged
+            .margins
+            .iter()
+            .find(|m| m.vehicle == vehicle.vehicle && m.limit == Limit::TerrainClearance);
         let kept = judged
             .margins
             .iter()
@@ -136,7 +136,7 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
             spread(vehicle.cross_track_m),
             spread(vehicle.altitude_error_m),
             latest.map_or_else(|| "-".to_owned(), |s| format!("{s:.0} s at most")),
-            own("terrain clearance")
+            clearance
                 .filter(|margin| margin.value.is_finite())
                 .map_or_else(|| "-".to_owned(), |m| format!("{:.0} m", m.value)),
             if kept && vehicle.ended_as_planned {
@@ -177,10 +177,10 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
         out(&format!(
             "{mark} {}{whom}: {} {} {} flown ({sign} {}){at} {}",
             margin.vehicle,
-            margin.what,
+            margin.limit,
             table::number(margin.value, 1),
             margin.unit,
-            table::number(margin.limit, 1),
+            table::number(margin.bound, 1),
             margin.note
         ))?;
     }

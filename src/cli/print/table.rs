@@ -6,7 +6,7 @@ use super::console::{Paint, out, out_lines, safe};
 use super::failure::Failure;
 use crate::numeric::digits;
 use crate::spec::Autopilot;
-use crate::verify::{Margin, Review, Sense};
+use crate::verify::{Limit, Margin, Review, Sense, Topic};
 
 /// With more rows than this, the lines between them are left out.
 const MAX_RULED: usize = 12;
@@ -107,13 +107,12 @@ fn number_against(value: f64, limit: f64, decimals: usize) -> String {
     }
 }
 
-/// The tightest margin of a vehicle among the limits that `selects` accepts: value and
-/// limit.
-pub(crate) fn tightest(review: &Review, vehicle: &str, selects: impl Fn(&str) -> bool) -> String {
+/// The tightest margin of a vehicle among the limits of some topics: value and limit.
+pub(crate) fn tightest(review: &Review, vehicle: &str, topics: &[Topic]) -> String {
     let worst = review
         .margins
         .iter()
-        .filter(|margin| margin.concerns(vehicle) && selects(&margin.what))
+        .filter(|margin| margin.concerns(vehicle) && topics.contains(&margin.limit.topic()))
         .min_by(|a, b| a.ok.cmp(&b.ok).then(a.slack().total_cmp(&b.slack())));
     let Some(margin) = worst else {
         return "-".to_owned();
@@ -121,20 +120,19 @@ pub(crate) fn tightest(review: &Review, vehicle: &str, selects: impl Fn(&str) ->
     let whom = match &margin.other {
         Some(other) if other != vehicle => format!(" to {other}"),
         Some(_) => format!(" to {}", margin.vehicle),
-        None => margin
-            .what
-            .split_once(' ')
-            .filter(|(kind, _)| ["threat", "zone"].contains(kind))
-            .map_or_else(String::new, |(_, id)| format!(" to {id}")),
+        None => match &margin.limit {
+            Limit::Threat(id) | Limit::Zone(id) => format!(" to {id}"),
+            _ => String::new(),
+        },
     };
     let mark = if margin.ok { "" } else { " FAIL" };
     if !margin.value.is_finite() {
         return format!("not known{whom}{mark}");
     }
-    let limit = number(margin.limit, 0);
+    let limit = number(margin.bound, 0);
     let value = match margin.ok {
         true => number(margin.value, 0),
-        false => number_against(margin.value, margin.limit, 0),
+        false => number_against(margin.value, margin.bound, 0),
     };
     format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
 }
@@ -155,15 +153,15 @@ pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> Vec<
 /// One margin in words: vehicles, limit, value, place and time.
 fn sentence(margin: &Margin, since: &str) -> String {
     let mut text = match &margin.other {
-        Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.what),
-        None => format!("{}: {}", margin.vehicle, margin.what),
+        Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.limit),
+        None => format!("{}: {}", margin.vehicle, margin.limit),
     };
     if margin.value.is_finite() {
         text += &format!(
             ": {} {unit}, {} {} {unit} allowed",
-            number_against(margin.value, margin.limit, 1),
+            number_against(margin.value, margin.bound, 1),
             sense(margin),
-            number(margin.limit, 1),
+            number(margin.bound, 1),
             unit = margin.unit
         );
     }

@@ -18,7 +18,7 @@ use crate::mission::{self, Item, VehicleMission};
 use crate::path::{TimedPoint, route_start_s, time_route};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
 use crate::spec::{AltitudeReference, EndPoint, Finish, MissionSpec, Placement, Vehicle};
-use crate::verify::{self, Margin};
+use crate::verify::{self, Limit, Margin};
 use crate::world::{Stations, World};
 use origin::Origin;
 
@@ -119,9 +119,9 @@ impl<'a> Present<'a> {
         &self.given.sorties.file.spec.vehicles[course.vehicle]
     }
 
-    fn problem(&mut self, course: &Course, what: &str, why: impl Into<String>) {
+    fn problem(&mut self, course: &Course, limit: Limit, why: impl Into<String>) {
         let id = &self.vehicle(course).id;
-        self.problems.push(Margin::unjudged(id, what, why));
+        self.problems.push(Margin::unjudged(id, limit, why));
     }
 
     /// A vehicle that flies from one point to another, and is at the first at a time.
@@ -224,7 +224,7 @@ impl<'a> Present<'a> {
             Ok(found) => found,
             Err(error) => {
                 self.drop_last();
-                self.problem(course, "encoding", error.to_string());
+                self.problem(course, Limit::Encoding, error.to_string());
                 return None;
             }
         };
@@ -244,7 +244,7 @@ impl<'a> Present<'a> {
         self.settle(vec![route], judged, Origin::new(course, now_s, rows));
         if renewed.is_none() {
             let why = "its items ahead are not one after the other";
-            self.problem(course, "items ahead", why);
+            self.problem(course, Limit::ItemsAhead, why);
         }
         renewed
     }

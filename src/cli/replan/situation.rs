@@ -7,7 +7,7 @@ use super::course::{Course, Parting};
 use crate::cli::fly::Sorties;
 use crate::geodesy::EastNorth;
 use crate::spec::{Threat, Vehicle};
-use crate::verify::{ITEMS_JUDGED, Margin, Review};
+use crate::verify::{Limit, Margin, Review};
 
 /// What is given: everyone's course, who is concerned and where each of those parts from
 /// its course, who flies through a threat all the same, and how long after T0 it is now.
@@ -205,15 +205,15 @@ impl Situation<'_> {
         };
         review.margins.retain(|margin| {
             let all_keep = keeps(&margin.vehicle) && margin.other.iter().all(keeps);
-            let is_known = margin.value.is_finite() && margin.what != ITEMS_JUDGED;
+            let is_known = margin.value.is_finite() && margin.limit != Limit::ItemsJudged;
             !all_keep || !is_known || self.popup_of(margin).is_some()
         });
     }
 
     /// The threat that came up and that a limit is about.
     fn popup_of(&self, margin: &Margin) -> Option<&Threat> {
-        let id = margin.what.strip_prefix("threat ")?;
-        self.popups.iter().find(|threat| threat.id == id)
+        let mut popups = self.popups.iter();
+        popups.find(|threat| margin.limit == Limit::Threat(threat.id.clone()))
     }
 
     /// Who keeps its course, and misses the threats all the same, is not bound to meet them; who
@@ -289,7 +289,7 @@ fn why(margin: &Margin, id: &str) -> String {
     let mut both = std::iter::once(&margin.vehicle).chain(&margin.other);
     let with = both.find(|one| *one != id);
     let with = with.map_or_else(String::new, |other| format!(" with {other}"));
-    let (what, unit) = (&margin.what, margin.unit);
+    let (limit, unit) = (&margin.limit, margin.unit);
     let value = if !margin.note.is_empty() {
         format!(": {}", margin.note)
     } else if margin.value.is_finite() {
@@ -297,5 +297,5 @@ fn why(margin: &Margin, id: &str) -> String {
     } else {
         String::new()
     };
-    format!("no new path for it passes verification, {what}{with}{value}")
+    format!("no new path for it passes verification, {limit}{with}{value}")
 }

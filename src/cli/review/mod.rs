@@ -103,7 +103,8 @@ fn with_spec(
         hand_out(&lists, &mut document);
         tell_losses(&file.spec.vehicles[*vehicle].id, path, &document);
         // Judged from the home of the spec, and that fails.
-        document.home.get_or_insert(NO_HOME);
+        let home = document.home.or_else(|| document.home_on(&world.terrain));
+        document.home = Some(home.unwrap_or(NO_HOME));
         let vehicle_of = &file.spec.vehicles[*vehicle];
         let mission = document
             .into_mission(vehicle_of.autopilot, vehicle_of.airframe)
@@ -413,10 +414,10 @@ fn tell(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<()
         };
         rows.add([
             who,
-            margin.what.clone(),
+            margin.limit.to_string(),
             value(margin.value),
-            if margin.limit.is_finite() {
-                format!("{} {}", table::sense(margin), value(margin.limit))
+            if margin.bound.is_finite() {
+                format!("{} {}", table::sense(margin), value(margin.bound))
             } else {
                 "-".to_owned()
             },

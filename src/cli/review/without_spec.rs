@@ -73,7 +73,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         let mut spec = parsed.spec;
         if spec.vehicles.len() == 1 {
             let mut vehicle = spec.vehicles.remove(0);
-            let home = home(&subject, limits, &mut assumed);
+            let home = home(&subject, limits, &spec, &mut assumed)?;
             fit(&mut vehicle, &subject, &home, index);
             if autopilot == Autopilot::ArduPilot && limits.takeoff_heading.is_none() {
                 // Which way it stands is in no file: where that matters, nothing is judged.
@@ -118,11 +118,12 @@ fn places(document: &Document) -> Vec<LatLon> {
         .flatten()
         .filter(|item| item.place().is_some())
         .map(|item| (item.x, item.y));
-    home.into_iter()
+    let places = home
+        .into_iter()
         .chain(of_items)
         .filter(|&place| place != (0, 0))
-        .filter_map(|(x, y)| LatLon::new(f64::from(x) / 1e7, f64::from(y) / 1e7).ok())
-        .collect()
+        .filter_map(|(x, y)| LatLon::new(f64::from(x) / 1e7, f64::from(y) / 1e7).ok());
+    document.home_place.into_iter().chain(places).collect()
 }
 
 /// The corners of a box around the places that are near the first.
@@ -250,17 +251,30 @@ fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -
     limits.speed.or(in_mission).unwrap_or(default)
 }
 
-/// Home as the file has it, or the flag; 0, 0 is none, which the verdict tells.
-fn home(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> Home {
+/// Home as the file has it, or the flag, or on the terrain; 0, 0 is none, and the verdict says so.
+fn home(
+    subject: &Subject,
+    limits: &Limits,
+    spec: &MissionSpec,
+    assumed: &mut Vec<String>,
+) -> Result<Home, Failure> {
     if let Some(home) = subject.document.home {
-        return home;
+        return Ok(home);
     }
     let Some(place) = limits.home else {
-        return Home {
+        let on_terrain = match subject.document.home_place {
+            Some(_) => subject.document.home_on(&terrain(spec, limits)?),
+            None => None,
+        };
+        if on_terrain.is_some() {
+            let text = format!("{}: home stands on the terrain of --terrain", subject.id);
+            assumed.push(text);
+        }
+        return Ok(on_terrain.unwrap_or(Home {
             x: 0,
             y: 0,
             amsl_m: 0.0,
-        };
+        }));
     };
     assumed.push(format!("{}: home is where --home says", subject.id));
     #[expect(clippy::cast_possible_truncation, reason = "checked with the flag")]
@@ -269,7 +283,7 @@ fn home(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> Home {
         y: (place.lon_deg * 1e7).round() as i32,
         amsl_m: place.amsl_m as f32,
     };
-    home
+    Ok(home)
 }
 
 /// Puts the prototype where the mission is: its home, its first place, its last.
@@ -318,23 +332,25 @@ fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
     }
 }
 
+/// The elevation of `--terrain` around the area.
+fn terrain(spec: &MissionSpec, limits: &Limits) -> Result<Terrain, Failure> {
+    let Some(path) = &limits.terrain else {
+        return Ok(Terrain::Unknown);
+    };
+    let bounds = Some(Bounds::around(&spec.area));
+    let grid = read_terrain(path, bounds).map_err(|error| {
+        let message = format!("--terrain {}: {error}", path.display());
+        Failure::new(Failure::INPUT, message)
+    })?;
+    Ok(Terrain::Grid(grid))
+}
+
 fn world(
     spec: &MissionSpec,
     missions: &[(usize, VehicleMission)],
     limits: &Limits,
 ) -> Result<World, Failure> {
-    let terrain = match &limits.terrain {
-        Some(path) => {
-            let bounds = Some(Bounds::around(&spec.area));
-            read_terrain(path, bounds)
-                .map(Terrain::Grid)
-                .map_err(|error| {
-                    let message = format!("--terrain {}: {error}", path.display());
-                    Failure::new(Failure::INPUT, message)
-                })?
-        }
-        None => Terrain::Unknown,
-    };
+    let terrain = terrain(spec, limits)?;
     // Stations need ground, of which there may be none; only homes are used of them.
     let mut world = World::new(spec, Terrain::Flat(Amsl(0.0)))
         .map_err(|error| Failure::new(Failure::INPUT, error.to_string()))?;

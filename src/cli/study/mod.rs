@@ -1,84 +1,71 @@
 //! `sortie study`: the experiments, whole or in shards.
 
-pub(super) mod fleet;
+mod fleet;
 mod planner;
 
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::path::Path;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::args;
 use super::print::console::{out, out_json, out_text};
 use super::print::failure::Failure;
-use crate::spec::SpecError;
 use crate::study::{
-    BestKnown, Config, ConfigError, Job, MapText, PlannerStudy, Results, Store, StoreError, Study,
-    merge, read_kind, run, scenario, shipped_maps, speed, write_results,
+    BestKnown, Config, ConfigError, Job, MapText, PlannerRun, PlannerStudy, Progress, Results,
+    Store, StoreError, Study, merge, planner_md, read_kind, run, scenario, speed, write_results,
+    write_whole,
 };
 
 pub(super) fn run_study(arguments: &args::Study) -> Result<(), Failure> {
     match arguments {
-        args::Study::Paper(arguments) => paper(arguments),
-        args::Study::Speed(arguments) => measured(arguments),
+        args::Study::Paper(arguments) => run_paper(arguments),
+        args::Study::Speed(arguments) => print_speed(arguments),
         args::Study::Fleet(arguments) => fleet::run(arguments),
-        args::Study::Scenario(arguments) => made(arguments),
+        args::Study::Scenario(arguments) => write_scenario(arguments),
         args::Study::Planner(arguments) => planner::run(arguments),
-        args::Study::Merge(arguments) => merged(arguments),
+        args::Study::Merge(arguments) => merge_shards(arguments),
     }
 }
 
-fn merged(arguments: &args::Merge) -> Result<(), Failure> {
-    let told = |runs: usize, study: String| {
-        out(&format!(
-            "{runs} runs of {study} in {}",
-            arguments.out.display()
-        ))
-    };
-    if read_kind::<PlannerStudy>(&arguments.shards) {
-        let (study, runs) = merge::<PlannerStudy>(&arguments.shards, &arguments.out)?;
+fn merge_shards(arguments: &args::Merge) -> Result<(), Failure> {
+    let folder = &arguments.out;
+    let (runs, hash) = if read_kind::<PlannerStudy>(&arguments.shards) {
+        let (study, runs) = merge::<PlannerStudy>(&arguments.shards, folder)?;
         let best = BestKnown::read(&arguments.best_known)?;
-        planner::write_table(&arguments.out, &study, &runs, &best)?;
-        return told(runs.len(), short(&study));
-    }
-    let (config, records) = merge::<Config>(&arguments.shards, &arguments.out)?;
-    write_results(
-        &arguments.out,
-        &Results::new(&config, &records)?,
-        &config.settings()?,
-    )?;
-    told(records.len(), short(&config))
+        write_planner_table(folder, &study, &runs, &best)?;
+        (runs.len(), study.short_hash())
+    } else {
+        let (config, records) = merge::<Config>(&arguments.shards, folder)?;
+        let results = Results::new(&config, &records)?;
+        write_results(folder, &results, &config.settings()?)?;
+        (records.len(), config.short_hash())
+    };
+    out(&format!(
+        "{runs} runs of study {hash} in {}",
+        folder.display()
+    ))
 }
 
-fn measured(arguments: &args::Speed) -> Result<(), Failure> {
+/// The table of a study of the planner as a file of its folder.
+fn write_planner_table(
+    folder: &Path,
+    study: &PlannerStudy,
+    runs: &[PlannerRun],
+    best: &BestKnown,
+) -> Result<(), StoreError> {
+    write_whole(&folder.join("RESULTS.md"), &planner_md(study, runs, best))
+}
+
+fn print_speed(arguments: &args::Speed) -> Result<(), Failure> {
     let of = speed(arguments.seconds)?;
     if arguments.json {
         let document = serde_json::to_value(&of).unwrap_or_default();
         return out_json(&document);
     }
-    out_text(&format!(
-        "{}, {}, costs a second:\n\
-         one thread, local candidates {:.0}, global {:.0}; plain reference {:.0}\n\
-         {} threads {:.0}; with a cutoff {:.0}; among two earlier vehicles {:.0}\n\
-         by the paper's objective: local {:.0}, global {:.0}, among two earlier vehicles {:.0}; \
-         plain reference {:.0}",
-        of.cpu,
-        of.dispatch,
-        of.fast_one_thread,
-        of.fast_global_one_thread,
-        of.reference_one_thread,
-        of.threads,
-        of.fast_all_threads,
-        of.fast_cutoff_one_thread,
-        of.fast_traffic_one_thread,
-        of.paper.fast_one_thread,
-        of.paper.fast_global_one_thread,
-        of.paper.fast_traffic_one_thread,
-        of.paper.reference_one_thread,
-    ))
+    out_text(&of.table())
 }
 
-fn made(arguments: &args::Scenario) -> Result<(), Failure> {
+fn write_scenario(arguments: &args::Scenario) -> Result<(), Failure> {
     let text = scenario(arguments.seed, arguments.difficulty);
     let Some(path) = &arguments.output else {
         return out_text(&text);
@@ -89,7 +76,7 @@ fn made(arguments: &args::Scenario) -> Result<(), Failure> {
     })
 }
 
-fn paper(arguments: &args::Paper) -> Result<(), Failure> {
+fn run_paper(arguments: &args::Paper) -> Result<(), Failure> {
     let config = Config {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         runs: arguments.runs,
@@ -100,116 +87,53 @@ fn paper(arguments: &args::Paper) -> Result<(), Failure> {
         readings: arguments.readings,
         published_objective: arguments.published_objective,
         control_points: arguments.control_points,
-        maps: maps(&arguments.maps)?,
+        maps: MapText::read(&arguments.maps)?,
     };
     let settings = config.settings()?;
-    let (part, parts) = arguments.shard.unwrap_or((1, 1));
-    let mut store = Store::open(&arguments.out, &config, arguments.resume)?;
     let jobs = Job::all(&config);
-    let mine = (0..jobs.len()).filter(|place| place % parts == part - 1);
-    let count = make(&mut store, mine, |open, done| {
-        let open: Vec<Job> = open.iter().map(|place| jobs[*place]).collect();
+    let (summary, whole) = complete(&config, &arguments.folder, |open, done| {
+        let open: Vec<Job> = open.iter().map(|index| jobs[*index]).collect();
         run(&config, &settings, &open, done);
     })?;
-    let is_whole = store.is_whole();
-    let records = store.finish()?;
-    if is_whole {
-        write_results(&arguments.out, &Results::new(&config, &records)?, &settings)?;
+    if let Some(records) = whole {
+        let results = Results::new(&config, &records)?;
+        write_results(&arguments.folder.out, &results, &settings)?;
     }
-    out(&format!(
-        "{count} runs made, {} of {} of {} in {}",
-        records.len(),
-        jobs.len(),
-        short(&config),
-        arguments.out.display()
-    ))?;
-    Ok(())
+    out(&summary)
 }
 
-/// Takes what a run left and the seconds it took; false when no more should be made.
-type Done<'a, R> = &'a (dyn Fn(R, f64) -> bool + Sync);
-
-/// Makes those of some runs, given by their places in the study, that are not finished,
-/// and keeps them; returns how many these were.
-fn make<S: Study>(
-    store: &mut Store<S>,
-    mine: impl Iterator<Item = usize>,
-    run: impl FnOnce(&[usize], Done<'_, S::Run>),
-) -> Result<usize, Failure>
-where
-    Store<S>: Send,
-{
-    let mine: Vec<usize> = mine.collect();
-    let open: Vec<usize> = mine
-        .iter()
-        .copied()
-        .filter(|place| !store.has(*place))
-        .collect();
-    let bar = progress(mine.len(), mine.len() - open.len());
-    let failed = {
-        let state = Mutex::new((store, None));
-        run(&open, &|record, seconds| {
-            bar.set_message(S::name(&record));
-            bar.inc(1);
-            let Ok(mut state) = state.lock() else {
-                return false;
-            };
-            if let Err(error) = state.0.keep(record, seconds) {
-                state.1 = Some(error);
-            }
-            state.1.is_none()
-        });
-        state.into_inner().ok().and_then(|state| state.1)
-    };
-    bar.finish_and_clear();
-    match failed {
-        Some(error) => Err(error.into()),
-        None => Ok(open.len()),
-    }
-}
-
-/// The beginning of a study's hash, enough for people.
-fn short(config: &impl Study) -> String {
-    format!(
-        "study {}",
-        config.hash().chars().take(12).collect::<String>()
-    )
-}
-
-/// What a file holds.
-fn read_text(path: &Path) -> Result<String, Failure> {
-    std::fs::read_to_string(path).map_err(|error| {
-        let message = format!("{}: cannot be read: {error}", path.display());
-        Failure::new(Failure::INPUT, message)
-    })
-}
-
-/// The maps that were named, or those that come with the program.
-fn maps(named: &[PathBuf]) -> Result<Vec<MapText>, Failure> {
-    if named.is_empty() {
-        return Ok(shipped_maps()
-            .into_iter()
-            .map(|(file, text)| MapText {
-                file: file.to_owned(),
-                text: text.to_owned(),
-            })
-            .collect());
-    }
-    named
-        .iter()
-        .map(|path| {
-            let text = read_text(path)?;
-            let file = path.file_name().unwrap_or(path.as_os_str());
-            let file = file.to_string_lossy().into_owned();
-            Ok(MapText { file, text })
-        })
-        .collect()
-}
-
-/// A bar on stderr; none when that is no terminal.
-fn progress(all: usize, done: usize) -> ProgressBar {
+/// Makes the unfinished runs of a shard. Returns a summary and, once the study is whole, all
+/// its runs.
+fn complete<S: Study>(
+    study: &S,
+    folder: &args::StudyFolder,
+    make: impl FnOnce(&[usize], &(dyn Fn(S::Run, f64) -> bool + Sync)),
+) -> Result<(String, Option<Vec<S::Run>>), Failure> {
+    let mut store = Store::open(&folder.out, study, folder.resume)?;
+    let bar = progress_bar();
     let count = |number: usize| u64::try_from(number).unwrap_or(u64::MAX);
-    let bar = ProgressBar::new(count(all)).with_position(count(done));
+    let show = |progress: Progress<'_>| {
+        bar.set_length(count(progress.all));
+        bar.set_position(count(progress.finished));
+        bar.set_message(progress.last.to_owned());
+    };
+    let made = store.fill(folder.shard.unwrap_or((1, 1)), make, &show);
+    bar.finish_and_clear();
+    let (made, is_whole) = (made?, store.is_whole());
+    let runs = store.finish()?;
+    let summary = format!(
+        "{made} runs made, {} of {} of study {} in {}",
+        runs.len(),
+        study.names().len(),
+        study.short_hash(),
+        folder.out.display()
+    );
+    Ok((summary, is_whole.then_some(runs)))
+}
+
+/// A bar on stderr, hidden unless stderr is a terminal.
+fn progress_bar() -> ProgressBar {
+    let bar = ProgressBar::new(0);
     if let Ok(style) =
         ProgressStyle::with_template("{wide_bar} {pos}/{len} runs, {elapsed}, {eta} left: {msg}")
     {
@@ -237,28 +161,13 @@ pub(super) fn parse_range(text: &str) -> Result<std::ops::RangeInclusive<u64>, S
         .ok_or_else(|| "not FIRST-LAST, such as 101-120".to_owned())
 }
 
-/// A number of runs.
-pub(super) fn parse_count(text: &str) -> Result<usize, String> {
-    number(text, 1..=10_000)
-}
-
-/// Evaluations, as many as a spec allows.
-pub(super) fn parse_budget(text: &str) -> Result<usize, String> {
-    number(text, 100..=100_000_000)
-}
-
-fn number(text: &str, range: std::ops::RangeInclusive<usize>) -> Result<usize, String> {
-    text.parse()
-        .ok()
-        .filter(|number| range.contains(number))
-        .ok_or_else(|| format!("not a number from {} to {}", range.start(), range.end()))
-}
-
 impl From<ConfigError> for Failure {
     fn from(error: ConfigError) -> Self {
         let code = match error {
             ConfigError::Number { .. } => Self::USAGE,
-            ConfigError::Map(SpecError { .. }) | ConfigError::SameName(_) => Self::INPUT,
+            ConfigError::Map(_) | ConfigError::SameName(_) | ConfigError::Unreadable { .. } => {
+                Self::INPUT
+            }
         };
         Self::new(code, error.to_string())
     }

@@ -1,21 +1,17 @@
-//! `sortie study planner`: how near the default planner comes to the best paths known.
+//! `sortie study planner`.
 
-use std::path::{Path, PathBuf};
+use std::ops::RangeInclusive;
 
-use super::{make, short};
+use super::{complete, write_planner_table};
 use crate::cli::args;
 use crate::cli::print::console::{out, out_json, out_text};
 use crate::cli::print::failure::Failure;
 use crate::study::{
-    BestKnown, MissionText, PlannerRun, PlannerStudy, Store, planner_json, planner_md, run_planner,
-    write_whole,
+    BestKnown, MissionText, PlannerRun, PlannerStudy, planner_json, planner_md, run_planner,
 };
 
 /// Seeds of the generated missions that no planner was tuned on.
-const UNSEEN: std::ops::RangeInclusive<u64> = 101..=120;
-
-/// Shipped missions of more vehicles are left to `study fleet`.
-const LARGE: usize = 10;
+const UNSEEN: RangeInclusive<u64> = 101..=120;
 
 pub(super) fn run(arguments: &args::Planner) -> Result<(), Failure> {
     let study = PlannerStudy {
@@ -28,33 +24,22 @@ pub(super) fn run(arguments: &args::Planner) -> Result<(), Failure> {
     };
     let arenas = study.arenas()?;
     let jobs = study.jobs();
-    let mut store = Store::open(&arguments.out, &study, arguments.resume)?;
-    let (part, parts) = arguments.shard.unwrap_or((1, 1));
-    let mine = (0..jobs.len()).filter(|place| place % parts == part - 1);
-    let count = make(&mut store, mine, |open, done| {
-        let open: Vec<_> = open.iter().map(|place| jobs[*place]).collect();
+    let (summary, whole) = complete(&study, &arguments.folder, |open, done| {
+        let open: Vec<_> = open.iter().map(|index| jobs[*index]).collect();
         run_planner(&study, &arenas, &open, done);
     })?;
-    let is_whole = store.is_whole();
-    let runs = store.finish()?;
-    if is_whole {
-        tell(arguments, &study, &runs)?;
+    if let Some(runs) = whole {
+        print_results(arguments, &study, &runs)?;
     }
-    if !arguments.json {
-        out(&format!(
-            "{count} runs made, {} of {} of {} in {}",
-            runs.len(),
-            jobs.len(),
-            short(&study),
-            arguments.out.display()
-        ))?;
+    if arguments.json {
+        return Ok(());
     }
-    Ok(())
+    out(&summary)
 }
 
-/// Writes the table into the folder and prints it; tells what costs less than the best
-/// known, and keeps it if that was asked for.
-fn tell(
+/// Writes the table into the folder and prints it. Prints the missions whose cost is below the
+/// best known, and updates the best known if requested.
+fn print_results(
     arguments: &args::Planner,
     study: &PlannerStudy,
     runs: &[PlannerRun],
@@ -66,17 +51,17 @@ fn tell(
     if arguments.update && !lowered.is_empty() {
         best.write(path)?;
     }
-    write_table(&arguments.out, study, runs, &best)?;
+    write_planner_table(&arguments.folder.out, study, runs, &best)?;
     if arguments.json {
         let mut document = planner_json(study, runs, &best);
         document["below_best_known"] = serde_json::json!(lowered);
         return out_json(&document);
     }
     out_text(&planner_md(study, runs, &best))?;
-    let kept = if arguments.update {
-        "kept"
+    let state = if arguments.update {
+        "updated"
     } else {
-        "--update keeps it"
+        "--update saves it"
     };
     let (below, new): (Vec<String>, Vec<String>) = lowered
         .into_iter()
@@ -84,66 +69,32 @@ fn tell(
     let path = path.display();
     if !below.is_empty() {
         let below = below.join(", ");
-        out(&format!("below the best known of {path}: {below} ({kept})"))?;
+        out(&format!(
+            "below the best known of {path}: {below} ({state})"
+        ))?;
     }
     if !new.is_empty() {
         let new = new.join(", ");
         out(&format!(
-            "not in {path}, held against the best of these runs: {new} ({kept})"
+            "not in {path}, compared with the best of these runs: {new} ({state})"
         ))?;
     }
     Ok(())
 }
 
-/// The table as a file of the study's folder.
-pub(super) fn write_table(
-    folder: &Path,
-    study: &PlannerStudy,
-    runs: &[PlannerRun],
-    best: &BestKnown,
-) -> Result<(), Failure> {
-    write_whole(&folder.join("RESULTS.md"), &planner_md(study, runs, best))?;
-    Ok(())
-}
-
-/// The missions that were named and generated; or else the paper's, all in the folder of
-/// shipped missions, and the generated ones that nothing was tuned on.
+/// The requested missions; by default the paper's, the shipped and the unseen generated ones.
 fn missions(arguments: &args::Planner) -> Result<Vec<MissionText>, Failure> {
-    let generated = |range: std::ops::RangeInclusive<u64>| -> Result<Vec<MissionText>, Failure> {
-        range
-            .map(|seed| Ok(MissionText::generated(seed)?))
-            .collect()
+    let is_default = arguments.specs.is_empty() && arguments.generated.is_none();
+    let (mut all, generated) = if is_default {
+        let mut all = MissionText::paper()?;
+        all.extend(MissionText::shipped(&arguments.missions)?);
+        (all, Some(UNSEEN))
+    } else {
+        let specs = MissionText::read(&arguments.specs)?;
+        (specs, arguments.generated.clone())
     };
-    if !arguments.specs.is_empty() || arguments.generated.is_some() {
-        let mut all = read(&arguments.specs)?;
-        if let Some(range) = arguments.generated.clone() {
-            all.extend(generated(range)?);
-        }
-        return Ok(all);
+    for seed in generated.into_iter().flatten() {
+        all.push(MissionText::generated(seed)?);
     }
-    let mut all: Vec<MissionText> = MissionText::paper()?;
-    let folder = &arguments.missions;
-    let unreadable = |error: std::io::Error| {
-        let message = format!("{}: cannot be read: {error}", folder.display());
-        Failure::new(Failure::INPUT, message)
-    };
-    let mut shipped: Vec<PathBuf> = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
-        let path = entry.map_err(unreadable)?.path();
-        if path.extension().is_some_and(|end| end == "yaml") {
-            shipped.push(path);
-        }
-    }
-    shipped.sort();
-    let fits = |mission: &MissionText| mission.vehicles <= LARGE;
-    all.extend(read(&shipped)?.into_iter().filter(fits));
-    all.extend(generated(UNSEEN)?);
     Ok(all)
-}
-
-fn read(paths: &[PathBuf]) -> Result<Vec<MissionText>, Failure> {
-    paths
-        .iter()
-        .map(|path| Ok(MissionText::parse(path, super::read_text(path)?)?))
-        .collect()
 }

@@ -6,7 +6,7 @@ use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
 use crate::numeric::geometry::point_segment_distance;
 use crate::spec::{Airframe, MissionSpec, Separation};
-use crate::verify::{Margin, Moment, Sense};
+use crate::verify::{Flown, Limit, Margin, Moment, Requirement, Sense};
 use crate::world::{Disc, World};
 
 /// On a climb-out or glide the ground must stay this share of the height above the runway below
@@ -34,7 +34,7 @@ impl FlownTrack<'_> {
         if self.fixes().is_empty() {
             return vec![Margin::unjudged(
                 self.id(),
-                "flight",
+                Limit::Flown(Flown::Recorded),
                 "no position was recorded",
             )];
         }
@@ -44,20 +44,10 @@ impl FlownTrack<'_> {
             let ground = world.terrain.height(fix.place);
             (ground.map_or(f64::NAN, |g| fix.amsl.above_ground(g).0), fix)
         });
-        let least = Bound {
-            what: "terrain clearance".to_owned(),
-            limit: spec.area.min_agl.0,
-            sense: Sense::AtLeast,
-            unit: "m",
-        };
+        let least = Requirement::at_least(Limit::TerrainClearance, spec.area.min_agl.0, "m");
         margins.extend(self.worst(least, clearance));
         margins.extend(self.slopes(spec, world));
-        let ceiling = Bound {
-            what: "ceiling".to_owned(),
-            limit: spec.area.max_amsl.0,
-            sense: Sense::AtMost,
-            unit: "m AMSL",
-        };
+        let ceiling = Requirement::at_most(Limit::Ceiling, spec.area.max_amsl.0, "m AMSL");
         margins.extend(self.worst(ceiling, self.fixes().iter().map(|f| (f.amsl.0, f))));
         let all = || self.fixes().iter().zip(self.points.iter().copied());
         let there = spec.threats.iter().zip(&world.threats);
@@ -68,12 +58,7 @@ impl FlownTrack<'_> {
             (&popup.threat, Disc { center, radius_m }, popup.from_s)
         });
         for (threat, disc, from_s) in there.chain(came) {
-            let rim = Bound {
-                what: format!("threat {}", threat.id),
-                limit: 0.0,
-                sense: Sense::AtLeast,
-                unit: "m",
-            };
+            let rim = Requirement::at_least(Limit::Threat(threat.id.clone()), 0.0, "m");
             let known = all().skip_while(|(fix, _)| fix.t_s < from_s);
             let known: Vec<(&Fix, PlanPoint)> = known.collect();
             // Between two positions too; the last of them is alone.
@@ -86,18 +71,15 @@ impl FlownTrack<'_> {
             });
             margins.extend(self.worst(rim, outside));
         }
-        let none = |what: String| Bound {
-            what,
-            limit: 0.0,
-            sense: Sense::AtMost,
-            unit: "positions",
-        };
+        let none = |limit: Limit| Requirement::at_most(limit, 0.0, "positions");
         for (zone, shape) in spec.no_fly.iter().zip(&world.zones) {
             let inside = all().filter(|(_, point)| shape.is_closed_at(*point));
-            margins.push(self.count(none(format!("zone {}", zone.id)), inside.map(|(f, _)| f)));
+            let zone = none(Limit::Zone(zone.id.clone()));
+            margins.push(self.count(zone, inside.map(|(f, _)| f)));
         }
         let outside = all().filter(|(_, point)| !world.in_area(point.at));
-        margins.push(self.count(none("outside the area".to_owned()), outside.map(|(f, _)| f)));
+        let area = none(Limit::Flown(Flown::OutsideArea));
+        margins.push(self.count(area, outside.map(|(f, _)| f)));
         margins
     }
 
@@ -140,19 +122,11 @@ impl FlownTrack<'_> {
             left_m if left_m.is_nan() => f64::INFINITY,
             left_m => -left_m,
         };
-        let (value, limit, at) = all
+        let (value, bound_m, at) = all
             .into_iter()
             .max_by(|a, b| badness(a).total_cmp(&badness(b)))?;
-        let bound = Bound {
-            what: "takeoff and landing clearance".to_owned(),
-            limit,
-            sense: Sense::AtLeast,
-            unit: "m",
-        };
-        Some(Margin {
-            ok: value >= limit,
-            ..bound.margin(self.id(), value, Some(at))
-        })
+        let required = Requirement::at_least(Limit::TakeoffLandingClearance, bound_m, "m");
+        Some(required.margin(self.id(), value, Some(at)))
     }
 
     /// Times of which nothing is known.
@@ -168,25 +142,22 @@ impl FlownTrack<'_> {
             .chain(before)
             .chain(after)
             .max_by(|a, b| a.0.total_cmp(&b.0));
-        let bound = Bound {
-            what: "longest time without a position".to_owned(),
-            limit: GAP_S,
-            sense: Sense::AtMost,
-            unit: "s",
-        };
-        self.worst(bound, longest.into_iter()).into_iter().collect()
+        let required = Requirement::at_most(Limit::Flown(Flown::Gap), GAP_S, "s");
+        self.worst(required, longest.into_iter())
+            .into_iter()
+            .collect()
     }
 
     /// The worst of values; one that is not a number is the worst of all.
     pub(crate) fn worst<'f>(
         &self,
-        bound: Bound,
+        required: Requirement,
         values: impl Iterator<Item = (f64, &'f Fix)>,
     ) -> Option<Margin> {
-        let badness = |value: f64| match bound.sense {
+        let badness = |value: f64| match required.sense {
             _ if value.is_nan() => f64::INFINITY,
-            Sense::AtLeast => bound.limit - value,
-            Sense::AtMost => value - bound.limit,
+            Sense::AtLeast => required.bound - value,
+            Sense::AtMost => value - required.bound,
         };
         let (value, fix) = values.max_by(|a, b| badness(a.0).total_cmp(&badness(b.0)))?;
         let note = if value.is_nan() {
@@ -195,20 +166,16 @@ impl FlownTrack<'_> {
             String::new()
         };
         Some(Margin {
-            ok: badness(value) <= 0.0,
             note,
-            ..bound.margin(self.id(), value, Some(moment(fix)))
+            ..required.margin(self.id(), value, Some(moment(fix)))
         })
     }
 
-    fn count<'f>(&self, bound: Bound, mut fixes: impl Iterator<Item = &'f Fix>) -> Margin {
+    fn count<'f>(&self, required: Requirement, mut fixes: impl Iterator<Item = &'f Fix>) -> Margin {
         let first = fixes.next();
         let more = u32::try_from(fixes.count()).unwrap_or(u32::MAX);
         let value = first.map_or(0.0, |_| 1.0 + f64::from(more));
-        Margin {
-            ok: first.is_none(),
-            ..bound.margin(self.id(), value, first.map(moment))
-        }
+        required.margin(self.id(), value, first.map(moment))
     }
 
     /// The motions in the air between two positions.
@@ -230,32 +197,6 @@ impl FlownTrack<'_> {
                 (motion, index)
             })
             .collect()
-    }
-}
-
-/// A limit without its value.
-pub(crate) struct Bound {
-    pub(crate) what: String,
-    pub(crate) limit: f64,
-    pub(crate) sense: Sense,
-    pub(crate) unit: &'static str,
-}
-
-impl Bound {
-    pub(crate) fn margin(self, vehicle: &str, value: f64, at: Option<Moment>) -> Margin {
-        Margin {
-            vehicle: vehicle.to_owned(),
-            other: None,
-            what: self.what,
-            value,
-            limit: self.limit,
-            sense: self.sense,
-            unit: self.unit,
-            at,
-            shift: None,
-            ok: false,
-            note: String::new(),
-        }
     }
 }
 
@@ -295,18 +236,13 @@ pub(crate) fn separation(
         t_s,
         ..moment(&first.fixes()[index])
     };
-    let bound = Bound {
-        what: "separation".to_owned(),
-        limit: limit.distance_m,
-        sense: Sense::AtLeast,
-        unit: "m",
-    };
+    let required = Requirement::at_least(Limit::Separation, limit.distance_m, "m");
     Some(Margin {
         other: Some(second.id().to_owned()),
         ok: match limit.vertical_m {
             None => value >= limit.distance_m,
             Some(_) => !conflict,
         },
-        ..bound.margin(first.id(), value, Some(at))
+        ..required.margin(first.id(), value, Some(at))
     })
 }

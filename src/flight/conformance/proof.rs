@@ -2,7 +2,6 @@
 //! verdict has proven of a plan holds near its way alone, and what a record says of an end
 //! without positions that show it is no more than a word.
 
-use super::limits::Bound;
 use super::reference::Waypoint;
 use super::{FlownTrack, GAP_S, Part};
 use crate::flight::launch::readiness::STANDS_M;
@@ -13,7 +12,9 @@ use crate::flight::session::end::End;
 use crate::flight::session::{LATE_S, LATE_SHARE};
 use crate::path::VehicleLimits;
 use crate::spec::{Airframe, AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::verify::{EARLY_SHARE, MOST_LAG_S, Margin, Moment, SLOPE_MIN_M, Sense};
+use crate::verify::{
+    EARLY_SHARE, Flown, Limit, MAX_LAG_S, Margin, Moment, Requirement, SLOPE_MIN_M,
+};
 use crate::world::World;
 
 /// Farther than this from its way a copter has left what was verified, metres: corners are cut
@@ -49,7 +50,7 @@ impl Tube {
         let slopes_mps = vehicle.climb_mps.max(vehicle.descent_mps);
         Self {
             across_m: BESIDE_M.max(turns_m),
-            up_m: BESIDE_M.max(SLOPE_MIN_M + MOST_LAG_S * slopes_mps),
+            up_m: BESIDE_M.max(SLOPE_MIN_M + MAX_LAG_S * slopes_mps),
         }
     }
 }
@@ -124,31 +125,22 @@ impl FlownTrack<'_> {
         let ground = world.terrain.height(first.place);
         let up_m = ground.map_or(f64::NAN, |ground| first.amsl.above_ground(ground).0);
         let flown_s = (first.t_s - self.since_s()).clamp(0.0, GAP_S);
-        let bound = Bound {
-            what: "first position from home".to_owned(),
-            limit: STANDS_M + flown_s * fastest_mps(vehicle),
-            sense: Sense::AtMost,
-            unit: "m",
-        };
+        let reach_m = STANDS_M + flown_s * fastest_mps(vehicle);
+        let required = at_most(Flown::FirstPosition, reach_m, "m");
         let away_m = home.home.at.distance_m(at.at).hypot(up_m);
-        self.worst(bound, std::iter::once((away_m, first)))
+        self.worst(required, std::iter::once((away_m, first)))
     }
 
     /// Between two positions no vehicle is much faster than it can be.
     fn leaps(&self, vehicle: &Vehicle) -> Option<Margin> {
-        let bound = Bound {
-            what: "speed between two positions".to_owned(),
-            limit: FASTER * fastest_mps(vehicle),
-            sense: Sense::AtMost,
-            unit: "m/s",
-        };
+        let required = at_most(Flown::Leap, FASTER * fastest_mps(vehicle), "m/s");
         let pairs = self.fixes().windows(2).zip(self.points.windows(2));
         let speeds = pairs.map(|(fixes, points)| {
             // Positions are off by so much, not vehicles fast.
             let gone_m = (points[0].distance_m(points[1]) - BESIDE_M).max(0.0);
             (gone_m / (fixes[1].t_s - fixes[0].t_s), &fixes[1])
         });
-        self.worst(bound, speeds)
+        self.worst(required, speeds)
     }
 
     /// How far it was beside its way, and over or under it, where that is worst.
@@ -167,27 +159,18 @@ impl FlownTrack<'_> {
                 up.push((of.above_m.abs(), tube.up_m, fix));
             }
         }
-        let [aside, up] = [
-            ("beside the planned way", aside),
-            ("over or under the planned way", up),
-        ]
-        .map(|(what, values)| self.furthest(what, values));
+        let [aside, up] = [(Flown::CrossTrack, aside), (Flown::Altitude, up)]
+            .map(|(limit, values)| self.furthest(limit, values));
         aside.into_iter().chain(up).collect()
     }
 
     /// The worst of distances, each with its own limit.
-    fn furthest(&self, what: &str, values: Vec<(f64, f64, &Fix)>) -> Option<Margin> {
+    fn furthest(&self, limit: Flown, values: Vec<(f64, f64, &Fix)>) -> Option<Margin> {
         let over_m = |of: &(f64, f64, &Fix)| of.0 - of.1;
         let worst = values.into_iter();
         let worst = worst.max_by(|a, b| over_m(a).total_cmp(&over_m(b)));
-        let (value, limit, fix) = worst?;
-        let bound = Bound {
-            what: what.to_owned(),
-            limit,
-            sense: Sense::AtMost,
-            unit: "m",
-        };
-        self.worst(bound, std::iter::once((value, fix)))
+        let (value, bound_m, fix) = worst?;
+        self.worst(at_most(limit, bound_m, "m"), std::iter::once((value, fix)))
     }
 
     /// Until a plane has passed the place after its climb-out it may be on a way of its own there.
@@ -225,12 +208,7 @@ impl FlownTrack<'_> {
                 }
             }
         }
-        let bound = Bound {
-            what: "waypoints missed".to_owned(),
-            limit: 0.0,
-            sense: Sense::AtMost,
-            unit: "waypoints",
-        };
+        let required = at_most(Flown::WaypointsMissed, 0.0, "waypoints");
         let count = u32::try_from(missed.len()).unwrap_or(u32::MAX);
         let first = missed.into_iter().next();
         let frame = parts.first().map(|part| part.plan.frame());
@@ -244,9 +222,8 @@ impl FlownTrack<'_> {
                 item: waypoint.item,
             });
         Margin {
-            ok: count == 0,
             note: first.map_or_else(String::new, |(_, why)| why),
-            ..bound.margin(self.id(), f64::from(count), at)
+            ..required.margin(self.id(), f64::from(count), at)
         }
     }
 
@@ -273,13 +250,8 @@ impl FlownTrack<'_> {
         let away = self.points.iter().map(|point| point.at.distance_m(goal));
         let nearest = away.zip(self.fixes());
         let (away_m, fix) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let bound = Bound {
-            what: "nearest to its goal".to_owned(),
-            limit: tube.across_m + circle_m,
-            sense: Sense::AtMost,
-            unit: "m",
-        };
-        self.worst(bound, std::iter::once((away_m, fix)))
+        let required = at_most(Flown::Goal, tube.across_m + circle_m, "m");
+        self.worst(required, std::iter::once((away_m, fix)))
     }
 
     /// It landed where the spec wants it to, whatever plan it was given.
@@ -290,31 +262,22 @@ impl FlownTrack<'_> {
             (Finish::Return, End::Landed) => stations.home.at,
             _ => return None,
         };
-        let bound = Bound {
-            what: "last position from where the spec ends".to_owned(),
-            limit: arrival::landing_m(self.airframe) + spec.mission.tolerance_m,
-            sense: Sense::AtMost,
-            unit: "m",
-        };
-        self.worst(bound, std::iter::once((place.distance_m(at.at), last)))
+        let bound_m = arrival::landing_m(self.airframe) + spec.mission.tolerance_m;
+        let required = at_most(Flown::Finish, bound_m, "m");
+        self.worst(required, std::iter::once((place.distance_m(at.at), last)))
     }
 
     /// So late that `fly` would have given it up. In a capture nobody knows when a vehicle was to
     /// start: whoever armed it late started it late.
     fn lateness(&self, ends_s: f64) -> Option<Margin> {
-        let bound = Bound {
-            what: "end of the flight".to_owned(),
-            limit: ends_s * (1.0 + LATE_SHARE) + LATE_S,
-            sense: Sense::AtMost,
-            unit: "s",
-        };
+        let required = at_most(Flown::End, ends_s * (1.0 + LATE_SHARE) + LATE_S, "s");
         let last = self.fixes().last()?;
         let Some(until_s) = self.flight.flown.until_s else {
             let why = "the record does not say when it ended";
-            return Some(Margin::unjudged(self.id(), bound.what, why));
+            return Some(Margin::unjudged(self.id(), required.limit, why));
         };
         let waited_s = (self.since_s() - self.departs_s()).max(0.0);
-        self.worst(bound, std::iter::once((until_s - waited_s, last)))
+        self.worst(required, std::iter::once((until_s - waited_s, last)))
     }
 
     /// The last positions show the end that the record tells of.
@@ -322,48 +285,39 @@ impl FlownTrack<'_> {
         let (Some(last), Some(part)) = (self.fixes().last(), self.parts().last()) else {
             return Vec::new();
         };
-        let at_most = |what: &str, limit: f64, unit| Bound {
-            what: what.to_owned(),
-            limit,
-            sense: Sense::AtMost,
-            unit,
-        };
         let away_m = arrival::away_m(part.plan, last.place);
-        let one = |bound: Bound, value: f64| self.worst(bound, std::iter::once((value, last)));
-        const AWAY: &str = "last position from the planned end";
+        let one = |of: Requirement, value: f64| self.worst(of, std::iter::once((value, last)));
         let margins = match self.flight.flown.end {
             End::Landed => {
                 let ground = world.terrain.height(last.place);
                 let up_m = ground.map_or(f64::NAN, |ground| last.amsl.above_ground(ground).0);
                 [
                     one(
-                        at_most(AWAY, arrival::landing_m(self.airframe), "m"),
+                        at_most(Flown::PlannedEnd, arrival::landing_m(self.airframe), "m"),
                         away_m,
                     ),
-                    one(
-                        at_most("last position from the ground", GROUND_M, "m"),
-                        up_m.abs(),
-                    ),
+                    one(at_most(Flown::Landed, GROUND_M, "m"), up_m.abs()),
                 ]
             }
             _ if self.airframe.has_wing() => {
                 let fixes = &self.fixes()[part.fixes.clone()];
                 let turned_deg = arrival::circled_rad(part.plan, fixes).to_degrees();
-                let turned = Bound {
-                    what: "turned on its circle".to_owned(),
-                    limit: TURNED_RAD.to_degrees(),
-                    sense: Sense::AtLeast,
-                    unit: "deg",
-                };
+                let limit = Limit::Flown(Flown::CircleTurned);
+                let turned = Requirement::at_least(limit, TURNED_RAD.to_degrees(), "deg");
                 [one(turned, turned_deg), None]
             }
             _ => [
-                one(at_most(AWAY, ARRIVED_M, "m"), away_m),
-                one(at_most("last speed", STILL_MPS, "m/s"), last.speed_mps),
+                one(at_most(Flown::PlannedEnd, ARRIVED_M, "m"), away_m),
+                one(at_most(Flown::LastSpeed, STILL_MPS, "m/s"), last.speed_mps),
             ],
         };
         margins.into_iter().flatten().collect()
     }
+}
+
+/// A limit of flown tracks alone, with its greatest value.
+pub(crate) fn at_most(limit: Flown, bound: f64, unit: &'static str) -> Requirement {
+    Requirement::at_most(Limit::Flown(limit), bound, unit)
 }
 
 /// The greatest speed in any direction, m/s.

@@ -1,12 +1,12 @@
 //! Whether what was flown can have been flown: no vehicle holds a pace that it cannot fly, and none
 //! gets further than the speed takes it that it tells itself.
 
-use super::limits::{Bound, moment};
-use super::proof::{BESIDE_M, at_its_fastest};
+use super::limits::moment;
+use super::proof::{BESIDE_M, at_its_fastest, at_most};
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::Fix;
 use crate::spec::{Airframe, Vehicle};
-use crate::verify::{Margin, Sense};
+use crate::verify::{Flown, Margin};
 
 /// A pace is held for so long, seconds, and so many times what clocks may be off in it.
 const HELD_S: f64 = 10.0;
@@ -62,17 +62,17 @@ impl FlownTrack<'_> {
             ..
         } = *vehicle;
         let paces = [
-            self.pace("ground speed held", &stretches, |of| {
+            self.pace(Flown::GroundSpeed, &stretches, |of| {
                 (of.across_m, by(fastest_mps, of) + BESIDE_M)
             }),
-            self.pace("ground covered by its own speed", &stretches, |of| {
+            self.pace(Flown::ReportedSpeed, &stretches, |of| {
                 let own_m = of.own_m + of.fastest_mps * off_s;
                 (of.across_m, OWN * own_m + BESIDE_M)
             }),
-            self.pace("climb rate held", &stretches, |of| {
+            self.pace(Flown::ClimbRate, &stretches, |of| {
                 (of.up_m, climbs(climb_mps, of))
             }),
-            self.pace("descent rate held", &stretches, |of| {
+            self.pace(Flown::DescentRate, &stretches, |of| {
                 (-of.up_m, climbs(descent_mps, of))
             }),
         ];
@@ -115,7 +115,7 @@ impl FlownTrack<'_> {
     /// The worst of how far it got, against how far it can have got; as speeds.
     fn pace(
         &self,
-        what: &str,
+        limit: Flown,
         stretches: &[Stretch<'_>],
         far: impl Fn(&Stretch<'_>) -> (f64, f64),
     ) -> Option<Margin> {
@@ -126,17 +126,12 @@ impl FlownTrack<'_> {
         let worst = stretches.iter();
         let worst = worst.max_by(|a, b| over_m(a).total_cmp(&over_m(b)))?;
         let (got_m, limit_m) = far(worst);
-        let bound = Bound {
-            what: what.to_owned(),
-            limit: limit_m / worst.took_s,
-            sense: Sense::AtMost,
-            unit: "m/s",
-        };
+        let required = at_most(limit, limit_m / worst.took_s, "m/s");
         Some(Margin {
             // Not `>`: what is no number is none that it can have flown.
             ok: got_m <= limit_m,
             note: format!("over {:.0} s", worst.took_s),
-            ..bound.margin(self.id(), got_m / worst.took_s, Some(moment(worst.fix)))
+            ..required.margin(self.id(), got_m / worst.took_s, Some(moment(worst.fix)))
         })
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn distance_m(from: Location, to: Location) -> (f32, f32) {
     )
 }
 
-/// The place so many metres away (`Location::offset_latlng`).
+/// The place at a distance (`Location::offset_latlng`).
 pub(super) fn offset(from: Location, north_m: i32, east_m: i32) -> Location {
     #[expect(
         clippy::cast_possible_truncation,

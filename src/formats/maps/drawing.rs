@@ -1,49 +1,59 @@
-//! What a map shows of one mission: its places, and the altitudes that are known.
+//! One mission as points and outlines for a map.
 
-use super::shape::{around, ring, round};
+use super::outline::{circumscribed, inscribed, ring};
 use crate::formats::plan::corner_count;
-use crate::geodesy::{AboveHome, Amsl, EastNorth, LatLon, LocalFrame};
+use crate::geodesy::{AboveHome, Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, command_name, frame};
+use crate::world::World;
 
-/// Commands up to this are flown to (`MAV_CMD_NAV_LAST`).
+/// Greatest command number of an item that is flown to (`MAV_CMD_NAV_LAST`).
 const LAST_FLOWN: u16 = 95;
-/// Circles beyond this are no fence of a vehicle, metres.
-const MOST_RADIUS_M: f64 = 1e6;
+/// Largest radius that is drawn, metres.
+const MAX_RADIUS_M: f64 = 1e6;
 
-/// A mission as a map shows it. Altitudes above terrain, and above a home that nothing
-/// tells, are not known and never guessed: such places lie flat.
+/// A mission as points and outlines for a map. Altitudes above terrain, and above an
+/// unknown home, are never guessed: such points have no altitude.
 #[derive(Debug)]
 pub struct Drawing<'a> {
-    pub(crate) home: Option<Spot>,
+    pub(crate) home: Option<MapPoint>,
     pub(crate) items: Vec<DrawnItem<'a>>,
     pub(crate) rally: Vec<DrawnItem<'a>>,
-    /// Where a breach of the fence returns to, and what else of a fence is a point.
+    /// Return point of the fence, and other fence items without an outline.
     pub(crate) returns: Vec<DrawnItem<'a>>,
     pub(crate) outlines: Vec<Outline>,
     flat: Vec<usize>,
     lost: Vec<String>,
 }
 
-/// A place, and how high.
+/// A point of a map; without an altitude it lies on the ground.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Spot {
+pub(crate) struct MapPoint {
     pub(crate) place: LatLon,
     pub(crate) amsl: Option<Amsl>,
 }
 
-/// An item by its number from 1, and where it is.
+impl MapPoint {
+    pub(crate) fn of(world: &World, point: PlanPoint) -> Self {
+        Self {
+            place: world.frame.from_plan(point.at),
+            amsl: Some(point.amsl),
+        }
+    }
+}
+
+/// An item, its number from 1 and its point.
 #[derive(Debug)]
 pub(crate) struct DrawnItem<'a> {
     pub(crate) number: usize,
     pub(crate) item: &'a Item,
-    pub(crate) spot: Option<Spot>,
+    pub(crate) point: Option<MapPoint>,
 }
 
 /// A fence polygon or circle.
 #[derive(Debug)]
 pub(crate) struct Outline {
     pub(crate) name: String,
-    /// To stay in, or to stay out of.
+    /// Whether vehicles must stay inside; otherwise outside.
     pub(crate) inclusion: bool,
     /// Closed, counter-clockwise.
     pub(crate) ring: Vec<LatLon>,
@@ -59,12 +69,12 @@ impl DrawnItem<'_> {
     }
 
     fn is_on_the_route(&self) -> bool {
-        self.spot.is_some() && self.item.command <= LAST_FLOWN
+        self.point.is_some() && self.item.command <= LAST_FLOWN
     }
 }
 
 impl<'a> Drawing<'a> {
-    /// Draws a mission; a home at latitude 0, longitude 0 is none.
+    /// The drawing of a mission; latitude 0, longitude 0 means no home.
     #[must_use]
     pub fn of(mission: &'a VehicleMission) -> Self {
         let home = mission.home;
@@ -75,7 +85,7 @@ impl<'a> Drawing<'a> {
                 .map(|(item, number)| DrawnItem {
                     number,
                     item,
-                    spot: spot(item, home_amsl),
+                    point: point_of(item, home_amsl),
                 })
                 .collect()
         };
@@ -83,7 +93,7 @@ impl<'a> Drawing<'a> {
             home: home_amsl.and_then(|amsl| {
                 let place = LatLon::new(f64::from(home.x) / 1e7, f64::from(home.y) / 1e7).ok()?;
                 let amsl = Some(amsl);
-                Some(Spot { place, amsl })
+                Some(MapPoint { place, amsl })
             }),
             items: drawn(&mission.items),
             rally: drawn(&mission.rally),
@@ -95,49 +105,46 @@ impl<'a> Drawing<'a> {
         let flat = drawing
             .items
             .iter()
-            .filter(|item| item.spot.is_some_and(|spot| spot.amsl.is_none()));
+            .filter(|item| item.point.is_some_and(|point| point.amsl.is_none()));
         drawing.flat = flat.map(|item| item.number).collect();
         drawing.fence(&mission.fence);
         drawing
     }
 
-    /// The places flown to, in order; none of them raised if one of them cannot be.
-    pub(crate) fn route(&self) -> Vec<Spot> {
+    /// The points flown to, in order; without altitudes if one of them has none.
+    pub(crate) fn route(&self) -> Vec<MapPoint> {
         let on_it = self.items.iter().filter(|item| item.is_on_the_route());
-        let mut spots: Vec<Spot> = on_it.filter_map(|item| item.spot).collect();
-        if spots.iter().any(|spot| spot.amsl.is_none()) {
-            for spot in &mut spots {
-                spot.amsl = None;
+        let mut points: Vec<MapPoint> = on_it.filter_map(|item| item.point).collect();
+        if points.iter().any(|point| point.amsl.is_none()) {
+            for point in &mut points {
+                point.amsl = None;
             }
         }
-        spots
+        points
     }
 
     /// Items without a place on a map.
     #[must_use]
     pub fn without_place(&self) -> Vec<usize> {
-        let lost = self.items.iter().filter(|item| item.spot.is_none());
+        let lost = self.items.iter().filter(|item| item.point.is_none());
         lost.map(|item| item.number).collect()
     }
 
-    /// Items with a place whose altitude above the sea is not known.
+    /// Items with a place whose altitude above mean sea level is unknown.
     #[must_use]
     pub fn without_altitude(&self) -> &[usize] {
         &self.flat
     }
 
-    /// What of the fence and the rally points cannot be drawn, one sentence each.
+    /// Parts of the fence and the rally points that cannot be drawn, one sentence each.
     #[must_use]
     pub fn lost(&self) -> Vec<String> {
         let mut lost = self.lost.clone();
-        for point in &self.rally {
-            match point.spot {
-                None => lost.push(format!("rally point {} has no place", point.number)),
-                Some(spot) if spot.amsl.is_none() => {
-                    let text = format!("the altitude of rally point {}", point.number);
-                    lost.push(text);
-                }
-                Some(_) => {}
+        for DrawnItem { number, point, .. } in &self.rally {
+            match point.map(|point| point.amsl) {
+                None => lost.push(format!("rally point {number} has no place")),
+                Some(None) => lost.push(format!("the altitude of rally point {number}")),
+                Some(Some(_)) => {}
             }
         }
         lost
@@ -159,15 +166,15 @@ impl<'a> Drawing<'a> {
                     self.returns.push(DrawnItem {
                         number,
                         item: first,
-                        spot: spot(first, None),
+                        point: point_of(first, None),
                     });
                     continue;
                 }
             };
             match drawn {
-                Some((shape, inclusion, ring)) => self.outlines.push(Outline {
+                Some((outline, inclusion, ring)) => self.outlines.push(Outline {
                     name: format!(
-                        "fence {number}: {shape} to stay {}",
+                        "fence {number}: {outline} to stay {}",
                         if inclusion { "in" } else { "out of" }
                     ),
                     inclusion,
@@ -181,8 +188,8 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// Where an item is, if its frame is global and its place is one.
-fn spot(item: &Item, home: Option<Amsl>) -> Option<Spot> {
+/// The point of an item, if its frame is global and its place valid.
+fn point_of(item: &Item, home: Option<Amsl>) -> Option<MapPoint> {
     let place = item.place().filter(|_| (item.x, item.y) != (0, 0))?;
     let z = f64::from(item.z);
     let amsl = match frame::canonical(item.frame) {
@@ -190,7 +197,7 @@ fn spot(item: &Item, home: Option<Amsl>) -> Option<Spot> {
         frame::GLOBAL_RELATIVE_ALT => home.map(|home| AboveHome(z).over(home)),
         _ => None,
     };
-    Some(Spot {
+    Some(MapPoint {
         place,
         amsl: amsl.filter(|amsl| amsl.0.is_finite()),
     })
@@ -200,23 +207,23 @@ type Shape = (&'static str, bool, Vec<LatLon>);
 
 fn polygon(first: &Item, others: &[Item]) -> Option<Shape> {
     let corners = std::iter::once(first).chain(others);
-    let places: Option<Vec<LatLon>> = corners.map(Item::place).collect();
-    let places = places.filter(|places| places.len() >= 3)?;
+    let corners: Option<Vec<LatLon>> = corners.map(Item::place).collect();
+    let corners = corners.filter(|corners| corners.len() >= 3)?;
     let inclusion = first.command == command::FENCE_POLYGON_INCLUSION;
-    Some(("polygon", inclusion, ring(places)))
+    Some(("polygon", inclusion, ring(corners)))
 }
 
 fn circle(item: &Item) -> Option<Shape> {
     let radius_m = f64::from(item.params[0]);
     let place = item.place()?;
-    let drawable = radius_m > 0.0 && radius_m <= MOST_RADIUS_M;
+    let drawable = radius_m > 0.0 && radius_m <= MAX_RADIUS_M;
     let center = EastNorth {
         east_m: 0.0,
         north_m: 0.0,
     };
     let inclusion = item.command == command::FENCE_CIRCLE_INCLUSION;
-    // Drawn on the safe side of what it is.
-    let outline = if inclusion { round } else { around };
+    // On the safe side: inclusion circles are drawn too small, exclusion circles too large.
+    let outline = if inclusion { inscribed } else { circumscribed };
     drawable.then(|| {
         let ring = outline(&LocalFrame::new(place), center, radius_m);
         ("circle", inclusion, ring)

@@ -7,9 +7,9 @@
 use ::geojson::{Feature, FeatureCollection, Geometry, GeometryValue, JsonObject, Position};
 use serde_json::{Value, json};
 
-use super::drawing::{Drawing, DrawnItem, Spot};
-use super::shape::{circle, ring, rounded};
-use crate::geodesy::{Amsl, Geoid, LatLon, PlanPoint};
+use super::drawing::{Drawing, DrawnItem, MapPoint};
+use super::outline::{circle, ring, rounded};
+use crate::geodesy::{Geoid, LatLon, PlanPoint};
 use crate::mission::command_name;
 use crate::path::TimedPoint;
 use crate::spec::MissionSpec;
@@ -47,7 +47,7 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
             ("start", stations.start),
             ("goal", stations.goal),
         ] {
-            let coordinates = raised(world, station);
+            let coordinates = position(MapPoint::of(world, station));
             features.push(feature(
                 GeometryValue::Point { coordinates },
                 &json!({ "kind": kind, "vehicle": vehicle.id, "amsl_m": metres(station) }),
@@ -84,8 +84,8 @@ pub fn write_mission(name: &str, drawing: &Drawing<'_>) -> String {
     }
     let route = drawing.route();
     if route.len() > 1 {
-        let coordinates = route.iter().map(|spot| spot_position(*spot)).collect();
-        let amsl_m: Vec<Option<f64>> = route.iter().map(|spot| amsl_m(*spot)).collect();
+        let coordinates = route.iter().map(|point| position(*point)).collect();
+        let amsl_m: Vec<Option<f64>> = route.iter().map(|point| amsl_m(*point)).collect();
         features.push(feature(
             GeometryValue::LineString { coordinates },
             &json!({ "kind": "route", "name": name, "amsl_m": amsl_m }),
@@ -107,29 +107,28 @@ pub fn write_mission(name: &str, drawing: &Drawing<'_>) -> String {
     collection(features)
 }
 
-/// An item with all that it says; JSON has no NaN, which is `null`.
+/// An item with all its fields; NaN is `null`, because JSON has no NaN.
 fn item_feature(kind: &str, drawn: &DrawnItem<'_>) -> Option<Feature> {
-    let spot = drawn.spot?;
+    let at = drawn.point?;
     let item = drawn.item;
     Some(feature(
-        point(spot),
+        point(at),
         &json!({
             "kind": kind, "item": drawn.number,
             "command": item.command, "command_name": command_name(item.command),
             "frame": item.frame, "autocontinue": item.autocontinue,
-            "params": item.params, "z_m": item.z, "amsl_m": amsl_m(spot),
+            "params": item.params, "z_m": item.z, "amsl_m": amsl_m(at),
         }),
     ))
 }
 
-fn point(spot: Spot) -> GeometryValue {
-    GeometryValue::Point {
-        coordinates: spot_position(spot),
-    }
+fn point(at: MapPoint) -> GeometryValue {
+    let coordinates = position(at);
+    GeometryValue::Point { coordinates }
 }
 
-fn amsl_m(spot: Spot) -> Option<f64> {
-    spot.amsl.map(|amsl| rounded(amsl.0, 1e2))
+fn amsl_m(point: MapPoint) -> Option<f64> {
+    point.amsl.map(|amsl| rounded(amsl.0, 1e2))
 }
 
 fn collection(features: Vec<Feature>) -> String {
@@ -154,7 +153,7 @@ fn feature(geometry: GeometryValue, properties: &Value) -> Feature {
 
 fn polygon(ring: Vec<LatLon>) -> GeometryValue {
     GeometryValue::Polygon {
-        coordinates: vec![ring.into_iter().map(position).collect()],
+        coordinates: vec![ring.into_iter().map(flat).collect()],
     }
 }
 
@@ -162,34 +161,27 @@ fn line(world: &World, path: &[TimedPoint]) -> GeometryValue {
     GeometryValue::LineString {
         coordinates: path
             .iter()
-            .map(|sample| raised(world, sample.point))
+            .map(|sample| position(MapPoint::of(world, sample.point)))
             .collect(),
     }
 }
 
-fn position(place: LatLon) -> Position {
+fn flat(place: LatLon) -> Position {
     Position::from([rounded(place.lon_deg, 1e7), rounded(place.lat_deg, 1e7)])
 }
 
-/// A position with its height above the ellipsoid.
-fn raised(world: &World, point: PlanPoint) -> Position {
-    raised_at(world.frame.from_plan(point.at), point.amsl)
-}
-
-fn raised_at(place: LatLon, amsl: Amsl) -> Position {
+/// Longitude, latitude and, if the altitude is known, height above the ellipsoid.
+fn position(point: MapPoint) -> Position {
+    let place = point.place;
+    let Some(amsl) = point.amsl else {
+        return flat(place);
+    };
     let height = amsl.above_ellipsoid(Geoid::egm96(), place);
     Position::from([
         rounded(place.lon_deg, 1e7),
         rounded(place.lat_deg, 1e7),
         rounded(height.0, 1e2),
     ])
-}
-
-fn spot_position(spot: Spot) -> Position {
-    match spot.amsl {
-        Some(amsl) => raised_at(spot.place, amsl),
-        None => position(spot.place),
-    }
 }
 
 fn metres(point: PlanPoint) -> f64 {

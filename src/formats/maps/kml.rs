@@ -1,17 +1,17 @@
-//! `fleet.kml`: what flies where, for Google Earth and its kin (OGC KML 2.2).
+//! `fleet.kml` for Google Earth and similar programs (OGC KML 2.2).
 //!
 //! Altitudes are absolute, which KML defines as above the EGM96 sea level: our AMSL.
 
 use std::fmt::Write;
 
-use super::drawing::{Drawing, DrawnItem, Spot};
-use super::shape::{circle, ring};
-use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use super::drawing::{Drawing, DrawnItem, MapPoint};
+use super::outline::{circle, ring};
+use crate::geodesy::{Amsl, LatLon};
 use crate::path::TimedPoint;
 use crate::spec::MissionSpec;
 use crate::world::World;
 
-/// Line colours of the vehicles in turn (`aabbggrr`), told apart by colour-blind eyes too.
+/// Line colours of the vehicles in turn (`aabbggrr`), distinct for colour-blind eyes too.
 const COLOURS: [&str; 6] = [
     "ffb27200", "ff009fe6", "ff739e00", "ffa779cc", "ff005ed5", "ffe9b456",
 ];
@@ -45,7 +45,8 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
             ("start", stations.start),
             ("goal", stations.goal),
         ] {
-            kml.point(&format!("{} {name}", vehicle.id), world, station);
+            let point = MapPoint::of(world, station);
+            kml.placemark(&format!("{} {name}", vehicle.id), point);
         }
         kml.close("Folder");
     }
@@ -53,10 +54,9 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
     kml.text
 }
 
-/// One mission as KML text: what is flown to, the route between, fence and rally points.
+/// One mission as KML text: items, the route between them, fence and rally points.
 ///
-/// Places whose altitude above the sea is not known lie on the ground, and so does the
-/// whole route when one of them is on it.
+/// Points of unknown altitude lie on the ground; one of them puts the whole route there.
 #[must_use]
 pub fn write_mission(name: &str, drawing: &Drawing<'_>) -> String {
     let mut kml = Kml::default();
@@ -77,9 +77,7 @@ pub fn write_mission(name: &str, drawing: &Drawing<'_>) -> String {
     kml.leaf("name", "Mission");
     kml.line_string("route", 0, &drawing.route());
     if let Some(home) = drawing.home {
-        kml.start_placemark("home", None);
-        kml.spot(home);
-        kml.close("Placemark");
+        kml.placemark("home", home);
     }
     for item in &drawing.items {
         kml.item(&item.name(), item);
@@ -177,11 +175,11 @@ impl Kml {
         }
         self.open("outerBoundaryIs");
         self.open("LinearRing");
-        let places: Vec<String> = ring
+        let tuples: Vec<String> = ring
             .iter()
             .map(|&place| coordinates(place, top.unwrap_or(Amsl(0.0))))
             .collect();
-        self.leaf("coordinates", &places.join(" "));
+        self.leaf("coordinates", &tuples.join(" "));
         self.close("LinearRing");
         self.close("outerBoundaryIs");
         self.close("Polygon");
@@ -190,41 +188,41 @@ impl Kml {
 
     /// A path with a curtain down to the ground.
     fn path(&mut self, name: &str, colour: usize, world: &World, path: &[TimedPoint]) {
-        let spots = path.iter().map(|sample| raised(world, sample.point));
-        self.line_string(&format!("{name} path"), colour, &spots.collect::<Vec<_>>());
+        let points = path.iter().map(|sample| MapPoint::of(world, sample.point));
+        self.line_string(&format!("{name} path"), colour, &points.collect::<Vec<_>>());
     }
 
-    /// A line of at least two places, with a curtain down to the ground if it is raised.
-    fn line_string(&mut self, name: &str, colour: usize, spots: &[Spot]) {
-        let [first, _, ..] = spots else { return };
+    /// A line of at least two points, with a curtain down to the ground if altitudes are known.
+    fn line_string(&mut self, name: &str, colour: usize, points: &[MapPoint]) {
+        let [first, _, ..] = points else { return };
         self.start_placemark(name, Some(&format!("path-{colour}")));
         self.open("LineString");
         if first.amsl.is_some() {
             self.leaf("extrude", "1");
         }
         self.leaf("altitudeMode", altitude_mode(*first));
-        let places: Vec<String> = spots.iter().map(|spot| spot_text(*spot)).collect();
-        self.leaf("coordinates", &places.join(" "));
+        let tuples: Vec<String> = points.iter().map(|point| coordinates_of(*point)).collect();
+        self.leaf("coordinates", &tuples.join(" "));
         self.close("LineString");
         self.close("Placemark");
     }
 
-    fn point(&mut self, name: &str, world: &World, point: PlanPoint) {
+    fn placemark(&mut self, name: &str, point: MapPoint) {
         self.start_placemark(name, None);
-        self.spot(raised(world, point));
+        self.point(point);
         self.close("Placemark");
     }
 
-    fn spot(&mut self, spot: Spot) {
+    fn point(&mut self, point: MapPoint) {
         self.open("Point");
-        self.leaf("altitudeMode", altitude_mode(spot));
-        self.leaf("coordinates", &spot_text(spot));
+        self.leaf("altitudeMode", altitude_mode(point));
+        self.leaf("coordinates", &coordinates_of(point));
         self.close("Point");
     }
 
-    /// An item, with what it says as text; nothing if it has no place.
+    /// An item with its fields as description; nothing if it has no place.
     fn item(&mut self, name: &str, drawn: &DrawnItem<'_>) {
-        let Some(spot) = drawn.spot else { return };
+        let Some(point) = drawn.point else { return };
         let item = drawn.item;
         self.start_placemark(name, None);
         let [a, b, c, d] = item.params;
@@ -235,35 +233,28 @@ impl Kml {
                 item.command, item.frame, item.z
             ),
         );
-        self.spot(spot);
+        self.point(point);
         self.close("Placemark");
     }
 }
 
-fn raised(world: &World, point: PlanPoint) -> Spot {
-    Spot {
-        place: world.frame.from_plan(point.at),
-        amsl: Some(point.amsl),
-    }
-}
-
-fn altitude_mode(spot: Spot) -> &'static str {
-    match spot.amsl {
+fn altitude_mode(point: MapPoint) -> &'static str {
+    match point.amsl {
         Some(_) => "absolute",
         None => "clampToGround",
     }
 }
 
-fn spot_text(spot: Spot) -> String {
-    coordinates(spot.place, spot.amsl.unwrap_or(Amsl(0.0)))
+fn coordinates_of(point: MapPoint) -> String {
+    coordinates(point.place, point.amsl.unwrap_or(Amsl(0.0)))
 }
 
-/// Longitude comes first, no spaces within.
+/// KML puts the longitude first and allows no spaces within a tuple.
 fn coordinates(place: LatLon, amsl: Amsl) -> String {
     format!("{:.7},{:.7},{:.2}", place.lon_deg, place.lat_deg, amsl.0)
 }
 
-/// Text without markup, and without characters that XML 1.0 has no way to write.
+/// Text without markup, and without the characters that XML 1.0 cannot hold.
 fn escaped(text: &str) -> String {
     text.chars()
         .filter(|&c| c >= ' ' || matches!(c, '\t' | '\n'))

@@ -3,4 +3,4 @@
 pub(super) mod drawing;
 pub mod geojson;
 pub mod kml;
-pub(super) mod shape;
+pub(super) mod outline;

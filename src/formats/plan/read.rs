@@ -2,24 +2,27 @@
 
 use serde_json::Value;
 
-use super::beside;
-use super::unambiguous::Unambiguous;
+use super::dropped;
+use super::unique_keys::UniqueKeys;
 use super::{FIRMWARE, airframe, altitude_mode};
+use crate::formats::document::{point_item, raised_item};
 use crate::formats::text::number::{coordinate, float};
-use crate::formats::{Document, FormatError, Repair, Spot};
+use crate::formats::{Document, FormatError, Repair, SourceLocation};
+use crate::geodesy::LatLon;
 use crate::mission::{Home, Item, command, frame};
 
-/// Reads a mission with its fence and rally points. Unknown keys are ignored.
+/// Reads a mission with its fence and rally points. Unknown keys end in
+/// [`Document::dropped`].
 ///
-/// Of complex items the flown items are read where the file holds them
-/// (surveys and corridors); landing patterns hold none and are refused.
+/// Of a complex item its flown items are read (surveys and corridors). Landing patterns
+/// and structure scans hold none and are rejected.
 ///
 /// # Errors
 /// [`FormatError::Text`] when it is no JSON; [`FormatError::Json`] with the path, and
 /// the item from 1, for everything else.
 pub fn read(text: &str) -> Result<Document, FormatError> {
     let plain = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let Unambiguous(plan) = serde_json::from_str(plain).map_err(|error| FormatError::Text {
+    let UniqueKeys(plan) = serde_json::from_str(plain).map_err(|error| FormatError::Text {
         line: error.line(),
         column: error.column(),
         found: without_place(&error),
@@ -36,19 +39,21 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     root.get("version").expect_version(1)?;
     let mut document = Document {
         is_fence_known: true,
-        beside: beside::of(&plan),
+        dropped: dropped::of(&plan),
         ..Document::default()
     };
     if plain.len() != text.len() {
         document
             .repairs
-            .push(told("", "a byte order mark was left out"));
+            .push(repair("", "a byte order mark was left out"));
     }
     mission(&root.get("mission"), &mut document)?;
     for part in ["geoFence", "rallyPoints"] {
         let node = root.get(part);
         if node.value.is_null() {
-            document.repairs.push(told(part, "missing: taken as empty"));
+            document
+                .repairs
+                .push(repair(part, "missing: taken as empty"));
         } else if part == "geoFence" {
             fence(&node, &mut document)?;
         } else {
@@ -58,21 +63,21 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
     Ok(document)
 }
 
-fn told(path: &str, what: &str) -> Repair {
+fn repair(path: &str, what: &str) -> Repair {
     Repair {
-        at: Spot::Json(path.to_owned()),
+        at: SourceLocation::Json(path.to_owned()),
         what: what.to_owned(),
     }
 }
 
-/// What a JSON error says, without the line and column that are told apart.
+/// The text of a JSON error without its line and column, which are fields of their own.
 fn without_place(error: &serde_json::Error) -> String {
     let text = error.to_string();
     let place = format!(" at line {} column {}", error.line(), error.column());
     text.strip_suffix(&place).unwrap_or(&text).to_owned()
 }
 
-/// A value and where it is.
+/// A value and its path.
 #[derive(Clone)]
 struct Node<'a> {
     value: &'a Value,
@@ -155,25 +160,22 @@ impl<'a> Node<'a> {
 
     fn scaled(&self, frame: u8) -> Result<i32, FormatError> {
         let value = self.number()?;
-        // A command without a place may leave its last parameters open.
+        // A command without a place may leave its last parameters unset.
         if value.is_nan() && frame == frame::MISSION {
             return Ok(0);
         }
         coordinate(frame, value).ok_or_else(|| self.bad("a number that fits"))
     }
 
-    /// Latitude, longitude and, if there is one, altitude.
-    fn place(&self) -> Result<(i32, i32, Option<f32>), FormatError> {
+    /// Latitude and longitude, 1e-7 degrees, and the altitude if there is one.
+    fn place(&self) -> Result<((i32, i32), Option<f32>), FormatError> {
         let numbers = self.list()?;
         let [lat, lon, rest @ ..] = numbers.as_slice() else {
             return Err(self.bad("[latitude, longitude]"));
         };
         let height = rest.first().map(Node::float).transpose()?;
-        Ok((
-            lat.scaled(frame::GLOBAL)?,
-            lon.scaled(frame::GLOBAL)?,
-            height,
-        ))
+        let at = (lat.scaled(frame::GLOBAL)?, lon.scaled(frame::GLOBAL)?);
+        Ok((at, height))
     }
 }
 
@@ -185,15 +187,8 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
         .find(|(number, _)| Some(*number) == firmware)
         .map(|&(_, autopilot)| autopilot);
     kind(node, document);
-    let home = node.get("plannedHomePosition");
-    if !home.value.is_null() {
-        let (x, y, height) = home.place()?;
-        let amsl_m = height
-            .filter(|height| height.is_finite())
-            .ok_or_else(|| home.bad("[latitude, longitude, altitude above mean sea level]"))?;
-        document.home = Some(Home { x, y, amsl_m });
-    }
-    // Where each doJumpId of the file ended up, as a row.
+    home(&node.get("plannedHomePosition"), document)?;
+    // Each item with its doJumpId, in the order of rows.
     let mut rows = Vec::new();
     for (index, mut item) in node.get("items").list()?.into_iter().enumerate() {
         item.item = Some(index + 1);
@@ -223,11 +218,38 @@ fn mission(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> 
     Ok(())
 }
 
-/// Tells of an autopilot or a vehicle that the mission was drawn for and that is none of ours.
+/// Home, or its place alone, or none: ground stations write `null` for unknown numbers.
+fn home(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
+    if node.value.is_null() {
+        return Ok(());
+    }
+    let numbers = node.list()?;
+    let [lat, lon, height] = numbers.as_slice() else {
+        return Err(node.bad("[latitude, longitude, altitude above mean sea level]"));
+    };
+    let amsl_m = height.float()?;
+    if lat.value.is_null() || lon.value.is_null() {
+        let what = "latitude or longitude is null: no home position, it must come from --home";
+        document.repairs.push(repair(&node.at, what));
+        return Ok(());
+    }
+    let (x, y) = (lat.scaled(frame::GLOBAL)?, lon.scaled(frame::GLOBAL)?);
+    if amsl_m.is_finite() {
+        document.home = Some(Home { x, y, amsl_m });
+    } else {
+        let what = "the altitude is null: it must come from --home or the terrain";
+        document.repairs.push(repair(&node.at, what));
+        let place = LatLon::of_e7(x, y);
+        document.home_place = LatLon::new(place.lat_deg, place.lon_deg).ok();
+    }
+    Ok(())
+}
+
+/// The autopilot and airframe of the mission; a repair for each that is not supported.
 fn kind(node: &Node<'_>, document: &mut Document) {
     let firmware = node.get("firmwareType").value;
     if !firmware.is_null() && document.autopilot.is_none() {
-        document.repairs.push(told("mission.firmwareType", &format!(
+        document.repairs.push(repair("mission.firmwareType", &format!(
             "{firmware} is neither ArduPilot (3) nor PX4 (12): read as for whatever it is judged for"
         )));
     }
@@ -237,7 +259,7 @@ fn kind(node: &Node<'_>, document: &mut Document) {
         let what = format!(
             "{vehicle} is no multicopter, fixed wing or VTOL: read as for whatever it is judged for"
         );
-        document.repairs.push(told("mission.vehicleType", &what));
+        document.repairs.push(repair("mission.vehicleType", &what));
     }
 }
 
@@ -261,7 +283,10 @@ fn resolved(mut item: Item, ids: &[Option<u64>], node: &Node<'_>) -> Result<Item
         return Err(FormatError::Json {
             at: node.get("items").at,
             item: None,
-            found: format!("a jump to item {target}, of which there are {}", rows.len()),
+            found: format!(
+                "a jump to item {target}: the file has {} of that id",
+                rows.len()
+            ),
             allowed: "a doJumpId of the file".to_owned(),
         });
     };
@@ -295,7 +320,8 @@ fn simple_item(node: &Node<'_>, document: &mut Document) -> Result<Item, FormatE
     Ok(item)
 }
 
-/// The flown altitude is `params[6]`; what the ground station shows must be the same.
+/// Compares the altitude and reference that the ground station shows with those flown
+/// (`params[6]` and `frame`).
 fn check_altitude(
     node: &Node<'_>,
     item: &Item,
@@ -310,16 +336,21 @@ fn check_altitude(
         Some(altitude_mode::CALCULATED) if item.z.is_finite() => return Ok(()),
         Some(altitude_mode::CALCULATED) => {
             let z = node.get("params");
-            return Err(z.bad("an altitude: it was to be computed from terrain and never was"));
+            return Err(z.bad("an altitude: it never was computed from the terrain"));
         }
         Some(_) => return Err(mode.bad("0 to 4")),
     };
+    if item.frame == frame::MISSION {
+        let what = "ignored: a command in frame 2 has no altitude";
+        document.repairs.push(repair(&mode.at, what));
+        return Ok(());
+    }
     if frame::canonical(item.frame) != expected {
         return Err(mode.bad("the reference of the item's frame"));
     }
     let shown = node.get("Altitude").float()?;
     if shown.is_finite() && shown.to_bits() != item.z.to_bits() {
-        document.repairs.push(told(
+        document.repairs.push(repair(
             &node.at,
             &format!(
                 "Altitude {shown} is shown but params[6] {} is flown",
@@ -331,13 +362,20 @@ fn check_altitude(
 }
 
 fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
-    node.get("version").expect_version(2)?;
+    let version = node.get("version");
+    if version.value.is_null() || version.value == 1 {
+        let what = format!(
+            "{}: this fence is ignored, as QGroundControl does",
+            version.value
+        );
+        document.repairs.push(repair(&version.at, &what));
+        return Ok(());
+    }
+    version.expect_version(2)?;
     let breach = node.get("breachReturn");
     if !breach.value.is_null() {
-        let (x, y, z) = breach.place()?;
-        let mut item = fence_item(command::FENCE_RETURN_POINT, 0.0, x, y);
-        item.frame = frame::GLOBAL_RELATIVE_ALT;
-        item.z = z.unwrap_or(0.0);
+        let (at, z) = breach.place()?;
+        let item = raised_item(command::FENCE_RETURN_POINT, at, z.unwrap_or(0.0));
         document.fence.push(item);
     }
     for polygon in node.get("polygons").list()? {
@@ -352,10 +390,9 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
             .filter(|&count| count >= 3)
             .ok_or_else(|| polygon.get("polygon").bad("at least 3 corners"))?;
         for corner in corners {
-            let (x, y, _) = corner.place()?;
-            document
-                .fence
-                .push(fence_item(command, f32::from(count), x, y));
+            let (at, _) = corner.place()?;
+            let item = point_item(command, f32::from(count), at);
+            document.fence.push(item);
         }
     }
     for circle in node.get("circles").list()? {
@@ -365,9 +402,9 @@ fn fence(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
             command::FENCE_CIRCLE_EXCLUSION
         };
         let circle = circle.get("circle");
-        let (x, y, _) = circle.get("center").place()?;
+        let (at, _) = circle.get("center").place()?;
         let radius_m = circle.get("radius").float()?;
-        document.fence.push(fence_item(command, radius_m, x, y));
+        document.fence.push(point_item(command, radius_m, at));
     }
     Ok(())
 }
@@ -379,25 +416,12 @@ fn inclusion(node: &Node<'_>) -> Result<bool, FormatError> {
         .ok_or_else(|| flag.bad("true or false"))
 }
 
-fn fence_item(command: u16, param1: f32, x: i32, y: i32) -> Item {
-    Item {
-        command,
-        frame: frame::GLOBAL,
-        autocontinue: false,
-        params: [param1, 0.0, 0.0, 0.0],
-        x,
-        y,
-        z: 0.0,
-    }
-}
-
 fn rally(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
     node.get("version").expect_version(2)?;
     for point in node.get("points").list()? {
-        let (x, y, z) = point.place()?;
-        let mut item = fence_item(command::RALLY_POINT, 0.0, x, y);
-        item.frame = frame::GLOBAL_RELATIVE_ALT;
-        item.z = z.ok_or_else(|| point.bad("[latitude, longitude, altitude above home]"))?;
+        let (at, z) = point.place()?;
+        let z = z.ok_or_else(|| point.bad("[latitude, longitude, altitude above home]"))?;
+        let item = raised_item(command::RALLY_POINT, at, z);
         document.rally.push(item);
     }
     Ok(())

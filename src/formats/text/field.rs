@@ -4,7 +4,7 @@ use super::number::coordinate;
 use crate::formats::FormatError;
 use crate::mission::command_named;
 
-/// A field and where it is.
+/// A field with its line and column.
 #[derive(Clone, Copy)]
 pub(crate) struct Field<'a> {
     pub(crate) text: &'a str,
@@ -72,7 +72,7 @@ pub(crate) fn float(field: Field<'_>) -> Result<f32, FormatError> {
         .ok_or_else(|| bad(field, number_like(field.text)))
 }
 
-/// What would do instead; half of Europe writes a comma.
+/// The allowed text; decimal commas are common in Europe.
 fn number_like(text: &str) -> &'static str {
     if text.contains(',') {
         "a number, with a point before its decimals"

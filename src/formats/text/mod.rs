@@ -3,14 +3,14 @@
 pub(super) mod field;
 pub(super) mod number;
 
-use super::{FormatError, Repair, Spot};
+use super::{FormatError, Repair, SourceLocation};
 use field::Field;
 
 /// The text in the bytes of a file.
 ///
 /// # Errors
-/// [`FormatError::Text`] with the place of the first byte that is no text: UTF-16,
-/// other encodings, NUL.
+/// [`FormatError::Text`] with the location of the first byte that is not UTF-8 text:
+/// UTF-16, other encodings, NUL.
 pub(super) fn decoded(bytes: &[u8]) -> Result<&str, FormatError> {
     let bad = |at: usize, found: &str, allowed: &str| {
         let before = String::from_utf8_lossy(&bytes[..at]);
@@ -39,17 +39,17 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<&str, FormatError> {
     }
 }
 
-/// What had to be overlooked in a text.
+/// Splits a text into lines and fields and records every repair.
 #[derive(Default)]
-pub(super) struct Overlooked {
+pub(super) struct TextReader {
     pub(super) repairs: Vec<Repair>,
-    told_separator: bool,
+    reported_separator: bool,
 }
 
-impl Overlooked {
+impl TextReader {
     pub(super) fn repair(&mut self, line: usize, column: usize, what: impl Into<String>) {
         self.repairs.push(Repair {
-            at: Spot::Text { line, column },
+            at: SourceLocation::Text { line, column },
             what: what.into(),
         });
     }
@@ -72,7 +72,7 @@ impl Overlooked {
         unix
     }
 
-    /// Whether a line has nothing to read.
+    /// Whether a line is empty or a comment.
     pub(super) fn is_blank(&mut self, number: usize, line: &str) -> bool {
         let text = line.trim();
         if text.starts_with('#') {
@@ -83,53 +83,44 @@ impl Overlooked {
         text.is_empty() || text.starts_with('#')
     }
 
-    /// Splits at tabs, or at commas if there is no tab, or at spaces if neither.
+    /// The fields between spaces or tabs.
+    pub(super) fn words<'a>(&mut self, number: usize, line: &'a str) -> Vec<Field<'a>> {
+        let words = self.without_comment(number, line).split_whitespace();
+        words.map(|text| field(number, line, text)).collect()
+    }
+
+    /// Splits at tabs, else at commas, else at spaces; at tabs and spaces alike if a row
+    /// has both between its fields.
     pub(super) fn fields<'a>(
         &mut self,
         number: usize,
         line: &'a str,
     ) -> Result<Vec<Field<'a>>, FormatError> {
-        let (data, comment) = match line.split_once('#') {
-            Some((data, _)) => (data, true),
-            None => (line, false),
+        let data = self.without_comment(number, line).trim_end();
+        let separator = ['\t', ','].into_iter().find(|&c| data.contains(c));
+        let parts: Vec<&str> = match separator {
+            Some(separator) => data.split(separator).collect(),
+            None => data.split_whitespace().collect(),
         };
-        if comment {
-            let column = data.chars().count() + 1;
-            self.repair(number, column, "a comment was left out");
+        if let Some(part) = parts.iter().find(|part| part.trim().is_empty()) {
+            let Field { column, .. } = field(number, line, part);
+            return Err(FormatError::Text {
+                line: number,
+                column,
+                found: "an empty field".to_owned(),
+                allowed: "a number".to_owned(),
+            });
         }
-        let data = data.trim_end();
-        let separator = if data.contains('\t') {
-            '\t'
-        } else if data.contains(',') {
-            ','
+        let has_spaces_too = |part: &&str| part.trim().contains(char::is_whitespace);
+        let fields: Vec<Field<'_>> = if separator == Some('\t') && parts.iter().any(has_spaces_too)
+        {
+            self.words(number, data)
         } else {
-            ' '
+            let parts = parts.iter().map(|part| field(number, line, part.trim()));
+            parts.collect()
         };
-        let mut fields = Vec::new();
-        let mut column = 1;
-        let mut untidy = separator != '\t';
-        for part in data.split(separator) {
-            let text = part.trim();
-            let lead = part.chars().take_while(|c| c.is_whitespace()).count();
-            untidy |= text.len() != part.len();
-            if !text.is_empty() {
-                fields.push(Field {
-                    text,
-                    line: number,
-                    column: column + lead,
-                });
-            } else if separator != ' ' {
-                return Err(FormatError::Text {
-                    line: number,
-                    column,
-                    found: "an empty field".to_owned(),
-                    allowed: "a number".to_owned(),
-                });
-            }
-            column += part.chars().count() + 1;
-        }
         // A comma between decimals would make two fields of one number.
-        if let Some(extra) = fields.get(12).filter(|_| separator == ',') {
+        if let Some(extra) = fields.get(12).filter(|_| separator == Some(',')) {
             return Err(FormatError::Text {
                 line: number,
                 column: extra.column,
@@ -137,10 +128,27 @@ impl Overlooked {
                 allowed: "12 fields, with a point before decimals".to_owned(),
             });
         }
-        if untidy && !self.told_separator {
-            self.told_separator = true;
+        let is_tidy = separator == Some('\t') && !data.contains(' ');
+        if !is_tidy && !self.reported_separator {
+            self.reported_separator = true;
             self.repair(number, 1, "fields are not separated by single tabs");
         }
         Ok(fields)
     }
+
+    fn without_comment<'a>(&mut self, number: usize, line: &'a str) -> &'a str {
+        let Some((data, _)) = line.split_once('#') else {
+            return line;
+        };
+        let column = data.chars().count() + 1;
+        self.repair(number, column, "a comment was left out");
+        data
+    }
+}
+
+/// A part of a line with its column.
+fn field<'a>(line: usize, whole: &str, text: &'a str) -> Field<'a> {
+    let bytes = text.as_ptr().addr() - whole.as_ptr().addr();
+    let column = whole[..bytes].chars().count() + 1;
+    Field { text, line, column }
 }

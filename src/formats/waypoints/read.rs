@@ -1,6 +1,6 @@
-//! Reads `.waypoints` files of any origin, and says what it had to overlook.
+//! Reads `.waypoints` files of any origin and reports every repair.
 
-use crate::formats::text::Overlooked;
+use crate::formats::text::TextReader;
 use crate::formats::text::field::{Field, byte, command_number, float, scaled, whole};
 use crate::formats::{Document, FormatError};
 use crate::mission::{Home, Item, command, frame};
@@ -9,11 +9,11 @@ use crate::mission::{Home, Item, command, frame};
 ///
 /// # Errors
 /// [`FormatError::Text`] for a header other than 110 or 120, a row of fewer than
-/// eleven fields, a field that is no number, a place that does not fit, a home row
-/// whose altitude is not above mean sea level, and a jump among misnumbered rows.
+/// eleven fields, a field that is no number, a coordinate out of range, a home row in
+/// a frame without a place, and a jump among misnumbered rows.
 pub fn read(text: &str) -> Result<Document, FormatError> {
     let mut reader = Reader::default();
-    let text = reader.overlooked.plain(text);
+    let text = reader.text.plain(text);
     let mut lines = text
         .lines()
         .enumerate()
@@ -22,12 +22,12 @@ pub fn read(text: &str) -> Result<Document, FormatError> {
         let Some((number, line)) = lines.next() else {
             return Err(no_header(1, "an empty file"));
         };
-        if !reader.overlooked.is_blank(number, line) {
+        if !reader.text.is_blank(number, line) {
             break reader.header(number, line)?;
         }
     };
     for (number, line) in lines {
-        if !reader.overlooked.is_blank(number, line) {
+        if !reader.text.is_blank(number, line) {
             reader.row(number, line, has_home)?;
         }
     }
@@ -53,7 +53,7 @@ struct Reader {
     misnumbered: Option<usize>,
     /// Line and column of the first jump.
     jump: Option<(usize, usize)>,
-    overlooked: Overlooked,
+    text: TextReader,
 }
 
 impl Reader {
@@ -75,12 +75,12 @@ impl Reader {
                 }
             }
         }
-        self.document.repairs = self.overlooked.repairs;
+        self.document.repairs = self.text.repairs;
         Ok(self.document)
     }
 
     fn repair(&mut self, line: usize, column: usize, what: impl Into<String>) {
-        self.overlooked.repair(line, column, what);
+        self.text.repair(line, column, what);
     }
 
     /// Whether the file has a home row.
@@ -104,7 +104,7 @@ impl Reader {
     }
 
     fn row(&mut self, number: usize, line: &str, has_home: bool) -> Result<(), FormatError> {
-        let fields = self.overlooked.fields(number, line)?;
+        let fields = self.text.fields(number, line)?;
         let field = |index: usize| {
             fields.get(index).copied().ok_or_else(|| FormatError::Text {
                 line: number,
@@ -183,7 +183,7 @@ impl Reader {
                 );
                 self.repair(line, column, what);
             }
-            // Its own number tells whether a home row was counted.
+            // Its own number shows whether a home row was counted.
             self.rows = usize::from(sequence == 1);
         }
         self.first_item.get_or_insert(self.rows);
@@ -206,13 +206,27 @@ impl Reader {
             self.repair(line, column, "the home row is empty: no home position");
             return Ok(());
         }
-        if frame::canonical(item.frame) != frame::GLOBAL {
-            return Err(FormatError::Text {
-                line,
-                column,
-                found: format!("home in frame {}", item.frame),
-                allowed: "frame 0: the altitude of home is above mean sea level".to_owned(),
-            });
+        match frame::canonical(item.frame) {
+            frame::GLOBAL => {}
+            // Ground stations write this, and ArduPilot puts its own home there.
+            frame::GLOBAL_RELATIVE_ALT | frame::GLOBAL_TERRAIN_ALT => {
+                let what = format!(
+                    "home in frame {} has no altitude above mean sea level: its altitude {} was \
+                     ignored and must come from --home or the terrain",
+                    item.frame, item.z
+                );
+                self.repair(line, column, what);
+                self.document.home_place = item.place();
+                return Ok(());
+            }
+            _ => {
+                return Err(FormatError::Text {
+                    line,
+                    column,
+                    found: format!("home in frame {}", item.frame),
+                    allowed: "frame 0: the altitude of home is above mean sea level".to_owned(),
+                });
+            }
         }
         if !item.z.is_finite() {
             return Err(FormatError::Text {
@@ -228,7 +242,7 @@ impl Reader {
             .any(|value| !value.is_finite() || value.abs() > 0.0)
         {
             self.document
-                .beside
+                .dropped
                 .push(format!("line {line}: the parameters of the home row"));
         }
         self.document.home = Some(Home {
@@ -243,11 +257,11 @@ impl Reader {
 #[cfg(test)]
 mod tests {
     use super::read;
-    use crate::formats::Spot;
+    use crate::formats::SourceLocation;
     use proptest::prelude::*;
 
     #[test]
-    fn a_missing_field_is_told_with_its_line() {
+    fn a_missing_field_is_reported_with_its_line() {
         let error =
             read("QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t36.1\t-84.2\n").expect_err("ten fields");
         assert_eq!(
@@ -257,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_among_the_numbers_is_told_with_line_and_column() {
+    fn a_word_among_the_numbers_is_reported_with_line_and_column() {
         let error = read("QGC WPL 110\n0\t1\t0\t16\t0\t0\tabc\t0\t36.1\t-84.2\t400\t1\n")
             .expect_err("a word");
         assert_eq!(
@@ -267,9 +281,18 @@ mod tests {
     }
 
     #[test]
-    fn a_home_above_home_is_refused() {
+    fn home_in_frame_3_has_a_place_without_an_altitude() {
+        let document =
+            read("QGC WPL 110\n0\t1\t3\t16\t0\t0\t0\t0\t36.1\t-84.2\t0\t1\n").expect("readable");
+        assert_eq!(document.home, None);
+        assert_eq!(document.home_place, LatLon::new(36.1, -84.2).ok());
+        assert!(document.repairs[0].what.contains("--home or the terrain"));
+    }
+
+    #[test]
+    fn home_in_a_frame_without_a_place_is_refused() {
         let error =
-            read("QGC WPL 110\n0\t1\t3\t16\t0\t0\t0\t0\t36.1\t-84.2\t0\t1\n").expect_err("frame 3");
+            read("QGC WPL 110\n0\t1\t2\t16\t0\t0\t0\t0\t36\t-84\t0\t1\n").expect_err("frame 2");
         assert!(
             error.to_string().contains("above mean sea level"),
             "{error}"
@@ -285,7 +308,7 @@ mod tests {
     }
 
     #[test]
-    fn spaces_commas_crlf_comments_names_and_a_missing_last_newline_are_read_and_told() {
+    fn spaces_commas_crlf_comments_names_and_a_missing_last_newline_are_repaired() {
         let text = "\u{feff}QGC WPL 110\r\n# made by hand\r\n\
             0,1,0,16,0,0,0,0,36.1,-84.2,400,1\r\n\r\n\
             1 0 3 NAV_TAKEOFF 0 0 0 0 36.1 -84.2 30\r\n\
@@ -294,16 +317,16 @@ mod tests {
         assert_eq!(document.home.map(|home| home.x), Some(361_000_000));
         let commands: Vec<u16> = document.items.iter().map(|item| item.command).collect();
         assert_eq!(commands, [22, 16]);
-        let told: Vec<(usize, &str)> = document
+        let repairs: Vec<(usize, &str)> = document
             .repairs
             .iter()
             .map(|r| match r.at {
-                Spot::Text { line, .. } => (line, r.what.as_str()),
-                Spot::Json(_) => (0, r.what.as_str()),
+                SourceLocation::Text { line, .. } => (line, r.what.as_str()),
+                SourceLocation::Json(_) => (0, r.what.as_str()),
             })
             .collect();
         assert_eq!(
-            told,
+            repairs,
             [
                 (1, "a byte order mark was left out"),
                 (1, "carriage returns were taken as line ends"),

@@ -31,7 +31,7 @@ impl Decoder {
         self.reader.get_mut().0.extend(bytes);
     }
 
-    /// The next message that this project knows, with its sender.
+    /// The next message that this project uses, with its sender.
     #[must_use]
     pub fn next_message(&mut self) -> Option<(Address, Message)> {
         loop {
@@ -42,7 +42,7 @@ impl Decoder {
         }
     }
 
-    /// The next frame whose checksum is right, whether its message is known or not.
+    /// The next frame with a valid checksum, of any message.
     pub(in crate::link) fn next_frame(&mut self) -> Option<Frame> {
         loop {
             let raw = self.reader.read_any_raw_message::<MavMessage>().ok()?;
@@ -63,16 +63,16 @@ impl Decoder {
     }
 }
 
-/// One frame as it came.
+/// One received frame.
 pub(in crate::link) struct Frame {
     pub(in crate::link) from: Address,
     pub(in crate::link) version: Version,
-    /// `None` for a message that no transfer needs.
+    /// `None` for a message that this project does not use.
     pub(in crate::link) message: Option<Message>,
     pub(in crate::link) bytes: Vec<u8>,
 }
 
-/// What the reader reads from; empty means "later", not "the end".
+/// Source of the reader; when empty, more bytes may follow.
 #[derive(Default)]
 struct Feed(std::collections::VecDeque<u8>);
 

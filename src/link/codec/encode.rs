@@ -4,8 +4,8 @@ use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MAV_STX, MAV_STX_V2, Message as _, calculate_crc};
 
 use super::Version;
-use crate::link::message::flight_payload;
-use crate::link::message::payload::{id, write_payload};
+use crate::link::message::id::length_1;
+use crate::link::message::payload::write_payload;
 use crate::link::message::{Address, Message};
 
 /// Writes frames (MAVLink 2, unsigned) in the name of one component, counting its sequence.
@@ -66,19 +66,5 @@ impl Encoder {
         let crc = calculate_crc(&frame[1..], MavMessage::extra_crc(id));
         frame.extend(crc.to_le_bytes());
         frame
-    }
-}
-
-/// Bytes of a payload without the extensions of MAVLink 2.
-fn length_1(id: u32) -> u8 {
-    match id {
-        id::HEARTBEAT => 9,
-        id::STATUSTEXT => 51,
-        id::HOME_POSITION => 52,
-        id::AUTOPILOT_VERSION => 60,
-        id::MISSION_ITEM | id::MISSION_ITEM_INT => 37,
-        id::MISSION_COUNT | id::MISSION_REQUEST | id::MISSION_REQUEST_INT => 4,
-        id::MISSION_ACK => 3,
-        other => flight_payload::length_1(other).unwrap_or(2),
     }
 }

@@ -1,9 +1,8 @@
 //! Bytes to messages and back: the only file that knows the crate `mavlink`.
 //!
-//! The crate finds the frames (MAVLink 1 and 2, resynchronising over garbage) and
-//! knows every message's checksum seed. Payloads are read and written in `payload`
-//! field by field, because the crate's generated types refuse enum values they do not
-//! know, and a transfer must not die of a command from a newer autopilot.
+//! The crate finds the frames (MAVLink 1 and 2, resynchronising over garbage) and knows
+//! every message's checksum seed. [`super::message`] reads and writes the payloads,
+//! because the crate's generated types reject enum values that they do not know.
 
 mod decode;
 mod encode;
@@ -11,9 +10,10 @@ mod encode;
 mod tests;
 
 pub use decode::Decoder;
+pub(super) use decode::Frame;
 pub use encode::Encoder;
 
-/// Which MAVLink a frame is in.
+/// MAVLink version of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
     /// MAVLink 1: no mission types, so no fence and no rally points.

@@ -336,12 +336,12 @@ fn float_items_carry_degrees_only_where_the_frame_is_global() {
         params: [0.0; 4],
         ..item()
     };
-    let bare = Item {
+    let command = Item {
         x: 5,
         y: -7,
         ..Item::without_place(177, [1.0, 2.0, 0.0, 0.0])
     };
-    for (sent, most) in [(place, 30), (bare, 0)] {
+    for (sent, most) in [(place, 30), (command, 0)] {
         let message = mission(Body::Item {
             seq,
             current,

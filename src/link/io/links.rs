@@ -1,16 +1,16 @@
-//! All links of a fleet, open at once: a thread for each, one queue of what comes in.
+//! All links of a fleet, open at once: a thread for each, one queue of arrivals.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::Duration;
 
-use super::radio::{Heard, Radio};
+use super::radio::{Radio, Received};
 use crate::link::codec::Version;
-use crate::link::fleet::ground_station;
+use crate::link::ground_station::address;
 use crate::link::message::{Address, Message};
 use crate::spec::Link;
 
-/// Longest wait on a socket before what is to be sent goes out, milliseconds.
+/// Longest wait on a socket before queued messages go out, milliseconds.
 const TURN_MS: u64 = 4;
 
 /// Open links to a fleet. They are closed when this is dropped.
@@ -23,13 +23,13 @@ pub struct Links {
     of: BTreeMap<u8, usize>,
 }
 
-/// What came in over one of the links.
+/// Something that came in over one of the links.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Arrival {
     /// A message, the number of the link that it came over (see [`Links::number`]), its sender.
     Message(usize, Address, Message),
     /// One system id speaks from two addresses at once.
-    Twins(u8),
+    DuplicateSystem(u8),
     /// A link has failed: which, and why.
     Failed(String, String),
 }
@@ -42,7 +42,7 @@ impl Links {
     /// The link that cannot be opened, and why.
     pub fn open(vehicles: &[(u8, &Link)]) -> Result<Self, (String, std::io::Error)> {
         let systems: Vec<u8> = vehicles.iter().map(|(system, _)| *system).collect();
-        let us = ground_station(&systems);
+        let us = address(&systems);
         let (send, inbox) = channel();
         let mut links = Self {
             us,
@@ -63,8 +63,8 @@ impl Links {
                     let (inbox, name_of) = (send.clone(), name.clone());
                     let number = names.len();
                     std::thread::spawn(move || {
-                        if let Err(error) = serve(radio, number, &messages, &inbox) {
-                            // Nobody listens any more: then it does not matter either.
+                        if let Err(error) = serve(radio, (number, &name_of), &messages, &inbox) {
+                            // Without a receiver nobody needs the error.
                             let _ = inbox.send(Arrival::Failed(name_of, error.to_string()));
                         }
                     });
@@ -78,7 +78,7 @@ impl Links {
         Ok(links)
     }
 
-    /// Who we are to the vehicles.
+    /// Our address.
     #[must_use]
     pub fn us(&self) -> Address {
         self.us
@@ -105,13 +105,15 @@ impl Links {
     }
 }
 
-/// One link until nobody wants it any more.
+/// Serves one link until [`Links`] is dropped. A link that may recover is reported once
+/// for each outage and tried on.
 fn serve(
     mut radio: Radio<'static>,
-    number: usize,
+    (number, name): (usize, &str),
     messages: &Receiver<(u8, Message)>,
     inbox: &Sender<Arrival>,
 ) -> std::io::Result<()> {
+    let mut has_failed = false;
     loop {
         loop {
             match messages.try_recv() {
@@ -120,10 +122,25 @@ fn serve(
                 Err(TryRecvError::Disconnected) => return Ok(()),
             }
         }
-        for heard in radio.receive(radio.now() + TURN_MS)? {
-            let arrival = match heard {
-                Heard::Message(from, _, message) => Arrival::Message(number, from, message),
-                Heard::Twins(system, _) => Arrival::Twins(system),
+        let received = match radio.receive(radio.now() + TURN_MS) {
+            Err(error) if radio.can_recover() => {
+                if !has_failed
+                    && inbox
+                        .send(Arrival::Failed(name.to_owned(), error.to_string()))
+                        .is_err()
+                {
+                    return Ok(());
+                }
+                has_failed = true;
+                continue;
+            }
+            received => received?,
+        };
+        has_failed &= received.is_empty();
+        for received in received {
+            let arrival = match received {
+                Received::Message(from, _, message) => Arrival::Message(number, from, message),
+                Received::DuplicateSystem(system, _) => Arrival::DuplicateSystem(system),
             };
             if inbox.send(arrival).is_err() {
                 return Ok(());

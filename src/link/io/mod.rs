@@ -1,6 +1,8 @@
 //! Open links: sockets and serial lines, their threads and clocks, captures.
 
 pub(super) mod links;
+mod peers;
 pub(super) mod radio;
-pub(super) mod socket;
+mod socket;
+mod tcp;
 pub(super) mod tlog;

@@ -1,36 +1,32 @@
-//! UDP, TCP and serial lines behind one face.
+//! UDP, TCP and serial lines behind one interface.
 
 use std::io::{self, Read, Write};
-use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
 use serialport::SerialPort;
 
+use super::tcp::{Connection, closed};
 use crate::spec::Link;
 
-/// Wait for a TCP connection to somebody.
-const CONNECT_WAIT: Duration = Duration::from_secs(5);
-/// Looks for a TCP connection of somebody, and the pause between two.
-const ACCEPTS: u32 = 500;
-const ACCEPT_WAIT: Duration = Duration::from_millis(20);
-/// Longest wait for a TCP peer to take what we send.
+/// Longest wait for a serial line to take what we send.
 const WRITE_WAIT: Duration = Duration::from_secs(2);
 
 /// An open link.
 pub(crate) enum Wire {
-    /// Datagrams; `remote` is where to speak before anybody was heard.
+    /// Datagrams; `remote` is where to speak to before any peer was heard.
     Udp {
         socket: UdpSocket,
         remote: Option<SocketAddr>,
     },
     /// A stream to one peer.
-    Tcp { stream: TcpStream, peer: SocketAddr },
+    Tcp(Connection),
     /// A line to one peer.
     Serial(Box<dyn SerialPort>),
 }
 
-/// Stands for whoever is at the other end of a serial line.
-const LINE_END: SocketAddr = SocketAddr::new(std::net::IpAddr::V4(Ipv4Addr::UNSPECIFIED), 0);
+/// Stands for the peer at the other end of a serial line.
+const LINE_END: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::UNSPECIFIED), 0);
 
 impl Wire {
     /// Opens a link of a spec.
@@ -51,15 +47,8 @@ impl Wire {
                     remote: Some(remote),
                 })
             }
-            Link::Tcp(address) => {
-                let peer = resolve(address)?;
-                let stream = TcpStream::connect_timeout(&peer, CONNECT_WAIT)?;
-                Self::tcp(stream, peer)
-            }
-            Link::TcpIn(address) => {
-                let (stream, peer) = accept(&TcpListener::bind(address)?)?;
-                Self::tcp(stream, peer)
-            }
+            Link::Tcp(address) => Ok(Self::Tcp(Connection::connect(resolve(address)?)?)),
+            Link::TcpIn(address) => Ok(Self::Tcp(Connection::accept(address)?)),
             Link::Serial { device, baud } => {
                 let port = serialport::new(device, *baud).timeout(WRITE_WAIT);
                 Ok(Self::Serial(port.open()?))
@@ -71,18 +60,11 @@ impl Wire {
         }
     }
 
-    fn tcp(stream: TcpStream, peer: SocketAddr) -> io::Result<Self> {
-        stream.set_nonblocking(false)?;
-        stream.set_nodelay(true)?;
-        stream.set_write_timeout(Some(WRITE_WAIT))?;
-        Ok(Self::Tcp { stream, peer })
-    }
-
-    /// Where to speak to before anybody was heard.
+    /// Where to speak to before any peer was heard.
     pub(crate) fn remote(&self) -> Option<SocketAddr> {
         match self {
             Self::Udp { remote, .. } => *remote,
-            Self::Tcp { peer, .. } => Some(*peer),
+            Self::Tcp(connection) => Some(connection.peer()),
             Self::Serial(_) => Some(LINE_END),
         }
     }
@@ -100,13 +82,16 @@ impl Wire {
                 socket.set_read_timeout(Some(wait))?;
                 socket.recv_from(buffer)
             }
-            Self::Tcp { stream, peer } => {
-                stream.set_read_timeout(Some(wait))?;
-                whole(stream.read(buffer), *peer)
+            Self::Tcp(connection) => {
+                let length = connection.receive(buffer, wait)?;
+                return Ok(length.map(|length| (length, connection.peer())));
             }
             Self::Serial(port) => {
                 port.set_timeout(wait)?;
-                whole(port.read(buffer), LINE_END)
+                match port.read(buffer) {
+                    Ok(0) => Err(closed()),
+                    read => read.map(|length| (length, LINE_END)),
+                }
             }
         };
         match received {
@@ -120,7 +105,10 @@ impl Wire {
     pub(crate) fn send(&mut self, frame: &[u8], to: SocketAddr) -> io::Result<()> {
         let sent = match self {
             Self::Udp { socket, .. } => socket.send_to(frame, to).map(|_| ()),
-            Self::Tcp { stream, .. } => return stream.write_all(frame),
+            Self::Tcp(connection) => {
+                connection.send(frame);
+                return Ok(());
+            }
             Self::Serial(port) => {
                 port.set_timeout(WRITE_WAIT)?;
                 return port.write_all(frame);
@@ -134,7 +122,7 @@ impl Wire {
     }
 }
 
-/// Nothing there yet, or the news that nobody listens there yet.
+/// No data yet, or the notice that no socket is open at the peer yet.
 fn is_passing(error: &io::Error) -> bool {
     matches!(
         error.kind(),
@@ -162,30 +150,4 @@ fn resolve(address: &str) -> io::Result<SocketAddr> {
             format!("{address} has no network address"),
         )
     })
-}
-
-/// The first connection that comes.
-fn accept(listener: &TcpListener) -> io::Result<(TcpStream, SocketAddr)> {
-    listener.set_nonblocking(true)?;
-    for _ in 0..ACCEPTS {
-        match listener.accept() {
-            Err(error) if is_passing(&error) => std::thread::sleep(ACCEPT_WAIT),
-            other => return other,
-        }
-    }
-    Err(io::Error::new(
-        io::ErrorKind::TimedOut,
-        "nobody connected within 10 s",
-    ))
-}
-
-/// What a stream gave; nothing at all is its end.
-fn whole(read: io::Result<usize>, peer: SocketAddr) -> io::Result<(usize, SocketAddr)> {
-    match read {
-        Ok(0) => Err(io::Error::new(
-            io::ErrorKind::UnexpectedEof,
-            "closed by the other side",
-        )),
-        other => other.map(|length| (length, peer)),
-    }
 }

@@ -1,27 +1,27 @@
-//! Messages that command a vehicle and tell how it flies. Transfers need none of them.
+//! Messages that command a vehicle and report its flight. Transfers use none of them.
 
 use std::fmt;
 
 use super::Address;
 use crate::geodesy::{Amsl, LatLon};
 
-/// A command, its answer, or what a vehicle says of its flight.
+/// A command, its answer, or a report of a vehicle on its flight.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FlightMessage {
     /// `COMMAND_LONG` (76), or `COMMAND_INT` (75) with its place in degrees.
     Command {
-        /// Whom it is for.
+        /// The receiver.
         target: Address,
-        /// What is to be done.
+        /// The command.
         order: Command,
     },
     /// `COMMAND_ACK` (77).
     CommandAck {
-        /// Who gave the command; 0 when the vehicle does not say.
+        /// The sender of the command; 0 when the vehicle does not name it.
         target: Address,
         /// `MAV_CMD`.
         command: u16,
-        /// What came of it.
+        /// The result.
         result: CommandResult,
     },
     /// `SET_MODE` (11), which `MAV_CMD_DO_SET_MODE` has replaced.
@@ -35,7 +35,7 @@ pub enum FlightMessage {
     },
     /// `MISSION_SET_CURRENT` (41).
     SetCurrent {
-        /// Whom it is for.
+        /// The receiver.
         target: Address,
         /// The item to go on with.
         seq: u16,
@@ -58,14 +58,14 @@ pub enum FlightMessage {
     Landed(LandedState),
     /// `PARAM_REQUEST_READ` (20), by name.
     ParamRead {
-        /// Whom it is for.
+        /// The receiver.
         target: Address,
         /// At most 16 characters.
         name: String,
     },
     /// `PARAM_SET` (23).
     ParamSet {
-        /// Whom it is for.
+        /// The receiver.
         target: Address,
         /// At most 16 characters.
         name: String,
@@ -86,7 +86,7 @@ pub enum FlightMessage {
 pub struct Command {
     /// `MAV_CMD`.
     pub command: u16,
-    /// How often it was sent before.
+    /// Number of earlier transmissions.
     pub confirmation: u8,
     /// `param1` to `param7`.
     pub params: [f32; 7],
@@ -172,8 +172,8 @@ impl fmt::Display for CommandResult {
     }
 }
 
-/// Where a vehicle is, by its own estimate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Position of a vehicle by its own estimate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Position {
     /// Since the vehicle was started, milliseconds.
     pub boot_ms: u32,
@@ -190,10 +190,12 @@ pub struct Position {
 }
 
 impl Position {
-    /// Whether it says anything: 0/0 is said before the vehicle knows.
+    /// Whether it is a position on earth. Vehicles send 0, 0 before they have one, and a
+    /// faulty one may send coordinates beyond the poles.
     #[must_use]
     pub fn is_known(&self) -> bool {
-        (self.x, self.y) != (0, 0)
+        let place = self.place();
+        (self.x, self.y) != (0, 0) && LatLon::new(place.lat_deg, place.lon_deg).is_ok()
     }
 
     /// Where.
@@ -283,7 +285,7 @@ impl ParamValue {
         let bytes = if bytewise && self.kind < REAL_32 {
             #[expect(
                 clippy::cast_possible_truncation,
-                reason = "`as` saturates; the read-back tells"
+                reason = "`as` saturates; the read-back shows it"
             )]
             let whole = value.round() as i32;
             whole.to_le_bytes()

@@ -1,9 +1,13 @@
-//! The few MAVLink messages that a transfer needs, with plain integers, so that
-//! enum values from newer autopilots survive.
+//! The MAVLink messages that transfers and flights use, with plain integers, so that
+//! enum values of newer autopilots survive.
 
+mod fields;
 pub(super) mod flight;
-pub(super) mod flight_payload;
+pub(super) mod id;
+mod layout;
 pub(super) mod payload;
+#[cfg(test)]
+mod tests;
 
 use std::fmt;
 
@@ -13,7 +17,7 @@ use flight::FlightMessage;
 /// System and component id of a sender or receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Address {
-    /// System id; 0 as a target means everybody.
+    /// System id; 0 as a target means every system.
     pub system: u8,
     /// Component id; 0 as a target means every component.
     pub component: u8,
@@ -46,7 +50,7 @@ pub enum Message {
         seq: u16,
         /// Items without home; 65535 if not known.
         total: u16,
-        /// Opaque ids of mission, fence, rally; 0 if the autopilot keeps none.
+        /// Opaque ids of mission, fence, rally; 0 if the autopilot has none.
         opaque_ids: [u32; 3],
     },
     /// `HOME_POSITION` (242), the place alone.
@@ -62,12 +66,12 @@ pub enum Message {
     AutopilotVersion {
         /// `MAV_PROTOCOL_CAPABILITY` flags. Ground stations send nothing to a vehicle without `MISSION_INT`.
         capabilities: u64,
-        /// Major, minor, patch and `FIRMWARE_VERSION_TYPE`, from the highest byte down; 0 if not told.
+        /// Major, minor, patch and `FIRMWARE_VERSION_TYPE`, from the highest byte down; 0 if unknown.
         flight_software: u32,
     },
     /// One of the messages of the mission protocol.
     Mission(MissionMessage),
-    /// A command, or what a vehicle says of its flight.
+    /// A command, or the state of a flight.
     Flight(FlightMessage),
 }
 
@@ -125,15 +129,15 @@ impl Heartbeat {
 /// A message of the mission protocol.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MissionMessage {
-    /// Whom it is for.
+    /// The receiver.
     pub target: Address,
     /// `MAV_MISSION_TYPE` as it came; see [`List`].
     pub mission_type: u8,
-    /// What it says.
+    /// Its content.
     pub body: Body,
 }
 
-/// What a message of the mission protocol says.
+/// Content of a message of the mission protocol.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
     /// `MISSION_COUNT` (44).
@@ -253,9 +257,9 @@ impl MissionResult {
     pub const INVALID_PARAM7: Self = Self(12);
     /// An item came out of order.
     pub const INVALID_SEQUENCE: Self = Self(13);
-    /// The partner is not listened to.
+    /// The vehicle does not accept this partner.
     pub const DENIED: Self = Self(14);
-    /// The transfer is given up.
+    /// The transfer is cancelled.
     pub const OPERATION_CANCELLED: Self = Self(15);
 
     /// The parameter (1 to 7) that the result complains about.
@@ -295,9 +299,9 @@ impl fmt::Display for MissionResult {
 /// Both ends of one transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Route {
-    /// Who we are.
+    /// Our address.
     pub us: Address,
-    /// Whom we talk to.
+    /// The vehicle.
     pub vehicle: Address,
     /// Which of its lists.
     pub list: List,
@@ -314,7 +318,7 @@ impl Route {
         })
     }
 
-    /// What a message says, if it is from this vehicle, to us, about this list.
+    /// The content of a message from this vehicle, to us, about this list.
     #[must_use]
     pub fn accept(&self, from: Address, message: &Message) -> Option<Body> {
         match message {

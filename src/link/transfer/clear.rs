@@ -1,5 +1,4 @@
-//! Emptying one list of one vehicle (`MISSION_CLEAR_ALL`, `MISSION_ACK`).
-//! Same driver contract as [`crate::link::Upload`].
+//! Clears one list of one vehicle (`MISSION_CLEAR_ALL`, `MISSION_ACK`).
 
 use std::collections::VecDeque;
 
@@ -8,10 +7,10 @@ use crate::link::time::Time;
 
 /// Wait for the `MISSION_ACK`, milliseconds (mission service guide).
 const CLEAR_MS: u64 = 1500;
-/// Repetitions before the vehicle counts as silent. PX4 says nothing while it is busy, up to 5 s.
-const MOST_CLEARS: u32 = 8;
+/// Repetitions before the vehicle counts as silent. PX4 is silent while it is busy, up to 5 s.
+const MAX_CLEARS: u32 = 8;
 
-/// A clearing in progress.
+/// A clearing in progress; see the [driver contract](crate::link#driver-contract).
 #[derive(Debug)]
 pub struct Clear {
     route: Route,
@@ -23,7 +22,7 @@ pub struct Clear {
     outcome: Option<Result<Cleared, MissionResult>>,
 }
 
-/// Clearing was asked for. Whether the list is empty is for a read-back to say.
+/// Clearing was requested. Only a read-back shows whether the list is empty.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cleared {
     /// Whether the vehicle confirmed; otherwise its `MISSION_ACK` was lost, or it is silent.
@@ -47,8 +46,8 @@ impl Clear {
         clear
     }
 
-    /// Takes in a message, whoever sent it. Busy vehicles say ERROR or DENIED and
-    /// are asked again; every other refusal is final.
+    /// Takes in a message of any sender. Busy vehicles answer ERROR or DENIED and get
+    /// the request again; every other refusal is final.
     pub fn handle(&mut self, _now: Time, from: Address, message: &Message) {
         let Some(Body::Ack { result, .. }) = self.route.accept(from, message) else {
             return;
@@ -71,7 +70,7 @@ impl Clear {
         if self.outcome.is_some() || self.poll_timeout().is_none_or(|due| now < due) {
             return;
         }
-        if now >= self.deadline || self.sent >= MOST_CLEARS {
+        if now >= self.deadline || self.sent >= MAX_CLEARS {
             let unconfirmed = Cleared {
                 acknowledged: false,
             };

@@ -3,11 +3,11 @@
 use std::fmt;
 
 use crate::link::message::List;
-use crate::link::stored_form::kept;
+use crate::link::stored_form::kept as stored_form;
 use crate::mission::{Item, frame};
 use crate::spec::{Airframe, Autopilot};
 
-/// One thing that the vehicle holds otherwise than it was sent.
+/// One field that was read back otherwise than it was sent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// Which list.
@@ -37,7 +37,7 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Everything in which two lists differ, beyond what the autopilot keeps by design.
+/// The differences of two lists, apart from those of the autopilot's stored form.
 /// Both without the home row.
 #[must_use]
 pub fn differences(
@@ -58,8 +58,8 @@ pub fn differences(
         });
     }
     for (index, (sent, read)) in sent.iter().zip(read).enumerate() {
-        let kept = kept(autopilot, airframe, list, sent);
-        for (field, fine) in fields(autopilot, list, sent, &kept, read) {
+        let stored = stored_form(autopilot, airframe, list, sent);
+        for (field, fine) in fields(autopilot, list, sent, &stored, read) {
             if !fine {
                 found.push(Difference {
                     list,
@@ -74,24 +74,24 @@ pub fn differences(
     found
 }
 
-/// Every field, and whether the read-back is as sent or as this autopilot keeps it.
+/// Every field, and whether it was read back as sent or in its stored form.
 fn fields(
     autopilot: Autopilot,
     list: List,
     sent: &Item,
-    kept: &Item,
+    stored: &Item,
     read: &Item,
 ) -> [(&'static str, bool); 10] {
-    let either = |same: &dyn Fn(&Item) -> bool| same(sent) || same(kept);
+    let either = |same: &dyn Fn(&Item) -> bool| same(sent) || same(stored);
     let param = |n: usize| either(&|item| near(autopilot, item.params[n], read.params[n]));
     // Fences are two-dimensional: neither reference nor altitude means anything.
     let flat = list == List::Fence;
     let frame = |item: &Item| frame::canonical(item.frame) == frame::canonical(read.frame);
     let z = same(sent.z, read.z)
-        || same(kept.z, read.z)
+        || same(stored.z, read.z)
         // Altitudes are cut to centimetres: more than one of them is another altitude.
         || (autopilot == Autopilot::ArduPilot
-            && ((sent.z - read.z).abs() < 0.0101 || (kept.z - read.z).abs() < 0.001));
+            && ((sent.z - read.z).abs() < 0.0101 || (stored.z - read.z).abs() < 0.001));
     [
         ("command", sent.command == read.command),
         ("frame", flat || either(&frame)),
@@ -114,7 +114,7 @@ fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()) || (a - b).abs() <= 0.0
 }
 
-/// PX4 keeps angles in radians, so they come back a hair off.
+/// PX4 stores angles in radians, so they come back with a small error.
 fn near(autopilot: Autopilot, a: f32, b: f32) -> bool {
     same(a, b) || (autopilot == Autopilot::Px4 && (a - b).abs() <= 1e-4)
 }
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_autopilot_keeps_is_equal_and_one_centimetre_more_is_not() {
+    fn the_stored_form_is_equal_and_one_centimetre_more_is_not() {
         let held = Item {
             params: [0.0; 4],
             ..item(80.19)

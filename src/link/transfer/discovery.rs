@@ -1,8 +1,8 @@
-//! Waiting for the right vehicle, until it takes missions.
+//! Discovery: waits for the vehicle of an order, until it accepts missions.
 
 use super::identity;
+use super::order::Order;
 use super::report::{Failure, Refusal, Verdict};
-use super::session::Order;
 use crate::link::message::{AUTOPILOT_GENERIC, Address, Heartbeat, STATE_STANDBY};
 use crate::link::time::Time;
 
@@ -11,28 +11,28 @@ const NOBODY_MS: u64 = 10_000;
 /// Wait for a vehicle that is starting, milliseconds.
 const STARTING_MS: u64 = 30_000;
 
-/// The wait for one vehicle.
+/// The discovery of one vehicle.
 #[derive(Debug)]
 pub(crate) struct Discovery {
     until: Time,
-    /// The vehicle, once it has been heard and found to be the right one.
+    /// The vehicle, once it has been heard and identified.
     vehicle: Option<(Address, Heartbeat)>,
     heard: Vec<(Address, Heartbeat)>,
 }
 
-/// What a heartbeat or a timeout came to.
+/// Result of a heartbeat or a timeout.
 #[derive(Debug)]
 pub(crate) enum Discovered {
-    /// Not yet.
-    Nobody,
-    /// Here it is, and ready.
-    Met(Address, Heartbeat),
-    /// It is another one, or it does not come.
-    Over(Verdict),
+    /// The vehicle was not heard yet, or is not ready.
+    Pending,
+    /// The vehicle is ready.
+    Ready(Address, Heartbeat),
+    /// It is another vehicle, or none.
+    Failed(Verdict),
 }
 
 impl Discovery {
-    /// Waits for a vehicle that has not been heard yet.
+    /// For a vehicle that has not been heard yet.
     pub(crate) fn first(now: Time) -> Self {
         Self {
             until: now + NOBODY_MS,
@@ -41,7 +41,7 @@ impl Discovery {
         }
     }
 
-    /// Waits for a known vehicle that started again.
+    /// For a known vehicle that started again.
     pub(crate) fn again(vehicle: (Address, Heartbeat), now: Time) -> Self {
         Self {
             until: now + STARTING_MS,
@@ -72,26 +72,26 @@ impl Discovery {
             Some((vehicle, _)) if vehicle == from => {
                 self.vehicle = Some((from, heartbeat));
                 if is_ready(&heartbeat) {
-                    return Discovered::Met(from, heartbeat);
+                    return Discovered::Ready(from, heartbeat);
                 }
-                Discovered::Nobody
+                Discovered::Pending
             }
-            Some(_) => Discovered::Nobody,
+            Some(_) => Discovered::Pending,
             None => {
                 self.heard.retain(|(address, _)| *address != from);
                 self.heard.push((from, heartbeat));
                 if from.system == order.sysid {
                     return self.identify(order, now, from, heartbeat);
                 }
-                Discovered::Nobody
+                Discovered::Pending
             }
         }
     }
 
-    /// Nobody came, or nobody got ready. With `force`, a single stranger will do.
+    /// No vehicle came, or it did not get ready. With `force`, a single stranger is accepted.
     pub(crate) fn timeout(&mut self, order: &Order<'_>, now: Time) -> Discovered {
         if let Some((_, heartbeat)) = self.vehicle {
-            return Discovered::Over(Verdict::Failed(Failure::NotReady {
+            return Discovered::Failed(Verdict::Failed(Failure::NotReady {
                 status: heartbeat.system_status,
                 after_s: STARTING_MS / 1000,
             }));
@@ -109,13 +109,13 @@ impl Discovery {
             }
             [(address, _)] => {
                 let found = address.system;
-                Discovered::Over(Verdict::Refused(Refusal::System { expected, found }))
+                Discovered::Failed(Verdict::Refused(Refusal::System { expected, found }))
             }
             _ => {
                 let mut heard: Vec<u8> = self.heard.iter().map(|(from, _)| from.system).collect();
                 heard.sort_unstable();
                 heard.dedup();
-                Discovered::Over(Verdict::Failed(Failure::Nobody {
+                Discovered::Failed(Verdict::Failed(Failure::Nobody {
                     sysid: expected,
                     after_s: NOBODY_MS / 1000,
                     heard,
@@ -134,17 +134,17 @@ impl Discovery {
         self.vehicle = Some((from, heartbeat));
         let mission = order.mission;
         match identity::check(&heartbeat, mission.autopilot, mission.airframe) {
-            Err(refusal) if !order.force => Discovered::Over(Verdict::Refused(refusal)),
-            _ if is_ready(&heartbeat) => Discovered::Met(from, heartbeat),
+            Err(refusal) if !order.force => Discovered::Failed(Verdict::Refused(refusal)),
+            _ if is_ready(&heartbeat) => Discovered::Ready(from, heartbeat),
             _ => {
                 self.until = now + STARTING_MS;
-                Discovered::Nobody
+                Discovered::Pending
             }
         }
     }
 }
 
-/// Whether a vehicle takes missions. A generic one need not say more than "state unknown" (0).
+/// Whether a vehicle accepts missions. A generic autopilot may report "state unknown" (0).
 pub(crate) fn is_ready(heartbeat: &Heartbeat) -> bool {
     heartbeat.system_status >= STATE_STANDBY
         || (heartbeat.autopilot == AUTOPILOT_GENERIC && heartbeat.system_status == 0)

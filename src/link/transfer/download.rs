@@ -1,23 +1,23 @@
-//! Reading one list from one vehicle (`MISSION_REQUEST_LIST`, one request at a time,
-//! closing `MISSION_ACK`). Same driver contract as [`crate::link::Upload`].
+//! Reads one list from one vehicle (`MISSION_REQUEST_LIST`, one request at a time,
+//! closing `MISSION_ACK`).
 
 use std::collections::VecDeque;
 
 use crate::link::message::{Address, Body, Message, MissionResult, Route};
-use crate::link::rtt::Pace;
+use crate::link::rtt::RttEstimator;
 use crate::link::time::Time;
 use crate::mission::Item;
 
 /// Wait for `MISSION_COUNT`, milliseconds (mission service guide).
 const LIST_MS: u64 = 1500;
 /// `MISSION_REQUEST_LIST`s without any answer before the vehicle counts as silent.
-const MOST_LISTS: u32 = 20;
+const MAX_LISTS: u32 = 20;
 /// Silence in mid transfer before it is started over, milliseconds. PX4 forgets after 5 s.
 const SILENCE_MS: u64 = 6000;
 /// Wait after `DENIED` or `ERROR` before asking again, milliseconds.
 const BUSY_MS: u64 = 1500;
 
-/// A download in progress.
+/// A download in progress; see the [driver contract](crate::link#driver-contract).
 #[derive(Debug)]
 pub struct Download {
     route: Route,
@@ -26,7 +26,7 @@ pub struct Download {
     phase: Phase,
     items: Vec<Item>,
     opaque_id: u32,
-    pace: Pace,
+    rtt: RttEstimator,
     lists: u32,
     complaint: Option<MissionResult>,
     repeats: u32,
@@ -35,7 +35,7 @@ pub struct Download {
 
 #[derive(Clone, Copy, Debug)]
 enum Phase {
-    /// The list is asked for, or will be at that time.
+    /// The list was requested, or will be at that time.
     Listing { again: Time },
     /// The item after those held was asked for first, last, and the vehicle last gave one then.
     Reading {
@@ -80,7 +80,7 @@ impl Download {
             phase: Phase::Listing { again: now },
             items: Vec::new(),
             opaque_id: 0,
-            pace: Pace::default(),
+            rtt: RttEstimator::default(),
             lists: 0,
             complaint: None,
             repeats: 0,
@@ -90,7 +90,7 @@ impl Download {
         download
     }
 
-    /// Takes in a message, whoever sent it.
+    /// Takes in a message of any sender.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         if self.outcome.is_some() {
             return;
@@ -118,7 +118,7 @@ impl Download {
             return;
         }
         match self.phase {
-            Phase::Listing { .. } if self.lists >= MOST_LISTS => {
+            Phase::Listing { .. } if self.lists >= MAX_LISTS => {
                 self.outcome = Some(Err(match self.complaint {
                     Some(result) => DownloadError::Refused { result },
                     None => DownloadError::Silent { lists: self.lists },
@@ -150,7 +150,7 @@ impl Download {
         let due = match self.phase {
             Phase::Listing { again } => again,
             Phase::Reading { sent, heard, .. } => {
-                (sent + self.pace.wait_ms()).min(heard + SILENCE_MS)
+                (sent + self.rtt.wait_ms()).min(heard + SILENCE_MS)
             }
         };
         Some(due.min(self.deadline))
@@ -218,7 +218,7 @@ impl Download {
         if usize::from(seq) != self.items.len() {
             return;
         }
-        self.pace.answered(now - *asked);
+        self.rtt.sample(now - *asked);
         *asked = now;
         *heard = now;
         self.items.push(item);
@@ -250,16 +250,17 @@ impl Download {
         }
     }
 
-    /// A vehicle that is still receiving, or lost count of us, is asked again after a while.
+    /// A vehicle that is still receiving, or lost our transfer, gets the request again later.
     fn answered(&mut self, now: Time, result: MissionResult) {
         match result {
             MissionResult::ACCEPTED
             | MissionResult::INVALID_SEQUENCE
             | MissionResult::OPERATION_CANCELLED => {}
-            // PX4 says ERROR, and forgets the transfer, when an old copy of a request overtakes newer ones.
+            // PX4 answers ERROR, and drops the transfer, when an old copy of a request
+            // overtakes newer ones.
             MissionResult::DENIED | MissionResult::ERROR => {
                 if matches!(self.phase, Phase::Reading { .. }) {
-                    self.pace.slow_down();
+                    self.rtt.back_off();
                 }
                 self.complaint = Some(result);
                 self.phase = Phase::Listing {

@@ -1,8 +1,8 @@
-//! Is this the vehicle that the spec means?
+//! Identification: whether a vehicle is the one of the spec.
 
 use super::report::Refusal;
 use crate::link::message::{
-    AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Heartbeat,
+    AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Address, Heartbeat,
 };
 use crate::spec::{Airframe, Autopilot};
 
@@ -13,16 +13,24 @@ const COPTER_TYPES: [u8; 9] = [2, 3, 4, 13, 14, 15, 29, 35, 43];
 /// `MAV_TYPE_FIXED_WING`.
 const PLANE_TYPES: [u8; 1] = [1];
 
-/// `MAV_TYPE`s of VTOL, and the fixed wing that ArduPlane says a QuadPlane is (`Q_MAV_TYPE` 0).
+/// `MAV_TYPE`s of VTOL, and fixed wing, as which ArduPlane reports a QuadPlane (`Q_MAV_TYPE` 0).
 const VTOL_TYPES: [u8; 8] = [1, 19, 20, 21, 22, 23, 24, 25];
 
-/// `MAV_TYPE`s that fly nothing: ground station, antenna tracker, onboard controller,
+/// `MAV_TYPE`s that are no vehicle: ground station, antenna tracker, onboard controller,
 /// gimbal, ADS-B receiver, camera, charging station, FLARM, servo, remote id.
 const PAYLOAD_TYPES: [u8; 10] = [6, 5, 18, 26, 27, 30, 31, 32, 33, 34];
 
-/// Whether a heartbeat comes from an autopilot and not from a ground station or payload.
-pub(crate) fn is_vehicle(heartbeat: &Heartbeat) -> bool {
-    !PAYLOAD_TYPES.contains(&heartbeat.kind) && heartbeat.autopilot != AUTOPILOT_INVALID
+/// `MAV_COMP_ID_AUTOPILOT1`.
+const AUTOPILOT_COMPONENT: u8 = 1;
+
+/// Whether a heartbeat comes from an autopilot and not from a ground station, a payload or
+/// a companion computer. Companions may claim a generic autopilot, but have an own component.
+pub(crate) fn is_autopilot(from: Address, heartbeat: &Heartbeat) -> bool {
+    let is_companion =
+        from.component != AUTOPILOT_COMPONENT && heartbeat.autopilot == AUTOPILOT_GENERIC;
+    !PAYLOAD_TYPES.contains(&heartbeat.kind)
+        && heartbeat.autopilot != AUTOPILOT_INVALID
+        && !is_companion
 }
 
 /// Refuses a vehicle that is not the one of the spec, or that is armed.
@@ -68,7 +76,7 @@ pub(crate) fn named(autopilot: u8) -> Option<Autopilot> {
 }
 
 /// `AUTOPILOT_VERSION.flight_sw_version` in words, such as `4.6.3` or `1.18.0-beta`;
-/// empty if the vehicle does not tell.
+/// empty if unknown.
 pub(crate) fn version(flight_software: u32) -> String {
     let [major, minor, patch, kind] = flight_software.to_be_bytes();
     if flight_software == 0 {
@@ -145,12 +153,27 @@ mod tests {
     }
 
     #[test]
-    fn a_version_is_written_as_its_people_write_it() {
+    fn a_version_is_written_as_its_project_writes_it() {
         assert_eq!(version(0), "");
         assert_eq!(version(0x0406_03ff), "4.6.3");
         assert_eq!(version(0x0406_0000), "4.6.0-dev");
         assert_eq!(version(0x0112_0080), "1.18.0-beta");
         assert_eq!(version(0x0112_00c1), "1.18.0-rc");
+    }
+
+    #[test]
+    fn a_companion_that_claims_a_generic_autopilot_is_none() {
+        let from = |component| Address {
+            system: 1,
+            component,
+        };
+        assert!(is_autopilot(from(1), &heartbeat(2, AUTOPILOT_GENERIC, 0)));
+        assert!(is_autopilot(from(2), &heartbeat(2, AUTOPILOT_PX4, 0)));
+        assert!(!is_autopilot(
+            from(191),
+            &heartbeat(0, AUTOPILOT_GENERIC, 0)
+        ));
+        assert!(!is_autopilot(from(1), &heartbeat(18, AUTOPILOT_PX4, 0)));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Everything that one vehicle holds: wait for it, then read fence, rally and mission.
+//! Reads everything that one vehicle holds: discovery, then fence, rally and mission.
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ use crate::spec::Autopilot;
 
 /// Wait for the first heartbeat, milliseconds.
 const NOBODY_MS: u64 = 10_000;
-/// How long others are listened for when no system id was told, milliseconds.
+/// Wait for other vehicles when no system id was given, milliseconds.
 const OTHERS_MS: u64 = 1500;
 /// Wait for a vehicle that is starting, milliseconds.
 const STARTING_MS: u64 = 30_000;
@@ -26,16 +26,16 @@ const HEARTBEAT_MS: u64 = 1000;
 /// The lists in the order of reading.
 const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
 
-/// What a vehicle holds.
+/// The lists that a vehicle holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Onboard {
     /// Its system id.
     pub sysid: u8,
-    /// Its autopilot, if it says one that we know.
+    /// Its autopilot, if it is a supported one.
     pub autopilot: Option<Autopilot>,
     /// Autopilot and type in words.
     pub description: String,
-    /// Its home, if it says where that is.
+    /// Its home, if it reports one.
     pub home: Option<Home>,
     /// Mission items, without ArduPilot's home row.
     pub mission: Vec<Item>,
@@ -47,7 +47,7 @@ pub struct Onboard {
     pub unknown: Vec<List>,
 }
 
-/// The reading of one vehicle. Same driver contract as [`crate::link::Upload`].
+/// The reading of one vehicle; see the [driver contract](crate::link#driver-contract).
 #[derive(Debug)]
 pub struct Reading {
     us: Address,
@@ -67,13 +67,13 @@ pub struct Reading {
 
 #[derive(Debug)]
 enum Stage {
-    /// For the vehicle to speak and to be ready.
+    /// Waits until the vehicle speaks and is ready.
     Discovery {
         until: Time,
     },
     Reading(Download),
-    /// For the vehicle to say where its home is.
-    Homing {
+    /// Waits for `HOME_POSITION`.
+    AwaitingHome {
         until: Time,
     },
 }
@@ -100,10 +100,10 @@ impl Reading {
         }
     }
 
-    /// Takes in a message, whoever sent it.
+    /// Takes in a message of any sender.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         match message {
-            Message::Heartbeat(heartbeat) if identity::is_vehicle(heartbeat) => {
+            Message::Heartbeat(heartbeat) if identity::is_autopilot(from, heartbeat) => {
                 self.heartbeat(now, from, *heartbeat);
             }
             &Message::HomePosition { x, y, amsl_mm }
@@ -136,10 +136,10 @@ impl Reading {
             self.outbox.push_back(Message::Heartbeat(Heartbeat::OURS));
         }
         match &mut self.stage {
-            Stage::Discovery { until } if now >= *until => self.meet(now),
+            Stage::Discovery { until } if now >= *until => self.discovery_timeout(now),
             Stage::Reading(download) => download.handle_timeout(now),
-            Stage::Homing { until } if now >= *until => self.end(),
-            Stage::Discovery { .. } | Stage::Homing { .. } => {}
+            Stage::AwaitingHome { until } if now >= *until => self.end(),
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => {}
         }
         self.advance(now);
     }
@@ -151,7 +151,7 @@ impl Reading {
         }
         match &mut self.stage {
             Stage::Reading(download) => download.poll_transmit(),
-            Stage::Discovery { .. } | Stage::Homing { .. } => None,
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => None,
         }
     }
 
@@ -162,28 +162,28 @@ impl Reading {
             return None;
         }
         let stage = match &self.stage {
-            Stage::Discovery { until } | Stage::Homing { until } => Some(*until),
+            Stage::Discovery { until } | Stage::AwaitingHome { until } => Some(*until),
             Stage::Reading(download) => download.poll_timeout(),
         };
         Some(stage.map_or(self.heartbeat_due, |due| due.min(self.heartbeat_due)))
     }
 
-    /// What it came to, once it is over.
+    /// The lists or the failure, once it is over.
     #[must_use]
     pub fn outcome(&self) -> Option<&Result<Onboard, Failure>> {
         self.outcome.as_ref()
     }
 
-    /// The list at work, and how many of its items have come.
+    /// The current list, and the number of its items read.
     #[must_use]
     pub fn progress(&self) -> Option<(List, usize)> {
         match &self.stage {
             Stage::Reading(download) => Some((*ORDER.get(self.lists.len())?, download.progress())),
-            Stage::Discovery { .. } | Stage::Homing { .. } => None,
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => None,
         }
     }
 
-    /// The last word, when the driver cannot go on.
+    /// Ends the reading when the driver cannot go on.
     pub(crate) fn abort(&mut self, failure: Failure) {
         self.outcome.get_or_insert(Err(failure));
     }
@@ -202,7 +202,7 @@ impl Reading {
                 *until = now + STARTING_MS;
             }
             (None, Some(_)) => return,
-            // The first of them: who else is there?
+            // The first of them: waits for others.
             (None, None) => {
                 if self.heard.len() == 1 {
                     *until = (*until).min(now + OTHERS_MS);
@@ -215,8 +215,9 @@ impl Reading {
         }
     }
 
-    /// The wait is over.
-    fn meet(&mut self, now: Time) {
+    /// No vehicle came, or it did not get ready. Without a system id, the only vehicle
+    /// heard is read.
+    fn discovery_timeout(&mut self, now: Time) {
         if let Some((_, heartbeat)) = self.vehicle {
             return self.fail(Failure::NotReady {
                 status: heartbeat.system_status,
@@ -263,7 +264,7 @@ impl Reading {
             }
             None => {
                 self.take_home_row();
-                self.stage = Stage::Homing {
+                self.stage = Stage::AwaitingHome {
                     until: now + HOME_MS,
                 };
             }
@@ -275,7 +276,7 @@ impl Reading {
             return;
         }
         match &mut self.stage {
-            Stage::Homing { .. } if self.home.is_some() => self.end(),
+            Stage::AwaitingHome { .. } if self.home.is_some() => self.end(),
             Stage::Reading(download) => {
                 let Some(ended) = download.outcome().cloned() else {
                     return;
@@ -286,7 +287,7 @@ impl Reading {
                 }
                 self.listed(now, ended);
             }
-            Stage::Discovery { .. } | Stage::Homing { .. } => {}
+            Stage::Discovery { .. } | Stage::AwaitingHome { .. } => {}
         }
     }
 

@@ -1,4 +1,4 @@
-//! What a transfer came to.
+//! The report of a transfer.
 
 use std::net::SocketAddr;
 
@@ -10,24 +10,24 @@ use super::upload::UploadError;
 use crate::link::message::{List, MissionResult};
 use crate::mission::Item;
 
-/// What one vehicle's transfer came to.
+/// The report of one vehicle's transfer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferReport {
     /// Id of the vehicle in the spec.
     pub vehicle: String,
-    /// System id that was talked to.
+    /// System id of the vehicle.
     pub sysid: u8,
-    /// Autopilot and type as the vehicle says; empty if it never spoke.
+    /// Autopilot and type from its heartbeat; empty if it never spoke.
     pub autopilot: String,
-    /// Version of its software as it says, such as `4.6.3`; empty if it does not tell.
+    /// Version of its software as it says, such as `4.6.3`; empty if unknown.
     pub version: String,
     /// The vehicle's own ids of mission, fence and rally as they were read back; 0 where it has none.
     pub plan_ids: [u32; 3],
-    /// Items that the vehicle was read to hold, without home: mission, fence, rally.
+    /// Mission items read back, without home.
     pub items: usize,
-    /// Fence items.
+    /// Fence items read back.
     pub fence: usize,
-    /// Rally points.
+    /// Rally points read back.
     pub rally: usize,
     /// How often a list was sent from its beginning.
     pub attempts: u32,
@@ -37,11 +37,11 @@ pub struct TransferReport {
     pub seconds: f64,
     /// SHA-256 over the items held (see [`hash`]); empty unless verified.
     pub hash: String,
-    /// Whether the vehicle holds exactly what it was sent.
+    /// Whether the vehicle holds exactly the items sent.
     pub verdict: Verdict,
-    /// Where it does not.
+    /// Every difference between the items sent and read back.
     pub differences: Vec<Difference>,
-    /// What the vehicle said meanwhile (`STATUSTEXT`).
+    /// Texts of the vehicle during the transfer (`STATUSTEXT`).
     pub statustexts: Vec<String>,
 }
 
@@ -50,7 +50,7 @@ pub struct TransferReport {
 pub enum Verdict {
     /// The vehicle holds exactly our items: read back and compared.
     Verified,
-    /// It does not, or nobody can tell.
+    /// It does not, or that is unknown.
     Failed(Failure),
     /// Nothing was sent.
     Refused(Refusal),
@@ -81,9 +81,9 @@ pub enum Failure {
         /// Their system ids.
         heard: Vec<u8>,
     },
-    /// One system id at two addresses at the same time: nobody can tell which of them is meant.
+    /// One system id at two addresses at the same time.
     #[error("system {sysid} speaks from {} and from {} at once: two vehicles with one system id, or one over two links", at[0], at[1])]
-    Twins {
+    DuplicateSystem {
         /// Their system id.
         sysid: u8,
         /// Where they are.
@@ -94,9 +94,9 @@ pub enum Failure {
         "the vehicle speaks only MAVLink 1, which has no messages for fence items ({fence}) and rally points ({rally})"
     )]
     OnlyMavlink1 {
-        /// Fence items that it shall hold.
+        /// Fence items of the mission.
         fence: usize,
-        /// Rally points that it shall hold.
+        /// Rally points of the mission.
         rally: usize,
     },
     /// The vehicle did not finish starting.
@@ -121,10 +121,10 @@ pub enum Failure {
     Clear {
         /// Which.
         list: List,
-        /// What the vehicle said.
+        /// Its answer.
         result: MissionResult,
     },
-    /// Reading a list failed, so nobody knows what the vehicle holds.
+    /// Reading a list failed, so its content on board is unknown.
     #[error("{list}: could not be read back: {error}")]
     ReadBack {
         /// Which.
@@ -136,7 +136,7 @@ pub enum Failure {
     /// The vehicle holds the mission and will not fly it.
     #[error("the vehicle holds the mission, and will not fly it: {text}")]
     WillNotFly {
-        /// What it says.
+        /// Its text.
         text: String,
     },
     /// The vehicle holds something else.
@@ -146,7 +146,7 @@ pub enum Failure {
         list: List,
         /// How many differences.
         count: usize,
-        /// What it said while it took the items.
+        /// Its last answer while it took the items.
         complaint: Option<MissionResult>,
     },
     /// The whole transfer took too long.
@@ -155,7 +155,7 @@ pub enum Failure {
         /// How long was waited, seconds.
         after_s: u64,
     },
-    /// Somebody armed it.
+    /// The vehicle was armed during the transfer.
     #[error("the vehicle was armed during the transfer")]
     ArmedMeanwhile,
     /// The link could not be opened or broke.

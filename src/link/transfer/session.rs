@@ -1,9 +1,8 @@
-//! Everything for one vehicle: wait for it, make sure that it is the right one,
-//! then fence, rally and mission, each sent, read back and compared.
+//! The whole transfer to one vehicle: discovery, identification, then fence, rally and
+//! mission, each sent, read back and compared.
 //!
-//! Fence before mission, because PX4 checks a mission against the fence on board.
-//! A list that is to be empty is read first and cleared if it is not: an old
-//! fence must not stay silently.
+//! Fence before mission, because PX4 checks a mission against the fence on board. A list
+//! that must be empty is read first and cleared if it is not, so that no old fence stays.
 
 mod ending;
 mod lists;
@@ -13,51 +12,37 @@ use std::collections::VecDeque;
 use super::compare::Difference;
 use super::discovery::{Discovered, Discovery, is_ready};
 use super::identity;
+use super::order::Order;
 use super::report::{Failure, TransferReport, Verdict};
 use super::task::Task;
 use crate::link::codec::Version;
 use crate::link::message::flight::{Command, FlightMessage};
 use crate::link::message::{Address, Heartbeat, List, Message, MissionResult};
 use crate::link::time::Time;
-use crate::mission::{Item, VehicleMission};
+use crate::mission::Item;
 
 /// Between two of our heartbeats, milliseconds. MAVSDK forgets us after 3 s without.
 const HEARTBEAT_MS: u64 = 1000;
 /// The whole transfer: this and [`ITEM_MS`] for each item, milliseconds.
 const TRANSFER_MS: u64 = 120_000;
-/// What each item adds to the time allowed, milliseconds.
+/// Time allowed for each item, milliseconds.
 const ITEM_MS: u64 = 5000;
-/// How often the vehicle is asked for its version, a heartbeat apart.
-const MOST_VERSION_REQUESTS: u32 = 5;
-/// Answers in MAVLink 1 for so long, milliseconds, mean that the vehicle speaks no other:
-/// two of our heartbeats, in MAVLink 2, have gone out by then.
+/// Most requests for the version of the vehicle, a heartbeat apart.
+const MAX_VERSION_REQUESTS: u32 = 5;
+/// A vehicle that answers in MAVLink 1 for this long speaks no other version,
+/// milliseconds: two of our heartbeats, in MAVLink 2, have gone out by then.
 const OLD_MS: u64 = 2500;
-/// Most texts of the vehicle that are kept.
-const MOST_TEXTS: usize = 50;
+/// Most texts of the vehicle in a report.
+const MAX_TEXTS: usize = 50;
 /// The lists in the order of transfer.
 const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
 
-/// What is to be transferred, and to whom.
-#[derive(Clone, Debug)]
-pub struct Order<'a> {
-    /// Id in the spec.
-    pub vehicle: &'a str,
-    /// System id in the spec.
-    pub sysid: u8,
-    /// What it shall hold.
-    pub mission: &'a VehicleMission,
-    /// Whether refusals are overridden.
-    pub force: bool,
-    /// System ids that others expect on the same link.
-    pub others: Vec<u8>,
-}
-
-/// Where a transfer is.
+/// Progress of a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Lists done, of three.
     pub lists: usize,
-    /// What is going on: `waiting`, `sending`, `clearing`, `reading`, `done`.
+    /// Current stage: `waiting`, `sending`, `clearing`, `reading`, `done`.
     pub stage: &'static str,
     /// Items done in this stage.
     pub done: usize,
@@ -65,7 +50,7 @@ pub struct Progress {
     pub total: usize,
 }
 
-/// The transfer to one vehicle. Same driver contract as [`Upload`].
+/// The transfer to one vehicle; see the [driver contract](super#driver-contract).
 #[derive(Debug)]
 pub struct Session<'a> {
     order: Order<'a>,
@@ -75,7 +60,7 @@ pub struct Session<'a> {
     heartbeat_due: Time,
     outbox: VecDeque<Message>,
     stage: Stage,
-    /// The vehicle and what it last said, once it has been met.
+    /// The vehicle and its last heartbeat, once it has been discovered.
     vehicle: Option<(Address, Heartbeat)>,
     /// Index into [`ORDER`].
     at: usize,
@@ -94,7 +79,7 @@ pub struct Session<'a> {
     version_requests: u32,
     differences: Vec<Difference>,
     texts: Vec<String>,
-    /// What the vehicle says of a mission that it holds and will not fly.
+    /// Text of the vehicle on a mission that it holds and will not fly.
     rejection: Option<String>,
     /// Since when the vehicle has been answering our MAVLink 2 in MAVLink 1.
     old_since: Option<Time>,
@@ -104,13 +89,13 @@ pub struct Session<'a> {
 
 #[derive(Debug)]
 enum Stage {
-    /// For the vehicle to speak, or to be ready.
+    /// Waits until the vehicle speaks and is ready.
     Discovery(Discovery),
-    /// A list is sent, cleared or read.
+    /// Sends, clears or reads a list.
     Working(Task),
-    /// Before a list is sent again.
+    /// Waits before a list is sent again.
     Pausing { until: Time },
-    /// After the last list, for what the vehicle has to say.
+    /// Waits for texts of the vehicle after the last list.
     Listening { until: Time },
 }
 
@@ -151,7 +136,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// Takes in a message, whoever sent it.
+    /// Takes in a message of any sender.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         if self.report.is_some() {
             return;
@@ -159,9 +144,9 @@ impl<'a> Session<'a> {
         match message {
             Message::Heartbeat(heartbeat) => self.heartbeat(now, from, *heartbeat),
             Message::StatusText { text, .. } => {
-                if self.is_of_vehicle(from)
+                if self.is_of_autopilot(from)
                     && self.texts.last() != Some(text)
-                    && self.texts.len() < MOST_TEXTS
+                    && self.texts.len() < MAX_TEXTS
                 {
                     self.texts.push(text.clone());
                 }
@@ -169,11 +154,11 @@ impl<'a> Session<'a> {
             }
             Message::AutopilotVersion {
                 flight_software, ..
-            } if self.is_of_vehicle(from) => {
+            } if self.is_of_autopilot(from) => {
                 self.software = identity::version(*flight_software);
-                self.version_requests = MOST_VERSION_REQUESTS;
+                self.version_requests = MAX_VERSION_REQUESTS;
             }
-            Message::MissionCurrent { opaque_ids, .. } if self.is_of_vehicle(from) => {
+            Message::MissionCurrent { opaque_ids, .. } if self.is_of_autopilot(from) => {
                 self.compare_ids(now, *opaque_ids);
             }
             Message::AutopilotVersion { .. }
@@ -189,10 +174,10 @@ impl<'a> Session<'a> {
         self.advance(now);
     }
 
-    /// Takes in which MAVLink a sender used, before its message is handed in.
+    /// Takes in the MAVLink version of a sender, before its message.
     ///
-    /// Autopilots begin in MAVLink 1 until they hear MAVLink 2, and our heartbeats are
-    /// in MAVLink 2: only who stays with the old one for long speaks nothing else.
+    /// Autopilots begin in MAVLink 1 until they hear MAVLink 2, and our heartbeats are in
+    /// MAVLink 2: a vehicle that stays with the old version for long has no other.
     pub fn hear_version(&mut self, now: Time, from: Address, version: Version) {
         let system = self
             .vehicle
@@ -210,7 +195,7 @@ impl<'a> Session<'a> {
         };
     }
 
-    /// In which MAVLink the vehicle is to be spoken to.
+    /// The MAVLink version for messages to the vehicle.
     #[must_use]
     pub fn version(&self) -> Version {
         self.version
@@ -230,7 +215,7 @@ impl<'a> Session<'a> {
             Stage::Working(task) => task.handle_timeout(now),
             Stage::Discovery(discovery) if now >= discovery.until() => {
                 let discovered = discovery.timeout(&self.order, now);
-                self.meet(now, discovered);
+                self.discovered(now, discovered);
             }
             Stage::Pausing { until } if now >= *until => self.begin_list(now),
             Stage::Listening { until } if now >= *until => {
@@ -275,16 +260,16 @@ impl<'a> Session<'a> {
         Some(stage.map_or(due, |stage| stage.min(due)))
     }
 
-    /// What it came to, once it is over.
+    /// The report, once the transfer is over.
     #[must_use]
     pub fn report(&self) -> Option<&TransferReport> {
         self.report.as_ref()
     }
 
-    /// Where it is.
+    /// The progress.
     #[must_use]
     pub fn progress(&self) -> Progress {
-        let total = self.wanted().items(ORDER[self.at]).len();
+        let total = self.expected().items(ORDER[self.at]).len();
         let (stage, done, total) = match &self.stage {
             _ if self.report.is_some() => ("done", 0, 0),
             Stage::Working(task) => {
@@ -302,22 +287,22 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// The last word, when the driver cannot go on.
+    /// Ends the transfer when the driver cannot go on.
     pub(crate) fn abort(&mut self, now: Time, failure: Failure) {
         if self.report.is_none() {
             self.end(now, Verdict::Failed(failure));
         }
     }
 
-    fn is_of_vehicle(&self, from: Address) -> bool {
-        self.vehicle
-            .is_some_and(|(vehicle, _)| vehicle.system == from.system)
+    /// Whether a message comes from the autopilot, and not from another component.
+    fn is_of_autopilot(&self, from: Address) -> bool {
+        self.vehicle.is_some_and(|(vehicle, _)| vehicle == from)
     }
 
-    /// Asks which software the vehicle runs. Nothing waits for the answer.
+    /// Requests the software version of the vehicle. Nothing waits for the answer.
     fn request_version(&mut self) {
         if let (Some((target, _)), true) =
-            (self.vehicle, self.version_requests < MOST_VERSION_REQUESTS)
+            (self.vehicle, self.version_requests < MAX_VERSION_REQUESTS)
         {
             self.version_requests += 1;
             let order = Command::request_version();
@@ -327,7 +312,7 @@ impl<'a> Session<'a> {
     }
 
     fn heartbeat(&mut self, now: Time, from: Address, heartbeat: Heartbeat) {
-        if !identity::is_vehicle(&heartbeat) {
+        if !identity::is_autopilot(from, &heartbeat) {
             return;
         }
         let is_undecided = self.old_since.is_some() && self.version == Version::Two;
@@ -337,7 +322,7 @@ impl<'a> Session<'a> {
             }
             let discovered = discovery.heartbeat(&self.order, now, from, heartbeat);
             self.vehicle = discovery.vehicle();
-            self.meet(now, discovered);
+            self.discovered(now, discovered);
         }
         let Some((vehicle, last)) = &mut self.vehicle else {
             return;
@@ -349,15 +334,15 @@ impl<'a> Session<'a> {
         if heartbeat.is_armed() && !self.order.force {
             self.end(now, Verdict::Failed(Failure::ArmedMeanwhile));
         } else if !is_ready(&heartbeat) && !matches!(self.stage, Stage::Discovery(_)) {
-            // It was started again: what it confirmed before may be gone.
+            // It was started again and may have lost what it confirmed.
             self.stage = Stage::Discovery(Discovery::again((from, heartbeat), now));
         }
     }
 
-    fn meet(&mut self, now: Time, discovered: Discovered) {
+    fn discovered(&mut self, now: Time, discovered: Discovered) {
         match discovered {
-            Discovered::Nobody => {}
-            Discovered::Met(address, heartbeat) => {
+            Discovered::Pending => {}
+            Discovered::Ready(address, heartbeat) => {
                 self.vehicle = Some((address, heartbeat));
                 (self.at, self.rounds, self.pauses) = (0, 0, 0);
                 self.request_version();
@@ -374,7 +359,7 @@ impl<'a> Session<'a> {
                 }
                 self.begin_list(now);
             }
-            Discovered::Over(verdict) => self.end(now, verdict),
+            Discovered::Failed(verdict) => self.end(now, verdict),
         }
     }
 }

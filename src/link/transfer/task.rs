@@ -1,4 +1,4 @@
-//! The one machine that is at work in a session.
+//! The current machine of a session.
 
 use super::clear::{Clear, Cleared};
 use super::download::{Download, DownloadError};
@@ -7,7 +7,7 @@ use crate::link::message::{Address, Message, MissionResult};
 use crate::link::time::Time;
 use crate::mission::Item;
 
-/// A machine at work. Same driver contract as [`Upload`].
+/// The current machine; see the [driver contract](crate::link#driver-contract).
 #[derive(Debug)]
 pub(crate) enum Task {
     Upload(Upload),
@@ -78,7 +78,7 @@ impl Task {
         }
     }
 
-    /// What it does, and how many items are done.
+    /// Its stage, and the number of items done.
     pub(crate) fn progress(&self) -> (&'static str, usize) {
         match self {
             Self::Upload(upload) => ("sending", upload.progress()),

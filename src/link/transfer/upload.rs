@@ -1,14 +1,11 @@
-//! Sending one list to one vehicle (`MISSION_COUNT`, requests, items, `MISSION_ACK`).
-//!
-//! Driver contract: hand in one message or timeout, send everything that
-//! `poll_transmit` gives, wait until `poll_timeout` or the next message.
+//! Sends one list to one vehicle (`MISSION_COUNT`, requests, items, `MISSION_ACK`).
 
 mod error;
 
 use std::collections::VecDeque;
 
 use crate::link::message::{Body, Message, MissionResult, Route};
-use crate::link::rtt::Pace;
+use crate::link::rtt::RttEstimator;
 use crate::link::time::Time;
 use crate::mission::Item;
 
@@ -17,36 +14,41 @@ pub use error::UploadError;
 /// Wait for the answer to `MISSION_COUNT`, milliseconds (mission service guide).
 const COUNT_MS: u64 = 1500;
 /// `MISSION_COUNT`s without any answer before the vehicle counts as silent.
-const MOST_COUNTS: u32 = 20;
+const MAX_COUNTS: u32 = 20;
 /// An identical request within this time is the echo of one already answered, milliseconds.
 const ECHO_MS: u64 = 100;
 /// Silence after the final item before its `MISSION_ACK` counts as lost, milliseconds.
 /// Several re-requests of ArduPilot (1 s) fit into it.
 const ACK_MS: u64 = 4000;
+/// Least time between two starts of a list that the vehicle asks for, milliseconds: a
+/// vehicle that cancels each of them must not be answered as fast as it speaks.
+const RESTART_MS: u64 = 250;
 /// First wait after `DENIED`, milliseconds; it doubles up to four times.
 const DENIED_MS: u64 = 2000;
 /// `ERROR`s for the same item before they count as a refusal of that item.
-const MOST_ERRORS: u32 = 3;
+const MAX_ERRORS: u32 = 3;
 
-/// An upload in progress.
+/// An upload in progress; see the [driver contract](crate::link#driver-contract).
 #[derive(Debug)]
 pub struct Upload {
     route: Route,
     items: Vec<(Item, u8)>,
     silence_ms: u64,
-    room_ms: u64,
+    gap_ms: u64,
     deadline: Time,
     outbox: VecDeque<Body>,
     phase: Phase,
-    /// Which items went out since the last `MISSION_COUNT` of a new run.
+    /// Which items went out in this run.
     sent: Vec<bool>,
-    pace: Pace,
+    rtt: RttEstimator,
     counts: u32,
     denials: u32,
     errors: (u16, u32),
     /// The last result that was not fatal when it came.
     complaint: Option<MissionResult>,
     runs: u32,
+    /// When the current run started.
+    started: Time,
     repeats: u32,
     outcome: Option<Result<Sent, UploadError>>,
 }
@@ -55,8 +57,8 @@ pub struct Upload {
 enum Phase {
     /// `MISSION_COUNT` went out; no request yet.
     Counting { again: Time },
-    /// The vehicle said `DENIED`; no message until then.
-    Denied { until: Time },
+    /// No message until then: after `DENIED`, or between two starts.
+    Paused { until: Time },
     /// Items flow: the last one requested, when it was asked for and last sent,
     /// and when the vehicle was last heard.
     Sending {
@@ -69,7 +71,7 @@ enum Phase {
     },
 }
 
-/// Every item went out. Whether the vehicle holds them is for a read-back to say.
+/// Every item went out. Only a read-back shows whether the vehicle holds them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sent {
     /// Whether the vehicle confirmed; otherwise its `MISSION_ACK` was lost.
@@ -95,16 +97,17 @@ impl Upload {
             route,
             sent: vec![false; items.len()],
             silence_ms,
-            room_ms: 0,
+            gap_ms: 0,
             deadline,
             outbox: VecDeque::new(),
             phase: Phase::Counting { again: now },
-            pace: Pace::default(),
+            rtt: RttEstimator::default(),
             counts: 0,
             denials: 0,
             errors: (0, 0),
             complaint: None,
             runs: 0,
+            started: now,
             repeats: 0,
             outcome: None,
             items,
@@ -118,16 +121,16 @@ impl Upload {
         upload
     }
 
-    /// Leaves the vehicle so long between two repetitions of one item, milliseconds.
-    /// Each item that reaches MAVSDK, also one that it has, puts off its own request
-    /// by 500 ms: repeated every 250 ms, it would never ask again for what was lost.
+    /// Sets the least time between two repetitions of one item, milliseconds. Each item
+    /// that reaches MAVSDK, even a known one, delays its own request by 500 ms: repeated
+    /// every 250 ms, it would never ask again for a lost item.
     #[must_use]
-    pub fn leaving_room(mut self, room_ms: u64) -> Self {
-        self.room_ms = room_ms;
+    pub fn with_min_gap(mut self, gap_ms: u64) -> Self {
+        self.gap_ms = gap_ms;
         self
     }
 
-    /// Takes in a message, whoever sent it.
+    /// Takes in a message of any sender.
     pub fn handle(&mut self, now: Time, from: crate::link::Address, message: &Message) {
         if self.outcome.is_some() {
             return;
@@ -149,7 +152,7 @@ impl Upload {
             return;
         }
         match self.phase {
-            Phase::Counting { .. } if self.counts >= MOST_COUNTS => {
+            Phase::Counting { .. } if self.counts >= MAX_COUNTS => {
                 self.outcome = Some(Err(UploadError::Silent {
                     counts: self.counts,
                 }));
@@ -159,7 +162,7 @@ impl Upload {
                 self.repeats += 1;
                 self.count(now, self.complaint == Some(MissionResult::ERROR));
             }
-            Phase::Denied { .. } => self.start(now, false),
+            Phase::Paused { .. } => self.start(now, self.complaint == Some(MissionResult::ERROR)),
             Phase::Sending { seq, heard, .. } if self.is_final(seq) => {
                 if self.all_sent() && now >= heard + ACK_MS {
                     self.finish(false, 0);
@@ -190,13 +193,13 @@ impl Upload {
         }
         let due = match self.phase {
             Phase::Counting { again } => again,
-            Phase::Denied { until } => until,
+            Phase::Paused { until } => until,
             Phase::Sending { seq, heard, .. } if self.is_final(seq) => heard + ACK_MS,
             Phase::Sending {
                 asked, sent, heard, ..
             } => {
-                let room_ms = if sent > asked { self.room_ms } else { 0 };
-                (sent + self.pace.wait_ms().max(room_ms)).min(heard + self.silence_ms)
+                let gap_ms = if sent > asked { self.gap_ms } else { 0 };
+                (sent + self.rtt.wait_ms().max(gap_ms)).min(heard + self.silence_ms)
             }
         };
         Some(due.min(self.deadline))
@@ -238,13 +241,15 @@ impl Upload {
 
     fn out_of_time(&self) -> UploadError {
         match self.phase {
-            Phase::Denied { .. } => UploadError::Denied {
-                denials: self.denials,
-            },
+            Phase::Paused { .. } if self.complaint == Some(MissionResult::DENIED) => {
+                UploadError::Denied {
+                    denials: self.denials,
+                }
+            }
             Phase::Counting { .. } if self.runs == 1 => UploadError::Silent {
                 counts: self.counts,
             },
-            Phase::Counting { .. } => UploadError::OutOfTime {
+            Phase::Counting { .. } | Phase::Paused { .. } => UploadError::OutOfTime {
                 seq: self.errors.0,
                 runs: self.runs,
                 complaint: self.complaint,
@@ -257,9 +262,22 @@ impl Upload {
         }
     }
 
+    /// Starts a new run because of an answer, at once or after a pause.
+    fn restart(&mut self, now: Time, cancel: bool) {
+        let until = self.started + RESTART_MS;
+        if now < until {
+            // An acceptance from now on is of the run before.
+            self.sent.fill(false);
+            self.phase = Phase::Paused { until };
+        } else {
+            self.start(now, cancel);
+        }
+    }
+
     /// Starts a run from the beginning.
     fn start(&mut self, now: Time, cancel: bool) {
         self.runs += 1;
+        self.started = now;
         self.counts = 0;
         self.sent.fill(false);
         self.count(now, cancel);
@@ -287,7 +305,7 @@ impl Upload {
 
     /// Any item may be asked for at any time, also again after the last one.
     fn requested(&mut self, now: Time, seq: u16) {
-        if usize::from(seq) >= self.items.len() || matches!(self.phase, Phase::Denied { .. }) {
+        if usize::from(seq) >= self.items.len() || matches!(self.phase, Phase::Paused { .. }) {
             return;
         }
         match &mut self.phase {
@@ -305,7 +323,7 @@ impl Upload {
             }
             Phase::Sending { asked, .. } => {
                 let after_ms = now - *asked;
-                self.pace.answered(after_ms);
+                self.rtt.sample(after_ms);
                 self.begin(now, seq, false);
             }
             _ => self.begin(now, seq, false),
@@ -347,11 +365,11 @@ impl Upload {
             }
             MissionResult::INVALID_SEQUENCE => self.out_of_step(now),
             MissionResult::DENIED => self.denied(now),
-            // The vehicle gave up. While counting this is news of an earlier run.
+            // The vehicle gave up. While counting this is about an earlier run.
             MissionResult::OPERATION_CANCELLED => {
                 self.complaint = Some(result);
                 if matches!(self.phase, Phase::Sending { .. }) {
-                    self.start(now, false);
+                    self.restart(now, false);
                 }
             }
             MissionResult::ERROR => self.error(now),
@@ -385,14 +403,14 @@ impl Upload {
         if matches!(self.phase, Phase::Counting { .. }) {
             let wait_ms = DENIED_MS << self.denials.min(2);
             self.denials += 1;
-            self.phase = Phase::Denied {
+            self.phase = Phase::Paused {
                 until: now + wait_ms,
             };
         }
     }
 
     /// ERROR has many meanings: ArduPilot is not receiving (it rebooted, gave up, or has
-    /// everything already), PX4 is busy, or this item is bad. Starting over tells them apart.
+    /// everything already), PX4 is busy, or this item is bad. Starting over distinguishes them.
     fn error(&mut self, now: Time) {
         self.complaint = Some(MissionResult::ERROR);
         let Phase::Sending { seq, .. } = self.phase else {
@@ -402,10 +420,10 @@ impl Upload {
         self.errors = (seq, if at == seq { times + 1 } else { 1 });
         if self.is_final(seq) && self.all_sent() && self.errors.1 == 1 {
             self.finish(false, 0);
-        } else if self.errors.1 >= MOST_ERRORS {
+        } else if self.errors.1 >= MAX_ERRORS {
             self.reject(MissionResult::ERROR);
         } else {
-            self.start(now, true);
+            self.restart(now, true);
         }
     }
 

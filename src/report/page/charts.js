@@ -130,7 +130,7 @@ const profiles = (() => {
     });
     data.margins.forEach((margin, row) => {
       if (!margin.at || !margin.vehicles.includes(index) || margin.vehicles[0] !== index) return;
-      if (margin.ok && !margin.what.startsWith("terrain")) return;
+      if (margin.ok && !margin.is_clearance) return;
       const d = fixAt(track, margin.at[3]).d;
       const mark = svg("circle", { class: "worst" + (margin.ok ? "" : " bad"), cx: at.x(d), cy: at.y(margin.at[2]), r: 5.5, "data-row": row }, root);
       svg("title", {}, mark).textContent = margin.what;

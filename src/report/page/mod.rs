@@ -15,6 +15,7 @@ use crate::report::map::plan_view;
 use crate::report::scene::{Ending, FlownFacts, Scene, VehicleShape};
 use crate::report::words::{self, Ranked, escaped};
 use crate::report::{COLOURS, ReviewInput};
+use crate::verify::{Limit, Topic};
 
 /// Rows of the table of margins; the rest is in `review.json`.
 const MAX_ROWS: usize = 600;
@@ -56,6 +57,8 @@ struct Jump {
     /// East, north, altitude, time.
     at: Option<[Option<f64>; 4]>,
     what: String,
+    /// Whether the profile of the vehicle marks it even where it holds.
+    is_clearance: bool,
     value: Option<f64>,
     ok: bool,
 }
@@ -158,7 +161,8 @@ fn jump(entry: &Ranked<'_>, input: &ReviewInput<'_>) -> Jump {
             let at = input.world.frame.to_plan(moment.place);
             [at.east_m, at.north_m, moment.amsl.0, moment.t_s].map(|value| rounded(value, 100.0))
         }),
-        what: margin.what.clone(),
+        what: margin.limit.to_string(),
+        is_clearance: margin.limit.topic() == Topic::Clearance,
         value: finite(margin.value),
         ok: margin.ok,
     }
@@ -172,7 +176,7 @@ fn approaches(ranked: &[Ranked<'_>], input: &ReviewInput<'_>) -> Vec<Approach> {
     ranked
         .iter()
         .map(|entry| entry.margin)
-        .filter(|margin| margin.what == "separation")
+        .filter(|margin| margin.limit == Limit::Separation)
         .filter_map(|margin| {
             let index = |id: &str| indices.get(id).copied();
             Some(Approach {
@@ -201,24 +205,21 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         ),
     ];
     // A limit that was not judged is left out.
-    let held = |what: &str| {
-        input
-            .review
-            .margins
-            .iter()
-            .any(|margin| margin.what == what)
+    let held = |limit: Limit| {
+        let mut margins = input.review.margins.iter();
+        margins.any(|margin| margin.limit == limit)
     };
-    let clearance = held("terrain clearance").then(|| {
+    let clearance = held(Limit::TerrainClearance).then(|| {
         let least_m = words::number(spec.area.min_agl.0, 1);
         format!("{least_m} m or more above ground")
     });
-    let ceiling =
-        held("ceiling").then(|| format!("up to {} m AMSL", words::number(spec.area.max_amsl.0, 1)));
+    let ceiling = held(Limit::Ceiling)
+        .then(|| format!("up to {} m AMSL", words::number(spec.area.max_amsl.0, 1)));
     let heights: Vec<String> = clearance.into_iter().chain(ceiling).collect();
     if !heights.is_empty() {
         facts.push(heights.join(", "));
     }
-    if held("separation") {
+    if held(Limit::Separation) {
         let apart = words::number(spec.separation.distance_m, 1);
         // A flown track has no other departure.
         let slack_s = spec.separation.time_slack_s;
@@ -297,7 +298,7 @@ fn cards(shown: &[Ranked<'_>]) -> String {
              <span class=\"value\">{}</span><span class=\"limit\">{}{}</span>\
              <span class=\"who\">{}</span><span class=\"when\">{}</span></button>",
             if margin.ok { "ok" } else { "bad" },
-            escaped(&margin.what),
+            escaped(&margin.limit.to_string()),
             figure(&words::value(margin), known),
             if margin.ok || !known { "" } else { "must be " },
             escaped(&if known {

@@ -44,7 +44,7 @@ fn margin_row(row: usize, entry: &Ranked<'_>) -> String {
         class = class(margin.ok),
         word = word(margin.ok),
         who = escaped(&words::who(margin)),
-        what = escaped(&margin.what),
+        what = escaped(&margin.limit.to_string()),
         value_order = finite(margin.value).unwrap_or(-LAST),
         value = escaped(&words::value(margin)),
         limit = escaped(&words::limit(margin)),

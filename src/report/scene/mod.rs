@@ -12,6 +12,7 @@ use crate::geodesy::{EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::report::ReviewInput;
 use crate::spec::{Finish, Vehicle};
+use crate::verify::Limit;
 use crate::world::World;
 use flown::FlownShape;
 pub use flown::{FlownError, FlownFacts};
@@ -111,7 +112,7 @@ impl Scene {
             .map(|(index, vehicle)| vehicle_shape(input, index, vehicle))
             .collect();
         let mut margins = input.review.margins.iter();
-        let is_held = margins.any(|margin| margin.what == "separation");
+        let is_held = margins.any(|margin| margin.limit == Limit::Separation);
         let bounds = bounds(world, &vehicles);
         let origin = world.frame.origin();
         Self {

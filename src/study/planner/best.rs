@@ -1,4 +1,4 @@
-//! The best known costs, which only ever go down.
+//! The best known costs; updates only lower them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,7 +16,7 @@ pub struct Known {
     pub total: f64,
     /// Cost of each vehicle, in the order of the spec.
     pub vehicles: Vec<f64>,
-    /// What found it.
+    /// The planner that found it.
     pub method: String,
     /// Evaluations for each vehicle.
     pub evaluations: usize,
@@ -30,10 +30,10 @@ pub struct Known {
 pub struct BestKnown(pub BTreeMap<String, Known>);
 
 impl BestKnown {
-    /// Reads a file; none is the same as an empty one.
+    /// Reads a file; a missing file is an empty one.
     ///
     /// # Errors
-    /// A file that cannot be read or is something else.
+    /// A file that cannot be read or has other content.
     pub fn read(path: &Path) -> Result<Self, StoreError> {
         let text = match std::fs::read_to_string(path) {
             Ok(text) => text,
@@ -45,11 +45,11 @@ impl BestKnown {
         serde_json::from_str(&text).map_err(|error| StoreError::Content {
             path: path.to_owned(),
             line: error.line(),
-            what: error.to_string(),
+            reason: error.to_string(),
         })
     }
 
-    /// Writes it whole or not at all.
+    /// Writes the file; it appears whole or not at all.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -58,8 +58,8 @@ impl BestKnown {
         write_whole(path, &(text + "\n"))
     }
 
-    /// Takes over runs that keep every limit and cost less than what is known, by more
-    /// than rounding; returns the names of their missions.
+    /// Takes over runs that keep every limit and cost less than the best known, by more than
+    /// rounding. Returns the names of their missions.
     pub fn lower<'a>(&mut self, runs: impl Iterator<Item = &'a PlannerRun>) -> Vec<String> {
         const ROUNDING: f64 = 1e-9;
         let mut lowered = Vec::new();
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_only_goes_down_and_by_clean_runs() {
+    fn only_clean_runs_lower_the_best_known_cost() {
         let mut best = BestKnown::default();
         assert_eq!(best.lower([run(5.0, true)].iter()), ["m"]);
         let none: [&str; 0] = [];

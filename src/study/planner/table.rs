@@ -1,16 +1,17 @@
-//! What a study of the planner says, as a table and as JSON.
+//! Results of a study of the planner as Markdown tables and as JSON.
 
 use std::fmt::Write;
 
 use serde_json::{Value, json};
 
 use super::{BestKnown, PlannerRun, PlannerStudy, variants};
-use crate::study::stats::{Summary, number};
+use crate::study::document::Table;
+use crate::study::stats::{Summary, as_f64};
 
 /// Runs of one variant with one budget on one mission.
 struct Cell {
     runs: usize,
-    /// How many keep every limit.
+    /// Number of runs that keep every limit.
     clean: usize,
     best_known: f64,
     /// Costs above the best known, percent.
@@ -46,62 +47,54 @@ fn cell(
         clean: mine.iter().filter(|run| run.clean).count(),
         best_known,
         above: Summary::of(&above)?,
-        near: number(near) / number(mine.len()),
+        near: as_f64(near) / as_f64(mine.len()),
     })
 }
 
-/// A markdown table: a row for each mission, by budget, for the planner as it is; and one
-/// for each part left out, over all missions.
+/// Markdown tables: the planner by mission and budget; and each variant over all missions.
 #[must_use]
 pub fn planner_md(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> String {
-    let mut text = String::from("| mission | vehicles | best known |");
+    let mut head = "mission | vehicles | best known".to_owned();
     for evaluations in &study.evaluations {
         let _ = write!(
-            text,
-            " {evaluations}: median | worst | within 1 % | clean |"
+            head,
+            " | {evaluations}: median | worst | within 1 % | clean"
         );
     }
-    text.push_str("\n|---|--:|--:|");
-    text.push_str(&"--:|--:|--:|--:|".repeat(study.evaluations.len()));
-    text.push('\n');
+    let mut table = Table::new("", head);
     for (index, mission) in study.missions.iter().enumerate() {
         let known = best.0.get(&mission.name);
-        let _ = write!(
-            text,
-            "| {} | {} | {} |",
-            mission.name,
-            mission.vehicles,
-            known.map_or("-".to_owned(), |known| format!("{:.4}", known.total)),
-        );
+        let known = known.map_or("-".to_owned(), |known| format!("{:.4}", known.total));
+        let mut row = format!("{} | {} | {known}", mission.name, mission.vehicles);
         for &evaluations in &study.evaluations {
             let _ = match cell(study, runs, best, ("planner", evaluations, index)) {
                 Some(cell) => write!(
-                    text,
-                    " {} | {} | {:.0} % | {}/{} |",
+                    row,
+                    " | {} | {} | {:.0} % | {}/{}",
                     percent(cell.above.median),
                     percent(cell.above.worst),
                     100.0 * cell.near,
                     cell.clean,
                     cell.runs
                 ),
-                None => write!(text, " - | - | - | - |"),
+                None => write!(row, " | - | - | - | -"),
             };
         }
-        text.push('\n');
+        table.row(row);
     }
-    let _ = writeln!(
-        text,
-        "\nMedian and worst of {} seeds, percent above the best known; a run that violates a \
-         limit fails, and is worse than all that keep them.",
-        study.seeds
-    );
-    if study.ablations {
-        text.push_str(&ablations(study, runs, best));
-    }
-    text
+    let ablations = study
+        .ablations
+        .then(|| ablations(study, runs, best).markdown());
+    format!(
+        "{}\nMedian and worst of {} seeds, percent above the best known; a run that violates a \
+         limit fails, and is worse than all that keep them.\n{}",
+        table.markdown(),
+        study.seeds,
+        ablations.map_or_else(String::new, |table| format!("\n{table}"))
+    )
 }
 
-/// Percent for people.
+/// Percent, or `fails` for a run that violates a limit.
 fn percent(value: f64) -> String {
     if value.is_finite() {
         format!("{value:.2}")
@@ -110,45 +103,42 @@ fn percent(value: f64) -> String {
     }
 }
 
-/// A row for each variant: mean of the medians, greatest median, mean and greatest of the
-/// worst runs, over all missions.
-fn ablations(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> String {
-    let mut text = String::from("\n| planner |");
+/// A row for each variant: mean of the medians, highest median, mean and highest of the worst
+/// runs, over all missions.
+fn ablations(study: &PlannerStudy, runs: &[PlannerRun], best: &BestKnown) -> Table {
+    let mut head = "planner".to_owned();
     for evaluations in &study.evaluations {
         let _ = write!(
-            text,
-            " {evaluations}: mean median | greatest median | mean worst | worst | clean |"
+            head,
+            " | {evaluations}: mean median | greatest median | mean worst | worst | clean"
         );
     }
-    text.push_str("\n|---|");
-    text.push_str(&"--:|--:|--:|--:|--:|".repeat(study.evaluations.len()));
-    text.push('\n');
+    let mut table = Table::new("", head);
     for (name, _) in variants(true) {
-        let _ = write!(text, "| {name} |");
+        let mut row = name.to_owned();
         for &evaluations in &study.evaluations {
             let cells: Vec<Cell> = (0..study.missions.len())
                 .filter_map(|mission| cell(study, runs, best, (name, evaluations, mission)))
                 .collect();
             let summary =
                 |of: fn(&Cell) -> f64| Summary::of(&cells.iter().map(of).collect::<Vec<_>>());
-            let clean = cells.iter().map(|cell| number(cell.clean)).sum::<f64>()
-                / cells.iter().map(|cell| number(cell.runs)).sum::<f64>();
+            let total = |of: fn(&Cell) -> usize| as_f64(cells.iter().map(of).sum());
             let (medians, worst) = (summary(|c| c.above.median), summary(|c| c.above.worst));
             if let Some((medians, worst)) = medians.zip(worst) {
                 let _ = write!(
-                    text,
-                    " {} | {} | {} | {} | {:.1} % |",
+                    row,
+                    " | {} | {} | {} | {} | {:.1} %",
                     percent(medians.average),
                     percent(medians.worst),
                     percent(worst.average),
                     percent(worst.worst),
-                    100.0 * clean
+                    100.0 * total(|c| c.clean) / total(|c| c.runs)
                 );
             }
         }
-        text.push('\n');
+        table.row(row);
     }
-    text
+    table
 }
 
 /// The same numbers as one document.

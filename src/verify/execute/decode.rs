@@ -1,51 +1,10 @@
-//! What the items tell the vehicle to do, read as the autopilot reads them.
+//! The orders of a mission in the sequence in which the autopilot executes them.
 
+use super::item::{self, Order};
 use super::jumps::{Jumps, jump};
 use super::wing::items;
-use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
-use crate::mission::{Item, VehicleMission, command, command_name, frame};
-use crate::spec::Autopilot;
-use crate::world::World;
-
-/// An altitude as an item gives it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Height {
-    /// Above the sea, or above home with home's altitude added.
-    Sea(Amsl),
-    /// Above the ground, by the vehicle's own terrain data.
-    Ground(Agl),
-}
-
-/// What one item makes the vehicle do.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Order {
-    /// Climb: straight up, or a plane along its course. PX4 then moves to the item's place,
-    /// a plane towards it.
-    Takeoff { at: Option<LatLon>, height: Height },
-    /// Fly to a place and stay there for a time; 0 means pass by.
-    Fly {
-        at: LatLon,
-        height: Height,
-        hold_s: f64,
-    },
-    /// Fly to a place and stay for ever; on a wing, circle around it, clockwise where the
-    /// radius (metres) is positive.
-    Stay {
-        at: LatLon,
-        height: Height,
-        radius_m: Option<f64>,
-    },
-    /// Wait where the vehicle is.
-    Wait { hold_s: f64 },
-    /// Land there, or where the vehicle is.
-    Land { at: Option<LatLon> },
-    /// Return to launch.
-    Return,
-    /// From now on this ground speed, m/s.
-    Speed { speed_mps: f64 },
-    /// Nothing that moves the vehicle.
-    Nothing,
-}
+use crate::geodesy::Amsl;
+use crate::mission::{VehicleMission, command};
 
 /// An order and the row it comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,10 +21,20 @@ pub(crate) struct Unknown {
     pub(crate) why: String,
 }
 
-/// Most orders of a mission, jumps counted as often as they are made.
-const MOST_ORDERS: usize = 200_000;
+impl Unknown {
+    /// An error for a row.
+    pub(crate) fn err<T>(row: usize, why: impl Into<String>) -> Result<T, Self> {
+        let why = why.into();
+        Err(Self { row, why })
+    }
+}
 
-/// The orders of a mission as they are obeyed, jumps made, up to the first that
+/// Most orders of a mission; each repetition of a jump counts.
+const MAX_ORDERS: usize = 200_000;
+/// `MAV_CMD_NAV_LAST`: commands with greater numbers do not navigate.
+const NAV_LAST: u16 = 95;
+
+/// The orders of a mission in sequence, with its jumps executed, up to the first item that
 /// cannot be read.
 pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option<Unknown>) {
     let mut steps = Vec::with_capacity(mission.items.len());
@@ -73,7 +42,7 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
     let mut next = 0;
     // Whether commands wait for a condition while the vehicle flies on.
     let mut waiting = false;
-    for _ in 0..MOST_ORDERS {
+    for _ in 0..MAX_ORDERS {
         let Some(item) = mission.items.get(next) else {
             return (steps, None);
         };
@@ -88,7 +57,7 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
         }
         match item.command {
             112 | 114 | 115 => waiting = true,
-            command if command < FIRST_BESIDE => waiting = false,
+            command if command <= NAV_LAST => waiting = false,
             command::DO_CHANGE_SPEED if waiting => {
                 let why = "a change of speed that waits for a condition comes at no known time";
                 return (steps, unknown(why.to_owned()));
@@ -98,7 +67,7 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
         let order = if mission.airframe.has_wing() {
             items::read(item, mission, home)
         } else {
-            read(item, mission.autopilot, home)
+            item::read(item, mission.autopilot, home)
         };
         match order {
             Ok(order) => steps.push(Step { row, order }),
@@ -106,230 +75,15 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
         }
         next += 1;
     }
-    let why = format!("more than {MOST_ORDERS} orders, jumps included");
+    let why = format!("more than {MAX_ORDERS} orders, jumps included");
     (steps, Some(Unknown { row: next + 1, why }))
-}
-
-/// Commands below fly somewhere; those from here on act beside the flight.
-const FIRST_BESIDE: u16 = 96;
-
-/// Commands that point cameras, move servos or mark places: a copter flies on as if they were not there.
-const WITHOUT_MOTION: &[u16] = &[
-    112, 114, 115, // conditions for the commands that follow
-    181, 182, 183, 184, // relays and servos
-    189, // DO_LAND_START
-    195, 196, 197, 201, // regions of interest
-    200, 202, 203, 204, 205, 206, // cameras, mounts
-    207, // DO_FENCE_ENABLE
-    211, // DO_GRIPPER
-    530, 531, 532, 1000, // camera and gimbal of the camera protocol
-    2000, 2001, 2500, 2501, // images and video
-];
-
-/// Why the motion after some commands is not known.
-const UNKNOWN_MOTION: &[(u16, &str)] = &[
-    (82, "the curve of NAV_SPLINE_WAYPOINT is not known"),
-    (92, "NAV_GUIDED_ENABLE hands over to another computer"),
-    (94, "NAV_PAYLOAD_PLACE descends until it feels the ground"),
-    (179, "DO_SET_HOME moves home, and altitudes above it"),
-    (208, "DO_PARACHUTE may end the flight"),
-];
-
-pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-    // PX4 holds at such an item until told otherwise; ArduPilot keeps no such flag.
-    if autopilot == Autopilot::Px4 && !item.autocontinue {
-        return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
-    }
-    let here = autopilot == Autopilot::ArduPilot && item.x == 0 && item.y == 0;
-    match item.command {
-        command::NAV_TAKEOFF => Ok(Order::Takeoff {
-            // ArduCopter climbs where it stands, whatever the place says.
-            at: match autopilot {
-                Autopilot::ArduPilot => None,
-                Autopilot::Px4 => Some(place(item)?),
-            },
-            height: height(item, autopilot, home)?,
-        }),
-        command::NAV_WAYPOINT => Ok(Order::Fly {
-            at: place(item)?,
-            height: own_height(item, autopilot, home)?,
-            hold_s: hold_s(item.params[0], autopilot)?,
-        }),
-        command::NAV_LOITER_TIME => Ok(Order::Fly {
-            at: place(item)?,
-            height: own_height(item, autopilot, home)?,
-            hold_s: seconds(item.params[0])?,
-        }),
-        command::NAV_LOITER_UNLIM => Ok(Order::Stay {
-            at: place(item)?,
-            height: own_height(item, autopilot, home)?,
-            radius_m: None,
-        }),
-        command::NAV_LAND if here => Ok(Order::Land { at: None }),
-        command::NAV_LAND => {
-            height(item, autopilot, home)?;
-            Ok(Order::Land {
-                at: Some(place(item)?),
-            })
-        }
-        command::NAV_RETURN_TO_LAUNCH => Ok(Order::Return),
-        command::NAV_DELAY => Ok(Order::Wait {
-            hold_s: delay_s(item, autopilot)?,
-        }),
-        command::DO_CHANGE_SPEED => speed(item),
-        other if WITHOUT_MOTION.contains(&other) => Ok(Order::Nothing),
-        other => Err(unknown_motion(other)),
-    }
-}
-
-fn unknown_motion(command: u16) -> String {
-    let told = UNKNOWN_MOTION.iter().find(|(known, _)| *known == command);
-    match (told, command_name(command)) {
-        (Some((_, why)), _) => (*why).to_owned(),
-        (None, Some(name)) => format!("the motion of {name} is not known"),
-        (None, None) => format!("the motion of command {command} is not known"),
-    }
-}
-
-fn speed(item: &Item) -> Result<Order, String> {
-    let [kind, speed_mps, ..] = item.params.map(f64::from);
-    // Airspeed and ground speed are one to a copter; -1 and -2 leave the speed as it is.
-    if kind.is_nan() || !(kind.trunc().abs() < 0.5 || (kind.trunc() - 1.0).abs() < 0.5) {
-        return Err(format!(
-            "DO_CHANGE_SPEED of kind {kind} changes the vertical speed"
-        ));
-    }
-    if speed_mps > 0.0 && speed_mps.is_finite() {
-        Ok(Order::Speed { speed_mps })
-    } else if speed_mps < 0.0 && speed_mps.is_finite() {
-        Ok(Order::Nothing)
-    } else {
-        Err(format!("DO_CHANGE_SPEED to {speed_mps} m/s"))
-    }
-}
-
-/// The place of an item that has one, 1e-7 degrees.
-pub(crate) fn place(item: &Item) -> Result<LatLon, String> {
-    if item.x == 0 && item.y == 0 {
-        return Err("latitude and longitude are 0".to_owned());
-    }
-    item.place().ok_or_else(|| {
-        if frame::canonical(item.frame) == frame::MISSION {
-            "a place in frame 2 (MAV_FRAME_MISSION) has no altitude reference".to_owned()
-        } else {
-            format!(
-                "no place from frame {} with x {}, y {}",
-                item.frame, item.x, item.y
-            )
-        }
-    })
-}
-
-/// The altitude of an item with the reference of its frame.
-///
-/// ArduPilot keeps whole centimetres, truncated toward zero (measured on 4.6.3).
-pub(crate) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
-    let z_m = f64::from(item.z);
-    if !z_m.is_finite() {
-        return Err(format!("the altitude is {z_m}"));
-    }
-    let z_m = match autopilot {
-        Autopilot::ArduPilot => (z_m * 100.0).trunc() / 100.0,
-        Autopilot::Px4 => z_m,
-    };
-    match frame::canonical(item.frame) {
-        frame::GLOBAL => Ok(Height::Sea(Amsl(z_m))),
-        frame::GLOBAL_RELATIVE_ALT => {
-            if home.0.is_finite() {
-                Ok(Height::Sea(AboveHome(z_m).over(home)))
-            } else {
-                Err("an altitude above home, and the altitude of home is not known".to_owned())
-            }
-        }
-        frame::GLOBAL_TERRAIN_ALT => Ok(Height::Ground(Agl(z_m))),
-        other => Err(format!("frame {other} has no altitude reference")),
-    }
-}
-
-/// The altitude of a place that is flown to.
-///
-/// To ArduPilot an altitude of 0 cm there is no altitude: the vehicle keeps the one
-/// it has (ArduCopter `ModeAuto::loc_from_cmd`), whatever the frame.
-pub(crate) fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
-    let height = height(item, autopilot, home)?;
-    if autopilot == Autopilot::ArduPilot && (f64::from(item.z) * 100.0).abs() < 1.0 {
-        return Err(format!(
-            "an altitude of {} m keeps the altitude before it (ArduPilot takes 0 cm for none)",
-            item.z
-        ));
-    }
-    Ok(height)
-}
-
-/// Place, altitude and height above ground (metres) of a rally point.
-///
-/// ArduPilot keeps whole metres, truncated (measured on 4.6.3).
-pub(crate) fn rally(
-    item: &Item,
-    autopilot: Autopilot,
-    home: Amsl,
-    world: &World,
-) -> Result<(LatLon, Amsl, f64), String> {
-    let mut kept = *item;
-    if autopilot == Autopilot::ArduPilot {
-        kept.z = kept.z.trunc();
-    }
-    let place = place(&kept)?;
-    let ground = world.terrain.height(place).map_err(|gap| gap.to_string())?;
-    let amsl = match height(&kept, autopilot, home)? {
-        Height::Sea(amsl) => amsl,
-        Height::Ground(agl) => agl.over(ground),
-    };
-    Ok((place, amsl, amsl.above_ground(ground).0))
-}
-
-/// The hold time of a waypoint: ArduPilot keeps it as `uint16`, wrapping (measured on 4.6.3).
-fn hold_s(param: f32, autopilot: Autopilot) -> Result<f64, String> {
-    match autopilot {
-        Autopilot::ArduPilot if param.is_finite() => {
-            Ok(f64::from(param).trunc().rem_euclid(65536.0))
-        }
-        // NaN is PX4's "default", which is no hold.
-        Autopilot::Px4 if param.is_nan() => Ok(0.0),
-        _ => seconds(param),
-    }
-}
-
-/// How long a delay lasts.
-///
-/// Without seconds ArduPilot waits until an hour, minute and second of the day, of
-/// which -1 means any: three of them are no wait at all.
-fn delay_s(item: &Item, autopilot: Autopilot) -> Result<f64, String> {
-    let [delay_s, of_day @ ..] = item.params;
-    match autopilot {
-        Autopilot::ArduPilot if delay_s <= 0.0 => of_day
-            .iter()
-            .all(|part| part.to_bits() == (-1.0_f32).to_bits())
-            .then_some(0.0)
-            .ok_or(()),
-        _ => seconds(delay_s).map_err(|_| ()),
-    }
-    .map_err(|()| "a delay until a time of day is not known after T0".to_owned())
-}
-
-fn seconds(param: f32) -> Result<f64, String> {
-    if param >= 0.0 && param.is_finite() {
-        Ok(f64::from(param))
-    } else {
-        Err(format!("a time of {param} s"))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mission::Home;
-    use crate::spec::Airframe;
+    use crate::mission::{Home, Item};
+    use crate::spec::{Airframe, Autopilot};
 
     fn decoded(autopilot: Autopilot, items: Vec<Item>) -> (Vec<usize>, Option<String>) {
         let mission = VehicleMission {
@@ -372,15 +126,15 @@ mod tests {
 
     #[test]
     fn jumps_without_end_or_target_and_loops_in_loops_are_not_known() {
-        let told = |jump: Item| {
+        let why = |jump: Item| {
             let (_, unknown) = decoded(Autopilot::ArduPilot, vec![delay(), jump, delay()]);
             unknown.expect("not known")
         };
-        assert!(told(command(177, 1.0, -1.0)).contains("for ever"));
-        assert!(told(command(177, 9.0, 1.0)).contains("item 9, which there is not"));
-        assert!(told(command(177, 2.0, 1.0)).contains("to itself"));
-        assert!(told(command(177, 1.0, 0.5)).contains("made 0.5 times"));
-        assert!(told(command(177, f32::NAN, 1.0)).contains("which there is not"));
+        assert!(why(command(177, 1.0, -1.0)).contains("for ever"));
+        assert!(why(command(177, 9.0, 1.0)).contains("item 9, which there is not"));
+        assert!(why(command(177, 2.0, 1.0)).contains("to itself"));
+        assert!(why(command(177, 1.0, 0.5)).contains("made 0.5 times"));
+        assert!(why(command(177, f32::NAN, 1.0)).contains("which there is not"));
         let inner = command(177, 1.0, 1.0);
         let (rows, unknown) = decoded(Autopilot::ArduPilot, vec![delay(), inner, inner]);
         assert_eq!(rows, [1, 1, 1]);
@@ -399,8 +153,8 @@ mod tests {
             vec![command(112, 5.0, 0.0), delay(), speed],
         );
         assert_eq!(none, None);
-        let (rows, told) = decoded(Autopilot::ArduPilot, vec![command(112, 5.0, 0.0), speed]);
+        let (rows, why) = decoded(Autopilot::ArduPilot, vec![command(112, 5.0, 0.0), speed]);
         assert_eq!(rows, [1]);
-        assert!(told.expect("not known").contains("waits for a condition"));
+        assert!(why.expect("not known").contains("waits for a condition"));
     }
 }

@@ -8,14 +8,13 @@ use crate::path::{STOP_LATE_S, leg_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Stations, World};
 
-use super::decode;
-use super::decode::{Height, Order, Step, Unknown};
+use super::decode::{self, Step, Unknown};
 use super::flight::{End, Flight, Legs, Mark, Slope};
-use super::legs;
-use super::legs::Knot;
+use super::item::{Height, Order};
+use super::legs::{self, Knot};
 use super::trajectory::TrajectoryBuilder;
+use super::wing::altitude_lag;
 use super::wing::l1::Guidance;
-use super::wing::tecs;
 use crate::verify::measure::segment::Phase;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
@@ -47,20 +46,20 @@ pub(crate) fn fly(
         speed_mps: cruise_speed_mps(mission),
         knots: Vec::new(),
         moving_mps: 0.0,
-        at_once_m: tecs::threshold_m(mission),
+        at_once_m: altitude_lag::threshold_m(mission),
         guidance: Guidance::of(vehicle, mission),
         early_top: None,
         drift: None,
-        lag_s: tecs::lag_s(mission),
-        early_m: tecs::early_m(vehicle, mission),
+        lag_s: altitude_lag::lag_s(mission),
+        early_m: altitude_lag::early_m(vehicle, mission),
     };
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.trajectory.chords;
-    pilot.flight.settled()
+    pilot.flight.cut_at_nan()
 }
 
-/// Whether a mission without a delay starts at `depart_s`, by whoever launches it, and not
-/// at T0. What was chosen from a window is nowhere but in the mission.
+/// Whether a mission without a delay starts at `depart_s`, launched by an operator, and not at T0.
+/// A departure chosen from a window is in the mission only.
 pub(crate) fn is_launched(vehicle: &Vehicle, autopilot: Autopilot) -> bool {
     let waits_elsewhere = autopilot == Autopilot::Px4 || vehicle.airframe.has_wing();
     waits_elsewhere && vehicle.retiming.depart_s.is_none()
@@ -92,7 +91,7 @@ pub(crate) struct Pilot<'a> {
     pub(crate) early_top: Option<PlanPoint>,
     /// Where the wind has driven it as it rose, until it goes on from there: metres.
     pub(crate) drift: Option<EastNorth>,
-    /// So many seconds of its climb it is beside a slope; 0 for none.
+    /// Lag behind a slope, seconds of the climb rate; 0 for none.
     pub(crate) lag_s: f64,
     /// So far before a waypoint it has its altitude, metres.
     pub(crate) early_m: f64,
@@ -116,21 +115,16 @@ impl Pilot<'_> {
             }
         }
         let last = steps.last().map_or(1, |step| step.row);
-        let settled = match &unread {
+        let result = match &unread {
             Some(_) => self.stop(),
             None => self.finish(last),
         };
-        settled.err().or(unread)
+        result.err().or(unread)
     }
 
     fn obey(&mut self, step: &Step, mission: &VehicleMission) -> Result<(), Unknown> {
         let row = step.row;
-        let unknown = |why: &str| {
-            Err(Unknown {
-                row,
-                why: why.to_owned(),
-            })
-        };
+        let unknown = |why: &str| Unknown::err(row, why);
         let moves = !matches!(step.order, Order::Nothing | Order::Speed { .. });
         if moves && self.ended {
             return unknown("the mission goes on after the landing");
@@ -196,13 +190,9 @@ impl Pilot<'_> {
         let place = self.world.frame.from_plan(home.at);
         let (amsl_m, _) = self.resolve(row, place, height)?;
         if amsl_m <= home.amsl.0 || home.amsl.0.is_nan() {
-            return Err(Unknown {
-                row,
-                why: format!(
-                    "takeoff to {amsl_m:.2} m AMSL, not above home at {:.2} m",
-                    home.amsl.0
-                ),
-            });
+            let home_m = home.amsl.0;
+            let why = format!("takeoff to {amsl_m:.2} m AMSL, not above home at {home_m:.2} m");
+            return Unknown::err(row, why);
         }
         self.airborne = true;
         self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
@@ -342,8 +332,8 @@ impl Pilot<'_> {
         };
         self.flight
             .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
-        self.lay_beside(&knots, &firsts)?;
-        self.lay_swings(&knots, &grounds_mps, &firsts)?;
+        self.lay_altitude_offsets(&knots, &firsts)?;
+        self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
         self.drift_onto(&knots, &firsts);
         if last_mps <= 0.0 {
             self.trajectory.late_s += STOP_LATE_S;
@@ -373,10 +363,8 @@ impl Pilot<'_> {
         if away_m <= REACH_M {
             Ok(self.world.frame.to_plan(place))
         } else {
-            Err(Unknown {
-                row,
-                why: format!("a place {:.0} km from the origin", away_m / 1000.0),
-            })
+            let why = format!("a place {:.0} km from the origin", away_m / 1000.0);
+            Unknown::err(row, why)
         }
     }
 

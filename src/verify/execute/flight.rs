@@ -25,7 +25,7 @@ pub(crate) struct Slope {
     pub(crate) top_m: f64,
 }
 
-/// What a leg has left beside its fillets.
+/// The length of a leg that its fillets leave.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Turn {
     pub(crate) chord: usize,
@@ -181,9 +181,9 @@ impl Flight {
         }
     }
 
-    /// A flight whose numbers are not finite is not known from there on: every
-    /// later step may take them for granted.
-    pub(crate) fn settled(mut self) -> Self {
+    /// Cuts the flight at the first number that is not finite and marks it unknown from there:
+    /// later steps rely on finite numbers.
+    pub(crate) fn cut_at_nan(mut self) -> Self {
         let is_known = |chord: &Chord| {
             let ends = [chord.from, chord.to];
             chord.from_s.is_finite()

@@ -1,8 +1,8 @@
-//! What altitudes above home owe to the altitude of home.
+//! How the clearance of altitudes above home depends on the altitude of home.
 
 use crate::geodesy::Amsl;
 use crate::mission::{VehicleMission, command, frame};
-use crate::verify::Margin;
+use crate::verify::{Limit, Margin};
 
 /// Whether a mission flies at altitudes above home; takeoff and landing alone do not count.
 pub(crate) fn counts_from_home(mission: &VehicleMission) -> bool {
@@ -13,12 +13,14 @@ pub(crate) fn counts_from_home(mission: &VehicleMission) -> bool {
     })
 }
 
-/// Says at the smallest clearance of such a mission which altitude of home it assumes,
-/// and what an error of it costs: the autopilot adds the altitude that it measures, and
-/// flies lower by as much as home really lies lower.
-pub(crate) fn tell_cost(margins: &mut [Margin], home: Amsl) {
+/// Notes at the smallest clearance of such a mission which altitude of home it assumes and what
+/// an error of that altitude costs. The autopilot adds the altitude that it measures, so the
+/// vehicle flies lower by as much as home is lower.
+pub(crate) fn note_cost(margins: &mut [Margin], home: Amsl) {
     for margin in margins {
-        if margin.what == "terrain clearance" && margin.value.is_finite() && margin.note.is_empty()
+        if margin.limit == Limit::TerrainClearance
+            && margin.value.is_finite()
+            && margin.note.is_empty()
         {
             margin.note = format!(
                 "altitudes are above home, assumed at {:.1} m: {:.1} m minus as much as it lies lower than that, {:.1} m to spare",

@@ -16,9 +16,8 @@ pub(crate) enum Jumps {
 
 /// The index of the item after a DO_JUMP.
 ///
-/// `param1` is a number as the autopilot counts, `param2` how often. Neither
-/// autopilot counts a spent jump anew within a mission, as whoever puts a loop into a
-/// loop will expect: such a jump is not read.
+/// `param1` is a number as the autopilot counts, `param2` how often. Neither autopilot counts a
+/// completed jump anew within a mission, which a loop within a loop needs: such a jump is rejected.
 pub(crate) fn jump(
     item: &Item,
     index: usize,

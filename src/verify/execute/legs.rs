@@ -35,7 +35,7 @@ struct Corner {
     /// Change of course, radians, positive to the left.
     turn_rad: f64,
     /// What the turn radius takes of each leg, `R tan(phi/2)`, metres.
-    wanted_m: f64,
+    required_m: f64,
     /// What it gets, metres.
     taken_m: f64,
 }
@@ -252,7 +252,7 @@ pub(crate) fn run(
 fn corners(knots: &[Knot], vehicle: &Vehicle) -> Vec<Corner> {
     let none = Corner {
         turn_rad: 0.0,
-        wanted_m: 0.0,
+        required_m: 0.0,
         taken_m: 0.0,
     };
     let mut corners = vec![none; knots.len()];
@@ -269,11 +269,11 @@ fn corners(knots: &[Knot], vehicle: &Vehicle) -> Vec<Corner> {
         let half_rad = (0.5 * turn_rad.abs()).min(89.9_f64.to_radians());
         let speed_mps = trio[1].speed_mps.max(trio[2].speed_mps);
         let at = Amsl(trio[1].amsl_m);
-        let wanted_m = turn_radius_m(vehicle, speed_mps, at) * half_rad.tan();
+        let required_m = turn_radius_m(vehicle, speed_mps, at) * half_rad.tan();
         corners[index + 1] = Corner {
             turn_rad,
-            wanted_m,
-            taken_m: wanted_m,
+            required_m,
+            taken_m: required_m,
         };
     }
     corners
@@ -285,17 +285,17 @@ fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
     const SHARE: f64 = 0.99;
     let mut rooms = Vec::new();
     for (leg, &length_m) in legs.iter().enumerate() {
-        let wanted_m = corners[leg].wanted_m + corners[leg + 1].wanted_m;
-        if wanted_m > 0.0 {
+        let required_m = corners[leg].required_m + corners[leg + 1].required_m;
+        if required_m > 0.0 {
             rooms.push(Room {
                 leg,
-                left_m: length_m - wanted_m,
+                left_m: length_m - required_m,
             });
         }
-        if wanted_m > SHARE * length_m {
-            let scale = SHARE * length_m / wanted_m;
+        if required_m > SHARE * length_m {
+            let scale = SHARE * length_m / required_m;
             for corner in &mut corners[leg..=leg + 1] {
-                corner.taken_m = corner.taken_m.min(corner.wanted_m * scale);
+                corner.taken_m = corner.taken_m.min(corner.required_m * scale);
             }
         }
     }
@@ -400,7 +400,7 @@ impl Line {
         let up_m = (start_m + ramp_m(from_mps)).min(end_m);
         let down_m = (end_m - ramp_m(to_mps)).max(up_m);
         let mut cut = |a_m: f64, b_m: f64, speed_mps: (f64, f64)| {
-            // A hair of rounding is no piece.
+            // Lengths within rounding are no pieces.
             if b_m - a_m > 1e-9 {
                 let fraction = (a_m / self.length_m, b_m / self.length_m);
                 pieces.push(Piece {

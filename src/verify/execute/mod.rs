@@ -4,6 +4,7 @@ pub(super) mod decode;
 pub(super) mod executor;
 pub(super) mod flight;
 pub(super) mod home;
+pub(super) mod item;
 pub(super) mod jumps;
 pub(super) mod legs;
 pub(super) mod trajectory;

@@ -52,7 +52,7 @@ impl AltitudeLine {
         }
     }
 
-    /// So many metres higher.
+    /// The line raised by a height, metres.
     pub(crate) fn raised(&self, by_m: f64) -> Self {
         Self {
             follows: self.follows,
@@ -97,65 +97,27 @@ impl<'a> TrajectoryBuilder<'a> {
         });
     }
 
-    /// Lays the chords of a piece, and of the two ends of legs beside an arc.
+    /// Lays the chords of a piece, and of the two ends of legs at an arc.
     pub(crate) fn lay_piece(
         &mut self,
         piece: &Piece,
         knots: &[Knot],
         lines: &[AltitudeLine],
     ) -> Result<(), Unknown> {
-        let (row, phase) = (knots[piece.leg + 1].row, knots[piece.leg + 1].phase);
-        let (start, end) = (piece.shape.at(0.0), piece.shape.at(1.0));
-        let line = match piece.shape {
-            Shape::Line { .. } => lines[piece.leg].part(piece.fraction),
-            Shape::Arc { .. } => {
-                let (here, there) = (&lines[piece.leg], &lines[piece.leg + 1]);
-                let (leave, join) = piece.fraction;
-                let follows = here.follows && there.follows;
-                let end_m = |line: &AltitudeLine, fraction: f64, at: EastNorth| {
-                    let value_m = line.value_m(fraction);
-                    if line.follows && !follows {
-                        Ok(value_m + self.ground_m(row, self.frame.from_plan(at))?)
-                    } else {
-                        Ok(value_m)
-                    }
-                };
-                AltitudeLine {
-                    follows,
-                    value_m: (end_m(here, leave, start)?, end_m(there, join, end)?),
-                }
-            }
-        };
+        let to = &knots[piece.leg + 1];
+        let line = self.piece_line(piece, to.row, lines)?;
         let duration_s = piece.duration_s();
         let acceleration_mps2 = piece.acceleration_mps2();
-        let wanted = duration_s * (acceleration_mps2 / (8.0 * CHORD_ERROR_M)).sqrt();
+        let needed = duration_s * (acceleration_mps2 / (8.0 * CHORD_ERROR_M)).sqrt();
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "clamped to a small positive count"
         )]
-        let count = wanted.ceil().clamp(1.0, 1e5) as u32;
+        let count = needed.ceil().clamp(1.0, 1e5) as u32;
         let step_s = duration_s / f64::from(count);
         let error_m = acceleration_mps2 * step_s * step_s / 8.0;
-        let base = Chord {
-            row,
-            phase,
-            from_s: self.t_s,
-            to_s: self.t_s,
-            from: here_at(start),
-            to: here_at(end),
-            error_m,
-            bow_m: match piece.shape {
-                Shape::Line { .. } => 0.0,
-                Shape::Arc { .. } => error_m,
-            },
-            agl_m: None,
-            slope_from_m: knots[piece.leg + 1].slope_from_m,
-            grounded: false,
-            wide_m: 0.0,
-            late_s: self.late_s,
-            flown: true,
-        };
+        let is_arc = matches!(piece.shape, Shape::Arc { .. });
         let from_s = self.t_s;
         for index in 0..count {
             let time = |i: u32| f64::from(i) / f64::from(count);
@@ -163,23 +125,61 @@ impl<'a> TrajectoryBuilder<'a> {
                 piece.covered(time(index)),
                 piece.covered(time(index + 1)).min(1.0),
             );
+            let times_s = (
+                from_s + duration_s * time(index),
+                from_s + duration_s * time(index + 1),
+            );
+            let ends = (
+                here_at(piece.shape.at(covered.0)),
+                here_at(piece.shape.at(covered.1)),
+            );
             let chord = Chord {
-                from_s: from_s + duration_s * time(index),
-                to_s: from_s + duration_s * time(index + 1),
-                from: here_at(piece.shape.at(covered.0)),
-                to: here_at(piece.shape.at(covered.1)),
-                ..base
+                error_m,
+                bow_m: if is_arc { error_m } else { 0.0 },
+                slope_from_m: to.slope_from_m,
+                late_s: self.late_s,
+                flown: true,
+                ..Chord::unflown((to.row, to.phase), times_s, ends)
             };
             self.lay(chord, &line.part(covered))?;
         }
         self.t_s = from_s + duration_s;
-        if let Shape::Arc { .. } = piece.shape {
+        if is_arc {
             self.lay_corner(piece, knots, lines, from_s)?;
         }
         Ok(())
     }
 
-    /// The ends of the two legs beside a fillet, as far as the corner itself.
+    /// The altitude along a piece. Along an arc it is linear between the ends of the legs, above
+    /// the ground if both legs follow the ground.
+    fn piece_line(
+        &self,
+        piece: &Piece,
+        row: usize,
+        lines: &[AltitudeLine],
+    ) -> Result<AltitudeLine, Unknown> {
+        if let Shape::Line { .. } = piece.shape {
+            return Ok(lines[piece.leg].part(piece.fraction));
+        }
+        let (here, there) = (&lines[piece.leg], &lines[piece.leg + 1]);
+        let follows = here.follows && there.follows;
+        let end_m = |line: &AltitudeLine, fraction: f64, at: EastNorth| {
+            let value_m = line.value_m(fraction);
+            if line.follows && !follows {
+                Ok(value_m + self.ground_m(row, self.frame.from_plan(at))?)
+            } else {
+                Ok(value_m)
+            }
+        };
+        let (leave, join) = piece.fraction;
+        let (start, end) = (piece.shape.at(0.0), piece.shape.at(1.0));
+        Ok(AltitudeLine {
+            follows,
+            value_m: (end_m(here, leave, start)?, end_m(there, join, end)?),
+        })
+    }
+
+    /// The ends of the two legs at a fillet, up to the corner itself.
     fn lay_corner(
         &mut self,
         piece: &Piece,
@@ -224,7 +224,7 @@ impl<'a> TrajectoryBuilder<'a> {
         self.lay(Chord::unflown((to.row, to.phase), when_s, ends), line)
     }
 
-    /// Lays a piece of a leg that may be flown beside its line, to be judged in space: from one
+    /// Lays a piece of a leg that may be flown off its line, to be judged in space: from one
     /// place to another, each at the altitude of a fraction of the leg.
     pub(crate) fn lay_aside(
         &mut self,

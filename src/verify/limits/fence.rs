@@ -113,22 +113,22 @@ fn polygon(items: &[Item], first: usize) -> Result<Vec<LatLon>, String> {
     let head = items
         .get(first)
         .ok_or_else(|| format!("no fence item {first}"))?;
-    let wanted = head.params[0];
+    let declared = head.params[0];
     let corners = items[first..]
         .iter()
         .take_while(|item| {
-            item.command == head.command && item.params[0].to_bits() == wanted.to_bits()
+            item.command == head.command && item.params[0].to_bits() == declared.to_bits()
         })
         .enumerate()
         .take_while(|(count, _)| {
-            f64::from(u32::try_from(*count).unwrap_or(u32::MAX)) < f64::from(wanted)
+            f64::from(u32::try_from(*count).unwrap_or(u32::MAX)) < f64::from(declared)
         })
         .map(|(count, item)| corner(item, first + count))
         .collect::<Result<Vec<_>, _>>()?;
     let count = f64::from(u32::try_from(corners.len()).unwrap_or(u32::MAX));
-    if corners.len() < 3 || (count - f64::from(wanted)).abs() > 0.0 {
+    if corners.len() < 3 || (count - f64::from(declared)).abs() > 0.0 {
         return Err(format!(
-            "fence item {first}: a polygon of {wanted} corners has {}",
+            "fence item {first}: a polygon of {declared} corners has {}",
             corners.len()
         ));
     }
@@ -141,9 +141,9 @@ fn polygon(items: &[Item], first: usize) -> Result<Vec<LatLon>, String> {
 /// Whether two sides that do not meet at a corner cross. More corners than any autopilot
 /// holds are not looked at: such a fence is refused for their number.
 fn crosses_itself(corners: &[LatLon]) -> bool {
-    const MOST_CORNERS: usize = 1000;
+    const MAX_CORNERS: usize = 1000;
     let count = corners.len();
-    if count > MOST_CORNERS {
+    if count > MAX_CORNERS {
         return false;
     }
     let side = |index: usize| (corners[index], corners[(index + 1) % count]);

@@ -14,7 +14,7 @@ use crate::verify::execute::executor::is_launched;
 use crate::verify::execute::flight::{Flight, Slope};
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::verify::measure::worst::Worst;
-use crate::verify::{ITEMS_JUDGED, Margin, Moment, Sense};
+use crate::verify::{Limit, Margin, Moment, Requirement};
 
 /// A commanded speed may differ from the planned one by this, m/s.
 const SPEED_MPS: f64 = 0.1;
@@ -35,7 +35,7 @@ pub(crate) struct Contract<'a> {
 
 impl Contract<'_> {
     pub(crate) fn margins(&self, home: Option<LatLon>, fence: &Fence) -> Vec<Margin> {
-        let mut margins = self.judged();
+        let mut margins = vec![self.judged()];
         margins.extend(self.kind());
         margins.push(self.item_count());
         margins.extend(self.acceptance());
@@ -66,7 +66,7 @@ impl Contract<'_> {
     }
 
     /// How many items could be flown.
-    fn judged(&self) -> Vec<Margin> {
+    fn judged(&self) -> Margin {
         let total = count(self.mission.items.len());
         let judged = self
             .flight
@@ -74,22 +74,13 @@ impl Contract<'_> {
             .as_ref()
             .map_or(total, |unknown| count(unknown.row.saturating_sub(1)));
         let last = self.flight.chords.last();
-        vec![Margin {
-            vehicle: self.id().to_owned(),
-            other: None,
-            what: ITEMS_JUDGED.to_owned(),
-            value: judged,
-            limit: total,
-            sense: Sense::AtLeast,
-            unit: "items",
-            at: match (&self.flight.unknown, last) {
-                (Some(unknown), Some(chord)) => Some(Moment {
-                    item: unknown.row,
-                    ..chord.moment(&self.world.frame, 1.0)
-                }),
-                _ => None,
-            },
-            shift: None,
+        let at = self.flight.unknown.as_ref().zip(last);
+        let at = at.map(|(unknown, chord)| Moment {
+            item: unknown.row,
+            ..chord.moment(&self.world.frame, 1.0)
+        });
+        let required = Requirement::at_least(Limit::ItemsJudged, total, "items");
+        Margin {
             ok: self.flight.unknown.is_none() && total > 0.0,
             note: match &self.flight.unknown {
                 _ if total <= 0.0 => "the mission is empty".to_owned(),
@@ -98,57 +89,35 @@ impl Contract<'_> {
                 }
                 None => String::new(),
             },
-        }]
+            ..required.margin(self.id(), judged, at)
+        }
     }
 
     /// A mission for another autopilot or airframe.
     fn kind(&self) -> Option<Margin> {
         let is = (self.mission.autopilot, self.mission.airframe);
-        let wanted = (self.vehicle.autopilot, self.vehicle.airframe);
-        (is != wanted).then(|| {
-            Margin::unjudged(
-                self.id(),
-                "autopilot",
-                format!("the mission is for {is:?}, the spec says {wanted:?}"),
-            )
+        let spec = (self.vehicle.autopilot, self.vehicle.airframe);
+        (is != spec).then(|| {
+            let why = format!("the mission is for {is:?}, the spec says {spec:?}");
+            Margin::unjudged(self.id(), Limit::Autopilot, why)
         })
     }
 
     fn item_count(&self) -> Margin {
-        let (value, limit) = (
-            count(self.mission.items.len()),
-            count(self.spec.mission.max_items),
-        );
-        Margin {
-            vehicle: self.id().to_owned(),
-            other: None,
-            what: "item count".to_owned(),
-            value,
-            limit,
-            sense: Sense::AtMost,
-            unit: "items",
-            at: None,
-            shift: None,
-            ok: value <= limit,
-            note: String::new(),
-        }
+        let most = count(self.spec.mission.max_items);
+        let required = Requirement::at_most(Limit::ItemCount, most, "items");
+        required.margin(self.id(), count(self.mission.items.len()), None)
     }
 
     /// What the autopilot would refuse or misread: one margin for each problem.
     fn acceptance(&self) -> Vec<Margin> {
         let problems = mission::problems(self.mission);
+        let required = Requirement::at_most(Limit::Acceptance, 0.0, "problems");
         let margin = |at, note| Margin {
-            vehicle: self.id().to_owned(),
-            other: None,
-            what: "acceptance".to_owned(),
-            value: count(problems.len()),
-            limit: 0.0,
-            sense: Sense::AtMost,
-            unit: "problems",
-            at,
-            shift: None,
-            ok: problems.is_empty(),
             note,
+            ..required
+                .clone()
+                .margin(self.id(), count(problems.len()), at)
         };
         if problems.is_empty() {
             return vec![margin(None, String::new())];
@@ -180,7 +149,7 @@ impl Contract<'_> {
             DEPARTURE_S,
             || first.moment(&self.world.frame, 0.0),
         );
-        let mut margin = worst.margin(self.id(), "departure", "s")?;
+        let mut margin = worst.margin(self.id(), Limit::Departure, "s")?;
         let allowed = match self.vehicle.retiming.depart_s {
             Some(window) => format!("{} to {}", window.least, window.most),
             None => self.vehicle.depart_s.to_string(),
@@ -218,7 +187,7 @@ impl Contract<'_> {
                 }
             }
         }
-        worst.margin(self.id(), "speed", "m/s")
+        worst.margin(self.id(), Limit::Speed, "m/s")
     }
 
     /// Climb and descent: the angle on the route, the vertical speed on every leg.
@@ -246,10 +215,10 @@ impl Contract<'_> {
         let [climb, descent] = angles;
         let [up, down] = rates;
         [
-            climb.margin(self.id(), "climb angle", "deg"),
-            descent.margin(self.id(), "descent angle", "deg"),
-            up.margin(self.id(), "climb speed", "m/s"),
-            down.margin(self.id(), "descent speed", "m/s"),
+            climb.margin(self.id(), Limit::ClimbAngle, "deg"),
+            descent.margin(self.id(), Limit::DescentAngle, "deg"),
+            up.margin(self.id(), Limit::ClimbSpeed, "m/s"),
+            down.margin(self.id(), Limit::DescentSpeed, "m/s"),
         ]
         .into_iter()
         .flatten()
@@ -264,7 +233,7 @@ impl Contract<'_> {
                 worst.at_least(turn.left_m, 0.0, || chord.moment(&self.world.frame, 0.0));
             }
         }
-        worst.margin(self.id(), "turn fit", "m")
+        worst.margin(self.id(), Limit::TurnFit, "m")
     }
 }
 
@@ -288,7 +257,7 @@ impl Contract<'_> {
             };
             worst.at_most(radius_m, limit_m, || chord.moment(&self.world.frame, 1.0));
         }
-        worst.margin(self.id(), "acceptance radius", "m")
+        worst.margin(self.id(), Limit::AcceptanceRadius, "m")
     }
 
     /// What of the spec's fence the mission's does not hold, where it could hold one.
@@ -297,23 +266,12 @@ impl Contract<'_> {
             return None;
         }
         let missing = mission::missing_from_fence(self.spec, &self.mission.fence);
-        Some(Margin {
-            vehicle: self.id().to_owned(),
-            other: None,
-            what: "fence complete".to_owned(),
-            value: count(missing.len()),
-            limit: 0.0,
-            sense: Sense::AtMost,
-            unit: "missing",
-            at: None,
-            shift: None,
-            ok: missing.is_empty(),
-            note: if missing.is_empty() {
-                String::new()
-            } else {
-                format!("not in the fence: {}", missing.join(", "))
-            },
-        })
+        let required = Requirement::at_most(Limit::FenceComplete, 0.0, "missing");
+        let mut margin = required.margin(self.id(), count(missing.len()), None);
+        if !missing.is_empty() {
+            margin.note = format!("not in the fence: {}", missing.join(", "));
+        }
+        Some(margin)
     }
 }
 

@@ -9,11 +9,11 @@ use crate::mission::VehicleMission;
 
 use super::fence::Fence;
 use super::space::Space;
-use crate::verify::execute::decode;
+use crate::verify::execute::item;
 use crate::verify::measure::outline::Keep;
 use crate::verify::measure::segment::Stretch;
 use crate::verify::measure::worst::Worst;
-use crate::verify::{Margin, Moment};
+use crate::verify::{Limit, Margin, Moment};
 
 impl Space<'_> {
     /// The margins of the rally points of a mission.
@@ -25,9 +25,9 @@ impl Space<'_> {
         fence: &Fence,
     ) -> Vec<Margin> {
         let mut margins = Vec::new();
-        for (index, item) in mission.rally.iter().enumerate() {
-            let name = format!("rally {}", index + 1);
-            match decode::rally(item, mission.autopilot, home, self.world) {
+        for (index, point) in mission.rally.iter().enumerate() {
+            let number = index + 1;
+            match item::rally(point, mission.autopilot, home, self.world) {
                 Ok((place, amsl, agl_m)) => {
                     let at = Moment {
                         place,
@@ -35,9 +35,11 @@ impl Space<'_> {
                         t_s: 0.0,
                         item: 0,
                     };
-                    margins.extend(self.rally_point(id, &name, at, agl_m, fence));
+                    margins.extend(self.rally_point((id, number), at, agl_m, fence));
                 }
-                Err(why) => margins.push(Margin::unjudged(id, name, why)),
+                Err(why) => {
+                    margins.push(Margin::unjudged(id, Limit::RallyClearance(number), why));
+                }
             }
         }
         margins
@@ -45,8 +47,7 @@ impl Space<'_> {
 
     fn rally_point(
         &self,
-        id: &str,
-        name: &str,
+        (id, number): (&str, usize),
         at: Moment,
         agl_m: f64,
         fence: &Fence,
@@ -56,10 +57,10 @@ impl Space<'_> {
             from: at.place,
             to: at.place,
         };
-        let margin = |value: f64, limit: f64, what: String| {
+        let margin = |value: f64, bound: f64, limit: Limit| {
             let mut worst = Worst::default();
-            worst.at_least(value, limit, || at);
-            worst.margin(id, what, "m")
+            worst.at_least(value, bound, || at);
+            worst.margin(id, limit, "m")
         };
         let threats = self.spec.threats.iter().zip(&self.threats);
         let zones = self.spec.no_fly.iter().zip(&self.zones);
@@ -70,7 +71,7 @@ impl Space<'_> {
             )
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let clear = nearest.and_then(|(of, margin_m)| {
-            let found = margin(margin_m, 0.0, format!("{name} to threats and zones"))?;
+            let found = margin(margin_m, 0.0, Limit::RallyObstacles(number))?;
             Some(Margin {
                 note: format!("nearest: {of}"),
                 ..found
@@ -79,10 +80,10 @@ impl Space<'_> {
         let area_m = self.area.margin_m(&here, Keep::Inside).0;
         let fenced = (!fence.is_empty()).then(|| fence.place_margin_m(at.place));
         [
-            margin(agl_m, self.world.min_agl.0, name.to_owned()),
+            margin(agl_m, self.world.min_agl.0, Limit::RallyClearance(number)),
             clear,
-            margin(area_m, 0.0, format!("{name} in the area")),
-            fenced.and_then(|fence_m| margin(fence_m, 0.0, format!("{name} in the fence"))),
+            margin(area_m, 0.0, Limit::RallyArea(number)),
+            fenced.and_then(|fence_m| margin(fence_m, 0.0, Limit::RallyFence(number))),
         ]
         .into_iter()
         .flatten()

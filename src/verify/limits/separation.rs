@@ -9,7 +9,7 @@ use crate::spec::{Separation, Span};
 
 use crate::verify::measure::segment::Chord;
 use crate::verify::measure::timeline::{Distance, Metric, Nearest, Timeline, motion, nearest};
-use crate::verify::{Margin, Moment, Sense, Shift};
+use crate::verify::{Limit, Margin, Requirement, Shift};
 
 /// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
 const LISTED_FLEET: usize = 16;
@@ -123,26 +123,16 @@ fn pair_margin(
     };
     let Some(level_m) = separation.vertical_m else {
         let found = nearest(a, b, &metric(Distance::Space), below_m);
+        let limit = (separation.distance_m, slack_s);
         return match found {
-            Some(found) => Some(judge(
-                (a, b),
-                found,
-                (separation.distance_m, slack_s),
-                frame,
-                "",
-            )),
+            Some(found) => Some(judge((a, b), found, limit, frame, "")),
             None => never_together(a, b, separation, below_m),
         };
     };
     if let Some(found) = nearest(a, b, &metric(Distance::Horizontal(level_m)), below_m) {
-        let what = "horizontal, where the vertical distance is too small";
-        return Some(judge(
-            (a, b),
-            found,
-            (separation.distance_m, slack_s),
-            frame,
-            what,
-        ));
+        let how = "horizontal, where the vertical distance is too small";
+        let limit = (separation.distance_m, slack_s);
+        return Some(judge((a, b), found, limit, frame, how));
     }
     if below_m.is_finite() {
         return None;
@@ -169,15 +159,7 @@ fn judge(
     how: &str,
 ) -> Margin {
     let (mine, other) = (a.chords[found.chords.0], b.chords[found.chords.1]);
-    let moment = |chord: &Chord, t_s: f64| -> Moment {
-        let lasts_s = chord.to_s - chord.from_s;
-        let u = if lasts_s > 0.0 {
-            ((t_s - chord.from_s) / lasts_s).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        chord.moment(frame, u)
-    };
+    let moment = |chord: &Chord, t_s: f64| chord.moment(frame, chord.fraction_at(t_s));
     let there = moment(other, found.times_s.1);
     let shift_s = found.times_s.1 - found.times_s.0;
     let split = if how.is_empty() { "" } else { "; " };
@@ -191,24 +173,19 @@ fn judge(
     } else {
         String::new()
     };
+    let required = Requirement::at_least(Limit::Separation, limit_m, "m");
+    let at = moment(mine, found.times_s.0);
     Margin {
-        vehicle: a.vehicle.id.clone(),
         other: Some(b.vehicle.id.clone()),
-        what: "separation".to_owned(),
-        value: found.distance_m,
-        limit: limit_m,
-        sense: Sense::AtLeast,
-        unit: "m",
-        at: Some(moment(mine, found.times_s.0)),
         shift: Some(Shift {
             worst_s: shift_s,
             allowed_s: with_slack(alone_s, slack_s),
         }),
-        ok: found.distance_m >= limit_m,
         note: format!(
             "{how}{split}{} at item {}, {:.1} s, a shift of {shift_s:.1} s{lateness}",
             b.vehicle.id, there.item, there.t_s
         ),
+        ..required.margin(&a.vehicle.id, found.distance_m, Some(at))
     }
 }
 
@@ -226,18 +203,11 @@ fn never_together(
     if below_m.is_finite() || gap_s <= 0.0 {
         return None;
     }
+    let required = Requirement::at_least(Limit::Separation, separation.time_slack_s, "s");
     Some(Margin {
-        vehicle: a.vehicle.id.clone(),
         other: Some(b.vehicle.id.clone()),
-        what: "separation".to_owned(),
-        value: gap_s,
-        limit: separation.time_slack_s,
-        sense: Sense::AtLeast,
-        unit: "s",
-        at: None,
-        shift: None,
-        ok: gap_s >= separation.time_slack_s,
         note: "never in the air at the same time".to_owned(),
+        ..required.margin(&a.vehicle.id, gap_s, None)
     })
 }
 

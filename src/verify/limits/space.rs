@@ -10,7 +10,7 @@ use crate::verify::measure::outline::{Cylinder, Keep, Outline};
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
 use crate::verify::measure::worst::Worst;
-use crate::verify::{Margin, Moment};
+use crate::verify::{Limit, Margin, Moment};
 
 /// Along a climb-out or glide the ground must stay this share of the height above the runway
 /// below the vehicle, until that is the minimum height.
@@ -27,6 +27,7 @@ pub(crate) struct Space<'a> {
 }
 
 /// The worst values of one flight so far.
+#[derive(Default)]
 struct Found {
     clearance: Worst,
     slope: Worst,
@@ -61,14 +62,9 @@ impl<'a> Space<'a> {
     /// The margins of one flight to everything that stands still.
     pub(crate) fn margins(&self, id: &str, flight: &Flight, fence: &Fence) -> Vec<Margin> {
         let mut found = Found {
-            clearance: Worst::default(),
-            slope: Worst::default(),
-            contact: Worst::default(),
-            ceiling: Worst::default(),
             threats: vec![Worst::default(); self.threats.len()],
             zones: vec![Worst::default(); self.zones.len()],
-            area: Worst::default(),
-            fence: Worst::default(),
+            ..Found::default()
         };
         let mut last: Option<(EastNorth, LatLon)> = None;
         for chord in &flight.chords {
@@ -93,103 +89,105 @@ impl<'a> Space<'a> {
                 }
             }
         }
-        let names = |kind: &str, ids: Vec<&String>| -> Vec<String> {
-            ids.into_iter().map(|id| format!("{kind} {id}")).collect()
-        };
-        let threats = names("threat", self.spec.threats.iter().map(|t| &t.id).collect());
-        let zones = names("zone", self.spec.no_fly.iter().map(|z| &z.id).collect());
-        let single = |worst: Worst, what: &str| worst.margin(id, what, "m");
+        let threats = self.spec.threats.iter();
+        let threats = threats.map(|threat| Limit::Threat(threat.id.clone()));
+        let zones = self.spec.no_fly.iter();
+        let zones = zones.map(|zone| Limit::Zone(zone.id.clone()));
+        let margin = |worst: Worst, limit: Limit| worst.margin(id, limit, "m");
         // Nothing but a column up and down is no mission whose height is known to be good.
-        let clearance = single(found.clearance, "terrain clearance").or_else(|| {
+        let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
             let why = "the vehicle leaves the ground and flies nowhere";
-            (!flight.chords.is_empty()).then(|| Margin::unjudged(id, "terrain clearance", why))
+            let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
+            (!flight.chords.is_empty()).then(unjudged)
         });
+        let obstacles = threats.zip(found.threats).chain(zones.zip(found.zones));
         [
             clearance,
-            single(found.slope, "takeoff and landing clearance"),
-            single(found.contact, "ground contact"),
-            single(found.ceiling, "ceiling"),
+            margin(found.slope, Limit::TakeoffLandingClearance),
+            margin(found.contact, Limit::GroundContact),
+            margin(found.ceiling, Limit::Ceiling),
         ]
         .into_iter()
-        .chain(
-            threats
-                .into_iter()
-                .chain(zones)
-                .zip(found.threats.into_iter().chain(found.zones))
-                .map(|(what, worst)| worst.margin(id, what, "m")),
-        )
-        .chain([single(found.area, "area"), single(found.fence, "fence")])
+        .chain(obstacles.map(|(limit, worst)| margin(worst, limit)))
+        .chain([
+            margin(found.area, Limit::Area),
+            margin(found.fence, Limit::Fence),
+        ])
         .flatten()
         .collect()
     }
 
-    /// Height above ground: the minimum wherever the vehicle flies; the column of a
-    /// takeoff or landing begins or ends on the ground and is judged at its upper end, and
-    /// a climb-out or glide has its own limit.
+    /// Height above ground. On the route it must be the minimum. The column of a takeoff or
+    /// landing begins or ends on the ground and is judged at its upper end. A climb-out and a
+    /// glide have a limit of their own.
     fn judge_ground(&self, chord: &Chord, parts: &[Stretch], found: &mut Found) {
-        let limit_m = self.world.min_agl.0;
+        let min_m = self.world.min_agl.0;
         if chord.grounded {
-            let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
             if let Some(part) = parts.first() {
-                match self.surface.height_m(part.from) {
-                    Ok(ground_m) => {
-                        let above_m = chord.at(top).amsl.0 - ground_m;
-                        found.contact.at_least(above_m, 0.0, || Moment {
-                            place: part.from,
-                            amsl: chord.at(top).amsl,
-                            t_s: chord.time_s(top),
-                            item: chord.row,
-                        });
-                    }
-                    Err(gap) => no_data(&mut found.contact, 0.0, chord, gap),
-                }
+                self.judge_contact(chord, part, &mut found.contact);
             }
-            return;
-        }
-        if let Some((from_m, to_m)) = chord.agl_m {
+        } else if let Some((from_m, to_m)) = chord.agl_m {
             let (least_m, u) = if from_m <= to_m {
                 (from_m, 0.0)
             } else {
                 (to_m, 1.0)
             };
             let at = || chord.moment(&self.world.frame, u);
-            found.clearance.at_least(least_m, limit_m, at);
-            return;
-        }
-        // What is wanted at a fraction of a part; on a slope it grows with the height.
-        let wanted_m = |part: &Stretch, w: f64| match chord.slope_from_m {
-            Some(ground_m) => SLOPE_SHARE * (chord.at(part.along(w)).amsl.0 - ground_m),
-            None => limit_m,
-        };
-        let worst = if chord.slope_from_m.is_some() {
-            &mut found.slope
+            found.clearance.at_least(least_m, min_m, at);
+        } else if let Some(ground_m) = chord.slope_from_m {
+            let share_m = |amsl_m: f64| SLOPE_SHARE * (amsl_m - ground_m);
+            self.judge_clearance(chord, parts, &share_m, &mut found.slope);
         } else {
-            &mut found.clearance
-        };
+            self.judge_clearance(chord, parts, &|_| min_m, &mut found.clearance);
+        }
+    }
+
+    /// The upper end of a vertical takeoff or landing, above the ground.
+    fn judge_contact(&self, chord: &Chord, part: &Stretch, worst: &mut Worst) {
+        let top = f64::from(u8::from(chord.to.amsl.0 > chord.from.amsl.0));
+        let amsl = chord.at(top).amsl;
+        match self.surface.height_m(part.from) {
+            Ok(ground_m) => worst.at_least(amsl.0 - ground_m, 0.0, || Moment {
+                place: part.from,
+                amsl,
+                t_s: chord.time_s(top),
+                item: chord.row,
+            }),
+            Err(gap) => no_data(worst, 0.0, chord, gap),
+        }
+    }
+
+    /// Height above the ground under a chord, and the height required at an altitude.
+    fn judge_clearance(
+        &self,
+        chord: &Chord,
+        parts: &[Stretch],
+        required_m: &dyn Fn(f64) -> f64,
+        worst: &mut Worst,
+    ) {
         for part in parts {
             let patches = match self.surface.under(part.from, part.to) {
                 Ok(patches) => patches,
-                Err(gap) => return no_data(worst, limit_m, chord, gap),
+                Err(gap) => return no_data(worst, self.world.min_agl.0, chord, gap),
             };
+            let amsl_m = |w: f64| chord.at(part.along(w)).amsl.0;
             for patch in patches {
-                let over_m = |w: f64, ground_m: f64| {
-                    chord.at(part.along(w)).amsl.0 - ground_m - wanted_m(part, w)
-                };
+                let over_m = |w: f64, ground_m: f64| amsl_m(w) - ground_m - required_m(amsl_m(w));
                 let (over_m, v) = patch.least_clearance_m(
                     over_m(patch.w.0, patch.height_m.0),
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                let beside_m = if chord.bow_m > 0.0 {
+                let rise_m = if chord.bow_m > 0.0 {
                     let line = (part.place(patch.w.0), part.place(patch.w.1));
                     let slope = self.surface.steepest(line, chord.bow_m, part.place(w));
                     chord.bow_m * slope
                 } else {
                     0.0
                 };
-                let wanted_m = wanted_m(part, w);
-                let least_m = over_m + wanted_m - beside_m;
-                worst.at_least(least_m, wanted_m, || moment(chord, part, w));
+                let bound_m = required_m(amsl_m(w));
+                let least_m = over_m + bound_m - rise_m;
+                worst.at_least(least_m, bound_m, || moment(chord, part, w));
             }
         }
     }

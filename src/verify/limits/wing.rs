@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::mission::Contract;
-use crate::verify::Margin;
 use crate::verify::measure::worst::Worst;
+use crate::verify::{Limit, Margin};
 
 /// A course may differ from the planned one by this, degrees.
 const COURSE_DEG: f64 = 2.0;
@@ -23,27 +23,28 @@ impl Contract<'_> {
             return Vec::new();
         };
         let mut margins = Vec::new();
-        let mut course = |is_rad: f64, wanted_rad: f64, what: &str, at| {
-            let off_rad = (is_rad - wanted_rad + PI).rem_euclid(TAU) - PI;
+        let mut course = |is_rad: f64, planned_rad: f64, limit: Limit, at| {
+            let off_rad = (is_rad - planned_rad + PI).rem_euclid(TAU) - PI;
             let mut worst = Worst::default();
             worst.at_most(off_rad.abs().to_degrees(), COURSE_DEG, || at);
-            margins.extend(worst.margin(self.id(), what, "deg"));
+            margins.extend(worst.margin(self.id(), limit, "deg"));
         };
-        if let Some((is_rad, wanted_rad)) = flight.takeoff_rad.zip(wing.takeoff_heading_rad) {
-            course(
-                is_rad,
-                wanted_rad,
-                "takeoff heading",
-                first.moment(frame, 0.0),
-            );
+        if let Some((is_rad, planned_rad)) = flight.takeoff_rad.zip(wing.takeoff_heading_rad) {
+            let liftoff = first.moment(frame, 0.0);
+            course(is_rad, planned_rad, Limit::TakeoffHeading, liftoff);
         }
         if let Some(((is_rad, glide_rad), landing)) = flight.landing.zip(wing.landing) {
             let touchdown = last.moment(frame, 1.0);
-            course(is_rad, landing.heading_rad, "landing heading", touchdown);
+            course(
+                is_rad,
+                landing.heading_rad,
+                Limit::LandingHeading,
+                touchdown,
+            );
             let mut glide = Worst::default();
             let limit_deg = landing.glide_rad.to_degrees() + GLIDE_DEG;
             glide.at_most(glide_rad.to_degrees(), limit_deg, || touchdown);
-            margins.extend(glide.margin(self.id(), "glide angle", "deg"));
+            margins.extend(glide.margin(self.id(), Limit::GlideAngle, "deg"));
         }
         if let Some(circle) = flight.circle {
             let at = flight.chords.get(circle.chord).unwrap_or(last);
@@ -51,7 +52,7 @@ impl Contract<'_> {
             radius.at_least(circle.radius_m, wing.loiter_radius_m, || {
                 at.moment(frame, 0.0)
             });
-            margins.extend(radius.margin(self.id(), "loiter radius", "m"));
+            margins.extend(radius.margin(self.id(), Limit::LoiterRadius, "m"));
         }
         margins
     }

@@ -4,8 +4,8 @@ use crate::geodesy::LatLon;
 use crate::spec::Hill;
 
 use super::outline::metres_per_degree;
+use super::patch::{ERROR_M, Patch, SHARE};
 use super::segment::DEVIATION_M;
-use super::surface::{ERROR_M, Patch, SHARE};
 
 /// Metres in a degree on the sphere that analytic hills are drawn on.
 const METRES_PER_DEGREE: f64 = 111_195.08;
@@ -24,13 +24,13 @@ struct Knoll {
     east: f64,
 }
 
-/// One hill over one line: `height exp(-(beside^2 + x^2))`, `x = from + way w`, in radii.
+/// One hill over one line: `height exp(-(offset^2 + x^2))`, `x = from + way w`, in radii.
 #[derive(Clone, Copy, Debug)]
 struct Profile {
     height_m: f64,
     /// Radii in a metre.
     radii_per_m: f64,
-    beside: f64,
+    offset: f64,
     from: f64,
     way: f64,
 }
@@ -94,7 +94,7 @@ impl Hills {
         patches
     }
 
-    /// A bound of the slope of the ground, rise over run, within so many metres of the
+    /// A bound of the slope of the ground, rise over run, within `within_m` of the
     /// line between two places.
     pub(crate) fn steepest(&self, (from, to): (LatLon, LatLon), within_m: f64) -> f64 {
         self.profiles(from, to)
@@ -152,7 +152,7 @@ impl Hills {
             self.cut(&near, second, patches);
             return;
         }
-        // The flight itself is this far beside the line.
+        // The flight itself is this far off the line.
         let aside_m: f64 = near
             .iter()
             .map(|one| DEVIATION_M * one.steepest(piece.w, DEVIATION_M))
@@ -186,7 +186,7 @@ impl Profile {
             height_m: knoll.height_m,
             // A hundredth more for what a degree changes along a line.
             radii_per_m: 1.01 * (knoll.north / north_m).max(knoll.east / east_m),
-            beside: start.0 * uy - start.1 * ux,
+            offset: start.0 * uy - start.1 * ux,
             from: start.0 * ux + start.1 * uy,
             way,
         }
@@ -194,7 +194,7 @@ impl Profile {
 
     fn height_m(&self, w: f64) -> f64 {
         let x = self.from + self.way * w;
-        self.height_m * (-(self.beside * self.beside + x * x)).exp()
+        self.height_m * (-(self.offset * self.offset + x * x)).exp()
     }
 
     /// The least `|x|` within a piece.
@@ -209,7 +209,7 @@ impl Profile {
 
     fn reach(&self, w: (f64, f64)) -> Reach {
         let nearest = self.nearest(w);
-        let peak_m = self.height_m.abs() * (-self.beside * self.beside).exp();
+        let peak_m = self.height_m.abs() * (-self.offset * self.offset).exp();
         let top_m = peak_m * (-nearest * nearest).exp();
         // A parabola is nowhere further from 0 than 5/4 of what it goes through, so it misses
         // by at most 9/8 of the whole range, however long the piece.
@@ -221,9 +221,9 @@ impl Profile {
         }
     }
 
-    /// A bound of its slope within so many metres of a piece.
+    /// A bound of its slope within `within_m` of a piece.
     fn steepest(&self, w: (f64, f64), within_m: f64) -> f64 {
-        let away = self.beside.hypot(self.nearest(w)) - within_m * self.radii_per_m;
+        let away = self.offset.hypot(self.nearest(w)) - within_m * self.radii_per_m;
         self.height_m.abs() * self.radii_per_m * first_derivative(away)
     }
 }
@@ -327,7 +327,7 @@ mod tests {
         }
 
         #[test]
-        fn beside_a_line_the_ground_rises_by_no_more_than_the_bound_of_its_slope(
+        fn near_a_line_the_ground_rises_by_no_more_than_the_bound_of_its_slope(
             hills in hills(),
             from in (-300.0..300.0, -300.0..300.0),
             way in (-20.0..20.0, -20.0..20.0),
@@ -336,12 +336,12 @@ mod tests {
             let line = (place(from), place((from.0 + way.0, from.1 + way.1)));
             let on = at(line, share);
             let (north_m, east_m) = metres_per_degree(on.lat_deg);
-            let beside = LatLon {
+            let near = LatLon {
                 lat_deg: on.lat_deg + aside.0 / north_m,
                 lon_deg: on.lon_deg + aside.1 / east_m,
             };
             let away_m = aside.0.hypot(aside.1);
-            let rise_m = (truth_m(&hills, beside) - truth_m(&hills, on)).abs();
+            let rise_m = (truth_m(&hills, near) - truth_m(&hills, on)).abs();
             let slope = Hills::new(300.0, &hills).steepest(line, away_m);
             prop_assert!(rise_m <= slope * away_m + 1e-8, "{rise_m} {slope} {away_m}");
         }

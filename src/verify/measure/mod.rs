@@ -2,6 +2,7 @@
 
 pub(super) mod hills;
 pub(super) mod outline;
+pub(super) mod patch;
 pub(super) mod segment;
 pub(super) mod surface;
 pub(super) mod timeline;

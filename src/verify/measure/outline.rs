@@ -168,7 +168,7 @@ impl View {
         for (a, b) in self.edges() {
             let edge = (b.0 - a.0, b.1 - a.1);
             let across = cross(self.end, edge);
-            // Parallel edges are crossed at their ends, by the edges beside them.
+            // Parallel edges are crossed at their ends, by the adjacent edges.
             if across.abs() > 0.0 {
                 let w = cross(a, edge) / across;
                 let v = cross(a, self.end) / across;

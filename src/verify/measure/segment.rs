@@ -28,7 +28,7 @@ pub(crate) struct Chord {
     pub(crate) to: PlanPoint,
     /// The vehicle is never further than this from where the chord has it at the same time, metres.
     pub(crate) error_m: f64,
-    /// The path is never further than this beside the line of the chord, metres; 0 unless it is curved.
+    /// Greatest distance of the path from the line of the chord, metres; 0 unless it is curved.
     pub(crate) bow_m: f64,
     /// Height above ground at both ends where the vehicle follows the terrain, metres.
     pub(crate) agl_m: Option<(f64, f64)>,
@@ -42,7 +42,7 @@ pub(crate) struct Chord {
     pub(crate) wide_m: f64,
     /// By how much the vehicle may be late here, for the stops behind it, seconds.
     pub(crate) late_s: f64,
-    /// Whether it is flown: the ends of a leg beside a fillet are judged in space, not in time.
+    /// Whether it is flown: the ends of a leg at a fillet are judged in space, not in time.
     pub(crate) flown: bool,
 }
 
@@ -68,6 +68,16 @@ impl Chord {
             wide_m: 0.0,
             late_s: 0.0,
             flown: false,
+        }
+    }
+
+    /// The fraction of the chord at a time.
+    pub(crate) fn fraction_at(&self, t_s: f64) -> f64 {
+        let lasts_s = self.to_s - self.from_s;
+        if lasts_s > 0.0 {
+            ((t_s - self.from_s) / lasts_s).clamp(0.0, 1.0)
+        } else {
+            0.0
         }
     }
 

@@ -6,12 +6,11 @@ use crate::world::{NoData, Terrain, TerrainGrid};
 
 use super::hills::Hills;
 use super::outline::metres_per_degree;
+use super::patch::{ERROR_M, Patch, SHARE};
 
 /// Metres in a degree on the sphere that analytic hills are drawn on.
 const METRES_PER_DEGREE: f64 = 111_195.08;
 
-/// A parabola is as near to the ground as this, metres.
-pub(crate) const ERROR_M: f64 = 1e-3;
 /// One bound for all hills together does where it lets parabolas be as long as this, metres.
 const GENTLE_M: f64 = 10.0;
 
@@ -21,49 +20,9 @@ pub(crate) struct Surface<'a> {
     terrain: &'a Terrain,
     /// Bound of the third derivative along any line, 1/m^2; 0 where parabolas are exact.
     third_derivative: f64,
-    /// Hills that must be looked at one by one, each where it is: so steep, or so many,
-    /// that a bound for all of them says nothing.
+    /// Hills that are evaluated one by one, where a common bound would be too loose: they are
+    /// steep, or there are many.
     steep: Option<Hills>,
-}
-
-/// The ground over part of a line: `h0 + (h1 - h0) w + 4 bulge w (1 - w)`, `w` from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Patch {
-    /// Fractions of the line at the ends.
-    pub(crate) w: (f64, f64),
-    /// Heights above the sea at the ends, metres.
-    pub(crate) height_m: (f64, f64),
-    /// Height of the middle above the straight line between the ends, metres.
-    pub(crate) bulge_m: f64,
-    /// The ground is within this of the parabola, metres.
-    pub(crate) error_m: f64,
-}
-
-impl Patch {
-    /// The least height of a line above the patch, from its heights above it at
-    /// the ends, and the fraction of the patch where that is.
-    pub(crate) fn least_clearance_m(&self, from_m: f64, to_m: f64) -> (f64, f64) {
-        let lower_end = if from_m <= to_m {
-            (from_m, 0.0)
-        } else {
-            (to_m, 1.0)
-        };
-        // NaN at an end must come out as NaN.
-        if !(from_m + to_m).is_finite() {
-            return (f64::NAN, 0.0);
-        }
-        let mut least = lower_end;
-        if self.bulge_m > 0.0 {
-            let w = (4.0 * self.bulge_m - (to_m - from_m)) / (8.0 * self.bulge_m);
-            if w > 0.0 && w < 1.0 {
-                let inside_m = from_m + (to_m - from_m) * w - 4.0 * self.bulge_m * w * (1.0 - w);
-                if inside_m < least.0 {
-                    least = (inside_m, w);
-                }
-            }
-        }
-        (least.0 - self.error_m, least.1)
-    }
 }
 
 impl<'a> Surface<'a> {
@@ -94,8 +53,8 @@ impl<'a> Surface<'a> {
         Ok(self.terrain.height(place)?.0)
     }
 
-    /// A bound of the slope of the ground, rise over run, within so many metres of the line
-    /// between two places; on a grid, in the cell of a place on that line and those beside it.
+    /// A bound of the slope of the ground, rise over run, within `within_m` of the line
+    /// between two places; on a grid, in the cell of a place on that line and its neighbours.
     pub(crate) fn steepest(&self, line: (LatLon, LatLon), within_m: f64, place: LatLon) -> f64 {
         if let Some(hills) = &self.steep {
             return hills.steepest(line, within_m);
@@ -165,16 +124,12 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// A parabola through both ends and the middle of a piece misses by at most
-/// `M L^3 / (72 sqrt 3)`, `M` the bound of the third derivative: this is `72 sqrt 3`.
-pub(crate) const SHARE: f64 = 124.707_658_144_959_15;
-
 /// The longest piece with a parabola near enough, metres.
 fn longest_m(third_derivative: f64) -> f64 {
     (ERROR_M * SHARE / third_derivative).cbrt()
 }
 
-/// The steepest slope in the cell of a place and those beside it: in a bilinear cell
+/// The steepest slope in the cell of a place and its neighbours: in a bilinear cell
 /// no slope east or north exceeds that of the steeper of two opposite edges.
 fn steepest_cell(grid: &TerrainGrid, place: LatLon) -> f64 {
     let (row, column) = grid.row_column(place);

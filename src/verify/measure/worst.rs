@@ -1,8 +1,8 @@
 //! The worst of many values against one limit.
 
-use crate::verify::{Margin, Moment, Sense};
+use crate::verify::{Limit, Margin, Moment, Requirement, Sense};
 
-/// A limit is kept when it is missed by no more than this: the noise of float32
+/// A limit holds when it is missed by no more than this: the noise of float32
 /// altitudes (half a millimetre at 8 km), in the unit of the limit.
 const ROUNDING: f64 = 1e-3;
 
@@ -12,7 +12,7 @@ pub(crate) struct Worst {
     /// What is left to the limit; negative when it is violated.
     room: f64,
     value: f64,
-    limit: f64,
+    bound: f64,
     sense: Sense,
     at: Option<Moment>,
     note: String,
@@ -23,7 +23,7 @@ impl Default for Worst {
         Self {
             room: f64::INFINITY,
             value: f64::INFINITY,
-            limit: 0.0,
+            bound: 0.0,
             sense: Sense::AtLeast,
             at: None,
             note: String::new(),
@@ -37,55 +37,48 @@ impl Worst {
         self.room
     }
 
-    /// Takes a value that must be at least `limit`, if it is the worst.
-    pub(crate) fn at_least(&mut self, value: f64, limit: f64, at: impl FnOnce() -> Moment) {
-        self.offer(value - limit, value, limit, at);
+    /// Takes a value that must be at least `bound`, if it is the worst.
+    pub(crate) fn at_least(&mut self, value: f64, bound: f64, at: impl FnOnce() -> Moment) {
+        self.offer(value - bound, value, bound, at);
     }
 
-    /// Takes a value that must be at most `limit`, if it is the worst.
-    pub(crate) fn at_most(&mut self, value: f64, limit: f64, at: impl FnOnce() -> Moment) {
+    /// Takes a value that must be at most `bound`, if it is the worst.
+    pub(crate) fn at_most(&mut self, value: f64, bound: f64, at: impl FnOnce() -> Moment) {
         self.sense = Sense::AtMost;
-        self.offer(limit - value, value, limit, at);
+        self.offer(bound - value, value, bound, at);
     }
 
     /// Takes a place where the value cannot be known, and why.
-    pub(crate) fn unknown(&mut self, limit: f64, note: String, at: Moment) {
+    pub(crate) fn unknown(&mut self, bound: f64, note: String, at: Moment) {
         if !self.room.is_nan() {
             self.note = note;
         }
-        self.offer(f64::NAN, f64::NAN, limit, || at);
+        self.offer(f64::NAN, f64::NAN, bound, || at);
     }
 
-    fn offer(&mut self, room: f64, value: f64, limit: f64, at: impl FnOnce() -> Moment) {
+    fn offer(&mut self, room: f64, value: f64, bound: f64, at: impl FnOnce() -> Moment) {
         // The first NaN stays.
         if !self.room.is_nan() && (room < self.room || room.is_nan()) {
             self.room = room;
             self.value = value;
-            self.limit = limit;
+            self.bound = bound;
             self.at = Some(at());
         }
     }
 
     /// The margin, if there was anything to judge.
-    pub(crate) fn margin(
-        self,
-        vehicle: &str,
-        what: impl Into<String>,
-        unit: &'static str,
-    ) -> Option<Margin> {
+    pub(crate) fn margin(self, vehicle: &str, limit: Limit, unit: &'static str) -> Option<Margin> {
         self.at?;
-        Some(Margin {
-            vehicle: vehicle.to_owned(),
-            other: None,
-            what: what.into(),
-            value: self.value,
-            limit: self.limit,
+        let required = Requirement {
+            limit,
+            bound: self.bound,
             sense: self.sense,
             unit,
-            at: self.at,
-            shift: None,
+        };
+        Some(Margin {
             ok: self.room >= -ROUNDING,
             note: self.note,
+            ..required.margin(vehicle, self.value, self.at)
         })
     }
 }
@@ -94,7 +87,7 @@ impl Worst {
 mod tests {
     use super::Worst;
     use crate::geodesy::{Amsl, LatLon};
-    use crate::verify::Moment;
+    use crate::verify::{Limit, Moment};
 
     #[test]
     fn a_value_that_is_not_a_number_is_the_worst_and_fails() {
@@ -111,7 +104,9 @@ mod tests {
         worst.at_least(5.0, 1.0, || at(1));
         worst.at_least(f64::NAN, 1.0, || at(2));
         worst.at_least(-5.0, 1.0, || at(3));
-        let margin = worst.margin("alpha", "clearance", "m").expect("was judged");
+        let margin = worst
+            .margin("alpha", Limit::TerrainClearance, "m")
+            .expect("was judged");
         assert!(!margin.ok && margin.value.is_nan());
         assert_eq!(margin.at.map(|at| at.item), Some(2));
     }

@@ -6,7 +6,7 @@ use sortie::dispatch::{Dispatched, dispatch};
 use sortie::mission::{VehicleMission, command};
 use sortie::path::TimedPoint;
 use sortie::spec::{MissionSpec, Retiming, SpecFile};
-use sortie::verify::{self, Review};
+use sortie::verify::{self, Limit, Review};
 use sortie::world::{self, World};
 
 /// A fleet planned, and each of its vehicles planned as if it were alone.
@@ -117,7 +117,7 @@ fn failed(dispatched: &Dispatched) -> Vec<String> {
 /// Least separation of any two vehicles, metres.
 fn closest_m(review: &Review) -> f64 {
     let margins = review.margins.iter();
-    let apart = margins.filter(|margin| margin.what == "separation");
+    let apart = margins.filter(|margin| margin.limit == Limit::Separation);
     apart
         .map(|margin| margin.value)
         .fold(f64::INFINITY, f64::min)
@@ -306,7 +306,9 @@ fn a_vehicle_without_a_path_is_told_who_is_in_its_way() {
     };
     assert_eq!(blocked(&dispatched), [vec![], vec![], vec![1]]);
     let mut margins = dispatched.review.margins.iter();
-    let path = margins.find(|margin| margin.what == "path").expect("a row");
+    let path = margins
+        .find(|margin| margin.limit == Limit::Path)
+        .expect("a row");
     assert_eq!((path.vehicle.as_str(), path.ok), ("west", false));
     assert!(path.note.ends_with("in its way: balloon"), "{}", path.note);
     // Without the balloon there is a path; and where there is none alone, nobody is to blame.

@@ -193,7 +193,7 @@ fuzz_target!(|data: &[u8]| {
             let rows = (0..items).map(|n| (item(n), u8::from(n == 0))).collect();
             let upload = Upload::new(route, rows, 5000, DEADLINE, Time(0));
             let room_ms = u64::from(script.byte() % 2) * 800;
-            Machine::Upload(upload.leaving_room(room_ms))
+            Machine::Upload(upload.with_min_gap(room_ms))
         }
         2 => Machine::Download(Download::new(route, DEADLINE, Time(0))),
         _ => Machine::Clear(Clear::new(route, DEADLINE, Time(0))),

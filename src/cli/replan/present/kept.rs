@@ -6,6 +6,7 @@ use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, VehicleMission, command};
 use crate::path::route_start_s;
 use crate::spec::{Autopilot, Vehicle};
+use crate::verify::Limit;
 
 /// With less way than this before it a vehicle is at its end, metres.
 const AT_END_M: f64 = 4.0;
@@ -58,7 +59,7 @@ impl Present<'_> {
             }
             Err(error) => {
                 self.drop_last();
-                self.problem(course, "encoding", error.to_string());
+                self.problem(course, Limit::Encoding, error.to_string());
             }
         }
     }

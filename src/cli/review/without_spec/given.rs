@@ -2,118 +2,67 @@
 
 use crate::cli::args::Limits;
 use crate::spec::MissionSpec;
-use crate::verify::{Margin, Review};
+use crate::verify::{Basis, Limit, Margin, Review};
 
-/// A limit that is judged only if it was given: names of its margins, what it is
-/// called, the flag that gives it.
-struct Optional {
-    margins: &'static [&'static str],
-    called: &'static str,
-    flag: &'static str,
-    given: fn(&Limits) -> bool,
+/// The bases that a flag gives, in the order of the table.
+const BY_FLAG: [Basis; 8] = [
+    Basis::Terrain,
+    Basis::Ceiling,
+    Basis::Separation,
+    Basis::ClimbAngle,
+    Basis::DescentAngle,
+    Basis::ClimbSpeed,
+    Basis::DescentSpeed,
+    Basis::TurnRadius,
+];
+
+/// Whether a basis was given, its name and its flag; none for a basis that no flag gives.
+fn flag(basis: Basis, limits: &Limits) -> Option<(bool, &'static str, &'static str)> {
+    Some(match basis {
+        Basis::Terrain => (limits.terrain.is_some(), "terrain clearance", "--terrain"),
+        Basis::Ceiling => (limits.max_amsl.is_some(), "ceiling", "--max-amsl"),
+        Basis::Separation => (limits.separation.is_some(), "separation", "--separation"),
+        Basis::ClimbAngle => (limits.max_climb.is_some(), "climb angle", "--max-climb"),
+        Basis::DescentAngle => (
+            limits.max_descent.is_some(),
+            "descent angle",
+            "--max-descent",
+        ),
+        Basis::ClimbSpeed => (limits.climb.is_some(), "climb speed", "--climb"),
+        Basis::DescentSpeed => (limits.descent.is_some(), "descent speed", "--descent"),
+        Basis::TurnRadius => (limits.load_factor.is_some(), "turn radius", "--load-factor"),
+        Basis::Mission | Basis::HomeRow | Basis::Spec => return None,
+    })
 }
 
-const OPTIONAL: &[Optional] = &[
-    Optional {
-        margins: &[
-            "terrain clearance",
-            "ground contact",
-            "home altitude",
-            "rally",
-        ],
-        called: "terrain clearance",
-        flag: "--terrain",
-        given: |limits| limits.terrain.is_some(),
-    },
-    Optional {
-        margins: &["ceiling"],
-        called: "ceiling",
-        flag: "--max-amsl",
-        given: |limits| limits.max_amsl.is_some(),
-    },
-    Optional {
-        margins: &["separation"],
-        called: "separation",
-        flag: "--separation",
-        given: |limits| limits.separation.is_some(),
-    },
-    Optional {
-        margins: &["climb angle"],
-        called: "climb angle",
-        flag: "--max-climb",
-        given: |limits| limits.max_climb.is_some(),
-    },
-    Optional {
-        margins: &["descent angle"],
-        called: "descent angle",
-        flag: "--max-descent",
-        given: |limits| limits.max_descent.is_some(),
-    },
-    Optional {
-        margins: &["climb speed"],
-        called: "climb speed",
-        flag: "--climb",
-        given: |limits| limits.climb.is_some(),
-    },
-    Optional {
-        margins: &["descent speed"],
-        called: "descent speed",
-        flag: "--descent",
-        given: |limits| limits.descent.is_some(),
-    },
-    Optional {
-        margins: &["turn fit"],
-        called: "turn radius",
-        flag: "--load-factor",
-        given: |limits| limits.load_factor.is_some(),
-    },
-];
-
-/// Margins against what was made of the mission itself: they say nothing.
-const OF_ITSELF: &[&str] = &[
-    "start",
-    "goal",
-    "finish",
-    "takeoff heading",
-    "loiter radius",
-    "departure",
-    "speed",
-    "area",
-    "item count",
-    "fence complete",
-];
-
-/// Keeps what was judged against something, and says what was not judged.
-pub(crate) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limits) -> Vec<String> {
-    let mut not_judged = Vec::new();
-    for optional in OPTIONAL.iter().filter(|optional| !(optional.given)(limits)) {
-        let of = |what: &str| {
-            optional.margins.iter().any(|name| {
-                what.strip_prefix(name)
-                    .is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
-            })
-        };
-        review.margins.retain(|margin| !of(&margin.what));
-        if optional.called != "separation" || spec.vehicles.len() > 1 {
-            not_judged.push(format!("{} ({})", optional.called, optional.flag));
-        }
+/// Whether a margin was judged against something that was given.
+fn is_judged(margin: &Margin, limits: &Limits) -> bool {
+    match (flag(margin.limit.basis(), limits), margin.limit.basis()) {
+        (Some((is_given, ..)), _) => is_given,
+        (None, Basis::HomeRow) => !margin.ok,
+        (None, basis) => basis != Basis::Spec,
     }
-    review.margins.retain(|margin| {
-        let itself = OF_ITSELF.contains(&margin.what.as_str())
-            // Of a rally point as well.
-            || margin.what.ends_with(" in the area");
-        // A home of which there is none still fails.
-        let home = margin.what == "home position" && margin.ok;
-        !itself && !home
-    });
+}
+
+/// Keeps the margins that were judged against something that was given. Returns the names and
+/// flags of the limits that were not judged.
+pub(crate) fn keep_given(review: &mut Review, spec: &MissionSpec, limits: &Limits) -> Vec<String> {
+    review.margins.retain(|margin| is_judged(margin, limits));
     if limits.terrain.is_none() && !limits.no_terrain {
         for vehicle in &spec.vehicles {
             review.margins.push(Margin::unjudged(
                 &vehicle.id,
-                "terrain clearance",
+                Limit::TerrainClearance,
                 "not judged: no elevation was given (--terrain FILE, or --no-terrain to go without)",
             ));
         }
     }
-    not_judged
+    let is_pair = spec.vehicles.len() > 1;
+    BY_FLAG
+        .into_iter()
+        .filter(|basis| *basis != Basis::Separation || is_pair)
+        .filter_map(|basis| flag(basis, limits))
+        .filter(|(is_given, ..)| !is_given)
+        .map(|(_, name, flag)| format!("{name} ({flag})"))
+        .collect()
 }

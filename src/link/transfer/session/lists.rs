@@ -1,13 +1,13 @@
-//! The lists one after the other: sent or cleared, read back, compared, sent again.
+//! The lists in turn: sent or cleared, read back, compared, sent again.
 
 use super::{ORDER, Session, Stage};
 use crate::link::message::{AUTOPILOT_GENERIC, Address, List, MissionResult, Route};
 use crate::link::time::Time;
 use crate::link::transfer::clear::Clear;
 use crate::link::transfer::download::{Download, DownloadError};
+use crate::link::transfer::expected::Expected;
 use crate::link::transfer::identity;
 use crate::link::transfer::report::{Failure, Verdict};
-use crate::link::transfer::target::Wanted;
 use crate::link::transfer::task::{Ended, Task};
 use crate::link::transfer::upload::{Sent, Upload, UploadError};
 use crate::mission::Item;
@@ -16,23 +16,23 @@ use crate::spec::Autopilot;
 /// Pause before a list is sent again that had no space while the vehicle was starting, milliseconds.
 const PAUSE_MS: u64 = 2000;
 /// Confirmed uploads of one list that read back otherwise before it is given up.
-const MOST_ROUNDS: u32 = 3;
-/// How long PX4 is listened to after the last read-back, milliseconds: it judges a mission
-/// after accepting it, and says once a second what it holds.
+const MAX_ROUNDS: u32 = 3;
+/// Wait for texts of PX4 after the last read-back, milliseconds: it checks a mission after
+/// accepting it, and reports the ids of its lists once a second.
 const LISTEN_MS: u64 = 1200;
 
-/// How PX4 begins to say that a mission is not feasible (`FeasibilityChecker`).
+/// First words of PX4 on a mission that is not feasible (`FeasibilityChecker`).
 const REJECTED: &str = "Mission rejected";
 
 impl<'a> Session<'a> {
-    /// What is wanted, by the rules of the autopilot that answers, if it says which it is.
-    pub(crate) fn wanted(&self) -> Wanted<'a> {
+    /// The expected lists, by the rules of the autopilot that answers, if it is a known one.
+    pub(crate) fn expected(&self) -> Expected<'a> {
         let mission = self.order.mission;
         let autopilot = self
             .vehicle
             .and_then(|(_, heartbeat)| identity::named(heartbeat.autopilot))
             .unwrap_or(mission.autopilot);
-        Wanted { mission, autopilot }
+        Expected { mission, autopilot }
     }
 
     pub(crate) fn route(&self) -> Option<Route> {
@@ -44,23 +44,23 @@ impl<'a> Session<'a> {
         })
     }
 
-    /// Begins the list at `self.at`: sends it, or looks whether it is empty.
+    /// Begins the list at `self.at`: sends it, or checks that it is empty.
     pub(crate) fn begin_list(&mut self, now: Time) {
         let Some(route) = self.route() else { return };
         self.complaint = None;
-        if self.wanted().items(route.list).is_empty() {
+        if self.expected().items(route.list).is_empty() {
             self.work(Task::Download(Download::new(route, self.deadline, now)));
         } else {
-            // How long this vehicle may be silent before it has given up or lost us:
-            // several times its own re-request period (1 s, 250 ms, MAVSDK 500 ms).
-            let (silence_ms, room_ms) = match (self.wanted().autopilot, self.vehicle) {
+            // Several times the re-request period of the vehicle (1 s, 250 ms, MAVSDK
+            // 500 ms): a longer silence means that it has given up or lost us.
+            let (silence_ms, gap_ms) = match (self.expected().autopilot, self.vehicle) {
                 (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => (4000, 800),
                 (Autopilot::ArduPilot, _) => (5000, 0),
                 (Autopilot::Px4, _) => (3000, 0),
             };
-            let rows = self.wanted().rows(route.list);
+            let rows = self.expected().rows(route.list);
             let upload = Upload::new(route, rows, silence_ms, self.deadline, now);
-            let upload = upload.leaving_room(room_ms);
+            let upload = upload.with_min_gap(gap_ms);
             self.work(Task::Upload(upload));
         }
     }
@@ -134,24 +134,24 @@ impl<'a> Session<'a> {
 
     fn read(&mut self, now: Time, outcome: Result<Vec<Item>, DownloadError>) {
         let list = ORDER[self.at];
-        let wanted = self.wanted();
-        let shall_be_empty = wanted.items(list).is_empty();
+        let expected = self.expected();
+        let must_be_empty = expected.items(list).is_empty();
         let mut read = match outcome {
             Ok(read) => read,
             // A vehicle that knows no fence or rally holds none.
             Err(DownloadError::Refused {
                 result: MissionResult::UNSUPPORTED,
-            }) if list != List::Mission && shall_be_empty => Vec::new(),
+            }) if list != List::Mission && must_be_empty => Vec::new(),
             Err(error) => {
                 self.end(now, Verdict::Failed(Failure::ReadBack { list, error }));
                 return;
             }
         };
-        let found = wanted.compare(list, &mut read);
+        let found = expected.compare(list, &mut read);
         if found.is_empty() {
             self.held[usize::from(list.mission_type())] = read;
             self.next_list(now);
-        } else if self.rounds >= MOST_ROUNDS {
+        } else if self.rounds >= MAX_ROUNDS {
             let count = found.len();
             self.differences = found;
             let complaint = self.complaint;
@@ -162,18 +162,18 @@ impl<'a> Session<'a> {
             };
             self.end(now, Verdict::Failed(failure));
         } else {
-            self.again(now, shall_be_empty);
+            self.again(now, must_be_empty);
         }
     }
 
-    /// The read-back was not what it should be: once more.
-    fn again(&mut self, now: Time, shall_be_empty: bool) {
-        // Without the vehicle's confirmation it was to be expected; the deadline bounds that.
+    /// The read-back differs: sends or clears the list once more.
+    fn again(&mut self, now: Time, must_be_empty: bool) {
+        // Without a confirmation of the vehicle a difference is likely; the deadline bounds that.
         let spoke = self.acknowledged || self.complaint == Some(MissionResult::ERROR);
         self.rounds += u32::from(spoke);
         self.acknowledged = false;
         match self.route() {
-            Some(route) if shall_be_empty => {
+            Some(route) if must_be_empty => {
                 self.work(Task::Clear(Clear::new(route, self.deadline, now)));
             }
             _ => self.begin_list(now),
@@ -186,7 +186,7 @@ impl<'a> Session<'a> {
             self.at += 1;
             self.begin_list(now);
         } else {
-            let listen_ms = match self.wanted().autopilot {
+            let listen_ms = match self.expected().autopilot {
                 Autopilot::Px4 => LISTEN_MS,
                 Autopilot::ArduPilot => 0,
             };
@@ -196,19 +196,19 @@ impl<'a> Session<'a> {
         }
     }
 
-    /// PX4 judges a mission once it has confirmed it, and then says alone in words that it will not
-    /// fly it. What it says before that is of the mission that it held.
+    /// PX4 checks a mission after confirming it, and reports only as text that it will not
+    /// fly it. Earlier texts are about the mission that it held before.
     pub(crate) fn look_for_rejection(&mut self, from: Address, text: &str) {
         let is_sent = ORDER.get(self.at) == Some(&List::Mission) && self.acknowledged;
         let is_held = is_sent || matches!(self.stage, Stage::Listening { .. });
-        if is_held && self.is_of_vehicle(from) && text.starts_with(REJECTED) {
+        if is_held && self.is_of_autopilot(from) && text.starts_with(REJECTED) {
             self.rejection = Some(text.trim_end().to_owned());
         }
     }
 
-    /// A vehicle that gives its lists ids says with them when one has changed since it
-    /// was read back: somebody else is at work. Then it is read once more; what is read
-    /// decides, because an id may also be old or still in the making.
+    /// Reads a list once more when its id has changed since it was read back, because
+    /// another station may have changed it. The items decide, not the id, which may be old
+    /// or not computed yet.
     pub(crate) fn compare_ids(&mut self, now: Time, ids: [u32; 3]) {
         let keeps_ids = self.plan_ids != [0; 3];
         if !matches!(self.stage, Stage::Listening { .. }) || !keeps_ids || self.reread {

@@ -27,12 +27,7 @@ impl Pilot<'_> {
         row: usize,
         mission: &VehicleMission,
     ) -> Result<(), Unknown> {
-        let refuse = |why: &str| {
-            Err(Unknown {
-                row,
-                why: why.to_owned(),
-            })
-        };
+        let refuse = |why: &str| Unknown::err(row, why);
         let Some(Amsl(return_m)) = self.vehicle.return_amsl else {
             return refuse(
                 "NAV_RETURN_TO_LAUNCH, and no return altitude is given (return_amsl_m, --return-amsl)",
@@ -80,16 +75,10 @@ impl Pilot<'_> {
             return Ok(());
         }
         if !self.airborne {
-            return Err(Unknown {
-                row,
-                why: "no takeoff".to_owned(),
-            });
+            return Unknown::err(row, "no takeoff");
         }
         if self.vehicle.airframe.has_wing() {
-            return Err(Unknown {
-                row,
-                why: "the mission ends in the air, and a wing does not stay".to_owned(),
-            });
+            return Unknown::err(row, "the mission ends in the air, and a wing does not stay");
         }
         self.stop()?;
         self.hold(row, f64::INFINITY);

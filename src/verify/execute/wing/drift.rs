@@ -10,7 +10,7 @@ use crate::verify::measure::segment::Chord;
 /// Share of the wind with which it drifts as it climbs, and for how long it drifts with all of it
 /// until it has turned onto its first leg, seconds: one QuadPlane of ArduPilot's simulator
 /// (ArduPlane 4.7.0-dev of December 2025) in 5 m/s was 41 m downwind after a planned climb of 27 s, and
-/// began its first leg 59 m beside it.
+/// began its first leg 59 m off it.
 const SHARE: f64 = 0.31;
 const ONTO_LEG_S: f64 = 3.6;
 

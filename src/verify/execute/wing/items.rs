@@ -4,8 +4,7 @@ use crate::geodesy::{AboveHome, Amsl};
 use crate::mission::{Item, VehicleMission, command};
 use crate::spec::{Airframe, Autopilot};
 
-use crate::verify::execute::decode;
-use crate::verify::execute::decode::{Height, Order, own_height, place};
+use crate::verify::execute::item::{self, Height, Order, own_height, place};
 
 /// What one item makes a plane or vtol do.
 pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
@@ -53,12 +52,12 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
             "DO_CHANGE_SPEED of kind {first} does not set the airspeed"
         )),
-        _ => decode::read(item, autopilot, home),
+        _ => item::read(item, autopilot, home),
     }
 }
 
 fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-    let height = decode::height(item, autopilot, home)?;
+    let height = item::height(item, autopilot, home)?;
     Ok(match autopilot {
         // The place is not read. A QuadPlane climbs by the altitude, whatever the frame.
         Autopilot::ArduPilot => Order::Takeoff {
@@ -77,7 +76,7 @@ fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, Strin
 }
 
 fn landing(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
-    decode::height(item, autopilot, home)?;
+    item::height(item, autopilot, home)?;
     Ok(Order::Land {
         at: Some(place(item)?),
     })
@@ -96,12 +95,12 @@ fn radius_m(param: f64, mission: &VehicleMission) -> Result<f64, String> {
     held_m(mission, name).ok_or_else(|| format!("a circle without a radius, and no {name}"))
 }
 
-/// The radius of circles of PX4 where no item states one, if its parameters tell.
+/// The radius of circles of PX4 where no item states one, if its parameters state one.
 pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
     held_m(mission, "NAV_LOITER_RAD").map(f64::abs)
 }
 
-/// A radius that the parameters tell.
+/// A radius from the parameters.
 fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
     let found = mission.params.iter().find(|param| param.name == name)?;
     Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)

@@ -1,6 +1,6 @@
 //! The way that ArduPlane flies around corners: its L1 law (Park, Deyst and How, "A New Nonlinear
 //! Guidance Logic for Trajectory Tracking", 2004, with a period and a damping) aims at a point
-//! ahead on the leg, and the wing banks late and slips. It swings out of corners.
+//! ahead on the leg, and the wing banks late and slips. It overshoots corners.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
 
@@ -13,7 +13,7 @@ use crate::verify::execute::legs::Knot;
 /// Share of `g tan(bank)` that turns the wing, and how long an error of bank lasts, seconds:
 /// fitted to the plane of ArduPilot's simulator (ArduPlane 4.7.0-dev of December 2025, still air),
 /// which slips in its turns (14.2 degrees a second at 33.3 degrees of bank and 19.1 m/s, 0.73 of a
-/// coordinated turn) and reaches its bank within a second. With these the swing comes out no less
+/// coordinated turn) and reaches its bank within a second. With these the overshoot comes out no less
 /// than any measured one, and by no more than 45 % more (the test below).
 const TURNING_SHARE: f64 = 0.70;
 const BANK_LAG_S: f64 = 0.5;
@@ -47,7 +47,7 @@ pub(crate) struct Fix {
     pub(crate) t_s: f64,
     /// Distance from the place to the line of its leg or of the one before, whichever is less,
     /// metres.
-    pub(crate) beside_m: f64,
+    pub(crate) cross_track_m: f64,
 }
 
 /// A straight leg.
@@ -69,7 +69,7 @@ struct Wing {
 }
 
 impl Guidance {
-    /// That of a mission's vehicle; none but on a wing of ArduPilot.
+    /// The guidance of a mission's vehicle; only a wing of ArduPilot has one.
     pub(crate) fn of(vehicle: &Vehicle, mission: &VehicleMission) -> Option<Self> {
         if mission.autopilot != Autopilot::ArduPilot || !mission.airframe.has_wing() {
             return None;
@@ -134,10 +134,10 @@ impl Guidance {
             }
             wing.step(self, line, speed_mps);
             t_s += STEP_S;
-            let beside_m = line.beside_m(wing.at);
+            let cross_track_m = line.cross_track_m(wing.at);
             let before = leg
                 .checked_sub(1)
-                .map(|before| lines[before].beside_m(wing.at));
+                .map(|before| lines[before].cross_track_m(wing.at));
             fixes.push(Fix {
                 leg,
                 at: EastNorth {
@@ -145,7 +145,7 @@ impl Guidance {
                     north_m: wing.at[1],
                 },
                 t_s,
-                beside_m: before.map_or(beside_m, |other| other.min(beside_m)),
+                cross_track_m: before.map_or(cross_track_m, |other| other.min(cross_track_m)),
             });
         }
         fixes
@@ -183,7 +183,7 @@ impl Line {
     }
 
     /// Distance from the leg, its ends included.
-    fn beside_m(&self, at: [f64; 2]) -> f64 {
+    fn cross_track_m(&self, at: [f64; 2]) -> f64 {
         let gone = self.gone(at);
         let along_m = self.ahead(gone);
         let over_m = along_m - along_m.clamp(0.0, self.length_m);
@@ -211,10 +211,10 @@ impl Wing {
         let angle_rad = (to_leg_rad + off_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
         // To the left where the leg is to the left.
         let gain = 4.0 * guidance.damping * guidance.damping;
-        let wanted_mps2 = gain * speed_mps * speed_mps / ahead_m * angle_rad.sin();
-        let wanted_rad = (wanted_mps2 / GRAVITY_MPS2).atan();
-        let wanted_rad = wanted_rad.clamp(-guidance.bank_rad, guidance.bank_rad);
-        self.bank_rad += (wanted_rad - self.bank_rad) * (1.0 - (-STEP_S / BANK_LAG_S).exp());
+        let demand_mps2 = gain * speed_mps * speed_mps / ahead_m * angle_rad.sin();
+        let demand_rad = (demand_mps2 / GRAVITY_MPS2).atan();
+        let demand_rad = demand_rad.clamp(-guidance.bank_rad, guidance.bank_rad);
+        self.bank_rad += (demand_rad - self.bank_rad) * (1.0 - (-STEP_S / BANK_LAG_S).exp());
         let across_mps2 = TURNING_SHARE * GRAVITY_MPS2 * self.bank_rad.tan();
         self.course_rad += across_mps2 / speed_mps * STEP_S;
         let (sin, cos) = self.course_rad.sin_cos();
@@ -261,8 +261,8 @@ mod tests {
         ]
     }
 
-    /// How far outside of the second leg the way swings, metres.
-    fn swing_m(guidance: &Guidance, turn_deg: f64, speed_mps: f64, amsl_m: f64) -> f64 {
+    /// Overshoot of the path outside of the second leg, metres.
+    fn overshoot_m(guidance: &Guidance, turn_deg: f64, speed_mps: f64, amsl_m: f64) -> f64 {
         let knots = corner(turn_deg, amsl_m);
         let next = Line::new(knots[1].at, knots[2].at);
         let fixes = guidance.follow(&knots, &[speed_mps, speed_mps]);
@@ -274,9 +274,9 @@ mod tests {
     }
 
     #[test]
-    fn swings_out_of_corners_are_those_of_a_real_ardu_plane_or_a_little_wider() {
+    fn overshoot_at_corners_is_that_of_a_real_ardu_plane_or_a_little_wider() {
         // ArduPlane 4.7.0-dev of December 2025, its simulated plane, still air; legs of 45 s.
-        // Bank limit, WP_RADIUS, speed over the ground, altitude above the sea, and the swing.
+        // Bank limit, WP_RADIUS, speed over the ground, altitude above the sea, and the overshoot.
         let angles_deg = [5.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0, 120.0, 150.0];
         let flown: [(f64, f64, f64, f64, [f64; 9]); 4] = [
             (
@@ -308,10 +308,10 @@ mod tests {
                 [2.6, 6.5, 11.0, 13.9, 20.7, 32.6, 46.0, 102.5, 158.3],
             ),
         ];
-        for (bank_deg, radius_m, speed_mps, amsl_m, swings_m) in flown {
+        for (bank_deg, radius_m, speed_mps, amsl_m, overshoots_m) in flown {
             let guidance = guidance(bank_deg, radius_m);
-            for (angle_deg, flown_m) in angles_deg.into_iter().zip(swings_m) {
-                let found_m = swing_m(&guidance, angle_deg, speed_mps, amsl_m);
+            for (angle_deg, flown_m) in angles_deg.into_iter().zip(overshoots_m) {
+                let found_m = overshoot_m(&guidance, angle_deg, speed_mps, amsl_m);
                 assert!(
                     (flown_m - 0.5..=1.45 * flown_m).contains(&found_m),
                     "{angle_deg} degrees at {speed_mps} m/s: {found_m} m, flown {flown_m} m"
@@ -326,12 +326,12 @@ mod tests {
             turn_deg in 1.0..150.0_f64, speed_mps in 12.0..25.0_f64, bank_deg in 20.0..50.0_f64
         ) {
             let guidance = guidance(bank_deg, 60.0);
-            let left = swing_m(&guidance, turn_deg, speed_mps, 300.0);
-            let right = swing_m(&guidance, -turn_deg, speed_mps, 300.0);
+            let left = overshoot_m(&guidance, turn_deg, speed_mps, 300.0);
+            let right = overshoot_m(&guidance, -turn_deg, speed_mps, 300.0);
             prop_assert!((left - right).abs() < 1e-6);
             let fixes = guidance.follow(&corner(turn_deg, 300.0), &[speed_mps, speed_mps]);
             let last = fixes.last().copied();
-            prop_assert!(last.is_some_and(|fix| fix.leg == 1 && fix.beside_m < 10.0), "{last:?}");
+            prop_assert!(last.is_some_and(|fix| fix.leg == 1 && fix.cross_track_m < 10.0), "{last:?}");
         }
 
         #[test]
@@ -344,7 +344,7 @@ mod tests {
             }
             let speeds = vec![18.0; lengths.len()];
             let fixes = guidance(33.0, 50.0).follow(&knots, &speeds);
-            prop_assert!(fixes.iter().all(|fix| fix.beside_m < 1.0 && fix.at.north_m.abs() < 1e-9));
+            prop_assert!(fixes.iter().all(|fix| fix.cross_track_m < 1.0 && fix.at.north_m.abs() < 1e-9));
             prop_assert!(fixes.last().is_some_and(|fix| (fix.at.east_m - east_m).abs() < 1.0));
         }
     }

@@ -6,9 +6,10 @@ use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::path::{along, climb_out, heading_rad};
 
 use super::overshoot::{EARLY_SHARE, OVERSHOOT_M};
-use crate::verify::execute::decode::{Height, Unknown};
+use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{Circle, End, Mark};
+use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed};
 use crate::verify::limits::space::SLOPE_SHARE;
 use crate::verify::measure::segment::{Chord, Phase};
@@ -24,9 +25,8 @@ impl Pilot<'_> {
         at: Option<LatLon>,
         height: Height,
     ) -> Result<(), Unknown> {
-        let unknown = |why: String| Err(Unknown { row, why });
         let Some(planned_rad) = self.vehicle.wing.and_then(|wing| wing.takeoff_heading_rad) else {
-            return unknown("a takeoff along a course, and the spec has none".to_owned());
+            return Unknown::err(row, "a takeoff along a course, and the spec has none");
         };
         let home = self.home;
         let (top_m, _) = self.resolve(row, self.world.frame.from_plan(home.at), height)?;
@@ -42,9 +42,8 @@ impl Pilot<'_> {
         let climb = climb_out(self.vehicle, home.at, course_rad, ground, Amsl(top_m));
         let ground_m = ground(climb.lift_off).0;
         if top_m <= ground_m || top_m.is_nan() {
-            return unknown(format!(
-                "takeoff to {top_m:.2} m AMSL, from {ground_m:.2} m"
-            ));
+            let why = format!("takeoff to {top_m:.2} m AMSL, from {ground_m:.2} m");
+            return Unknown::err(row, why);
         }
         self.flight.takeoff_rad = Some(course_rad);
         let lift_off = PlanPoint {
@@ -98,13 +97,9 @@ impl Pilot<'_> {
         let down = self.knot(row, at, ground_m, None);
         let run_m = from.at.distance_m(at);
         if run_m <= 0.0 || from.amsl_m <= ground_m {
-            return Err(Unknown {
-                row,
-                why: format!(
-                    "a landing at {ground_m:.2} m from {:.2} m, {run_m:.0} m away",
-                    from.amsl_m
-                ),
-            });
+            let from_m = from.amsl_m;
+            let why = format!("a landing at {ground_m:.2} m from {from_m:.2} m, {run_m:.0} m away");
+            return Unknown::err(row, why);
         }
         self.flight.landing = Some((
             heading_rad(from.at, at),
@@ -133,8 +128,8 @@ impl Pilot<'_> {
         Ok(())
     }
 
-    /// A leg that climbs from the ground, in the part where its height decides what is wanted
-    /// below it and the part where the minimum height does.
+    /// A leg that climbs from the ground, split into the part where its height decides the
+    /// required clearance and the part where the minimum height does.
     fn in_two(&self, ground: &Knot, top: Knot, ground_m: f64) -> Vec<Knot> {
         let split_m = ground_m + self.world.min_agl.0 / SLOPE_SHARE;
         let sloping = |knot: Knot| Knot {
@@ -174,22 +169,16 @@ impl Pilot<'_> {
         height: Height,
         radius_m: f64,
     ) -> Result<(), Unknown> {
-        let unknown = |why: &str| {
-            Err(Unknown {
-                row,
-                why: why.to_owned(),
-            })
-        };
         let middle = self.reach(row, place)?;
         let (amsl_m, agl_m) = self.resolve(row, place, height)?;
         if agl_m.is_some() {
-            return unknown("a circle at a height above terrain");
+            return Unknown::err(row, "a circle at a height above terrain");
         }
         let from = self.last();
         let away_m = from.at.distance_m(middle);
         let rim_m = radius_m.abs();
         if away_m <= rim_m {
-            return unknown("a circle that begins inside of it");
+            return Unknown::err(row, "a circle that begins inside of it");
         }
         // Clockwise the middle is to the right of the tangent.
         let aside_rad = (rim_m / away_m).asin() * radius_m.signum();

@@ -1,4 +1,4 @@
-//! Ways beside the legs, which ArduPlane flies: it swings out of corners, and climbs out early.
+//! Paths of ArduPlane off its legs: it overshoots corners, and climbs out early.
 
 use crate::geodesy::{EastNorth, PlanPoint};
 
@@ -16,15 +16,15 @@ pub const EARLY_SHARE: f64 = 0.4;
 pub(crate) const OVERSHOOT_M: f64 = 14.0;
 /// Ways nearer to their legs than this are not looked at, metres.
 const TOLERANCE_M: f64 = 0.5;
-/// Places of a way that are judged are so many steps apart.
+/// Steps of the path from one judged point to the next.
 const EVERY: usize = 10;
 /// A way is taken to be as far from a chord as it is within this of its time, seconds.
 const WITHIN_S: f64 = 2.0;
 
 impl Pilot<'_> {
-    /// Lays the way that a wing of ArduPilot takes beside its legs, to be judged in space; for
-    /// the separation, widens the chords of the legs by as much, and counts what it takes longer.
-    pub(crate) fn lay_swings(
+    /// Lays the path that a wing of ArduPilot flies off its legs, to be judged in space. For the
+    /// separation, widens the chords of the legs by its distance and adds the time it takes longer.
+    pub(crate) fn lay_overshoot(
         &mut self,
         knots: &[Knot],
         grounds_mps: &[f64],
@@ -42,7 +42,7 @@ impl Pilot<'_> {
         let own = knots.windows(2);
         let own = own.map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]));
         let own = own.collect::<Result<Vec<_>, _>>()?;
-        let mut lines = self.lines_beside(knots, firsts)?;
+        let mut lines = self.offset_lines(knots, firsts)?;
         for (lines, own) in lines.iter_mut().zip(own) {
             lines.push(own);
         }
@@ -55,8 +55,11 @@ impl Pilot<'_> {
         {
             let (from, to) = pair;
             let passed = &fixes[index * EVERY..=(index + 1) * EVERY];
-            let beside_m = passed.iter().map(|fix| fix.beside_m).fold(0.0, f64::max);
-            if beside_m < TOLERANCE_M {
+            let cross_track_m = passed
+                .iter()
+                .map(|fix| fix.cross_track_m)
+                .fold(0.0, f64::max);
+            if cross_track_m < TOLERANCE_M {
                 continue;
             }
             let leg = to.leg;
@@ -92,7 +95,7 @@ impl Pilot<'_> {
         let rise_m = early.amsl.0 - knots[0].amsl_m;
         let t_s = self.trajectory.t_s;
         let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
-        let aside_m = top.map_or(0.0, |top| beside_m(early.at, next.at, top.at));
+        let aside_m = top.map_or(0.0, |top| cross_track_m(early.at, next.at, top.at));
         let first = firsts.first().copied().unwrap_or_default();
         for chord in &mut self.trajectory.chords[first..] {
             if chord.phase == Phase::Join {
@@ -106,8 +109,8 @@ impl Pilot<'_> {
         self.trajectory.chords.push(chord);
     }
 
-    /// Widens the chords of the legs by what the way is beside them, and makes them late by what
-    /// it takes longer.
+    /// Widens the chords of the legs by the distance of the path from them, and makes them late by
+    /// the time that the path takes longer.
     fn widen(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) {
         let mut starts_s = None;
         let (before_s, mut late_s) = (self.trajectory.late_s, 0.0_f64);
@@ -142,7 +145,7 @@ impl Pilot<'_> {
                 );
                 let near = fixes[step(within.0).min(fixes.len())..].iter();
                 let near = near.take_while(|fix| fix.t_s <= within.1);
-                let wide_m = near.map(|fix| fix.beside_m).fold(0.0, f64::max);
+                let wide_m = near.map(|fix| fix.cross_track_m).fold(0.0, f64::max);
                 chord.wide_m = chord.wide_m.max(wide_m);
                 chord.late_s = chord.late_s.max(late_at_s);
             }
@@ -181,7 +184,7 @@ fn halfway(chord: &Chord, leg: &[Knot]) -> f64 {
 }
 
 /// Distance of a place from the straight line between two others, metres.
-fn beside_m(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
+fn cross_track_m(from: EastNorth, to: EastNorth, at: EastNorth) -> f64 {
     let share = share(from, to, at);
     at.distance_m(EastNorth {
         east_m: from.east_m + (to.east_m - from.east_m) * share,
@@ -194,6 +197,8 @@ fn chord_error_m(passed: &[Fix]) -> f64 {
     let (Some(first), Some(last)) = (passed.first(), passed.last()) else {
         return 0.0;
     };
-    let off = passed.iter().map(|fix| beside_m(first.at, last.at, fix.at));
+    let off = passed
+        .iter()
+        .map(|fix| cross_track_m(first.at, last.at, fix.at));
     off.fold(0.0, f64::max)
 }

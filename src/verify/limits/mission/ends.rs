@@ -6,7 +6,7 @@ use crate::spec::{Airframe, Finish};
 use crate::verify::execute::flight::{End, Mark};
 use crate::verify::limits::fence::Fence;
 use crate::verify::measure::worst::Worst;
-use crate::verify::{Margin, Moment};
+use crate::verify::{Limit, Margin, Moment};
 
 /// Home may be written this far from the ground at most, metres, however wide the tolerance.
 const HOME_M: f64 = 5.0;
@@ -17,7 +17,7 @@ impl Contract<'_> {
         let Some(place) = home else {
             return vec![Margin::unjudged(
                 self.id(),
-                "home position",
+                Limit::HomePosition,
                 "the home row holds no place; judged from the home of the spec",
             )];
         };
@@ -44,9 +44,9 @@ impl Contract<'_> {
             inside.at_least(fence.place_margin_m(place), 0.0, || at);
         }
         [
-            position.margin(self.id(), "home position", "m"),
-            altitude.margin(self.id(), "home altitude", "m"),
-            inside.margin(self.id(), "home in the fence", "m"),
+            position.margin(self.id(), Limit::HomePosition, "m"),
+            altitude.margin(self.id(), Limit::HomeAltitude, "m"),
+            inside.margin(self.id(), Limit::HomeFence, "m"),
         ]
         .into_iter()
         .flatten()
@@ -56,23 +56,23 @@ impl Contract<'_> {
     /// The first position against the start, the last against the goal.
     pub(crate) fn route(&self) -> Vec<Margin> {
         let tolerance_m = self.spec.mission.tolerance_m;
-        let near = |marks: &[Mark], wanted: PlanPoint, what: &str| {
+        let near = |marks: &[Mark], station: PlanPoint, limit: Limit| {
             let mut worst = Worst::default();
             // The nearest of the candidates counts.
             let best = marks
                 .iter()
-                .map(|mark| (mark.point.distance_m(wanted), mark))
+                .map(|mark| (mark.point.distance_m(station), mark))
                 .min_by(|a, b| a.0.total_cmp(&b.0));
             match best {
                 Some((away_m, mark)) => {
                     worst.at_most(away_m, tolerance_m, || {
                         self.moment(mark.point, mark.t_s, mark.row)
                     });
-                    worst.margin(self.id(), what, "m")
+                    worst.margin(self.id(), limit, "m")
                 }
                 None => Some(Margin::unjudged(
                     self.id(),
-                    what,
+                    limit,
                     "the mission has no such point",
                 )),
             }
@@ -91,11 +91,11 @@ impl Contract<'_> {
         } else {
             &route[..route.len().min(1)]
         };
-        let mut margins: Vec<Margin> = near(first, self.stations.start, "start")
+        let mut margins: Vec<Margin> = near(first, self.stations.start, Limit::Start)
             .into_iter()
             .collect();
         if self.flight.unknown.is_none() {
-            margins.extend(near(ends, self.goal(), "goal"));
+            margins.extend(near(ends, self.goal(), Limit::Goal));
         }
         margins
     }
@@ -120,32 +120,27 @@ impl Contract<'_> {
     pub(crate) fn finish(&self) -> Option<Margin> {
         let end = self.flight.end?;
         let last = self.flight.chords.last()?;
-        let (wanted, lands) = match self.vehicle.finish {
+        let (station, lands) = match self.vehicle.finish {
             Finish::Land => (self.stations.landing, true),
             Finish::Return => (self.stations.home.at, true),
             Finish::Loiter => (self.stations.goal.at, false),
         };
+        let unjudged = |why: &str| Some(Margin::unjudged(self.id(), Limit::Finish, why));
         let at = match (end, lands) {
             (End::Landed(at), true) | (End::Stays(at), false) => at,
             (End::Landed(_), false) => {
-                return Some(Margin::unjudged(
-                    self.id(),
-                    "finish",
-                    "the mission lands, the spec says loiter",
-                ));
+                return unjudged("the mission lands, the spec says loiter");
             }
             (End::Stays(_), true) => {
-                return Some(Margin::unjudged(
-                    self.id(),
-                    "finish",
-                    "the mission ends in the air, the spec says land",
-                ));
+                return unjudged("the mission ends in the air, the spec says land");
             }
         };
         let mut worst = Worst::default();
-        worst.at_most(at.distance_m(wanted), self.spec.mission.tolerance_m, || {
-            last.moment(&self.world.frame, 1.0)
-        });
-        worst.margin(self.id(), "finish", "m")
+        worst.at_most(
+            at.distance_m(station),
+            self.spec.mission.tolerance_m,
+            || last.moment(&self.world.frame, 1.0),
+        );
+        worst.margin(self.id(), Limit::Finish, "m")
     }
 }

@@ -1,0 +1,27 @@
+//! Our own address on a link.
+
+use super::message::Address;
+
+/// Our system id, if no vehicle has it. Not 255, which other ground stations use: answers
+/// to them must not be mistaken for answers to us.
+const SYSTEM: u8 = 245;
+/// Our component id, `MAV_COMP_ID_MISSIONPLANNER`.
+const COMPONENT: u8 = 190;
+
+/// An address with a system id that no vehicle has; `None` if they have every one.
+pub(super) fn free_address(vehicles: &[u8]) -> Option<Address> {
+    let mut systems = (1..=SYSTEM).rev();
+    let system = systems.find(|system| !vehicles.contains(system))?;
+    Some(Address {
+        system,
+        component: COMPONENT,
+    })
+}
+
+/// [`free_address`], or that of a ground station if there is none.
+pub(super) fn address(vehicles: &[u8]) -> Address {
+    free_address(vehicles).unwrap_or(Address {
+        system: SYSTEM,
+        component: COMPONENT,
+    })
+}

@@ -1,0 +1,259 @@
+//! One item as the autopilot reads it.
+
+use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
+use crate::mission::{Item, command, command_name, frame};
+use crate::spec::Autopilot;
+use crate::world::World;
+
+/// An altitude as an item gives it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Height {
+    /// Above the sea, or above home with home's altitude added.
+    Sea(Amsl),
+    /// Above the ground, by the vehicle's own terrain data.
+    Ground(Agl),
+}
+
+/// What one item makes the vehicle do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Order {
+    /// Climb: straight up, or a plane along its course. PX4 then moves to the item's place,
+    /// a plane towards it.
+    Takeoff { at: Option<LatLon>, height: Height },
+    /// Fly to a place and stay there for a time; 0 means pass by.
+    Fly {
+        at: LatLon,
+        height: Height,
+        hold_s: f64,
+    },
+    /// Fly to a place and stay for ever; on a wing, circle around it, clockwise where the
+    /// radius (metres) is positive.
+    Stay {
+        at: LatLon,
+        height: Height,
+        radius_m: Option<f64>,
+    },
+    /// Wait where the vehicle is.
+    Wait { hold_s: f64 },
+    /// Land there, or where the vehicle is.
+    Land { at: Option<LatLon> },
+    /// Return to launch.
+    Return,
+    /// From now on this ground speed, m/s.
+    Speed { speed_mps: f64 },
+    /// Nothing that moves the vehicle.
+    Nothing,
+}
+
+/// Commands for cameras, servos and marks: they do not change the motion of a copter.
+const WITHOUT_MOTION: &[u16] = &[
+    112, 114, 115, // conditions for the commands that follow
+    181, 182, 183, 184, // relays and servos
+    189, // DO_LAND_START
+    195, 196, 197, 201, // regions of interest
+    200, 202, 203, 204, 205, 206, // cameras, mounts
+    207, // DO_FENCE_ENABLE
+    211, // DO_GRIPPER
+    530, 531, 532, 1000, // camera and gimbal of the camera protocol
+    2000, 2001, 2500, 2501, // images and video
+];
+
+/// Why the motion after some commands is not known.
+const UNKNOWN_MOTION: &[(u16, &str)] = &[
+    (82, "the curve of NAV_SPLINE_WAYPOINT is not known"),
+    (92, "NAV_GUIDED_ENABLE hands over to another computer"),
+    (94, "NAV_PAYLOAD_PLACE descends until it feels the ground"),
+    (179, "DO_SET_HOME moves home, and altitudes above it"),
+    (208, "DO_PARACHUTE may end the flight"),
+];
+
+/// The order of one item to a copter, or why its motion is not known.
+pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
+    // PX4 holds at such an item until it gets a command; ArduPilot stores no such flag.
+    if autopilot == Autopilot::Px4 && !item.autocontinue {
+        return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
+    }
+    let here = autopilot == Autopilot::ArduPilot && item.x == 0 && item.y == 0;
+    match item.command {
+        command::NAV_TAKEOFF => Ok(Order::Takeoff {
+            // ArduCopter climbs where it stands, whatever the place says.
+            at: match autopilot {
+                Autopilot::ArduPilot => None,
+                Autopilot::Px4 => Some(place(item)?),
+            },
+            height: height(item, autopilot, home)?,
+        }),
+        command::NAV_WAYPOINT => Ok(Order::Fly {
+            at: place(item)?,
+            height: own_height(item, autopilot, home)?,
+            hold_s: hold_s(item.params[0], autopilot)?,
+        }),
+        command::NAV_LOITER_TIME => Ok(Order::Fly {
+            at: place(item)?,
+            height: own_height(item, autopilot, home)?,
+            hold_s: seconds(item.params[0])?,
+        }),
+        command::NAV_LOITER_UNLIM => Ok(Order::Stay {
+            at: place(item)?,
+            height: own_height(item, autopilot, home)?,
+            radius_m: None,
+        }),
+        command::NAV_LAND if here => Ok(Order::Land { at: None }),
+        command::NAV_LAND => {
+            height(item, autopilot, home)?;
+            Ok(Order::Land {
+                at: Some(place(item)?),
+            })
+        }
+        command::NAV_RETURN_TO_LAUNCH => Ok(Order::Return),
+        command::NAV_DELAY => Ok(Order::Wait {
+            hold_s: delay_s(item, autopilot)?,
+        }),
+        command::DO_CHANGE_SPEED => speed(item),
+        other if WITHOUT_MOTION.contains(&other) => Ok(Order::Nothing),
+        other => Err(unknown_motion(other)),
+    }
+}
+
+fn unknown_motion(command: u16) -> String {
+    let known = UNKNOWN_MOTION.iter().find(|(known, _)| *known == command);
+    match (known, command_name(command)) {
+        (Some((_, why)), _) => (*why).to_owned(),
+        (None, Some(name)) => format!("the motion of {name} is not known"),
+        (None, None) => format!("the motion of command {command} is not known"),
+    }
+}
+
+fn speed(item: &Item) -> Result<Order, String> {
+    let [kind, speed_mps, ..] = item.params.map(f64::from);
+    // Airspeed and ground speed are one to a copter; -1 and -2 leave the speed as it is.
+    if kind.is_nan() || !(kind.trunc().abs() < 0.5 || (kind.trunc() - 1.0).abs() < 0.5) {
+        return Err(format!(
+            "DO_CHANGE_SPEED of kind {kind} changes the vertical speed"
+        ));
+    }
+    if speed_mps > 0.0 && speed_mps.is_finite() {
+        Ok(Order::Speed { speed_mps })
+    } else if speed_mps < 0.0 && speed_mps.is_finite() {
+        Ok(Order::Nothing)
+    } else {
+        Err(format!("DO_CHANGE_SPEED to {speed_mps} m/s"))
+    }
+}
+
+/// The place of an item that has one, 1e-7 degrees.
+pub(crate) fn place(item: &Item) -> Result<LatLon, String> {
+    if item.x == 0 && item.y == 0 {
+        return Err("latitude and longitude are 0".to_owned());
+    }
+    item.place().ok_or_else(|| {
+        if frame::canonical(item.frame) == frame::MISSION {
+            "a place in frame 2 (MAV_FRAME_MISSION) has no altitude reference".to_owned()
+        } else {
+            format!(
+                "no place from frame {} with x {}, y {}",
+                item.frame, item.x, item.y
+            )
+        }
+    })
+}
+
+/// The altitude of an item with the reference of its frame.
+///
+/// ArduPilot keeps whole centimetres, truncated toward zero (measured on 4.6.3).
+pub(crate) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
+    let z_m = f64::from(item.z);
+    if !z_m.is_finite() {
+        return Err(format!("the altitude is {z_m}"));
+    }
+    let z_m = match autopilot {
+        Autopilot::ArduPilot => (z_m * 100.0).trunc() / 100.0,
+        Autopilot::Px4 => z_m,
+    };
+    match frame::canonical(item.frame) {
+        frame::GLOBAL => Ok(Height::Sea(Amsl(z_m))),
+        frame::GLOBAL_RELATIVE_ALT => {
+            if home.0.is_finite() {
+                Ok(Height::Sea(AboveHome(z_m).over(home)))
+            } else {
+                Err("an altitude above home, and the altitude of home is not known".to_owned())
+            }
+        }
+        frame::GLOBAL_TERRAIN_ALT => Ok(Height::Ground(Agl(z_m))),
+        other => Err(format!("frame {other} has no altitude reference")),
+    }
+}
+
+/// The altitude of a place that is flown to.
+///
+/// ArduPilot takes an altitude of 0 cm for none, in every frame: the vehicle keeps its
+/// present altitude (ArduCopter `ModeAuto::loc_from_cmd`).
+pub(crate) fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
+    let height = height(item, autopilot, home)?;
+    if autopilot == Autopilot::ArduPilot && (f64::from(item.z) * 100.0).abs() < 1.0 {
+        return Err(format!(
+            "an altitude of {} m keeps the altitude before it (ArduPilot takes 0 cm for none)",
+            item.z
+        ));
+    }
+    Ok(height)
+}
+
+/// Place, altitude and height above ground (metres) of a rally point.
+///
+/// ArduPilot keeps whole metres, truncated (measured on 4.6.3).
+pub(crate) fn rally(
+    item: &Item,
+    autopilot: Autopilot,
+    home: Amsl,
+    world: &World,
+) -> Result<(LatLon, Amsl, f64), String> {
+    let mut stored = *item;
+    if autopilot == Autopilot::ArduPilot {
+        stored.z = stored.z.trunc();
+    }
+    let place = place(&stored)?;
+    let ground = world.terrain.height(place).map_err(|gap| gap.to_string())?;
+    let amsl = match height(&stored, autopilot, home)? {
+        Height::Sea(amsl) => amsl,
+        Height::Ground(agl) => agl.over(ground),
+    };
+    Ok((place, amsl, amsl.above_ground(ground).0))
+}
+
+/// The hold time of a waypoint: ArduPilot keeps it as `uint16`, wrapping (measured on 4.6.3).
+fn hold_s(param: f32, autopilot: Autopilot) -> Result<f64, String> {
+    match autopilot {
+        Autopilot::ArduPilot if param.is_finite() => {
+            Ok(f64::from(param).trunc().rem_euclid(65536.0))
+        }
+        // NaN is PX4's "default", which is no hold.
+        Autopilot::Px4 if param.is_nan() => Ok(0.0),
+        _ => seconds(param),
+    }
+}
+
+/// How long a delay lasts.
+///
+/// Without seconds ArduPilot waits until an hour, minute and second of the day. -1 means any:
+/// three times -1 is no wait.
+fn delay_s(item: &Item, autopilot: Autopilot) -> Result<f64, String> {
+    let [delay_s, of_day @ ..] = item.params;
+    match autopilot {
+        Autopilot::ArduPilot if delay_s <= 0.0 => of_day
+            .iter()
+            .all(|part| part.to_bits() == (-1.0_f32).to_bits())
+            .then_some(0.0)
+            .ok_or(()),
+        _ => seconds(delay_s).map_err(|_| ()),
+    }
+    .map_err(|()| "a delay until a time of day is not known after T0".to_owned())
+}
+
+fn seconds(param: f32) -> Result<f64, String> {
+    if param >= 0.0 && param.is_finite() {
+        Ok(f64::from(param))
+    } else {
+        Err(format!("a time of {param} s"))
+    }
+}

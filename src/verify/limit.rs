@@ -1,0 +1,369 @@
+//! Limits as data: what a margin is about, and how each part of the program treats it.
+//!
+//! # Adding a limit
+//!
+//! A maximum range, for example, takes these steps. The compiler rejects the crate until
+//! steps 1 and 2 are complete.
+//!
+//! 1. Add a variant to [`Limit`], its text in `Display`, and its row in `Limit::class`. The row
+//!    states the [`Topic`] (tables and pages), the [`Repair`] (planning again) and the [`Basis`]
+//!    (review without a spec).
+//! 2. A new `Topic`, `Repair` or `Basis` is matched in `src/report/words.rs` and
+//!    `src/cli/plan.rs`, in `src/dispatch/tighten.rs`, and in
+//!    `src/cli/review/without_spec/given.rs`.
+//! 3. Measure it: a margin in `src/verify/limits/` for missions, and one in
+//!    `src/flight/conformance/` for flown tracks. Describe it in the flight model of
+//!    `src/verify/mod.rs`.
+//! 4. Read its key in `src/spec/`, and let planning respect it by a term in `src/cost/`.
+
+use std::fmt;
+use std::mem::discriminant;
+
+/// One limit that missions or flown tracks are judged against. Its text, as in `review.json`, is
+/// its `Display`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Limit {
+    /// Height above the ground on the route.
+    TerrainClearance,
+    /// Height above the ground on the climb-out and the glide of a plane.
+    TakeoffLandingClearance,
+    /// Height above the ground in the column of a vertical takeoff or landing.
+    GroundContact,
+    /// Greatest altitude.
+    Ceiling,
+    /// Distance to the threat with this id.
+    Threat(String),
+    /// Distance to the no-fly zone with this id.
+    Zone(String),
+    /// Distance of two vehicles.
+    Separation,
+    /// Distance to the edge of the area.
+    Area,
+    /// Distance to the fence of the mission.
+    Fence,
+    /// Whether the fence of the mission holds the fence of the spec.
+    FenceComplete,
+    /// Height of a rally point above the ground; rally points count from 1.
+    RallyClearance(usize),
+    /// Distance of a rally point to threats and zones.
+    RallyObstacles(usize),
+    /// Distance of a rally point to the edge of the area.
+    RallyArea(usize),
+    /// Distance of a rally point to the fence.
+    RallyFence(usize),
+    /// Distance of the home row to the home of the spec.
+    HomePosition,
+    /// Altitude of the home row against the ground.
+    HomeAltitude,
+    /// Distance of the home row to the fence.
+    HomeFence,
+    /// Distance of the first position of the route to the start of the spec.
+    Start,
+    /// Distance of the route to the goal of the spec.
+    Goal,
+    /// Distance of the end of the mission to where the spec ends it.
+    Finish,
+    /// Delay before the takeoff.
+    Departure,
+    /// Commanded speed.
+    Speed,
+    /// Climb angle on the route.
+    ClimbAngle,
+    /// Descent angle on the route.
+    DescentAngle,
+    /// Vertical speed upwards.
+    ClimbSpeed,
+    /// Vertical speed downwards.
+    DescentSpeed,
+    /// What the turns leave of each leg.
+    TurnFit,
+    /// Course of the takeoff of a plane.
+    TakeoffHeading,
+    /// Course of the landing of a plane.
+    LandingHeading,
+    /// Slope of the glide of a plane.
+    GlideAngle,
+    /// Radius of a loiter circle.
+    LoiterRadius,
+    /// Whether the wind of the spec is the one that the model of a wing has.
+    Wind,
+    /// Acceptance radius of waypoints on PX4.
+    AcceptanceRadius,
+    /// Whether the autopilot accepts and understands the mission.
+    Acceptance,
+    /// Number of items.
+    ItemCount,
+    /// Number of items that the flight model can fly.
+    ItemsJudged,
+    /// Whether the mission is for the autopilot and airframe of the spec.
+    Autopilot,
+    /// Whether each vehicle has one mission.
+    Mission,
+    /// Whether the path of a vehicle can be encoded as a mission.
+    Encoding,
+    /// Whether planning found a path that satisfies every limit.
+    Path,
+    /// Whether the items ahead of a vehicle in the air are in order.
+    ItemsAhead,
+    /// A limit of flown tracks alone.
+    Flown(Flown),
+}
+
+/// A limit that only a flown track is judged against.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Flown {
+    /// Whether the record holds any position.
+    Recorded,
+    /// Longest time without a position.
+    Gap,
+    /// Positions outside the area.
+    OutsideArea,
+    /// Distance of the first position to home.
+    FirstPosition,
+    /// Speed between two positions.
+    Leap,
+    /// Cross-track error.
+    CrossTrack,
+    /// Altitude error.
+    Altitude,
+    /// Waypoints that were not passed.
+    WaypointsMissed,
+    /// Least distance to the goal of the spec.
+    Goal,
+    /// Distance of the last position to where the spec ends.
+    Finish,
+    /// Distance of the last position to the end of the plan.
+    PlannedEnd,
+    /// Height of the last position above the ground.
+    Landed,
+    /// Speed at the last position.
+    LastSpeed,
+    /// Angle flown on the loiter circle.
+    CircleTurned,
+    /// When the flight ended, or whether it ended as planned.
+    End,
+    /// Ground speed over some seconds.
+    GroundSpeed,
+    /// Distance covered against the speed that the vehicle reports.
+    ReportedSpeed,
+    /// Climb rate over some seconds.
+    ClimbRate,
+    /// Descent rate over some seconds.
+    DescentRate,
+}
+
+/// What tables and pages show a limit under.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topic {
+    /// Height above the ground on the route.
+    Clearance,
+    /// Distance between vehicles.
+    Separation,
+    /// Distance to threats.
+    Threat,
+    /// Distance to no-fly zones.
+    Zone,
+    /// Listed in full tables only.
+    Other,
+}
+
+/// What planning again can make stricter to satisfy a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Repair {
+    /// Vertical buffer to ground and ceiling.
+    Clearance,
+    /// Horizontal buffer to threats, zones, the area and the fence.
+    Obstacle,
+    /// Buffer between vehicles, in distance or time.
+    Separation,
+    /// Share of the climb and descent limits that is not used.
+    Slope,
+    /// Share by which turns are wider.
+    Turn,
+}
+
+/// What must be given to judge a limit without a spec.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// Nothing but the mission.
+    Mission,
+    /// Nothing, and only the lack of a home row is a violation.
+    HomeRow,
+    /// A spec: against values taken from the mission itself it holds always.
+    Spec,
+    /// An elevation model.
+    Terrain,
+    /// The greatest altitude.
+    Ceiling,
+    /// The least distance between vehicles.
+    Separation,
+    /// The steepest climb.
+    ClimbAngle,
+    /// The steepest descent.
+    DescentAngle,
+    /// The greatest climb rate.
+    ClimbSpeed,
+    /// The greatest descent rate.
+    DescentSpeed,
+    /// The load factor in turns.
+    TurnRadius,
+}
+
+impl Limit {
+    /// What tables and pages show it under.
+    #[must_use]
+    pub fn topic(&self) -> Topic {
+        self.class().0
+    }
+
+    /// What planning again can make stricter, if anything.
+    #[must_use]
+    pub fn repair(&self) -> Option<Repair> {
+        self.class().1
+    }
+
+    /// What must be given to judge it without a spec.
+    #[must_use]
+    pub fn basis(&self) -> Basis {
+        self.class().2
+    }
+
+    /// Whether two limits differ in their ids at most.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Flown(one), Self::Flown(two)) => one == two,
+            (one, two) => discriminant(one) == discriminant(two),
+        }
+    }
+
+    /// One row for each limit. No wildcard: a new limit must state how it is treated.
+    fn class(&self) -> (Topic, Option<Repair>, Basis) {
+        use Topic::Other;
+        match self {
+            Self::TerrainClearance => (Topic::Clearance, Some(Repair::Clearance), Basis::Terrain),
+            Self::Ceiling => (Other, Some(Repair::Clearance), Basis::Ceiling),
+            Self::Threat(_) => (Topic::Threat, Some(Repair::Obstacle), Basis::Mission),
+            Self::Zone(_) => (Topic::Zone, Some(Repair::Obstacle), Basis::Mission),
+            Self::Area => (Other, Some(Repair::Obstacle), Basis::Spec),
+            Self::Fence => (Other, Some(Repair::Obstacle), Basis::Mission),
+            Self::Separation => (
+                Topic::Separation,
+                Some(Repair::Separation),
+                Basis::Separation,
+            ),
+            Self::ClimbAngle => (Other, Some(Repair::Slope), Basis::ClimbAngle),
+            Self::DescentAngle => (Other, Some(Repair::Slope), Basis::DescentAngle),
+            Self::ClimbSpeed => (Other, Some(Repair::Slope), Basis::ClimbSpeed),
+            Self::DescentSpeed => (Other, Some(Repair::Slope), Basis::DescentSpeed),
+            Self::TurnFit => (Other, Some(Repair::Turn), Basis::TurnRadius),
+            Self::GroundContact
+            | Self::HomeAltitude
+            | Self::RallyClearance(_)
+            | Self::RallyObstacles(_)
+            | Self::RallyFence(_) => (Other, None, Basis::Terrain),
+            Self::HomePosition => (Other, None, Basis::HomeRow),
+            Self::Start
+            | Self::Goal
+            | Self::Finish
+            | Self::Departure
+            | Self::Speed
+            | Self::TakeoffHeading
+            | Self::LoiterRadius
+            | Self::ItemCount
+            | Self::FenceComplete
+            | Self::RallyArea(_) => (Other, None, Basis::Spec),
+            Self::TakeoffLandingClearance
+            | Self::LandingHeading
+            | Self::GlideAngle
+            | Self::HomeFence
+            | Self::Wind
+            | Self::AcceptanceRadius
+            | Self::Acceptance
+            | Self::ItemsJudged
+            | Self::Autopilot
+            | Self::Mission
+            | Self::Encoding
+            | Self::Path
+            | Self::ItemsAhead
+            | Self::Flown(_) => (Other, None, Basis::Mission),
+        }
+    }
+}
+
+impl fmt::Display for Limit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Threat(id) => return write!(f, "threat {id}"),
+            Self::Zone(id) => return write!(f, "zone {id}"),
+            Self::RallyClearance(point) => return write!(f, "rally {point}"),
+            Self::RallyObstacles(point) => {
+                return write!(f, "rally {point} to threats and zones");
+            }
+            Self::RallyArea(point) => return write!(f, "rally {point} in the area"),
+            Self::RallyFence(point) => return write!(f, "rally {point} in the fence"),
+            Self::Flown(flown) => return flown.fmt(f),
+            Self::TerrainClearance => "terrain clearance",
+            Self::TakeoffLandingClearance => "takeoff and landing clearance",
+            Self::GroundContact => "ground contact",
+            Self::Ceiling => "ceiling",
+            Self::Separation => "separation",
+            Self::Area => "area",
+            Self::Fence => "fence",
+            Self::FenceComplete => "fence complete",
+            Self::HomePosition => "home position",
+            Self::HomeAltitude => "home altitude",
+            Self::HomeFence => "home in the fence",
+            Self::Start => "start",
+            Self::Goal => "goal",
+            Self::Finish => "finish",
+            Self::Departure => "departure",
+            Self::Speed => "speed",
+            Self::ClimbAngle => "climb angle",
+            Self::DescentAngle => "descent angle",
+            Self::ClimbSpeed => "climb speed",
+            Self::DescentSpeed => "descent speed",
+            Self::TurnFit => "turn fit",
+            Self::TakeoffHeading => "takeoff heading",
+            Self::LandingHeading => "landing heading",
+            Self::GlideAngle => "glide angle",
+            Self::LoiterRadius => "loiter radius",
+            Self::Wind => "wind",
+            Self::AcceptanceRadius => "acceptance radius",
+            Self::Acceptance => "acceptance",
+            Self::ItemCount => "item count",
+            Self::ItemsJudged => "items judged",
+            Self::Autopilot => "autopilot",
+            Self::Mission => "mission",
+            Self::Encoding => "encoding",
+            Self::Path => "path",
+            Self::ItemsAhead => "items ahead",
+        })
+    }
+}
+
+impl fmt::Display for Flown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Recorded => "flight",
+            Self::Gap => "longest time without a position",
+            Self::OutsideArea => "outside the area",
+            Self::FirstPosition => "first position from home",
+            Self::Leap => "speed between two positions",
+            Self::CrossTrack => "cross-track error",
+            Self::Altitude => "altitude error",
+            Self::WaypointsMissed => "waypoints missed",
+            Self::Goal => "nearest to its goal",
+            Self::Finish => "last position from where the spec ends",
+            Self::PlannedEnd => "last position from the planned end",
+            Self::Landed => "last position from the ground",
+            Self::LastSpeed => "last speed",
+            Self::CircleTurned => "turned on its circle",
+            Self::End => "end of the flight",
+            Self::GroundSpeed => "ground speed held",
+            Self::ReportedSpeed => "ground covered by its own speed",
+            Self::ClimbRate => "climb rate held",
+            Self::DescentRate => "descent rate held",
+        })
+    }
+}
