@@ -800,7 +800,12 @@ fn a_mission_of_another_vehicle_is_noticed() {
     let spec = empty_spec(vec![alpha.clone()]);
     let other = level(&beta, GROUND_M + 80.0, &[south(-84.30), south(-84.20)]);
     let review = judge(&spec, &[&other]);
-    for what in ["home position", "start", "goal", "finish"] {
+    for what in [
+        Limit::HomePosition,
+        Limit::Start,
+        Limit::Goal,
+        Limit::Finish,
+    ] {
         let margin = find(&review, what);
         assert!(!margin.ok && margin.value > 2000.0, "{margin:?}");
     }

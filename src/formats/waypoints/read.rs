@@ -256,6 +256,8 @@ impl Reader {
 
 #[cfg(test)]
 mod tests {
+    use crate::geodesy::LatLon;
+
     use super::read;
     use crate::formats::SourceLocation;
     use proptest::prelude::*;

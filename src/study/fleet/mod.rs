@@ -15,6 +15,7 @@ use serde::de::DeserializeOwned;
 
 use super::store::{StoreError, io_at};
 use crate::spec::{SpecError, SpecFile};
+use crate::verify::Limit;
 use crate::world::{self, World};
 
 pub use deliveries::{DELIVERY_TERRAIN, Deliveries, MAX_DELIVERIES, deliveries, delivery_ground};
@@ -175,6 +176,7 @@ impl FleetFolder {
         let plan: Plan = read(&planned.join("plan.json"))?;
         let review: Review = read(&planned.join("review.json"))?;
         let broken = || review.margins.iter().filter(|margin| !margin.ok);
+        let separation = Limit::Separation.to_string();
         let all = &plan.vehicles;
         Ok(FleetRun {
             vehicles,
@@ -184,9 +186,7 @@ impl FleetFolder {
             evaluations: all.iter().map(|one| one.evaluations).sum(),
             made_again: all.iter().map(|one| one.plans.saturating_sub(1)).sum(),
             violations: broken().count(),
-            separations: broken()
-                .filter(|margin| margin.what == "separation")
-                .count(),
+            separations: broken().filter(|margin| margin.what == separation).count(),
             cost: all
                 .iter()
                 .map(|one| one.cost.total.unwrap_or(f64::INFINITY))
