@@ -34,7 +34,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
                 // Without colours, as the text quotes arguments.
                 let text = error.render().to_string();
                 note_lines(&text.lines().collect::<Vec<_>>());
-                if let Some(next) = args::next_step(error.kind()) {
+                if let Some(next) = args::next_step(error.kind(), &text) {
                     note(next);
                 }
                 return Failure::USAGE.into();

@@ -21,14 +21,14 @@ pub(super) struct Arguments {
     pub(super) command: Command,
 }
 
-/// What to type after a command line that lacks something.
-pub(super) fn next_step(error: ErrorKind) -> Option<&'static str> {
+/// The command to type next, for a command line without a command or a spec.
+pub(super) fn next_step(error: ErrorKind, text: &str) -> Option<&'static str> {
     match error {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Some(
             "To begin: `sortie study scenario --seed 1 --difficulty 1 -o mission.yaml` writes a spec, \
              `sortie check mission.yaml` checks it, `sortie plan mission.yaml` plans it.",
         ),
-        ErrorKind::MissingRequiredArgument => Some(
+        ErrorKind::MissingRequiredArgument if text.contains("<SPEC>") => Some(
             "A spec is a YAML file such as missions/first.yaml; \
              `sortie study scenario --seed 1 --difficulty 1 -o mission.yaml` writes one, `sortie schema` describes its keys.",
         ),
