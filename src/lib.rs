@@ -6,37 +6,42 @@
 //!      -> re-verified from the encoded integers -> .waypoints / .plan files, review, upload over MAVLink
 //! ```
 //!
-//! # The house
+//! The [`guide`] explains specs, planning, review, upload and flight; its glossary has the terms.
 //!
-//! Each folder is one noun and imports only from folders above it in this table
+//! # Layers
+//!
+//! Each folder is one noun and imports only from folders of lower layers
 //! (`tests/layering.rs` holds it):
 //!
 //! | layer | folder | owns |
 //! |---|---|---|
 //! | 0 | [`numeric`] | seeds and streams, B-spline basis, plane and space-time geometry |
+//! | 1 | [`autopilot`] | facts by autopilot, airframe and version: acceptance, capacities, modes, parameters, measured behaviour |
 //! | 1 | [`geodesy`] | WGS84, ECEF, local ENU frame, EGM96 geoid, altitude references |
 //! | 1 | [`optimize`] | the trait `Problem`, evaluation budgets, one file per algorithm |
 //! | 2 | [`spec`] | YAML as typed, then checked: an immutable [`spec::MissionSpec`] |
 //! | 3 | [`world`] | terrain and its readers, threats, zones, area |
 //! | 4 | [`path`] | control points to a sampled, timed trajectory; turn and climb limits |
-//! | 5 | [`cost`] | the objective: named terms, weights |
-//! | 6 | [`plan`] | one vehicle's search problem; the fleet in priority order |
-//! | 7 | [`mission`] | mission items, autopilot profiles, path to items |
+//! | 5 | [`cost`] | the objective: named terms, weights, the fast kernel and its reference |
+//! | 6 | [`plan`] | one vehicle's search problem; the fleet in priority order; why there is no path |
+//! | 7 | [`mission`] | mission items, path to items, acceptance |
 //! | 8 | [`formats`] | `.waypoints`, `.plan`, KML, GeoJSON, parameter files |
-//! | 8 | [`verify`] | the verdict on encoded missions, in continuous time |
+//! | 8 | [`verify`] | limits, margins, the verdict on encoded missions in continuous time |
 //! | 9 | [`dispatch`] | plan, encode, verify, repair, in bounded rounds |
 //! | 9 | [`link`] | sans-IO upload and download, codec, sockets |
 //! | 10 | [`simulator`] | the simulated vehicle |
-//! | 10 | [`report`] | HTML and JSON from facts handed to it |
-//! | 11 | [`flight`] | launch, monitor, record, flown against planned |
-//! | 11 | [`study`] | the paper's experiment: contestants, runs, tables, figures |
-//! | 12 | [`cli`] | arguments, progress, exit codes |
+//! | 10 | [`report`] | HTML, SVG and JSON from facts handed to it |
+//! | 11 | [`flight`] | launch, session, record, conformance, new paths in flight |
+//! | 11 | [`study`] | the paper's experiment, planner and fleet studies |
+//! | 13 | [`cli`] | arguments, progress, printing, exit codes |
 //!
 //! # Units
 //!
 //! SI and radians inside, with the unit as a suffix of the name. Degrees appear
 //! only in [`spec`], [`mission`], [`formats`] and [`report`], always as `_deg`.
 //! An altitude never travels without its reference: see [`geodesy::Amsl`].
+
+pub mod guide;
 
 pub mod numeric;
 

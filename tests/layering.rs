@@ -11,6 +11,7 @@ use source::{SourceFile, source_files};
 
 /// Folder, layer, and what it may not import although it lies lower.
 const LAYERS: &[(&str, u32, &[&str])] = &[
+    ("guide", 0, &[]),
     ("numeric", 0, &[]),
     ("geodesy", 1, &[]),
     ("optimize", 1, &[]),

@@ -47,7 +47,6 @@ fn measure() -> Result<(), Box<dyn Error>> {
         ("costs, local", of.rates.fast_one_thread),
         ("costs, global", of.rates.fast_global_one_thread),
         ("costs, all threads", of.fast_all_threads),
-        ("costs, cutoff", of.fast_pruned_one_thread),
         (
             "costs, two earlier vehicles",
             of.rates.fast_traffic_one_thread,
@@ -138,7 +137,7 @@ fn evaluate_all(model: &CostModel, batches: &[Batch]) {
     let mut scratch = Scratch::default();
     for batch in batches {
         let mut costs = vec![0.0; batch.len()];
-        model.totals(batch, f64::INFINITY, &mut scratch, &mut costs);
+        model.totals(batch, &mut scratch, &mut costs);
         black_box(&costs);
     }
 }

@@ -124,7 +124,7 @@ fn costs(problem: &impl Problem, rows: &[f64]) -> Vec<f64> {
     rows.par_chunks(ROWS * dimension)
         .zip(costs.par_chunks_mut(ROWS))
         .for_each(|(rows, costs)| {
-            problem.evaluate(rows, f64::INFINITY, costs);
+            problem.evaluate(rows, costs);
             for cost in costs {
                 // Squares of numbers from 1e154 on are infinite, and their differences are
                 // none; an optimiser compares costs, and a path so far out is the worst.

@@ -2,7 +2,7 @@
 
 use geo::Polygon;
 
-use super::{Leg, Margins};
+use super::{Margins, RouteEnds};
 use crate::geodesy::PlanPoint;
 use crate::numeric::geometry::{Point, Ring, disc_chord};
 use crate::world::{Disc, PlanZone, World};
@@ -52,7 +52,7 @@ pub(crate) struct Hazards {
 
 /// A straight piece of a path: places and altitudes of its ends, metres.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Segment {
+pub(crate) struct Piece {
     pub(crate) a: Point,
     pub(crate) b: Point,
     pub(crate) amsl_a_m: f64,
@@ -60,8 +60,8 @@ pub(crate) struct Segment {
 }
 
 impl Hazards {
-    pub(crate) fn new(world: &World, leg: &Leg, margins: &Margins) -> Self {
-        let ends = [plane(leg.from), plane(leg.to)];
+    pub(crate) fn new(world: &World, ends: &RouteEnds, margins: &Margins) -> Self {
+        let ends = [plane(ends.from), plane(ends.to)];
         let widest = |room_m: f64| margins.threat_m.min(room_m).max(0.0);
         let threat = |disc: &Disc| {
             let center = [disc.center.east_m, disc.center.north_m];
@@ -97,14 +97,14 @@ impl Hazards {
     /// An exposure and what one kilometre of a segment costs for zones and area.
     pub(crate) fn add_polygons(
         &self,
-        segment: &Segment,
+        piece: &Piece,
         mut exposure: f64,
         crossings: &mut Vec<(f64, i32)>,
     ) -> f64 {
         for zone in &self.zones {
-            exposure += zone.exposure(segment, crossings);
+            exposure += zone.exposure(piece, crossings);
         }
-        exposure + self.bounds.exposure(segment, crossings)
+        exposure + self.bounds.exposure(piece, crossings)
     }
 }
 
@@ -125,8 +125,8 @@ impl Threat {
     /// What one kilometre of a segment costs for this threat: exact share of it
     /// inside the disc times (1.1 - closest distance / R).
     #[inline]
-    pub(crate) fn exposure(&self, segment: &Segment) -> f64 {
-        disc_chord(segment.a, segment.b, self.center, self.radius_m).map_or(0.0, |chord| {
+    pub(crate) fn exposure(&self, piece: &Piece) -> f64 {
+        disc_chord(piece.a, piece.b, self.center, self.radius_m).map_or(0.0, |chord| {
             chord.fraction * (FORBIDDEN - chord.closest * self.per_radius)
         })
     }
@@ -134,17 +134,17 @@ impl Threat {
 
 impl ClosedZone {
     /// What one kilometre of a segment costs for this zone.
-    pub(crate) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
-        if self.ring.is_far_from(segment.a, segment.b) {
+    pub(crate) fn exposure(&self, piece: &Piece, crossings: &mut Vec<(f64, i32)>) -> f64 {
+        if self.ring.is_far_from(piece.a, piece.b) {
             return 0.0;
         }
-        let Some(closed) = part_below(segment, self.below_m) else {
+        let Some(closed) = part_below(piece, self.below_m) else {
             return 0.0;
         };
         FORBIDDEN
             * self
                 .ring
-                .inside_fraction((segment.a, segment.b), closed, crossings)
+                .inside_fraction((piece.a, piece.b), closed, crossings)
     }
 
     /// Least and greatest coordinates.
@@ -170,8 +170,8 @@ impl Bounds {
     }
 
     /// What one kilometre of a segment costs for leaving the area.
-    pub(crate) fn exposure(&self, segment: &Segment, crossings: &mut Vec<(f64, i32)>) -> f64 {
-        let (a, b) = (segment.a, segment.b);
+    pub(crate) fn exposure(&self, piece: &Piece, crossings: &mut Vec<(f64, i32)>) -> f64 {
+        let (a, b) = (piece.a, piece.b);
         let low = [a[0].min(b[0]), a[1].min(b[1])];
         let high = [a[0].max(b[0]), a[1].max(b[1])];
         if self.holds_box(low, high) {
@@ -183,8 +183,8 @@ impl Bounds {
 }
 
 /// The part of a segment below an altitude, as fractions from and to.
-fn part_below(segment: &Segment, below_m: f64) -> Option<(f64, f64)> {
-    let (a, b) = (segment.amsl_a_m, segment.amsl_b_m);
+fn part_below(piece: &Piece, below_m: f64) -> Option<(f64, f64)> {
+    let (a, b) = (piece.amsl_a_m, piece.amsl_b_m);
     match (a < below_m, b < below_m) {
         (true, true) => Some((0.0, 1.0)),
         (true, false) => Some((0.0, (below_m - a) / (b - a))),

@@ -5,7 +5,7 @@
 //! form: many candidates side by side, with the same operations in the same order, so
 //! that both agree to the bit whatever the processor ([`Dispatch`]).
 
-mod along;
+mod evaluate;
 mod hazards;
 mod kernel;
 mod model;
@@ -18,7 +18,7 @@ mod timing;
 mod traffic;
 
 pub use crate::cost::kernel::batch::{Batch, Dispatch};
-pub use crate::cost::kernel::lanes::Scratch;
+pub use crate::cost::kernel::scratch::Scratch;
 pub use model::CostModel;
 pub use paper::{PaperOptions, ThreatForm};
 pub use relief::Relief;
@@ -104,7 +104,7 @@ impl Margins {
 
 /// What one route joins.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leg {
+pub struct RouteEnds {
     /// Where the route begins.
     pub from: PlanPoint,
     /// Where it ends.

@@ -1,21 +1,13 @@
 //! What the objective of one route needs, owned and laid out for its loops.
 
 use super::hazards::Hazards;
-use super::kernel::batch::{Batch, Dispatch};
-use super::kernel::block::BLOCK;
-use super::kernel::boxes::BlockBox;
-use super::kernel::lanes::{Scratch, V, Wide};
-use super::kernel::{operational as operational_lanes, paper as paper_lanes};
-use super::operational::Sums;
+use super::kernel::batch::Dispatch;
 use super::paper::{Paper, PaperOptions};
-use super::reference::{self, Curve};
 use super::relief::Relief;
 use super::sampling::Sampling;
 use super::timing::Timing;
 use super::traffic::Traffic;
-use super::{Controls, CostTerms, Leg, Margins};
-use fearless_simd::{dispatch, prelude::*};
-
+use super::{Margins, RouteEnds};
 use crate::path::{Flight, VehicleLimits};
 use crate::spec::{MissionSpec, Objective, Weights};
 use crate::world::World;
@@ -76,24 +68,24 @@ impl CostModel {
         world: &World,
         spec: &MissionSpec,
         vehicle: usize,
-        leg: Leg,
+        ends: RouteEnds,
         earlier: &[Flight],
         margins: Margins,
         parameters: &[f64],
     ) -> Self {
         assert!(parameters.len() >= 2, "a path has two ends");
         let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
-        let straight_m = leg.from.distance_m(leg.to);
+        let straight_m = ends.from.distance_m(ends.to);
         let path = Sampling::new(spec, parameters, straight_m, world.ground.spacing_m);
         let relief = Relief::new(&world.ground, world.max_amsl.0 + WALL_OVER_CEILING_M);
-        let floor_agl_m = floor_agl_m(world, &relief, &leg, &margins, path.fine.samples());
+        let floor_agl_m = floor_agl_m(world, &relief, &ends, &margins, path.fine.samples());
         Self {
             objective: spec.planner.objective,
             weights: spec.planner.weights,
-            hazards: Hazards::new(world, &leg, &margins),
+            hazards: Hazards::new(world, &ends, &margins),
             traffic: Traffic::new(&spec.separation, &margins, earlier),
-            timing: Timing::new(world, spec, vehicle, &leg),
-            paper: Paper::new(PaperOptions::default(), &leg, earlier),
+            timing: Timing::new(world, spec, vehicle, &ends),
+            paper: Paper::new(PaperOptions::default(), &ends, earlier),
             per_turn_radius: 1.0 / (limits.turn_radius_m * (1.0 + margins.turn_fraction)),
             per_substep: path.per_substep(),
             slope_share: 1.0 - margins.climb_fraction,
@@ -116,7 +108,7 @@ impl CostModel {
         self
     }
 
-    /// The same model with violated limits so many times dearer: for a search that must
+    /// The same model with violated limits `factor` times dearer: for a search that must
     /// not buy a shorter way with a violation.
     #[must_use]
     pub fn with_penalties(mut self, factor: f64) -> Self {
@@ -158,117 +150,19 @@ impl CostModel {
         self.path.fine.control_points()
     }
 
+    /// Height above ground from which Eq. 23 counts at a sample, metres.
+    pub(super) fn paper_agl_m(&self, index: usize) -> f64 {
+        if self.paper.options.terrain_from_min_agl {
+            self.floor_agl_m[index]
+        } else {
+            0.0
+        }
+    }
+
     /// Number of samples k.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.path.samples
-    }
-
-    /// The seven terms of a candidate, weighted as they enter the total: the
-    /// plain reference, one term after the other.
-    ///
-    /// # Panics
-    /// When a coordinate has fewer than [`Self::control_points`] numbers.
-    #[must_use]
-    pub fn terms(&self, controls: &Controls<'_>) -> CostTerms {
-        let curve = Curve::new(self, controls);
-        match self.objective {
-            Objective::Operational => self.weigh(&reference::sums(self, &curve)),
-            Objective::Paper => self.paper.terms(self, &curve),
-        }
-    }
-
-    /// The totals of a batch: each equal to `terms(controls).total()` to the bit, or, if
-    /// that is above `cutoff`, some number above `cutoff`.
-    ///
-    /// Allocates nothing once the scratch has grown.
-    ///
-    /// # Panics
-    /// When the batch has control points in another number than [`Self::control_points`].
-    pub fn totals(&self, batch: &Batch, cutoff: f64, scratch: &mut Scratch, totals: &mut [f64]) {
-        let mut terms = std::mem::take(&mut scratch.terms);
-        terms.resize(totals.len(), CostTerms::default());
-        self.evaluate(batch, cutoff, scratch, &mut terms);
-        for (total, terms) in totals.iter_mut().zip(&terms) {
-            *total = terms.total();
-        }
-        scratch.terms = terms;
-    }
-
-    /// The terms of a batch: the same as those of [`Self::terms`], to the bit, by the
-    /// fast way.
-    ///
-    /// # Panics
-    /// When the batch has control points in another number than [`Self::control_points`].
-    #[must_use]
-    pub fn judge(&self, batch: &Batch) -> Vec<CostTerms> {
-        let mut terms = vec![CostTerms::default(); batch.len()];
-        self.evaluate(batch, f64::INFINITY, &mut Scratch::default(), &mut terms);
-        terms
-    }
-
-    /// The terms of the first candidates, as many as `out` has, as many at once as the vectors
-    /// have lanes.
-    pub(super) fn evaluate(
-        &self,
-        batch: &Batch,
-        cutoff: f64,
-        scratch: &mut Scratch,
-        out: &mut [CostTerms],
-    ) {
-        assert_eq!(batch.controls(), self.control_points(), "control points");
-        dispatch!(self.dispatch.0, simd => self.evaluate_by(simd, batch, cutoff, scratch, out));
-    }
-
-    #[inline(always)]
-    fn evaluate_by<S: Simd>(
-        &self,
-        simd: S,
-        batch: &Batch,
-        cutoff: f64,
-        scratch: &mut Scratch,
-        out: &mut [CostTerms],
-    ) {
-        scratch.grow(&self.path, out.len().div_ceil(V::<S>::LEN));
-        match self.objective {
-            Objective::Operational => {
-                operational_lanes::terms(simd, self, batch, cutoff, scratch, out);
-            }
-            Objective::Paper => paper_lanes::terms(simd, self, batch, scratch, out),
-        }
-    }
-
-    /// The same in every lane, in the order of the fields of [`CostTerms`].
-    #[inline(always)]
-    pub(super) fn weigh_lanes<S: Simd>(&self, sums: &Sums<V<S>>) -> [V<S>; 7] {
-        let weights = &self.weights;
-        #[expect(clippy::cast_precision_loss, reason = "few samples")]
-        let samples = self.path.samples as f64;
-        [
-            sums.length_km * weights.length,
-            sums.altitude * weights.altitude,
-            sums.threat * 100.0 * weights.threat,
-            sums.terrain * 100.0 * weights.terrain,
-            (sums.turn / samples) * (100.0 * self.straight_km) * weights.turn,
-            sums.climb * 100.0 * weights.climb,
-            sums.collision * 100.0 * weights.collision,
-        ]
-    }
-
-    /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).
-    pub(super) fn weigh(&self, sums: &Sums) -> CostTerms {
-        let weights = &self.weights;
-        #[expect(clippy::cast_precision_loss, reason = "few samples")]
-        let samples = self.path.samples as f64;
-        CostTerms {
-            length: weights.length * sums.length_km,
-            altitude: weights.altitude * sums.altitude,
-            threat: weights.threat * (100.0 * sums.threat),
-            terrain: weights.terrain * (100.0 * sums.terrain),
-            turn: weights.turn * (100.0 * self.straight_km * (sums.turn / samples)),
-            climb: weights.climb * (100.0 * sums.climb),
-            collision: weights.collision * (100.0 * sums.collision),
-        }
     }
 }
 
@@ -278,16 +172,16 @@ impl CostModel {
 fn floor_agl_m(
     world: &World,
     relief: &Relief,
-    leg: &Leg,
+    ends: &RouteEnds,
     margins: &Margins,
     count: usize,
 ) -> Vec<f64> {
     let limit_m = world.min_agl.0;
-    let kept_m = |end: crate::geodesy::PlanPoint| {
+    let margin_m = |end: crate::geodesy::PlanPoint| {
         let agl_m = end.amsl.0 - relief.height_m(end.at.east_m, end.at.north_m);
         (agl_m - limit_m).clamp(0.0, margins.clearance_m.max(0.0))
     };
-    let (from_m, to_m) = (kept_m(leg.from), kept_m(leg.to));
+    let (from_m, to_m) = (margin_m(ends.from), margin_m(ends.to));
     let ramp = |end_m: f64, away: f64| {
         let share = (away * 20.0).min(1.0);
         end_m + (margins.clearance_m - end_m) * share
@@ -299,33 +193,4 @@ fn floor_agl_m(
             limit_m + ramp(from_m, at).min(ramp(to_m, 1.0 - at))
         })
         .collect()
-}
-
-impl Scratch {
-    /// Makes room for so many groups of candidates, one in each lane.
-    fn grow(&mut self, path: &Sampling, groups: usize) {
-        let blocks = (path.samples - 1).div_ceil(BLOCK);
-        self.controls
-            .resize(path.fine.control_points(), Default::default());
-        self.curve.resize(path.samples, Default::default());
-        self.along_m.resize(path.samples, Default::default());
-        self.boxes.resize(blocks, BlockBox::default());
-        if self.runs_up {
-            self.running.clear();
-            self.running.resize(blocks * groups, Wide::default());
-        }
-    }
-
-    /// Puts `used` candidates from number `first` on into the lanes; the last of them also
-    /// fills the lanes that are left.
-    #[inline(always)]
-    pub(super) fn load<S: Simd>(&mut self, batch: &Batch, first: usize, used: usize) {
-        for lane in 0..V::<S>::LEN {
-            let of = batch.candidate(first + lane.min(used - 1));
-            let places = of.east_m.iter().zip(of.north_m).zip(of.amsl_m);
-            for (wide, ((east_m, north_m), amsl_m)) in self.controls.iter_mut().zip(places) {
-                (wide[0][lane], wide[1][lane], wide[2][lane]) = (*east_m, *north_m, *amsl_m);
-            }
-        }
-    }
 }

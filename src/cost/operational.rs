@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use super::hazards::Segment;
+use super::CostTerms;
+use super::hazards::Piece;
 use super::model::CostModel;
 use crate::geodesy::Amsl;
 use crate::numeric::angle::quadrant_angle;
@@ -58,9 +59,9 @@ pub(super) struct Clearance {
 
 impl Step {
     #[inline]
-    pub(super) fn of(segment: &Segment) -> Self {
-        let (east_m, north_m) = (segment.b[0] - segment.a[0], segment.b[1] - segment.a[1]);
-        let rise_m = segment.amsl_b_m - segment.amsl_a_m;
+    pub(super) fn of(piece: &Piece) -> Self {
+        let (east_m, north_m) = (piece.b[0] - piece.a[0], piece.b[1] - piece.a[1]);
+        let rise_m = piece.amsl_b_m - piece.amsl_a_m;
         let run_sq = east_m * east_m + north_m * north_m;
         Self {
             east_m,
@@ -73,6 +74,22 @@ impl Step {
 }
 
 impl CostModel {
+    /// Raw sums to weighted terms (design, section 4; S cancels except in the turns).
+    pub(super) fn weigh(&self, sums: &Sums) -> CostTerms {
+        let weights = &self.weights;
+        #[expect(clippy::cast_precision_loss, reason = "few samples")]
+        let samples = self.path.samples as f64;
+        CostTerms {
+            length: weights.length * sums.length_km,
+            altitude: weights.altitude * sums.altitude,
+            threat: weights.threat * (100.0 * sums.threat),
+            terrain: weights.terrain * (100.0 * sums.terrain),
+            turn: weights.turn * (100.0 * self.straight_km * (sums.turn / samples)),
+            climb: weights.climb * (100.0 * sums.climb),
+            collision: weights.collision * (100.0 * sums.collision),
+        }
+    }
+
     /// Clearance at an altitude over ground, where so much height is wanted.
     #[inline]
     pub(super) fn clearance(&self, amsl_m: f64, ground_m: f64, floor_agl_m: f64) -> Clearance {
@@ -87,8 +104,8 @@ impl CostModel {
 
     /// How far the slope of a piece, rise over run, is beyond its limit.
     #[inline]
-    pub(super) fn slope_excess(&self, step: &Step, segment: Segment) -> f64 {
-        let middle = Amsl(0.5 * (segment.amsl_a_m + segment.amsl_b_m));
+    pub(super) fn slope_excess(&self, step: &Step, piece: Piece) -> f64 {
+        let middle = Amsl(0.5 * (piece.amsl_a_m + piece.amsl_b_m));
         let limit = if step.rise_m >= 0.0 {
             self.limits.climb.at(middle)
         } else {

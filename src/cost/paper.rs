@@ -6,12 +6,9 @@
 //! belong to: lengths outside the area and inside zones (threat), height above
 //! the ceiling and ground without data (terrain).
 
-use super::model::CostModel;
-use super::operational::Step;
-use super::reference::Curve;
-use super::{CostTerms, Leg};
-use crate::geodesy::Amsl;
+use super::{CostTerms, RouteEnds};
 use crate::path::Flight;
+use crate::spec::Weights;
 
 /// How the danger of a threat falls with distance `d < R` (`T_de` of Eq. 24 is misprinted).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,7 +94,7 @@ pub(super) struct Paper {
     pub(super) options: PaperOptions,
     goal_m: [f64; 2],
     /// Points of earlier flights from west to east.
-    others: Vec<Other>,
+    pub(super) others: Vec<Other>,
     /// Boxes around runs of points that follow each other: east and north, from and to.
     boxes: Vec<[[f64; 2]; 2]>,
 }
@@ -105,7 +102,7 @@ pub(super) struct Paper {
 /// A point of an earlier flight.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Other {
-    place: [f64; 3],
+    position: [f64; 3],
     t_s: f64,
     /// 101 over the points of its flight.
     weight: f64,
@@ -127,64 +124,29 @@ pub(super) struct PaperSums<T = f64> {
 }
 
 impl Paper {
-    pub(super) fn new(options: PaperOptions, leg: &Leg, earlier: &[Flight]) -> Self {
+    pub(super) fn new(options: PaperOptions, ends: &RouteEnds, earlier: &[Flight]) -> Self {
         let mut all: Vec<Other> = earlier.iter().flat_map(others).collect();
-        all.sort_by(|a, b| a.place[0].total_cmp(&b.place[0]));
+        all.sort_by(|a, b| a.position[0].total_cmp(&b.position[0]));
         Self {
             options,
-            goal_m: [leg.to.at.east_m, leg.to.at.north_m],
+            goal_m: [ends.to.at.east_m, ends.to.at.north_m],
             others: all,
             boxes: earlier.iter().flat_map(boxes).collect(),
         }
     }
 
-    /// Boxes outside of which no own point collides: east and north, from and to.
+    /// Boxes that hold every own point with a collision: east and north, from and to.
     pub(super) fn wide_boxes(&self) -> impl Iterator<Item = [[f64; 2]; 2]> {
-        // A hair more than the limit, so that rounding never hides a point.
+        // A little more than the limit, so that rounding never hides a point.
         let widen_m = self.options.collision_km * 1e3 * (1.0 + 1e-9) + 1e-6;
         let widen = move |[low_m, high_m]: [f64; 2]| [low_m - widen_m, high_m + widen_m];
         self.boxes.iter().map(move |sides| sides.map(widen))
     }
 
-    /// The weighted terms of a candidate: the plain reference.
-    pub(super) fn terms(&self, model: &CostModel, curve: &Curve) -> CostTerms {
-        let mut sums = PaperSums::default();
-        for index in 0..model.path.samples {
-            let (high_km, deep_km) = self.heights(model, curve, index);
-            sums.altitude += high_km;
-            sums.terrain += deep_km;
-        }
-        let mut before: Option<Step> = None;
-        let mut steps = Vec::new();
-        for k in 0..model.path.samples - 1 {
-            let step = Step::of(&curve.segment(k, 1));
-            steps.push(step);
-            sums.length_km += step.length_km;
-            sums.threat += self.exposure_per_km(model, curve, k) * step.length_km;
-            sums.climb += slope_excess(model, &step, curve.amsl_m[k]);
-            if before.is_some_and(|before| model.is_too_tight(&before, &step)) {
-                sums.turns += 1.0;
-            }
-            before = Some(step);
-        }
-        let along_m = Curve::along_m(&steps);
-        let profile = model.timing.profile(along_m[steps.len()]);
-        for (index, along_m) in along_m.iter().enumerate() {
-            let own = [
-                curve.east_m[index],
-                curve.north_m[index],
-                curve.amsl_m[index],
-            ];
-            let own_s = model.timing.start_s + profile.time_at_s(*along_m);
-            sums.collision += self.collision(own, own_s, &self.others);
-        }
-        self.weigh(model, &sums)
-    }
-
     /// Raw sums to weighted terms.
-    pub(super) fn weigh(&self, model: &CostModel, sums: &PaperSums) -> CostTerms {
-        let (options, weights) = (&self.options, &model.weights);
-        let scale = per_101(model.path.samples);
+    pub(super) fn weigh(&self, weights: &Weights, samples: usize, sums: &PaperSums) -> CostTerms {
+        let options = &self.options;
+        let scale = per_101(samples);
         // CT doubles at each violation: c0 (2^m - 1).
         let doubled = doublings(sums.turns * scale).exp2() - 1.0;
         CostTerms {
@@ -196,60 +158,6 @@ impl Paper {
             climb: weights.climb * (sums.climb * options.climb_factor * scale),
             collision: weights.collision * (sums.collision * scale),
         }
-    }
-
-    /// Terms of Eq. 21 and 23 at one sample, km.
-    fn heights(&self, model: &CostModel, curve: &Curve, index: usize) -> (f64, f64) {
-        let amsl_m = curve.amsl_m[index];
-        let ground_m = model
-            .relief
-            .height_m(curve.east_m[index], curve.north_m[index]);
-        let over_m = if self.options.altitude_over_ground {
-            amsl_m - ground_m
-        } else {
-            amsl_m
-        };
-        let high_m = over_m - model.min_agl_m;
-        let high_m = if self.options.altitude_unclamped {
-            high_m
-        } else {
-            high_m.max(0.0)
-        };
-        let wanted_m = self.wanted_m(model, index);
-        let deep_m = (ground_m + wanted_m - amsl_m).max(0.0) + (amsl_m - model.max_amsl_m).max(0.0);
-        (high_m * 1e-3, deep_m * 1e-3)
-    }
-
-    /// Height above ground from which Eq. 23 counts at a sample, metres.
-    pub(super) fn wanted_m(&self, model: &CostModel, index: usize) -> f64 {
-        if self.options.terrain_from_min_agl {
-            model.floor_agl_m[index]
-        } else {
-            0.0
-        }
-    }
-
-    /// Sum of `T_de` at the middle of a piece (Eq. 24), with zones and area.
-    fn exposure_per_km(&self, model: &CostModel, curve: &Curve, k: usize) -> f64 {
-        let segment = curve.segment(k, 1);
-        let middle = [
-            0.5 * (segment.a[0] + segment.b[0]),
-            0.5 * (segment.a[1] + segment.b[1]),
-        ];
-        let hazards = &model.hazards;
-        let mut exposure = 0.0;
-        for threat in &hazards.threats {
-            let (east_m, north_m) = (middle[0] - threat.center[0], middle[1] - threat.center[1]);
-            let share_sq =
-                (east_m * east_m + north_m * north_m) / (threat.radius_m * threat.radius_m);
-            if share_sq < 1.0 {
-                exposure += match self.options.threat_form {
-                    ThreatForm::Quartic => 1.0 / (1.0 + share_sq * share_sq),
-                    ThreatForm::Linear => 1.0 - share_sq.sqrt(),
-                };
-            }
-        }
-        hazards.add_polygons(&segment, exposure, &mut Vec::new())
     }
 
     /// Whether there are earlier flights.
@@ -274,16 +182,20 @@ impl Paper {
         let limit_m = self.options.collision_km * 1e3;
         let from = self
             .others
-            .partition_point(|other| other.place[0] <= east_m - limit_m);
+            .partition_point(|other| other.position[0] <= east_m - limit_m);
         let rest = &self.others[from..];
-        &rest[..rest.partition_point(|other| other.place[0] < east_m + limit_m)]
+        &rest[..rest.partition_point(|other| other.position[0] < east_m + limit_m)]
     }
 
     /// Eq. 29 and 30 for two points.
     fn risk(&self, own: [f64; 3], own_s: f64, other: &Other) -> f64 {
         let options = &self.options;
-        let place = other.place;
-        let apart = [own[0] - place[0], own[1] - place[1], own[2] - place[2]];
+        let position = other.position;
+        let apart = [
+            own[0] - position[0],
+            own[1] - position[1],
+            own[2] - position[2],
+        ];
         let apart_sq = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
         let limit_m = options.collision_km * 1e3;
         if apart_sq >= limit_m * limit_m {
@@ -301,29 +213,13 @@ impl Paper {
     }
 }
 
-/// Eq. 26 and 27 for one piece: slope beyond the limit by angle or polynomial,
-/// which are those at its first point.
-fn slope_excess(model: &CostModel, step: &Step, amsl_m: f64) -> f64 {
-    let limit = if step.rise_m >= 0.0 {
-        model.limits.climb.by_shape(Amsl(amsl_m))
-    } else {
-        model.limits.descent.by_shape(Amsl(amsl_m))
-    };
-    let excess_m = step.rise_m.abs() - limit * model.slope_share * step.run_m;
-    if excess_m > 0.0 {
-        excess_m / step.run_m.max(1e-3)
-    } else {
-        0.0
-    }
-}
-
 /// The points of a flight.
 fn others(flight: &Flight) -> impl Iterator<Item = Other> + '_ {
     let weight = per_101(flight.points.len());
     flight.points.iter().map(move |timed| {
         let at = timed.point.at;
         Other {
-            place: [at.east_m, at.north_m, timed.point.amsl.0],
+            position: [at.east_m, at.north_m, timed.point.amsl.0],
             t_s: timed.t_s,
             weight,
         }
@@ -334,7 +230,7 @@ fn others(flight: &Flight) -> impl Iterator<Item = Other> + '_ {
 fn boxes(flight: &Flight) -> Vec<[[f64; 2]; 2]> {
     let points: Vec<Other> = others(flight).collect();
     let around = |run: &[Other], axis: usize| {
-        let values = run.iter().map(|other| other.place[axis]);
+        let values = run.iter().map(|other| other.position[axis]);
         let low_m = values.clone().fold(f64::INFINITY, f64::min);
         [low_m, values.fold(f64::NEG_INFINITY, f64::max)]
     };
@@ -344,7 +240,7 @@ fn boxes(flight: &Flight) -> Vec<[[f64; 2]; 2]> {
         .collect()
 }
 
-/// How often CT doubles: for every violating point, of which finer sampling has more.
+/// How often CT doubles: for every violating point, scaled because finer sampling has more.
 fn doublings(points_of_101: f64) -> f64 {
     points_of_101.ceil().min(30.0)
 }

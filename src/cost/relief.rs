@@ -51,8 +51,8 @@ impl Relief {
     #[inline(always)]
     fn read_by<S: Simd>(&self, simd: S, east_m: &[f64], north_m: &[f64], heights_m: &mut [f64]) {
         let (lanes, wide) = (V::<S>::LEN, self.lanes(simd));
-        let places = east_m.chunks(lanes).zip(north_m.chunks(lanes));
-        for ((east_m, north_m), heights_m) in places.zip(heights_m.chunks_mut(lanes)) {
+        let positions = east_m.chunks(lanes).zip(north_m.chunks(lanes));
+        for ((east_m, north_m), heights_m) in positions.zip(heights_m.chunks_mut(lanes)) {
             if heights_m.len() == lanes {
                 let (east_m, north_m) = (
                     V::<S>::from_slice(simd, east_m),
@@ -60,8 +60,8 @@ impl Relief {
                 );
                 wide.heights_m(east_m, north_m).store_slice(heights_m);
             } else {
-                let places = east_m.iter().zip(north_m);
-                for (height_m, (east_m, north_m)) in heights_m.iter_mut().zip(places) {
+                let positions = east_m.iter().zip(north_m);
+                for (height_m, (east_m, north_m)) in heights_m.iter_mut().zip(positions) {
                     *height_m = self.height_m(*east_m, *north_m);
                 }
             }
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_a_void_stands_a_wall() {
+    fn next_to_a_void_the_ground_is_a_wall() {
         let mut heights = vec![10.0; 20];
         heights[6] = f32::NAN;
         let relief = Relief::new(&ground(heights), 6000.0);

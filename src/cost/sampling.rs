@@ -4,7 +4,7 @@ use crate::numeric::Basis;
 use crate::spec::{MissionSpec, Objective};
 
 /// Most ground readings for each piece between two samples.
-pub(super) const MOST_SUBSTEPS: usize = 4;
+pub(super) const MAX_SUBSTEPS: usize = 4;
 
 /// Where a candidate's spline is read.
 #[derive(Clone, Debug)]
@@ -58,10 +58,10 @@ impl Sampling {
 fn substeps(straight_m: f64, samples: usize, spacing_m: f64) -> usize {
     #[expect(clippy::cast_precision_loss, reason = "few samples")]
     let piece_m = 1.2 * straight_m / (samples - 1) as f64;
-    let wanted = (1..MOST_SUBSTEPS).find(|&substeps| {
+    let found = (1..MAX_SUBSTEPS).find(|&substeps| {
         #[expect(clippy::cast_precision_loss, reason = "few steps")]
         let reach_m = spacing_m * substeps as f64;
         piece_m <= reach_m
     });
-    wanted.unwrap_or(MOST_SUBSTEPS)
+    found.unwrap_or(MAX_SUBSTEPS)
 }

@@ -1,9 +1,9 @@
 //! When a route is flown, and what follows it.
 
-use super::Leg;
-use super::hazards::Segment;
+use super::RouteEnds;
+use super::hazards::Piece;
 use crate::numeric::SpeedProfile;
-use crate::numeric::approach::Motion;
+use crate::numeric::approach::Segment;
 use crate::path::{ramp_stops_m, way_speed_mps};
 use crate::spec::{Finish, MissionSpec};
 use crate::world::World;
@@ -28,13 +28,13 @@ pub(super) enum After {
 }
 
 impl Timing {
-    pub(super) fn new(world: &World, spec: &MissionSpec, vehicle: usize, leg: &Leg) -> Self {
+    pub(super) fn new(world: &World, spec: &MissionSpec, vehicle: usize, ends: &RouteEnds) -> Self {
         let (stations, vehicle) = (&world.stations[vehicle], &spec.vehicles[vehicle]);
         let land = |ground_m: f64| After::Land {
             ground_m,
             descent_mps: vehicle.descent_mps,
         };
-        let is_homeward = leg.to.at.distance_m(stations.home.at) < 1.0;
+        let is_homeward = ends.to.at.distance_m(stations.home.at) < 1.0;
         let after = match vehicle.finish {
             Finish::Loiter => After::Loiter,
             Finish::Land => land(stations.goal_ground.0),
@@ -42,8 +42,8 @@ impl Timing {
             Finish::Return => After::Nothing,
         };
         Self {
-            start_s: leg.start_s,
-            speed_mps: way_speed_mps(vehicle, leg.from, leg.to),
+            start_s: ends.start_s,
+            speed_mps: way_speed_mps(vehicle, ends.from, ends.to),
             accel_mps2: vehicle.accel_mps2,
             after,
             after_km: spec.separation.distance_m / 1000.0,
@@ -57,46 +57,52 @@ impl Timing {
 
     /// Calls `visit` with the motions of one piece of the route and their shares
     /// of it: one while cruising, several while the speed changes.
-    pub(super) fn motions(
+    pub(super) fn segments(
         &self,
-        segment: &Segment,
+        piece: &Piece,
         (from_m, to_m): (f64, f64),
         profile: &SpeedProfile,
-        mut visit: impl FnMut(Motion, f64),
+        mut visit: impl FnMut(Segment, f64),
     ) {
         let length_m = to_m - from_m;
         let moment = |distance_m: f64, share: f64| {
             let mix = |a: f64, b: f64| a + share * (b - a);
-            let place = [
-                mix(segment.a[0], segment.b[0]),
-                mix(segment.a[1], segment.b[1]),
-                mix(segment.amsl_a_m, segment.amsl_b_m),
+            let position = [
+                mix(piece.a[0], piece.b[0]),
+                mix(piece.a[1], piece.b[1]),
+                mix(piece.amsl_a_m, piece.amsl_b_m),
             ];
-            (self.start_s + profile.time_at_s(distance_m), place)
+            (self.start_s + profile.time_at_s(distance_m), position)
         };
         let mut before = (0.0, moment(from_m, 0.0));
         for distance_m in ramp_stops_m(profile, from_m, to_m) {
             let share = (distance_m - from_m) / length_m;
             let next = moment(distance_m, share);
-            visit(Motion::between(before.1, next), share - before.0);
+            visit(Segment::between(before.1, next), share - before.0);
             before = (share, next);
         }
-        visit(Motion::between(before.1, moment(to_m, 1.0)), 1.0 - before.0);
+        visit(
+            Segment::between(before.1, moment(to_m, 1.0)),
+            1.0 - before.0,
+        );
     }
 
-    /// The motion after a route that ends at `place` after `length_m`.
-    pub(super) fn motion_after(&self, place: [f64; 3], length_m: f64) -> Option<Motion> {
+    /// The motion after a route that ends at `position` after `length_m`.
+    pub(super) fn segment_after(&self, position: [f64; 3], length_m: f64) -> Option<Segment> {
         let end_s = self.start_s + self.profile(length_m).duration_s();
         match self.after {
             After::Nothing => None,
-            After::Loiter => Some(Motion::between((end_s, place), (f64::INFINITY, place))),
+            After::Loiter => Some(Segment::between(
+                (end_s, position),
+                (f64::INFINITY, position),
+            )),
             After::Land {
                 ground_m,
                 descent_mps,
             } => {
-                let ground = [place[0], place[1], ground_m];
-                let landed_s = end_s + ((place[2] - ground_m) / descent_mps).max(0.0);
-                Some(Motion::between((end_s, place), (landed_s, ground)))
+                let ground = [position[0], position[1], ground_m];
+                let landed_s = end_s + ((position[2] - ground_m) / descent_mps).max(0.0);
+                Some(Segment::between((end_s, position), (landed_s, ground)))
             }
         }
     }

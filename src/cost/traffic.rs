@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Margins;
 use crate::numeric::approach::{
-    Approach, Motion, are_surely_apart, closest_approach, closest_horizontal, least_ratio,
+    Approach, Segment, are_surely_apart, closest_approach, closest_horizontal, least_ratio,
 };
 use crate::numeric::cells::{Cells, Extent};
 use crate::path::Flight;
@@ -19,7 +19,7 @@ pub(super) struct Traffic {
     slack_s: f64,
     /// Motions further apart than this are in no conflict, metres.
     reach_m: f64,
-    motions: Vec<Motion>,
+    segments: Vec<Segment>,
     /// Balls around the motions.
     balls: Vec<Ball>,
     runs: Vec<Run>,
@@ -33,7 +33,7 @@ struct Run {
     ball: Ball,
     /// When it may matter, with the slack, seconds.
     times_s: (f64, f64),
-    motions: Range<usize>,
+    segments: Range<usize>,
 }
 
 /// Most motions of a run.
@@ -65,16 +65,16 @@ struct Ball {
 }
 
 impl Ball {
-    fn around(motion: &Motion) -> Self {
-        let duration_s = motion.t1_s - motion.t0_s;
+    fn around(segment: &Segment) -> Self {
+        let duration_s = segment.t1_s - segment.t0_s;
         let half_s = if duration_s.is_finite() {
             0.5 * duration_s
         } else {
             0.0
         };
-        let speed_sq: f64 = motion.velocity_mps.iter().map(|v| v * v).sum();
+        let speed_sq: f64 = segment.velocity_mps.iter().map(|v| v * v).sum();
         Self {
-            center_m: motion.at(motion.t0_s + half_s),
+            center_m: segment.at(segment.t0_s + half_s),
             radius_m: speed_sq.sqrt() * half_s,
         }
     }
@@ -112,15 +112,15 @@ impl Ball {
 }
 
 /// Mean over a motion of a severity that is known at any part of it.
-fn mean(own: &Motion, severity: impl Fn(&Motion) -> Severity) -> f64 {
+fn mean(own: &Segment, severity: impl Fn(&Segment) -> Severity) -> f64 {
     let worst = severity(own);
     let duration_s = own.t1_s - own.t0_s;
     if worst.value <= 0.0 || duration_s <= 0.0 || duration_s.is_infinite() {
         return worst.value;
     }
     let end = |t_s: f64| {
-        let place = own.at(t_s);
-        severity(&Motion::between((t_s, place), (t_s, place))).value
+        let position = own.at(t_s);
+        severity(&Segment::between((t_s, position), (t_s, position))).value
     };
     let share = ((worst.t_s - own.t0_s) / duration_s).clamp(0.0, 1.0);
     0.5 * (share * end(own.t0_s) + worst.value + (1.0 - share) * end(own.t1_s))
@@ -128,19 +128,19 @@ fn mean(own: &Motion, severity: impl Fn(&Motion) -> Severity) -> f64 {
 
 impl Traffic {
     pub(super) fn new(separation: &Separation, margins: &Margins, earlier: &[Flight]) -> Self {
-        let motions: Vec<Motion> = earlier.iter().flat_map(Flight::motions).collect();
+        let segments: Vec<Segment> = earlier.iter().flat_map(Flight::segments).collect();
         let Separation {
             distance_m,
             vertical_m,
             time_slack_s: slack_s,
         } = margins.beyond(separation);
-        let balls: Vec<Ball> = motions.iter().map(Ball::around).collect();
-        let runs = runs(earlier, &motions, &balls, slack_s);
+        let balls: Vec<Ball> = segments.iter().map(Ball::around).collect();
+        let runs = runs(earlier, &segments, &balls, slack_s);
         let reach: Vec<Extent> = runs
             .iter()
             .map(|run| {
-                let motions = motions[run.motions.clone()].iter();
-                let extents = motions.map(|motion| extent(motion, slack_s, distance_m));
+                let segments = segments[run.segments.clone()].iter();
+                let extents = segments.map(|segment| extent(segment, slack_s, distance_m));
                 extents.reduce(both).unwrap_or_default()
             })
             .collect();
@@ -157,25 +157,25 @@ impl Traffic {
             balls,
             runs,
             cells: Cells::new(&reach, least),
-            motions,
+            segments,
         }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.motions.is_empty()
+        self.segments.is_empty()
     }
 
     /// Mean severity along a motion: the trapezoidal rule over its ends and its
     /// worst moment, so 0 only for a motion that keeps the separation throughout.
-    pub(super) fn mean_severity(&self, own: &Motion) -> f64 {
+    pub(super) fn mean_severity(&self, own: &Segment) -> f64 {
         mean(own, |own| self.severity(own))
     }
 
     /// The same by looking at every motion.
-    pub(super) fn mean_severity_by_all(&self, own: &Motion) -> f64 {
+    pub(super) fn mean_severity_by_all(&self, own: &Segment) -> f64 {
         mean(own, |own| {
             let ball = Ball::around(own);
-            (0..self.motions.len())
+            (0..self.segments.len())
                 .map(|other| self.severity_of(own, &ball, other, 0.0))
                 .fold(Severity::default(), Severity::worse)
         })
@@ -186,7 +186,7 @@ impl Traffic {
         self.cells.is_clear(extent)
     }
 
-    fn severity(&self, own: &Motion) -> Severity {
+    fn severity(&self, own: &Segment) -> Severity {
         let ball = Ball::around(own);
         let mut worst = Severity::default();
         self.cells.each(&extent(own, 0.0, 0.0), |run| {
@@ -198,7 +198,7 @@ impl Traffic {
             if ball.is_apart(&run.ball, self.reach_m) {
                 return;
             }
-            for other in run.motions.clone() {
+            for other in run.segments.clone() {
                 worst = worst.worse(self.severity_of(own, &ball, other, worst.value));
             }
         });
@@ -206,14 +206,14 @@ impl Traffic {
     }
 
     /// The severity of one other motion; nothing, where it is surely below `worst`.
-    fn severity_of(&self, own: &Motion, ball: &Ball, other: usize, worst: f64) -> Severity {
+    fn severity_of(&self, own: &Segment, ball: &Ball, other: usize, worst: f64) -> Severity {
         /// More than rounding may take from a ratio.
         const TOLERANCE: f64 = 1e-9;
         let most = (1.0 - worst + TOLERANCE).min(1.0);
         if ball.is_apart(&self.balls[other], most * self.reach_m) {
             return Severity::default();
         }
-        let other = &self.motions[other];
+        let other = &self.segments[other];
         let distance_m = most * self.distance_m;
         let height_m = self.vertical_m.map_or(distance_m, |limit_m| most * limit_m);
         if are_surely_apart(own, other, self.slack_s, distance_m, height_m) {
@@ -237,23 +237,23 @@ impl Traffic {
 }
 
 /// The motions of each flight in runs.
-fn runs(earlier: &[Flight], motions: &[Motion], balls: &[Ball], slack_s: f64) -> Vec<Run> {
+fn runs(earlier: &[Flight], segments: &[Segment], balls: &[Ball], slack_s: f64) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut first = 0;
     for flight in earlier {
-        let end = first + flight.motions().count();
+        let end = first + flight.segments().count();
         for start in (first..end).step_by(RUN) {
             let members = start..(start + RUN).min(end);
-            let of_run = &motions[members.clone()];
-            let from_s = of_run.iter().map(|motion| motion.t0_s);
-            let to_s = of_run.iter().map(|motion| motion.t1_s);
+            let of_run = &segments[members.clone()];
+            let from_s = of_run.iter().map(|segment| segment.t0_s);
+            let to_s = of_run.iter().map(|segment| segment.t1_s);
             runs.push(Run {
                 ball: Ball::over(&balls[members.clone()]),
                 times_s: (
                     from_s.fold(f64::INFINITY, f64::min) - slack_s,
                     to_s.fold(f64::NEG_INFINITY, f64::max) + slack_s,
                 ),
-                motions: members,
+                segments: members,
             });
         }
         first = end;
@@ -267,13 +267,13 @@ fn both(a: Extent, b: Extent) -> Extent {
 }
 
 /// Extent of a motion, widened.
-fn extent(motion: &Motion, slack_s: f64, distance_m: f64) -> Extent {
-    let end_s = if motion.t1_s.is_finite() {
-        motion.t1_s
+fn extent(segment: &Segment, slack_s: f64, distance_m: f64) -> Extent {
+    let end_s = if segment.t1_s.is_finite() {
+        segment.t1_s
     } else {
-        motion.t0_s
+        segment.t0_s
     };
-    let (from, to) = (motion.from_m, motion.at(end_s));
+    let (from, to) = (segment.from_m, segment.at(end_s));
     let side = |axis: usize| {
         (
             from[axis].min(to[axis]) - distance_m,
@@ -281,7 +281,7 @@ fn extent(motion: &Motion, slack_s: f64, distance_m: f64) -> Extent {
         )
     };
     [
-        (motion.t0_s - slack_s, motion.t1_s + slack_s),
+        (segment.t0_s - slack_s, segment.t1_s + slack_s),
         side(0),
         side(1),
     ]

@@ -155,12 +155,12 @@ fn encode_and_verify(
     world: &World,
     plan: &FleetPlan,
 ) -> (Vec<(usize, VehicleMission)>, Review) {
-    let settled = plan.settled(spec);
+    let retimed = plan.retimed(spec);
     let encoded: Vec<_> = (plan.vehicles.par_iter().enumerate())
         .map(|(index, vehicle)| {
             let paths = vehicle.routes.iter().map(|route| route.path.clone());
             let routes: Vec<Vec<TimedPoint>> = paths.collect();
-            mission::build(&settled, world, index, &routes)
+            mission::build(&retimed, world, index, &routes)
         })
         .collect();
     let mut missions = Vec::new();

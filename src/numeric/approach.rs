@@ -12,7 +12,7 @@ use pair::Pair;
 
 /// A straight motion of constant velocity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct Segment {
     /// When it begins, seconds.
     pub t0_s: f64,
     /// When it ends, seconds; infinite for something that stays.
@@ -34,7 +34,7 @@ pub struct Approach {
     pub u_s: f64,
 }
 
-impl Motion {
+impl Segment {
     /// The motion between two places; at rest when it has no duration or no end.
     #[must_use]
     pub fn between((t0_s, from_m): (f64, [f64; 3]), (t1_s, to_m): (f64, [f64; 3])) -> Self {
@@ -65,11 +65,11 @@ impl Motion {
 
 /// Whether two motions are surely further apart than some distances, horizontally or in
 /// height, at all pairs of times that count, or have no such pair: by the boxes of what
-/// each covers meanwhile. What is not told apart so may still be.
+/// each covers meanwhile. `false` proves nothing.
 #[must_use]
 pub fn are_surely_apart(
-    a: &Motion,
-    b: &Motion,
+    a: &Segment,
+    b: &Segment,
     slack_s: f64,
     horizontal_m: f64,
     vertical_m: f64,
@@ -81,11 +81,11 @@ pub fn are_surely_apart(
     if t0 > t1 || u0 > u1 {
         return true;
     }
-    let side = |motion: &Motion, axis: usize, from_s: f64, to_s: f64| {
-        let (from_m, speed_mps) = (motion.from_m[axis], motion.velocity_mps[axis]);
+    let side = |segment: &Segment, axis: usize, from_s: f64, to_s: f64| {
+        let (from_m, speed_mps) = (segment.from_m[axis], segment.velocity_mps[axis]);
         // At rest for ever: nothing times infinity is no number.
         let at = |t_s: f64| {
-            let moved_m = speed_mps * (t_s - motion.t0_s);
+            let moved_m = speed_mps * (t_s - segment.t0_s);
             if moved_m.is_nan() {
                 from_m
             } else {
@@ -111,7 +111,7 @@ pub fn are_surely_apart(
 ///
 /// `None` when no such pair of times exists.
 #[must_use]
-pub fn closest_approach(a: &Motion, b: &Motion, slack_s: f64) -> Option<Approach> {
+pub fn closest_approach(a: &Segment, b: &Segment, slack_s: f64) -> Option<Approach> {
     let pair = Pair::new(a, b, slack_s)?;
     Some(pair.absolute(pair.least(&pair.region, 3, f64::INFINITY)))
 }
@@ -120,8 +120,8 @@ pub fn closest_approach(a: &Motion, b: &Motion, slack_s: f64) -> Option<Approach
 /// is at most `vertical_m`; `None` where it never is.
 #[must_use]
 pub fn closest_horizontal(
-    a: &Motion,
-    b: &Motion,
+    a: &Segment,
+    b: &Segment,
     slack_s: f64,
     vertical_m: f64,
 ) -> Option<Approach> {
@@ -139,8 +139,8 @@ pub fn closest_horizontal(
 /// (Illinois) come to it, to the last few bits.
 #[must_use]
 pub fn least_ratio(
-    a: &Motion,
-    b: &Motion,
+    a: &Segment,
+    b: &Segment,
     slack_s: f64,
     horizontal_m: f64,
     vertical_m: f64,
@@ -203,24 +203,29 @@ pub fn least_ratio(
 
 #[cfg(test)]
 mod tests {
-    use super::{Motion, are_surely_apart, closest_approach, closest_horizontal, least_ratio};
+    use super::{Segment, are_surely_apart, closest_approach, closest_horizontal, least_ratio};
     use proptest::prelude::*;
 
     const STEPS: u32 = 300;
 
-    fn motion() -> impl Strategy<Value = Motion> {
-        let place = || [-300.0..300.0_f64, -300.0..300.0_f64, 0.0..150.0_f64];
-        (0.0..30.0_f64, 0.0..30.0_f64, place(), place(), 0..4_u8).prop_map(
-            |(t0_s, duration_s, from, to, kind)| match kind {
-                0 => Motion::between((t0_s, from), (f64::INFINITY, from)),
-                1 => Motion::between((t0_s, from), (t0_s, from)),
-                _ => Motion::between((t0_s, from), (t0_s + duration_s, to)),
-            },
+    fn segment() -> impl Strategy<Value = Segment> {
+        let position = || [-300.0..300.0_f64, -300.0..300.0_f64, 0.0..150.0_f64];
+        (
+            0.0..30.0_f64,
+            0.0..30.0_f64,
+            position(),
+            position(),
+            0..4_u8,
         )
+            .prop_map(|(t0_s, duration_s, from, to, kind)| match kind {
+                0 => Segment::between((t0_s, from), (f64::INFINITY, from)),
+                1 => Segment::between((t0_s, from), (t0_s, from)),
+                _ => Segment::between((t0_s, from), (t0_s + duration_s, to)),
+            })
     }
 
     /// Gaps at a dense grid of allowed pairs of times.
-    fn dense(a: &Motion, b: &Motion, slack_s: f64) -> Vec<[f64; 3]> {
+    fn dense(a: &Segment, b: &Segment, slack_s: f64) -> Vec<[f64; 3]> {
         let spread =
             |low: f64, high: f64, i: u32| low + (high - low) * f64::from(i) / f64::from(STEPS);
         let (low, high) = (
@@ -250,9 +255,9 @@ mod tests {
     }
 
     /// Between two neighbours of the dense grid no gap changes by more than this, metres.
-    fn coarse(a: &Motion, b: &Motion) -> f64 {
-        let speed = |motion: &Motion| {
-            motion
+    fn coarse(a: &Segment, b: &Segment) -> f64 {
+        let speed = |segment: &Segment| {
+            segment
                 .velocity_mps
                 .iter()
                 .map(|v| v * v)
@@ -267,7 +272,7 @@ mod tests {
 
         #[test]
         fn no_dense_pair_of_times_is_nearer_and_the_answer_is_one_of_them(
-            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64]
+            a in segment(), b in segment(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64]
         ) {
             let gaps = dense(&a, &b, slack_s);
             let Some(near) = closest_approach(&a, &b, slack_s) else {
@@ -288,7 +293,7 @@ mod tests {
 
         #[test]
         fn what_is_surely_apart_is_apart(
-            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
+            a in segment(), b in segment(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
             horizontal_m in 10.0..300.0_f64, vertical_m in 5.0..120.0_f64
         ) {
             if are_surely_apart(&a, &b, slack_s, horizontal_m, vertical_m) {
@@ -303,7 +308,7 @@ mod tests {
 
         #[test]
         fn with_a_vertical_limit_no_dense_pair_within_it_is_nearer(
-            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64], vertical_m in 1.0..80.0_f64
+            a in segment(), b in segment(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64], vertical_m in 1.0..80.0_f64
         ) {
             let gaps = dense(&a, &b, slack_s);
             let within: Vec<f64> = gaps.iter().filter(|gap| gap[2].abs() <= vertical_m).map(level).collect();
@@ -319,7 +324,7 @@ mod tests {
 
         #[test]
         fn the_least_ratio_is_below_one_exactly_when_both_limits_are_broken_at_once(
-            a in motion(), b in motion(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
+            a in segment(), b in segment(), slack_s in prop_oneof![Just(0.0), 0.0..10.0_f64],
             horizontal_m in 20.0..200.0_f64, vertical_m in 5.0..80.0_f64
         ) {
             let ratio = |gap: &[f64; 3]| (level(gap) / horizontal_m).max(gap[2].abs() / vertical_m);
@@ -344,8 +349,8 @@ mod tests {
 
     #[test]
     fn two_that_cross_at_one_place_six_seconds_apart_meet_only_with_slack_enough() {
-        let a = Motion::between((0.0, [-100.0, 0.0, 50.0]), (20.0, [100.0, 0.0, 50.0]));
-        let b = Motion::between((6.0, [0.0, -100.0, 50.0]), (26.0, [0.0, 100.0, 50.0]));
+        let a = Segment::between((0.0, [-100.0, 0.0, 50.0]), (20.0, [100.0, 0.0, 50.0]));
+        let b = Segment::between((6.0, [0.0, -100.0, 50.0]), (26.0, [0.0, 100.0, 50.0]));
         let at = |slack_s| closest_approach(&a, &b, slack_s).unwrap().value;
         assert!(at(6.0) < 1e-9);
         assert!(at(10.0) < 1e-9);

@@ -56,7 +56,7 @@ impl Basis {
         Self::new(control_points, &uniform_parameters(samples))
     }
 
-    /// The basis at every so many of the parameters, the first included.
+    /// The basis at every `step`-th parameter, the first included.
     #[must_use]
     pub fn every(&self, step: usize) -> Self {
         let weights = [0, 1, 2, 3].map(|i| self.weights[i].iter().copied().step_by(step).collect());

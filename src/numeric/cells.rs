@@ -5,7 +5,7 @@
 pub type Extent = [(f64, f64); 3];
 
 /// Cells along time and each side of the plane, at most.
-const MOST_CELLS: [f64; 3] = [256.0, 64.0, 64.0];
+const MAX_CELLS: [f64; 3] = [256.0, 64.0, 64.0];
 /// Cells for each thing, at most: more would cost more to make than they save.
 const CELLS_PER_ITEM: f64 = 64.0;
 
@@ -88,7 +88,7 @@ impl Cells {
         self.visit(&range, |[cell, at @ ..]| {
             let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
             for member in &self.members[members] {
-                // What is in several of these cells is told in the first of them.
+                // An item in several of these cells is reported in the first of them.
                 let is_first = (0..3)
                     .all(|axis| at[axis] == range[axis].0.max(usize::from(member.first[axis])));
                 if is_first {
@@ -107,15 +107,15 @@ impl Cells {
                 all.1 = all.1.max(if high.is_finite() { high } else { low });
             }
         }
-        let wanted = |axis: usize| {
+        let count_along = |axis: usize| {
             let width = all[axis].1 - all[axis].0;
             if width > 0.0 && least[axis] > 0.0 {
-                (width / least[axis]).ceil().clamp(1.0, MOST_CELLS[axis])
+                (width / least[axis]).ceil().clamp(1.0, MAX_CELLS[axis])
             } else {
                 1.0
             }
         };
-        let mut counts = [wanted(0), wanted(1), wanted(2)];
+        let mut counts = [count_along(0), count_along(1), count_along(2)];
         #[expect(clippy::cast_precision_loss, reason = "far fewer than 2^52")]
         let most = (CELLS_PER_ITEM * extents.len() as f64).max(1.0);
         // Motions follow time, so its cells tell most of them apart and are kept.
@@ -198,7 +198,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_look_misses_nothing_that_it_touches_and_tells_nothing_twice(
+        fn a_query_finds_all_it_touches_and_nothing_twice(
             extents in prop::collection::vec(extent(), 0..60), look in extent()
         ) {
             let cells = Cells::new(&extents, [10.0, 100.0, 100.0]);

@@ -292,9 +292,9 @@ mod tests {
     }
 
     fn capsule() -> impl Strategy<Value = Capsule> {
-        let place = || (1.0..9.0_f64, 0.0..10.0_f64);
+        let position = || (1.0..9.0_f64, 0.0..10.0_f64);
         (
-            place(),
+            position(),
             (-3.0..3.0_f64, -3.0..3.0_f64),
             0.0..1.2_f64,
             any::<bool>(),
@@ -308,7 +308,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_chain_lies_between_two_places_if_no_way_leads_past_it(
+        fn a_chain_lies_between_two_points_if_no_path_leads_past_it(
             capsules in prop::collection::vec(capsule(), 0..25)
         ) {
             let capsules = with_edge(capsules);

@@ -15,42 +15,42 @@ pub fn plain(value: f64) -> String {
     }
 }
 
-/// A number with so many digits, or with as many more as tell it from the limit that it
+/// A number with `digits` digits, or with as many more as distinguish it from the limit that it
 /// is held against.
 #[must_use]
-pub fn beside(value: f64, limit: f64, digits: usize) -> String {
+pub fn distinct_from(value: f64, limit: f64, digits: usize) -> String {
     if !value.is_finite() || value.abs() >= HUGE {
         return plain(value);
     }
-    let tells = |text: &String| match text.parse::<f64>() {
+    let differs = |text: &String| match text.parse::<f64>() {
         Ok(read) => (read < limit) == (value < limit) && (read > limit) == (value > limit),
         Err(_) => false,
     };
     (digits..=MOST_DIGITS)
         .map(|digits| format!("{value:.digits$}"))
-        .find(tells)
+        .find(differs)
         .unwrap_or_else(|| plain(value))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{beside, plain};
+    use super::{distinct_from, plain};
 
     #[test]
-    fn a_number_is_told_from_its_limit_by_as_few_digits_as_will_do() {
-        assert_eq!(beside(640.0, 640.0, 0), "640");
-        assert_eq!(beside(612.3, 640.0, 0), "612");
-        assert_eq!(beside(639.96, 640.0, 0), "639.96");
-        assert_eq!(beside(640.000_04, 640.0, 1), "640.00004");
-        assert_eq!(beside(640.000_000_000_1, 640.0, 1), "640.0000000001");
-        assert_eq!(beside(-0.04, 0.0, 1), "-0.04");
-        assert_eq!(beside(f64::NAN, 0.0, 1), "NaN");
+    fn a_number_differs_from_its_limit_by_the_fewest_digits() {
+        assert_eq!(distinct_from(640.0, 640.0, 0), "640");
+        assert_eq!(distinct_from(612.3, 640.0, 0), "612");
+        assert_eq!(distinct_from(639.96, 640.0, 0), "639.96");
+        assert_eq!(distinct_from(640.000_04, 640.0, 1), "640.00004");
+        assert_eq!(distinct_from(640.000_000_000_1, 640.0, 1), "640.0000000001");
+        assert_eq!(distinct_from(-0.04, 0.0, 1), "-0.04");
+        assert_eq!(distinct_from(f64::NAN, 0.0, 1), "NaN");
     }
 
     #[test]
     fn a_huge_number_has_a_power_of_ten() {
         assert_eq!(plain(1e308), "1e308");
-        assert_eq!(beside(-1e308, 60.0, 1), "-1e308");
+        assert_eq!(distinct_from(-1e308, 60.0, 1), "-1e308");
         assert_eq!(plain(12.5), "12.5");
         assert_eq!(plain(f64::INFINITY), "inf");
     }

@@ -1,7 +1,7 @@
 //! Which of many tracks come too near to one: a space-time index over their pieces, and
 //! the exact closest approach for the pieces it brings together.
 
-use super::approach::{Motion, are_surely_apart, closest_approach, closest_horizontal};
+use super::approach::{Segment, are_surely_apart, closest_approach, closest_horizontal};
 use super::cells::{Cells, Extent};
 
 /// Motions that share a box.
@@ -19,7 +19,7 @@ pub struct Nearness {
 }
 
 impl Nearness {
-    fn is_broken(&self, a: &Motion, b: &Motion) -> bool {
+    fn is_broken(&self, a: &Segment, b: &Segment) -> bool {
         let nearest = match self.vertical_m {
             None => closest_approach(a, b, self.slack_s),
             Some(vertical_m) => closest_horizontal(a, b, self.slack_s, vertical_m),
@@ -36,7 +36,7 @@ impl Nearness {
 /// Something that moves, in order of time.
 #[derive(Clone, Debug)]
 pub struct Track {
-    motions: Vec<Motion>,
+    segments: Vec<Segment>,
     runs: Vec<Run>,
 }
 
@@ -50,25 +50,25 @@ struct Run {
 }
 
 impl Run {
-    fn around(first: usize, motions: &[Motion]) -> Self {
+    fn around(first: usize, segments: &[Segment]) -> Self {
         let mut all = [(f64::INFINITY, f64::NEG_INFINITY); 4];
-        for motion in motions {
-            let end_s = if motion.t1_s.is_finite() {
-                motion.t1_s
+        for segment in segments {
+            let end_s = if segment.t1_s.is_finite() {
+                segment.t1_s
             } else {
-                motion.t0_s
+                segment.t0_s
             };
-            let to_m = motion.at(end_s);
-            all[0] = (all[0].0.min(motion.t0_s), all[0].1.max(motion.t1_s));
+            let to_m = segment.at(end_s);
+            all[0] = (all[0].0.min(segment.t0_s), all[0].1.max(segment.t1_s));
             for axis in 0..3 {
-                let (from, to) = (motion.from_m[axis], to_m[axis]);
+                let (from, to) = (segment.from_m[axis], to_m[axis]);
                 let side = &mut all[axis + 1];
                 *side = (side.0.min(from).min(to), side.1.max(from).max(to));
             }
         }
         Self {
             first,
-            end: first + motions.len(),
+            end: first + segments.len(),
             extent: [all[0], all[1], all[2]],
             up_m: all[3],
         }
@@ -97,30 +97,30 @@ impl Run {
 impl Track {
     /// A track of motions in order of time.
     #[must_use]
-    pub fn new(motions: Vec<Motion>) -> Self {
-        let runs = motions
+    pub fn new(segments: Vec<Segment>) -> Self {
+        let runs = segments
             .chunks(RUN)
             .enumerate()
-            .map(|(index, motions)| Run::around(index * RUN, motions))
+            .map(|(index, segments)| Run::around(index * RUN, segments))
             .collect();
-        Self { motions, runs }
+        Self { segments, runs }
     }
 
     /// The motions.
     #[must_use]
-    pub fn motions(&self) -> &[Motion] {
-        &self.motions
+    pub fn segments(&self) -> &[Segment] {
+        &self.segments
     }
 
-    fn motions_of(&self, run: &Run) -> &[Motion] {
-        &self.motions[run.first..run.end]
+    fn segments_of(&self, run: &Run) -> &[Segment] {
+        &self.segments[run.first..run.end]
     }
 
     /// Whether two runs come too near each other.
     fn meets(&self, own: &Run, other: &Self, run: &Run, nearness: &Nearness) -> bool {
         let (distance_m, height_m) = (nearness.distance_m, nearness.height_m());
-        self.motions_of(own).iter().any(|a| {
-            other.motions_of(run).iter().any(|b| {
+        self.segments_of(own).iter().any(|a| {
+            other.segments_of(run).iter().any(|b| {
                 !are_surely_apart(a, b, nearness.slack_s, distance_m, height_m)
                     && nearness.is_broken(a, b)
             })
@@ -130,7 +130,7 @@ impl Track {
 
 /// Tracks in the order in which they came, found by time and place.
 ///
-/// The index is kept in parts of which each is about twice as large as the next: a new
+/// The index has parts, each about twice as large as the next: a new
 /// track makes a part of its own, and parts that have become alike are made one. So
 /// adding `n` tracks costs `n log n`, and a look goes through `log n` parts.
 #[derive(Clone, Debug)]
@@ -239,9 +239,9 @@ impl Tracks {
     #[must_use]
     pub fn near_by_all(&self, own: &Track, nearness: &Nearness, from: usize) -> Vec<usize> {
         let meets = |track: &Track| {
-            own.motions
+            own.segments
                 .iter()
-                .any(|a| track.motions.iter().any(|b| nearness.is_broken(a, b)))
+                .any(|a| track.segments.iter().any(|b| nearness.is_broken(a, b)))
         };
         let is_near: Vec<bool> = self
             .tracks
@@ -263,22 +263,22 @@ fn numbers(is_near: &[bool]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::{Nearness, Track, Tracks};
-    use crate::numeric::approach::Motion;
+    use crate::numeric::approach::Segment;
     use proptest::prelude::*;
 
-    type Place = [f64; 3];
+    type Position = [f64; 3];
 
-    fn place() -> impl Strategy<Value = Place> {
+    fn position() -> impl Strategy<Value = Position> {
         [-1500.0..1500.0_f64, -1500.0..1500.0_f64, 0.0..120.0_f64]
     }
 
     /// A flight: up from the ground, through some places, and then down, to stay above
     /// its last place for ever, or back over its first.
     fn flight() -> impl Strategy<Value = Track> {
-        let way = prop::collection::vec(place(), 2..6);
+        let way = prop::collection::vec(position(), 2..6);
         (0.0..120.0_f64, 5.0..20.0_f64, way, 0..3_u8, 1..12_usize).prop_map(
             |(t0_s, speed_mps, mut way, finish, pieces)| {
-                let ground = |at: &Place| [at[0], at[1], -20.0];
+                let ground = |at: &Position| [at[0], at[1], -20.0];
                 if finish == 1 {
                     way.push(way[0]);
                 }
@@ -286,7 +286,7 @@ mod tests {
                 if finish != 2 {
                     way.push(ground(&way[way.len() - 1]));
                 }
-                let (mut motions, mut t_s) = (Vec::new(), t0_s);
+                let (mut segments, mut t_s) = (Vec::new(), t0_s);
                 for pair in way.windows(2) {
                     let step = |share: f64| {
                         [0, 1, 2].map(|i| pair[0][i] + share * (pair[1][i] - pair[0][i]))
@@ -297,15 +297,15 @@ mod tests {
                         let (from, to) = (step(share(piece)), step(share(piece + 1)));
                         let way_m: f64 = (0..3).map(|i| (to[i] - from[i]).powi(2)).sum();
                         let next_s = t_s + way_m.sqrt() / speed_mps;
-                        motions.push(Motion::between((t_s, from), (next_s, to)));
+                        segments.push(Segment::between((t_s, from), (next_s, to)));
                         t_s = next_s;
                     }
                 }
                 if finish == 2 {
                     let last = way[way.len() - 1];
-                    motions.push(Motion::between((t_s, last), (f64::INFINITY, last)));
+                    segments.push(Segment::between((t_s, last), (f64::INFINITY, last)));
                 }
-                Track::new(motions)
+                Track::new(segments)
             },
         )
     }

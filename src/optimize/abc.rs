@@ -39,7 +39,7 @@ impl Default for AbcParameters {
 
 /// A food source.
 struct Source {
-    place: Vec<f64>,
+    position: Vec<f64>,
     cost: f64,
     failures: usize,
 }
@@ -52,15 +52,15 @@ pub(super) fn search<P: Problem + ?Sized>(
 ) {
     let dimension = evaluator.dimension();
     let count = parameters.sources.max(2);
-    let places: Vec<Vec<f64>> = (0..count)
+    let positions: Vec<Vec<f64>> = (0..count)
         .map(|_| population::uniform(dimension, rng))
         .collect();
-    let costs = evaluator.evaluate(&places.concat());
-    let mut sources: Vec<Source> = places
+    let costs = evaluator.evaluate(&positions.concat());
+    let mut sources: Vec<Source> = positions
         .into_iter()
         .zip(costs)
-        .map(|(place, cost)| Source {
-            place,
+        .map(|(position, cost)| Source {
+            position,
             cost,
             failures: 0,
         })
@@ -86,11 +86,11 @@ fn forage<P: Problem + ?Sized>(
         .map(|&index| neighbour(sources, index, rng))
         .collect();
     let costs = evaluator.evaluate(&moves.concat());
-    for ((&index, place), cost) in from.iter().zip(moves).zip(costs) {
+    for ((&index, position), cost) in from.iter().zip(moves).zip(costs) {
         let source = &mut sources[index];
         if cost < source.cost {
             *source = Source {
-                place,
+                position,
                 cost,
                 failures: 0,
             };
@@ -102,15 +102,15 @@ fn forage<P: Problem + ?Sized>(
 
 /// A source with one variable changed.
 fn neighbour(sources: &[Source], index: usize, rng: &mut ChaCha8Rng) -> Vec<f64> {
-    let mut place = sources[index].place.clone();
-    let j = rng.random_range(0..place.len());
+    let mut position = sources[index].position.clone();
+    let j = rng.random_range(0..position.len());
     let other = (index + rng.random_range(1..sources.len())) % sources.len();
-    let step = rng.random_range(-1.0..1.0) * (place[j] - sources[other].place[j]);
-    place[j] = (place[j] + step).clamp(0.0, 1.0);
-    place
+    let step = rng.random_range(-1.0..1.0) * (position[j] - sources[other].position[j]);
+    position[j] = (position[j] + step).clamp(0.0, 1.0);
+    position
 }
 
-/// The sources that so many onlookers choose.
+/// The sources that the onlookers choose.
 fn choices(sources: &[Source], onlookers: usize, rng: &mut ChaCha8Rng) -> Vec<usize> {
     let mut sum = 0.0;
     let sums: Vec<f64> = sources
@@ -144,10 +144,10 @@ fn scout<P: Problem + ?Sized>(
     let Some(source) = worst.filter(|source| source.failures > limit) else {
         return;
     };
-    let place = population::uniform(evaluator.dimension(), rng);
-    let cost = evaluator.evaluate(&place).first().copied();
+    let position = population::uniform(evaluator.dimension(), rng);
+    let cost = evaluator.evaluate(&position).first().copied();
     *source = Source {
-        place,
+        position,
         cost: cost.unwrap_or(f64::INFINITY),
         failures: 0,
     };

@@ -20,25 +20,25 @@ pub struct TracePoint {
 /// keeps the best point and the trace of convergence.
 pub struct Evaluator<'a, P: Problem + ?Sized> {
     problem: &'a P,
-    /// Whether the eased problem is evaluated, if there is one.
-    is_eased: bool,
+    /// Whether the relaxed problem is evaluated, if there is one.
+    is_relaxed: bool,
     budget: usize,
     spent: usize,
     best: Option<Candidate>,
     trace: Vec<TracePoint>,
-    /// The best and the trace of the problem itself, while the eased one is evaluated.
+    /// The best and the trace of the problem itself, while the relaxed one is evaluated.
     aside: (Option<Candidate>, Vec<TracePoint>),
     watch: &'a (dyn Fn(TracePoint) + Sync),
 }
 
 impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
-    /// An evaluator that makes at most `budget` evaluations and tells `watch`
+    /// An evaluator that makes at most `budget` evaluations and reports to `watch`
     /// after every batch.
     #[must_use]
     pub fn new(problem: &'a P, budget: usize, watch: &'a (dyn Fn(TracePoint) + Sync)) -> Self {
         Self {
             problem,
-            is_eased: false,
+            is_relaxed: false,
             budget,
             spent: 0,
             best: None,
@@ -84,27 +84,27 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         self.trace
     }
 
-    /// Evaluates the eased problem from now on, if there is one; the best so far is set aside.
+    /// Evaluates the relaxed problem from now on, if there is one; the best so far is set aside.
     /// Whether there is.
-    pub fn ease(&mut self) -> bool {
-        if !self.is_eased && self.problem.eased().is_some() {
-            self.is_eased = true;
+    pub fn relax(&mut self) -> bool {
+        if !self.is_relaxed && self.problem.relaxed().is_some() {
+            self.is_relaxed = true;
             self.aside = (self.best.take(), std::mem::take(&mut self.trace));
         }
-        self.is_eased
+        self.is_relaxed
     }
 
-    /// Evaluates the problem itself again: what the eased one cost is forgotten, and the best is
-    /// what it was before. Whether it was eased.
-    pub fn tighten(&mut self) -> bool {
-        let was_eased = std::mem::replace(&mut self.is_eased, false);
-        if was_eased {
+    /// Evaluates the problem itself again: what the relaxed one cost is forgotten, and the best is
+    /// what it was before. Whether it was relaxed.
+    pub fn restore(&mut self) -> bool {
+        let was_relaxed = std::mem::replace(&mut self.is_relaxed, false);
+        if was_relaxed {
             (self.best, self.trace) = std::mem::take(&mut self.aside);
         }
-        was_eased
+        was_relaxed
     }
 
-    /// Groups of variables of which parts of a cost are known.
+    /// Groups of variables with known parts of a cost.
     #[must_use]
     pub fn groups(&self) -> usize {
         self.problem.groups()
@@ -133,25 +133,25 @@ impl<'a, P: Problem + ?Sized> Evaluator<'a, P> {
         make: impl Fn(usize, &mut T, &mut [f64]) + Sync,
         in_parts: bool,
     ) -> (Vec<f64>, Vec<f64>) {
-        let (problem, eased) = (self.problem, self.eased());
+        let (problem, relaxed) = (self.problem, self.relaxed());
         if in_parts {
-            let evaluate = |rows: &[f64], costs: &mut [f64], parts: &mut [f64]| match eased {
-                Some(eased) => eased.evaluate_parts(rows, costs, parts),
+            let evaluate = |rows: &[f64], costs: &mut [f64], parts: &mut [f64]| match relaxed {
+                Some(relaxed) => relaxed.evaluate_parts(rows, costs, parts),
                 None => problem.evaluate_parts(rows, costs, parts),
             };
             self.batch(rows, of, problem.groups(), make, evaluate)
         } else {
-            let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| match eased {
-                Some(eased) => eased.evaluate(rows, f64::INFINITY, costs),
-                None => problem.evaluate(rows, f64::INFINITY, costs),
+            let evaluate = |rows: &[f64], costs: &mut [f64], _: &mut [f64]| match relaxed {
+                Some(relaxed) => relaxed.evaluate(rows, costs),
+                None => problem.evaluate(rows, costs),
             };
             let (costs, _) = self.batch(rows, of, 1, make, evaluate);
             (costs.clone(), costs)
         }
     }
 
-    fn eased(&self) -> Option<&'a dyn Problem> {
-        self.problem.eased().filter(|_| self.is_eased)
+    fn relaxed(&self) -> Option<&'a dyn Problem> {
+        self.problem.relaxed().filter(|_| self.is_relaxed)
     }
 
     fn batch<T: Send>(
@@ -233,7 +233,7 @@ mod tests {
             2
         }
 
-        fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+        fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
             self.0.fetch_add(costs.len(), Ordering::Relaxed);
             for (cost, row) in costs.iter_mut().zip(candidates.chunks(2)) {
                 *cost = if row[0] > 0.9 { f64::NAN } else { row[0] };
@@ -280,7 +280,7 @@ mod tests {
             2
         }
 
-        fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+        fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
             for (cost, row) in costs.iter_mut().zip(candidates.chunks(2)) {
                 *cost = 0.5 * row[0];
             }
@@ -292,25 +292,25 @@ mod tests {
             2
         }
 
-        fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]) {
-            self.0.evaluate(candidates, cutoff, costs);
+        fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
+            self.0.evaluate(candidates, costs);
         }
 
-        fn eased(&self) -> Option<&dyn Problem> {
+        fn relaxed(&self) -> Option<&dyn Problem> {
             Some(&self.1)
         }
     }
 
     #[test]
-    fn what_the_eased_problem_costs_is_neither_best_nor_shown_beside_what_is() {
+    fn costs_of_the_relaxed_problem_are_neither_best_nor_reported() {
         let problem = Easing(Counting(AtomicUsize::new(0)), Half);
         let shown = std::sync::Mutex::new(Vec::new());
         let watch = |point: TracePoint| shown.lock().expect("no panic").push(point.best);
         let mut evaluator = Evaluator::new(&problem, 100, &watch);
         assert_eq!(evaluator.evaluate(&[0.6, 0.0]), [0.6]);
-        assert!(evaluator.ease());
+        assert!(evaluator.relax());
         assert_eq!(evaluator.evaluate(&[0.4, 0.0]), [0.2]);
-        assert!(evaluator.tighten());
+        assert!(evaluator.restore());
         assert_eq!(evaluator.best().map(|best| best.cost), Some(0.6));
         assert_eq!(evaluator.evaluate(&[0.5, 0.0]), [0.5]);
         assert_eq!(evaluator.spent(), 3);

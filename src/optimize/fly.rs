@@ -24,7 +24,7 @@ pub enum Mapping {
 }
 
 impl Mapping {
-    /// Pairs of a fly for so many variables.
+    /// Pairs of a fly for a number of variables.
     pub(super) fn pairs(self, dimension: usize) -> usize {
         match self {
             Self::Variable => dimension,
@@ -150,9 +150,14 @@ mod tests {
         let fly = Fly {
             pairs: vec![(-0.6, 0.8), (0.3, -0.4)],
         };
-        let near = |found: Vec<f64>, wanted: &[f64]| {
-            assert_eq!(found.len(), wanted.len());
-            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12));
+        let near = |found: Vec<f64>, expected: &[f64]| {
+            assert_eq!(found.len(), expected.len());
+            assert!(
+                found
+                    .iter()
+                    .zip(expected)
+                    .all(|(a, b)| (a - b).abs() < 1e-12)
+            );
         };
         near(fly.position(Mapping::Variable), &[1.0, 0.5]);
         near(

@@ -52,11 +52,11 @@ pub(super) fn search<P: Problem + ?Sized>(
     let flies = (parameters.population / count).max(1);
     let rows_each = count * flies + 1;
     let iterations = evaluator.budget().saturating_sub(count).div_ceil(rows_each);
-    let places: Vec<Vec<f64>> = (0..count)
+    let positions: Vec<Vec<f64>> = (0..count)
         .map(|_| population::uniform(evaluator.dimension(), rng))
         .collect();
-    let costs = evaluator.evaluate(&places.concat());
-    let mut swarms: Vec<Candidate> = places
+    let costs = evaluator.evaluate(&positions.concat());
+    let mut swarms: Vec<Candidate> = positions
         .into_iter()
         .zip(costs)
         .map(|(position, cost)| Candidate { position, cost })
@@ -82,9 +82,9 @@ fn disperse<P: Problem + ?Sized>(
     let all: Vec<Vec<f64>> = swarms
         .iter()
         .flat_map(|swarm| std::iter::repeat_n(&swarm.position, flies))
-        .map(|place| {
+        .map(|position| {
             let near = |x: &f64| (x + radius * rng.random_range(-1.0..1.0)).clamp(0.0, 1.0);
-            place.iter().map(near).collect()
+            position.iter().map(near).collect()
         })
         .collect();
     let costs = evaluator.evaluate(&all.concat());

@@ -1,4 +1,4 @@
-//! Search, and nothing but search: it must not know what is optimised.
+//! Optimisers over the unit cube, independent of what is optimised.
 
 mod abc;
 mod adapted;
@@ -20,7 +20,7 @@ pub use fly::Mapping;
 pub use foa::FoaParameters;
 pub use iffo::IffoParameters;
 pub use mfoa::MfoaParameters;
-pub use msfoa::{LEAST_EASED, MsfoaParameters, Start};
+pub use msfoa::{MIN_RELAXED_BUDGET, MsfoaParameters, SearchSeed};
 pub use msfoa_published::{Parents, PublishedParameters, Step};
 pub use pso::PsoParameters;
 
@@ -37,18 +37,17 @@ pub trait Problem: Sync {
     /// Costs of a batch.
     ///
     /// `candidates` is row-major, `costs.len()` rows of [`Self::dimension`].
-    /// A cost above `cutoff` need not be exact, only above `cutoff`; pass
-    /// `f64::INFINITY` for exact costs. A cost is never NaN.
-    fn evaluate(&self, candidates: &[f64], cutoff: f64, costs: &mut [f64]);
+    /// A cost is never NaN.
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]);
 
-    /// The same variables with limits that cost less to break, where there are any: a search may
-    /// begin with that, and ends with the problem itself.
-    fn eased(&self) -> Option<&dyn Problem> {
+    /// The relaxed problem, if there is one: the same variables with violated limits that cost
+    /// less. A search may begin with it, and ends with the problem itself.
+    fn relaxed(&self) -> Option<&dyn Problem> {
         None
     }
 
-    /// Groups of variables, neighbours and equally many in each, of which it is known what part
-    /// of a cost they may change. A single one where nothing is known.
+    /// Groups of neighbouring variables, equally many in each, with a known part of the cost that
+    /// they may change. A single one where nothing is known.
     fn groups(&self) -> usize {
         1
     }
@@ -56,7 +55,7 @@ pub trait Problem: Sync {
     /// Exact costs of a batch, and in `parts`, `costs.len()` rows of [`Self::groups`], what of
     /// each cost each group may change. Parts overlap where several groups change the same.
     fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
-        self.evaluate(candidates, f64::INFINITY, costs);
+        self.evaluate(candidates, costs);
         for (parts, cost) in parts.chunks_exact_mut(self.groups()).zip(costs) {
             parts.fill(*cost);
         }
@@ -66,7 +65,7 @@ pub trait Problem: Sync {
 /// The algorithms, with their parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Algorithm {
-    /// Sub-swarms in given starts, adapted steps, racing: the default.
+    /// Sub-swarms in given seeds, adapted steps, racing: the default.
     Msfoa(MsfoaParameters),
     /// Algorithm 2 of the paper, with a constant or a shrinking local step.
     MsfoaLiteral(PublishedParameters),
@@ -101,19 +100,19 @@ pub struct Outcome {
     pub finalists: Vec<Candidate>,
     /// Evaluations spent: never more than the budget.
     pub evaluations: usize,
-    /// The best cost after so many evaluations, one point for each improvement.
+    /// The best cost by number of evaluations, one point for each improvement.
     pub trace: Vec<TracePoint>,
 }
 
-/// New starts from a place: other ways to write down nearly the same thing, from which a
-/// search gets further.
-pub type Redraw<'a> = dyn Fn(&[f64], &mut ChaCha8Rng) -> Vec<Start> + 'a;
+/// New seeds from a position: other encodings of nearly the same path, from which a search gets
+/// further.
+pub type Redraw<'a> = dyn Fn(&[f64], &mut ChaCha8Rng) -> Vec<SearchSeed> + 'a;
 
 /// Where the sub-swarms of [`Algorithm::Msfoa`] begin, and begin again.
 #[derive(Clone, Copy, Default)]
-pub struct Starts<'a> {
+pub struct SearchSeeds<'a> {
     /// The most promising first.
-    pub given: &'a [Start],
+    pub given: &'a [SearchSeed],
     /// What a swarm that gains nothing any more makes of its best place.
     pub redraw: Option<&'a Redraw<'a>>,
 }
@@ -122,13 +121,13 @@ pub struct Starts<'a> {
 ///
 /// All numbers are drawn on the calling thread from `rng`; only evaluations run
 /// in parallel, so the outcome does not depend on the number of threads.
-/// Only the sub-swarms of [`Algorithm::Msfoa`] begin at `starts`; all others start at
+/// Only the sub-swarms of [`Algorithm::Msfoa`] begin at `seeds`; all others start at
 /// random, as printed.
 #[must_use]
 pub fn minimise<P: Problem + ?Sized>(
     problem: &P,
     algorithm: &Algorithm,
-    starts: Starts<'_>,
+    seeds: SearchSeeds<'_>,
     budget: usize,
     rng: &mut ChaCha8Rng,
     watch: &(dyn Fn(TracePoint) + Sync),
@@ -137,7 +136,7 @@ pub fn minimise<P: Problem + ?Sized>(
     let evaluating = &mut evaluator;
     let mut finalists = Vec::new();
     match algorithm {
-        Algorithm::Msfoa(of) => finalists = msfoa::search(evaluating, of, starts, rng),
+        Algorithm::Msfoa(of) => finalists = msfoa::search(evaluating, of, seeds, rng),
         Algorithm::MsfoaLiteral(of) => finalists = msfoa_published::search(evaluating, of, rng),
         Algorithm::Foa(of) => foa::search(evaluating, of, rng),
         Algorithm::Pso(of) => pso::search(evaluating, of, rng),

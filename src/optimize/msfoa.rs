@@ -6,10 +6,10 @@
 //! place of its keenest fly; and the competition of offspring, by which swarms
 //! exchange what they know (Eq. 14, 18, 19).
 //!
-//! Beyond it, as measured: swarms begin in given starts instead of anywhere; local
+//! Beyond it, as measured: swarms begin in given seeds instead of anywhere; local
 //! steps are drawn from a distribution that each swarm adapts to what it smells
 //! (`adapted`); at first, and when a swarm begins again, limits are cheap to break, so
-//! that swarms get from one good path to another (`Problem::eased`); swarms race, so
+//! that swarms get from one good path to another (`Problem::relaxed`); swarms race, so
 //! that the budget goes to the promising ones; one that gains nothing any more begins
 //! again elsewhere; an offspring takes the first variables from one swarm and the rest
 //! from another, which for paths is the first part of one route and the second of
@@ -24,18 +24,18 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::adapted::Adapted;
-use super::{Candidate, Evaluator, Problem, Redraw, Starts};
+use super::{Candidate, Evaluator, Problem, Redraw, SearchSeeds};
 use race::{drop_the_slow, survivors};
 use swarm::{Flight, Swarm};
 
 /// Where a sub-swarm begins.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Start {
+pub struct SearchSeed {
     /// Centre, in the unit cube.
     pub mean: Vec<f64>,
     /// Unit of the steps, per variable.
     pub scale: Vec<f64>,
-    /// Starts of one class lead to the same valley: later rounds keep one of each.
+    /// Seeds of one class lead to the same valley: later rounds keep one of each.
     pub class: u64,
 }
 
@@ -48,7 +48,7 @@ pub struct MsfoaParameters {
     pub flies: usize,
     /// Cost above which a swarm searches globally.
     pub threshold: f64,
-    /// Standard deviation of the first local steps, in units of a start's scale.
+    /// Standard deviation of the first local steps, in units of the scale of a seed.
     pub step: f64,
     /// Variables that belong together: offspring are cut between such groups.
     pub group: usize,
@@ -62,20 +62,20 @@ pub struct MsfoaParameters {
 
 /// Shares of the budget at which the rounds of the race end.
 const ROUND_ENDS: [f64; 4] = [0.30, 0.55, 0.75, 1.0];
-/// Rounds that search the eased problem.
-const EASED_ROUNDS: usize = 1;
-/// Evaluations from which on the eased problem is searched first: with fewer a swarm does not
+/// Rounds that search the relaxed problem.
+const RELAXED_ROUNDS: usize = 1;
+/// Evaluations from which on the relaxed problem is searched first: with fewer a swarm does not
 /// get clean again in time, and crowded fleets then have to be planned once more.
-pub const LEAST_EASED: usize = 3500;
-/// For so many evaluations a swarm that begins again searches the eased problem: else it mostly
-/// comes back to where it was.
-const EASED_AGAIN: usize = 320;
-/// Rounds in which a tired swarm begins in a start that none has tried.
+pub const MIN_RELAXED_BUDGET: usize = 3500;
+/// Evaluations for which a swarm that begins again searches the relaxed problem: without them it
+/// mostly comes back to where it was.
+const RELAXED_AGAIN: usize = 320;
+/// Rounds in which a tired swarm begins in a seed that none has tried.
 const FRESH_ROUNDS: usize = 2;
 /// How often a tired swarm redraws its best place otherwise; else it stays there with a
 /// new shape.
 const REDRAWN: f64 = 0.7;
-/// After so many parts of the evaluations, of so many, swarms learn from whole flies.
+/// Share of the evaluations, as a fraction, after which swarms learn from whole flies.
 const WHOLE: (usize, usize) = (4, 5);
 /// Swarms that mate at the end of a round.
 const PARENTS: usize = 4;
@@ -84,7 +84,7 @@ const PARENTS: usize = 4;
 pub(super) fn search<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     parameters: &MsfoaParameters,
-    starts: Starts<'_>,
+    seeds: SearchSeeds<'_>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Candidate> {
     let parameters = MsfoaParameters {
@@ -93,21 +93,21 @@ pub(super) fn search<P: Problem + ?Sized>(
         group: parameters.group.max(1),
         ..*parameters
     };
-    let redraw = starts.redraw;
-    let mut given = starts.given.to_vec();
+    let redraw = seeds.redraw;
+    let mut given = seeds.given.to_vec();
     while given.len() < parameters.swarms {
-        given.push(random_start(evaluator.dimension(), rng));
+        given.push(random_seed(evaluator.dimension(), rng));
     }
     let mut unused = given.iter();
     let mut swarms: Vec<Swarm> = unused
         .by_ref()
         .take(parameters.swarms)
-        .map(|start| Swarm::new(start, &parameters))
+        .map(|seed| Swarm::new(seed, &parameters))
         .collect();
     let mut left_behind = Vec::new();
     // Swarms that stopped for another start: they take part in the race all the same.
     let mut resting = Vec::new();
-    let is_eased = evaluator.budget() >= LEAST_EASED && evaluator.ease();
+    let is_relaxed = evaluator.budget() >= MIN_RELAXED_BUDGET && evaluator.relax();
     for (round, end) in ROUND_ENDS.into_iter().enumerate() {
         let last = round + 1 == ROUND_ENDS.len();
         let round_end = share(evaluator.budget(), end);
@@ -117,13 +117,13 @@ pub(super) fn search<P: Problem + ?Sized>(
                 if parameters.restarts && swarm.is_tired(parameters.flies) {
                     left_behind.push(swarm.best.clone());
                     match unused.next().filter(|_| round < FRESH_ROUNDS) {
-                        Some(start) => {
-                            let fresh = Swarm::new(start, &parameters);
+                        Some(seed) => {
+                            let fresh = Swarm::new(seed, &parameters);
                             resting.push(std::mem::replace(swarm, fresh));
                         }
                         None => {
                             begin_again(evaluator, swarm, redraw, &parameters, rng);
-                            if is_eased && round >= EASED_ROUNDS {
+                            if is_relaxed && round >= RELAXED_ROUNDS {
                                 wander(evaluator, swarm, &parameters, rng);
                             }
                         }
@@ -134,7 +134,7 @@ pub(super) fn search<P: Problem + ?Sized>(
         if !last && parameters.racing {
             swarms.append(&mut resting);
         }
-        if round + 1 == EASED_ROUNDS && evaluator.tighten() {
+        if round + 1 == RELAXED_ROUNDS && evaluator.restore() {
             judge_again(evaluator, &mut swarms, &mut left_behind);
             judge_again(evaluator, &mut resting, &mut Vec::new());
         }
@@ -156,8 +156,8 @@ pub(super) fn search<P: Problem + ?Sized>(
     left_behind
 }
 
-/// What swarms found in the eased problem is judged by the problem itself, with the mean that
-/// each has now; of what they left behind so many as there are swarms.
+/// What swarms found in the relaxed problem is judged by the problem itself, with the mean that
+/// each has now; of what they left behind as many as there are swarms.
 fn judge_again<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     swarms: &mut [Swarm],
@@ -177,9 +177,9 @@ fn judge_again<P: Problem + ?Sized>(
     }
 }
 
-/// A start anywhere, of its own class.
-fn random_start(dimension: usize, rng: &mut ChaCha8Rng) -> Start {
-    Start {
+/// A seed anywhere, of its own class.
+fn random_seed(dimension: usize, rng: &mut ChaCha8Rng) -> SearchSeed {
+    SearchSeed {
         mean: (0..dimension).map(|_| rng.random()).collect(),
         scale: vec![0.5; dimension],
         class: rng.random(),
@@ -225,7 +225,7 @@ fn generation<P: Problem + ?Sized>(
     let mut rows = vec![0.0; flights.len() * dimension];
     let fly = |number: usize, flight: &mut Flight, point: &mut [f64]| match flight {
         Flight::Local(draw) => swarms[number / flies].adapted.take(draw, point),
-        Flight::Global(place) => point.copy_from_slice(place),
+        Flight::Global(position) => point.copy_from_slice(position),
     };
     // What a window leaves out does not cancel: the last of a cost is found as a whole.
     let in_parts = evaluator.spent() * WHOLE.1 <= evaluator.budget() * WHOLE.0;
@@ -267,22 +267,18 @@ fn begin_again<P: Problem + ?Sized>(
     match redraw {
         Some(redraw) => {
             let drawn = redraw(&swarm.elite.position, rng);
-            let rows: Vec<f64> = drawn
-                .iter()
-                .flat_map(|start| &start.mean)
-                .copied()
-                .collect();
+            let rows: Vec<f64> = drawn.iter().flat_map(|seed| &seed.mean).copied().collect();
             let costs = evaluator.evaluate(&rows);
             let best = drawn
                 .into_iter()
                 .zip(costs)
                 .min_by(|a, b| a.1.total_cmp(&b.1));
-            if let Some((start, _)) = best {
+            if let Some((seed, _)) = best {
                 let (class, elite) = (swarm.class, swarm.elite.clone());
                 *swarm = Swarm {
                     class,
                     elite,
-                    ..Swarm::new(&start, parameters)
+                    ..Swarm::new(&seed, parameters)
                 };
             }
         }
@@ -300,22 +296,22 @@ fn begin_again<P: Problem + ?Sized>(
     }
 }
 
-/// A swarm searches the eased problem for a while, if enough is left to get clean again.
+/// A swarm searches the relaxed problem for a while, if enough is left to get clean again.
 fn wander<P: Problem + ?Sized>(
     evaluator: &mut Evaluator<'_, P>,
     swarm: &mut Swarm,
     parameters: &MsfoaParameters,
     rng: &mut ChaCha8Rng,
 ) {
-    let until = evaluator.spent() + EASED_AGAIN;
-    if until + 2 * EASED_AGAIN >= evaluator.budget() || !evaluator.ease() {
+    let until = evaluator.spent() + RELAXED_AGAIN;
+    if until + 2 * RELAXED_AGAIN >= evaluator.budget() || !evaluator.relax() {
         return;
     }
     let elite = swarm.set_out();
     while evaluator.spent() < until {
         generation(evaluator, std::slice::from_mut(swarm), parameters, rng);
     }
-    evaluator.tighten();
+    evaluator.restore();
     let rows = [swarm.best.position.as_slice(), swarm.adapted.mean()].concat();
     let costs = evaluator.evaluate(&rows);
     swarm.come_back(elite, [costs[0], costs[1]]);

@@ -85,12 +85,12 @@ impl PublishedParameters {
         }
     }
 
-    /// Evaluations of one iteration of so many flies.
+    /// Evaluations of one iteration.
     fn evaluations_each(&self, flies: usize) -> usize {
         if self.offspring { 2 * flies } else { flies }
     }
 
-    /// Evaluations of so many iterations, those of the first locations included.
+    /// Evaluations of all iterations, those of the first locations included.
     #[must_use]
     pub fn evaluations(&self, iterations: usize) -> usize {
         let swarms = self.swarms.max(1);

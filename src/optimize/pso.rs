@@ -4,7 +4,7 @@
 //! What is left open, and how it is read here:
 //!
 //! - `v = w v + c1 r1 (p - x) + c2 r2 (g - x)`, r1 and r2 drawn for each variable;
-//!   w falls linearly over the iterations, the last of which has 0.4.
+//!   w falls linearly over the iterations, to 0.4 in the last one.
 //! - Speed is limited to 0.2 of the map an iteration, a limit the paper does not print;
 //!   [`PsoParameters::max_speed`] may be infinite.
 //! - Positions are clamped to the map, and a clamped variable stops.
@@ -43,7 +43,7 @@ impl Default for PsoParameters {
 
 /// One particle.
 struct Particle {
-    place: Vec<f64>,
+    position: Vec<f64>,
     speed: Vec<f64>,
     best: Vec<f64>,
     best_cost: f64,
@@ -59,12 +59,12 @@ pub(super) fn search<P: Problem + ?Sized>(
     let count = parameters.population.max(1);
     let mut swarm: Vec<Particle> = (0..count)
         .map(|_| {
-            let place = population::uniform(dimension, rng);
+            let position = population::uniform(dimension, rng);
             Particle {
-                best: place.clone(),
+                best: position.clone(),
                 speed: vec![0.0; dimension],
                 best_cost: f64::INFINITY,
-                place,
+                position,
             }
         })
         .collect();
@@ -88,13 +88,13 @@ pub(super) fn search<P: Problem + ?Sized>(
 fn look<P: Problem + ?Sized>(evaluator: &mut Evaluator<'_, P>, swarm: &mut [Particle]) {
     let rows: Vec<f64> = swarm
         .iter()
-        .flat_map(|particle| particle.place.iter().copied())
+        .flat_map(|particle| particle.position.iter().copied())
         .collect();
     let costs = evaluator.evaluate(&rows);
     for (particle, cost) in swarm.iter_mut().zip(costs) {
         if cost < particle.best_cost {
             particle.best_cost = cost;
-            particle.best.clone_from(&particle.place);
+            particle.best.clone_from(&particle.position);
         }
     }
 }
@@ -111,14 +111,14 @@ impl Particle {
         let [own, common] = parameters.acceleration;
         for (j, &best) in best.iter().enumerate() {
             let (r1, r2): (f64, f64) = (rng.random(), rng.random());
-            let x = self.place[j];
+            let x = self.position[j];
             let speed =
                 inertia * self.speed[j] + own * r1 * (self.best[j] - x) + common * r2 * (best - x);
             let speed = speed.clamp(-limit, limit);
             let to = (x + speed).clamp(0.0, 1.0);
             let is_clamped = !(0.0..=1.0).contains(&(x + speed));
             self.speed[j] = if is_clamped { 0.0 } else { speed };
-            self.place[j] = to;
+            self.position[j] = to;
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
-use crate::numeric::approach::Motion;
+use crate::numeric::approach::Segment;
 use crate::numeric::tracks::Track;
 use crate::path::{SLOW_LANDING_M, TimedPoint, slow_landing_mps, wing};
 use crate::spec::{Finish, Vehicle};
@@ -167,20 +167,20 @@ fn append_at_speed(points: &mut Vec<TimedPoint>, way: &[PlanPoint], vehicle: &Ve
 
 impl Flight {
     /// The straight motions from point to point; the third coordinate is the altitude.
-    pub fn motions(&self) -> impl Iterator<Item = Motion> + '_ {
+    pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
         let place = |timed: &TimedPoint| {
             let point = timed.point;
             (timed.t_s, [point.at.east_m, point.at.north_m, point.amsl.0])
         };
         self.points
             .windows(2)
-            .map(move |pair| Motion::between(place(&pair[0]), place(&pair[1])))
+            .map(move |pair| Segment::between(place(&pair[0]), place(&pair[1])))
     }
 
     /// Its motions as conflicts with others are looked for.
     #[must_use]
     pub fn track(&self) -> Track {
-        Track::new(self.motions().collect())
+        Track::new(self.segments().collect())
     }
 
     /// Where the vehicle is at a time; `None` while it stands on the ground.

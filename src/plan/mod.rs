@@ -1,18 +1,28 @@
-//! Paths for a fleet, one vehicle after the other in order of priority.
+//! Prioritised planning: paths for a fleet, one vehicle after the other in order of priority.
+//!
+//! `fleet` commits vehicles in order; `classes` finds homotopy classes; `search` searches one
+//! route; `altitude` decodes altitudes; `bound` estimates the best cost; `diagnosis` says why
+//! there is no path.
 
 mod altitude;
 mod bound;
 mod classes;
 mod diagnosis;
 mod fleet;
+mod route_context;
 mod search;
+mod search_options;
+mod spline;
 
-pub use crate::plan::diagnosis::blocking_set::{Barrier, Barriers};
-pub use crate::plan::diagnosis::relaxations::{Change, Remedy};
-pub use crate::plan::diagnosis::violations::{Break, breaks};
+pub use crate::plan::diagnosis::blocking_set::{BlockingElement, BlockingSets};
+pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
+pub use crate::plan::diagnosis::violations::{Violation, violations};
 pub use fleet::columns::ColumnConflict;
-pub use fleet::{Progress, Request, plan_fleet, plan_one_at_a_time, replan, replan_from};
+pub use fleet::{
+    Progress, Request, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan, replan_from,
+};
 pub use search::objective::objective;
+pub use search_options::SearchOptions;
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
@@ -31,9 +41,9 @@ pub struct FleetPlan {
 /// The path of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VehiclePlan {
-    /// When it takes off, seconds after T0: what the spec wants, or another time of its window.
+    /// Takeoff, seconds after T0: the specified time, or another one of its window.
     pub depart_s: f64,
-    /// How fast it flies, m/s: what the spec wants, or another speed of its range.
+    /// Speed, m/s: the specified one, or another one of its range.
     pub speed_mps: f64,
     /// Start to goal; with [`crate::spec::Finish::Return`] a second one, goal to over home.
     pub routes: Vec<Route>,
@@ -41,7 +51,7 @@ pub struct VehiclePlan {
     pub terms: CostTerms,
     /// Proven: no path costs less.
     pub bound: f64,
-    /// What the relaxed problem suggests the best path costs; proves nothing.
+    /// Estimate of the best cost from the cost field; proves nothing.
     pub estimate: f64,
     /// Objective evaluations spent, on all plans that were made for it.
     pub evaluations: usize,
@@ -51,15 +61,15 @@ pub struct VehiclePlan {
     /// Indices of the earlier vehicles that it is planned around, in order; from the
     /// flights of all others it is apart.
     pub avoids: Vec<usize>,
-    /// Indices of the earlier vehicles because of which its path breaks a limit, once
-    /// [`FleetPlan::name_blockers`] was asked.
+    /// Indices of the earlier vehicles that leave it no path within the limits; set by
+    /// [`FleetPlan::name_blockers`].
     pub blocked_by: Vec<usize>,
-    /// Proven, once the same was asked: what closes every way that one of its routes could
-    /// take, in a row around an end of it. Nothing if that is not so.
-    pub cut_off_by: Vec<Barrier>,
-    /// What it would have a path with, if that was tried because nothing of the above is the
-    /// reason.
-    pub remedies: Option<Vec<Remedy>>,
+    /// Blocking set, proven and set by the same: the obstacles that close every path of one of
+    /// its routes, in a row around an end of it. Empty without a proof.
+    pub blocking_set: Vec<BlockingElement>,
+    /// Relaxations with which it has a path. `None` if they were not tried, because one of the
+    /// above is the reason.
+    pub relaxations: Option<Vec<Relaxation>>,
 }
 
 /// One planned spline.
@@ -83,25 +93,25 @@ impl FleetPlan {
     /// The spec with the departures and speeds that were chosen. Missions are made from it, and
     /// judged against the spec itself.
     #[must_use]
-    pub fn settled(&self, spec: &MissionSpec) -> MissionSpec {
-        let mut settled = spec.clone();
-        for (vehicle, plan) in settled.vehicles.iter_mut().zip(&self.vehicles) {
-            plan.settle(vehicle);
+    pub fn retimed(&self, spec: &MissionSpec) -> MissionSpec {
+        let mut retimed = spec.clone();
+        for (vehicle, plan) in retimed.vehicles.iter_mut().zip(&self.vehicles) {
+            plan.apply_to(vehicle);
         }
-        settled
+        retimed
     }
 }
 
 impl VehiclePlan {
-    /// Indices of the earlier vehicles that its path would meet at the departure and speed that
-    /// the spec wants, if others were chosen, or that it is then planned around.
+    /// Indices of the earlier vehicles that it conflicts with at the specified departure and
+    /// speed, if others were chosen, or that it is then planned around.
     #[must_use]
-    pub fn gives_way_to(&self, wanted: &Vehicle) -> &[usize] {
-        let as_wanted = [
-            (self.depart_s, wanted.depart_s),
-            (self.speed_mps, wanted.speed_mps),
+    pub fn gives_way_to(&self, specified: &Vehicle) -> &[usize] {
+        let as_specified = [
+            (self.depart_s, specified.depart_s),
+            (self.speed_mps, specified.speed_mps),
         ];
-        if as_wanted
+        if as_specified
             .iter()
             .all(|(is, was)| is.to_bits() == was.to_bits())
         {
@@ -111,8 +121,8 @@ impl VehiclePlan {
         }
     }
 
-    /// Has a vehicle take off and fly as was chosen.
-    pub(crate) fn settle(&self, vehicle: &mut Vehicle) {
+    /// Sets the chosen departure and speed.
+    pub(crate) fn apply_to(&self, vehicle: &mut Vehicle) {
         (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);
     }
 
@@ -134,7 +144,7 @@ impl VehiclePlan {
         self.routes.iter().map(Route::points).collect()
     }
 
-    /// Horizontal and vertical way of all routes, metres.
+    /// Length of all routes in three dimensions, metres.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         let pieces = self.routes.iter().flat_map(|route| route.path.windows(2));

@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
-use crate::plan::{FleetPlan, Route, VehiclePlan, breaks};
+use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::verify::{Margin, Moment, Review};
 use crate::world::World;
@@ -62,18 +62,18 @@ pub struct PlannedVehicle {
     pub evaluations: usize,
     /// Which limits the best path breaks, if none was found that keeps them all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub breaks: Vec<BlockEntry>,
+    pub violations: Vec<BlockEntry>,
     /// Number of plans: one more for each conflict with earlier vehicles or failed verification.
     pub plans: usize,
     /// Proven: threats, zones and ground above the ceiling leave no path to its goal.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub cut_off: bool,
+    pub is_proven_infeasible: bool,
     /// The blocking set, in a row around its start or goal.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub cut_off_by: Vec<String>,
+    pub blocking_set: Vec<String>,
     /// Changes of the spec with which, each alone, a path that keeps every limit was found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub remedies: Vec<String>,
+    pub relaxations: Vec<String>,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
@@ -202,10 +202,10 @@ pub fn plan_json(
                 gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
                 blocked_by: ids(spec, &planned.blocked_by),
                 // The objective judges turns and ground more strictly than the verdict.
-                breaks: if passes {
+                violations: if passes {
                     Vec::new()
                 } else {
-                    violations(spec, vehicle, planned, world)
+                    violation_entries(spec, vehicle, planned, world)
                 },
                 ..planned_vehicle(spec, vehicle, planned, world)
             })
@@ -213,13 +213,13 @@ pub fn plan_json(
     }
 }
 
-fn violations(
+fn violation_entries(
     spec: &MissionSpec,
     vehicle: &Vehicle,
     planned: &VehiclePlan,
     world: &World,
 ) -> Vec<BlockEntry> {
-    let violations = breaks(spec, world, vehicle, planned).into_iter();
+    let violations = violations(spec, world, vehicle, planned).into_iter();
     violations
         .map(|violation| BlockEntry {
             at: control_point(violation.at, world),
@@ -277,14 +277,14 @@ fn planned_vehicle(
         estimate: finite(planned.estimate),
         gap: finite(planned.gap()),
         evaluations: planned.evaluations,
-        breaks: Vec::new(),
+        violations: Vec::new(),
         plans: planned.plans,
-        cut_off: !planned.cut_off_by.is_empty(),
-        cut_off_by: (planned.cut_off_by.iter())
-            .map(|barrier| barrier.name(spec))
+        is_proven_infeasible: !planned.blocking_set.is_empty(),
+        blocking_set: (planned.blocking_set.iter())
+            .map(|element| element.name(spec))
             .collect(),
-        remedies: (planned.remedies.iter().flatten())
-            .map(|remedy| remedy.words(vehicle))
+        relaxations: (planned.relaxations.iter().flatten())
+            .map(|relaxation| relaxation.words(vehicle))
             .collect(),
         control_points: planned
             .routes

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::ReviewInput;
-use crate::plan::{Break, FleetPlan, VehiclePlan, breaks};
+use crate::plan::{FleetPlan, VehiclePlan, Violation, violations};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::world::World;
 
@@ -16,7 +16,7 @@ pub struct Infeasibility {
     /// Id of the vehicle.
     pub vehicle: String,
     /// The limits that the best path found violates, with the worst place of each.
-    pub violations: Vec<Break>,
+    pub violations: Vec<Violation>,
     /// Latitude and longitude of each violation, degrees.
     places: Vec<(f64, f64)>,
     /// Whether the best path comes too near to an earlier vehicle.
@@ -53,10 +53,10 @@ impl ReviewInput<'_> {
 
 impl Infeasibility {
     fn new(spec: &MissionSpec, world: &World, vehicle: &Vehicle, plan: &VehiclePlan) -> Self {
-        let violations = breaks(spec, world, vehicle, plan);
+        let violations = violations(spec, world, vehicle, plan);
         let others = plan.blocked_by.iter();
         let others = others.filter_map(|&other| spec.vehicles.get(other));
-        let relaxations = plan.remedies.as_ref();
+        let relaxations = plan.relaxations.as_ref();
         Self {
             vehicle: vehicle.id.clone(),
             places: (violations.iter())
@@ -66,11 +66,14 @@ impl Infeasibility {
             violations,
             conflicts: plan.terms.collision > 0.0,
             blocked_by: others.map(|other| other.id.clone()).collect(),
-            blocking_set: (plan.cut_off_by.iter())
-                .map(|barrier| barrier.name(spec))
+            blocking_set: (plan.blocking_set.iter())
+                .map(|element| element.name(spec))
                 .collect(),
-            relaxations: relaxations
-                .map(|all| all.iter().map(|remedy| remedy.words(vehicle)).collect()),
+            relaxations: relaxations.map(|all| {
+                all.iter()
+                    .map(|relaxation| relaxation.words(vehicle))
+                    .collect()
+            }),
         }
     }
 

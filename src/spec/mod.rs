@@ -18,7 +18,7 @@ pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
-    MissionOptions, MissionSpec, Objective, OnLinkLoss, Part, Planner, Rally, Separation,
+    MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,
     THREAT_RADIUS_M, TerrainSource, Threat, Weights, Wind, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};

@@ -188,65 +188,6 @@ pub struct Planner {
     pub threshold: Option<f64>,
     /// Local step R, as a fraction of the map; absent: the algorithm's own.
     pub step: Option<f64>,
-    /// A part that the default algorithm does without, to see what it is worth. No key of
-    /// the file: studies alone leave parts out.
-    pub without: Option<Part>,
-}
-
-/// A part of the default planner.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
-    /// Route classes from cost fields; without them every swarm begins on the straight line.
-    Routes,
-    /// Three cost fields; without them one, that of the vehicle's own slope.
-    Fields,
-    /// Control points bunched in several ways along a route.
-    Warps,
-    /// Fits drawn tight over the relaxed problem.
-    Tightening,
-    /// Starts that give way to earlier flights; without them ways are ranked by what they cost
-    /// straight through these.
-    Detours,
-    /// Swarms that race; without that all go on to the end.
-    Racing,
-    /// Swarms that exchange parts of their paths.
-    Offspring,
-    /// Swarms that begin again when they gain nothing.
-    Restarts,
-    /// Control points bunched anew when a swarm begins again.
-    Redrawing,
-    /// Windows of a path judged each on its own; without them flies are judged as a whole.
-    Windows,
-    /// Violated limits dearer in the search than in the judgement.
-    Penalties,
-    /// Violated limits cheaper at first.
-    Easing,
-}
-
-impl Part {
-    /// All of them, with the name that tables give to the planner without it.
-    pub const ALL: [(&'static str, Self); 12] = [
-        ("no route classes", Self::Routes),
-        ("one cost field", Self::Fields),
-        ("no warps", Self::Warps),
-        ("no tightening", Self::Tightening),
-        ("no swerves", Self::Detours),
-        ("no racing", Self::Racing),
-        ("no offspring", Self::Offspring),
-        ("no restarts", Self::Restarts),
-        ("no redrawing", Self::Redrawing),
-        ("no windows", Self::Windows),
-        ("penalties of the judge", Self::Penalties),
-        ("no easing", Self::Easing),
-    ];
-}
-
-impl Planner {
-    /// Whether a part of the default algorithm takes part.
-    #[must_use]
-    pub fn has(&self, part: Part) -> bool {
-        self.without != Some(part)
-    }
 }
 
 /// Which algorithm searches.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use geo::Polygon;
 
-use crate::cost::{Controls, CostModel, Leg, Margins, PaperOptions};
+use crate::cost::{Controls, CostModel, Margins, PaperOptions, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::numeric::Basis;
 use crate::numeric::bspline::uniform_parameters;
@@ -89,9 +89,9 @@ impl Setting {
     }
 
     /// The leg of a vehicle; all vehicles depart at once.
-    pub(super) fn leg(&self, vehicle: usize) -> Leg {
+    pub(super) fn leg(&self, vehicle: usize) -> RouteEnds {
         let stations = &self.world.stations[vehicle];
-        Leg {
+        RouteEnds {
             from: stations.start,
             to: stations.goal,
             start_s: 0.0,
@@ -99,7 +99,7 @@ impl Setting {
     }
 
     pub(super) fn encoding(&self, vehicle: usize) -> Encoding {
-        let Leg { from, to, .. } = self.leg(vehicle);
+        let RouteEnds { from, to, .. } = self.leg(vehicle);
         let (low, high) = (self.scenario.south_west, self.scenario.north_east);
         Encoding {
             axes: [
@@ -286,7 +286,7 @@ mod tests {
     use std::path::Path;
 
     /// Seven control points from start to goal, each offset by `pushed` of its share of the leg.
-    fn spline(leg: &Leg, pushed: impl Fn(f64) -> [f64; 3]) -> Spline {
+    fn spline(leg: &RouteEnds, pushed: impl Fn(f64) -> [f64; 3]) -> Spline {
         let (from, to) = (leg.from, leg.to);
         let axis = |axis: usize, a: f64, b: f64| -> Vec<f64> {
             (0..7)

@@ -152,7 +152,7 @@ impl Check<'_> {
             "{} m, and from area.min_agl_m over the start of `{}` to the ceiling it is {} m",
             digits::plain(tolerance_m),
             vehicle.id,
-            digits::beside(room_m, tolerance_m, 1)
+            digits::distinct_from(room_m, tolerance_m, 1)
         );
         let most_m = room_m.max(USUAL_TOLERANCE_M);
         self.report(path, found, format!("at most {} m", digits::plain(most_m)));
@@ -172,8 +172,8 @@ impl Check<'_> {
         let over = format!("ground at {:.1} m", ground.0);
         if agl_m < 0.0 {
             let (at_m, deep_m) = (
-                digits::beside(amsl.0, ground.0, 1),
-                digits::beside(-agl_m, 0.0, 1),
+                digits::distinct_from(amsl.0, ground.0, 1),
+                digits::distinct_from(-agl_m, 0.0, 1),
             );
             let found = format!("{what} at {at_m} m is {deep_m} m under ground");
             self.report(
@@ -182,7 +182,7 @@ impl Check<'_> {
                 format!("at least {} m above {over}", area.min_agl.0),
             );
         } else if agl_m < area.min_agl.0 {
-            let above_m = digits::beside(agl_m, area.min_agl.0, 1);
+            let above_m = digits::distinct_from(agl_m, area.min_agl.0, 1);
             let found = format!("{what} is {above_m} m above {over}");
             self.report(
                 path,
@@ -191,7 +191,7 @@ impl Check<'_> {
             );
         }
         if amsl > area.max_amsl {
-            let at_m = digits::beside(amsl.0, area.max_amsl.0, 1);
+            let at_m = digits::distinct_from(amsl.0, area.max_amsl.0, 1);
             let found = format!("{what} is at {at_m} m, over {over}");
             self.report(
                 path,
@@ -255,7 +255,7 @@ impl Check<'_> {
         };
         let amsl = Amsl(ground.0 + agl_m);
         if amsl > ceiling {
-            let at_m = digits::beside(amsl.0, ceiling.0, 1);
+            let at_m = digits::distinct_from(amsl.0, ceiling.0, 1);
             let found = format!("the rally point is at {at_m} m");
             self.report(
                 path,

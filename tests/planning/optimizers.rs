@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use sortie::numeric::Seed;
 use sortie::optimize::{
     AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, MfoaParameters,
-    MsfoaParameters, Outcome, Problem, PsoParameters, PublishedParameters, Start, Starts, minimise,
+    MsfoaParameters, Outcome, Problem, PsoParameters, PublishedParameters, SearchSeed, SearchSeeds,
+    minimise,
 };
 
 #[derive(Clone, Copy)]
@@ -56,7 +57,7 @@ impl Problem for Analytic {
         self.dimension
     }
 
-    fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
         self.calls.fetch_add(costs.len(), Ordering::Relaxed);
         for (cost, row) in costs.iter_mut().zip(candidates.chunks(self.dimension)) {
             if !row.iter().all(|s| (0.0..=1.0).contains(s)) {
@@ -124,7 +125,7 @@ fn run(problem: &Analytic, algorithm: &Algorithm, budget: usize, seed: u64) -> O
     minimise(
         problem,
         algorithm,
-        Starts::default(),
+        SearchSeeds::default(),
         budget,
         &mut rng,
         &|_| (),
@@ -237,7 +238,7 @@ impl Problem for Chain {
         2 * Self::POINTS
     }
 
-    fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
         for (cost, row) in costs.iter_mut().zip(candidates.chunks(self.dimension())) {
             *cost = (0..Self::POINTS).map(|point| Self::costs(row, point)).sum();
         }
@@ -248,7 +249,7 @@ impl Problem for Chain {
     }
 
     fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
-        self.evaluate(candidates, f64::INFINITY, costs);
+        self.evaluate(candidates, costs);
         if !self.tells_parts {
             parts.copy_from_slice(costs);
             return;
@@ -272,7 +273,7 @@ fn a_problem_that_tells_the_parts_of_its_costs_is_searched_faster() {
         let outcome = minimise(
             &problem,
             &algorithm,
-            Starts::default(),
+            SearchSeeds::default(),
             budget,
             rng,
             &|_| (),
@@ -297,12 +298,12 @@ impl Walled {
     }
 
     fn search(&self, seed: u64) -> Outcome {
-        let start = Start {
+        let start = SearchSeed {
             mean: vec![0.15, 0.9],
             scale: vec![0.03; 2],
             class: 0,
         };
-        let starts = Starts {
+        let starts = SearchSeeds {
             given: std::slice::from_ref(&start),
             redraw: None,
         };
@@ -323,13 +324,13 @@ impl Problem for Walled {
         2
     }
 
-    fn evaluate(&self, candidates: &[f64], _cutoff: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
         for (cost, row) in costs.iter_mut().zip(candidates.chunks_exact(2)) {
             *cost = self.cost(row);
         }
     }
 
-    fn eased(&self) -> Option<&dyn Problem> {
+    fn relaxed(&self) -> Option<&dyn Problem> {
         let lower = self.lower.as_deref()?;
         Some(lower)
     }
@@ -339,11 +340,11 @@ impl Problem for Walled {
 fn a_search_that_is_eased_at_first_gets_over_walls_and_ends_with_the_problem_itself() {
     let walled = |height, lower| Walled { height, lower };
     let high = walled(10.0, None);
-    let eased = walled(10.0, Some(Box::new(walled(0.1, None))));
+    let relaxed = walled(10.0, Some(Box::new(walled(0.1, None))));
     for seed in 0..5 {
         let stuck = high.search(seed).finalists[0].cost;
         assert!(stuck > 0.4, "{stuck}");
-        let outcome = eased.search(seed);
+        let outcome = relaxed.search(seed);
         assert!(
             outcome.finalists[0].cost < 1e-3,
             "{:?}",
@@ -366,7 +367,7 @@ fn a_search_that_is_eased_at_first_gets_over_walls_and_ends_with_the_problem_its
 
 #[test]
 fn the_default_begins_where_it_is_told_and_stays_near_with_a_small_scale() {
-    let start = Start {
+    let start = SearchSeed {
         mean: vec![0.3; 4],
         scale: vec![1e-4; 4],
         class: 1,
@@ -386,7 +387,7 @@ fn the_default_begins_where_it_is_told_and_stays_near_with_a_small_scale() {
     let outcome = minimise(
         &problem,
         &algorithm,
-        Starts {
+        SearchSeeds {
             given: &[start],
             redraw: None,
         },

@@ -7,7 +7,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use sortie::cost::Margins;
 use sortie::geodesy::{Amsl, EastNorth};
-use sortie::numeric::approach::{Motion, closest_approach};
+use sortie::numeric::approach::{Segment, closest_approach};
 use sortie::path::Flight;
 use sortie::plan::{FleetPlan, Request, plan_fleet, replan_from};
 use sortie::spec::*;
@@ -25,7 +25,7 @@ fn least_clearance_m(world: &World, plan: &FleetPlan, vehicle: usize) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-fn motions(flight: &Flight) -> Vec<Motion> {
+fn segments(flight: &Flight) -> Vec<Segment> {
     let place = |timed: &sortie::path::TimedPoint| {
         let at = timed.point.at;
         (timed.t_s, [at.east_m, at.north_m, timed.point.amsl.0])
@@ -33,13 +33,13 @@ fn motions(flight: &Flight) -> Vec<Motion> {
     flight
         .points
         .windows(2)
-        .map(|pair| Motion::between(place(&pair[0]), place(&pair[1])))
+        .map(|pair| Segment::between(place(&pair[0]), place(&pair[1])))
         .collect()
 }
 
 /// Least distance of two flights at any allowed shift of departures, metres.
 fn separation_m(a: &Flight, b: &Flight, slack_s: f64) -> f64 {
-    let (a, b) = (motions(a), motions(b));
+    let (a, b) = (segments(a), segments(b));
     a.iter()
         .flat_map(|a| b.iter().map(move |b| (a, b)))
         .filter_map(|(a, b)| closest_approach(a, b, slack_s))

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::geodesy::Amsl;
-use sortie::plan::{Barrier, Barriers, Change, breaks};
+use sortie::plan::{BlockingElement, BlockingSets, Change, violations};
 use sortie::spec::*;
 use sortie::world::{Terrain, TerrainGrid, World};
 use support::plans::{EAST, SOUTH, WEST, plan};
@@ -20,7 +20,7 @@ fn dispatched(spec: &MissionSpec, world: &World) -> Dispatched {
 /// What breaks the only vehicle of a spec, in words.
 fn blocked(spec: &MissionSpec) -> Vec<String> {
     let (world, fleet) = plan(spec);
-    let found = breaks(spec, &world, &spec.vehicles[0], &fleet.vehicles[0]);
+    let found = violations(spec, &world, &spec.vehicles[0], &fleet.vehicles[0]);
     assert_eq!(found.is_empty(), fleet.vehicles[0].terms.is_clean());
     found.into_iter().map(|block| block.what).collect()
 }
@@ -47,14 +47,14 @@ fn a_goal_behind_a_closed_ring_is_blocked_by_threats_of_the_ring_and_no_others()
 }
 
 /// What closes every way from the start of a vehicle to its goal.
-fn barriers(world: &World, vehicle: usize) -> Vec<Barrier> {
+fn blocking_sets(world: &World, vehicle: usize) -> Vec<BlockingElement> {
     let stations = world.stations[vehicle];
-    Barriers::of(world).between(stations.start.at, stations.goal.at)
+    BlockingSets::of(world).between(stations.start.at, stations.goal.at)
 }
 
 /// Whether it is proven that nobody can fly from the start of a vehicle to its goal.
-fn is_cut_off(world: &World, vehicle: usize) -> bool {
-    !barriers(world, vehicle).is_empty()
+fn is_blocked(world: &World, vehicle: usize) -> bool {
+    !blocking_sets(world, vehicle).is_empty()
 }
 
 #[test]
@@ -69,8 +69,8 @@ fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
         spec.area.north_east = place(36.351, -84.17);
         spec
     };
-    assert!(is_cut_off(&world(&walls(None)), 0));
-    assert!(!is_cut_off(&world(&walls(Some(3))), 0));
+    assert!(is_blocked(&world(&walls(None)), 0));
+    assert!(!is_blocked(&world(&walls(Some(3))), 0));
     // A zone in the gap closes it, unless it leaves room under the ceiling.
     let mut zoned = walls(Some(3));
     let corners = [
@@ -84,20 +84,20 @@ fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
         polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
         below: Some(Amsl(zoned.area.max_amsl.0 - 1.0)),
     });
-    assert!(!is_cut_off(&world(&zoned), 0));
+    assert!(!is_blocked(&world(&zoned), 0));
     zoned.no_fly[0].below = None;
-    assert!(is_cut_off(&world(&zoned), 0));
+    assert!(is_blocked(&world(&zoned), 0));
 }
 
 #[test]
 fn of_the_generated_scenarios_those_that_nobody_can_fly_are_told_apart() {
-    let cut_off = |seed: u64, difficulty: u8| {
+    let is_proven = |seed: u64, difficulty: u8| {
         let file = generated(seed, difficulty);
         let world = sortie::world::load(&file).expect("the ground is analytic");
-        (0..file.spec.vehicles.len()).all(|vehicle| is_cut_off(&world, vehicle))
+        (0..file.spec.vehicles.len()).all(|vehicle| is_blocked(&world, vehicle))
     };
-    assert!(cut_off(108, 8) && cut_off(120, 10));
-    assert!(!cut_off(107, 7) && !cut_off(110, 10) && !cut_off(118, 8));
+    assert!(is_proven(108, 8) && is_proven(120, 10));
+    assert!(!is_proven(107, 7) && !is_proven(110, 10) && !is_proven(118, 8));
 }
 
 #[test]
@@ -210,13 +210,17 @@ fn a_wall_from_edge_to_edge_is_named_with_the_edge_however_thin() {
         let world = world(&spec);
         let found = dispatched(&spec, &world);
         let vehicle = &found.plan.vehicles[0];
-        let mut named: Vec<String> = vehicle.cut_off_by.iter().map(|of| of.name(&spec)).collect();
+        let mut named: Vec<String> = vehicle
+            .blocking_set
+            .iter()
+            .map(|of| of.name(&spec))
+            .collect();
         named.sort();
         assert_eq!(named, ["the edge of the area", "zone wall"], "{width_m} m");
-        let broken = breaks(&spec, &world, &spec.vehicles[0], vehicle);
+        let broken = violations(&spec, &world, &spec.vehicles[0], vehicle);
         assert_eq!(broken.len(), 1, "{broken:?}");
         assert_eq!(broken[0].what, "zone wall");
-        assert_eq!(vehicle.remedies, None);
+        assert_eq!(vehicle.relaxations, None);
     }
 }
 
@@ -229,12 +233,12 @@ fn many_small_threats_in_a_row_close_the_way_together() {
         spec.threats.push(threat(&format!("post-{k}"), at, 6.0));
     }
     let world = world(&spec);
-    let closed = barriers(&world, 0);
-    assert!(closed.contains(&Barrier::Edge));
+    let closed = blocking_sets(&world, 0);
+    assert!(closed.contains(&BlockingElement::Edge));
     assert!(closed.len() > 500, "{}", closed.len());
     spec.threats.remove(600);
     spec.threats.remove(600);
-    assert_eq!(barriers(&support::world(&spec), 0), []);
+    assert_eq!(blocking_sets(&support::world(&spec), 0), []);
 }
 
 /// Flat ground with nodes 90 m apart, and none where `is_void` says so of row and column.
@@ -262,10 +266,10 @@ fn with_voids(spec: &MissionSpec, is_void: impl Fn(usize, usize) -> bool) -> Wor
 fn a_column_of_voids_closes_the_way_and_is_named() {
     let spec = across();
     let closed = with_voids(&spec, |_, column| column == 100);
-    assert_eq!(barriers(&closed, 0).len(), 2);
-    assert!(barriers(&closed, 0).contains(&Barrier::Void));
+    assert_eq!(blocking_sets(&closed, 0).len(), 2);
+    assert!(blocking_sets(&closed, 0).contains(&BlockingElement::Void));
     let found = dispatched(&spec, &closed);
-    let broken = breaks(&spec, &closed, &spec.vehicles[0], &found.plan.vehicles[0]);
+    let broken = violations(&spec, &closed, &spec.vehicles[0], &found.plan.vehicles[0]);
     assert!(
         broken
             .iter()
@@ -273,7 +277,7 @@ fn a_column_of_voids_closes_the_way_and_is_named() {
         "{broken:?}"
     );
     let open = with_voids(&spec, |row, column| column == 100 && row > 60);
-    assert_eq!(barriers(&open, 0), []);
+    assert_eq!(blocking_sets(&open, 0), []);
     assert!(dispatched(&spec, &open).plan.vehicles[0].terms.is_clean());
 }
 
@@ -312,14 +316,14 @@ fn ground_that_the_grid_does_not_show_proves_nothing() {
         }
     };
     spec.terrain = slot(8.0, 0.0002, 701);
-    assert_eq!(barriers(&world(&spec), 0), []);
+    assert_eq!(blocking_sets(&world(&spec), 0), []);
     spec.terrain = slot(400.0, 0.005, 29);
-    assert_eq!(barriers(&world(&spec), 0), []);
+    assert_eq!(blocking_sets(&world(&spec), 0), []);
     // The same in two halves: high ground lies all around each of them.
     if let TerrainSource::Analytic { hills, .. } = &mut spec.terrain {
         hills.retain(|hill| (hill.place.lon_deg + 84.25).abs() > 0.02);
     }
-    assert_eq!(barriers(&world(&spec), 0), [Barrier::Ground]);
+    assert_eq!(blocking_sets(&world(&spec), 0), [BlockingElement::Ground]);
 }
 
 /// Two walls, each with a gap, and the gaps 4.4 km from each other.
@@ -345,16 +349,18 @@ fn a_pass_narrower_than_a_turn_names_the_turn_and_one_that_fits_does_pass() {
     let found = dispatched(&spec, &world);
     let vehicle = &found.plan.vehicles[0];
     assert!(!vehicle.terms.is_clean());
-    assert_eq!(vehicle.cut_off_by, []);
-    let remedies = vehicle.remedies.as_ref().expect("they were looked for");
-    let turns = remedies.iter().find_map(|remedy| match remedy.0[..] {
-        [Change::TurnRadius(radius_m), ref others @ ..] => {
-            Some((remedy, radius_m, others.to_vec()))
-        }
-        _ => None,
-    });
-    let (remedy, radius_m, others) = turns.unwrap_or_else(|| panic!("{remedies:?}"));
-    let words = remedy.words(&spec.vehicles[0]);
+    assert_eq!(vehicle.blocking_set, []);
+    let relaxations = vehicle.relaxations.as_ref().expect("they were looked for");
+    let turns = relaxations
+        .iter()
+        .find_map(|relaxation| match relaxation.0[..] {
+            [Change::TurnRadius(radius_m), ref others @ ..] => {
+                Some((relaxation, radius_m, others.to_vec()))
+            }
+            _ => None,
+        });
+    let (relaxation, radius_m, others) = turns.unwrap_or_else(|| panic!("{relaxations:?}"));
+    let words = relaxation.words(&spec.vehicles[0]);
     assert!(words.starts_with("turns of "), "{words}");
     // What it says is so: as slow as that there is a path.
     let as_slow = radius_m / sortie::path::VehicleLimits::of(&spec.vehicles[0]).turn_radius_m;
@@ -375,11 +381,11 @@ fn who_needs_more_control_points_is_told_how_many_and_that_is_right() {
     spec.planner.evaluations = 20_000;
     let world = world(&spec);
     let found = dispatched(&spec, &world);
-    let remedies = found.plan.vehicles[0].remedies.clone();
-    let remedies = remedies.expect("they were looked for");
-    assert!(!remedies.is_empty());
-    for remedy in &remedies {
-        if let [Change::ControlPoints(count)] = remedy.0[..] {
+    let relaxations = found.plan.vehicles[0].relaxations.clone();
+    let relaxations = relaxations.expect("they were looked for");
+    assert!(!relaxations.is_empty());
+    for relaxation in &relaxations {
+        if let [Change::ControlPoints(count)] = relaxation.0[..] {
             spec.planner.control_points = count;
             assert!(dispatched(&spec, &world).plan.vehicles[0].terms.is_clean());
         }
@@ -406,8 +412,11 @@ fn plan_says_on_its_output_what_closes_every_way() {
         text.contains("every way is closed by zone wall and the edge of the area"),
         "{text}"
     );
-    assert!(plan.contains("\"cut_off\": true") || plan.contains("\"cut_off\":true"));
-    assert!(plan.contains("\"cut_off_by\""));
+    assert!(
+        plan.contains("\"is_proven_infeasible\": true")
+            || plan.contains("\"is_proven_infeasible\":true")
+    );
+    assert!(plan.contains("\"blocking_set\""));
 }
 
 /// A wall of a metre across the whole area.

@@ -307,8 +307,8 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
                 plans: 1,
                 avoids: Vec::new(),
                 blocked_by: Vec::new(),
-                cut_off_by: Vec::new(),
-                remedies: None,
+                blocking_set: Vec::new(),
+                relaxations: None,
             })
             .collect(),
     };

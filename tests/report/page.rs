@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use sortie::plan::{Barrier, Change, Remedy};
+use sortie::plan::{BlockingElement, Change, Relaxation};
 use sortie::spec::Vehicle;
 use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
@@ -163,9 +163,9 @@ fn the_page_of_a_failure_says_why_no_path_was_found() {
     let plan = &mut facts.plan.vehicles[0];
     plan.terms.threat = 0.2;
     plan.terms.collision = 0.1;
-    plan.cut_off_by = vec![Barrier::Threat(0), Barrier::Edge];
+    plan.blocking_set = vec![BlockingElement::Threat(0), BlockingElement::Edge];
     facts.plan.vehicles[1].terms.threat = 0.2;
-    facts.plan.vehicles[1].remedies = Some(vec![Remedy(vec![Change::Evaluations(80_000)])]);
+    facts.plan.vehicles[1].relaxations = Some(vec![Relaxation(vec![Change::Evaluations(80_000)])]);
     facts.review.margins[0].ok = false;
     let page = facts.html();
     let (_, reasons) = page

@@ -150,7 +150,6 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
             population: None,
             threshold: None,
             step: None,
-            without: None,
         },
         mission: MissionOptions {
             altitude: AltitudeReference::Amsl,

@@ -101,7 +101,7 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
 /// A number with enough decimals to differ from the limit it misses.
 fn number_against(value: f64, limit: f64, decimals: usize) -> String {
     if value.abs() < 1e9 {
-        digits::beside(value, limit, decimals)
+        digits::distinct_from(value, limit, decimals)
     } else {
         number(value, decimals)
     }

@@ -102,13 +102,15 @@ fn run_paper(arguments: &args::Paper) -> Result<(), Failure> {
     out(&summary)
 }
 
-/// Makes the unfinished runs of a shard. Returns a summary and, once the study is whole, all
-/// its runs.
+/// A summary and, once the study is whole, all its runs.
+type Completed<S> = (String, Option<Vec<<S as Study>::Run>>);
+
+/// Makes the unfinished runs of a shard.
 fn complete<S: Study>(
     study: &S,
     folder: &args::StudyFolder,
     make: impl FnOnce(&[usize], &(dyn Fn(S::Run, f64) -> bool + Sync)),
-) -> Result<(String, Option<Vec<S::Run>>), Failure> {
+) -> Result<Completed<S>, Failure> {
     let mut store = Store::open(&folder.out, study, folder.resume)?;
     let bar = progress_bar();
     let count = |number: usize| u64::try_from(number).unwrap_or(u64::MAX);

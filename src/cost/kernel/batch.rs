@@ -13,7 +13,7 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// An empty batch of splines with so many control points, ends included.
+    /// An empty batch of splines with `controls` control points, ends included.
     #[must_use]
     pub fn new(controls: usize) -> Self {
         Self {

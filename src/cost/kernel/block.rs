@@ -6,41 +6,36 @@
 
 use fearless_simd::prelude::*;
 
-use super::boxes::{Bounds, meets};
-use super::lanes::{
-    Lanes, Place, Scratch, Steps, V, Wide, load, point, points, splat, steps, store, store_place,
-};
+use super::boxes::Bounds;
+use super::lanes::{Lanes, Position, Steps, V, Wide, point, points, splat, steps};
 use super::limits::LimitLanes;
-use super::threats::{Danger, clear};
-use crate::cost::hazards::{Hazards, Segment};
-use crate::cost::model::CostModel;
+use crate::cost::hazards::Piece;
 use crate::cost::relief::{CellLanes, Corners, ReliefLanes};
-use crate::cost::sampling::MOST_SUBSTEPS;
+use crate::cost::sampling::MAX_SUBSTEPS;
 use crate::numeric::geometry::POINT_SQ;
 
-/// Pieces of a block, for which hazards are culled together, and between two looks at the
-/// cutoff.
+/// Pieces of a block, for which hazards are culled together.
 pub(crate) const BLOCK: usize = 8;
 /// Fine samples of a block.
-pub(crate) const FINE: usize = BLOCK * MOST_SUBSTEPS;
+pub(crate) const FINE: usize = BLOCK * MAX_SUBSTEPS;
 
 /// The pieces of a block.
 pub(crate) struct Block<S: Simd> {
     /// The sample with which it begins.
-    start: usize,
-    count: usize,
+    pub(super) start: usize,
+    pub(super) count: usize,
     /// Readings of the ground in each piece.
     substeps: usize,
     /// Places at the samples, that with which it begins included.
-    places: [Place<S>; BLOCK + 1],
+    pub(super) positions: [Position<S>; BLOCK + 1],
     /// Those at the fine samples too, if there are more.
-    fine: [Place<S>; FINE],
+    fine: [Position<S>; FINE],
     /// Where in the ground grid the fine samples lie.
     cells: [CellLanes<S>; FINE],
     /// The last piece of the block before, and those of this one.
-    steps: [Steps<S>; BLOCK + 1],
+    pub(super) steps: [Steps<S>; BLOCK + 1],
     /// Horizontal distance along the route at the end, if it is kept.
-    along_m: V<S>,
+    pub(super) along_m: V<S>,
     pub(crate) bounds: Bounds<S>,
     /// Whether a piece goes nowhere, or straight up.
     pub(crate) stays: bool,
@@ -76,7 +71,7 @@ impl<S: Simd> Look<S> {
 
     /// Measures the next one, between two ends.
     #[inline(always)]
-    fn measure(&mut self, limits: &LimitLanes<S>, ends: &[Place<S>]) -> Steps<S> {
+    fn measure(&mut self, limits: &LimitLanes<S>, ends: &[Position<S>]) -> Steps<S> {
         let step = steps::<S>(&ends[0], &ends[1]);
         self.least_sq = self.least_sq.min(step.run_sq);
         self.steep |= limits.may_be_steep(&step);
@@ -89,13 +84,13 @@ impl<S: Simd> Look<S> {
 
 /// One piece of every lane.
 #[derive(Clone, Copy)]
-pub(crate) struct Piece<'a, S: Simd> {
-    pub(crate) a: &'a Place<S>,
-    pub(crate) b: &'a Place<S>,
+pub(crate) struct PieceLanes<'a, S: Simd> {
+    pub(crate) a: &'a Position<S>,
+    pub(crate) b: &'a Position<S>,
     pub(crate) step: &'a Steps<S>,
 }
 
-impl<S: Simd> Piece<'_, S> {
+impl<S: Simd> PieceLanes<'_, S> {
     /// Altitude half way.
     #[inline(always)]
     pub(crate) fn middle_m(&self) -> V<S> {
@@ -104,8 +99,7 @@ impl<S: Simd> Piece<'_, S> {
 }
 
 impl<S: Simd> Block<S> {
-    /// Room for the blocks of paths, one after the other, whose pieces have so many readings of
-    /// the ground.
+    /// An empty block of paths whose pieces have `substeps` readings of the ground.
     #[inline(always)]
     pub(crate) fn new(simd: S, substeps: usize) -> Self {
         let zero = splat(simd, 0.0);
@@ -114,7 +108,7 @@ impl<S: Simd> Block<S> {
             start: 0,
             count: 0,
             substeps,
-            places: [nowhere; BLOCK + 1],
+            positions: [nowhere; BLOCK + 1],
             fine: [nowhere; FINE],
             cells: [CellLanes::first(simd); FINE],
             steps: [steps::<S>(&nowhere, &nowhere); BLOCK + 1],
@@ -128,13 +122,13 @@ impl<S: Simd> Block<S> {
 
     /// Goes back to where paths begin.
     #[inline(always)]
-    pub(crate) fn begin(&mut self, simd: S, place: Place<S>) {
+    pub(crate) fn begin(&mut self, simd: S, position: Position<S>) {
         (self.start, self.count) = (0, 0);
-        self.places[0] = place;
+        self.positions[0] = position;
         self.along_m = splat(simd, 0.0);
     }
 
-    /// Goes on to the next pieces, so many, whose fine samples are at these rows.
+    /// Goes on to the next `count` pieces, with fine samples at these rows.
     #[inline(always)]
     pub(crate) fn sample(
         &mut self,
@@ -143,12 +137,12 @@ impl<S: Simd> Block<S> {
         count: usize,
         controls: &[[Wide; 3]],
     ) {
-        self.places[0] = self.places[self.count];
+        self.positions[0] = self.positions[self.count];
         self.steps[0] = self.steps[self.count];
         self.start += self.count;
         self.count = count;
-        let mut bounds = Bounds::of(&self.places[0]);
-        let ends = &mut self.places[1..=count];
+        let mut bounds = Bounds::of(&self.positions[0]);
+        let ends = &mut self.positions[1..=count];
         if self.substeps == 1 {
             for (row, end) in rows.iter().zip(ends) {
                 *end = point(simd, row, controls);
@@ -179,8 +173,8 @@ impl<S: Simd> Block<S> {
     /// Finds the cells of the ground under the fine samples.
     #[inline(always)]
     pub(crate) fn find(&mut self, relief: &ReliefLanes<'_, S>) {
-        let (places, fine) = (&self.places, &self.fine);
-        let fine = fine_places::<S>(places, fine, (self.count, self.substeps));
+        let (positions, fine) = (&self.positions, &self.fine);
+        let fine = fine_positions::<S>(positions, fine, (self.count, self.substeps));
         for (at, cell) in fine.iter().zip(&mut self.cells) {
             *cell = relief.cell(at[0], at[1]);
         }
@@ -197,7 +191,7 @@ impl<S: Simd> Block<S> {
         corners: &mut [Corners; FINE],
     ) {
         let mut look = Look::at(simd, &self.steps[0]);
-        let pieces = self.places[..=self.count].windows(2);
+        let pieces = self.positions[..=self.count].windows(2);
         let pieces = pieces.zip(&mut self.steps[1..]);
         if self.substeps == 1 {
             let grounds = self.cells.iter().zip(corners);
@@ -226,47 +220,24 @@ impl<S: Simd> Block<S> {
 
     /// The pieces with the places and cells of their fine samples.
     #[inline(always)]
-    pub(crate) fn grounds(&self) -> impl Iterator<Item = (&Place<S>, &CellLanes<S>)> {
-        let (places, fine) = (&self.places, &self.fine);
-        let fine = fine_places::<S>(places, fine, (self.count, self.substeps));
+    pub(crate) fn grounds(&self) -> impl Iterator<Item = (&Position<S>, &CellLanes<S>)> {
+        let (positions, fine) = (&self.positions, &self.fine);
+        let fine = fine_positions::<S>(positions, fine, (self.count, self.substeps));
         fine.iter().zip(&self.cells)
-    }
-
-    /// Writes down where the pieces lie, for what is met at times that depend on whole paths.
-    #[inline(always)]
-    pub(crate) fn keep(&mut self, scratch: &mut Scratch) {
-        if self.start == 0 {
-            store_place::<S>(&self.places[0], &mut scratch.curve[0]);
-            store::<S>(self.along_m, &mut scratch.along_m[0]);
-        }
-        let curve = &mut scratch.curve[self.start + 1..];
-        for (place, stored) in self.places[1..=self.count].iter().zip(curve) {
-            store_place::<S>(place, stored);
-        }
-        let along_m = &mut scratch.along_m[self.start + 1..];
-        for (step, stored) in self.steps[1..=self.count].iter().zip(along_m) {
-            self.along_m += step.run_m();
-            store::<S>(self.along_m, stored);
-        }
-        let stored = &mut scratch.boxes[self.start / BLOCK];
-        for axis in 0..2 {
-            store::<S>(self.bounds.low[axis], &mut stored.low[axis]);
-            store::<S>(self.bounds.high[axis], &mut stored.high[axis]);
-        }
     }
 
     /// Where the pieces begin and end; beyond the last piece anything.
     #[inline(always)]
-    pub(crate) fn places(&self) -> &[Place<S>; BLOCK + 1] {
-        &self.places
+    pub(crate) fn positions(&self) -> &[Position<S>; BLOCK + 1] {
+        &self.positions
     }
 
     /// Piece number `k` of one lane.
     #[inline(always)]
-    fn segment(&self, k: usize, lane: usize) -> Segment {
-        let at = |place: &Place<S>, axis: usize| place[axis].as_slice()[lane];
-        let (a, b) = (&self.places[k], &self.places[k + 1]);
-        Segment {
+    pub(super) fn piece(&self, k: usize, lane: usize) -> Piece {
+        let at = |position: &Position<S>, axis: usize| position[axis].as_slice()[lane];
+        let (a, b) = (&self.positions[k], &self.positions[k + 1]);
+        Piece {
             a: [at(a, 0), at(a, 1)],
             b: [at(b, 0), at(b, 1)],
             amsl_a_m: at(a, 2),
@@ -282,12 +253,12 @@ impl<S: Simd> Block<S> {
 
     /// The pieces, if any of them may be too steep.
     #[inline(always)]
-    pub(crate) fn steep(&self) -> impl Iterator<Item = Piece<'_, S>> {
+    pub(crate) fn steep(&self) -> impl Iterator<Item = PieceLanes<'_, S>> {
         let count = if self.may_be_steep { self.count } else { 0 };
-        let ends = self.places[..=count].windows(2);
+        let ends = self.positions[..=count].windows(2);
         ends.zip(self.steps()).map(
             #[inline(always)]
-            |(pair, step)| Piece {
+            |(pair, step)| PieceLanes {
                 a: &pair[0],
                 b: &pair[1],
                 step,
@@ -310,74 +281,18 @@ impl<S: Simd> Block<S> {
             },
         )
     }
-
-    /// Threats, zones and area, added to `sum`.
-    #[inline(always)]
-    pub(crate) fn add_threats(
-        &self,
-        simd: S,
-        model: &CostModel,
-        danger: impl Danger,
-        scratch: &mut Scratch,
-        mut sum: V<S>,
-    ) -> V<S> {
-        let hazards = &model.hazards;
-        let (zones, outside) = self.near_polygons(hazards);
-        let threats = (&hazards.threats[..], danger);
-        let exposures = &mut scratch.exposures;
-        let is_near = (scratch.encounters).add(simd, self, threats, exposures);
-        if !is_near {
-            if zones | outside == 0 {
-                return sum;
-            }
-            clear(simd, exposures);
-        }
-        if zones | outside != 0 {
-            for (k, exposure) in exposures[..self.count].iter_mut().enumerate() {
-                let mut lanes = zones | outside;
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    let piece = self.segment(k, lane);
-                    exposure[lane] =
-                        hazards.add_polygons(&piece, exposure[lane], &mut scratch.crossings);
-                    lanes &= lanes - 1;
-                }
-            }
-        }
-        for (exposure, step) in exposures.iter().zip(self.steps()) {
-            sum += load(simd, exposure) * step.length_km;
-        }
-        sum
-    }
-
-    /// Which lanes need a look at zones, and which at the edge of the area.
-    #[inline(always)]
-    fn near_polygons(&self, hazards: &Hazards) -> (u64, u64) {
-        let (low, high) = (&self.bounds.low, &self.bounds.high);
-        let mut zones = 0;
-        for zone in &hazards.zones {
-            let (zone_low, zone_high) = zone.bounds();
-            zones |= meets::<S>(low, high, &zone_low, &zone_high).to_bitmask();
-        }
-        let bounds = &hazards.bounds;
-        let inside = low[0].simd_ge(bounds.low[0])
-            & high[0].simd_le(bounds.high[0])
-            & low[1].simd_ge(bounds.low[1])
-            & high[1].simd_le(bounds.high[1]);
-        (zones, (!inside).to_bitmask())
-    }
 }
 
-/// The fine samples of so many pieces with so many readings of the ground each: the ends
+/// The fine samples of `count` pieces with `substeps` readings of the ground each: the ends
 /// themselves, if there is one.
 #[inline(always)]
-fn fine_places<'a, S: Simd>(
-    places: &'a [Place<S>],
-    fine: &'a [Place<S>],
+fn fine_positions<'a, S: Simd>(
+    positions: &'a [Position<S>],
+    fine: &'a [Position<S>],
     (count, substeps): (usize, usize),
-) -> &'a [Place<S>] {
+) -> &'a [Position<S>] {
     if substeps == 1 {
-        &places[1..=count]
+        &positions[1..=count]
     } else {
         &fine[..count * substeps]
     }

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::lanes::{Lanes, Place, V, Wide};
+use super::lanes::{Lanes, Position, V, Wide};
 use crate::numeric::geometry::Point;
 
 /// Least and greatest east and north of every lane.
@@ -32,20 +32,20 @@ pub(crate) struct Bounds<S: Simd> {
 
 impl<S: Simd> Bounds<S> {
     #[inline(always)]
-    pub(crate) fn of(place: &Place<S>) -> Self {
-        let at = [place[0], place[1]];
+    pub(crate) fn of(position: &Position<S>) -> Self {
+        let at = [position[0], position[1]];
         Self {
             low: at,
             high: at,
-            top_m: place[2],
+            top_m: position[2],
         }
     }
 
     #[inline(always)]
-    pub(crate) fn widen(&mut self, place: &Place<S>) {
-        self.low = [self.low[0].min(place[0]), self.low[1].min(place[1])];
-        self.high = [self.high[0].max(place[0]), self.high[1].max(place[1])];
-        self.top_m = self.top_m.max(place[2]);
+    pub(crate) fn widen(&mut self, position: &Position<S>) {
+        self.low = [self.low[0].min(position[0]), self.low[1].min(position[1])];
+        self.high = [self.high[0].max(position[0]), self.high[1].max(position[1])];
+        self.top_m = self.top_m.max(position[2]);
     }
 }
 

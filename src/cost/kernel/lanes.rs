@@ -9,47 +9,18 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use fearless_simd::prelude::*;
 
-use super::block::FINE;
-use super::boxes::BlockBox;
-use super::threats::{Approaches, Exposures};
-use crate::cost::CostTerms;
-use crate::cost::hazards::Segment;
-use crate::cost::relief::Corners;
 use crate::numeric::angle::{ATAN, TAN_PI_8};
 
 /// Lanes of the widest vectors.
-pub(crate) const MOST_LANES: usize = 8;
+pub(crate) const MAX_LANES: usize = 8;
 /// One number for each lane; narrower vectors use the first ones.
-pub(crate) type Wide = [f64; MOST_LANES];
+pub(crate) type Wide = [f64; MAX_LANES];
 /// A vector of the instructions at hand.
 pub(crate) type V<S> = <S as Simd>::f64s;
 /// A choice of lanes.
 pub(crate) type Lanes<S> = <V<S> as SimdBase<S>>::Mask;
 /// A point of every lane: east, north, altitude.
-pub(crate) type Place<S> = [V<S>; 3];
-
-/// Buffers of an evaluation; they grow on first use and are then reused.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    /// Control points of each lane: east, north, altitude.
-    pub(crate) controls: Vec<[Wide; 3]>,
-    /// The curves at the samples.
-    pub(crate) curve: Vec<[Wide; 3]>,
-    /// Horizontal distance along the routes at the samples, metres.
-    pub(crate) along_m: Vec<Wide>,
-    /// Boxes of the blocks.
-    pub(crate) boxes: Vec<BlockBox>,
-    pub(crate) crossings: Vec<(f64, i32)>,
-    /// The terms of a batch.
-    pub(crate) terms: Vec<CostTerms>,
-    /// Totals up to the end of each block, group of lanes by group, if `runs_up`.
-    pub(crate) running: Vec<Wide>,
-    pub(crate) runs_up: bool,
-    /// Corners of the cells of a block.
-    pub(crate) corners: [Corners; FINE],
-    pub(crate) encounters: Approaches,
-    pub(crate) exposures: Exposures,
-}
+pub(crate) type Position<S> = [V<S>; 3];
 
 /// A step of every lane; see [`crate::cost::operational::Step`].
 #[derive(Clone, Copy)]
@@ -85,9 +56,9 @@ pub(crate) fn store<S: Simd>(value: V<S>, wide: &mut Wide) {
 }
 
 #[inline(always)]
-pub(crate) fn store_place<S: Simd>(place: &Place<S>, to: &mut [Wide; 3]) {
+pub(crate) fn store_position<S: Simd>(position: &Position<S>, to: &mut [Wide; 3]) {
     for axis in 0..3 {
-        store::<S>(place[axis], &mut to[axis]);
+        store::<S>(position[axis], &mut to[axis]);
     }
 }
 
@@ -97,7 +68,7 @@ pub(crate) fn point<S: Simd>(
     simd: S,
     (first, weights): &(usize, [f64; 4]),
     controls: &[[Wide; 3]],
-) -> Place<S> {
+) -> Position<S> {
     let four = &controls[*first..][..4];
     let weights = [
         splat(simd, weights[0]),
@@ -105,14 +76,14 @@ pub(crate) fn point<S: Simd>(
         splat(simd, weights[2]),
         splat(simd, weights[3]),
     ];
-    let mut place = [splat(simd, 0.0); 3];
-    for (axis, value) in place.iter_mut().enumerate() {
+    let mut position = [splat(simd, 0.0); 3];
+    for (axis, value) in position.iter_mut().enumerate() {
         *value = weights[0] * load(simd, &four[0][axis])
             + weights[1] * load(simd, &four[1][axis])
             + weights[2] * load(simd, &four[2][axis])
             + weights[3] * load(simd, &four[3][axis]);
     }
-    place
+    position
 }
 
 /// The same of several rows.
@@ -121,16 +92,16 @@ pub(crate) fn points<S: Simd>(
     simd: S,
     rows: &[(usize, [f64; 4])],
     controls: &[[Wide; 3]],
-    places: &mut [Place<S>],
+    positions: &mut [Position<S>],
 ) {
-    for (row, place) in rows.iter().zip(places) {
-        *place = point(simd, row, controls);
+    for (row, position) in rows.iter().zip(positions) {
+        *position = point(simd, row, controls);
     }
 }
 
 /// The step between two points.
 #[inline(always)]
-pub(crate) fn steps<S: Simd>(a: &Place<S>, b: &Place<S>) -> Steps<S> {
+pub(crate) fn steps<S: Simd>(a: &Position<S>, b: &Position<S>) -> Steps<S> {
     let (east_m, north_m, rise_m) = (b[0] - a[0], b[1] - a[1], b[2] - a[2]);
     let run_sq = east_m * east_m + north_m * north_m;
     Steps {
@@ -158,18 +129,6 @@ pub(crate) fn quadrant_angles<S: Simd>(simd: S, opposite: V<S>, adjacent: V<S>) 
     let angle = z + z * (w * sum);
     let angle = is_far.select(splat(simd, FRAC_PI_4) + angle, angle);
     is_steep.select(splat(simd, FRAC_PI_2) - angle, angle)
-}
-
-/// The piece of one lane from sample `k` to the next.
-#[inline]
-pub(crate) fn segment(curve: &[[Wide; 3]], k: usize, lane: usize) -> Segment {
-    let (a, b) = (&curve[k], &curve[k + 1]);
-    Segment {
-        a: [a[0][lane], a[1][lane]],
-        b: [b[0][lane], b[1][lane]],
-        amsl_a_m: a[2][lane],
-        amsl_b_m: b[2][lane],
-    }
 }
 
 /// Products of the horizontal vectors.

@@ -3,8 +3,10 @@
 use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block};
-use super::lanes::{MOST_LANES, Scratch, V, Wide, point, segment, splat, store};
+use super::exposure::add_threats;
+use super::lanes::{MAX_LANES, V, Wide, point, splat, store};
 use super::limits::LimitLanes;
+use super::scratch::Scratch;
 use super::threats::Chords;
 use super::turns::TightTurns;
 use crate::cost::model::CostModel;
@@ -19,14 +21,12 @@ struct Clearances<S: Simd> {
     deficit: V<S>,
 }
 
-/// Terms of the first candidates, as many as `out` has; of a group whose sums
-/// so far are all above `cutoff`, only so many terms that they are.
+/// Terms of the first candidates, as many as `out` has.
 #[inline(always)]
 pub(crate) fn terms<S: Simd>(
     simd: S,
     model: &CostModel,
     batch: &Batch,
-    cutoff: f64,
     scratch: &mut Scratch,
     out: &mut [CostTerms],
 ) {
@@ -34,7 +34,6 @@ pub(crate) fn terms<S: Simd>(
         model,
         ground: GroundLanes::new(simd, model),
         limits: LimitLanes::new(simd, model, true),
-        cutoff,
     };
     let mut block = Block::new(simd, model.path.substeps);
     let lanes = V::<S>::LEN;
@@ -49,7 +48,6 @@ struct Pass<'a, S: Simd> {
     model: &'a CostModel,
     ground: GroundLanes<'a, S>,
     limits: LimitLanes<S>,
-    cutoff: f64,
 }
 
 impl<S: Simd> Pass<'_, S> {
@@ -80,28 +78,24 @@ impl<S: Simd> Pass<'_, S> {
             let end = segments.min(start + BLOCK);
             self.add_ground(block, (start, end), scratch, (&mut before, &mut sums));
             if !model.traffic.is_empty() {
-                block.keep(scratch);
+                scratch.keep(block);
             }
             self.add_limits(block, &mut turns, &mut sums);
-            sums.threat = block.add_threats(simd, model, Chords, scratch, sums.threat);
-            let has_cutoff = self.cutoff < f64::INFINITY;
-            if end == segments || has_cutoff || scratch.runs_up {
-                self.settle(&mut turns);
+            sums.threat = add_threats(simd, block, &model.hazards, Chords, (scratch, sums.threat));
+            if end == segments || scratch.runs_up {
+                self.flush(&mut turns);
                 sums.turn = turns.sums(simd);
             }
             if scratch.runs_up {
                 let at = group * segments.div_ceil(BLOCK) + start / BLOCK;
                 store::<S>(total::<S>(model, &sums), &mut scratch.running[at]);
             }
-            if has_cutoff && all_above::<S>(model, &sums, self.cutoff, out) {
-                return;
-            }
         }
         let sums = spread::<S>(&sums);
         for (lane, terms) in out.iter_mut().enumerate() {
             let mut sums = sums.map(|wide| wide[lane]);
             if !model.traffic.is_empty() {
-                add_collisions(model, scratch, lane, self.cutoff, &mut sums);
+                add_collisions(model, scratch, lane, &mut sums);
             }
             *terms = model.weigh(&sums);
         }
@@ -155,15 +149,15 @@ impl<S: Simd> Pass<'_, S> {
         }
         for (turn, lane) in block.tight() {
             if turns.push(turn, lane) {
-                self.settle(turns);
+                self.flush(turns);
             }
         }
     }
 
     #[inline(always)]
-    fn settle(&self, turns: &mut TightTurns) {
+    fn flush(&self, turns: &mut TightTurns) {
         let simd = self.ground.simd;
-        turns.settle(
+        turns.flush(
             simd,
             #[inline(always)]
             |into, out| self.model.turn_excesses(simd, into, out),
@@ -177,11 +171,30 @@ fn spread<S: Simd>(sums: &Sums<V<S>>) -> Sums<Wide> {
     sums.map(
         #[inline(always)]
         |values| {
-            let mut wide = [0.0; MOST_LANES];
+            let mut wide = [0.0; MAX_LANES];
             store::<S>(values, &mut wide);
             wide
         },
     )
+}
+
+impl CostModel {
+    /// [`CostModel::weigh`] in every lane, in the order of the fields of [`CostTerms`].
+    #[inline(always)]
+    fn weigh_lanes<S: Simd>(&self, sums: &Sums<V<S>>) -> [V<S>; 7] {
+        let weights = &self.weights;
+        #[expect(clippy::cast_precision_loss, reason = "few samples")]
+        let samples = self.path.samples as f64;
+        [
+            sums.length_km * weights.length,
+            sums.altitude * weights.altitude,
+            sums.threat * 100.0 * weights.threat,
+            sums.terrain * 100.0 * weights.terrain,
+            (sums.turn / samples) * (100.0 * self.straight_km) * weights.turn,
+            sums.climb * 100.0 * weights.climb,
+            sums.collision * 100.0 * weights.collision,
+        ]
+    }
 }
 
 /// The totals so far, summed in the order of [`CostTerms::total`].
@@ -193,24 +206,6 @@ fn total<S: Simd>(model: &CostModel, sums: &Sums<V<S>>) -> V<S> {
         #[inline(always)]
         |sum, term| sum + *term,
     )
-}
-
-/// Whether the terms so far, which are then left in `out`, are above the cutoff in all lanes.
-#[inline(always)]
-fn all_above<S: Simd>(
-    model: &CostModel,
-    sums: &Sums<V<S>>,
-    cutoff: f64,
-    out: &mut [CostTerms],
-) -> bool {
-    let is_above = total::<S>(model, sums).simd_gt(cutoff).all_true();
-    if is_above {
-        let sums = spread::<S>(sums);
-        for (lane, terms) in out.iter_mut().enumerate() {
-            *terms = model.weigh(&sums.map(|wide| wide[lane]));
-        }
-    }
-    is_above
 }
 
 /// The ground and what clearance counts from, in every lane.
@@ -273,7 +268,9 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         let mut last = *before;
         let readings = block.grounds().zip(corners).zip(floor_agl_m).map(
             #[inline(always)]
-            |(((at, cell), corners), wanted_m)| self.clearances(at[2], (cell, corners), *wanted_m),
+            |(((at, cell), corners), required_agl_m)| {
+                self.clearances(at[2], (cell, corners), *required_agl_m)
+            },
         );
         if block.substeps() == 1 {
             for (step, of) in block.steps().iter().zip(readings) {
@@ -308,10 +305,10 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
     }
 }
 
-/// Separation of one lane from earlier flights, until its total is above the cutoff.
-fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, cutoff: f64, sums: &mut Sums) {
+/// Separation of one lane from earlier flights.
+fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, sums: &mut Sums) {
     let last = model.path.samples - 1;
-    let piece = |k: usize| segment(&scratch.curve, k, lane);
+    let piece = |k: usize| scratch.piece(k, lane);
     let length_m = scratch.along_m[last][lane];
     let profile = model.timing.profile(length_m);
     let time_s = |k: usize| model.timing.start_s + profile.time_at_s(scratch.along_m[k][lane]);
@@ -342,18 +339,15 @@ fn add_collisions(model: &CostModel, scratch: &Scratch, lane: usize, cutoff: f64
             let mut mean = 0.0;
             model
                 .timing
-                .motions(&piece, reach_m, &profile, |motion, share| {
-                    mean += model.traffic.mean_severity(&motion) * share;
+                .segments(&piece, reach_m, &profile, |segment, share| {
+                    mean += model.traffic.mean_severity(&segment) * share;
                 });
             sums.collision += mean * crate::cost::operational::Step::of(&piece).length_km;
         }
-        if model.weigh(sums).total() > cutoff {
-            return;
-        }
     }
     let end = piece(last - 1);
-    let place = [end.b[0], end.b[1], end.amsl_b_m];
-    if let Some(motion) = model.timing.motion_after(place, length_m) {
-        sums.collision += model.traffic.mean_severity(&motion) * model.timing.after_km;
+    let position = [end.b[0], end.b[1], end.amsl_b_m];
+    if let Some(segment) = model.timing.segment_after(position, length_m) {
+        sums.collision += model.traffic.mean_severity(&segment) * model.timing.after_km;
     }
 }

@@ -4,8 +4,10 @@ use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block};
 use super::boxes::meets;
-use super::lanes::{Lanes, MOST_LANES, Scratch, V, Wide, point, splat, store};
+use super::exposure::add_threats;
+use super::lanes::{Lanes, MAX_LANES, V, Wide, load, point, splat, store};
 use super::limits::LimitLanes;
+use super::scratch::Scratch;
 use super::threats::{Danger, Pieces};
 use super::turns::TightTurns;
 use crate::cost::hazards::Threat;
@@ -78,7 +80,7 @@ fn group_terms<S: Simd>(
         }
         [sums.length_km, sums.altitude, sums.terrain] = sum;
         if paper.has_others() {
-            block.keep(scratch);
+            scratch.keep(block);
         }
         for piece in block.steep() {
             if let Some(excess) = limits.excesses(piece.a[2], piece.step) {
@@ -87,7 +89,7 @@ fn group_terms<S: Simd>(
         }
         for (turn, lane) in block.tight() {
             if turns.push(turn, lane) {
-                turns.settle(
+                turns.flush(
                     simd,
                     #[inline(always)]
                     |into, out| model.too_tight(simd, into, out).select(one, zero),
@@ -95,9 +97,9 @@ fn group_terms<S: Simd>(
             }
         }
         let danger = model.paper.options.threat_form;
-        sums.threat = block.add_threats(simd, model, danger, scratch, sums.threat);
+        sums.threat = add_threats(simd, block, &model.hazards, danger, (scratch, sums.threat));
     }
-    turns.settle(
+    turns.flush(
         simd,
         #[inline(always)]
         |into, out| model.too_tight(simd, into, out).select(one, zero),
@@ -127,7 +129,7 @@ fn group_terms<S: Simd>(
             climb: wide.climb[lane],
             collision: wide.collision[lane],
         };
-        *terms = paper.weigh(model, &sums);
+        *terms = paper.weigh(&model.weights, model.path.samples, &sums);
     }
 }
 
@@ -150,7 +152,7 @@ impl Paper {
         if !self.options.altitude_unclamped {
             high_m = high_m.max(0.0);
         }
-        let below_m = (ground_m + self.wanted_m(model, index) - amsl_m).max(0.0);
+        let below_m = (ground_m + model.paper_agl_m(index) - amsl_m).max(0.0);
         let deep_m = below_m + (amsl_m - model.max_amsl_m).max(0.0);
         (high_m * 1e-3, deep_m * 1e-3)
     }
@@ -190,12 +192,12 @@ fn add_collisions<S: Simd>(
     model: &CostModel,
     scratch: &Scratch,
     used: usize,
-    sums: &mut [f64; MOST_LANES],
+    sums: &mut [f64; MAX_LANES],
 ) {
     let last = model.path.samples - 1;
     for (block, start) in (0..last).step_by(BLOCK).enumerate() {
         let own = &scratch.boxes[block];
-        let side = |wide: &Wide| super::lanes::load(simd, wide);
+        let side = |wide: &Wide| load(simd, wide);
         let (low, high) = (
             [side(&own.low[0]), side(&own.low[1])],
             [side(&own.high[0]), side(&own.high[1])],

@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 
 use super::block::{BLOCK, Block};
 use super::boxes::meets;
-use super::lanes::{Lanes, MOST_LANES, Place, V, Wide, splat, store};
+use super::lanes::{Lanes, MAX_LANES, Position, V, Wide, splat, store};
 use crate::cost::hazards::{FORBIDDEN, Threat};
 use crate::numeric::geometry::POINT_SQ;
 
@@ -31,7 +31,7 @@ pub(crate) struct Pieces<S: Simd> {
 
 /// Pieces of a block, and as many more as a vector has that begins with the last of them, so
 /// that no bound needs a look.
-const ROW: usize = BLOCK + MOST_LANES;
+const ROW: usize = BLOCK + MAX_LANES;
 
 /// What one kilometre of the pieces of a block costs, in every lane.
 pub(crate) type Exposures = [Wide; ROW];
@@ -39,14 +39,14 @@ pub(crate) type Exposures = [Wide; ROW];
 /// Most pairs of a threat and a candidate that are looked at together, a bit for each.
 const PAIRS: usize = u64::BITS as usize;
 
-/// Most vectors of pieces of so many pairs.
+/// Most vectors of pieces of [`PAIRS`] pairs.
 const FOUND: usize = PAIRS * BLOCK / 2;
 
 /// What is near a block, in memory that is kept.
 #[derive(Clone, Debug)]
 pub(crate) struct Approaches {
     /// East and north of each candidate where pieces begin or end.
-    rows: [[[f64; ROW + 1]; 2]; MOST_LANES],
+    rows: [[[f64; ROW + 1]; 2]; MAX_LANES],
     /// Pair and first piece of those that meet.
     found: [(u8, u8); FOUND],
 }
@@ -54,7 +54,7 @@ pub(crate) struct Approaches {
 impl Default for Approaches {
     fn default() -> Self {
         Self {
-            rows: [[[0.0; ROW + 1]; 2]; MOST_LANES],
+            rows: [[[0.0; ROW + 1]; 2]; MAX_LANES],
             found: [(0, 0); FOUND],
         }
     }
@@ -82,7 +82,7 @@ impl Approaches {
                 clear(simd, exposures);
             }
             let lanes = lanes_of::<S>(near) & !laid_out;
-            self.lay_out::<S>(block.places(), lanes);
+            self.lay_out::<S>(block.positions(), lanes);
             laid_out |= lanes;
             let count = self.find(simd, block, (threats, danger), near);
             for &(pair, start) in &self.found[..count] {
@@ -102,12 +102,13 @@ impl Approaches {
 
     /// Puts the places of some candidates in rows, a bit for each.
     #[inline(always)]
-    fn lay_out<S: Simd>(&mut self, places: &[Place<S>], mut lanes: u64) {
+    fn lay_out<S: Simd>(&mut self, positions: &[Position<S>], mut lanes: u64) {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             let row = &mut self.rows[lane];
-            for (k, place) in places.iter().enumerate() {
-                (row[0][k], row[1][k]) = (place[0].as_slice()[lane], place[1].as_slice()[lane]);
+            for (k, position) in positions.iter().enumerate() {
+                (row[0][k], row[1][k]) =
+                    (position[0].as_slice()[lane], position[1].as_slice()[lane]);
             }
             lanes &= lanes - 1;
         }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use fearless_simd::prelude::*;
 
-use super::lanes::{Lanes, MOST_LANES, Steps, V, Wide, dot, load, quadrant_angles, splat};
+use super::lanes::{Lanes, MAX_LANES, Steps, V, Wide, dot, load, quadrant_angles, splat};
 use crate::cost::model::CostModel;
 
 /// Turns that wait until there is one for every lane, and what others cost each candidate.
@@ -14,7 +14,7 @@ pub(crate) struct TightTurns {
     into: [Wide; 3],
     out: [Wide; 3],
     /// Lanes of their candidates.
-    of: [u8; MOST_LANES],
+    of: [u8; MAX_LANES],
     count: usize,
     sums: Wide,
 }
@@ -24,11 +24,11 @@ impl TightTurns {
     #[inline(always)]
     pub(crate) fn none() -> Self {
         Self {
-            into: [[0.0; MOST_LANES]; 3],
-            out: [[0.0; MOST_LANES]; 3],
-            of: [0; MOST_LANES],
+            into: [[0.0; MAX_LANES]; 3],
+            out: [[0.0; MAX_LANES]; 3],
+            of: [0; MAX_LANES],
             count: 0,
-            sums: [0.0; MOST_LANES],
+            sums: [0.0; MAX_LANES],
         }
     }
 
@@ -54,14 +54,14 @@ impl TightTurns {
 
     /// Adds what the turns that wait cost, each at least 0.
     #[inline(always)]
-    pub(crate) fn settle<S: Simd>(&mut self, simd: S, cost: impl Fn(&Steps<S>, &Steps<S>) -> V<S>) {
+    pub(crate) fn flush<S: Simd>(&mut self, simd: S, cost: impl Fn(&Steps<S>, &Steps<S>) -> V<S>) {
         if self.count == 0 {
             return;
         }
         let costs = cost(&pieces(simd, &self.into), &pieces(simd, &self.out));
         let waiting = self.of.iter().zip(costs.as_slice()).take(self.count);
         for (lane, cost) in waiting {
-            self.sums[usize::from(*lane) % MOST_LANES] += *cost;
+            self.sums[usize::from(*lane) % MAX_LANES] += *cost;
         }
         self.count = 0;
     }
@@ -73,7 +73,7 @@ impl TightTurns {
     }
 }
 
-/// Pieces of which no more is known.
+/// Pieces by their horizontal parts alone.
 #[inline(always)]
 fn pieces<S: Simd>(simd: S, [east_m, north_m, run_sq]: &[Wide; 3]) -> Steps<S> {
     Steps {

@@ -3,7 +3,7 @@
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::{Fix, PopUp};
 use crate::geodesy::{EastNorth, PlanPoint};
-use crate::numeric::approach::{Motion, closest_approach, closest_horizontal, least_ratio};
+use crate::numeric::approach::{Segment, closest_approach, closest_horizontal, least_ratio};
 use crate::numeric::geometry::point_segment_distance;
 use crate::spec::{Airframe, MissionSpec, Separation};
 use crate::verify::{Flown, Limit, Margin, Moment, Requirement, Sense};
@@ -179,7 +179,7 @@ impl FlownTrack<'_> {
     }
 
     /// The motions in the air between two positions.
-    fn motions(&self, world: &World) -> Vec<(Motion, usize)> {
+    fn segments(&self, world: &World) -> Vec<(Segment, usize)> {
         let axes = |p: &PlanPoint| [p.at.east_m, p.at.north_m, p.amsl.0];
         let is_up = |index: usize| {
             let fix = &self.fixes()[index];
@@ -190,11 +190,11 @@ impl FlownTrack<'_> {
             .filter(|&index| is_up(index - 1) || is_up(index))
             .map(|index| {
                 let (from, to) = (&self.fixes()[index - 1], &self.fixes()[index]);
-                let motion = Motion::between(
+                let segment = Segment::between(
                     (from.t_s, axes(&self.points[index - 1])),
                     (to.t_s, axes(&self.points[index])),
                 );
-                (motion, index)
+                (segment, index)
             })
             .collect()
     }
@@ -207,21 +207,21 @@ pub(crate) fn separation(
     first: &FlownTrack<'_>,
     second: &FlownTrack<'_>,
 ) -> Option<Margin> {
-    let (a, b) = (first.motions(world), second.motions(world));
+    let (a, b) = (first.segments(world), second.segments(world));
     let mut best: Option<(f64, f64, usize)> = None;
     let mut conflict = false;
     let mut from = 0;
-    for (motion, index) in &a {
-        while from < b.len() && b[from].0.t1_s < motion.t0_s {
+    for (segment, index) in &a {
+        while from < b.len() && b[from].0.t1_s < segment.t0_s {
             from += 1;
         }
-        for (other, _) in b[from..].iter().take_while(|(o, _)| o.t0_s <= motion.t1_s) {
+        for (other, _) in b[from..].iter().take_while(|(o, _)| o.t0_s <= segment.t1_s) {
             let near = match limit.vertical_m {
-                None => closest_approach(motion, other, 0.0),
+                None => closest_approach(segment, other, 0.0),
                 Some(vertical_m) => {
-                    let least = least_ratio(motion, other, 0.0, limit.distance_m, vertical_m);
+                    let least = least_ratio(segment, other, 0.0, limit.distance_m, vertical_m);
                     conflict |= least.is_some_and(|least| least.value < 1.0);
-                    closest_horizontal(motion, other, 0.0, vertical_m)
+                    closest_horizontal(segment, other, 0.0, vertical_m)
                 }
             };
             if let Some(near) = near

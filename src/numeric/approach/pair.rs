@@ -1,6 +1,6 @@
 //! Two motions and the pairs of times that count, as a convex polygon.
 
-use super::{Approach, Motion};
+use super::{Approach, Segment};
 
 /// Position of A at `t` less that of B at `u`: `at00 + a t - b u`.
 pub(super) struct Gap {
@@ -52,14 +52,14 @@ impl Region {
 
     /// The part where `value(t, u) <= 0`, for an affine value given at each corner.
     fn cut(&self, value: impl Fn([f64; 2]) -> f64) -> Self {
-        let mut kept = Self {
+        let mut part = Self {
             corners: [[0.0; 2]; 10],
             count: 0,
         };
         let mut push = |corner| {
-            if kept.count < kept.corners.len() {
-                kept.corners[kept.count] = corner;
-                kept.count += 1;
+            if part.count < part.corners.len() {
+                part.corners[part.count] = corner;
+                part.count += 1;
             }
         };
         for (from, to) in self.edges() {
@@ -75,7 +75,7 @@ impl Region {
                 ]);
             }
         }
-        kept
+        part
     }
 }
 
@@ -90,7 +90,7 @@ pub(super) struct Pair {
 }
 
 impl Pair {
-    pub(super) fn new(a: &Motion, b: &Motion, slack_s: f64) -> Option<Self> {
+    pub(super) fn new(a: &Segment, b: &Segment, slack_s: f64) -> Option<Self> {
         let (t0, t1) = (a.t0_s.max(b.t0_s - slack_s), a.t1_s.min(b.t1_s + slack_s));
         let (u0, u1) = (b.t0_s.max(a.t0_s - slack_s), b.t1_s.min(a.t1_s + slack_s));
         // Not `t0 > t1`: a time that is not a number must not count either.

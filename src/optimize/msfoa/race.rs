@@ -10,7 +10,7 @@ use crate::optimize::Candidate;
 /// Share of the swarms that survives a round.
 const SURVIVAL: f64 = 0.4;
 
-/// Swarms that go on after so many rounds: at least two until the last round.
+/// Swarms that go on after `rounds` rounds: at least two until the last round.
 pub(super) fn survivors(swarms: usize, rounds: usize) -> usize {
     if rounds + 1 == ROUND_ENDS.len() {
         return 1;
@@ -24,16 +24,16 @@ pub(super) fn survivors(swarms: usize, rounds: usize) -> usize {
 pub(super) fn drop_the_slow(swarms: &mut Vec<Swarm>, keep: usize) -> Vec<Candidate> {
     swarms.sort_by(|a, b| a.elite.cost.total_cmp(&b.elite.cost));
     let (mut classes, mut stay) = (BTreeSet::new(), BTreeSet::new());
-    for place in placed(swarms) {
-        if stay.len() < keep && classes.insert(swarms[place].class) {
-            stay.insert(place);
+    for rank in ranked(swarms) {
+        if stay.len() < keep && classes.insert(swarms[rank].class) {
+            stay.insert(rank);
         }
     }
     let mut dropped = Vec::new();
-    for (place, swarm) in std::mem::take(swarms).into_iter().enumerate() {
-        if stay.contains(&place) {
+    for (rank, swarm) in std::mem::take(swarms).into_iter().enumerate() {
+        if stay.contains(&rank) {
             swarms.push(Swarm {
-                eased_cost: None,
+                relaxed_cost: None,
                 ..swarm
             });
         } else {
@@ -45,13 +45,13 @@ pub(super) fn drop_the_slow(swarms: &mut Vec<Swarm>, keep: usize) -> Vec<Candida
 
 /// Places of sorted swarms in the order in which they stay: by turns who is best, and who was
 /// while limits were cheap to break, because a good path may just not be clean yet.
-fn placed(swarms: &[Swarm]) -> Vec<usize> {
-    let cost = |place: usize| swarms[place].eased_cost;
-    let mut eased: Vec<usize> = (0..swarms.len())
-        .filter(|&place| cost(place).is_some())
+fn ranked(swarms: &[Swarm]) -> Vec<usize> {
+    let cost = |rank: usize| swarms[rank].relaxed_cost;
+    let mut relaxed: Vec<usize> = (0..swarms.len())
+        .filter(|&rank| cost(rank).is_some())
         .collect();
-    eased.sort_by(|&a, &b| cost(a).partial_cmp(&cost(b)).unwrap_or(Ordering::Equal));
-    let turns = (0..swarms.len()).flat_map(|place| [Some(place), eased.get(place).copied()]);
+    relaxed.sort_by(|&a, &b| cost(a).partial_cmp(&cost(b)).unwrap_or(Ordering::Equal));
+    let turns = (0..swarms.len()).flat_map(|rank| [Some(rank), relaxed.get(rank).copied()]);
     turns.flatten().collect()
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::{MsfoaParameters, Start};
+use super::{MsfoaParameters, SearchSeed};
 use crate::optimize::Candidate;
 use crate::optimize::adapted::{Adapted, Draw};
 
@@ -13,7 +13,7 @@ use crate::optimize::adapted::{Adapted, Draw};
 const PATIENCE: usize = 700;
 /// What counts as gain, as a share of the cost.
 const GAIN: f64 = 2e-4;
-/// Global steps, in units of a start's scale.
+/// Global steps, in units of the scale of a seed.
 const GLOBAL_STEP: f64 = 3.0;
 
 /// One sub-swarm.
@@ -25,26 +25,26 @@ pub(super) struct Swarm {
     pub(super) best: Candidate,
     /// Its keenest fly of all.
     pub(super) elite: Candidate,
-    /// What that cost in the eased problem, when this was left.
-    pub(super) eased_cost: Option<f64>,
+    /// What that cost in the relaxed problem, when this was left.
+    pub(super) relaxed_cost: Option<f64>,
     /// Evaluations since the last gain, and the cost then.
     pub(super) idle: usize,
     pub(super) idle_cost: f64,
 }
 
 impl Swarm {
-    pub(super) fn new(start: &Start, parameters: &MsfoaParameters) -> Self {
+    pub(super) fn new(seed: &SearchSeed, parameters: &MsfoaParameters) -> Self {
         let nobody = Candidate {
-            position: start.mean.clone(),
+            position: seed.mean.clone(),
             cost: f64::INFINITY,
         };
         Self {
-            class: start.class,
-            scale: start.scale.clone(),
-            adapted: Adapted::new(&start.mean, &start.scale, parameters.step, parameters.flies),
+            class: seed.class,
+            scale: seed.scale.clone(),
+            adapted: Adapted::new(&seed.mean, &seed.scale, parameters.step, parameters.flies),
             best: nobody.clone(),
             elite: nobody,
-            eased_cost: None,
+            relaxed_cost: None,
             idle: 0,
             idle_cost: f64::INFINITY,
         }
@@ -82,9 +82,9 @@ impl Swarm {
         [best, elite, self.adapted.mean()]
     }
 
-    /// The costs of these by the problem itself, after an eased one.
+    /// The costs of these by the problem itself, after an relaxed one.
     pub(super) fn judge_again(&mut self, [best, elite, mean]: [f64; 3]) {
-        self.eased_cost = Some(self.elite.cost);
+        self.relaxed_cost = Some(self.elite.cost);
         (self.best.cost, self.elite.cost) = (best, elite);
         if best < elite {
             self.elite = self.best.clone();
@@ -95,7 +95,7 @@ impl Swarm {
         self.see(&middle, mean);
     }
 
-    /// Forgets its keenest flies, to search the eased problem; that of all is given back.
+    /// Forgets its keenest flies, to search the relaxed problem; that of all is given back.
     pub(super) fn set_out(&mut self) -> Candidate {
         self.best.cost = f64::INFINITY;
         std::mem::replace(&mut self.elite, self.best.clone())
@@ -175,12 +175,12 @@ mod tests {
             offspring: true,
             restarts: true,
         };
-        let start = Start {
+        let seed = SearchSeed {
             mean: vec![0.5],
             scale: vec![0.1],
             class: 0,
         };
-        let mut swarm = Swarm::new(&start, &parameters);
+        let mut swarm = Swarm::new(&seed, &parameters);
         let mut cost = 100.0;
         for _ in 0..100 {
             cost *= 0.99;

@@ -11,7 +11,7 @@ use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
 use crate::world::World;
 
-/// What is kept beyond the minimum grows to the full over one part of the path in so many.
+/// What is kept beyond the minimum grows to the full over one part in this many of the path.
 const RAMP: usize = 20;
 
 /// Steepest slopes, rise over run, both positive.
@@ -45,7 +45,7 @@ struct LowZone<'a> {
 }
 
 /// Samples of a path in the plane, and the altitudes of its ends, metres.
-pub(crate) struct Track<'a> {
+pub(crate) struct SampledLine<'a> {
     pub east_m: &'a [f64],
     pub north_m: &'a [f64],
     pub ends_m: (f64, f64),
@@ -91,20 +91,25 @@ impl<'a> FloorMaker<'a> {
 
     /// The demand on the altitude over a track; also fills the horizontal lengths of its
     /// segments. Slope limits are those at the highest floor, where they are tightest.
-    pub(crate) fn fill(&self, track: &Track<'_>, demand: &mut Demand, lengths_m: &mut Vec<f64>) {
+    pub(crate) fn fill(
+        &self,
+        line: &SampledLine<'_>,
+        demand: &mut Demand,
+        lengths_m: &mut Vec<f64>,
+    ) {
         self.relief
-            .read(track.east_m, track.north_m, &mut demand.ground_m);
-        dispatch!(self.level, _simd => self.fill_over(track, demand, lengths_m));
+            .read(line.east_m, line.north_m, &mut demand.ground_m);
+        dispatch!(self.level, _simd => self.fill_over(line, demand, lengths_m));
     }
 
     /// The same where the ground is known.
     #[inline(always)]
-    fn fill_over(&self, track: &Track<'_>, demand: &mut Demand, lengths_m: &mut Vec<f64>) {
-        let &Track {
+    fn fill_over(&self, line: &SampledLine<'_>, demand: &mut Demand, lengths_m: &mut Vec<f64>) {
+        let &SampledLine {
             east_m,
             north_m,
             ends_m,
-        } = track;
+        } = line;
         self.over_ground(ends_m, demand);
         for zone in &self.zones {
             for (floor_m, at) in demand.floor_m.iter_mut().zip(east_m.iter().zip(north_m)) {
@@ -149,9 +154,10 @@ impl<'a> FloorMaker<'a> {
         for (floor_m, ground_m) in floor_m.iter_mut().zip(&*ground_m) {
             *floor_m = ground_m + least_m;
         }
-        let kept_m = |floor_m: f64, end_m: f64| (end_m - floor_m).clamp(0.0, self.over_m.max(0.0));
-        let from_m = kept_m(floor_m[0], ends_m.0);
-        let to_m = kept_m(floor_m[last], ends_m.1);
+        let margin_m =
+            |floor_m: f64, end_m: f64| (end_m - floor_m).clamp(0.0, self.over_m.max(0.0));
+        let from_m = margin_m(floor_m[0], ends_m.0);
+        let to_m = margin_m(floor_m[last], ends_m.1);
         let ramped = last.div_ceil(RAMP);
         let full = ramped..=last - ramped;
         for k in (0..ramped).chain(full.end() + 1..=last) {
@@ -163,7 +169,7 @@ impl<'a> FloorMaker<'a> {
         }
     }
 
-    /// What is kept beyond the minimum, so many samples from an end that keeps `end_m`: it
+    /// Margin above the minimum, `samples` samples from an end with the margin `end_m`: it
     /// grows to the full over a twentieth of the path, as it does in the objective. A path
     /// that begins at the minimum would else have to leap.
     fn ramp(&self, end_m: f64, samples: usize, all: usize) -> f64 {

@@ -80,7 +80,7 @@ pub(super) struct Workspace {
     /// By how much each constraint is violated: floors, rises, drops.
     gaps: Vec<f64>,
     dual: Vec<f64>,
-    pivot_row: Vec<f64>,
+    entering_row: Vec<f64>,
     bounds: Vec<f64>,
     /// Constraints to be let into the basis.
     entering: Vec<Constraint>,
@@ -110,7 +110,7 @@ impl AltitudeLp {
             .iter()
             .map(|row| end_weight(row) <= END_WEIGHT)
             .collect();
-        let mut lowest = Self {
+        let mut lp = Self {
             spans: Spans::new(&rows),
             rows,
             binding,
@@ -118,8 +118,8 @@ impl AltitudeLp {
             first: None,
             level: Level::new(),
         };
-        lowest.first = lowest.interpolation();
-        lowest
+        lp.first = lp.interpolation();
+        lp
     }
 
     /// The basis in which one sample below each free control point touches the floor.
@@ -206,7 +206,7 @@ impl AltitudeLp {
         );
         for with_slopes in [true, false] {
             self.start(simd, demand, amsl_m, base, work);
-            if self.pivot_until_feasible(simd, demand, with_slopes, work) {
+            if self.exchange_until_feasible(simd, demand, with_slopes, work) {
                 work.solved = with_slopes;
                 let last = self.controls - 1;
                 for (altitude, z) in amsl_m[1..last].iter_mut().zip(&work.z[1..last]) {
@@ -327,7 +327,7 @@ impl AltitudeLp {
     /// Dual simplex; false if the constraints contradict one another, or if it does not
     /// end within a bound far above what it needs.
     #[inline(always)]
-    fn pivot_until_feasible<S: Simd>(
+    fn exchange_until_feasible<S: Simd>(
         &self,
         simd: S,
         demand: &Demand,
@@ -342,7 +342,7 @@ impl AltitudeLp {
             for n in 0..work.entering.len() {
                 let entering = work.entering[n];
                 let violation = self.violation(entering, demand, work);
-                if violation > TOLERANCE_M && !self.pivot(simd, (entering, violation), work) {
+                if violation > TOLERANCE_M && !self.exchange(simd, (entering, violation), work) {
                     return false;
                 }
             }
@@ -353,7 +353,7 @@ impl AltitudeLp {
     /// Lets a violated constraint into the basis; false if none can leave for it, which is
     /// then because the constraints contradict one another.
     #[inline(always)]
-    fn pivot<S: Simd>(
+    fn exchange<S: Simd>(
         &self,
         simd: S,
         (entering, violation): (Constraint, f64),
@@ -361,7 +361,7 @@ impl AltitudeLp {
     ) -> bool {
         let last = self.controls - 1;
         // The entering row in terms of the basis.
-        let (basis, row) = (&mut work.basis, &mut work.pivot_row);
+        let (basis, row) = (&mut work.basis, &mut work.entering_row);
         let minus = |entry: (usize, f64)| (entry.0, -entry.1);
         match entering {
             Constraint::Floor(k) => basis.times(simd, self.free_weights(k), row),

@@ -2,8 +2,8 @@
 
 use fearless_simd::prelude::*;
 
-/// Entries of a row in terms of the basis below this are no pivots.
-const PIVOT: f64 = 1e-9;
+/// Entries of a row in terms of the basis below this cannot leave it.
+const MIN_EXCHANGE: f64 = 1e-9;
 /// Numbers are padded to a multiple of this.
 pub(crate) const PAD: usize = 8;
 
@@ -72,7 +72,7 @@ impl Basis {
         let lanes = S::f64s::LEN;
         let mut least = (None, 1.0, 0.0);
         for (first, entries) in (0..).step_by(lanes).zip(row.chunks_exact(lanes)) {
-            let mut positive = load(simd, entries).simd_gt(PIVOT).to_bitmask();
+            let mut positive = load(simd, entries).simd_gt(MIN_EXCHANGE).to_bitmask();
             while positive != 0 {
                 let i = first + positive.trailing_zeros() as usize;
                 let (entry, dual) = (row[i], dual[i]);
@@ -99,8 +99,8 @@ impl Basis {
         z: &mut [f64],
     ) {
         let (stride, lanes) = (self.stride(), S::f64s::LEN);
-        let pivot = row[leaving];
-        let ratio = dual[leaving] / pivot;
+        let divisor = row[leaving];
+        let ratio = dual[leaving] / divisor;
         let shares = row.chunks_exact(lanes);
         for (dual, share) in dual.chunks_exact_mut(lanes).zip(shares) {
             let less = (load(simd, dual) - load(simd, share) * ratio).max(0.0);
@@ -109,7 +109,7 @@ impl Basis {
         dual[leaving] = ratio;
         row[leaving] = 0.0;
         for (inverse, z) in self.inverse.chunks_exact_mut(stride).zip(z) {
-            let entry = inverse[leaving] / pivot;
+            let entry = inverse[leaving] / divisor;
             *z += violation * entry;
             let shares = row.chunks_exact(lanes);
             for (m, share) in inverse.chunks_exact_mut(lanes).zip(shares) {
@@ -127,8 +127,8 @@ fn load<S: Simd>(simd: S, numbers: &[f64]) -> S::f64s {
     S::f64s::from_slice(simd, numbers)
 }
 
-/// The first of the greatest numbers, of which there are a multiple of [`PAD`], if they are
-/// greater than one.
+/// The first of the greatest numbers, if they are above a limit; their count must be a multiple
+/// of [`PAD`].
 #[inline(always)]
 pub(crate) fn greatest<S: Simd>(simd: S, values: &[f64], above: f64) -> Option<(usize, f64)> {
     let lanes = S::f64s::LEN;

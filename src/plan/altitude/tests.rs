@@ -38,7 +38,7 @@ fn over_a_flat_floor_the_path_is_flat() {
 }
 
 #[test]
-fn near_an_end_the_floor_is_kept_as_far_as_slopes_reach_it() {
+fn near_an_end_the_floor_binds_as_far_as_slopes_reach_it() {
     let rows = rows(10, 2001);
     let altitude_over = |bump_m: f64| {
         let mut demand = Demand {
@@ -61,7 +61,7 @@ fn near_an_end_the_floor_is_kept_as_far_as_slopes_reach_it() {
 #[test]
 fn a_neighbour_s_basis_changes_the_way_to_the_answer_and_not_the_answer() {
     let rows = rows(26, 101);
-    let lowest = AltitudeLp::new(rows.clone(), 26);
+    let lp = AltitudeLp::new(rows.clone(), 26);
     let mut warm = Workspace::default();
     for shift in 0..20 {
         let floor_m = (0..101)
@@ -78,7 +78,7 @@ fn a_neighbour_s_basis_changes_the_way_to_the_answer_and_not_the_answer() {
         };
         let solved = |work: &mut Workspace| {
             let mut z = vec![170.0; 26];
-            lowest.solve(&demand, &mut z, work);
+            lp.solve(&demand, &mut z, work);
             z
         };
         let (warm, cold) = (solved(&mut warm), solved(&mut Workspace::default()));
@@ -89,7 +89,7 @@ fn a_neighbour_s_basis_changes_the_way_to_the_answer_and_not_the_answer() {
 }
 
 #[test]
-fn slopes_are_kept_where_they_can_be_and_given_up_where_not() {
+fn slope_limits_hold_where_feasible_and_are_dropped_elsewhere() {
     let rows = rows(10, 101);
     let mut floor = vec![100.0; 101];
     floor[50] = 300.0;
@@ -123,12 +123,12 @@ proptest! {
                 .sum::<f64>()
         }).collect();
         let z = solve(&floor, &speeds, (floor[0] + 20.0, floor[100] + 20.0), f64::INFINITY);
-        let lowest = AltitudeLp::new(rows.clone(), 10);
+        let lp = AltitudeLp::new(rows.clone(), 10);
         let height = |z: &[f64]| -> f64 {
             altitudes(&rows, z).iter().zip(&speeds).map(|(a, w)| a * w).sum()
         };
         let short_by = |z: &[f64]| -> f64 {
-            altitudes(&rows, z).iter().zip(&floor).zip(&lowest.binding)
+            altitudes(&rows, z).iter().zip(&floor).zip(&lp.binding)
                 .filter(|(_, binding)| **binding)
                 .map(|((a, h), _)| h - a)
                 .fold(f64::NEG_INFINITY, f64::max)

@@ -71,14 +71,14 @@ impl AltitudeLp {
             }
             from = to;
         }
-        let mut lowest = (0, -TOLERANCE_M);
+        let mut deepest = (0, -TOLERANCE_M);
         for (control, &z) in work.z.iter().enumerate().take(self.controls - 1).skip(1) {
-            if z < lowest.1 {
-                lowest = (control, z);
+            if z < deepest.1 {
+                deepest = (control, z);
             }
         }
-        if lowest.0 > 0 {
-            work.entering.push(Constraint::Base(lowest.0));
+        if deepest.0 > 0 {
+            work.entering.push(Constraint::Base(deepest.0));
         }
     }
 

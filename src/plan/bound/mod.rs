@@ -7,8 +7,9 @@
 //! `u = c_least |x - start| + psi`, which takes the singularity at the start out of the
 //! scheme. Grid marching errs upward, so this proves nothing: an estimate.
 
-use super::classes::field::{Field, Grid, Reading, Relief};
-use super::search::route_context::Course;
+use super::classes::field::{Field, Reading, Relief};
+use super::classes::grid::Grid;
+use super::route_context::RouteContext;
 use crate::geodesy::EastNorth;
 
 /// Rounds of four sweeps; a path that bends more often is not believed.
@@ -16,27 +17,27 @@ const MAX_ROUNDS: usize = 12;
 /// Change of the solution that ends the sweeps, kilometres.
 const SETTLED_KM: f64 = 1e-6;
 
-/// The estimate for a course: the solution on a grid, extrapolated downward by what
+/// The estimate for a route: the solution on a grid, extrapolated downward by what
 /// halving its cells has changed, and never below the proven bound.
-pub(super) fn estimate(course: &Course<'_>, budget: usize) -> f64 {
-    let (start, goal) = (course.leg.from.at, course.leg.to.at);
-    let prices = course.prices();
+pub(super) fn estimate(context: &RouteContext<'_>, budget: usize) -> f64 {
+    let (start, goal) = (context.ends.from.at, context.ends.to.at);
+    let prices = context.prices();
     let solve = |nodes: usize, near: bool| {
         let part = if near {
-            course.near_box()
+            context.near_box()
         } else {
-            course.frame()
+            context.frame()
         };
         let grid = Grid::over(part.south_west, part.north_east, nodes);
-        let relief = Relief::new(course.world, grid, &prices, Reading::Relaxed);
+        let relief = Relief::new(context.world, grid, &prices, Reading::Optimistic);
         arrival(&relief.field(f64::INFINITY, &prices), start, goal)
     };
     let nodes = if budget >= 20_000 { 101 } else { 51 };
     let (mut coarse, mut fine) = rayon::join(|| solve(nodes, true), || solve(2 * nodes - 1, true));
-    if coarse > 2.0 * course.bound().max(1e-3) {
+    if coarse > 2.0 * context.bound().max(1e-3) {
         (coarse, fine) = rayon::join(|| solve(nodes, false), || solve(2 * nodes - 1, false));
     }
-    (fine - 2.0 * (coarse - fine).max(0.0)).max(course.bound())
+    (fine - 2.0 * (coarse - fine).max(0.0)).max(context.bound())
 }
 
 /// Cost of the cheapest way through a field, kilometres times cost.
@@ -170,9 +171,9 @@ impl Front {
 
 fn bilinear(grid: &Grid, values: &[f64], at: EastNorth) -> f64 {
     let node = grid.nearest(at);
-    let place = grid.at(node);
-    let east = (at.east_m - place.east_m) / grid.spacing_m;
-    let north = (at.north_m - place.north_m) / grid.spacing_m;
+    let position = grid.at(node);
+    let east = (at.east_m - position.east_m) / grid.spacing_m;
+    let north = (at.north_m - position.north_m) / grid.spacing_m;
     let side = |offset: f64| if offset < 0.0 { -1 } else { 1 };
     let value = |step| grid.step(node, step).map_or(values[node], |n| values[n]);
     let (dx, dy) = (side(east), side(north));

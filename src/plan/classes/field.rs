@@ -1,22 +1,14 @@
-//! What flying costs per kilometre, on a grid: the relaxed problem that route classes
+//! What flying costs per kilometre, on a grid: the relaxed problem that homotopy classes
 //! and estimates come from.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use geo::{Contains, Point, Polygon};
 
-use super::narrow_zones::beside;
+use super::grid::Grid;
+use super::narrow_zones::crossed_nodes;
 use crate::geodesy::EastNorth;
 use crate::world::{PlanZone, World};
-
-/// A regular grid of square cells over part of the plane.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Grid {
-    pub south_west: EastNorth,
-    pub spacing_m: f64,
-    pub columns: usize,
-    pub rows: usize,
-}
 
 /// A cost per kilometre at every node of a grid, row by row from the south-west.
 #[derive(Clone, Debug)]
@@ -41,81 +33,6 @@ pub(crate) struct Prices {
     pub closed: f64,
 }
 
-impl Grid {
-    /// The smallest grid over a box with `nodes` along its longer side.
-    pub(crate) fn over(south_west: EastNorth, north_east: EastNorth, nodes: usize) -> Self {
-        let width_m = north_east.east_m - south_west.east_m;
-        let height_m = north_east.north_m - south_west.north_m;
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of nodes")]
-        let spacing_m = (width_m.max(height_m) / (nodes - 1) as f64).max(1e-3);
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "at most nodes, by the choice of the spacing"
-        )]
-        let count = |length_m: f64| ((length_m / spacing_m).round() as usize).max(1) + 1;
-        Self {
-            south_west,
-            spacing_m,
-            columns: count(width_m),
-            rows: count(height_m),
-        }
-    }
-
-    /// Number of nodes.
-    pub(crate) fn len(&self) -> usize {
-        self.columns * self.rows
-    }
-
-    /// Column and row of a node.
-    pub(crate) fn place(&self, node: usize) -> (usize, usize) {
-        (node % self.columns, node / self.columns)
-    }
-
-    /// Where a node lies.
-    pub(crate) fn at(&self, node: usize) -> EastNorth {
-        let (column, row) = self.place(node);
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of nodes")]
-        let (column, row) = (column as f64, row as f64);
-        EastNorth {
-            east_m: self.south_west.east_m + column * self.spacing_m,
-            north_m: self.south_west.north_m + row * self.spacing_m,
-        }
-    }
-
-    /// The node nearest to a place; places outside take the edge.
-    pub(crate) fn nearest(&self, at: EastNorth) -> usize {
-        let index = |offset_m: f64, count: usize| {
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                clippy::cast_precision_loss,
-                reason = "clamped to the grid"
-            )]
-            let index = (offset_m / self.spacing_m)
-                .round()
-                .clamp(0.0, (count - 1) as f64) as usize;
-            index
-        };
-        index(at.north_m - self.south_west.north_m, self.rows) * self.columns
-            + index(at.east_m - self.south_west.east_m, self.columns)
-    }
-
-    /// Whether fewer than so many nodes are beside a node in some direction.
-    pub(crate) fn is_near_edge(&self, node: usize, nodes: usize) -> bool {
-        let (column, row) = self.place(node);
-        column.min(row) < nodes || column + nodes >= self.columns || row + nodes >= self.rows
-    }
-
-    /// The node so many columns and rows away, if there is one.
-    pub(crate) fn step(&self, node: usize, (columns, rows): (isize, isize)) -> Option<usize> {
-        let (column, row) = self.place(node);
-        let column = column.checked_add_signed(columns)?;
-        let row = row.checked_add_signed(rows)?;
-        (column < self.columns && row < self.rows).then_some(row * self.columns + column)
-    }
-}
-
 /// What one vehicle may fly over, at the nodes of a grid.
 #[derive(Clone, Debug)]
 pub(crate) struct Relief {
@@ -133,9 +50,9 @@ pub(crate) struct Relief {
 pub(crate) enum Reading {
     /// Nothing is overlooked: small discs grow until they meet a node, thin zones reach to
     /// those beside them.
-    Wary,
+    Conservative,
     /// No disc is overrated: a node counts as if it lay half a cell further out.
-    Relaxed,
+    Optimistic,
 }
 
 impl Relief {
@@ -147,9 +64,9 @@ impl Relief {
         let mut floors: Vec<Option<f64>> = (0..grid.len())
             .map(|node| floor_at(world, grid.at(node)))
             .collect();
-        if reading == Reading::Wary {
+        if reading == Reading::Conservative {
             for zone in &world.zones {
-                for node in beside(&grid, zone) {
+                for node in crossed_nodes(&grid, zone) {
                     floors[node] = floors[node].and_then(|floor_m| over(zone, floor_m, world));
                 }
             }
@@ -161,8 +78,8 @@ impl Relief {
                 .iter()
                 .map(|threat| {
                     let (smallest_m, further_m) = match reading {
-                        Reading::Wary => (0.75 * grid.spacing_m, 0.0),
-                        Reading::Relaxed => (0.0, FRAC_1_SQRT_2 * grid.spacing_m),
+                        Reading::Conservative => (0.75 * grid.spacing_m, 0.0),
+                        Reading::Optimistic => (0.0, FRAC_1_SQRT_2 * grid.spacing_m),
                     };
                     let share = (at.distance_m(threat.center) + further_m)
                         / threat.radius_m.max(smallest_m);
@@ -173,7 +90,8 @@ impl Relief {
                     }
                 })
                 .sum();
-            let is_closed = floor.is_none() || (reading == Reading::Wary && !world.in_area(at));
+            let is_closed =
+                floor.is_none() || (reading == Reading::Conservative && !world.in_area(at));
             floor_m.push(floor.unwrap_or(f64::NAN));
             threats.push(of_threats);
             closed.push(if is_closed { prices.closed } else { 0.0 });

@@ -1,4 +1,4 @@
-//! Route classes: which sides of the obstacles a path can take.
+//! Homotopy classes: which sides of the obstacles a path can take.
 //!
 //! Obstacles are the persistent maxima of the cost fields, so no list of peaks or
 //! threats is needed and any terrain will do. Shortest path trees from both ends
@@ -9,6 +9,7 @@
 //! has one via point.
 
 pub(super) mod field;
+pub(super) mod grid;
 pub(super) mod narrow_zones;
 pub(super) mod obstacles;
 pub(super) mod routes;
@@ -17,16 +18,17 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
 use crate::geodesy::EastNorth;
-use field::{Field, Grid};
+use field::Field;
+use grid::Grid;
 use obstacles::Obstacles;
 
 /// Classes this much dearer than the cheapest are not worth a look.
 const DETOUR: f64 = 2.2;
 /// A path in the plane that stands for its class.
 #[derive(Clone, Debug)]
-pub(super) struct Guide {
-    /// Signature of the class.
-    pub class: u64,
+pub(super) struct HomotopyClass {
+    /// Sum of the numbers of the obstacle rays that its lines cross.
+    pub signature: u64,
     /// Its cost in the field it was found in.
     pub cost: f64,
     /// Index of that field.
@@ -58,7 +60,7 @@ const KINDS: [(Step, &[Step]); 5] = [
 /// No move leads further than this along an axis.
 const REACH: usize = 3;
 
-/// A move in one of 32 directions; nodes are so many numbers further on in the grid.
+/// A move in one of 32 directions; nodes are given by their offset in the grid.
 struct Move {
     step: Step,
     length_km: f64,
@@ -163,12 +165,12 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
 }
 
 /// The cheapest path of every class of a field, which comes with its index; cheapest first.
-pub(super) fn guides(
+pub(super) fn classes_of_field(
     (index, field): (usize, &Field),
     obstacles: &Obstacles,
     start: EastNorth,
     goal: EastNorth,
-) -> Vec<Guide> {
+) -> Vec<HomotopyClass> {
     let grid = &field.grid;
     let from = |end| tree(field, grid.nearest(end), obstacles);
     let (from_start, from_goal) = rayon::join(|| from(start), || from(goal));
@@ -186,18 +188,22 @@ pub(super) fn guides(
         .values()
         .map(|entry| entry.0)
         .fold(f64::INFINITY, f64::min);
-    let mut guides: Vec<Guide> = cheapest
+    let mut classes: Vec<HomotopyClass> = cheapest
         .into_iter()
         .filter(|(_, (cost, _))| *cost <= DETOUR * least)
-        .map(|(class, (cost, via))| Guide {
-            class,
+        .map(|(signature, (cost, via))| HomotopyClass {
+            signature,
             cost,
             field: index,
             line: through(grid, &from_start, &from_goal, via, start, goal),
         })
         .collect();
-    guides.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.class.cmp(&b.class)));
-    guides
+    classes.sort_by(|a, b| {
+        a.cost
+            .total_cmp(&b.cost)
+            .then(a.signature.cmp(&b.signature))
+    });
+    classes
 }
 
 /// The path through a node, with the exact ends.
@@ -262,19 +268,19 @@ mod tests {
         Field { grid, cost }
     }
 
-    fn classes(walls: &[(f64, f64, f64)]) -> Vec<Guide> {
+    fn classes(walls: &[(f64, f64, f64)]) -> Vec<HomotopyClass> {
         let field = field(walls);
         let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
-        guides((0, &field), &obstacles, START, GOAL)
+        classes_of_field((0, &field), &obstacles, START, GOAL)
     }
 
     #[test]
     fn in_the_open_there_is_one_class_and_it_is_straight() {
-        let guides = classes(&[]);
-        assert_eq!(guides.len(), 1);
-        assert!((guides[0].cost - 20.0).abs() < 1e-9);
-        assert_eq!(guides[0].line.first(), Some(&START));
-        assert_eq!(guides[0].line.last(), Some(&GOAL));
+        let classes = classes(&[]);
+        assert_eq!(classes.len(), 1);
+        assert!((classes[0].cost - 20.0).abs() < 1e-9);
+        assert_eq!(classes[0].line.first(), Some(&START));
+        assert_eq!(classes[0].line.last(), Some(&GOAL));
     }
 
     #[test]
@@ -286,28 +292,28 @@ mod tests {
     }
 
     #[test]
-    fn the_signature_of_a_guide_is_its_class() {
+    fn the_signature_of_a_line_is_that_of_its_class() {
         let field = field(&[(7000.0, 9000.0, 2500.0), (13_000.0, 12_000.0, 2500.0)]);
         let obstacles = Obstacles::of(std::slice::from_ref(&field), START, GOAL);
-        let guides = guides((0, &field), &obstacles, START, GOAL);
-        assert!(guides.len() >= 3);
-        for guide in guides {
-            assert_eq!(obstacles.signature(&guide.line), guide.class);
+        let classes = classes_of_field((0, &field), &obstacles, START, GOAL);
+        assert!(classes.len() >= 3);
+        for class in classes {
+            assert_eq!(obstacles.signature(&class.line), class.signature);
         }
     }
 
     #[test]
-    fn walls_that_touch_leave_no_way_between_them() {
+    fn walls_that_touch_leave_no_path_between_them() {
         let walls = [(10_000.0, 8500.0, 2000.0), (10_000.0, 11_500.0, 2000.0)];
-        for guide in classes(&walls) {
+        for class in classes(&walls) {
             assert!(
-                guide
+                class
                     .line
                     .iter()
                     .filter(|at| (at.east_m - 10_000.0).abs() < 600.0)
                     .all(|at| (at.north_m - 10_000.0).abs() > 3000.0),
                 "a way through costs {}",
-                guide.cost
+                class.cost
             );
         }
     }

@@ -2,7 +2,7 @@
 
 use geo::Area;
 
-use super::field::Grid;
+use super::grid::Grid;
 use crate::numeric::geometry::{Point, Ring, closest_points, distance};
 use crate::world::{PlanZone, World};
 
@@ -15,13 +15,13 @@ const SHARP: f64 = 0.7;
 /// crosses the zone, though neither of the two nodes lies in it. The nearer one is taken, so a
 /// wall however thin is closed, and a gap in it or between two is left open. A corner that is
 /// cut does not count.
-pub(crate) fn beside(grid: &Grid, zone: &PlanZone) -> Vec<usize> {
+pub(crate) fn crossed_nodes(grid: &Grid, zone: &PlanZone) -> Vec<usize> {
     let ring = Ring::around(&zone.outline);
     let at = |node: usize| {
         let at = grid.at(node);
         [at.east_m, at.north_m]
     };
-    let mut beside = Vec::new();
+    let mut crossed_nodes = Vec::new();
     for node in nodes_near(grid, &ring) {
         let from = at(node);
         if ring.contains(from) {
@@ -36,12 +36,12 @@ pub(crate) fn beside(grid: &Grid, zone: &PlanZone) -> Vec<usize> {
                 continue;
             }
             let is_nearer = ring.boundary_distance(from) <= ring.boundary_distance(to);
-            beside.push(if is_nearer { node } else { other });
+            crossed_nodes.push(if is_nearer { node } else { other });
         }
     }
-    beside.sort_unstable();
-    beside.dedup();
-    beside
+    crossed_nodes.sort_unstable();
+    crossed_nodes.dedup();
+    crossed_nodes
 }
 
 /// Whether a segment whose ends are outside crosses a ring, and not just a corner of it.
@@ -119,7 +119,7 @@ fn closed(world: &World) -> impl Iterator<Item = &PlanZone> {
 }
 
 /// The least breadth of a closed zone, metres; infinite if there are none.
-pub(crate) fn thinnest_m(world: &World) -> f64 {
+pub(crate) fn narrowest_zone_m(world: &World) -> f64 {
     let breadth_m = |zone: &PlanZone| {
         let edges_m = Ring::around(&zone.outline)
             .edges()
@@ -145,10 +145,10 @@ mod tests {
     use geo::{LineString, Polygon};
     use proptest::prelude::*;
 
-    use super::beside;
+    use super::crossed_nodes;
     use crate::geodesy::EastNorth;
     use crate::numeric::geometry::Ring;
-    use crate::plan::classes::field::Grid;
+    use crate::plan::classes::grid::Grid;
     use crate::world::PlanZone;
 
     /// 21 by 21 nodes, a hundred metres apart.
@@ -188,7 +188,7 @@ mod tests {
                     .any(|zone| Ring::around(&zone.outline).contains([at.east_m, at.north_m]))
             })
             .collect();
-        for node in zones.iter().flat_map(|zone| beside(&grid, zone)) {
+        for node in zones.iter().flat_map(|zone| crossed_nodes(&grid, zone)) {
             is_open[node] = false;
         }
         let mut reached = vec![false; grid.len()];
@@ -206,7 +206,7 @@ mod tests {
     proptest! {
         /// From west to east, whatever the slant of a wall from south to north.
         #[test]
-        fn a_wall_is_closed_however_thin(
+        fn a_wall_of_any_width_is_closed(
             south in 300.0..1700.0_f64, north in 300.0..1700.0_f64, width_m in 0.01..150.0_f64
         ) {
             let wall = strip((south, -100.0), (north, 2100.0), width_m);
@@ -228,8 +228,8 @@ mod tests {
     }
 
     #[test]
-    fn what_nodes_tell_anyway_adds_nothing() {
+    fn nodes_inside_a_zone_add_nothing() {
         let block = strip((1000.0, 520.0), (1000.0, 1480.0), 760.0);
-        assert_eq!(beside(&grid(), &block), Vec::<usize>::new());
+        assert_eq!(crossed_nodes(&grid(), &block), Vec::<usize>::new());
     }
 }

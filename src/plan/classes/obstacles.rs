@@ -11,9 +11,9 @@ use crate::geodesy::EastNorth;
 const PERSISTENCE: f64 = 0.3;
 /// Costs above this are all the same to an obstacle: walls merge to one.
 const WALL: f64 = 6.0;
-/// Obstacles nearer than so many cells are the same one.
+/// Obstacles nearer than this many cells are the same one.
 const SAME_CELLS: f64 = 3.0;
-/// Most obstacles: those that stand out least are left away first.
+/// Most obstacles: those that stand out least are dropped first.
 const MAX_OBSTACLES: usize = 24;
 
 /// Obstacles with rays across the straight line from start to goal.
@@ -30,19 +30,19 @@ impl Obstacles {
     /// Obstacles of several fields over the same grid, as seen from `start` to `goal`.
     pub(crate) fn of(fields: &[Field], start: EastNorth, goal: EastNorth) -> Self {
         let of_field = |field: &Field| -> Vec<(f64, EastNorth, f64)> {
-            let place =
+            let position =
                 |(prominence, node)| (prominence, field.grid.at(node), field.grid.spacing_m);
-            maxima(field).into_iter().map(place).collect()
+            maxima(field).into_iter().map(position).collect()
         };
         let mut found = fields.par_iter().map(of_field).collect::<Vec<_>>().concat();
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut places: Vec<EastNorth> = Vec::new();
+        let mut positions: Vec<EastNorth> = Vec::new();
         for (_, at, spacing_m) in found {
-            let known = places
+            let known = positions
                 .iter()
-                .any(|place| place.distance_m(at) < SAME_CELLS * spacing_m);
-            if !known && places.len() < MAX_OBSTACLES {
-                places.push(at);
+                .any(|position| position.distance_m(at) < SAME_CELLS * spacing_m);
+            if !known && positions.len() < MAX_OBSTACLES {
+                positions.push(at);
             }
         }
         let length_m = start.distance_m(goal).max(1e-9);
@@ -55,8 +55,8 @@ impl Obstacles {
             along,
             rays: Vec::new(),
         };
-        for (index, place) in (0_u64..).zip(places) {
-            let (t, s) = obstacles.aligned(place);
+        for (index, position) in (0_u64..).zip(positions) {
+            let (t, s) = obstacles.aligned(position);
             obstacles.rays.push((t, s, scramble(index)));
         }
         obstacles
@@ -116,7 +116,7 @@ fn maxima(field: &Field) -> Vec<(f64, usize)> {
     let height = |node: usize| field.cost[node].min(WALL);
     let mut order: Vec<usize> = (0..field.grid.len()).collect();
     order.sort_by(|&a, &b| height(b).total_cmp(&height(a)).then(a.cmp(&b)));
-    let Some(&lowest) = order.last() else {
+    let Some(&cheapest) = order.last() else {
         return Vec::new();
     };
     let mut island = vec![usize::MAX; field.grid.len()];
@@ -149,7 +149,7 @@ fn maxima(field: &Field) -> Vec<(f64, usize)> {
         }
     }
     let highest = order[0];
-    let prominence = height(highest) - height(lowest);
+    let prominence = height(highest) - height(cheapest);
     if prominence > PERSISTENCE {
         found.push((prominence, highest));
     }

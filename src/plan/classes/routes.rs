@@ -1,104 +1,97 @@
-//! The routes of one course: a guide in every class, and what the ground under them costs.
+//! The routes of one route: a line in every class, and what the ground under them costs.
 
 use rayon::prelude::*;
 
-use super::field::{Field, Grid, Reading, Relief};
+use super::field::{Field, Reading, Relief};
+use super::grid::Grid;
 use super::narrow_zones;
 use super::obstacles::Obstacles;
-use super::{Guide, guides};
+use super::{HomotopyClass, classes_of_field};
 use crate::geodesy::EastNorth;
-use crate::plan::search::route_context::Course;
-use crate::spec::Part;
+use crate::plan::route_context::RouteContext;
 use crate::world::World;
 
-/// Slope limits of the three fields, in units of the vehicle's: one field is not
-/// enough, because dilation raises valleys beside ridges as well.
-const SLOPE_FACTORS: [f64; 3] = [1.0, 2.5, f64::INFINITY];
 /// A gap between threats of fewer cells than this asks for a grid twice as fine.
 const GAP_CELLS: f64 = 3.0;
 /// A gap beside a zone of fewer cells than this may be closed by the nodes beside it.
-const GAP_BESIDE_ZONES: f64 = 2.0;
-/// A guide that goes through such a gap is bent where it is so many cells off the straight.
+const ZONE_GAP_CELLS: f64 = 2.0;
+/// A line through such a gap bends where it is this many cells off the straight.
 const TIGHT_CELLS: f64 = 0.5;
 /// Evaluations from which on a fine grid pays: a coarse one misses narrow classes.
 const FINE: usize = 4000;
-/// Most guides.
-const MAX_GUIDES: usize = 60;
+/// Most classes.
+const MAX_CLASSES: usize = 60;
 
-/// Guides, cheapest first, and the straight line.
-pub(crate) struct Routes {
-    pub guides: Vec<Guide>,
-    /// The fields in which guides were found, without threats; none if none was looked for.
+/// Classes, cheapest first, and the straight line.
+pub(crate) struct HomotopyClasses {
+    pub classes: Vec<HomotopyClass>,
+    /// The fields in which classes were found, without threats; none if none was looked for.
     pub grounds: Vec<Field>,
     /// Only where zones are thin, or the gaps beside them: how far off the straight a bend of a
-    /// guide is that a path has to follow, metres. Nothing draws it into a gap that it misses.
+    /// line is that a path has to follow, metres. Nothing draws it into a gap that it misses.
     pub tight_m: Option<f64>,
 }
 
 /// The routes of all three fields, on a grid that suits the budget.
-pub(crate) fn routes(course: &Course<'_>, budget: usize) -> Routes {
-    let (start, goal) = (course.leg.from.at, course.leg.to.at);
-    let planner = &course.spec.planner;
-    if !planner.has(Part::Routes) {
-        return Routes {
-            guides: vec![straight(start, goal, 0)],
+pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> HomotopyClasses {
+    let (start, goal) = (context.ends.from.at, context.ends.to.at);
+    if !context.options.classes {
+        return HomotopyClasses {
+            classes: vec![straight(start, goal, 0)],
             grounds: Vec::new(),
             tight_m: None,
         };
     }
-    let factors = match planner.has(Part::Fields) {
-        true => &SLOPE_FACTORS[..],
-        false => &SLOPE_FACTORS[..1],
-    };
     let nodes = if budget >= FINE { 81 } else { 41 };
-    let narrowest_m = narrowest_gap_m(course.world);
-    let thinnest_m = narrow_zones::thinnest_m(course.world);
+    let narrowest_m = narrowest_gap_m(context.world);
+    let narrowest_zone_m = narrow_zones::narrowest_zone_m(context.world);
     // What is narrower lets nobody through.
-    let beside_zones_m = narrow_zones::narrowest_gap_m(course.world, 2.0 * course.margins.threat_m);
-    let prices = course.prices();
-    let (near, whole) = (course.near_box(), course.frame());
+    let between_zones_m =
+        narrow_zones::narrowest_gap_m(context.world, 2.0 * context.margins.threat_m);
+    let prices = context.prices();
+    let (near, whole) = (context.near_box(), context.frame());
     let search = |south_west, north_east| {
         let mut grid = Grid::over(south_west, north_east, nodes);
         let cell_m = grid.spacing_m;
-        let narrow_m = GAP_BESIDE_ZONES * cell_m;
-        let is_tight = beside_zones_m < narrow_m || thinnest_m < narrow_m;
+        let narrow_m = ZONE_GAP_CELLS * cell_m;
+        let is_tight = between_zones_m < narrow_m || narrowest_zone_m < narrow_m;
         let mut finer = 1;
-        if narrowest_m < GAP_CELLS * cell_m || beside_zones_m < narrow_m {
+        if narrowest_m < GAP_CELLS * cell_m || between_zones_m < narrow_m {
             finer = 2;
         }
-        if beside_zones_m < 0.5 * narrow_m {
+        if between_zones_m < 0.5 * narrow_m {
             finer = 4;
         }
         if finer > 1 {
             grid = Grid::over(south_west, north_east, finer * (nodes - 1) + 1);
         }
-        let relief = Relief::new(course.world, grid, &prices, Reading::Wary);
-        let fields: Vec<Field> = factors
+        let relief = Relief::new(context.world, grid, &prices, Reading::Conservative);
+        let fields: Vec<Field> = (context.options.slope_factors)
             .par_iter()
-            .map(|factor| relief.field(factor * course.slope(), &prices))
+            .map(|factor| relief.field(factor * context.slope(), &prices))
             .collect();
         let obstacles = Obstacles::of(&fields, start, goal);
-        let mut found: Vec<Guide> = fields
+        let mut found: Vec<HomotopyClass> = fields
             .par_iter()
             .enumerate()
-            .map(|(index, field)| guides((index, field), &obstacles, start, goal))
+            .map(|(index, field)| classes_of_field((index, field), &obstacles, start, goal))
             .collect::<Vec<_>>()
             .concat();
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        found.truncate(MAX_GUIDES);
+        found.truncate(MAX_CLASSES);
         let class = obstacles.signature(&[start, goal]);
         // Straight through a thin wall is short, but no way: it does not stand for those that are.
         let class = class.wrapping_add(u64::from(is_tight));
         found.push(straight(start, goal, class));
-        Routes {
+        HomotopyClasses {
             tight_m: is_tight.then_some(TIGHT_CELLS * cell_m),
-            guides: found,
+            classes: found,
             grounds: fields.iter().map(|field| relief.ground(field)).collect(),
         }
     };
     let found = search(near.south_west, near.north_east);
     // Where no way nearby is clean, one far around may be.
-    if near != whole && found.guides[0].cost > 2.0 * course.straight_km() {
+    if near != whole && found.classes[0].cost > 2.0 * context.straight_km() {
         return search(whole.south_west, whole.north_east);
     }
     found
@@ -118,10 +111,10 @@ fn narrowest_gap_m(world: &World) -> f64 {
     least_m
 }
 
-/// The straight line as a guide.
-fn straight(start: EastNorth, goal: EastNorth, class: u64) -> Guide {
-    Guide {
-        class,
+/// The straight line as a line.
+fn straight(start: EastNorth, goal: EastNorth, signature: u64) -> HomotopyClass {
+    HomotopyClass {
+        signature,
         cost: start.distance_m(goal) / 1000.0,
         line: vec![start, goal],
         field: 0,

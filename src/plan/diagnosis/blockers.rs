@@ -1,20 +1,19 @@
-//! What is in the way of a vehicle for which no path was found.
+//! Reasons why no path was found for a vehicle.
 
 use rayon::prelude::*;
 
-use super::blocking_set::Barriers;
-use super::relaxations::remedies;
+use super::blocking_set::BlockingSets;
+use super::relaxations::relaxations;
 use crate::cost::Margins;
 use crate::numeric::tracks::Tracks;
 use crate::path::Flight;
-use crate::plan::fleet::vehicle::plan_vehicle;
-use crate::plan::fleet::{Request, flight_of, nearness};
-use crate::plan::{Barrier, FleetPlan, Remedy, VehiclePlan};
+use crate::plan::fleet::{Planning, Request, nearness};
+use crate::plan::{BlockingElement, FleetPlan, Relaxation, VehiclePlan};
 use crate::spec::MissionSpec;
 use crate::world::World;
 
-/// Vehicles for which remedies are looked for, at most: each costs a dozen searches.
-const MOST_TRIED: usize = 4;
+/// Vehicles for which relaxations are tried, at most: each costs a dozen searches.
+const MAX_TRIED: usize = 4;
 
 /// Why no path was found.
 enum Reason {
@@ -44,22 +43,26 @@ impl FleetPlan {
         let mut tracks = Tracks::new(&nearness(spec, Margins::default()));
         tracks.extend(flights.iter().map(Flight::track));
         let reasons: Vec<(usize, Reason)> = (self.vehicles.par_iter().enumerate())
-            .filter(|(_, plan)| !plan.terms.is_clean() && plan.cut_off_by.is_empty())
+            .filter(|(_, plan)| !plan.terms.is_clean() && plan.blocking_set.is_empty())
             .map(|(index, plan)| {
-                let reason = reason(spec, world, request, (index, plan), (&flights, &tracks));
+                let planning = Planning::new(spec, world, request);
+                let reason = reason(planning, (index, plan), (&flights, &tracks));
                 (index, reason)
             })
             .collect();
         let alone = reasons.iter().filter(|of| matches!(of.1, Reason::Itself));
-        let tried: Vec<(usize, Option<Vec<Remedy>>)> = alone
-            .take(MOST_TRIED)
+        let tried: Vec<(usize, Option<Vec<Relaxation>>)> = alone
+            .take(MAX_TRIED)
             .map(|&(index, _)| {
                 let margins = at_first.get(index).copied().unwrap_or_default();
-                (index, remedies(spec, world, (request.seed, margins), index))
+                (
+                    index,
+                    relaxations(spec, world, (request.seed, margins), index),
+                )
             })
             .collect();
-        for (index, remedies) in tried {
-            self.vehicles[index].remedies = remedies;
+        for (index, relaxations) in tried {
+            self.vehicles[index].relaxations = relaxations;
         }
         for (index, reason) in reasons {
             if let Reason::Others(others) = reason {
@@ -73,21 +76,21 @@ impl FleetPlan {
         if self.vehicles.iter().all(|plan| plan.terms.is_clean()) {
             return;
         }
-        let barriers = Barriers::of(world);
+        let blocking_sets = BlockingSets::of(world);
         let broken = self.vehicles.par_iter_mut();
         broken
             .filter(|plan| !plan.terms.is_clean())
-            .for_each(|plan| plan.cut_off_by = closed(plan, &barriers));
+            .for_each(|plan| plan.blocking_set = closed(plan, &blocking_sets));
     }
 }
 
 /// What closes every way of one of the routes of a plan.
-fn closed(plan: &VehiclePlan, barriers: &Barriers) -> Vec<Barrier> {
+fn closed(plan: &VehiclePlan, blocking_sets: &BlockingSets) -> Vec<BlockingElement> {
     let ends = plan
         .routes
         .iter()
         .filter_map(|route| Some((route.path.first()?.point.at, route.path.last()?.point.at)));
-    let found = ends.map(|(from, to)| barriers.between(from, to));
+    let found = ends.map(|(from, to)| blocking_sets.between(from, to));
     found
         .into_iter()
         .find(|closed| !closed.is_empty())
@@ -96,22 +99,19 @@ fn closed(plan: &VehiclePlan, barriers: &Barriers) -> Vec<Barrier> {
 
 /// Why a vehicle has no path among the flights of all.
 fn reason(
-    spec: &MissionSpec,
-    world: &World,
-    request: &Request<'_>,
+    planning: Planning<'_>,
     (index, plan): (usize, &VehiclePlan),
     (flights, tracks): (&[Flight], &Tracks),
 ) -> Reason {
     if index == 0 {
         return Reason::Itself;
     }
-    let estimated = Some(plan.estimate);
-    let alone = plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated);
+    let alone = planning.plan_alone(index, plan.estimate);
     if !alone.terms.is_clean() {
         return Reason::Itself;
     }
     let near = |own: &Flight, margins: Margins| {
-        let mut near = tracks.near(&own.track(), &nearness(spec, margins), 0);
+        let mut near = tracks.near(&own.track(), &nearness(planning.spec, margins), 0);
         near.retain(|other| *other < index);
         near
     };
@@ -119,6 +119,6 @@ fn reason(
     if plan.terms.collision > 0.0 && !met.is_empty() {
         return Reason::Others(met);
     }
-    let alone = flight_of(spec, world, index, &alone);
-    Reason::Others(near(&alone, request.margins_of(index)))
+    let alone = planning.flight(index, &alone);
+    Reason::Others(near(&alone, planning.request.margins_of(index)))
 }

@@ -1,4 +1,4 @@
-//! Whether there is any way at all between two places, and what closes every way if not.
+//! Blocking sets: obstacles that provably close every path between two points.
 
 use geo::Polygon;
 
@@ -8,9 +8,9 @@ use crate::numeric::geometry::Point;
 use crate::spec::MissionSpec;
 use crate::world::{Ground, PlanZone, World};
 
-/// Something that nobody may fly through, at any height.
+/// An obstacle that no vehicle may fly through, at any height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Barrier {
+pub enum BlockingElement {
     /// The threat of this index.
     Threat(usize),
     /// The zone of this index.
@@ -23,7 +23,7 @@ pub enum Barrier {
     Void,
 }
 
-impl Barrier {
+impl BlockingElement {
     /// What it is called: a threat or zone by its id.
     #[must_use]
     pub fn name(self, spec: &MissionSpec) -> String {
@@ -49,28 +49,29 @@ impl Barrier {
 ///
 /// A proof, on the ground as the search reads it. Walls may be as thin as they like.
 #[derive(Debug)]
-pub struct Barriers {
+pub struct BlockingSets {
     /// What each piece is of.
-    of: Vec<Barrier>,
+    of: Vec<BlockingElement>,
     chains: Chains,
 }
 
-impl Barriers {
+impl BlockingSets {
     /// Of a world.
     #[must_use]
     pub fn of(world: &World) -> Self {
         let mut pieces = Vec::new();
         for (index, disc) in world.threats.iter().enumerate() {
             let piece = Capsule::disc(point(disc.center), disc.radius_m);
-            pieces.push((Barrier::Threat(index), piece));
+            pieces.push((BlockingElement::Threat(index), piece));
         }
         let reaches_up = |zone: &PlanZone| zone.below.is_none_or(|below| below > world.max_amsl);
         for (index, zone) in world.zones.iter().enumerate() {
             if reaches_up(zone) {
-                pieces.extend(edges(&zone.outline).map(|edge| (Barrier::Zone(index), edge)));
+                pieces
+                    .extend(edges(&zone.outline).map(|edge| (BlockingElement::Zone(index), edge)));
             }
         }
-        pieces.extend(edges(&world.area).map(|edge| (Barrier::Edge, edge)));
+        pieces.extend(edges(&world.area).map(|edge| (BlockingElement::Edge, edge)));
         // What a coarse grid makes of the ground proves nothing.
         if world.ground.shows(&world.terrain) {
             let highest_m = world.max_amsl.0 - world.min_agl.0;
@@ -86,9 +87,9 @@ impl Barriers {
     /// What closes every way from one place to another, in a row around one of them, each once;
     /// nothing if that is not proven.
     #[must_use]
-    pub fn between(&self, from: EastNorth, to: EastNorth) -> Vec<Barrier> {
+    pub fn between(&self, from: EastNorth, to: EastNorth) -> Vec<BlockingElement> {
         let chain = self.chains.between(point(from), point(to));
-        let mut found: Vec<Barrier> = Vec::new();
+        let mut found: Vec<BlockingElement> = Vec::new();
         for piece in chain.unwrap_or_default() {
             if !found.contains(&self.of[piece]) {
                 found.push(self.of[piece]);
@@ -132,38 +133,38 @@ impl<'a> Shores<'a> {
 
     /// The closed parts of the lines between nodes, without those amid closed cells: what
     /// touches these has to get there first.
-    fn pieces(&self) -> Vec<(Barrier, Capsule)> {
+    fn pieces(&self) -> Vec<(BlockingElement, Capsule)> {
         let (columns, rows) = (self.ground.columns, self.ground.rows);
         let mut pieces = Vec::new();
         for row in 0..rows {
             for column in 0..columns {
                 if column + 1 < columns {
-                    let beside = [(column, row.wrapping_sub(1)), (column, row)];
-                    pieces.extend(self.piece((column, row), (column + 1, row), beside));
+                    let sides = [(column, row.wrapping_sub(1)), (column, row)];
+                    pieces.extend(self.piece((column, row), (column + 1, row), sides));
                 }
                 if row + 1 < rows {
-                    let beside = [(column.wrapping_sub(1), row), (column, row)];
-                    pieces.extend(self.piece((column, row), (column, row + 1), beside));
+                    let sides = [(column.wrapping_sub(1), row), (column, row)];
+                    pieces.extend(self.piece((column, row), (column, row + 1), sides));
                 }
             }
         }
         pieces
     }
 
-    /// The closed part of the line between two nodes, `beside` which these cells lie.
+    /// The closed part of the line between two nodes, `sides` which these cells lie.
     fn piece(
         &self,
         from: (usize, usize),
         to: (usize, usize),
-        beside: [(usize, usize); 2],
-    ) -> Option<(Barrier, Capsule)> {
-        let beside = beside.map(|(column, row)| self.cell(column, row));
-        if !beside.contains(&Cell::Open) {
+        sides: [(usize, usize); 2],
+    ) -> Option<(BlockingElement, Capsule)> {
+        let sides = sides.map(|(column, row)| self.cell(column, row));
+        if !sides.contains(&Cell::Open) {
             return None;
         }
         let (start, end) = (self.at(from), self.at(to));
-        if beside.contains(&Cell::Void) {
-            return Some((Barrier::Void, Capsule::segment((start, end))));
+        if sides.contains(&Cell::Void) {
+            return Some((BlockingElement::Void, Capsule::segment((start, end))));
         }
         // Between nodes the ground is straight.
         let (low, high) = (self.above_m(from), self.above_m(to));
@@ -175,7 +176,7 @@ impl<'a> Shores<'a> {
             (false, true) => (end, level),
             (false, false) => return None,
         };
-        Some((Barrier::Ground, Capsule::segment(closed)))
+        Some((BlockingElement::Ground, Capsule::segment(closed)))
     }
 
     /// How far a node is too high, metres; not a number where there are no data.

@@ -1,19 +1,18 @@
-//! What a vehicle would have a path with, for which none was found.
+//! Relaxations: changes with which a vehicle without a path has one.
 
 use rayon::prelude::*;
 
 use crate::cost::Margins;
 use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
-use crate::plan::fleet::Request;
-use crate::plan::fleet::vehicle::plan_vehicle;
+use crate::plan::fleet::{Planning, Request};
 use crate::spec::{MOST_CONTROL_POINTS, MissionSpec, Vehicle};
 use crate::world::World;
 
 /// Changes with which, all together and all else as it is, a path that keeps every limit was
 /// found. Tried, not guessed; what is not named may help as well.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Remedy(pub Vec<Change>);
+pub struct Relaxation(pub Vec<Change>);
 
 /// Something else in the spec.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,19 +35,19 @@ const MORE_EVALUATIONS: usize = 160_000;
 const EVALUATIONS: usize = 20_000;
 /// Metres that waypoints are tried to keep to the path instead of more.
 const TOLERANCES_M: [f64; 2] = [1.0, 0.1];
-/// Turn radii that are tried, in units of the vehicle's; the first that helps is told.
+/// Turn radii that are tried, in units of the vehicle's; the first that helps is reported.
 const RADII: [f64; 3] = [0.5, 0.2, 0.05];
 /// Slopes that are tried, in units of the vehicle's.
 const SLOPES: [f64; 3] = [1.5, 3.0, 10.0];
 
-/// The remedies of a vehicle that finds no path alone, perhaps none; nothing is said if it
-/// finds one among these `margins`, for then it needs none.
-pub(crate) fn remedies(
+/// The relaxations that help a vehicle without a path of its own, perhaps none. `None` if it
+/// finds a path with these `margins`, and so needs no relaxation.
+pub(crate) fn relaxations(
     spec: &MissionSpec,
     world: &World,
     (seed, margins): (u64, Margins),
     index: usize,
-) -> Option<Vec<Remedy>> {
+) -> Option<Vec<Relaxation>> {
     let finds = |spec: &MissionSpec, margins: Margins| {
         let mut all = vec![Margins::default(); index + 1];
         all[index] = margins;
@@ -58,53 +57,55 @@ pub(crate) fn remedies(
             extra_parameters: Vec::new(),
             progress: &|_| (),
         };
-        let plan = plan_vehicle(spec, world, &request, index, Vec::new(), &[], Some(0.0));
+        let plan = Planning::new(spec, world, &request).plan_alone(index, 0.0);
         plan.terms.is_clean()
     };
     if finds(spec, margins) {
         return None;
     }
-    let helps = |remedy: &Remedy| {
-        let changed = remedy.applied(spec, index);
+    let helps = |relaxation: &Relaxation| {
+        let changed = relaxation.applied(spec, index);
         finds(&changed, of_tolerance(margins, spec, &changed))
     };
-    let first = |kind: Vec<Remedy>| kind.into_iter().find(helps);
+    let first = |kind: Vec<Relaxation>| kind.into_iter().find(helps);
     let found: Vec<_> = trials(spec, index).into_par_iter().map(first).collect();
-    let mut found: Vec<Remedy> = found.into_iter().flatten().collect();
+    let mut found: Vec<Relaxation> = found.into_iter().flatten().collect();
     // Where other control points are enough, nobody needs more than them.
-    let alone = |remedy: &Remedy| matches!(remedy.0[..], [Change::ControlPoints(_)]);
+    let alone = |relaxation: &Relaxation| matches!(relaxation.0[..], [Change::ControlPoints(_)]);
     if found.iter().any(alone) {
-        found.retain(|remedy| remedy.0.len() == 1);
+        found.retain(|relaxation| relaxation.0.len() == 1);
     }
     Some(found)
 }
 
 /// What is tried, the mildest of each kind first.
-fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Remedy>> {
+fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Relaxation>> {
     let limits = VehicleLimits::of(&spec.vehicles[index]);
     let bends = spec.planner.control_points;
     let mut numbers = Vec::new();
     for count in [2 * bends, bends / 2] {
         let count = count.min(MOST_CONTROL_POINTS);
         if count > 2 && count != bends {
-            numbers.push(Remedy(vec![Change::ControlPoints(count)]));
+            numbers.push(Relaxation(vec![Change::ControlPoints(count)]));
         }
     }
     let mut trials = vec![numbers];
     if spec.planner.evaluations < MORE_EVALUATIONS {
-        trials.push(vec![Remedy(vec![Change::Evaluations(MORE_EVALUATIONS)])]);
+        trials.push(vec![Relaxation(vec![Change::Evaluations(
+            MORE_EVALUATIONS,
+        )])]);
     }
     let nearer = TOLERANCES_M.into_iter();
     let nearer = nearer.filter(|tolerance_m| *tolerance_m < spec.mission.tolerance_m);
-    let nearer = nearer.map(|tolerance_m| Remedy(vec![Change::Tolerance(tolerance_m)]));
+    let nearer = nearer.map(|tolerance_m| Relaxation(vec![Change::Tolerance(tolerance_m)]));
     trials.push(nearer.collect());
     // Tighter turns and steeper slopes are of use to who may bend often enough.
-    let of_limits = |changes: &[Change]| -> Vec<Remedy> {
+    let of_limits = |changes: &[Change]| -> Vec<Relaxation> {
         let alone = changes.iter().map(|change| vec![*change]);
         let bent = changes
             .iter()
             .map(|change| vec![*change, Change::ControlPoints(MOST_CONTROL_POINTS)]);
-        alone.chain(bent).map(Remedy).collect()
+        alone.chain(bent).map(Relaxation).collect()
     };
     trials.push(of_limits(
         &RADII.map(|share| Change::TurnRadius(share * limits.turn_radius_m)),
@@ -128,8 +129,8 @@ fn of_tolerance(margins: Margins, spec: &MissionSpec, other: &MissionSpec) -> Ma
     }
 }
 
-impl Remedy {
-    /// What is to be written in the spec, or changed of the vehicle.
+impl Relaxation {
+    /// The change of the spec or of the vehicle, in words.
     #[must_use]
     pub fn words(&self, vehicle: &Vehicle) -> String {
         let changes: Vec<String> = self.0.iter().map(|change| change.words(vehicle)).collect();

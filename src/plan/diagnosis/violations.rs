@@ -1,4 +1,4 @@
-//! The limits that a path breaks, by the name and place of what stands in its way.
+//! Violations: the limits that a path breaks, with the name of the obstacle and the position.
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::Basis;
@@ -9,9 +9,9 @@ use crate::plan::{Route, VehiclePlan};
 use crate::spec::{MissionSpec, Vehicle};
 use crate::world::World;
 
-/// Something a path goes through or does not manage, where it is worst.
+/// A limit that a path breaks, where it is worst.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Break {
+pub struct Violation {
     /// What, in words: `threat radar-1`, `zone town`, `the ground`, `a turn`.
     pub what: String,
     /// By how much it is worst, in words.
@@ -24,12 +24,12 @@ pub struct Break {
 /// least bad that was found. Earlier vehicles are not among it. Empty if the path keeps
 /// every limit.
 #[must_use]
-pub fn breaks(
+pub fn violations(
     spec: &MissionSpec,
     world: &World,
     vehicle: &Vehicle,
     plan: &VehiclePlan,
-) -> Vec<Break> {
+) -> Vec<Violation> {
     if plan.terms.is_clean() {
         return Vec::new();
     }
@@ -44,8 +44,11 @@ pub fn breaks(
     let limits = VehicleLimits::of(vehicle);
     if plan.terms.turn > 0.0 {
         let tightest = triples(&routes).map(|[a, b, c]| (b, radius_m(a.at, b.at, c.at)));
-        found.extend(least(tightest).map(|(at, radius_m)| Break {
-            what: format!("a turn{}", beside(spec, world, at, limits.turn_radius_m)),
+        found.extend(least(tightest).map(|(at, radius_m)| Violation {
+            what: format!(
+                "a turn{}",
+                near_threats(spec, world, at, limits.turn_radius_m)
+            ),
             how: format!(
                 "radius {radius_m:.0} m, {:.0} m is what the vehicle can fly",
                 limits.turn_radius_m
@@ -63,7 +66,7 @@ pub fn breaks(
 }
 
 /// That a limit is broken, where no place shows it: only by rounding.
-fn narrowly(plan: &VehiclePlan, routes: &[Vec<PlanPoint>]) -> Option<Break> {
+fn narrowly(plan: &VehiclePlan, routes: &[Vec<PlanPoint>]) -> Option<Violation> {
     let kinds = [
         (
             "a threat, a zone or the edge of the area",
@@ -72,7 +75,7 @@ fn narrowly(plan: &VehiclePlan, routes: &[Vec<PlanPoint>]) -> Option<Break> {
         ("the ground or the ceiling", plan.terms.terrain),
     ];
     let (what, _) = kinds.into_iter().find(|(_, cost)| *cost > 0.0)?;
-    Some(Break {
+    Some(Violation {
         what: what.to_owned(),
         how: "by less than is measured".to_owned(),
         at: *routes.first()?.first()?,
@@ -90,8 +93,8 @@ fn judged(route: &Route) -> Vec<PlanPoint> {
         basis.sampled(&values)
     };
     let (east_m, north_m) = (sampled(|p| p.at.east_m), sampled(|p| p.at.north_m));
-    let places = east_m.into_iter().zip(north_m);
-    places
+    let positions = east_m.into_iter().zip(north_m);
+    positions
         .zip(sampled(|p| p.amsl.0))
         .map(|((east_m, north_m), amsl_m)| PlanPoint::new(east_m, north_m, Amsl(amsl_m)))
         .collect()
@@ -108,7 +111,7 @@ fn plane(point: PlanPoint) -> Point {
 }
 
 /// Threats, zones and the edge of the area, each where the path is deepest in it.
-fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Break> {
+fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Violation> {
     let mut found = Vec::new();
     for (threat, disc) in spec.threats.iter().zip(&world.threats) {
         let center = [disc.center.east_m, disc.center.north_m];
@@ -117,7 +120,7 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
             (a, nearest_m - disc.radius_m)
         });
         if let Some((at, outside_m)) = least(depths).filter(|worst| worst.1 < 0.0) {
-            found.push(Break {
+            found.push(Violation {
                 what: format!("threat {}", threat.id),
                 how: format!("{} inside", metres(-outside_m)),
                 at,
@@ -128,7 +131,7 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
         let ring = Ring::around(&zone.outline);
         let below_m = zone.below.map_or(f64::INFINITY, |below| below.0);
         let lengths = pieces(routes).map(|piece| (piece.0, within_m(&ring, below_m, piece)));
-        found.extend(lengthy(lengths).map(|(at, length_m)| Break {
+        found.extend(lengthy(lengths).map(|(at, length_m)| Violation {
             what: format!("zone {}", named.id),
             how: format!("{} of the path inside", metres(length_m)),
             at,
@@ -139,7 +142,7 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
         let length_m = a.at.distance_m(b.at);
         (a, length_m - within_m(&area, f64::INFINITY, (a, b)))
     });
-    found.extend(lengthy(outside).map(|(at, length_m)| Break {
+    found.extend(lengthy(outside).map(|(at, length_m)| Violation {
         what: "the edge of the area".to_owned(),
         how: format!("{} of the path outside", metres(length_m)),
         at,
@@ -177,7 +180,7 @@ fn lengthy(lengths: impl Iterator<Item = (PlanPoint, f64)>) -> Option<(PlanPoint
 }
 
 /// Ground and ceiling, each where the path is worst.
-fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Break> {
+fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Violation> {
     let mut found = Vec::new();
     // As finely as the objective reads the ground.
     let points = || {
@@ -187,7 +190,7 @@ fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Break> {
     let agl_m = |point: PlanPoint| point.amsl.0 - world.ground.height_m(point.at);
     let unknown: Vec<PlanPoint> = points().filter(|point| agl_m(*point).is_nan()).collect();
     if let Some(at) = unknown.get(unknown.len() / 2) {
-        found.push(Break {
+        found.push(Violation {
             what: "ground of unknown height".to_owned(),
             how: "the terrain has no data there".to_owned(),
             at: *at,
@@ -196,7 +199,7 @@ fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Break> {
     let above = points().map(|point| (point, agl_m(point)));
     let known = above.filter(|(_, agl_m)| !agl_m.is_nan());
     if let Some((at, agl_m)) = least(known).filter(|worst| worst.1 < world.min_agl.0) {
-        found.push(Break {
+        found.push(Violation {
             what: format!("the ground, {:.0} m high", at.amsl.0 - agl_m),
             how: format!(
                 "{} less above it than {} m",
@@ -208,7 +211,7 @@ fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Break> {
     }
     let below = points().map(|point| (point, world.max_amsl.0 - point.amsl.0));
     if let Some((at, room_m)) = least(below).filter(|worst| worst.1 < 0.0) {
-        found.push(Break {
+        found.push(Violation {
             what: format!(
                 "the ceiling over ground {:.0} m high",
                 world.ground.height_m(at.at)
@@ -231,7 +234,7 @@ fn metres(length_m: f64) -> String {
 }
 
 /// The place that is steepest beyond what the vehicle climbs or descends.
-fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Break> {
+fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Violation> {
     let slopes = routes
         .iter()
         .flat_map(|route| route.windows(2))
@@ -246,7 +249,7 @@ fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Break> 
             (pair[0], limit - slope.abs(), slope, limit)
         });
     let (at, _, slope, limit) = slopes.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    Some(Break {
+    Some(Violation {
         what: format!("a {}", if slope > 0.0 { "climb" } else { "descent" }),
         how: format!(
             "{:.1} degrees, {:.1} is what the vehicle can fly",
@@ -258,7 +261,7 @@ fn steepest(routes: &[Vec<PlanPoint>], limits: &VehicleLimits) -> Option<Break> 
 }
 
 /// The threats near a place, in words: what leaves no room for a turn.
-fn beside(spec: &MissionSpec, world: &World, at: PlanPoint, reach_m: f64) -> String {
+fn near_threats(spec: &MissionSpec, world: &World, at: PlanPoint, reach_m: f64) -> String {
     let near: Vec<&str> = spec
         .threats
         .iter()

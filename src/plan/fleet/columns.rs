@@ -1,7 +1,7 @@
 //! Takeoffs and landings are fixed by the spec, so no search can move them out of an
 //! earlier flight's way: they are looked at here, for the caller to report.
 
-use crate::numeric::approach::{Approach, Motion, closest_approach, closest_horizontal};
+use crate::numeric::approach::{Approach, Segment, closest_approach, closest_horizontal};
 use crate::path::Flight;
 use crate::plan::FleetPlan;
 use crate::spec::{MissionSpec, Separation};
@@ -35,9 +35,9 @@ impl FleetPlan {
                 .and_then(|route| route.path.last())
                 .map_or(f64::INFINITY, |last| last.t_s);
             let departure_s = own.route_starts_s.first().copied().unwrap_or(0.0);
-            let columns: Vec<Motion> = own
-                .motions()
-                .filter(|motion| motion.t1_s <= departure_s || motion.t0_s >= arrival_s)
+            let columns: Vec<Segment> = own
+                .segments()
+                .filter(|segment| segment.t1_s <= departure_s || segment.t0_s >= arrival_s)
                 .collect();
             for (other, flight) in flights[..vehicle].iter().enumerate() {
                 if let Some(worst) = worst(&columns, flight, &spec.separation) {
@@ -55,10 +55,10 @@ impl FleetPlan {
 }
 
 /// The nearest approach of some motions to a flight, if it breaks the separation.
-fn worst(columns: &[Motion], flight: &Flight, separation: &Separation) -> Option<Approach> {
+fn worst(columns: &[Segment], flight: &Flight, separation: &Separation) -> Option<Approach> {
     columns
         .iter()
-        .flat_map(|own| flight.motions().map(move |other| (own, other)))
+        .flat_map(|own| flight.segments().map(move |other| (own, other)))
         .filter_map(|(own, other)| match separation.vertical_m {
             None => closest_approach(own, &other, separation.time_slack_s),
             Some(vertical_m) => {

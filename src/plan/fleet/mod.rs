@@ -1,33 +1,37 @@
-//! The fleet: each vehicle avoids the whole flights of those before it.
+//! Prioritised planning: each vehicle avoids the whole flights of those before it.
 //!
-//! **Meaning.** Vehicles are planned one after the other in the order of the spec. Each is
-//! planned as if it were alone. If its whole flight keeps the separation from the flights
-//! of all before it, with its margin and at every allowed shift, that plan stands.
-//! Otherwise it is planned again around those it came too near to; if its new flight comes
-//! too near to others, around these and all who are about as well, until it comes too near
-//! to none it was not planned around. (What then is left is no fault of the search: takeoffs and landings
-//! are not its to move, and some ways are simply closed.) So a search reads the few
-//! flights that matter, not all. A vehicle to which the spec leaves another departure or speed
-//! flies the way it would have alone at another time instead, if there is one at which it is
-//! apart from all before it. If there is none, it is planned around others from a departure
-//! at which they are not in the way of its takeoff and landing; and if that flight still meets
-//! one of them, it is flown at another time, if there is one at which it does not. Vehicles at the head of the order are few enough to be
-//! planned around all before them at once, which spares small fleets the second search;
-//! so are all by the paper's objective, which has a collision term of its own.
+//! **Meaning.** Vehicles are planned one after the other in the order of the spec. Each is first
+//! planned as if it were alone. A candidate is committed if its whole flight keeps the separation
+//! from the flights of all before it, with its margin and at every allowed shift. Otherwise the
+//! vehicle is planned again around those with a conflict. If the new flight conflicts with others,
+//! it is planned around these as well, and around all that are near, until no conflict is left
+//! with a vehicle that it was not planned around. (Conflicts that are left then are beyond the
+//! search: takeoffs and landings are fixed, and some ways are closed.) So a search reads the few
+//! flights that matter.
+//!
+//! A vehicle with retiming flies the path that it would fly alone at another time or speed, if
+//! there is one without a conflict. If there is none, it is planned around others from a departure
+//! at which its takeoff and landing are free, and that path may be retimed once more.
+//!
+//! The first vehicles of the order are few enough to be planned around all before them at once,
+//! which spares small fleets the second search. So are all vehicles under the paper's objective,
+//! which has a collision term of its own.
 //!
 //! **Order.** A plan is a function of the spec, the world, the request, the vehicle and the
 //! flights it is planned around, so it does not matter when and on which thread it is made.
-//! [`plan_fleet`] makes the plans of many vehicles at once, against those that stand
-//! already, and keeps what also holds against those that came to stand meanwhile. What
-//! comes out is what [`plan_one_at_a_time`] gives, to the bit.
+//! [`plan_fleet`] makes candidates for many vehicles at once, against the committed flights, and
+//! keeps those that also hold against later commits. The result is that of
+//! [`plan_one_at_a_time`], to the bit.
 
 pub(super) mod columns;
 pub(super) mod prioritised;
 pub(super) mod retiming;
 pub(super) mod vehicle;
 
+use super::route_context::RouteContext;
+use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
-use crate::cost::Margins;
+use crate::cost::{Margins, RouteEnds};
 use crate::numeric::tracks::Nearness;
 use crate::path::{Flight, flight};
 use crate::spec::MissionSpec;
@@ -59,6 +63,56 @@ impl Request<'_> {
     }
 }
 
+/// What all plans of a fleet are made from.
+#[derive(Clone, Copy)]
+pub(super) struct Planning<'a> {
+    pub spec: &'a MissionSpec,
+    pub world: &'a World,
+    pub request: &'a Request<'a>,
+    pub options: SearchOptions,
+}
+
+impl<'a> Planning<'a> {
+    /// With the default search.
+    pub(super) fn new(spec: &'a MissionSpec, world: &'a World, request: &'a Request<'a>) -> Self {
+        Self {
+            spec,
+            world,
+            request,
+            options: SearchOptions::default(),
+        }
+    }
+
+    /// The context of a route of one vehicle among `earlier` flights.
+    fn route_context<'c>(
+        &'c self,
+        index: usize,
+        ends: RouteEnds,
+        earlier: &'c [Flight],
+    ) -> RouteContext<'c> {
+        RouteContext {
+            world: self.world,
+            spec: self.spec,
+            index,
+            ends,
+            earlier,
+            margins: self.request.margins_of(index),
+            extra: self.request.extra_parameters_of(index),
+            options: self.options,
+        }
+    }
+
+    /// The whole flight of a planned vehicle.
+    pub(super) fn flight(&self, index: usize, plan: &VehiclePlan) -> Flight {
+        flight_of(self.spec, self.world, index, plan)
+    }
+
+    /// The separation of one vehicle, with its margins.
+    pub(super) fn nearness(&self, index: usize) -> Nearness {
+        nearness(self.spec, self.request.margins_of(index))
+    }
+}
+
 /// How far planning has come.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Progress {
@@ -74,14 +128,29 @@ pub struct Progress {
     pub best: f64,
 }
 
-/// Plans a fleet in the order of the spec; the module says what that means.
+/// Plans a fleet in the order of the spec, see the module.
 ///
 /// An infeasible vehicle is no error: its plan is the least bad one that was found, and
 /// its terms say what is violated. Same spec, world and request, same plan, on any
 /// number of threads.
 #[must_use]
 pub fn plan_fleet(spec: &MissionSpec, world: &World, request: &Request<'_>) -> FleetPlan {
-    Fleet::new(spec, world, request, &[], Vec::new()).settle()
+    plan_fleet_with(spec, world, request, SearchOptions::default())
+}
+
+/// [`plan_fleet`] with other steps of the search: for studies of what they are worth.
+#[must_use]
+pub fn plan_fleet_with(
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+    options: SearchOptions,
+) -> FleetPlan {
+    let planning = Planning {
+        options,
+        ..Planning::new(spec, world, request)
+    };
+    Fleet::new(planning, &[], Vec::new()).plan_in_parallel()
 }
 
 /// Plans the vehicles at the indices `again` anew, and those that `previous` has no plan
@@ -97,7 +166,8 @@ pub fn replan(
     world: &World,
     request: &Request<'_>,
 ) -> FleetPlan {
-    Fleet::new(spec, world, request, again, previous.vehicles.clone()).settle()
+    let planning = Planning::new(spec, world, request);
+    Fleet::new(planning, again, previous.vehicles.clone()).plan_in_parallel()
 }
 
 /// Plans the vehicle at index `first` and all after it as if they had no plan; those
@@ -110,18 +180,18 @@ pub fn replan_from(
     world: &World,
     request: &Request<'_>,
 ) -> FleetPlan {
-    let kept = previous.vehicles.iter().take(first).cloned().collect();
-    Fleet::new(spec, world, request, &[], kept).settle()
+    let earlier = previous.vehicles.iter().take(first).cloned().collect();
+    Fleet::new(Planning::new(spec, world, request), &[], earlier).plan_in_parallel()
 }
 
-/// What [`plan_fleet`] means, without any speculation: one vehicle after the other.
+/// The definition of [`plan_fleet`], without speculation: one vehicle after the other.
 #[must_use]
 pub fn plan_one_at_a_time(spec: &MissionSpec, world: &World, request: &Request<'_>) -> FleetPlan {
-    let mut fleet = Fleet::new(spec, world, request, &[], Vec::new());
+    let mut fleet = Fleet::new(Planning::new(spec, world, request), &[], Vec::new());
     for index in 0..spec.vehicles.len() {
         let mut chain = Vec::new();
         fleet.advance(index, &mut chain);
-        fleet.accept(chain);
+        fleet.commit(chain);
     }
     fleet.plan()
 }
@@ -144,7 +214,7 @@ pub(super) fn flight_of(
     plan: &VehiclePlan,
 ) -> Flight {
     let mut vehicle = spec.vehicles[index].clone();
-    plan.settle(&mut vehicle);
+    plan.apply_to(&mut vehicle);
     flight(&vehicle, &world.stations[index], &plan.points())
 }
 

@@ -1,33 +1,31 @@
-//! How the plans of a fleet come to stand: drafts of each vehicle, many at once, as
-//! [`crate::plan::fleet`] says what they mean.
+//! Prioritised planning in parallel: candidates of many vehicles at once, committed in priority
+//! order. [`crate::plan::fleet`] defines the result.
 
 use rayon::prelude::*;
 
-use super::retiming::{at_another_time, can_retime, free_departure_s};
-use super::vehicle::{lift_vehicle, plan_vehicle};
-use super::{Request, flight_of, nearness};
+use super::retiming::can_retime;
+use super::{Planning, nearness};
 use crate::cost::Margins;
 use crate::numeric::tracks::{Nearness, Track, Tracks};
 use crate::path::Flight;
 use crate::plan::{FleetPlan, VehiclePlan};
-use crate::spec::{Algorithm, MissionSpec, Objective};
-use crate::world::World;
+use crate::spec::{Algorithm, Objective};
 
 /// Vehicles that are planned around all before them from the start.
 const HEAD: usize = 8;
-/// Vehicles that are brought to stand at once, as far as they do not depend on each other.
+/// Vehicles planned at once, as far as they do not depend on each other.
 const WINDOW: usize = 32;
 
 /// A plan and the flight it makes.
-pub(crate) struct Draft {
+pub(crate) struct Candidate {
     plan: VehiclePlan,
     flight: Flight,
     track: Track,
     /// Whether this is the plan of an earlier round.
-    kept: bool,
-    /// Whether this is a way at another time than the wanted one.
+    is_reused: bool,
+    /// Whether this is a path at another time than the specified one.
     is_retimed: bool,
-    /// Whether this is the draft before at another time, or that one again for want of a
+    /// Whether this is the candidate before at another time, or that one again for lack of a
     /// better time: nothing is left to try around the same vehicles.
     is_last: bool,
     /// Those before it that it came too near to, among the first `checked`.
@@ -35,24 +33,22 @@ pub(crate) struct Draft {
     checked: usize,
 }
 
-/// What a vehicle's next step is.
+/// The next step of a vehicle.
 enum Step {
-    /// This draft stands.
-    Stands(usize),
-    /// To make this draft, around these vehicles.
+    /// Commit this candidate.
+    Commit(usize),
+    /// Make this candidate, around these vehicles.
     Plan(usize, Vec<usize>),
 }
 
-/// A fleet as far as its plans stand.
+/// A fleet as far as its plans are committed.
 pub(crate) struct Fleet<'a> {
-    spec: &'a MissionSpec,
-    world: &'a World,
-    request: &'a Request<'a>,
+    planning: Planning<'a>,
     /// Plans of an earlier round, as far as there are any.
     previous: Vec<VehiclePlan>,
     /// Whether such a plan must be made anew.
     again: Vec<bool>,
-    /// Plans and flights that stand, and whether they are not those of the earlier round.
+    /// Committed plans and flights, and whether they are not those of the earlier round.
     plans: Vec<VehiclePlan>,
     flights: Vec<Flight>,
     is_new: Vec<bool>,
@@ -60,37 +56,29 @@ pub(crate) struct Fleet<'a> {
 }
 
 impl<'a> Fleet<'a> {
-    pub(crate) fn new(
-        spec: &'a MissionSpec,
-        world: &'a World,
-        request: &'a Request<'a>,
-        again: &[usize],
-        previous: Vec<VehiclePlan>,
-    ) -> Self {
-        let mut anew = vec![false; spec.vehicles.len()];
+    pub(crate) fn new(planning: Planning<'a>, again: &[usize], previous: Vec<VehiclePlan>) -> Self {
+        let mut anew = vec![false; planning.spec.vehicles.len()];
         for &index in again {
             if let Some(anew) = anew.get_mut(index) {
                 *anew = true;
             }
         }
         Self {
-            spec,
-            world,
-            request,
+            planning,
             previous,
             again: anew,
             plans: Vec::new(),
             flights: Vec::new(),
             is_new: Vec::new(),
-            tracks: Tracks::new(&nearness(spec, Margins::default())),
+            tracks: Tracks::new(&nearness(planning.spec, Margins::default())),
         }
     }
 
-    /// Brings all vehicles to stand, many at once.
-    pub(crate) fn settle(mut self) -> FleetPlan {
-        let count = self.spec.vehicles.len();
+    /// Plans and commits all vehicles, many at once.
+    pub(crate) fn plan_in_parallel(mut self) -> FleetPlan {
+        let count = self.planning.spec.vehicles.len();
         // Those that are planned as if alone, and those that have a plan, wait for no one.
-        let mut chains: Vec<Vec<Draft>> = (0..count)
+        let mut chains: Vec<Vec<Candidate>> = (0..count)
             .into_par_iter()
             .map(|index| {
                 let mut chain = Vec::new();
@@ -107,9 +95,9 @@ impl<'a> Fleet<'a> {
                 .for_each(|(step, chain)| self.advance(first + step, chain));
             for (index, chain) in chains.iter_mut().enumerate().take(end).skip(first) {
                 match self.step(index, chain) {
-                    Step::Stands(draft) => {
-                        chain.truncate(draft + 1);
-                        self.accept(std::mem::take(chain));
+                    Step::Commit(candidate) => {
+                        chain.truncate(candidate + 1);
+                        self.commit(std::mem::take(chain));
                     }
                     Step::Plan(..) => break,
                 }
@@ -120,66 +108,69 @@ impl<'a> Fleet<'a> {
 
     pub(crate) fn plan(self) -> FleetPlan {
         FleetPlan {
-            seed: self.request.seed,
+            seed: self.planning.request.seed,
             vehicles: self.plans,
         }
     }
 
-    /// Makes the drafts of a vehicle, until one stands against all that stand, or has to
-    /// wait for one that does not stand yet.
-    pub(crate) fn advance(&self, index: usize, chain: &mut Vec<Draft>) {
+    /// Makes candidates of a vehicle until one holds against all commits, or must wait for a
+    /// vehicle that is not committed yet.
+    pub(crate) fn advance(&self, index: usize, chain: &mut Vec<Candidate>) {
         while let Step::Plan(number, avoids) = self.step(index, chain) {
             if avoids.last().is_some_and(|&last| last >= self.plans.len()) {
                 return;
             }
             chain.truncate(number);
-            let draft = self.draft(index, avoids, chain);
-            chain.push(draft);
+            let candidate = self.candidate(index, avoids, chain);
+            chain.push(candidate);
         }
     }
 
-    /// Goes through the drafts of a vehicle, as they hold against all that stand now.
-    fn step(&self, index: usize, chain: &mut [Draft]) -> Step {
-        let nearness = nearness(self.spec, self.request.margins_of(index));
+    /// Goes through the candidates of a vehicle, as they hold against all commits.
+    fn step(&self, index: usize, chain: &mut [Candidate]) -> Step {
+        let nearness = self.planning.nearness(index);
         let mut avoids = self.first_avoids(index);
-        for (number, draft) in chain.iter_mut().enumerate() {
-            if draft.checked < self.plans.len() {
-                draft
-                    .near
-                    .extend(self.tracks.near(&draft.track, &nearness, draft.checked));
-                draft.checked = self.plans.len();
+        for (number, candidate) in chain.iter_mut().enumerate() {
+            if candidate.checked < self.plans.len() {
+                candidate.near.extend(self.tracks.near(
+                    &candidate.track,
+                    &nearness,
+                    candidate.checked,
+                ));
+                candidate.checked = self.plans.len();
             }
-            // Times that were passed over stay so, whoever comes to stand besides; and a way
-            // alone does not depend on whom it meets.
-            let is_as_before = draft.is_retimed && draft.near.is_empty();
+            // Rejected times stay rejected with more commits, and a path alone does not depend on
+            // its conflicts.
+            let is_as_before = candidate.is_retimed && candidate.near.is_empty();
             if is_as_before && number == 1 {
-                draft.plan.avoids.clone_from(&avoids);
+                candidate.plan.avoids.clone_from(&avoids);
             }
-            if draft.plan.avoids != avoids || (draft.is_retimed && !is_as_before) {
+            if candidate.plan.avoids != avoids || (candidate.is_retimed && !is_as_before) {
                 return Step::Plan(number, avoids);
             }
             let before = avoids.len();
-            for &other in &draft.near {
+            for &other in &candidate.near {
                 // An old plan knows nothing of new flights, nor need it ask about old ones.
-                let counts = if draft.kept {
+                let counts = if candidate.is_reused {
                     self.is_new[other]
                 } else {
-                    !draft.plan.avoids.contains(&other)
+                    !candidate.plan.avoids.contains(&other)
                 };
                 if counts && !avoids.contains(&other) {
                     avoids.push(other);
                 }
             }
-            let again = draft.kept && draft.near.iter().any(|&other| self.is_new[other]);
+            let again =
+                candidate.is_reused && candidate.near.iter().any(|&other| self.is_new[other]);
             if avoids.len() == before && !again {
-                let is_last = draft.is_last || draft.kept || draft.near.is_empty();
+                let is_last = candidate.is_last || candidate.is_reused || candidate.near.is_empty();
                 if is_last || !self.can_retime(index) {
-                    return Step::Stands(number);
+                    return Step::Commit(number);
                 }
             }
-            if !draft.kept && number > 0 && avoids.len() > before {
+            if !candidate.is_reused && number > 0 && avoids.len() > before {
                 // One way around others has met more: the next knows all who are about.
-                let about = self.tracks.near(&draft.track, &wider(&nearness), 0);
+                let about = self.tracks.near(&candidate.track, &wider(&nearness), 0);
                 avoids.extend(about);
             }
             avoids.sort_unstable();
@@ -188,9 +179,9 @@ impl<'a> Fleet<'a> {
         Step::Plan(chain.len(), avoids)
     }
 
-    /// Those a vehicle's first draft is planned around.
+    /// The vehicles that the first candidate is planned around.
     fn first_avoids(&self, index: usize) -> Vec<usize> {
-        let at_once = index < HEAD || self.spec.planner.objective == Objective::Paper;
+        let at_once = index < HEAD || self.planning.spec.planner.objective == Objective::Paper;
         match self.previous.get(index) {
             _ if self.can_retime(index) && (self.again[index] || self.previous.len() <= index) => {
                 Vec::new()
@@ -202,13 +193,13 @@ impl<'a> Fleet<'a> {
     }
 
     fn can_retime(&self, index: usize) -> bool {
-        can_retime(&self.spec.vehicles[index])
+        can_retime(&self.planning.spec.vehicles[index])
     }
 
-    /// The next draft of a chain.
-    fn draft(&self, index: usize, avoids: Vec<usize>, chain: &[Draft]) -> Draft {
+    /// The next candidate of a chain.
+    fn candidate(&self, index: usize, avoids: Vec<usize>, chain: &[Candidate]) -> Candidate {
         let old = self.previous.get(index).filter(|_| chain.is_empty());
-        let kept = old.filter(|_| !self.again[index]);
+        let is_reused = old.filter(|_| !self.again[index]);
         let around = chain
             .last()
             .filter(|last| self.can_retime(index) && last.plan.avoids == avoids);
@@ -222,19 +213,19 @@ impl<'a> Fleet<'a> {
         let is_retimed = at_another_time.is_some();
         let is_last = chain.len() > 1 && around.is_some();
         let for_want = around.filter(|_| is_last).map(|last| counted(&last.plan));
-        let ready = kept.cloned().or(at_another_time).or(for_want);
+        let ready = is_reused.cloned().or(at_another_time).or(for_want);
         let ready = ready.or_else(|| self.lifted(index, &avoids, old?));
         let plan = ready.unwrap_or_else(|| {
-            let before = chain.last().map(|draft| &draft.plan);
+            let before = chain.last().map(|candidate| &candidate.plan);
             let estimated = before.or(old).map(|plan| plan.estimate);
             self.or_alone(index, self.around(index, avoids, chain, estimated))
         });
-        let flight = flight_of(self.spec, self.world, index, &plan);
-        Draft {
+        let flight = self.planning.flight(index, &plan);
+        Candidate {
             track: flight.track(),
             flight,
             plan,
-            kept: kept.is_some(),
+            is_reused: is_reused.is_some(),
             is_retimed,
             is_last,
             near: Vec::new(),
@@ -245,12 +236,12 @@ impl<'a> Fleet<'a> {
     /// The plan of the earlier round, lifted to the margins that it failed, where the altitude is
     /// not searched.
     fn lifted(&self, index: usize, avoids: &[usize], old: &VehiclePlan) -> Option<VehiclePlan> {
-        let decodes = self.spec.planner.algorithm == Algorithm::Msfoa;
+        let decodes = self.planning.spec.planner.algorithm == Algorithm::Msfoa;
         if !decodes || self.can_retime(index) || old.avoids != avoids {
             return None;
         }
         let earlier = self.flights_of(avoids);
-        lift_vehicle(self.spec, self.world, self.request, index, old, &earlier)
+        self.planning.lift_vehicle(index, old, &earlier)
     }
 
     fn flights_of(&self, vehicles: &[usize]) -> Vec<Flight> {
@@ -258,44 +249,47 @@ impl<'a> Fleet<'a> {
         flights.collect()
     }
 
-    /// A plan around some of those that stand. Who has retiming takes off when nobody of them is
-    /// in the way of its takeoff and landing.
+    /// A plan around committed vehicles. A vehicle with retiming departs when none of them is in
+    /// the way of its takeoff and landing.
     fn around(
         &self,
         index: usize,
         avoids: Vec<usize>,
-        chain: &[Draft],
+        chain: &[Candidate],
         estimated: Option<f64>,
     ) -> VehiclePlan {
-        let (spec, world, request) = (self.spec, self.world, self.request);
+        let planning = self.planning;
         let earlier = self.flights_of(&avoids);
-        let way = chain.first().filter(|_| self.can_retime(index));
-        let Some(way) = way.map(|first| &first.plan) else {
-            return plan_vehicle(spec, world, request, index, avoids, &earlier, estimated);
+        let first = chain.first().filter(|_| self.can_retime(index));
+        let Some(path) = first.map(|first| &first.plan) else {
+            return planning.plan_vehicle(index, avoids, &earlier, estimated);
         };
-        let nearness = nearness(spec, self.request.margins_of(index));
+        let nearness = planning.nearness(index);
         let mut others = Tracks::new(&nearness);
         others.extend(earlier.iter().map(|flight| flight.track()));
         let is_apart = |columns: &Track| others.near(columns, &nearness, 0).is_empty();
-        let mut settled = spec.clone();
-        settled.vehicles[index].depart_s = free_departure_s(spec, world, index, way, &is_apart);
-        plan_vehicle(&settled, world, request, index, avoids, &earlier, estimated)
+        let mut spec = planning.spec.clone();
+        spec.vehicles[index].depart_s = planning.free_departure_s(index, path, &is_apart);
+        let planning = Planning {
+            spec: &spec,
+            ..planning
+        };
+        planning.plan_vehicle(index, avoids, &earlier, estimated)
     }
 
-    /// A plan that breaks a limit gives way to that of the vehicle alone, if this keeps all and
-    /// meets nobody of whom it had to avoid. Not in the paper's experiment, whose contestants
-    /// have one budget.
+    /// A plan that breaks a limit is replaced by that of the vehicle alone, if this one keeps all
+    /// limits and conflicts with no vehicle that it had to avoid. Not in the paper's experiment,
+    /// where all have one budget.
     fn or_alone(&self, index: usize, plan: VehiclePlan) -> VehiclePlan {
-        let is_printed = self.spec.planner.objective == Objective::Paper;
+        let is_published = self.planning.spec.planner.objective == Objective::Paper;
         let stands = plan.terms.is_clean() || plan.avoids.is_empty();
-        if stands || is_printed || self.can_retime(index) {
+        if stands || is_published || self.can_retime(index) {
             return plan;
         }
-        let (spec, world, request) = (self.spec, self.world, self.request);
-        let estimated = Some(plan.estimate);
-        let alone = plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated);
-        let nearness = nearness(spec, request.margins_of(index));
-        let track = flight_of(spec, world, index, &alone).track();
+        let planning = self.planning;
+        let alone = planning.plan_alone(index, plan.estimate);
+        let nearness = planning.nearness(index);
+        let track = planning.flight(index, &alone).track();
         let met = self.tracks.near(&track, &nearness, 0);
         let meets = met.iter().any(|other| plan.avoids.contains(other));
         let (evaluations, plans) = (
@@ -316,40 +310,37 @@ impl<'a> Fleet<'a> {
     }
 
     /// The way that a vehicle would fly alone.
-    fn alone(&self, index: usize, first: &Draft) -> VehiclePlan {
-        if !first.kept && first.plan.avoids.is_empty() {
+    fn alone(&self, index: usize, first: &Candidate) -> VehiclePlan {
+        if !first.is_reused && first.plan.avoids.is_empty() {
             return counted(&first.plan);
         }
-        let estimated = Some(first.plan.estimate);
-        let (spec, world, request) = (self.spec, self.world, self.request);
-        plan_vehicle(spec, world, request, index, Vec::new(), &[], estimated)
+        self.planning.plan_alone(index, first.plan.estimate)
     }
 
-    /// A way at another time, at which it meets no one.
+    /// A path at another time, at which it has no conflict.
     fn at_another_time(
         &self,
         index: usize,
         avoids: &[usize],
-        way: &VehiclePlan,
+        path: &VehiclePlan,
     ) -> Option<VehiclePlan> {
-        let (spec, world, request) = (self.spec, self.world, self.request);
-        let mut way = way.clone();
+        let mut path = path.clone();
         // At the time that is looked for there is none.
-        way.terms.collision = 0.0;
-        let nearness = nearness(spec, self.request.margins_of(index));
+        path.terms.collision = 0.0;
+        let nearness = self.planning.nearness(index);
         let is_apart = |plan: &VehiclePlan| {
-            let flight = flight_of(spec, world, index, plan);
+            let flight = self.planning.flight(index, plan);
             self.tracks.near(&flight.track(), &nearness, 0).is_empty()
         };
-        let plan = at_another_time(spec, world, request, index, &way, &is_apart)?;
+        let plan = self.planning.at_another_time(index, &path, &is_apart)?;
         Some(VehiclePlan {
             avoids: avoids.to_vec(),
             ..plan
         })
     }
 
-    /// The last draft of a chain is the plan of the next vehicle.
-    pub(crate) fn accept(&mut self, mut chain: Vec<Draft>) {
+    /// Commits the last candidate of a chain as the plan of the next vehicle.
+    pub(crate) fn commit(&mut self, mut chain: Vec<Candidate>) {
         let Some(last) = chain.pop() else {
             return;
         };
@@ -358,16 +349,18 @@ impl<'a> Fleet<'a> {
             plan.evaluations += other.evaluations;
             plan.plans += other.plans;
         };
-        for draft in &chain {
-            add(&draft.plan);
+        for candidate in &chain {
+            add(&candidate.plan);
         }
-        let begins_anew = !chain.first().map_or(last.kept, |first| first.kept);
+        let begins_anew = !chain
+            .first()
+            .map_or(last.is_reused, |first| first.is_reused);
         if let Some(old) = self.previous.get(self.plans.len()).filter(|_| begins_anew) {
             add(old);
         }
         self.plans.push(plan);
         self.flights.push(last.flight);
-        self.is_new.push(!last.kept);
+        self.is_new.push(!last.is_reused);
         self.tracks.extend([last.track]);
     }
 }

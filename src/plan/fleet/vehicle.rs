@@ -1,22 +1,23 @@
 //! One vehicle: its routes, one after the other, among given flights.
 
-use super::{Progress, Request};
-use crate::cost::{CostTerms, Leg};
+use super::{Planning, Progress};
+use crate::cost::{CostTerms, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
+use crate::optimize::TracePoint;
 use crate::path::{Flight, homeward_end, route_start_s, time_route, way_speed_mps};
 use crate::plan::bound::estimate;
-use crate::plan::search::route_context::Course;
-use crate::plan::search::{Found, lifted, search};
+use crate::plan::route_context::RouteContext;
+use crate::plan::search::{Found, Run, lifted, search};
 use crate::plan::{Route, VehiclePlan};
-use crate::spec::{Finish, MissionSpec, Vehicle};
-use crate::world::{Stations, World};
+use crate::spec::{Finish, Vehicle};
+use crate::world::Stations;
 
 /// Points of a planned path, spread evenly over the spline's parameter.
 const PATH_POINTS: usize = 1001;
 
 /// Where the routes of a vehicle begin and end.
-fn legs(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
+fn route_ends(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
     let out = (stations.start, stations.goal);
     match vehicle.finish {
         Finish::Land | Finish::Loiter => vec![out],
@@ -24,139 +25,112 @@ fn legs(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
     }
 }
 
-/// Plans the routes of one vehicle, one after the other; they share its budget.
-///
-/// `earlier` are the flights it has to keep apart from, those of the vehicles `avoids`.
-/// The plan depends on what is given here and on nothing else: not on when or on which
-/// thread it is made. `estimated` is the estimate of an earlier plan of the same vehicle:
-/// other flights do not change it.
-pub(crate) fn plan_vehicle(
-    spec: &MissionSpec,
-    world: &World,
-    request: &Request<'_>,
-    index: usize,
-    avoids: Vec<usize>,
-    earlier: &[Flight],
-    estimated: Option<f64>,
-) -> VehiclePlan {
-    let legs = legs(&spec.vehicles[index], &world.stations[index]);
-    let mut plan = empty(spec, index, avoids);
-    for (stream, (from, to)) in (2 * to_u64(index)..).zip(legs.iter().copied()) {
-        let leg = Leg {
-            from,
-            to,
-            start_s: plan.ends_s(spec, world, index),
-        };
-        let course = course(spec, world, request, index, leg, earlier);
-        let budget =
-            (spec.planner.evaluations - plan.evaluations) / (legs.len() - plan.routes.len());
-        let spent = plan.evaluations;
-        let watch = |point: crate::optimize::TracePoint| {
-            (request.progress)(Progress {
-                vehicle: index,
-                vehicles: spec.vehicles.len(),
-                evaluations: spent + point.evaluations,
-                budget: spec.planner.evaluations,
-                best: point.best,
-            });
-        };
-        let (found, estimate) = rayon::join(
-            || search(&course, budget, Seed(request.seed), stream, &watch),
-            || estimated.map_or_else(|| estimate(&course, budget), |_| 0.0),
-        );
-        plan.estimate += estimate;
-        plan.add(&course, &found);
+impl<'a> Planning<'a> {
+    /// Plans the routes of one vehicle, one after the other; they share its budget.
+    ///
+    /// `earlier` are the flights to keep apart from, those of the vehicles `avoids`. The plan is a
+    /// function of what is given here: not of when or on which thread it is made. `estimated` is
+    /// the estimate of an earlier plan of the same vehicle: other flights do not change it.
+    pub(crate) fn plan_vehicle(
+        &self,
+        index: usize,
+        avoids: Vec<usize>,
+        earlier: &[Flight],
+        estimated: Option<f64>,
+    ) -> VehiclePlan {
+        let (spec, request) = (self.spec, self.request);
+        let routes = route_ends(&spec.vehicles[index], &self.world.stations[index]);
+        let mut plan = self.empty_plan(index, avoids);
+        for (stream, (from, to)) in (2 * to_u64(index)..).zip(routes.iter().copied()) {
+            let context = self.context(index, (from, to), &plan, earlier);
+            let spent = plan.evaluations;
+            let budget = (spec.planner.evaluations - spent) / (routes.len() - plan.routes.len());
+            let watch = |point: TracePoint| {
+                (request.progress)(Progress {
+                    vehicle: index,
+                    vehicles: spec.vehicles.len(),
+                    evaluations: spent + point.evaluations,
+                    budget: spec.planner.evaluations,
+                    best: point.best,
+                });
+            };
+            let run = Run {
+                budget,
+                seed: Seed(request.seed),
+                stream,
+                watch: &watch,
+            };
+            let (found, estimate) = rayon::join(
+                || search(&context, run),
+                || estimated.map_or_else(|| estimate(&context, budget), |_| 0.0),
+            );
+            plan.estimate += estimate;
+            plan.add(&context, &found);
+        }
+        plan.estimate = estimated.unwrap_or(plan.estimate);
+        plan
     }
-    plan.estimate = estimated.unwrap_or(plan.estimate);
-    plan
-}
 
-/// An old plan's ways in the plane at the altitudes that are now asked for, if they keep every
-/// margin among the `earlier` flights.
-pub(crate) fn lift_vehicle(
-    spec: &MissionSpec,
-    world: &World,
-    request: &Request<'_>,
-    index: usize,
-    old: &VehiclePlan,
-    earlier: &[Flight],
-) -> Option<VehiclePlan> {
-    let legs = legs(&spec.vehicles[index], &world.stations[index]);
-    let mut plan = empty(spec, index, old.avoids.clone());
-    for ((from, to), route) in legs.into_iter().zip(&old.routes) {
-        let leg = Leg {
-            from,
-            to,
-            start_s: plan.ends_s(spec, world, index),
-        };
-        let course = course(spec, world, request, index, leg, earlier);
-        let inner = route.control_points.len().saturating_sub(1);
-        let outline: Vec<EastNorth> = route
-            .control_points
-            .get(1..inner)?
-            .iter()
-            .map(|p| p.at)
-            .collect();
-        plan.add(&course, &lifted(&course, &outline)?);
+    /// The plan of one vehicle without any other.
+    pub(crate) fn plan_alone(&self, index: usize, estimate: f64) -> VehiclePlan {
+        self.plan_vehicle(index, Vec::new(), &[], Some(estimate))
     }
-    plan.estimate = old.estimate;
-    Some(plan)
-}
 
-/// A plan without routes.
-fn empty(spec: &MissionSpec, index: usize, avoids: Vec<usize>) -> VehiclePlan {
-    let vehicle = &spec.vehicles[index];
-    VehiclePlan {
-        depart_s: vehicle.depart_s,
-        speed_mps: vehicle.speed_mps,
-        routes: Vec::new(),
-        terms: CostTerms::default(),
-        bound: 0.0,
-        estimate: 0.0,
-        evaluations: 0,
-        plans: 1,
-        avoids,
-        blocked_by: Vec::new(),
-        cut_off_by: Vec::new(),
-        remedies: None,
+    /// The lines of an old plan in the plane at the altitudes now required, if they keep every
+    /// margin among the `earlier` flights.
+    pub(crate) fn lift_vehicle(
+        &self,
+        index: usize,
+        old: &VehiclePlan,
+        earlier: &[Flight],
+    ) -> Option<VehiclePlan> {
+        let routes = route_ends(&self.spec.vehicles[index], &self.world.stations[index]);
+        let mut plan = self.empty_plan(index, old.avoids.clone());
+        for (ends, route) in routes.into_iter().zip(&old.routes) {
+            let context = self.context(index, ends, &plan, earlier);
+            let inner = route.control_points.len().saturating_sub(1);
+            let free = route.control_points.get(1..inner)?.iter();
+            let outline: Vec<EastNorth> = free.map(|point| point.at).collect();
+            plan.add(&context, &lifted(&context, &outline)?);
+        }
+        plan.estimate = old.estimate;
+        Some(plan)
     }
-}
 
-fn course<'a>(
-    spec: &'a MissionSpec,
-    world: &'a World,
-    request: &'a Request<'_>,
-    index: usize,
-    leg: Leg,
-    earlier: &'a [Flight],
-) -> Course<'a> {
-    Course {
-        world,
-        spec,
-        index,
-        leg,
-        earlier,
-        margins: request.margins_of(index),
-        extra: request.extra_parameters_of(index),
+    /// A plan without routes.
+    fn empty_plan(&self, index: usize, avoids: Vec<usize>) -> VehiclePlan {
+        let vehicle = &self.spec.vehicles[index];
+        VehiclePlan {
+            depart_s: vehicle.depart_s,
+            speed_mps: vehicle.speed_mps,
+            plans: 1,
+            avoids,
+            ..VehiclePlan::default()
+        }
+    }
+
+    /// The context of the next route of a plan.
+    fn context<'c>(
+        &'c self,
+        index: usize,
+        (from, to): (PlanPoint, PlanPoint),
+        plan: &VehiclePlan,
+        earlier: &'c [Flight],
+    ) -> RouteContext<'c> {
+        let last = plan.routes.last().and_then(|route| route.path.last());
+        let (vehicle, stations) = (&self.spec.vehicles[index], &self.world.stations[index]);
+        let start_s = last.map_or_else(|| route_start_s(vehicle, stations), |last| last.t_s);
+        self.route_context(index, RouteEnds { from, to, start_s }, earlier)
     }
 }
 
 impl VehiclePlan {
-    /// When the last of its routes ends, or the first may begin, seconds after T0.
-    fn ends_s(&self, spec: &MissionSpec, world: &World, index: usize) -> f64 {
-        let last = self.routes.last().and_then(|route| route.path.last());
-        last.map_or_else(
-            || route_start_s(&spec.vehicles[index], &world.stations[index]),
-            |last| last.t_s,
-        )
-    }
-
     /// Adds what was found for its next leg.
-    fn add(&mut self, course: &Course<'_>, found: &Found) {
-        self.bound += course.bound();
+    fn add(&mut self, context: &RouteContext<'_>, found: &Found) {
+        self.bound += context.bound();
         self.terms = sum(&self.terms, &found.terms);
         self.evaluations += found.evaluations;
-        self.routes.push(route(course, found));
+        self.routes.push(route(context, found));
     }
 }
 
@@ -165,8 +139,8 @@ fn to_u64(index: usize) -> u64 {
 }
 
 /// A found spline as a timed path.
-fn route(course: &Course<'_>, found: &Found) -> Route {
-    let basis = Basis::new(course.controls(), &course.parameters(PATH_POINTS));
+fn route(context: &RouteContext<'_>, found: &Found) -> Route {
+    let basis = Basis::new(context.controls(), &context.parameters(PATH_POINTS));
     let east_m = basis.sampled(&found.spline.east_m);
     let north_m = basis.sampled(&found.spline.north_m);
     let amsl_m = basis.sampled(&found.spline.amsl_m);
@@ -177,18 +151,18 @@ fn route(course: &Course<'_>, found: &Found) -> Route {
         .map(|((east, north), amsl)| PlanPoint::new(east, north, Amsl(amsl)))
         .collect();
     if let Some(first) = points.first_mut() {
-        *first = course.leg.from;
+        *first = context.ends.from;
     }
     if let Some(last) = points.last_mut() {
-        *last = course.leg.to;
+        *last = context.ends.to;
     }
     Route {
         control_points: found.spline.points(),
         path: time_route(
             &points,
-            course.leg.start_s,
-            way_speed_mps(course.vehicle(), course.leg.from, course.leg.to),
-            course.vehicle().accel_mps2,
+            context.ends.start_s,
+            way_speed_mps(context.vehicle(), context.ends.from, context.ends.to),
+            context.vehicle().accel_mps2,
         ),
     }
 }

@@ -12,9 +12,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::fit::Line;
-use super::route_context::Course;
 use crate::geodesy::EastNorth;
 use crate::path::way_speed_mps;
+use crate::plan::route_context::RouteContext;
 
 /// Pieces of a line that is looked along.
 const PIECES: usize = 256;
@@ -22,25 +22,25 @@ const PIECES: usize = 256;
 /// the path will be a little off.
 const WARY: f64 = 1.2;
 /// Least span of a detour, in distances between control points: shorter ones cannot be fitted.
-const LEAST_SPAN: f64 = 4.0;
-/// Delays, in units of what keeps two vehicles apart: from the least by so many times.
-const LEAST_DELAY: f64 = 0.5;
+const MIN_SPAN: f64 = 4.0;
+/// Least delay, in units of the distance between two vehicles, and ratio of the longest to it.
+const MIN_DELAY: f64 = 0.5;
 const DELAYS: f64 = 12.0;
-/// One detour in so many lies anywhere, the others before the conflict.
+/// One detour in this many lies anywhere, the others before the conflict.
 const ANYWHERE: u8 = 3;
 
 /// How far along a line its first conflict with an earlier flight begins, metres.
-pub(crate) fn conflict_m(course: &Course<'_>, line: &Line) -> Option<f64> {
-    let speed_mps = speed_mps(course);
-    let near_m = WARY * apart_m(course);
+pub(crate) fn conflict_m(context: &RouteContext<'_>, line: &Line) -> Option<f64> {
+    let speed_mps = speed_mps(context);
+    let near_m = WARY * apart_m(context);
     let along_m = |piece: usize| share(piece) * line.length_m();
     (0..=PIECES)
         .find(|&piece| {
             let (at, t_s) = (
                 line.at(share(piece)),
-                course.leg.start_s + along_m(piece) / speed_mps,
+                context.ends.start_s + along_m(piece) / speed_mps,
             );
-            course.earlier.iter().any(|flight| {
+            context.earlier.iter().any(|flight| {
                 flight
                     .position(t_s)
                     .is_some_and(|other| other.at.distance_m(at) < near_m)
@@ -51,15 +51,15 @@ pub(crate) fn conflict_m(course: &Course<'_>, line: &Line) -> Option<f64> {
 
 /// A line that detours to one side, mostly before its conflict.
 pub(crate) fn detour(
-    course: &Course<'_>,
+    context: &RouteContext<'_>,
     line: &Line,
     conflict_m: Option<f64>,
     to_left: bool,
     rng: &mut ChaCha8Rng,
 ) -> Line {
-    let (length_m, apart_m) = (line.length_m(), apart_m(course));
+    let (length_m, apart_m) = (line.length_m(), apart_m(context));
     #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
-    let least_m = (LEAST_SPAN * length_m / (course.controls() - 1) as f64).min(length_m);
+    let least_m = (MIN_SPAN * length_m / (context.controls() - 1) as f64).min(length_m);
     let anywhere = rng.random_range(0..ANYWHERE) == 0;
     let until_m = conflict_m
         .filter(|_| !anywhere)
@@ -67,23 +67,23 @@ pub(crate) fn detour(
             (first_m + apart_m).clamp(least_m, length_m)
         });
     let span_m = least_m * (until_m / least_m).powf(rng.random_range(0.0..1.0));
-    let delay_m = LEAST_DELAY * apart_m * DELAYS.powf(rng.random_range(0.0..1.0));
+    let delay_m = MIN_DELAY * apart_m * DELAYS.powf(rng.random_range(0.0..1.0));
     let first_m = rng.random_range(0.0..=1.0) * (until_m - span_m);
     // Half a wave of this height over a straight span is longer by the delay.
     let height_m = 2.0 / PI * (delay_m * span_m).sqrt();
     let height_m = if to_left { height_m } else { -height_m };
     let at = |piece: usize| {
-        let place = line.at(share(piece));
+        let position = line.at(share(piece));
         let within = (share(piece) * length_m - first_m) / span_m;
         if !(0.0..=1.0).contains(&within) {
-            return place;
+            return position;
         }
         let before = line.at(share(piece.saturating_sub(1)));
         let after = line.at(share((piece + 1).min(PIECES)));
         let off = height_m * (PI * within).sin() / before.distance_m(after).max(1e-9);
         EastNorth {
-            east_m: place.east_m - off * (after.north_m - before.north_m),
-            north_m: place.north_m + off * (after.east_m - before.east_m),
+            east_m: position.east_m - off * (after.north_m - before.north_m),
+            north_m: position.north_m + off * (after.east_m - before.east_m),
         }
     };
     Line::new((0..=PIECES).map(at).collect())
@@ -95,12 +95,12 @@ fn share(piece: usize) -> f64 {
     share
 }
 
-fn speed_mps(course: &Course<'_>) -> f64 {
-    way_speed_mps(course.vehicle(), course.leg.from, course.leg.to)
+fn speed_mps(context: &RouteContext<'_>) -> f64 {
+    way_speed_mps(context.vehicle(), context.ends.from, context.ends.to)
 }
 
 /// Way between two that follow each other, metres.
-fn apart_m(course: &Course<'_>) -> f64 {
-    let separation = course.margins.beyond(&course.spec.separation);
-    separation.distance_m + separation.time_slack_s * speed_mps(course)
+fn apart_m(context: &RouteContext<'_>) -> f64 {
+    let separation = context.margins.beyond(&context.spec.separation);
+    separation.distance_m + separation.time_slack_s * speed_mps(context)
 }

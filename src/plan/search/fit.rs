@@ -46,26 +46,26 @@ impl Line {
     /// Shares of the length at which it bends, where it is further than `off_m` off the straight
     /// (Douglas and Peucker 1973).
     pub(crate) fn corners(&self, off_m: f64) -> Vec<f64> {
-        let places = self.points.iter().map(|at| (at.east_m, at.north_m));
-        let kept = LineString::from_iter(places).simplify_idx(off_m);
-        let inner = kept.get(1..kept.len().saturating_sub(1)).unwrap_or(&[]);
+        let positions = self.points.iter().map(|at| (at.east_m, at.north_m));
+        let left = LineString::from_iter(positions).simplify_idx(off_m);
+        let inner = left.get(1..left.len().saturating_sub(1)).unwrap_or(&[]);
         let share = |&point: &usize| self.lengths_m[point] / self.length_m().max(1e-9);
         inner.iter().map(share).collect()
     }
 
     /// The point at a share of the length.
     pub(crate) fn at(&self, share: f64) -> EastNorth {
-        let wanted_m = share * self.length_m();
+        let along_m = share * self.length_m();
         let after = self
             .lengths_m
-            .partition_point(|&length| length < wanted_m)
+            .partition_point(|&length| length < along_m)
             .clamp(1, (self.points.len() - 1).max(1));
         let (Some(&a), Some(&b)) = (self.points.get(after - 1), self.points.get(after)) else {
             return self.points[0];
         };
         let step_m = self.lengths_m[after] - self.lengths_m[after - 1];
         let part = if step_m > 0.0 {
-            ((wanted_m - self.lengths_m[after - 1]) / step_m).clamp(0.0, 1.0)
+            ((along_m - self.lengths_m[after - 1]) / step_m).clamp(0.0, 1.0)
         } else {
             0.0
         };
@@ -174,12 +174,12 @@ impl Warp {
         let mut after = 1;
         let shares = (0..=WARP_STEPS)
             .map(|step| {
-                let wanted = share(step) * sum;
-                while after < WARP_STEPS && parameters[after] < wanted {
+                let target = share(step) * sum;
+                while after < WARP_STEPS && parameters[after] < target {
                     after += 1;
                 }
                 let (low, high) = (parameters[after - 1], parameters[after]);
-                let part = ((wanted - low) / (high - low)).clamp(0.0, 1.0);
+                let part = ((target - low) / (high - low)).clamp(0.0, 1.0);
                 share(after - 1) + part * (share(after) - share(after - 1))
             })
             .collect();
@@ -202,22 +202,22 @@ impl Warp {
     }
 }
 
-/// At most so many extremes, shares of the length and heights: those between which the ground
+/// At most `most` extremes, shares of the length and heights: those between which the ground
 /// rises or falls most, about. They go in pairs, so that tops and bottoms alternate.
 fn outstanding(extremes: &[(f64, f64)], most: usize, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
-    let mut kept = extremes.to_vec();
-    while kept.len() > most + 1 {
-        let rises = kept
+    let mut left = extremes.to_vec();
+    while left.len() > most + 1 {
+        let rises = left
             .windows(2)
             .map(|pair| (pair[0].1 - pair[1].1).abs() * rng.random_range(0.5..2.0));
         let least = rises.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
         let at = least.map_or(0, |(at, _)| at);
-        kept.drain(at..at + 2);
+        left.drain(at..at + 2);
     }
-    if kept.len() > most {
-        kept.remove(rng.random_range(0..kept.len()));
+    if left.len() > most {
+        left.remove(rng.random_range(0..left.len()));
     }
-    kept
+    left
 }
 
 /// Least squares for one spline and its samples.
@@ -301,7 +301,7 @@ impl Fitter {
 
     /// The free control points of the spline nearest to a polyline.
     pub(crate) fn fit(&self, line: &Line, warp: &Warp) -> Vec<EastNorth> {
-        let places: Vec<EastNorth> = self
+        let positions: Vec<EastNorth> = self
             .peaks
             .iter()
             .map(|&parameter| line.at(warp.share(parameter)))
@@ -314,7 +314,7 @@ impl Fitter {
         let ends = (line.at(0.0), line.at(1.0));
         let solve = |of: fn(&EastNorth) -> f64| {
             let free = self.controls - 2;
-            let mut right = DVector::from_fn(free, |j, _| RIDGE * of(&places[j + 1]));
+            let mut right = DVector::from_fn(free, |j, _| RIDGE * of(&positions[j + 1]));
             for ((first, weights), target) in self.rows.iter().zip(&targets) {
                 let mut rest = of(target);
                 for (i, weight) in weights.iter().enumerate() {
@@ -332,7 +332,7 @@ impl Fitter {
             }
             match &self.normal {
                 Some(normal) => normal.solve(&right),
-                None => DVector::from_fn(free, |j, _| of(&places[j + 1])),
+                None => DVector::from_fn(free, |j, _| of(&positions[j + 1])),
             }
         };
         let (east, north) = (solve(|p| p.east_m), solve(|p| p.north_m));
@@ -377,8 +377,8 @@ mod tests {
             let is_near = |peak: &f64| (warp.share(*peak) - 0.5).abs() <= NEARBY;
             assert!(peaks.iter().any(is_near), "{warp:?}");
             // The notch goes with one of the tops beside it.
-            let kept = outstanding(&ground, 2, &mut rng);
-            assert!(kept == [ground[0], ground[3]] || kept == [ground[2], ground[3]]);
+            let left = outstanding(&ground, 2, &mut rng);
+            assert!(left == [ground[0], ground[3]] || left == [ground[2], ground[3]]);
         }
     }
 

@@ -1,11 +1,10 @@
-//! The search of one course: starts, swarms, and the judgement of the finalists.
+//! The search of one route: starts, swarms, and the judgement of the finalists.
 
 pub(super) mod detour;
 pub(super) mod fit;
 pub(super) mod objective;
 pub(super) mod problem;
 pub(super) mod published;
-pub(super) mod route_context;
 pub(super) mod seeds;
 pub(super) mod tighten;
 
@@ -14,22 +13,23 @@ use std::sync::Arc;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use super::classes::narrow_zones::thinnest_m;
-use super::classes::routes::routes;
+use super::classes::narrow_zones::narrowest_zone_m;
+use super::classes::routes::homotopy_classes;
+use super::route_context::RouteContext;
+use super::spline::Spline;
 use crate::cost::{Batch, CostTerms, Margins};
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
 use crate::optimize::{
-    Algorithm, Candidate, Evaluator, LEAST_EASED, MsfoaParameters, Start, Starts, TracePoint,
-    minimise,
+    Algorithm, Candidate, Evaluator, MIN_RELAXED_BUDGET, MsfoaParameters, SearchSeed, SearchSeeds,
+    TracePoint, minimise,
 };
-use crate::spec::{self, Part};
+use crate::spec;
 use crate::world::World;
 use fit::{Fitter, Line, Warp};
-use problem::{Horizontal, Sampled, Spline};
-use published::letter;
-use route_context::Course;
-use seeds::{start, starts, summits};
+use problem::{Horizontal, Sampled};
+use published::published;
+use seeds::{Seeder, search_seed, summits};
 
 /// Samples at which results are judged.
 pub(super) const JUDGED_SAMPLES: usize = 2001;
@@ -40,12 +40,6 @@ const JUDGED_ABOVE_M: f64 = 0.1;
 const REDRAWINGS: usize = 16;
 /// Finalists that are judged.
 const JUDGED: usize = 24;
-/// How dear violated limits are to the default search, in units of the judge's: a short cut
-/// through the rim of a threat can cost less than the way around it, and fails.
-const PENALTIES: f64 = 4.0;
-/// How much of that they are at first: on its way from one good path to another a swarm breaks
-/// limits, and high walls hold it where it is.
-const EASED: f64 = 0.05;
 /// Evaluations from which on fits are made twice, by what they cost and by what they cost while
 /// limits are cheap to break: a good path may just not be clean yet.
 const FIT_TWICE: usize = 4000;
@@ -55,43 +49,48 @@ const STEP: f64 = 0.08;
 /// Flies of each sub-swarm of the default.
 const FLIES: usize = 16;
 
-/// What the search of one course found.
+/// The means of one search.
+#[derive(Clone, Copy)]
+pub(super) struct Run<'a> {
+    /// Evaluations allowed.
+    pub budget: usize,
+    pub seed: Seed,
+    /// Number of the random stream.
+    pub stream: u64,
+    pub watch: &'a (dyn Fn(TracePoint) + Sync),
+}
+
+/// Result of the search of one route.
 pub(super) struct Found {
     pub spline: Spline,
     /// Judged finely, without margins.
     pub terms: CostTerms,
-    /// Evaluations spent, those of starts included.
+    /// Evaluations spent, those of seeds included.
     pub evaluations: usize,
 }
 
-/// Searches one course within a budget.
+/// Searches one route within a budget.
 ///
-/// Ground without data has no rim that a few samples could feel, so it is kept away from by a
-/// cell of the ground; only if that finds no path the search is made once more up to its rim.
-pub(super) fn search(
-    course: &Course<'_>,
-    budget: usize,
-    seed: Seed,
-    stream: u64,
-    watch: &(dyn Fn(TracePoint) + Sync),
-) -> Found {
-    let as_it_is = || found(course, course, budget, seed, stream, watch);
-    let Some(wider) = &course.world.wider_voids else {
-        return as_it_is();
+/// Ground without data has no rim that a few samples could feel, so the search keeps a cell of
+/// the ground away from it. Only if that finds no path it searches once more up to the rim.
+pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
+    let up_to_voids = || found(context, context, run);
+    let Some(wider) = &context.world.wider_voids else {
+        return up_to_voids();
     };
     let world = World {
         ground: Arc::clone(wider),
-        ..course.world.clone()
+        ..context.world.clone()
     };
-    let away = Course {
+    let away = RouteContext {
         world: &world,
-        ..*course
+        ..*context
     };
-    let first = found(course, &away, budget, seed, stream, watch);
+    let first = found(context, &away, run);
     if first.terms.is_clean() {
         return first;
     }
-    let second = as_it_is();
+    let second = up_to_voids();
     let evaluations = first.evaluations + second.evaluations;
     let is_better = second.terms.is_clean() || second.terms.total() < first.terms.total();
     Found {
@@ -100,18 +99,11 @@ pub(super) fn search(
     }
 }
 
-/// What is found on one course, judged on another.
-fn found(
-    judged_on: &Course<'_>,
-    course: &Course<'_>,
-    budget: usize,
-    seed: Seed,
-    stream: u64,
-    watch: &(dyn Fn(TracePoint) + Sync),
-) -> Found {
-    let (splines, evaluations) = match course.spec.planner.algorithm {
-        spec::Algorithm::Msfoa => swarms(course, budget, seed, stream, watch),
-        printed => letter(course, printed, budget, seed, stream, watch),
+/// The search of one route, judged on another context.
+fn found(judged_on: &RouteContext<'_>, context: &RouteContext<'_>, run: Run<'_>) -> Found {
+    let (splines, evaluations) = match context.spec.planner.algorithm {
+        spec::Algorithm::Msfoa => swarms(context, run),
+        algorithm => published(context, algorithm, run),
     };
     let (spline, terms) = judge(judged_on, splines);
     Found {
@@ -121,178 +113,153 @@ fn found(
     }
 }
 
-/// The default: horizontal search from route classes, altitude decoded.
-fn swarms<'a>(
-    course: &Course<'a>,
-    budget: usize,
-    seed: Seed,
-    stream: u64,
-    watch: &(dyn Fn(TracePoint) + Sync),
-) -> (Vec<Spline>, usize) {
-    let planner = &course.spec.planner;
-    let parameters = course.parameters(course.samples());
-    let (at_first, penalties) = factors(course);
-    let with_penalties = |course: &Course<'a>, penalties: f64| {
-        let sampled = Sampled::new(course, searched(course.margins), &parameters);
-        let sampled = sampled.with_penalties(penalties);
-        // Among others a detour makes the whole way behind it later, which no window tells.
-        let windows = planner.has(Part::Windows) && course.earlier.is_empty();
-        Horizontal::new(sampled, course.frame(), windows)
-    };
-    let can_ease = at_first < penalties && budget >= LEAST_EASED;
-    let horizontal = |course: &Course<'a>| {
-        let eased = can_ease.then(|| with_penalties(course, at_first));
-        with_penalties(course, penalties).begun_with(eased)
-    };
-    let problem = horizontal(course);
-    let alone = gives_way(course).then(|| {
-        horizontal(&Course {
+/// The default: horizontal search from homotopy classes, altitude decoded.
+fn swarms(context: &RouteContext<'_>, run: Run<'_>) -> (Vec<Spline>, usize) {
+    let (planner, options) = (&context.spec.planner, &context.options);
+    let parameters = context.parameters(context.samples());
+    let problem = horizontal(context, &parameters, run.budget);
+    let alone = gives_way(context).then(|| {
+        let context = RouteContext {
             earlier: &[],
-            ..*course
-        })
+            ..*context
+        };
+        horizontal(&context, &parameters, run.budget)
     });
-    let rows = problem.sampled.rows();
-    let fitter = Fitter::new(rows, parameters.clone(), course.controls());
-    let mut rng = seed.stream("plan", stream);
-    let wanted = planner.swarms.unwrap_or(default_swarms(budget));
-    let mut among = Evaluator::new(&problem, budget, watch);
-    let mut alone = alone
-        .as_ref()
-        .map(|alone| Evaluator::new(alone, budget, &|_| ()));
-    let mut starts = twice_fitted(
-        course,
-        &fitter,
-        (&mut among, alone.as_mut()),
-        wanted,
-        &mut rng,
-    );
-    let fitted = among.spent() + alone.map_or(0, |alone| alone.spent());
-    let offset = move |point: TracePoint| {
-        watch(TracePoint {
-            evaluations: fitted + point.evaluations,
-            ..point
-        });
+    let fitter = Fitter::new(problem.sampled.rows(), parameters, context.controls());
+    let mut rng = run.seed.stream("plan", run.stream);
+    let mut among = Evaluator::new(&problem, run.budget, run.watch);
+    let mut alone = (alone.as_ref()).map(|alone| Evaluator::new(alone, run.budget, &|_| ()));
+    let seeder = Seeder {
+        context,
+        fitter: &fitter,
+        homotopy: &homotopy_classes(context, run.budget),
+        swarms: planner.swarms.unwrap_or(default_swarms(run.budget)),
     };
+    let mut seeds = twice_fitted(&seeder, &mut among, alone.as_mut(), &mut rng);
+    let fitted = among.spent() + alone.map_or(0, |alone| alone.spent());
     if let Some(step) = planner.step {
-        for start in &mut starts {
-            start.scale.fill(step);
+        for seed in &mut seeds {
+            seed.scale.fill(step);
         }
     }
-    let swarms = wanted.min(starts.len()).max(1);
-    let algorithm = Algorithm::Msfoa(MsfoaParameters {
+    let redraw = |position: &[f64], rng: &mut ChaCha8Rng| redrawn(&seeder, position, rng);
+    let outcome = minimise(
+        &problem,
+        &Algorithm::Msfoa(msfoa(context, seeder.swarms.min(seeds.len()).max(1))),
+        SearchSeeds {
+            given: &seeds,
+            redraw: options.redrawing.then_some(&redraw),
+        },
+        run.budget - fitted,
+        &mut rng,
+        &|point: TracePoint| {
+            (run.watch)(TracePoint {
+                evaluations: fitted + point.evaluations,
+                ..point
+            });
+        },
+    );
+    let mut finalists = outcome.finalists;
+    finalists.extend(among.best().cloned());
+    let fine = fine(context);
+    let splines = most_promising(finalists)
+        .iter()
+        .map(|candidate| fine.spline(problem.frame.positions(&candidate.position)))
+        .collect();
+    (splines, fitted + outcome.evaluations)
+}
+
+/// The horizontal problem of a route, with a relaxed one where the budget allows it.
+fn horizontal<'a>(context: &RouteContext<'a>, parameters: &[f64], budget: usize) -> Horizontal<'a> {
+    let with_penalty = |penalty: f64| {
+        let sampled = Sampled::new(context, searched(context.margins), parameters);
+        // Among others a detour makes the whole path behind it later, beyond any window.
+        let windows = context.options.windows && context.earlier.is_empty();
+        Horizontal::new(sampled.with_penalties(penalty), context.frame(), windows)
+    };
+    let (relaxed, penalty) = penalties(context);
+    let can_relax = relaxed < penalty && budget >= MIN_RELAXED_BUDGET;
+    with_penalty(penalty).after_relaxed(can_relax.then(|| with_penalty(relaxed)))
+}
+
+/// Parameters of the default algorithm.
+fn msfoa(context: &RouteContext<'_>, swarms: usize) -> MsfoaParameters {
+    let (planner, options) = (&context.spec.planner, &context.options);
+    MsfoaParameters {
         swarms,
         flies: planner.population.map_or(FLIES, |flies| flies / swarms),
         threshold: planner.threshold.unwrap_or(f64::INFINITY),
         step: if planner.step.is_some() { 1.0 } else { STEP },
         group: 2,
-        racing: planner.has(Part::Racing),
-        offspring: planner.has(Part::Offspring),
-        restarts: planner.has(Part::Restarts),
-    });
-    let redraw =
-        |place: &[f64], rng: &mut ChaCha8Rng| redrawn(course, &problem, &fitter, place, rng);
-    let starts = Starts {
-        given: &starts,
-        redraw: planner.has(Part::Redrawing).then_some(&redraw),
-    };
-    let outcome = minimise(
-        &problem,
-        &algorithm,
-        starts,
-        budget - fitted,
-        &mut rng,
-        &offset,
-    );
-    let mut finalists = outcome.finalists;
-    finalists.extend(among.best().cloned());
-    let fine = fine(course);
-    let splines = most_promising(finalists)
-        .iter()
-        .map(|candidate| fine.spline(problem.frame.places(&candidate.position)))
-        .collect();
-    (splines, fitted + outcome.evaluations)
+        racing: options.racing,
+        offspring: options.offspring,
+        restarts: options.restarts,
+    }
 }
 
-/// How dear violated limits are to the search at first and later, in units of the judge's.
-fn factors(course: &Course<'_>) -> (f64, f64) {
-    let planner = &course.spec.planner;
-    let operational = planner.objective == spec::Objective::Operational;
-    let factor = |part, factor| match operational && planner.has(part) {
-        true => factor,
-        false => 1.0,
-    };
-    // To cross the thinnest zone, with its margins, is to cost more than a long way around.
-    let thinnest_m = thinnest_m(course.world) + 2.0 * course.margins.threat_m;
-    let around = 2.0 * course.straight_km() / (course.prices().closed * thinnest_m / 1000.0);
-    let penalties = factor(Part::Penalties, PENALTIES.max(around));
-    (penalties * factor(Part::Easing, EASED), penalties)
+/// Prices of violated limits in the relaxed problem and in the problem itself, in units of the
+/// judge's.
+fn penalties(context: &RouteContext<'_>) -> (f64, f64) {
+    if context.spec.planner.objective != spec::Objective::Operational {
+        return (1.0, 1.0);
+    }
+    // Crossing the narrowest zone, with its margins, must cost more than a long way around.
+    let narrowest_m = narrowest_zone_m(context.world) + 2.0 * context.margins.threat_m;
+    let around = 2.0 * context.straight_km() / (context.prices().closed * narrowest_m / 1000.0);
+    let penalty = (context.options.penalty).map_or(1.0, |penalty| penalty.max(around));
+    (penalty * context.options.relaxed_share, penalty)
 }
 
-/// Starts by what they cost and, where there are evaluations for it, by what they cost while
-/// limits are cheap to break, by turns: a good path may just not be clean yet.
-fn twice_fitted(
-    course: &Course<'_>,
-    fitter: &Fitter,
-    (among, mut alone): (
-        &mut Evaluator<'_, Horizontal<'_>>,
-        Option<&mut Evaluator<'_, Horizontal<'_>>>,
-    ),
-    wanted: usize,
+/// Seeds ranked by what they cost and, where the budget allows it, by what they cost in the
+/// relaxed problem, by turns: a good path may just not be clean yet.
+fn twice_fitted<'p>(
+    seeder: &Seeder<'_>,
+    among: &mut Evaluator<'_, Horizontal<'p>>,
+    mut alone: Option<&mut Evaluator<'_, Horizontal<'p>>>,
     rng: &mut ChaCha8Rng,
-) -> Vec<Start> {
-    let budget = among.budget();
-    let routes = routes(course, budget);
+) -> Vec<SearchSeed> {
     let mut fit = |among: &mut Evaluator<'_, _>, alone: Option<&mut Evaluator<'_, _>>| match alone {
-        None => starts(course, fitter, &routes, among, None, wanted, rng),
-        Some(alone) => starts(course, fitter, &routes, alone, Some(among), wanted, rng),
+        None => seeder.seeds(among, None, rng),
+        Some(alone) => seeder.seeds(alone, Some(among), rng),
     };
     let first = fit(among, alone.as_deref_mut());
-    if budget < FIT_TWICE || !among.ease() {
+    if among.budget() < FIT_TWICE || !among.relax() {
         return first;
     }
     if let Some(alone) = &mut alone {
-        alone.ease();
+        alone.relax();
     }
-    let eased = fit(among, alone);
-    among.tighten();
-    by_turns(first, eased)
+    let relaxed = fit(among, alone);
+    among.restore();
+    by_turns(first, relaxed)
 }
 
-/// Starts of two lists by turns.
-fn by_turns(one: Vec<Start>, other: Vec<Start>) -> Vec<Start> {
+/// Seeds of two lists by turns.
+fn by_turns(one: Vec<SearchSeed>, other: Vec<SearchSeed>) -> Vec<SearchSeed> {
     let longer = one.len().max(other.len());
     let (mut one, mut other) = (one.into_iter(), other.into_iter());
     let turns = (0..longer).flat_map(|_| [one.next(), other.next()]);
     turns.flatten().collect()
 }
 
-/// Whether starts give way to earlier flights. Not in the paper's experiment, whose rows
-/// stay as they are.
-fn gives_way(course: &Course<'_>) -> bool {
-    let planner = &course.spec.planner;
-    let is_paper = planner.objective == spec::Objective::Paper;
-    !course.earlier.is_empty() && !is_paper && planner.has(Part::Detours)
+/// Whether seeds detour around earlier flights. Not in the paper's experiment, which has none.
+fn gives_way(context: &RouteContext<'_>) -> bool {
+    let is_paper = context.spec.planner.objective == spec::Objective::Paper;
+    !context.earlier.is_empty() && !is_paper && context.options.detours
 }
 
 /// The path of a candidate fitted anew, with its control points bunched in other ways.
-fn redrawn(
-    course: &Course<'_>,
-    problem: &Horizontal<'_>,
-    fitter: &Fitter,
-    place: &[f64],
-    rng: &mut ChaCha8Rng,
-) -> Vec<Start> {
-    let ends = (course.leg.from.at, course.leg.to.at);
-    let free: Vec<EastNorth> = problem.frame.places(place).collect();
-    let line = Line::new(fitter.samples(ends, &free));
-    let summits = summits(course, &line);
+fn redrawn(seeder: &Seeder<'_>, position: &[f64], rng: &mut ChaCha8Rng) -> Vec<SearchSeed> {
+    let (context, fitter, frame) = (seeder.context, seeder.fitter, seeder.context.frame());
+    let free: Vec<EastNorth> = frame.positions(position).collect();
+    let line = Line::new(fitter.samples(context.ends_at(), &free));
+    let summits = summits(context, &line);
     let warps: Vec<Warp> = (0..REDRAWINGS)
         .map(|_| Warp::random(&summits, rng))
         .collect();
-    let frame = &problem.frame;
     warps
         .par_iter()
-        .map(|warp| start(frame, fitter, &line, warp, 0))
+        .map(|warp| search_seed(&frame, fitter, &line, warp, 0))
         .collect()
 }
 
@@ -327,8 +294,8 @@ pub(super) fn most_promising(mut finalists: Vec<Candidate>) -> Vec<Candidate> {
 
 /// The best of some splines at fine sampling. Chosen with the margins that verification
 /// asked for, reported without.
-fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
-    let strict = judged(course, &splines, course.margins);
+fn judge(context: &RouteContext<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
+    let strict = judged(context, &splines, context.margins);
     let best = splines
         .into_iter()
         .zip(&strict)
@@ -336,31 +303,31 @@ fn judge(course: &Course<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
             let broken = |terms: &CostTerms| u8::from(!terms.is_clean());
             (broken(a).cmp(&broken(b))).then(a.total().total_cmp(&b.total()))
         })
-        .map_or_else(|| course.straight(), |(spline, _)| spline);
-    let plain = judged(course, std::slice::from_ref(&best), Margins::default());
+        .map_or_else(|| context.straight(), |(spline, _)| spline);
+    let plain = judged(context, std::slice::from_ref(&best), Margins::default());
     (best, plain.first().copied().unwrap_or_default())
 }
 
 /// Terms of splines at fine sampling, with some margins.
-fn judged(course: &Course<'_>, splines: &[Spline], margins: Margins) -> Vec<CostTerms> {
-    let mut batch = Batch::new(course.controls());
+fn judged(context: &RouteContext<'_>, splines: &[Spline], margins: Margins) -> Vec<CostTerms> {
+    let mut batch = Batch::new(context.controls());
     for spline in splines {
         batch.push(&spline.controls());
     }
-    course
-        .model(margins, &course.parameters(JUDGED_SAMPLES))
+    context
+        .model(margins, &context.parameters(JUDGED_SAMPLES))
         .judge(&batch)
 }
 
-/// The same way in the plane at the altitudes that the course's margins now ask for, if it
+/// The same way in the plane at the altitudes that the route's margins now ask for, if it
 /// then keeps all of them: what is too low by a hand's breadth need not be searched again.
-pub(super) fn lifted(course: &Course<'_>, outline: &[EastNorth]) -> Option<Found> {
-    let spline = fine(course).spline(outline.iter().copied());
+pub(super) fn lifted(context: &RouteContext<'_>, outline: &[EastNorth]) -> Option<Found> {
+    let spline = fine(context).spline(outline.iter().copied());
     let splines = std::slice::from_ref(&spline);
-    let is_clean = judged(course, splines, course.margins)
+    let is_clean = judged(context, splines, context.margins)
         .iter()
         .all(CostTerms::is_clean);
-    let terms = judged(course, splines, Margins::default());
+    let terms = judged(context, splines, Margins::default());
     is_clean.then(|| Found {
         terms: terms.first().copied().unwrap_or_default(),
         spline,
@@ -368,12 +335,12 @@ pub(super) fn lifted(course: &Course<'_>, outline: &[EastNorth]) -> Option<Found
     })
 }
 
-/// The course as results are judged.
-fn fine<'a>(course: &Course<'a>) -> Sampled<'a> {
+/// The route as results are judged.
+fn fine<'a>(context: &RouteContext<'a>) -> Sampled<'a> {
     Sampled::above(
-        course,
-        course.margins,
-        &course.parameters(JUDGED_SAMPLES),
+        context,
+        context.margins,
+        &context.parameters(JUDGED_SAMPLES),
         JUDGED_ABOVE_M,
     )
 }

@@ -1,34 +1,30 @@
 //! The algorithms as they are printed, on the paper's problem.
 
-use super::most_promising;
 use super::objective::spatial;
-use super::problem::Spline;
-use super::route_context::Course;
-use crate::numeric::Seed;
+use super::{Run, most_promising};
 use crate::optimize::{
     AbcParameters, Algorithm, DeParameters, FoaParameters, IffoParameters, MfoaParameters,
-    PsoParameters, PublishedParameters, Starts, Step, TracePoint, minimise,
+    PsoParameters, PublishedParameters, SearchSeeds, Step, minimise,
 };
+use crate::plan::route_context::RouteContext;
+use crate::plan::spline::Spline;
 use crate::spec;
 
 /// Splines found by one of them, and the evaluations made: all three coordinates searched.
-pub(crate) fn letter(
-    course: &Course<'_>,
-    printed: spec::Algorithm,
-    budget: usize,
-    seed: Seed,
-    stream: u64,
-    watch: &(dyn Fn(TracePoint) + Sync),
+pub(crate) fn published(
+    context: &RouteContext<'_>,
+    algorithm: spec::Algorithm,
+    run: Run<'_>,
 ) -> (Vec<Spline>, usize) {
-    let problem = spatial(course, &course.parameters(course.samples()));
-    let mut rng = seed.stream("plan", stream);
+    let problem = spatial(context, &context.parameters(context.samples()));
+    let mut rng = run.seed.stream("plan", run.stream);
     let outcome = minimise(
         &problem,
-        &as_printed(printed, course),
-        Starts::default(),
-        budget,
+        &published_parameters(algorithm, context),
+        SearchSeeds::default(),
+        run.budget,
         &mut rng,
-        watch,
+        run.watch,
     );
     let splines = most_promising(outcome.finalists)
         .iter()
@@ -42,20 +38,20 @@ pub(crate) fn letter(
 }
 
 /// An algorithm of the paper, with what the spec says otherwise.
-fn as_printed(algorithm: spec::Algorithm, course: &Course<'_>) -> Algorithm {
-    let planner = &course.spec.planner;
-    let flies = |printed: usize| planner.population.unwrap_or(printed);
-    let msfoa = |printed: PublishedParameters| {
+fn published_parameters(algorithm: spec::Algorithm, context: &RouteContext<'_>) -> Algorithm {
+    let planner = &context.spec.planner;
+    let flies = |published: usize| planner.population.unwrap_or(published);
+    let msfoa = |published: PublishedParameters| {
         Algorithm::MsfoaLiteral(PublishedParameters {
-            swarms: planner.swarms.unwrap_or(printed.swarms),
-            population: flies(printed.population),
-            threshold: planner.threshold.unwrap_or(printed.threshold),
-            step: match (printed.step, planner.step) {
+            swarms: planner.swarms.unwrap_or(published.swarms),
+            population: flies(published.population),
+            threshold: planner.threshold.unwrap_or(published.threshold),
+            step: match (published.step, planner.step) {
                 (Step::Constant(_), Some(step)) => Step::Constant(step),
                 (Step::Dwindling(_), Some(step)) => Step::Dwindling(step),
                 (step, None) => step,
             },
-            ..printed
+            ..published
         })
     };
     let (foa, pso, de) = (

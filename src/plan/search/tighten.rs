@@ -34,7 +34,7 @@ const RAMP_CELLS: f64 = 0.25;
 const RIDGE: f64 = 1e-6;
 
 /// What a way costs in the plane, everywhere and with its slopes.
-pub(crate) struct Relaxed<'a> {
+pub(crate) struct FieldCost<'a> {
     /// Without threats.
     pub ground: &'a Field,
     pub threats: &'a [Disc],
@@ -52,7 +52,7 @@ struct Sloped {
     north: f64,
 }
 
-impl Relaxed<'_> {
+impl FieldCost<'_> {
     fn at(&self, at: EastNorth) -> Sloped {
         let mut sum = sloped(self.ground, at);
         let ramp_m = RAMP_CELLS * self.ground.grid.spacing_m;
@@ -122,7 +122,7 @@ pub(crate) struct Tightener<'a> {
 }
 
 /// Free control points, samples of their spline, and what it costs.
-struct Way {
+struct Fit {
     free: Vec<EastNorth>,
     samples: Vec<EastNorth>,
     costs: Vec<Sloped>,
@@ -165,11 +165,11 @@ impl<'a> Tightener<'a> {
     }
 
     /// The free control points after the descent from those of a fit: they cost no more.
-    pub(crate) fn tighten(&self, relaxed: &Relaxed<'_>, free: &[EastNorth]) -> Vec<EastNorth> {
-        let mut here = self.way(relaxed, free.to_vec());
+    pub(crate) fn tighten(&self, field_cost: &FieldCost<'_>, free: &[EastNorth]) -> Vec<EastNorth> {
+        let mut here = self.fit(field_cost, free.to_vec());
         let mut reach = 1.0;
         for _ in 0..STEPS {
-            let Some(there) = self.step(relaxed, &here, &mut reach) else {
+            let Some(there) = self.step(field_cost, &here, &mut reach) else {
                 break;
             };
             let is_last = here.total - there.total < GAIN * here.total;
@@ -182,7 +182,7 @@ impl<'a> Tightener<'a> {
     }
 
     /// A way that costs less, one step further down; `None` if there is none near.
-    fn step(&self, relaxed: &Relaxed<'_>, here: &Way, reach: &mut f64) -> Option<Way> {
+    fn step(&self, field_cost: &FieldCost<'_>, here: &Fit, reach: &mut f64) -> Option<Fit> {
         let stiffness = self.stiffness.as_ref()?;
         let (east, north) = self.slopes(here);
         let (east, north) = (stiffness.solve(&east), stiffness.solve(&north));
@@ -206,7 +206,7 @@ impl<'a> Tightener<'a> {
                     east_m: at.east_m - share * east,
                     north_m: at.north_m - share * north,
                 });
-            let there = self.way(relaxed, free.collect());
+            let there = self.fit(field_cost, free.collect());
             if there.total < here.total {
                 *reach = (LONGER * *reach).min(LONGEST);
                 return Some(there);
@@ -217,34 +217,34 @@ impl<'a> Tightener<'a> {
     }
 
     /// Samples a spline and what it costs.
-    fn way(&self, relaxed: &Relaxed<'_>, free: Vec<EastNorth>) -> Way {
+    fn fit(&self, field_cost: &FieldCost<'_>, free: Vec<EastNorth>) -> Fit {
         let samples = self.fitter.samples(self.ends, &free);
-        let costs = samples.iter().map(|&at| relaxed.at(at)).collect();
-        let mut way = Way {
+        let costs = samples.iter().map(|&at| field_cost.at(at)).collect();
+        let mut fit = Fit {
             free,
             samples,
             costs,
             total: 0.0,
         };
-        way.total = way
+        fit.total = fit
             .pieces()
-            .map(|piece| way.mean(&piece) * piece.length_m)
+            .map(|piece| fit.mean(&piece) * piece.length_m)
             .sum();
-        way
+        fit
     }
 
     /// Slopes of a way's cost with its free control points, to the east and to the north.
-    fn slopes(&self, way: &Way) -> (DVector<f64>, DVector<f64>) {
-        let mut by_sample = vec![(0.0, 0.0); way.costs.len()];
-        for piece in way.pieces() {
-            let mean = way.mean(&piece);
+    fn slopes(&self, fit: &Fit) -> (DVector<f64>, DVector<f64>) {
+        let mut by_sample = vec![(0.0, 0.0); fit.costs.len()];
+        for piece in fit.pieces() {
+            let mean = fit.mean(&piece);
             for (sign, k) in [(-1.0, piece.first), (1.0, piece.first + 1)] {
-                let cost = &way.costs[k];
+                let cost = &fit.costs[k];
                 by_sample[k].0 += 0.5 * piece.length_m * cost.east + sign * mean * piece.unit.0;
                 by_sample[k].1 += 0.5 * piece.length_m * cost.north + sign * mean * piece.unit.1;
             }
         }
-        let free = way.free.len();
+        let free = fit.free.len();
         let (mut east, mut north) = (DVector::zeros(free), DVector::zeros(free));
         for ((first, weights), slope) in self.fitter.rows().iter().zip(&by_sample) {
             for (i, weight) in weights.iter().enumerate() {
@@ -258,7 +258,7 @@ impl<'a> Tightener<'a> {
     }
 }
 
-impl Way {
+impl Fit {
     fn pieces(&self) -> impl Iterator<Item = Piece> + '_ {
         self.samples.windows(2).enumerate().map(|(first, pair)| {
             let length_m = pair[0].distance_m(pair[1]);
@@ -291,7 +291,7 @@ mod tests {
     use super::*;
     use crate::numeric::Basis;
     use crate::numeric::bspline::uniform_parameters;
-    use crate::plan::classes::field::Grid;
+    use crate::plan::classes::grid::Grid;
 
     const CONTROLS: usize = 10;
 
@@ -331,27 +331,27 @@ mod tests {
         let fitter = fitter();
         let ends = (at(1000.0, 10_000.0), at(19_000.0, 10_000.0));
         let tightener = Tightener::new(&fitter, ends);
-        let relaxed = Relaxed {
+        let field_cost = FieldCost {
             ground,
             threats,
             wider_m: 0.0,
             price: (110.0, 100.0),
         };
-        let before = tightener.way(&relaxed, swung(by_m));
-        let tight = tightener.tighten(&relaxed, &swung(by_m));
-        let after = tightener.way(&relaxed, tight);
+        let before = tightener.fit(&field_cost, swung(by_m));
+        let tight = tightener.tighten(&field_cost, &swung(by_m));
+        let after = tightener.fit(&field_cost, tight);
         (after.samples, before.total, after.total)
     }
 
     #[test]
-    fn where_all_costs_the_same_a_swing_is_drawn_straight() {
+    fn in_an_even_field_a_bend_is_drawn_straight() {
         let (_, before, after) = tightened(&flat(), &[], 4000.0);
         assert!(before > 19_500.0, "{before}");
         assert!(after < 18_002.0, "{after}");
     }
 
     #[test]
-    fn a_way_that_cuts_into_a_threat_is_drawn_around_it() {
+    fn a_fit_that_cuts_into_a_threat_is_drawn_around_it() {
         let threats = [Disc {
             center: at(10_000.0, 9000.0),
             radius_m: 3000.0,
@@ -364,12 +364,12 @@ mod tests {
     }
 
     #[test]
-    fn a_way_over_a_ridge_is_drawn_to_its_gap() {
+    fn a_fit_over_a_ridge_is_drawn_to_its_gap() {
         let mut ground = flat();
         for node in 0..ground.grid.len() {
-            let place = ground.grid.at(node);
-            let is_ridge = (place.east_m - 10_000.0).abs() < 1500.0;
-            let gap = (place.north_m - 13_000.0).abs() / 1000.0;
+            let position = ground.grid.at(node);
+            let is_ridge = (position.east_m - 10_000.0).abs() < 1500.0;
+            let gap = (position.north_m - 13_000.0).abs() / 1000.0;
             if is_ridge {
                 ground.cost[node] += gap.min(8.0);
             }

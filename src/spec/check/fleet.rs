@@ -226,7 +226,10 @@ impl Checker<'_> {
         };
         let apart_m = (start.to_ecef(0.0) - goal.to_ecef(0.0)).norm();
         if apart_m < LEAST_WAY_M {
-            let found = format!("{} m from start", digits::beside(apart_m, LEAST_WAY_M, 1));
+            let found = format!(
+                "{} m from start",
+                digits::distinct_from(apart_m, LEAST_WAY_M, 1)
+            );
             self.report(path, found, format!("at least {LEAST_WAY_M} m from start"));
         }
     }
@@ -283,7 +286,7 @@ impl Checker<'_> {
                 let (own, other) = (vehicle.departures(), earlier.departures());
                 let apart_s = (own.most - other.least).max(other.most - own.least);
                 if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
-                    let across_m = digits::beside(apart_m, separation.distance_m, 1);
+                    let across_m = digits::distinct_from(apart_m, separation.distance_m, 1);
                     let found = format!(
                         "takeoff {across_m} m from `{}` and {apart_s} s apart in time",
                         earlier.id

@@ -140,7 +140,7 @@ impl Checker<'_> {
             };
             let found = format!(
                 "a corner of the area {} km from the origin",
-                digits::beside(furthest_m / 1e3, MAX_AREA_M / 1e3, 0)
+                digits::distinct_from(furthest_m / 1e3, MAX_AREA_M / 1e3, 0)
             );
             self.report(path, found, format!("at most {:.0} km", MAX_AREA_M / 1e3));
             return None;
@@ -162,7 +162,7 @@ impl Checker<'_> {
             let away_m = place.chord_m(origin);
             if away_m > MAX_AWAY_M {
                 let allowed = format!("at most {:.0} km; latitude comes first", MAX_AWAY_M / 1e3);
-                let away_km = digits::beside(away_m / 1e3, MAX_AWAY_M / 1e3, 0);
+                let away_km = digits::distinct_from(away_m / 1e3, MAX_AWAY_M / 1e3, 0);
                 self.report(&path, format!("{away_km} km from the origin"), allowed);
             }
         }
@@ -201,7 +201,7 @@ impl Checker<'_> {
         for threat in &map.threats {
             let distance_m = plan.distance_m(map.frame.to_plan(threat.place));
             if distance_m <= threat.radius_m {
-                let away_m = digits::beside(distance_m, threat.radius_m, 0);
+                let away_m = digits::distinct_from(distance_m, threat.radius_m, 0);
                 let found = format!(
                     "{what} is inside threat `{}`, {away_m} m from its axis",
                     threat.id

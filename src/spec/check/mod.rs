@@ -195,7 +195,6 @@ impl Checker<'_> {
                 .map(|flies| self.count("planner.population", flies, 2..=1_000_000)),
             threshold: self.optional("planner.threshold", raw.threshold, f64::MIN..=f64::MAX),
             step: self.optional("planner.step", raw.step, 1e-6..=1.0),
-            without: None,
         }
     }
 

@@ -176,7 +176,7 @@ impl Checker<'_> {
         if width_m < MIN_ZONE_WIDTH_M {
             let found = format!(
                 "a polygon {} m wide",
-                digits::beside(width_m, MIN_ZONE_WIDTH_M, 4)
+                digits::distinct_from(width_m, MIN_ZONE_WIDTH_M, 4)
             );
             self.report(path, found, format!("at least {MIN_ZONE_WIDTH_M} m"));
             return false;

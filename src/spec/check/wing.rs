@@ -95,7 +95,10 @@ impl Checker<'_> {
                 self.report(path, found, "home: {lat, lon}, away from start");
             }
             Some(way_m) if needs_room && way_m < LEAST_RUN_M => {
-                let found = format!("{} m from start", digits::beside(way_m, LEAST_RUN_M, 1));
+                let found = format!(
+                    "{} m from start",
+                    digits::distinct_from(way_m, LEAST_RUN_M, 1)
+                );
                 let allowed = format!("at least {LEAST_RUN_M} m from start");
                 self.report(&format!("{path}.home"), found, allowed);
             }

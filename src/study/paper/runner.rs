@@ -8,7 +8,7 @@ use super::contestants::{Contestant, Method};
 use super::record::{Record, VehicleRecord};
 use crate::cost::{Batch, CostModel, Scratch};
 use crate::numeric::Seed;
-use crate::optimize::{Algorithm, Problem, Starts, TracePoint, minimise};
+use crate::optimize::{Algorithm, Problem, SearchSeeds, TracePoint, minimise};
 use crate::path::Flight;
 use crate::plan::{Request, plan_fleet};
 use crate::study::setting::{Encoding, Setting, Spline, controls};
@@ -20,7 +20,7 @@ const TRACE_POINTS: usize = 50;
 
 /// Makes runs, each on one thread, on as many threads as rayon would use. The longest start
 /// first, so that all threads end together. `done` takes each record and its wall time in
-/// seconds, in any order; no run starts after it has returned false.
+/// seconds, in any order; no run seeds after it has returned false.
 pub fn run(config: &Config, settings: &[Setting], jobs: &[Job], done: Done<'_, Record>) {
     let (contestants, hash) = (config.contestants(), config.hash());
     let mut jobs = jobs.to_vec();
@@ -89,13 +89,12 @@ impl Problem for Encoded {
         self.encoding.dimension()
     }
 
-    fn evaluate(&self, candidates: &[f64], bound: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
         let mut batch = Batch::new(self.model.control_points());
         for candidate in candidates.chunks_exact(self.dimension()) {
             batch.push(&controls(&self.encoding.spline(candidate)));
         }
-        self.model
-            .totals(&batch, bound, &mut Scratch::default(), costs);
+        self.model.totals(&batch, &mut Scratch::default(), costs);
     }
 }
 
@@ -116,8 +115,8 @@ fn published(
             encoding: setting.encoding(vehicle),
         };
         let mut rng = Seed(seed).stream(&purpose, stream);
-        let starts = Starts::default();
-        let outcome = minimise(&problem, algorithm, starts, budget, &mut rng, &|_| ());
+        let seeds = SearchSeeds::default();
+        let outcome = minimise(&problem, algorithm, seeds, budget, &mut rng, &|_| ());
         let best = outcome.finalists.first();
         let spline = best.map(|best| problem.encoding.spline(&best.position));
         let spline = spline.unwrap_or_default();

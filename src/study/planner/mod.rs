@@ -10,8 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::paper::{ConfigError, sha256};
 use super::store::Study;
 use super::workers::{Done, run_all};
-use crate::plan::{Request, plan_fleet};
-use crate::spec::Part;
+use crate::plan::{Request, SearchOptions, plan_fleet_with};
 
 pub use best::{BestKnown, Known};
 pub use missions::{Arena, MissionText};
@@ -74,12 +73,29 @@ pub struct PlannerRun {
 
 /// The planner, and if `ablations` the planner without one part at a time.
 #[must_use]
-pub fn variants(ablations: bool) -> Vec<(&'static str, Option<Part>)> {
-    let mut all = vec![("planner", None)];
+pub fn variants(ablations: bool) -> Vec<(&'static str, SearchOptions)> {
+    let all = SearchOptions::default();
+    let mut variants = vec![("planner", all)];
+    let mut add = |name, change: fn(&mut SearchOptions)| {
+        let mut options = all;
+        change(&mut options);
+        variants.push((name, options));
+    };
     if ablations {
-        all.extend(Part::ALL.map(|(name, part)| (name, Some(part))));
+        add("no route classes", |of| of.classes = false);
+        add("one cost field", |of| of.slope_factors = &[1.0]);
+        add("no warps", |of| of.warps = 0);
+        add("no tightening", |of| of.tightening = false);
+        add("no detours", |of| of.detours = false);
+        add("no racing", |of| of.racing = false);
+        add("no offspring", |of| of.offspring = false);
+        add("no restarts", |of| of.restarts = false);
+        add("no redrawing", |of| of.redrawing = false);
+        add("no windows", |of| of.windows = false);
+        add("penalties of the judge", |of| of.penalty = None);
+        add("no relaxed problem", |of| of.relaxed_share = 1.0);
     }
-    all
+    variants
 }
 
 impl PlannerStudy {
@@ -130,7 +146,7 @@ impl Study for PlannerStudy {
     fn choices(&self) -> Vec<String> {
         variants(self.ablations)
             .iter()
-            .map(|(name, without)| format!("{name}: {without:?}"))
+            .map(|(name, options)| format!("{name}: {options:?}"))
             .collect()
     }
 
@@ -168,17 +184,16 @@ pub fn run_planner(
 ) {
     let (variants, config) = (variants(study.ablations), study.hash());
     let make = |job: &PlannerJob| {
-        let (name, without) = variants[job.variant];
+        let (name, options) = variants[job.variant];
         let mut spec = arenas[job.mission].spec.clone();
         spec.planner.evaluations = job.evaluations;
-        spec.planner.without = without;
         let request = Request {
             seed: job.seed,
             margins: Vec::new(),
             extra_parameters: Vec::new(),
             progress: &|_| (),
         };
-        let plan = plan_fleet(&spec, &arenas[job.mission].world, &request);
+        let plan = plan_fleet_with(&spec, &arenas[job.mission].world, &request, options);
         let vehicles: Vec<f64> = plan.vehicles.iter().map(|of| of.terms.total()).collect();
         PlannerRun {
             config: config.clone(),

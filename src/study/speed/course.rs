@@ -8,7 +8,7 @@ use rand::RngExt;
 use crate::cost::{Batch, CostModel, PaperOptions, Scratch};
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
-use crate::optimize::{Algorithm, DeParameters, Problem, Starts, minimise};
+use crate::optimize::{Algorithm, DeParameters, Problem, SearchSeeds, minimise};
 use crate::path::Flight;
 use crate::spec::{Cylinder, Objective, Scenario, SpecError};
 use crate::study::paper::shipped_maps;
@@ -92,8 +92,8 @@ impl SpeedCourse {
         };
         let algorithm = Algorithm::De(DeParameters::default());
         let mut rng = Seed(1).stream("speed search", 0);
-        let starts = Starts::default();
-        let found = minimise(&course, &algorithm, starts, SEARCH, &mut rng, &|_| ());
+        let seeds = SearchSeeds::default();
+        let found = minimise(&course, &algorithm, seeds, SEARCH, &mut rng, &|_| ());
         course.middle = found
             .finalists
             .first()
@@ -152,12 +152,11 @@ impl Problem for SpeedCourse {
         3 * FREE
     }
 
-    fn evaluate(&self, candidates: &[f64], bound: f64, costs: &mut [f64]) {
+    fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
         let rows = candidates.chunks_exact(3 * FREE);
         let splines: Vec<_> = rows.map(|row| self.encoding.spline(row)).collect();
         for (batch, costs) in batches(&splines).iter().zip(costs.chunks_mut(BATCH)) {
-            self.model
-                .totals(batch, bound, &mut Scratch::default(), costs);
+            self.model.totals(batch, &mut Scratch::default(), costs);
         }
     }
 }

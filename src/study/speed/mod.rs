@@ -32,9 +32,6 @@ pub struct Speed {
     pub fast_dense_one_thread: f64,
     /// Local candidates, all threads.
     pub fast_all_threads: f64,
-    /// Local candidates, exact only as far as needed to find the best twentieth.
-    #[serde(rename = "fast_cutoff_one_thread")]
-    pub fast_pruned_one_thread: f64,
     /// Instructions in use.
     pub dispatch: &'static str,
     /// The processor.
@@ -86,17 +83,9 @@ pub fn speed(seconds: f64) -> Result<Speed, SpecError> {
             totals(&operational.model, batch);
         });
     });
-    // One in twenty is below.
-    let mut costs: Vec<f64> = local
-        .iter()
-        .flat_map(|batch| totals(&operational.model, batch))
-        .collect();
-    costs.sort_by(f64::total_cmp);
-    let bound = costs[costs.len() / 20];
     Ok(Speed {
         fast_dense_one_thread: fast(&operational.dense(), &operational.batches(Near), seconds),
         fast_all_threads,
-        fast_pruned_one_thread: pruned(&operational.model, &local, bound, seconds),
         rates: rates(&operational, seconds),
         dispatch: Dispatch::best().name(),
         cpu: cpu(),
@@ -127,8 +116,7 @@ impl Speed {
             of.fast_traffic_one_thread
         });
         row("local, plain reference", |of| of.reference_one_thread);
-        let (pruned, all) = (self.fast_pruned_one_thread, self.fast_all_threads);
-        table.row(format!("local, exact only below a bound | {pruned:.0} | "));
+        let all = self.fast_all_threads;
         table.row(format!("local, {threads} threads | {all:.0} | "));
         table.markdown()
     }
@@ -176,21 +164,16 @@ fn rate(seconds: f64, mut pass: impl FnMut()) -> f64 {
 
 fn totals(model: &CostModel, batch: &Batch) -> Vec<f64> {
     let mut costs = vec![0.0; batch.len()];
-    model.totals(batch, f64::INFINITY, &mut Scratch::default(), &mut costs);
+    model.totals(batch, &mut Scratch::default(), &mut costs);
     costs
 }
 
 fn fast(model: &CostModel, batches: &[Batch], seconds: f64) -> f64 {
-    pruned(model, batches, f64::INFINITY, seconds)
-}
-
-/// Costs above `bound` need not be exact.
-fn pruned(model: &CostModel, batches: &[Batch], bound: f64, seconds: f64) -> f64 {
     let mut scratch = Scratch::default();
     let mut costs = [0.0; BATCH];
     rate(seconds, || {
         for batch in batches {
-            model.totals(batch, bound, &mut scratch, &mut costs[..batch.len()]);
+            model.totals(batch, &mut scratch, &mut costs[..batch.len()]);
             std::hint::black_box(&costs);
         }
     })

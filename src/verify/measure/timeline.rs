@@ -2,9 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::numeric::approach::{
-    Approach, Motion, closest_approach, closest_horizontal, least_ratio,
-};
+use crate::numeric::approach::{self, Approach, closest_approach, closest_horizontal, least_ratio};
 use crate::path::with_stops_s;
 use crate::spec::{Span, Vehicle};
 
@@ -164,14 +162,14 @@ fn position(chord: &Chord, u: f64) -> Vector3<f64> {
     Vector3::new(point.at.east_m, point.at.north_m, point.amsl.0)
 }
 
-pub(crate) fn motion(chord: &Chord) -> Motion {
+pub(crate) fn motion(chord: &Chord) -> approach::Segment {
     let end = |t_s, u| (t_s, position(chord, u).into());
-    Motion::between(end(chord.from_s, 0.0), end(chord.to_s, 1.0))
+    approach::Segment::between(end(chord.from_s, 0.0), end(chord.to_s, 1.0))
 }
 
 /// The same motion at another time.
-fn moved(motion: Motion, by_s: f64) -> Motion {
-    Motion {
+fn moved(motion: approach::Segment, by_s: f64) -> approach::Segment {
+    approach::Segment {
         t0_s: motion.t0_s + by_s,
         t1_s: motion.t1_s + by_s,
         ..motion

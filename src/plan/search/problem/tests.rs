@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::cost::Leg;
+use crate::cost::RouteEnds;
 use crate::optimize::Evaluator;
 use crate::spec::SpecFile;
 use crate::world::{Terrain, World};
@@ -12,13 +12,13 @@ use crate::world::{Terrain, World};
 fn with_problem(windows: bool, act: impl FnOnce(&Horizontal<'_>)) {
     let text = include_str!("../../../../missions/first.yaml").to_owned();
     let file = SpecFile::parse(Path::new("first.yaml"), text).expect("a shipped mission");
-    let world = World::new(&file.spec, Terrain::Flat(Amsl(584.0))).expect("ground");
+    let world = World::new(&file.spec, Terrain::Flat(crate::geodesy::Amsl(584.0))).expect("ground");
     let stations = &world.stations[0];
-    let course = Course {
+    let context = RouteContext {
         world: &world,
         spec: &file.spec,
         index: 0,
-        leg: Leg {
+        ends: RouteEnds {
             from: stations.start,
             to: stations.goal,
             start_s: 0.0,
@@ -26,14 +26,15 @@ fn with_problem(windows: bool, act: impl FnOnce(&Horizontal<'_>)) {
         earlier: &[],
         margins: Margins::default(),
         extra: &[],
+        options: crate::plan::SearchOptions::default(),
     };
-    let parameters = course.parameters(course.samples());
-    let sampled = Sampled::new(&course, Margins::default(), &parameters);
-    act(&Horizontal::new(sampled, course.frame(), windows));
+    let parameters = context.parameters(context.samples());
+    let sampled = Sampled::new(&context, Margins::default(), &parameters);
+    act(&Horizontal::new(sampled, context.frame(), windows));
 }
 
 /// A way that winds a little, and the same with one control point moved.
-fn ways(problem: &Horizontal<'_>, moved: usize) -> Vec<f64> {
+fn lines(problem: &Horizontal<'_>, moved: usize) -> Vec<f64> {
     let sampled = &problem.sampled;
     let free = sampled.controls - 2;
     let mut shares = Vec::new();
@@ -56,13 +57,13 @@ fn ways(problem: &Horizontal<'_>, moved: usize) -> Vec<f64> {
 fn costs_with_their_parts_are_the_same_costs_and_whole_paths_have_one_part() {
     for windows in [true, false] {
         with_problem(windows, |problem| {
-            let rows = ways(problem, 7);
+            let rows = lines(problem, 7);
             let mut one = Evaluator::new(problem, 2, &|_| ());
             let mut other = Evaluator::new(problem, 2, &|_| ());
             let costs = one.evaluate(&rows);
             let dimension = problem.dimension();
-            let make = |number: usize, way: &mut usize, row: &mut [f64]| {
-                assert_eq!(number, *way);
+            let make = |number: usize, line: &mut usize, row: &mut [f64]| {
+                assert_eq!(number, *line);
                 row.copy_from_slice(&rows[number * dimension..][..dimension]);
             };
             let mut made = vec![0.0; rows.len()];
@@ -83,7 +84,7 @@ fn costs_with_their_parts_are_the_same_costs_and_whole_paths_have_one_part() {
 fn a_control_point_changes_the_parts_of_those_near_it_and_no_others() {
     with_problem(true, |problem| {
         let moved = 7;
-        let (groups, rows) = (problem.groups(), ways(problem, moved));
+        let (groups, rows) = (problem.groups(), lines(problem, moved));
         let (mut costs, mut parts) = (vec![0.0; 2], vec![0.0; 2 * groups]);
         problem.evaluate_parts(&rows, &mut costs, &mut parts);
         let of = problem.windows[moved];

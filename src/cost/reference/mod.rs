@@ -1,8 +1,10 @@
 //! The operational objective plainly: one candidate, term after term, nothing
 //! culled, nothing cut short. Sums run in the same order as in the fast form.
 
+pub(super) mod paper;
+
 use super::Controls;
-use super::hazards::Segment;
+use super::hazards::Piece;
 use super::model::CostModel;
 use super::operational::{Step, Sums};
 
@@ -26,9 +28,9 @@ impl Curve {
     }
 
     /// The piece from sample `k` to the next, `substeps` fine samples on.
-    pub(super) fn segment(&self, k: usize, substeps: usize) -> Segment {
+    pub(super) fn piece(&self, k: usize, substeps: usize) -> Piece {
         let (from, to) = (k * substeps, (k + 1) * substeps);
-        Segment {
+        Piece {
             a: [self.east_m[from], self.north_m[from]],
             b: [self.east_m[to], self.north_m[to]],
             amsl_a_m: self.amsl_m[from],
@@ -52,7 +54,7 @@ impl Curve {
 pub(super) fn sums(model: &CostModel, curve: &Curve) -> Sums {
     let segments = model.path.samples - 1;
     let steps: Vec<Step> = (0..segments)
-        .map(|k| Step::of(&curve.segment(k, model.path.substeps)))
+        .map(|k| Step::of(&curve.piece(k, model.path.substeps)))
         .collect();
     let (altitude, terrain) = ground(model, curve, &steps);
     Sums {
@@ -64,8 +66,8 @@ pub(super) fn sums(model: &CostModel, curve: &Curve) -> Sums {
             .windows(2)
             .fold(0.0, |sum, pair| sum + model.turn_excess(&pair[0], &pair[1])),
         climb: steps.iter().enumerate().fold(0.0, |sum, (k, step)| {
-            let segment = curve.segment(k, model.path.substeps);
-            sum + model.slope_excess(step, segment) * step.length_km
+            let piece = curve.piece(k, model.path.substeps);
+            sum + model.slope_excess(step, piece) * step.length_km
         }),
         collision: collision(model, curve, &steps),
     }
@@ -99,15 +101,15 @@ fn threat(model: &CostModel, curve: &Curve, steps: &[Step]) -> f64 {
     let mut crossings = Vec::new();
     let mut sum = 0.0;
     for (k, step) in steps.iter().enumerate() {
-        let segment = curve.segment(k, model.path.substeps);
+        let piece = curve.piece(k, model.path.substeps);
         let mut exposure = 0.0;
         for threat in &hazards.threats {
-            exposure += threat.exposure(&segment);
+            exposure += threat.exposure(&piece);
         }
         for zone in &hazards.zones {
-            exposure += zone.exposure(&segment, &mut crossings);
+            exposure += zone.exposure(&piece, &mut crossings);
         }
-        exposure += hazards.bounds.exposure(&segment, &mut crossings);
+        exposure += hazards.bounds.exposure(&piece, &mut crossings);
         sum += exposure * step.length_km;
     }
     sum
@@ -122,20 +124,20 @@ fn collision(model: &CostModel, curve: &Curve, steps: &[Step]) -> f64 {
     let profile = model.timing.profile(length_m);
     let mut sum = 0.0;
     for (k, step) in steps.iter().enumerate() {
-        let segment = curve.segment(k, model.path.substeps);
+        let piece = curve.piece(k, model.path.substeps);
         let reach_m = (along_m[k], along_m[k + 1]);
         let mut mean = 0.0;
         model
             .timing
-            .motions(&segment, reach_m, &profile, |motion, share| {
-                mean += model.traffic.mean_severity_by_all(&motion) * share;
+            .segments(&piece, reach_m, &profile, |segment, share| {
+                mean += model.traffic.mean_severity_by_all(&segment) * share;
             });
         sum += mean * step.length_km;
     }
-    let end = curve.segment(steps.len() - 1, model.path.substeps);
-    let place = [end.b[0], end.b[1], end.amsl_b_m];
-    if let Some(motion) = model.timing.motion_after(place, length_m) {
-        sum += model.traffic.mean_severity_by_all(&motion) * model.timing.after_km;
+    let end = curve.piece(steps.len() - 1, model.path.substeps);
+    let position = [end.b[0], end.b[1], end.amsl_b_m];
+    if let Some(segment) = model.timing.segment_after(position, length_m) {
+        sum += model.traffic.mean_severity_by_all(&segment) * model.timing.after_km;
     }
     sum
 }

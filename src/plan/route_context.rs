@@ -2,8 +2,9 @@
 
 use geo::BoundingRect;
 
-use super::problem::{Frame, Spline};
-use crate::cost::{CostModel, Leg, Margins};
+use super::search_options::SearchOptions;
+use super::spline::{Frame, Spline};
+use crate::cost::{CostModel, Margins, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth};
 use crate::numeric::bspline::uniform_parameters;
 use crate::path::{Flight, VehicleLimits};
@@ -18,21 +19,27 @@ const NEAR: f64 = 0.75;
 
 /// From where to where one vehicle is to fly, among which earlier flights.
 #[derive(Clone, Copy)]
-pub(crate) struct Course<'a> {
+pub(crate) struct RouteContext<'a> {
     pub world: &'a World,
     pub spec: &'a MissionSpec,
     pub index: usize,
-    pub leg: Leg,
+    pub ends: RouteEnds,
     pub earlier: &'a [Flight],
     pub margins: Margins,
     /// Parameters at which the path is sampled besides the even ones.
     pub extra: &'a [f64],
+    pub options: SearchOptions,
 }
 
-impl<'a> Course<'a> {
+impl<'a> RouteContext<'a> {
     /// The vehicle that flies it.
     pub(crate) fn vehicle(&self) -> &'a Vehicle {
         &self.spec.vehicles[self.index]
+    }
+
+    /// Its ends in the plane.
+    pub(crate) fn ends_at(&self) -> (EastNorth, EastNorth) {
+        (self.ends.from.at, self.ends.to.at)
     }
 
     /// Control points of the spline, ends included.
@@ -70,7 +77,7 @@ impl<'a> Course<'a> {
             self.world,
             self.spec,
             self.index,
-            self.leg,
+            self.ends,
             self.earlier,
             margins,
             parameters,
@@ -95,14 +102,14 @@ impl<'a> Course<'a> {
     /// The smaller of the vehicle's slope limits, at its higher end.
     pub(crate) fn slope(&self) -> f64 {
         let limits = VehicleLimits::of(self.vehicle());
-        let high = Amsl(self.leg.from.amsl.0.max(self.leg.to.amsl.0));
+        let high = Amsl(self.ends.from.amsl.0.max(self.ends.to.amsl.0));
         limits.climb.at(high).min(limits.descent.at(high))
     }
 
     /// The box around the area.
     pub(crate) fn frame(&self) -> Frame {
         let corner = |(east_m, north_m): (f64, f64)| EastNorth { east_m, north_m };
-        let (from, to) = (self.leg.from.at, self.leg.to.at);
+        let (from, to) = (self.ends.from.at, self.ends.to.at);
         match self.world.area.bounding_rect() {
             Some(rect) => Frame {
                 south_west: corner(rect.min().x_y()),
@@ -118,12 +125,12 @@ impl<'a> Course<'a> {
     /// The part of the area around start and goal in which good routes are expected.
     pub(crate) fn near_box(&self) -> Frame {
         let whole = self.frame();
-        let (from, to) = (self.leg.from.at, self.leg.to.at);
-        let swing_m = NEAR * from.distance_m(to);
+        let (from, to) = (self.ends.from.at, self.ends.to.at);
+        let reach_m = NEAR * from.distance_m(to);
         let range = |a: f64, b: f64, low: f64, high: f64| {
             (
-                (a.min(b) - swing_m).max(low),
-                (a.max(b) + swing_m).min(high),
+                (a.min(b) - reach_m).max(low),
+                (a.max(b) + reach_m).min(high),
             )
         };
         let (west, east) = range(
@@ -152,12 +159,12 @@ impl<'a> Course<'a> {
 
     /// Straight distance from end to end, kilometres.
     pub(crate) fn straight_km(&self) -> f64 {
-        self.leg.from.distance_m(self.leg.to) / 1000.0
+        self.ends.from.distance_m(self.ends.to) / 1000.0
     }
 
     /// Control points evenly along the straight line: what an empty budget plans.
     pub(crate) fn straight(&self) -> Spline {
-        let (from, to) = (self.leg.from, self.leg.to);
+        let (from, to) = (self.ends.from, self.ends.to);
         let last = self.controls() - 1;
         let along = |a: f64, b: f64| {
             (0..=last)
