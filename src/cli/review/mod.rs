@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::args;
 use super::folder;
 use super::folder::replace;
-use super::print::console::{Paint, note, out};
+use super::print::console::{Paint, note, out, out_json, out_lines};
 use super::print::failure::Failure;
 use super::print::table;
 use super::print::table::Rows;
@@ -253,7 +253,7 @@ fn deliver(
         replace::write_file(target, report::review_svg(input).as_bytes())?;
     }
     if arguments.json {
-        out(report::json_text(&report::review_json(review)).trim_end())?;
+        out_json(&report::review_json(review))?;
     } else {
         print(&input.spec.name, review, not_judged)?;
     }
@@ -392,7 +392,7 @@ fn print(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<(
     let all = review.margins.len();
     out(&format!("{name}: {verdict}, {passed} of {all} limits kept"))?;
     if !review.passes() {
-        out(&table::failures(review, paint))?;
+        out_lines(&table::failures(review, paint))?;
     }
     let mut rows = Rows::new(&["vehicle", "limit", "worst", "allowed", "where and when", ""]);
     for margin in &review.margins {
@@ -408,7 +408,7 @@ fn print(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<(
             paint.dim("not judged"),
         ]);
     }
-    out(&rows.to_string())
+    rows.print()
 }
 
 /// One margin: vehicle, limit, worst value, allowed value, where and when, verdict.
