@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
 use super::keys::words;
-use super::model::Wind;
+use super::wind::Wind;
 
 /// One vehicle of the fleet.
 #[derive(Clone, Debug, PartialEq)]
