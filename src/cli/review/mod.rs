@@ -81,10 +81,36 @@ fn with_spec(
     }
     let file = SpecFile::read(spec)?;
     let world = world::load(&file)?;
+    let missions = missions(&file, &world, files, named)?;
+    let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
+    let review = verify::review(&file.spec, &world, &judged);
+    deliver(
+        &ReviewInput {
+            spec: &file.spec,
+            world: &world,
+            plan: None,
+            missions: &judged,
+            review: &review,
+            seed: None,
+            spec_sha256: &folder::sha256(&file.text),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        &[],
+        arguments,
+    )
+}
+
+/// The missions of the vehicles of a spec, from the files that hold them.
+fn missions(
+    file: &SpecFile,
+    world: &world::World,
+    files: &[&PathBuf],
+    named: &[(&str, PathBuf)],
+) -> Result<Vec<(usize, VehicleMission)>, Failure> {
     let mut lists = Vec::new();
     let mut own = Vec::new();
     for &path in files {
-        let list = match folder::vehicle_of(path, &file) {
+        let list = match folder::vehicle_of(path, file) {
             Some(_) => None,
             None => Some(folder::read_document(path)?).filter(Document::is_list),
         };
@@ -96,7 +122,7 @@ fn with_spec(
             None => own.push(path),
         }
     }
-    let files = assign(&file, own.into_iter(), named)?;
+    let files = assign(file, own.into_iter(), named)?;
     let mut missions = Vec::new();
     for (vehicle, path) in &files {
         let mut document = folder::read_document(path)?;
@@ -115,22 +141,7 @@ fn with_spec(
         report_repairs(path, &mission.notes);
         missions.push((*vehicle, mission));
     }
-    let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
-    let review = verify::review(&file.spec, &world, &judged);
-    deliver(
-        &ReviewInput {
-            spec: &file.spec,
-            world: &world,
-            plan: None,
-            missions: &judged,
-            review: &review,
-            seed: None,
-            spec_sha256: &folder::sha256(&file.text),
-            version: env!("CARGO_PKG_VERSION"),
-        },
-        &[],
-        arguments,
-    )
+    Ok(missions)
 }
 
 /// A blank home row.
