@@ -1,89 +1,81 @@
-//! `sortie fly`: launch the fleet, watch it, judge what it flew.
+//! `sortie fly`: launch the fleet, monitor it, judge what it flew.
 
-mod call;
-mod flying;
-mod journal;
-mod settings;
+mod screen;
 mod show;
 
-use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
 use super::args;
-use super::folder::runs;
-use super::print::console::{Paint, note};
+use super::folder::{self, runs};
+use super::print::console::{Paint, note, out};
 use super::print::failure::Failure;
 use super::print::table;
 use super::review;
 use super::transfer::upload;
-use crate::flight::{Assignment, Event, Fleet, Options, Outcome, Reference};
+use crate::flight::{
+    self, Driver, Fleet, FlightError, FlightPlan, Journal, Line, Options, Outcome, Underway,
+};
 use crate::link::Links;
-use crate::mission::{VehicleMission, command, cruise_speed_mps};
-use crate::simulator;
-use crate::simulator::{Running, Simulated, Surroundings};
-use crate::spec::{Link, MissionSpec, Retiming, SpecFile};
-use crate::verify::{self, Review};
-use crate::world::{self, World};
+use crate::spec::{Link, SpecFile};
+use crate::world;
 
-pub(super) use call::{Call, Said};
-use flying::Flying;
+use screen::Screen;
 pub(super) use show::report;
 
 /// Between two positions of a vehicle, seconds of its own time.
 const POSITION_S: f64 = 0.2;
 
-/// A plan that was read back from its folder and verified again.
-pub(super) struct Sorties {
-    pub(super) file: SpecFile,
-    pub(super) folder: PathBuf,
-    pub(super) world: World,
-    pub(super) missions: Vec<(usize, VehicleMission)>,
-    review: Review,
-}
-
 pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
-    let sorties = read(&arguments.spec, arguments.dir.as_deref())?;
-    let _held = runs::hold(&runs::folder(&sorties.folder), "fly")?;
-    let told = upload::links(&sorties.file, &arguments.link)?;
-    let (simulated, links) = reach(arguments, &sorties, &told)?;
-    let references = references(&sorties);
-    let fleet = |open: &Links, now| {
-        let assignments = assignments(arguments, &sorties, &references, &simulated, open);
-        let options = Options {
-            speedup: arguments.speedup,
-            set_params: arguments.set_params,
-            force: arguments.force,
-            on_link_loss: sorties.file.spec.on_link_loss,
-            position_s: POSITION_S,
-        };
-        Fleet::new(assignments, options, open.us(), now)
-    };
-    let systems: Vec<(u8, &Link)> = sorties
-        .missions
-        .iter()
-        .zip(&links)
-        .map(|((vehicle, _), link)| (sorties.file.spec.vehicles[*vehicle].sysid, link))
+    let plan = read(&arguments.spec, arguments.dir.as_deref())?;
+    let folder = runs::folder(&plan.folder);
+    let _lock = runs::hold(&folder, "fly")?;
+    let given = upload::links(&plan.file, &arguments.link)?;
+    let missions = plan.missions.iter();
+    let mut links: Vec<Link> = missions
+        .map(|(index, _)| upload::link_of(&plan.file, *index, &given).clone())
         .collect();
+    let simulated = plan.simulate(&mut links, arguments.noise, arguments.speedup)?;
+    let vehicles = plan.missions.iter().map(|(index, _)| plan.vehicle(*index));
+    let systems: Vec<(u8, &Link)> = vehicles.clone().map(|v| v.sysid).zip(&links).collect();
     let open = Links::open(&systems)
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
-    let call = Call::new(&sorties, &links, arguments.speedup);
-    let mut flying = Flying::begin(&sorties, &open, &call, arguments, !simulated.is_empty())?;
-    let mut fleet = fleet(&open, flying.now());
-    flying.note_plans(&sorties, &references)?;
-    call.announce(None)?;
-    flying.fly(&mut fleet);
-    // Nobody can be reached there any more.
-    call.withdraw(fleet.outcome() == Some(&Outcome::Flown));
-    flying.end(&fleet, &sorties, arguments)
+    let addresses = links.iter().map(ToString::to_string);
+    let addresses = vehicles.clone().map(|v| v.id.clone()).zip(addresses);
+    let underway = Underway::new(folder.clone(), addresses.collect(), arguments.speedup);
+    let header = Line::Head {
+        sortie: env!("CARGO_PKG_VERSION").to_owned(),
+        spec_sha256: folder::sha256(&plan.file.text),
+        speedup: arguments.speedup,
+        vehicles: vehicles.map(|vehicle| vehicle.id.clone()).collect(),
+    };
+    let journal = Journal::begin(runs::named(&folder, "flight", "jsonl"), &header)?;
+    let mut screen = Screen::begin(arguments.json, !simulated.is_empty())?;
+    let mut driver = Driver::new(&open, &underway, journal);
+    let references = plan.references();
+    let is_uploaded = |index| arguments.upload || simulated.contains_key(&index);
+    let options = Options {
+        speedup: arguments.speedup,
+        set_params: arguments.set_params,
+        force: arguments.force,
+        on_link_loss: plan.spec().on_link_loss,
+        position_s: POSITION_S,
+    };
+    let assignments = plan.assignments(&references, &open, is_uploaded);
+    let mut fleet = Fleet::new(assignments, options, open.us(), driver.now());
+    driver.record_plans(&plan, &references)?;
+    underway.announce(None)?;
+    driver.fly(&mut fleet, &mut screen);
+    underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
+    drop(screen);
+    end(driver, &fleet, &plan, arguments, !simulated.is_empty())
 }
 
 /// The plan in its folder, of the spec that was named, verified again.
-pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> {
-    let asked = SpecFile::read(spec)?;
+pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failure> {
+    let named = SpecFile::read(spec)?;
     let folder = match dir {
         Some(dir) => dir.to_owned(),
-        None => Path::new("out").join(&asked.spec.name),
+        None => Path::new("out").join(&named.spec.name),
     };
     if !folder.is_dir() {
         let message = format!(
@@ -93,9 +85,9 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    let (mut file, files, folder) = upload::from_folder(&[folder], false)?;
-    told_apart(&file.spec)?;
-    if file.text != asked.text || file.table != asked.table {
+    let (file, files, folder) = upload::from_folder(&[folder], false)?;
+    flight::refuse_shared_sysids(&file.spec)?;
+    if file.text != named.text || file.table != named.table {
         let message = format!(
             "{} was planned from another spec than {}; nothing was started",
             folder.display(),
@@ -104,158 +96,69 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<Sorties, Failure> 
         return Err(Failure::new(Failure::VERDICT, message));
     }
     let world = world::load(&file)?;
-    let mut missions = review::read(&file, &files)?;
-    settings::read(&file.spec, &folder, &mut missions)?;
-    let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
-    let review = verify::review(&file.spec, &world, &judged);
-    if !review.passes() {
-        note(&table::failures(&review, Paint::for_stdout()));
-        let message = "the missions do not pass verification; nothing was started";
-        return Err(Failure::new(Failure::VERDICT, message));
+    let missions = review::read(&file, &files)?;
+    let plan = FlightPlan::verify(file, folder, world, missions);
+    if let Err(FlightError::Rejected(review)) = &plan {
+        note(&table::failures(review, Paint::for_stdout()));
     }
-    settle(&mut file.spec, &missions, &review);
-    settings::refuse_edited(&file.spec, &folder, &missions)?;
-    Ok(Sorties {
-        file,
-        folder,
-        world,
-        missions,
-        review,
-    })
+    Ok(plan?)
 }
 
-/// What the spec leaves open is as the missions have it: their departures and speeds.
-fn settle(spec: &mut MissionSpec, missions: &[(usize, VehicleMission)], review: &Review) {
-    for ((index, mission), track) in missions.iter().zip(&review.tracks) {
-        let vehicle = &mut spec.vehicles[*index];
-        if let (Some(_), Some(first)) = (vehicle.retiming.depart_s, track.moments.first()) {
-            vehicle.depart_s = first.t_s;
-        }
-        if let (Some(span), Some(speed_mps)) =
-            (vehicle.retiming.speed_mps, cruise_speed_mps(mission))
-        {
-            // What lies outside is found when the parameters are compared.
-            vehicle.speed_mps = speed_mps.clamp(span.least, span.most);
-        }
-        vehicle.retiming = Retiming::default();
-    }
-}
-
-/// In the air vehicles are told apart by system id alone, whatever their link.
-pub(super) fn told_apart(spec: &MissionSpec) -> Result<(), Failure> {
-    for (index, vehicle) in spec.vehicles.iter().enumerate() {
-        let mut earlier = spec.vehicles[..index].iter();
-        if let Some(other) = earlier.find(|other| other.sysid == vehicle.sysid) {
-            let message = format!(
-                "{} and {} have one system id, {}: such a fleet is uploaded, and started from ground stations",
-                other.id, vehicle.id, vehicle.sysid
-            );
-            return Err(Failure::new(Failure::VERDICT, message));
-        }
-    }
-    Ok(())
-}
-
-/// Starts the simulated vehicles, and says where each vehicle is reached.
-fn reach(
+/// Prints the verdict on what was flown.
+fn end(
+    mut driver: Driver<'_>,
+    fleet: &Fleet<'_>,
+    plan: &FlightPlan,
     arguments: &args::Fly,
-    sorties: &Sorties,
-    told: &[(usize, Link)],
-) -> Result<(BTreeMap<usize, Running>, Vec<Link>), Failure> {
-    let mut simulated = BTreeMap::new();
-    let mut links = Vec::new();
-    let spec = &sorties.file.spec;
-    let terrain = Arc::new(sorties.world.terrain.clone());
-    for (index, mission) in &sorties.missions {
-        let link = upload::link_of(&sorties.file, *index, told).clone();
-        if link != Link::Sim {
-            links.push(link);
-            continue;
-        }
-        let this = &spec.vehicles[*index];
-        let params = mission.params.iter();
-        let surroundings = Surroundings {
-            terrain: Some(Arc::clone(&terrain)),
-            wind: spec.wind,
-            heading_rad: this
-                .wing
-                .and_then(|wing| wing.takeoff_heading_rad)
-                .unwrap_or(0.0),
-            noise_m: arguments.noise,
-            seed: spec.planner.seed,
-            params: params.map(|p| (p.name.clone(), p.value)).collect(),
-        };
-        let home = Some(mission.home);
-        let vehicle = Simulated {
-            airframe: this.airframe,
-            ..Simulated::on_loopback(this.autopilot.into(), this.sysid, home)
-        };
-        let running =
-            simulator::spawn_in(&vehicle, surroundings, arguments.speedup).map_err(|error| {
-                let message = format!("{}: the simulated vehicle does not start: {error}", this.id);
-                Failure::new(Failure::TRANSFER, message)
-            })?;
-        links.push(Link::UdpOut(running.address().to_string()));
-        simulated.insert(*index, running);
+    has_simulated: bool,
+) -> Result<(), Failure> {
+    if let Some(Outcome::NotStarted(why)) = fleet.outcome() {
+        return Err(not_started(why, !driver.unwritten().is_empty()));
     }
-    Ok((simulated, links))
-}
-
-/// The planned flights, in the order of the missions.
-fn references(sorties: &Sorties) -> Vec<Reference> {
-    sorties
-        .missions
-        .iter()
-        .zip(&sorties.review.tracks)
-        .map(|((_, mission), track)| Reference::new(mission, track, &sorties.world))
-        .collect()
-}
-
-fn assignments<'a>(
-    arguments: &args::Fly,
-    sorties: &'a Sorties,
-    references: &[Reference],
-    simulated: &BTreeMap<usize, Running>,
-    open: &Links,
-) -> Vec<Assignment<'a>> {
-    let fleet = &sorties.file.spec.vehicles;
-    sorties
-        .missions
-        .iter()
-        .zip(references)
-        .map(|((index, mission), reference)| Assignment {
-            vehicle: &fleet[*index].id,
-            sysid: fleet[*index].sysid,
-            link: open.number(fleet[*index].sysid).unwrap_or_default(),
-            mission,
-            reference: reference.clone(),
-            start_s: if waits_itself(mission) {
-                0.0
-            } else {
-                fleet[*index].depart_s
-            },
-            upload: arguments.upload || simulated.contains_key(index),
-        })
-        .collect()
-}
-
-/// Whether the delay before the takeoff is in the mission: then it is not waited for here too.
-fn waits_itself(mission: &VehicleMission) -> bool {
-    let before = mission.items.iter().take_while(|item| {
-        ![command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
-    });
-    before
-        .into_iter()
-        .any(|item| item.command == command::NAV_DELAY)
-}
-
-/// An event as a line.
-fn sentence(event: &Event) -> String {
-    let at = event
-        .t_s
-        .map_or_else(String::new, |t_s| format!("T0+{} ", table::clock(t_s)));
-    match &event.vehicle {
-        Some(vehicle) => format!("{at}{vehicle}: {}", event.text),
-        None => format!("{at}{}", event.text),
+    let recorded = driver.record_ends(fleet);
+    let in_the_air = fleet.in_the_air();
+    if !in_the_air.is_empty() && !has_simulated {
+        note(&format!(
+            "still in the air, and not monitored any more: {}",
+            in_the_air.join(", ")
+        ));
     }
+    recorded?;
+    let judged = driver.judge(plan)?;
+    // The operator sees the verdict whether or not its documents could be written.
+    if arguments.json {
+        out(judged.json.trim_end())?;
+    } else {
+        show::report(&judged.report)?;
+        let document = driver.record_path().with_extension("json");
+        out(&document.display().to_string())?;
+    }
+    judged.written?;
+    if let Some(message) = driver.unwritten().first() {
+        return Err(Failure::new(Failure::OUTPUT, message));
+    }
+    if judged.report.passes() {
+        return Ok(());
+    }
+    let message = "the flight did not keep its limits, or did not end as planned";
+    Err(Failure::new(Failure::TRANSFER, message))
+}
+
+fn not_started(why: &[(String, String)], is_unwritten: bool) -> Failure {
+    for (vehicle, problem) in why {
+        let colon = if vehicle.is_empty() { "" } else { ": " };
+        note(&format!("{vehicle}{colon}{problem}"));
+    }
+    let mut problems = why.iter().map(|(_, problem)| problem);
+    let hint = if problems.any(|problem| problem.starts_with("parameter")) {
+        " (--set-params sets parameters, --force flies all the same)"
+    } else {
+        ""
+    };
+    let code = if is_unwritten {
+        Failure::OUTPUT
+    } else {
+        Failure::TRANSFER
+    };
+    Failure::new(code, format!("none was started{hint}"))
 }

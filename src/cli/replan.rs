@@ -1,165 +1,225 @@
-//! `sortie replan`: new paths from where the vehicles are, around a threat that was not there.
-//!
-//! A vehicle goes on by its present mission while it is planned for and sent to. So its new
-//! path begins on its present way, as far ahead as it gets until it has the new mission,
-//! and the new mission holds the places before that too: wherever on that way the vehicle
-//! takes it, it goes on.
-
-mod course;
-mod divert;
-mod look;
-mod popup;
-mod present;
-mod renewed;
-mod situation;
-mod told;
+//! `sortie replan`: new paths from where the vehicles are, around a threat that comes up.
 
 use super::args;
-use super::fly::{self, Call, Said, Sorties};
-use super::folder::runs;
+use super::fly;
+use super::folder::{replace, runs};
 use super::print::console::{Paint, note, out};
 use super::print::failure::Failure;
-use super::print::table;
-use super::transfer::delivery;
+use super::print::table::{self, Rows};
 use super::transfer::upload;
-use crate::flight::{Line, PopUp};
-use crate::link::Links;
-use crate::spec::{Airframe, Link, MissionSpec, SpecFile, Threat};
-
-use course::{Course, Since};
-use look::{Clock, Look, Sight};
-use renewed::Replanned;
-use situation::{Bound, GivenUp, Situation};
-
-/// How long planning may take at first, on the wall's clock, seconds.
-const PLANNING_S: f64 = 0.8;
-/// Times that the reading of all lists took, that sending them may take; and what comes on top.
-const SENDING: f64 = 2.0;
-const SENDING_S: f64 = 0.2;
-/// What a vehicle may be early or late on its way, seconds of its own time.
-const SPARE_S: f64 = 3.0;
-/// How often it is planned again because it took too long.
-const TRIES: usize = 3;
-
-/// What was decided, and from what.
-struct Decision {
-    courses: Vec<Course>,
-    replanned: Replanned,
-    /// Who flies through a threat all the same.
-    bound: Vec<Bound>,
-    /// Whether every limit is kept besides those that the bound break.
-    is_sound: bool,
-    sight: Sight,
-    planned_s: f64,
-}
+use crate::flight::replan::{self, Decision, Outcomes, Replanner};
+use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
+use crate::geodesy::LatLon;
+use crate::spec::{Area, Link, MissionSpec, SpecFile, THREAT_RADIUS_M, Threat};
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
-    are_led(&SpecFile::read(&arguments.spec)?.spec)?;
-    let mut sorties = fly::read(&arguments.spec, arguments.dir.as_deref())?;
-    let _held = runs::hold(&runs::folder(&sorties.folder), "replan").map_err(|busy| {
+    replan::refuse_unsupported(&SpecFile::read(&arguments.spec)?.spec)?;
+    let mut plan = fly::read(&arguments.spec, arguments.dir.as_deref())?;
+    let folder = runs::folder(&plan.folder);
+    let _lock = runs::hold(&folder, "replan").map_err(|busy| {
         let message = format!(
-            "{}, and this threat is not recorded: tell it again",
+            "{}, and this threat is not recorded: give it again",
             busy.message
         );
         Failure::new(busy.code, message)
     })?;
-    let call = Call::heard(&sorties)?;
-    let is_watched = runs::is_flown(&sorties.folder);
-    if !is_watched {
+    let underway = Underway::find(folder.clone())?;
+    if !runs::is_flown(&plan.folder) {
         note(
-            "no `sortie fly` watches this fleet: its flight is not recorded, nor held against the threat",
+            "no `sortie fly` monitors this fleet: its flight is not recorded, nor judged against the threat",
         );
     }
-    let popups = call.as_ref().map(|(call, _)| call.popups());
-    let mut popups = popups.unwrap_or_default();
-    let threat = popup::threat(&sorties.file.spec, &popups, &arguments.threat)?;
+    let mut popups = underway.as_ref().map(Underway::popups).unwrap_or_default();
+    let threat = parse_threat(plan.spec(), &popups, &arguments.threat)?;
     popups.push(threat.clone());
-    popup::add(&mut sorties, &popups);
-    let said = call
-        .as_ref()
-        .map(|(_, said)| said.clone())
-        .unwrap_or_default();
-    let told_ms = delivery::milliseconds_since_1970();
+    replan::add_threats(&mut plan, &popups);
+    let notice = underway.as_ref().map(|of| of.notice.clone());
+    let notice = notice.unwrap_or_default();
+    let threat_ms = unix_ms();
     let popup = PopUp {
-        from_s: t_s(&said, told_ms),
+        from_s: notice.t_s(threat_ms),
         threat: threat.clone(),
     };
-    // Whatever comes of it: the flight is held against the threat from now on.
-    lay_down(call.as_ref(), &[Line::of_popup(&popup)])?;
-    let since = Since {
-        unix_ms: told_ms,
-        pace: pace(&said),
+    // Whatever comes of it: the flight is judged against the threat from now on.
+    append(underway.as_ref(), &[Line::of_popup(&popup)])?;
+    let led = links(&plan, arguments, &notice).and_then(|links| {
+        let replanner = Replanner::open(&plan, &links, &popups, &notice, threat_ms)
+            .map_err(|failed| unreachable_link(&plan, &failed))?;
+        lead(&replanner, underway.as_ref(), &notice, arguments.seed)
+    });
+    let write = |text: String| -> Result<(), Failure> {
+        replace::write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
+        replace::write_file(&folder.join("replan.json"), text.as_bytes())?;
+        Ok(())
     };
-    let known = (popups.as_slice(), &said, since);
-    let led = lead(&sorties, known, call.as_ref(), arguments);
     if let Err(failure) = &led {
-        told::record_failure(&sorties, &threat, &failure.message)?;
+        write(replan::failure_document(&threat, &failure.message))?;
     }
-    let (decision, told) = led?;
-    told::record(&sorties, &threat, &decision, &told)?;
-    told::tell(&sorties, &decision, &told)?;
-    answer(&decision, &sorties, &told)
+    let (decision, outcomes) = led?;
+    write(replan::document(plan.spec(), &threat, &decision, &outcomes))?;
+    print(plan.spec(), &decision, &outcomes)?;
+    verdict(plan.spec(), &decision, &outcomes)
 }
 
-/// Leads whoever meets a threat around it: what was decided, and how each took its new mission.
+/// Plans, and sends the new missions if they pass.
 fn lead(
-    sorties: &Sorties,
-    (popups, said, since): (&[Threat], &Said, Since),
-    call: Option<&(Call, Said)>,
-    arguments: &args::Replan,
-) -> Result<(Decision, told::Told), Failure> {
-    let links = links(sorties, arguments, said)?;
-    let fleet = &sorties.file.spec.vehicles;
-    let systems: Vec<(u8, &Link)> = links
-        .iter()
-        .map(|(index, link)| (fleet[*index].sysid, link))
-        .collect();
-    let open = Links::open(&systems).map_err(|(link, error)| {
-        // Only one can listen at a port.
-        let is_watched = runs::is_flown(&sorties.folder);
-        let hint = if is_watched && error.kind() == std::io::ErrorKind::AddrInUse {
-            " (`sortie fly` listens there: reach the vehicle over another of its links, with --link)"
-        } else {
-            ""
-        };
-        failed(format!("{link}: {error}{hint}; nothing was sent"))
-    })?;
-    let clock = Clock::start();
-    let mut look = Look::read(&open, &clock, sorties)?;
-    let known = (popups, said, since);
-    let decision = decide(sorties, known, &clock, &mut look, arguments.seed)?;
-    if !decision.replanned.review.passes() {
-        let clock = said.t0_unix_ms.map_or("now", |_| "T0");
-        let review = &decision.replanned.review;
-        out(&table::failures_since(review, Paint::for_stdout(), clock))?;
+    replanner: &Replanner<'_>,
+    underway: Option<&Underway>,
+    notice: &Notice,
+    seed: Option<u64>,
+) -> Result<(Decision, Outcomes), Failure> {
+    let decision = replanner.decide(seed, &|remark| note(remark))?;
+    if !decision.review.passes() {
+        let clock = notice.t0_unix_ms.map_or("now", |_| "T0");
+        let paint = Paint::for_stdout();
+        out(&table::failures_since(&decision.review, paint, clock))?;
     }
     if !decision.is_sound {
         let message = "no new paths that pass verification; nothing was sent";
         return Err(Failure::new(Failure::VERDICT, message));
     }
-    let mut lines = Vec::new();
-    let since_s = t_s(said, decision.sight.unix_ms);
-    for renewed in &decision.replanned.renewed {
-        let id = &fleet[renewed.vehicle].id;
-        lines.push(Line::of_plan(id, since_s, &renewed.plan));
-    }
-    lay_down(call, &lines)?;
-    let told = divert::divert(&open, &clock, sorties, &decision);
-    Ok((decision, told))
+    append(underway, &replanner.record_lines(&decision))?;
+    let outcomes = replanner.send(&decision);
+    Ok((decision, outcomes))
 }
 
-/// How it went: who cannot avoid a threat is named whatever else went well.
-fn answer(decision: &Decision, sorties: &Sorties, told: &told::Told) -> Result<(), Failure> {
-    let is_told = told.values().all(Result::is_ok);
-    let cannot = situation::sentence(&decision.bound, &sorties.file.spec.vehicles);
-    let unjudged = "not all of who keeps its course can be judged (see above)";
-    let is_unjudged = !decision.replanned.review.passes();
-    let wrong = cannot.or_else(|| is_unjudged.then(|| unjudged.to_owned()));
-    match (wrong, is_told) {
+fn append(underway: Option<&Underway>, lines: &[Line]) -> Result<(), FlightError> {
+    underway.map_or(Ok(()), |underway| underway.append(lines))
+}
+
+fn unreachable_link(plan: &FlightPlan, (link, error): &(String, std::io::Error)) -> Failure {
+    // Only one process can listen at a port.
+    let is_taken = error.kind() == std::io::ErrorKind::AddrInUse;
+    let hint = if is_taken && runs::is_flown(&plan.folder) {
+        " (`sortie fly` listens there: reach the vehicle over another of its links, with --link)"
+    } else {
+        ""
+    };
+    failed(format!("{link}: {error}{hint}; nothing was sent"))
+}
+
+fn failed(message: impl Into<String>) -> Failure {
+    Failure::new(Failure::TRANSFER, message)
+}
+
+/// The addresses of the vehicles: from the command line, else from the running `fly`, else from
+/// the spec.
+fn links(
+    plan: &FlightPlan,
+    arguments: &args::Replan,
+    notice: &Notice,
+) -> Result<Vec<(usize, Link)>, Failure> {
+    let given = upload::links(&plan.file, &arguments.link)?;
+    let mut links = Vec::new();
+    for (index, _) in &plan.missions {
+        let id = &plan.vehicle(*index).id;
+        let announced = notice.links.get(id).and_then(|link| Link::parse(link));
+        let is_given = given.iter().any(|(of, _)| of == index);
+        let link = match announced {
+            Some(link) if !is_given => link,
+            _ => upload::link_of(&plan.file, *index, &given).clone(),
+        };
+        if link == Link::Sim {
+            return Err(failed(format!(
+                "{id}: its simulated vehicle does not run (`sortie fly` starts it, or `sortie vehicles` with --link)"
+            )));
+        }
+        links.push((*index, link));
+    }
+    Ok(links)
+}
+
+/// `LAT,LON,RADIUS` as a threat with an id of its own.
+fn parse_threat(spec: &MissionSpec, earlier: &[Threat], text: &str) -> Result<Threat, Failure> {
+    let usage = |why: String| Failure::new(Failure::USAGE, format!("--threat {text}: {why}"));
+    let parts: Vec<&str> = text.split(',').map(str::trim).collect();
+    let [lat, lon, radius] = parts[..] else {
+        return Err(usage("not of the form LAT,LON,RADIUS_M".to_owned()));
+    };
+    let number = |name: &str, text: &str, least: f64, most: f64| {
+        let found = text.parse().ok();
+        let found = found.filter(|n: &f64| (least..=most).contains(n));
+        found.ok_or_else(|| usage(format!("{name} {text:?} (allowed: {least} to {most})")))
+    };
+    let place = LatLon {
+        lat_deg: number("latitude", lat, -90.0, 90.0)?,
+        lon_deg: number("longitude", lon, -180.0, 180.0)?,
+    };
+    let (least, most) = (*THREAT_RADIUS_M.start(), *THREAT_RADIUS_M.end());
+    let radius_m = number("radius in metres", radius, least, most)?;
+    if !touches(&spec.area, place, radius_m) {
+        let (from, to) = (spec.area.south_west, spec.area.north_east);
+        return Err(usage(format!(
+            "lies outside of the area of the mission (latitude {} to {}, longitude {} to {}); nothing was sent",
+            from.lat_deg, to.lat_deg, from.lon_deg, to.lon_deg
+        )));
+    }
+    let taken = |id: &str| spec.threats.iter().chain(earlier).any(|t| t.id == id);
+    let id = (1..).map(|n| format!("popup-{n}")).find(|id| !taken(id));
+    Ok(Threat {
+        id: id.unwrap_or_default(),
+        kind: "popup".to_owned(),
+        place,
+        radius_m,
+    })
+}
+
+/// Whether a circle overlaps the area. One that does not has its numbers swapped.
+fn touches(area: &Area, place: LatLon, radius_m: f64) -> bool {
+    let (from, to) = (area.south_west, area.north_east);
+    let nearest = LatLon {
+        lat_deg: place.lat_deg.clamp(from.lat_deg, to.lat_deg),
+        lon_deg: place.lon_deg.clamp(from.lon_deg, to.lon_deg),
+    };
+    place.chord_m(nearest) < radius_m
+}
+
+fn print(spec: &MissionSpec, decision: &Decision, outcomes: &Outcomes) -> Result<(), Failure> {
+    let mut rows = Rows::new(&["vehicle", "on its way", "items", ""]);
+    for state in &decision.states {
+        let index = state.vehicle;
+        let mut missions = decision.missions.iter();
+        let mission = missions.find(|of| of.vehicle == index);
+        let mut unavoidable = decision.unavoidable.iter();
+        let (what, result) = match (
+            outcomes.get(&index),
+            unavoidable.find(|of| of.vehicle == index),
+        ) {
+            (_, Some(of)) => (of.cannot(), "KEEPS ITS COURSE".to_owned()),
+            (None, None) if !state.in_mission && !state.stands => (
+                "holds, or somebody flies it".to_owned(),
+                "not touched".to_owned(),
+            ),
+            (None, None) => ("is not concerned".to_owned(), "not touched".to_owned()),
+            (Some(Ok(())), None) => ("meets a threat".to_owned(), "on its new path".to_owned()),
+            (Some(Err(why)), None) => ("meets a threat".to_owned(), why.clone()),
+        };
+        rows.add([
+            spec.vehicles[index].id.clone(),
+            what,
+            mission.map_or_else(|| "-".to_owned(), |of| of.mission.items.len().to_string()),
+            result,
+        ]);
+    }
+    out(&rows.to_string())?;
+    out(&format!(
+        "planned and verified in {:.2} s",
+        decision.planned_s
+    ))
+}
+
+/// A vehicle that cannot avoid a threat is named whatever else went well.
+fn verdict(spec: &MissionSpec, decision: &Decision, outcomes: &Outcomes) -> Result<(), Failure> {
+    let is_taken = outcomes.values().all(Result::is_ok);
+    let unjudged = "not every vehicle that keeps its course can be judged (see above)";
+    let is_unjudged = !decision.review.passes();
+    let wrong = replan::sentence(&decision.unavoidable, &spec.vehicles)
+        .or_else(|| is_unjudged.then(|| unjudged.to_owned()));
+    match (wrong, is_taken) {
         (None, true) => Ok(()),
         (None, false) => Err(failed("not every vehicle is on its new path")),
         (Some(who), true) => {
-            let others = if told.is_empty() {
+            let others = if outcomes.is_empty() {
                 "nothing was sent"
             } else {
                 "the others that meet a threat are on new paths"
@@ -170,154 +230,4 @@ fn answer(decision: &Decision, sorties: &Sorties, told: &told::Told) -> Result<(
             "{who}; and not every other vehicle is on its new path"
         ))),
     }
-}
-
-/// Plans, and again with more time when it took more than was allowed for.
-fn decide(
-    sorties: &Sorties,
-    (popups, said, since): (&[Threat], &Said, Since),
-    clock: &Clock,
-    look: &mut Look<'_>,
-    seed: Option<u64>,
-) -> Result<Decision, Failure> {
-    let pace = pace(said);
-    let mut planning_s = PLANNING_S;
-    let mut given_up = GivenUp::new();
-    for _ in 0..TRIES {
-        let sight = look.sight()?;
-        let sending_s = SENDING * sight.reading_s + SENDING_S;
-        let lead_s = (planning_s + sending_s) * pace + SPARE_S;
-        let courses = courses(sorties, &sight, &since)?;
-        let now_s = t_s(said, sight.unix_ms);
-        let mut situation = Situation {
-            sorties,
-            popups,
-            others: Vec::new(),
-            concerned: Vec::new(),
-            bound: Vec::new(),
-            now_s,
-            seed,
-        };
-        situation.sort(&courses, lead_s, &given_up);
-        let replanned = present::replan(&mut situation, &mut given_up);
-        let planned_s = clock.seconds() - sight.at_s;
-        let is_sound = situation.is_sound(&replanned.review);
-        if planned_s <= planning_s || !is_sound || situation.concerned.is_empty() {
-            return Ok(Decision {
-                courses,
-                replanned,
-                bound: situation.bound,
-                is_sound,
-                sight,
-                planned_s,
-            });
-        }
-        planning_s = 1.5 * planned_s;
-    }
-    Err(Failure::new(
-        Failure::VERDICT,
-        format!(
-            "planning takes too long here ({:.1} s); nothing was sent",
-            planning_s / 1.5
-        ),
-    ))
-}
-
-/// How much faster than the clock the time of the vehicles goes.
-fn pace(said: &Said) -> f64 {
-    if said.speedup > 0.0 {
-        said.speedup
-    } else {
-        1.0
-    }
-}
-
-/// Seconds after T0, if that is known.
-fn t_s(said: &Said, unix_ms: u64) -> f64 {
-    #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
-    let since = |t0_ms: u64| unix_ms.saturating_sub(t0_ms) as f64 / 1000.0 * said.speedup;
-    said.t0_unix_ms.map_or(0.0, since)
-}
-
-fn lay_down(call: Option<&(Call, Said)>, lines: &[Line]) -> Result<(), Failure> {
-    let Some((call, _)) = call else { return Ok(()) };
-    call.lay_down(lines).map_err(|(path, error)| {
-        failed(format!(
-            "cannot write {}: {error}; nothing was sent, and what was to be recorded is not: tell the threat again",
-            path.display()
-        ))
-    })
-}
-
-fn failed(message: impl Into<String>) -> Failure {
-    Failure::new(Failure::TRANSFER, message)
-}
-
-/// To plan and verdict a way that begins in the air is one that a vehicle rises to. A plane cannot,
-/// and what leads straight to an approach is not planned from there.
-fn are_led(spec: &MissionSpec) -> Result<(), Failure> {
-    for vehicle in &spec.vehicles {
-        let why = match vehicle.airframe {
-            Airframe::Plane => "is a plane: only copters and VTOL are led onto new paths",
-            Airframe::Vtol if vehicle.wing.is_some_and(|wing| wing.landing.is_some()) => {
-                "has an approach: only VTOL that land from anywhere are led onto new paths"
-            }
-            Airframe::Vtol | Airframe::Copter => continue,
-        };
-        let message = format!("{} {why}; hold it, or let it fly on", vehicle.id);
-        return Err(Failure::new(Failure::VERDICT, message));
-    }
-    Ok(())
-}
-
-/// Where the vehicles are reached: as told, as the running `fly` says, or as the spec says.
-fn links(
-    sorties: &Sorties,
-    arguments: &args::Replan,
-    running: &Said,
-) -> Result<Vec<(usize, Link)>, Failure> {
-    let told = upload::links(&sorties.file, &arguments.link)?;
-    let mut links = Vec::new();
-    for (index, _) in &sorties.missions {
-        let this = &sorties.file.spec.vehicles[*index];
-        let said = running.links.get(&this.id);
-        let said = said.and_then(|link| Link::parse(link));
-        let is_told = told.iter().any(|(of, _)| of == index);
-        let link = match said {
-            Some(link) if !is_told => link,
-            _ => upload::link_of(&sorties.file, *index, &told).clone(),
-        };
-        if link == Link::Sim {
-            let message = format!(
-                "{}: its simulated vehicle does not run (`sortie fly` starts it, or `sortie vehicles` with --link)",
-                this.id
-            );
-            return Err(failed(message));
-        }
-        links.push((*index, link));
-    }
-    Ok(links)
-}
-
-/// What each vehicle in flight has before it.
-fn courses(sorties: &Sorties, sight: &Sight, since: &Since) -> Result<Vec<Course>, Failure> {
-    let mut courses = Vec::new();
-    for (index, mission) in &sorties.missions {
-        let id = &sorties.file.spec.vehicles[*index].id;
-        let Some(seen) = sight
-            .vehicles
-            .get(index)
-            .filter(|seen| seen.beat.is_armed())
-        else {
-            note(&format!("{id}: does not fly; it is left out"));
-            continue;
-        };
-        let course = Course::new(sorties, *index, mission, seen, since);
-        courses.push(course.map_err(|why| impossible(id, &why))?);
-    }
-    Ok(courses)
-}
-
-fn impossible(id: &str, why: &str) -> Failure {
-    Failure::new(Failure::VERDICT, format!("{id}: {why}; nothing was sent"))
 }

@@ -12,6 +12,7 @@ use crate::world::World;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing {
     pub(super) start_s: f64,
+    pub(super) initial_mps: f64,
     pub(super) speed_mps: f64,
     pub(super) accel_mps2: f64,
     pub(super) after: After,
@@ -43,6 +44,7 @@ impl Timing {
         };
         Self {
             start_s: ends.start_s,
+            initial_mps: stations.departure.speed_at_mps(ends.from),
             speed_mps: way_speed_mps(vehicle, ends.from, ends.to),
             accel_mps2: vehicle.accel_mps2,
             after,
@@ -52,7 +54,7 @@ impl Timing {
 
     /// Speed profile of a route of this length.
     pub(super) fn profile(&self, length_m: f64) -> SpeedProfile {
-        SpeedProfile::new(length_m, self.speed_mps, self.accel_mps2)
+        SpeedProfile::from_speed(length_m, self.initial_mps, self.speed_mps, self.accel_mps2)
     }
 
     /// Calls `visit` with the motions of one piece of the route and their shares

@@ -2,27 +2,35 @@
 //!
 //! [`Fleet`] knows neither sockets nor clocks, as the machines of [`crate::link`]: its
 //! driver hands in messages and the time, sends what `poll_transmit` gives, and comes
-//! back at `poll_timeout`.
+//! back at `poll_timeout`. [`Driver`] is that driver for real links.
 
+mod clock;
 mod conformance;
 mod document;
+mod error;
 mod launch;
 mod page;
 mod record;
+pub mod replan;
 mod session;
 
+pub use clock::unix_ms;
 pub use conformance::judge;
 pub use conformance::reference::{Deviation, Reference, Waypoint};
 pub use conformance::report::{FlightReport, Passage, Spread, VehicleReport};
 pub use document::{FlightDocument, flight_json};
+pub use error::FlightError;
+pub use launch::plan::{FlightPlan, refuse_shared_sysids};
 pub use page::flight_page;
+pub use record::journal::Journal;
 pub use record::lines::Line;
 pub use record::read::{Broken, SPEEDUP, read_record};
 pub use record::tlog::{Capture, read_tlog};
+pub use record::underway::{Notice, Underway};
 pub use record::{Fix, Flight, Flown, Plan, PopUp, Record};
 pub use session::diversion::{Diversion, Onward};
+pub use session::driver::{Driver, Judged, Operator};
 pub use session::end::End;
-pub(crate) use session::modes::is_mission;
 pub use session::status::Status;
 pub use session::vehicle::Assignment;
 pub use session::{Event, Fleet, Intervention, Options, Outcome};

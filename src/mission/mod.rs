@@ -10,7 +10,7 @@ mod params;
 
 pub use crate::autopilot::{command, command_name, command_named, frame};
 pub use accept::differences::read_differently;
-pub use accept::{AcceptanceProblem, List, problems};
+pub use accept::{AcceptanceProblem, List, problems, problems_in_flight};
 pub use build::encode::home_at;
 pub use build::fence::missing_from_fence;
 pub use build::{MissionError, build, build_course};

@@ -1,11 +1,16 @@
-//! How fast a vehicle covers a distance when it starts and ends at rest.
+//! How fast a vehicle covers a distance at whose end it comes to rest.
 
 /// Speed along a path of known length: constant acceleration to the cruise
 /// speed, cruise, constant deceleration to rest; a triangle when the path is
-/// too short to reach the cruise speed.
+/// too short to reach the cruise speed. A path that begins in motion is the rest of a longer one
+/// that begins at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedProfile {
+    /// From rest to rest.
     length_m: f64,
+    /// Length and duration before the path begins, metres and seconds.
+    before_m: f64,
+    before_s: f64,
     accel_mps2: f64,
     peak_mps: f64,
     ramp_m: f64,
@@ -16,6 +21,18 @@ impl SpeedProfile {
     /// A profile over `length_m` (at least 0) with positive speed and acceleration.
     #[must_use]
     pub fn new(length_m: f64, cruise_mps: f64, accel_mps2: f64) -> Self {
+        Self::from_speed(length_m, 0.0, cruise_mps, accel_mps2)
+    }
+
+    /// The same, begun at `initial_mps`, or the greatest speed up to that from which the vehicle
+    /// comes to rest in time.
+    #[must_use]
+    pub fn from_speed(length_m: f64, initial_mps: f64, cruise_mps: f64, accel_mps2: f64) -> Self {
+        let initial_mps = initial_mps
+            .min(cruise_mps)
+            .min((2.0 * length_m * accel_mps2).sqrt());
+        let before_m = initial_mps * initial_mps / (2.0 * accel_mps2);
+        let length_m = length_m + before_m;
         let peak_mps = cruise_mps.min((length_m * accel_mps2).sqrt());
         let duration_s = if peak_mps > 0.0 {
             length_m / peak_mps + peak_mps / accel_mps2
@@ -24,6 +41,8 @@ impl SpeedProfile {
         };
         Self {
             length_m,
+            before_m,
+            before_s: initial_mps / accel_mps2,
             accel_mps2,
             peak_mps,
             ramp_m: peak_mps * peak_mps / (2.0 * accel_mps2),
@@ -34,16 +53,16 @@ impl SpeedProfile {
     /// Length of the path, metres.
     #[must_use]
     pub fn length_m(&self) -> f64 {
-        self.length_m
+        self.length_m - self.before_m
     }
 
-    /// Seconds from rest to rest.
+    /// Seconds to the end of the path.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
-        self.duration_s
+        self.duration_s - self.before_s
     }
 
-    /// Metres needed to reach the peak speed.
+    /// Metres needed to reach the peak speed from rest, and to come to rest again.
     #[must_use]
     pub fn ramp_m(&self) -> f64 {
         self.ramp_m
@@ -55,31 +74,33 @@ impl SpeedProfile {
         if self.peak_mps <= 0.0 {
             return 0.0;
         }
-        let distance_m = distance_m.clamp(0.0, self.length_m);
+        let distance_m = (distance_m + self.before_m).clamp(self.before_m, self.length_m);
         let left_m = self.length_m - distance_m;
-        if distance_m <= self.ramp_m() {
+        let since_rest_s = if distance_m <= self.ramp_m() {
             (2.0 * distance_m / self.accel_mps2).sqrt()
         } else if left_m <= self.ramp_m() {
-            self.duration_s() - (2.0 * left_m / self.accel_mps2).sqrt()
+            self.duration_s - (2.0 * left_m / self.accel_mps2).sqrt()
         } else {
             self.peak_mps / (2.0 * self.accel_mps2) + distance_m / self.peak_mps
-        }
+        };
+        since_rest_s - self.before_s
     }
 
     /// Metres covered after `time_s`; clamped to the path.
     #[must_use]
     pub fn distance_at_m(&self, time_s: f64) -> f64 {
-        let duration_s = self.duration_s();
-        let time_s = time_s.clamp(0.0, duration_s);
+        let duration_s = self.duration_s;
+        let time_s = (time_s + self.before_s).clamp(self.before_s, duration_s);
         let ramp_s = self.peak_mps / self.accel_mps2;
-        if time_s <= ramp_s {
+        let from_rest_m = if time_s <= ramp_s {
             0.5 * self.accel_mps2 * time_s * time_s
         } else if time_s >= duration_s - ramp_s {
             let left_s = duration_s - time_s;
             self.length_m - 0.5 * self.accel_mps2 * left_s * left_s
         } else {
             self.ramp_m() + (time_s - ramp_s) * self.peak_mps
-        }
+        };
+        from_rest_m - self.before_m
     }
 }
 
@@ -104,5 +125,16 @@ mod tests {
         }
         let profile = SpeedProfile::new(1000.0, 10.0, 2.0);
         assert!((profile.duration_s() - 105.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_path_begun_in_motion_saves_half_a_ramp_and_never_begins_too_fast_to_stop() {
+        let profile = SpeedProfile::from_speed(1000.0, 10.0, 10.0, 2.0);
+        assert!((profile.duration_s() - 102.5).abs() < 1e-9);
+        assert!((profile.time_at_s(500.0) - 50.0).abs() < 1e-9);
+        assert!((profile.distance_at_m(profile.time_at_s(30.0)) - 30.0).abs() < 1e-9);
+        let braking = SpeedProfile::from_speed(16.0, 30.0, 10.0, 2.0);
+        assert!((braking.length_m() - 16.0).abs() < 1e-9);
+        assert!((braking.duration_s() - 4.0).abs() < 1e-9);
     }
 }

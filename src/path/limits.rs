@@ -116,13 +116,13 @@ impl SlopeLimit {
     pub fn least_by_shape(&self, up_to_amsl_m: f64) -> f64 {
         let [square, linear, _] = self.polynomial();
         // Where the polynomial is least, if it bends up.
-        let lowest_m = if square > 0.0 {
+        let min_m = if square > 0.0 {
             -0.5 * linear / square
         } else {
             0.0
         };
         let at = |amsl_m: f64| self.by_shape(Amsl(amsl_m));
-        let least = at(0.0).min(at(up_to_amsl_m)).min(at(lowest_m));
+        let least = at(0.0).min(at(up_to_amsl_m)).min(at(min_m));
         // Far more than rounding.
         (least - 1e-12).max(0.0)
     }

@@ -9,10 +9,12 @@ mod wing;
 pub use dubins::{Pose, Turns, turns};
 pub use lateness::{leg_late_s, most_shift_s, stop_late_s, takeoff_shift_s, with_stops_s};
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
-pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route};
+pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route, time_route_from};
 pub use wing::{
     Approach, ClimbOut, along, climb_out, heading_rad, homeward_end, join, landing, way_speed_mps,
 };
+
+pub use crate::world::Departure;
 
 use crate::geodesy::PlanPoint;
 

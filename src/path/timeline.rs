@@ -10,8 +10,8 @@ use crate::numeric::SpeedProfile;
 use crate::numeric::approach::Segment;
 use crate::numeric::tracks::Track;
 use crate::path::{TimedPoint, wing};
-use crate::spec::{Finish, Vehicle};
-use crate::world::Stations;
+use crate::spec::{Airframe, Finish, Vehicle};
+use crate::world::{Departure, Stations};
 
 /// Longest piece of a motion while the speed changes, seconds: between its ends
 /// such a piece leaves constant speed by at most `accel * 2^2 / 8`.
@@ -38,9 +38,21 @@ pub fn time_route(
     speed_mps: f64,
     accel_mps2: f64,
 ) -> Vec<TimedPoint> {
+    time_route_from(points, (t0_s, 0.0), speed_mps, accel_mps2)
+}
+
+/// The same for a route that begins at a time and at an initial ground speed, seconds and m/s.
+#[must_use]
+pub fn time_route_from(
+    points: &[PlanPoint],
+    (t0_s, initial_mps): (f64, f64),
+    speed_mps: f64,
+    accel_mps2: f64,
+) -> Vec<TimedPoint> {
     let along_m = distances_m(points);
-    let profile = SpeedProfile::new(
+    let profile = SpeedProfile::from_speed(
         along_m.last().copied().unwrap_or(0.0),
+        initial_mps,
         speed_mps,
         accel_mps2,
     );
@@ -54,10 +66,13 @@ pub fn time_route(
         .collect()
 }
 
-/// When the first route of a vehicle begins, seconds after T0: after its
-/// departure, its climb over home, and its way from there to the start.
+/// When the first route of a vehicle begins, seconds after T0: in the air at once, else after its
+/// departure, its climb over home, and its path from there to the start.
 #[must_use]
 pub fn route_start_s(vehicle: &Vehicle, stations: &Stations) -> f64 {
+    if let Departure::Airborne { at_s, .. } = stations.departure {
+        return at_s;
+    }
     if vehicle.airframe.has_wing() {
         // The turn onto the route is that onto a straight one.
         let straight = vec![stations.start, stations.goal];
@@ -86,7 +101,7 @@ pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>])
     for route in routes {
         let t0_s = points.last().map_or(vehicle.depart_s, |last| last.t_s);
         route_starts_s.push(t0_s);
-        append_route(&mut points, route, vehicle);
+        append_route(&mut points, route, vehicle, stations.departure);
     }
     let loiters = vehicle.finish == Finish::Loiter;
     if let Some(&last) = points.last() {
@@ -109,27 +124,25 @@ pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>])
 /// The flight of a plane or vtol: turns join the routes to takeoff, approach and each
 /// other, here along the tangents of their arcs. Circling for ever is staying at the middle.
 fn winged(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Flight {
-    let mut points = vec![TimedPoint {
-        point: stations.home,
-        t_s: vehicle.depart_s,
-    }];
+    let mut points = vec![begin(vehicle, stations)];
     let way = wing::way(vehicle, stations, routes);
     let loiters = vehicle.finish == Finish::Loiter;
-    match &way.climb {
-        Some(climb) => {
-            points.push(TimedPoint {
-                point: PlanPoint {
-                    at: climb.lift_off,
-                    ..stations.home
-                },
-                t_s: vehicle.depart_s + climb.run_s,
-            });
-            append_at_speed(&mut points, &way.points, vehicle);
-        }
-        None => {
-            lift(&mut points, stations.start.amsl, vehicle.climb_mps);
-            append_route(&mut points, &way.points, vehicle);
-        }
+    if let Some(climb) = &way.climb {
+        points.push(TimedPoint {
+            point: PlanPoint {
+                at: climb.lift_off,
+                ..stations.home
+            },
+            t_s: vehicle.depart_s + climb.run_s,
+        });
+    } else if !stations.departure.is_airborne() {
+        lift(&mut points, stations.start.amsl, vehicle.climb_mps);
+    }
+    let is_plane = vehicle.airframe == Airframe::Plane;
+    if is_plane {
+        append_at_speed(&mut points, &way.points, vehicle);
+    } else {
+        append_route(&mut points, &way.points, vehicle, stations.departure);
     }
     let route_starts_s = routes
         .iter()
@@ -144,7 +157,7 @@ fn winged(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> 
                 t_s: f64::INFINITY,
                 ..last
             });
-        } else if way.climb.is_none() {
+        } else if !is_plane {
             land(&mut points, way.touchdown.amsl, vehicle);
         }
     }
@@ -200,18 +213,34 @@ impl Flight {
     }
 }
 
+/// Where and when a vehicle begins: at home at its departure, or in the air.
+fn begin(vehicle: &Vehicle, stations: &Stations) -> TimedPoint {
+    match stations.departure {
+        Departure::Ground => TimedPoint {
+            point: stations.home,
+            t_s: vehicle.depart_s,
+        },
+        Departure::Airborne { point, at_s, .. } => TimedPoint { point, t_s: at_s },
+    }
+}
+
 fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, stations: &Stations) {
-    points.push(TimedPoint {
-        point: stations.home,
-        t_s: vehicle.depart_s,
-    });
+    points.push(begin(vehicle, stations));
+    if stations.departure.is_airborne() {
+        return;
+    }
     lift(points, stations.start.amsl, vehicle.climb_mps);
     let over_home = PlanPoint {
         at: stations.home.at,
         amsl: stations.start.amsl,
     };
     if stations.home.at.distance_m(stations.start.at) > 0.0 {
-        append_route(points, &[over_home, stations.start], vehicle);
+        append_route(
+            points,
+            &[over_home, stations.start],
+            vehicle,
+            Departure::Ground,
+        );
     }
 }
 
@@ -246,13 +275,19 @@ fn lift(points: &mut Vec<TimedPoint>, amsl: Amsl, speed_mps: f64) {
     });
 }
 
-/// A route from rest to rest, begun when the last point is reached, with points
-/// added where the speed changes.
-fn append_route(points: &mut Vec<TimedPoint>, route: &[PlanPoint], vehicle: &Vehicle) {
+/// A route to rest, begun when the last point is reached, with points added where the speed changes.
+fn append_route(
+    points: &mut Vec<TimedPoint>,
+    route: &[PlanPoint],
+    vehicle: &Vehicle,
+    departure: Departure,
+) {
     let t0_s = points.last().map_or(vehicle.depart_s, |last| last.t_s);
     let along_m = distances_m(route);
-    let profile = SpeedProfile::new(
+    let first = route.first().copied();
+    let profile = SpeedProfile::from_speed(
         along_m.last().copied().unwrap_or(0.0),
+        first.map_or(0.0, |first| departure.speed_at_mps(first)),
         speed_between(vehicle, route),
         vehicle.accel_mps2,
     );
@@ -326,7 +361,7 @@ mod tests {
     use crate::geodesy::{Amsl, PlanPoint};
     use crate::spec::fixtures::copter;
     use crate::spec::{Autopilot, Finish, Vehicle};
-    use crate::world::Stations;
+    use crate::world::{Departure, Stations};
 
     fn vehicle(finish: Finish) -> Vehicle {
         Vehicle {
@@ -344,6 +379,7 @@ mod tests {
     /// Home at -100 m, start over 0, goal over 1000 m; ground at 100, 120 under the goal.
     fn stations() -> Stations {
         Stations {
+            departure: Departure::Ground,
             home: at(-100.0, 100.0),
             start: at(0.0, 180.0),
             goal: at(1000.0, 200.0),
@@ -403,6 +439,23 @@ mod tests {
         let last = returns.points.last().unwrap();
         assert_eq!(last.point, stations.home);
         assert!((last.t_s - (65.0 + 105.0 + 115.0 + 70.0 + 10.0 / 0.7)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn one_in_the_air_flies_its_route_from_there_and_then_at_the_speed_it_has() {
+        let (vehicle, mut stations) = (vehicle(Finish::Land), stations());
+        stations.departure = Departure::Airborne {
+            point: stations.start,
+            course_rad: std::f64::consts::FRAC_PI_2,
+            speed_mps: 10.0,
+            at_s: 400.0,
+        };
+        let flight = flight(&vehicle, &stations, &[route()]);
+        assert_eq!(flight.route_starts_s, [400.0]);
+        assert!((route_start_s(&vehicle, &stations) - 400.0).abs() < 1e-9);
+        assert_eq!(flight.points[0].point, stations.start);
+        let last = flight.points.last().unwrap();
+        assert!((last.t_s - (400.0 + 102.5 + 35.0 + 10.0 / 0.7)).abs() < 1e-9);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::spec::{Airframe, Finish, Vehicle};
-use crate::world::Stations;
+use crate::world::{Departure, Stations};
 
 use super::VehicleLimits;
 use super::dubins::{Pose, Turns, turns};
@@ -206,7 +206,10 @@ pub(super) struct Way {
 /// The way along some routes, each of at least two points.
 pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Way {
     let start = stations.start;
-    let takeoff_rad = vehicle.wing.and_then(|wing| wing.takeoff_heading_rad);
+    let takeoff_rad = vehicle
+        .wing
+        .and_then(|wing| wing.takeoff_heading_rad)
+        .filter(|_| !stations.departure.is_airborne());
     let climb = takeoff_rad
         .filter(|_| vehicle.airframe == Airframe::Plane)
         .map(|course| {
@@ -218,9 +221,10 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
                 start.amsl,
             )
         });
-    let first = match &climb {
-        Some(climb) => climb.top,
-        None => PlanPoint {
+    let first = match (stations.departure, &climb) {
+        (Departure::Airborne { point, .. }, _) => point,
+        (Departure::Ground, Some(climb)) => climb.top,
+        (Departure::Ground, None) => PlanPoint {
             at: stations.home.at,
             ..start
         },

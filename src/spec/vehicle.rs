@@ -1,8 +1,12 @@
-//! A vehicle of the checked spec: what it is, where it goes, what it can.
+//! A vehicle of the checked spec: identity, route and performance.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
 use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts};
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
+use super::keys::words;
 use super::model::Wind;
 
 /// One vehicle of the fleet.
@@ -54,7 +58,7 @@ pub struct Vehicle {
     pub wing: Option<Wing>,
 }
 
-/// What the planner may choose so that a vehicle need not go around others.
+/// Departures and speeds that the planner may choose instead of a detour around other vehicles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Retiming {
     /// Departures, seconds after T0; none: `depart_s` alone.
@@ -105,10 +109,10 @@ pub struct Landing {
     pub glide_rad: f64,
 }
 
-/// The last way to a landing, both lengths in metres.
+/// The last part of a path to a landing, both lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ApproachLengths {
-    /// The straight way on the course of the landing: a plane's glide, or the stretch on
+    /// The straight leg on the course of the landing: a plane's glide, or the distance in
     /// which a vtol slows down.
     pub straight_m: f64,
     /// Before it, for the turn onto that course: here the planned path ends.
@@ -157,8 +161,8 @@ impl Vehicle {
         self.through_air_mps(speed_mps, at) + wind_mps
     }
 
-    /// A commanded speed as it moves the vehicle at an altitude, m/s: on a wing the indicated
-    /// airspeed, in the thinner air above the sea a greater true one.
+    /// Speed through the air at a commanded speed and an altitude, m/s. The command of a wing is
+    /// an indicated airspeed; its true airspeed grows with altitude.
     fn through_air_mps(&self, speed_mps: f64, at: Amsl) -> f64 {
         match self.wing {
             Some(_) => speed_mps * true_airspeed_ratio(at),
@@ -252,11 +256,13 @@ pub enum Link {
 }
 
 /// What happens at the goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Finish {
     /// Land there.
     Land,
-    /// Stay there until told otherwise.
+    /// Stay there until commanded otherwise.
     Loiter,
     /// Fly a planned path home and land there.
     Return,

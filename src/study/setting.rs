@@ -14,7 +14,7 @@ use crate::spec::{
     Airframe, Area, Autopilot, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
     OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
 };
-use crate::world::{Disc, Ground, Stations, Terrain, World};
+use crate::world::{Departure, Disc, Ground, Stations, Terrain, World};
 
 /// Control points by coordinate, ends included: metres east, north and up.
 pub(super) type Spline = [Vec<f64>; 3];
@@ -202,6 +202,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
             .vehicles
             .iter()
             .map(|mover| Stations {
+                departure: Departure::Ground,
                 home: on_ground(mover.start.at),
                 start: mover.start,
                 goal: mover.goal,

@@ -70,6 +70,10 @@
 //! that way is beside the legs 2 s before and after, and late by what it takes longer. A climb-out
 //! of ArduPlane is judged 14 m higher from 0.4 of it on, and straight on from there to the next place.
 //!
+//! **In the air.** A vehicle that departs in the air is at its position at that time, and begins its
+//! first leg with as much of its speed as points along it. On a wing that is inside of its circle
+//! it flies straight to the rim.
+//!
 //! **Ends.** A takeoff rises straight up with `climb_mps` from the ground at the home
 //! row; PX4 then goes on to the item's place where that is more than `tolerance_m` away,
 //! and rests. A landing flies to its place at the altitude that the vehicle has, rests,

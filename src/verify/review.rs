@@ -462,7 +462,10 @@ mod tests {
             "default 17 and 0.75",
             "at 0.7 of a coordinated turn",
         ] {
-            assert!(texts.iter().any(|text| text.contains(expected)), "{expected}");
+            assert!(
+                texts.iter().any(|text| text.contains(expected)),
+                "{expected}"
+            );
         }
     }
 }

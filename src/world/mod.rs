@@ -1,11 +1,13 @@
 //! The world a mission flies in: ground, threats, zones, area, in planning coordinates.
 
+mod departure;
 mod ground;
 mod load;
 mod mounds;
 mod reader;
 mod terrain;
 
+pub use departure::Departure;
 pub use ground::Ground;
 pub use load::{files, load};
 pub use reader::{
@@ -39,9 +41,11 @@ pub struct PlanZone {
     pub below: Option<Amsl>,
 }
 
-/// The fixed places of one vehicle, altitudes resolved over the terrain.
+/// The fixed positions of one vehicle, altitudes resolved over the terrain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stations {
+    /// How the vehicle begins its path.
+    pub departure: Departure,
     /// Where it stands, on the ground.
     pub home: PlanPoint,
     /// Where the planned path begins, airborne.
@@ -133,6 +137,7 @@ impl World {
                 let goal_ground = terrain.height(vehicle.goal.place)?;
                 let over_goal = resolve(&frame, &terrain, vehicle.goal)?;
                 Ok(Stations {
+                    departure: Departure::Ground,
                     home: PlanPoint {
                         at: frame.to_plan(vehicle.home),
                         amsl: terrain.height(vehicle.home)?,

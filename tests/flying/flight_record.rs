@@ -305,8 +305,8 @@ fn what_can_be_told_once_and_is_told_again_is_no_record() {
     let both = with(count - 3, left);
     let at = format!("line {}: comes after the end of alpha", count - 1);
     assert_eq!(both, at);
-    assert!(with(count, &lines[0]).ends_with("the header was told before"));
-    assert!(with(count - 3, "{\"t0_unix_s\": 5}").ends_with("T0 was told before"));
+    assert!(with(count, &lines[0]).ends_with("the header was recorded before"));
+    assert!(with(count - 3, "{\"t0_unix_s\": 5}").ends_with("T0 was recorded before"));
 }
 
 #[test]

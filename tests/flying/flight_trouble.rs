@@ -38,7 +38,7 @@ fn a_record_that_cannot_be_written_on_is_told_once_and_the_fleet_is_watched_to_i
     let limit = "trap '' XFSZ; ulimit -f 96;";
     let (code, told, errors) = fly_in_shell(folder.path(), limit, "");
     assert_eq!(code, Some(1), "{told}{errors}");
-    let watched = errors.matches("the vehicles are watched on").count();
+    let watched = errors.matches("the vehicles are still monitored").count();
     assert_eq!(watched, 1, "{errors}");
     assert!(errors.contains("cannot write"), "{errors}");
     assert!(errors.contains("the flight is not judged"), "{errors}");
@@ -95,7 +95,7 @@ fn a_screen_that_takes_nothing_ends_no_flight_and_starts_none() {
     let limit = "trap '' XFSZ; ulimit -f 16384;";
     let (code, _, errors) = fly_in_shell(folder.path(), limit, ">> told.txt");
     assert_eq!(code, Some(1), "{errors}");
-    let watched = errors.matches("the vehicles are watched on").count();
+    let watched = errors.matches("the vehicles are still monitored").count();
     assert_eq!(watched, 1, "{errors}");
     assert_eq!(json(&runs.join("flight.json"))["verdict"], "pass");
 }

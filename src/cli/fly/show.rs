@@ -4,7 +4,6 @@ use std::io::IsTerminal;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use super::sentence;
 use crate::cli::print::console::{Paint, note, out};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table;
@@ -185,4 +184,15 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
         ))?;
     }
     Ok(())
+}
+
+/// An event as a line.
+fn sentence(event: &Event) -> String {
+    let at = event
+        .t_s
+        .map_or_else(String::new, |t_s| format!("T0+{} ", table::clock(t_s)));
+    match &event.vehicle {
+        Some(vehicle) => format!("{at}{vehicle}: {}", event.text),
+        None => format!("{at}{}", event.text),
+    }
 }

@@ -5,13 +5,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What went wrong while writing, and where.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write {}: {source}", path.display())]
-pub(crate) struct OutputError {
-    path: PathBuf,
-    source: io::Error,
-}
+use crate::formats::{OutputError, sibling};
+
+pub(crate) use crate::formats::write_file;
 
 fn at(path: &Path) -> impl FnOnce(io::Error) -> OutputError + '_ {
     move |source| OutputError {
@@ -137,38 +133,6 @@ fn remove_leftovers(target: &Path) {
             let _ = fs::remove_dir_all(entry.path());
         }
     }
-}
-
-/// Writes one file so that it appears whole or not at all.
-pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    if fs::metadata(path).is_ok_and(|data| !data.is_file()) {
-        let source = io::Error::new(io::ErrorKind::AlreadyExists, "it is no regular file");
-        return Err(at(path)(source));
-    }
-    if let Some(parent) = path
-        .parent()
-        .filter(|parent| !parent.as_os_str().is_empty())
-    {
-        fs::create_dir_all(parent).map_err(at(parent))?;
-    }
-    let building = sibling(path, "new");
-    let written = fs::write(&building, bytes).and_then(|()| fs::rename(&building, path));
-    written.map_err(|source| {
-        let _ = fs::remove_file(&building);
-        OutputError {
-            path: path.to_owned(),
-            source,
-        }
-    })
-}
-
-/// `.name.tag.PID` beside `path`: the process id keeps two runs apart.
-fn sibling(path: &Path, tag: &str) -> PathBuf {
-    let name = path.file_name().map_or_else(
-        || "sortie".into(),
-        |name| name.to_string_lossy().into_owned(),
-    );
-    path.with_file_name(format!(".{name}.{tag}.{}", std::process::id()))
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use std::process::ExitCode;
 
-use crate::cli::folder::replace::OutputError;
+use crate::flight::FlightError;
+use crate::formats::OutputError;
 use crate::spec::SpecError;
 
 /// A failed command: its exit code, and what to tell on stderr.
@@ -59,5 +60,17 @@ impl From<SpecError> for Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         Self::new(Self::OUTPUT, error.to_string())
+    }
+}
+
+impl From<FlightError> for Failure {
+    fn from(error: FlightError) -> Self {
+        let code = match &error {
+            FlightError::Input(_) => Self::INPUT,
+            FlightError::Verdict(_) | FlightError::Rejected(_) => Self::VERDICT,
+            FlightError::Transfer(_) => Self::TRANSFER,
+            FlightError::Record(_) => Self::OUTPUT,
+        };
+        Self::new(code, error.to_string())
     }
 }

@@ -1,7 +1,6 @@
 //! What came of a transfer: the table, the sentences, the record.
 
 use std::path::Path;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::{Value, json};
 
@@ -10,6 +9,7 @@ use crate::cli::folder::runs;
 use crate::cli::print::console::{Paint, out};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table::Rows;
+use crate::flight::unix_ms;
 use crate::link::{TransferReport, Verdict};
 
 /// What came of a transfer to a fleet.
@@ -161,16 +161,5 @@ impl Delivery {
 }
 
 pub(crate) fn seconds_since_1970() -> u64 {
-    milliseconds_since_1970() / 1000
-}
-
-#[expect(
-    clippy::disallowed_methods,
-    reason = "records carry the time they were made"
-)]
-pub(crate) fn milliseconds_since_1970() -> u64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    since.map_or(0, |since| {
-        u64::try_from(since.as_millis()).unwrap_or(u64::MAX)
-    })
+    unix_ms() / 1000
 }

@@ -316,7 +316,6 @@ fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cli::fly;
 
     const LARGE: &str = "\
 sortie: 1
@@ -353,7 +352,8 @@ fleet:
             message.contains("d1 and d241 have one system id, 1"),
             "{message}"
         );
-        let message = fly::told_apart(&file.spec).unwrap_err().message;
+        let refused = crate::flight::refuse_shared_sysids(&file.spec);
+        let message = refused.unwrap_err().to_string();
         assert!(message.contains("d1 and d241"), "{message}");
     }
 }

@@ -1,6 +1,6 @@
 //! Which leg of a way a vehicle is on.
 
-use super::proof::BESIDE_M;
+use super::proof::CROSS_TRACK_M;
 use super::reference::to_segment;
 use crate::geodesy::PlanPoint;
 
@@ -14,7 +14,7 @@ const SLOW_MPS: f64 = 1.0;
 ///
 /// A way may lead past the same place again, there and back: so it is the first stretch of legs
 /// that the vehicle is near to and does not fly against, and of that the nearest leg. Who is
-/// near to none is told how far it is from the nearest of all.
+/// near to none gets its distance to the nearest of all.
 pub(crate) fn leg_at(
     way: &[PlanPoint],
     here: PlanPoint,
@@ -24,11 +24,11 @@ pub(crate) fn leg_at(
         .windows(2)
         .enumerate()
         .map(|(number, leg)| {
-            let (beside_m, _) = to_segment(here, leg[0], leg[1]);
-            (number, beside_m, is_along(leg, velocity_mps))
+            let (cross_track_m, _) = to_segment(here, leg[0], leg[1]);
+            (number, cross_track_m, is_along(leg, velocity_mps))
         })
         .collect();
-    let is_near = |leg: &&(usize, f64, bool)| leg.1 <= BESIDE_M;
+    let is_near = |leg: &&(usize, f64, bool)| leg.1 <= CROSS_TRACK_M;
     let first = legs.iter().position(|leg| is_near(&leg) && leg.2);
     let stretch = first.map(|first| legs[first..].iter().take_while(is_near));
     let Some(stretch) = stretch else {
@@ -90,10 +90,10 @@ mod tests {
     }
 
     #[test]
-    fn who_is_near_to_no_leg_is_told_how_far_it_is_from_the_nearest() {
-        let (leg, beside_m) = leg_at(&way(), at(1100.0, 0.0), (12.0, 0.0)).expect("a way");
+    fn a_point_far_from_every_leg_gets_its_distance_to_the_nearest() {
+        let (leg, cross_track_m) = leg_at(&way(), at(1100.0, 0.0), (12.0, 0.0)).expect("a way");
         assert_eq!(leg, 2);
-        assert!((beside_m - 100.0).abs() < 1e-9);
+        assert!((cross_track_m - 100.0).abs() < 1e-9);
         assert_eq!(leg_at(&way()[..1], at(0.0, 0.0), (0.0, 0.0)), None);
     }
 }

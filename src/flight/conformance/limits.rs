@@ -106,12 +106,12 @@ impl FlownTrack<'_> {
         let touchdown = touchdown.or(glides.last().copied());
         let spare = |part: &[&Fix], runway: Option<&Fix>| -> Vec<(f64, f64, Moment)> {
             let runway_m = runway.map_or(f64::NAN, ground);
-            let wanted_m = |fix: &Fix| {
+            let required_m = |fix: &Fix| {
                 let share_m = SLOPE_SHARE * (fix.amsl.0 - runway_m);
                 share_m.min(spec.area.min_agl.0)
             };
             let up = part.iter().filter(|fix| !is_down(fix));
-            up.map(|fix| (fix.amsl.0 - ground(fix), wanted_m(fix), moment(fix)))
+            up.map(|fix| (fix.amsl.0 - ground(fix), required_m(fix), moment(fix)))
                 .collect()
         };
         let mut all = spare(rises, lift_off);

@@ -15,7 +15,7 @@ use crate::verify::Margin;
 use crate::world::{Stations, World};
 use leg::leg_at;
 use limits::separation;
-use proof::BESIDE_M;
+use proof::CROSS_TRACK_M;
 use reference::{Deviation, Reference, to_segment};
 use report::{FlightReport, Passage, Spread, VehicleReport};
 
@@ -153,7 +153,7 @@ impl<'a> FlownTrack<'a> {
             Some([home, top, ..]) => (home, top),
             _ => return 0,
         };
-        let across_m = self.vehicle.map_or(BESIDE_M, proof::across_m);
+        let across_m = self.vehicle.map_or(CROSS_TRACK_M, proof::across_m);
         // A wind from behind may carry a plane as far again.
         let leads_m = 2.0 * home.point.at.distance_m(top.point.at) + across_m;
         let rises = |index: &usize| {

@@ -19,7 +19,7 @@ use crate::world::World;
 /// Farther than this from its way a copter has left what was verified, metres: corners are cut
 /// by up to 10 m (`mission.tolerance_m` as the parameters have it), positions are some metres
 /// off. Real ArduCopters were at most 1.5 m beside their way.
-pub(crate) const BESIDE_M: f64 = 30.0;
+pub(crate) const CROSS_TRACK_M: f64 = 30.0;
 /// A wing that turns late by the whole corner comes out of it so many turn radii beside its way,
 /// at most. Real ArduPlane, 18 m/s: 0.6 at a right angle, 1.4 at 120 degrees, 2.2 at 150; and a
 /// QuadPlane that the wind drove away as it climbed, 59 m or 1.1.
@@ -41,8 +41,8 @@ impl Tube {
     fn of(vehicle: &Vehicle) -> Self {
         if !vehicle.airframe.has_wing() {
             return Self {
-                across_m: BESIDE_M,
-                up_m: BESIDE_M,
+                across_m: CROSS_TRACK_M,
+                up_m: CROSS_TRACK_M,
             };
         }
         let turns_m = TURNS * VehicleLimits::of(&at_its_fastest(vehicle)).turn_radius_m;
@@ -52,8 +52,8 @@ impl Tube {
         let lags_s = lags.map(|facts| facts.behaviour.altitude_lag_s.value(None));
         let lag_s = lags_s.into_iter().fold(0.0, f64::max);
         Self {
-            across_m: BESIDE_M.max(turns_m),
-            up_m: BESIDE_M.max(slope_min_m + lag_s * slopes_mps),
+            across_m: CROSS_TRACK_M.max(turns_m),
+            up_m: CROSS_TRACK_M.max(slope_min_m + lag_s * slopes_mps),
         }
     }
 }
@@ -108,7 +108,7 @@ impl FlownTrack<'_> {
         let end = &self.flight.flown.end;
         let mut margins: Vec<Margin> = self.beginning(vehicle, world).into_iter().collect();
         margins.extend(self.leaps(vehicle));
-        // Whoever is told to hold or to land leaves its way, and does not end as planned.
+        // A vehicle that is ordered to hold or to land leaves its path, and does not end as planned.
         if !matches!(end, End::Held | End::StoppedAfterHold | End::LandedEarly) {
             margins.extend(self.off_the_way(spec, tube));
         }
@@ -140,7 +140,7 @@ impl FlownTrack<'_> {
         let pairs = self.fixes().windows(2).zip(self.points.windows(2));
         let speeds = pairs.map(|(fixes, points)| {
             // Positions are off by so much, not vehicles fast.
-            let gone_m = (points[0].distance_m(points[1]) - BESIDE_M).max(0.0);
+            let gone_m = (points[0].distance_m(points[1]) - CROSS_TRACK_M).max(0.0);
             (gone_m / (fixes[1].t_s - fixes[0].t_s), &fixes[1])
         });
         self.worst(required, speeds)

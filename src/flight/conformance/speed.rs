@@ -2,7 +2,7 @@
 //! gets further than the speed takes it that it tells itself.
 
 use super::limits::moment;
-use super::proof::{BESIDE_M, at_its_fastest, at_most};
+use super::proof::{CROSS_TRACK_M, at_its_fastest, at_most};
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::Fix;
 use crate::spec::{Airframe, Vehicle};
@@ -63,11 +63,11 @@ impl FlownTrack<'_> {
         } = *vehicle;
         let paces = [
             self.pace(Flown::GroundSpeed, &stretches, |of| {
-                (of.across_m, by(fastest_mps, of) + BESIDE_M)
+                (of.across_m, by(fastest_mps, of) + CROSS_TRACK_M)
             }),
             self.pace(Flown::ReportedSpeed, &stretches, |of| {
                 let own_m = of.own_m + of.fastest_mps * off_s;
-                (of.across_m, OWN * own_m + BESIDE_M)
+                (of.across_m, OWN * own_m + CROSS_TRACK_M)
             }),
             self.pace(Flown::ClimbRate, &stretches, |of| {
                 (of.up_m, climbs(climb_mps, of))

@@ -9,60 +9,60 @@ const REPEAT_MS: u64 = 400;
 /// Requests before a parameter counts as unknown to the vehicle.
 const MOST: u8 = 6;
 
-/// One parameter after the other, read and, if asked for, set.
+/// One parameter after the other, read and, if requested, set.
 #[derive(Clone, Debug)]
 pub(crate) struct SettingsCheck<'a> {
-    wanted: &'a [Parameter],
+    planned: &'a [Parameter],
     at: usize,
     due: Time,
-    asked: u8,
+    requested: u8,
     /// Whether a difference is set right.
     set: bool,
     /// What is being set.
     setting: Option<ParamValue>,
     bytewise: bool,
     /// Names that the vehicle does not tell.
-    untold: Vec<&'a str>,
+    unknown: Vec<&'a str>,
     differences: Vec<String>,
 }
 
 impl<'a> SettingsCheck<'a> {
     /// Begins with the first. PX4 sends whole numbers byte by byte (`bytewise`).
-    pub(crate) fn new(wanted: &'a [Parameter], set: bool, bytewise: bool, now: Time) -> Self {
+    pub(crate) fn new(planned: &'a [Parameter], set: bool, bytewise: bool, now: Time) -> Self {
         Self {
-            wanted,
+            planned,
             at: 0,
             due: now,
-            asked: 0,
+            requested: 0,
             set,
             setting: None,
             bytewise,
-            untold: Vec::new(),
+            unknown: Vec::new(),
             differences: Vec::new(),
         }
     }
 
     /// Every difference in a sentence, once all were read.
     pub(crate) fn outcome(&self) -> Option<&[String]> {
-        (self.at >= self.wanted.len()).then_some(&self.differences)
+        (self.at >= self.planned.len()).then_some(&self.differences)
     }
 
     /// Takes in a parameter of the vehicle.
     pub(crate) fn heard(&mut self, now: Time, name: &str, held: ParamValue) {
-        let Some(wanted) = self.wanted.get(self.at).filter(|w| w.name == name) else {
+        let Some(planned) = self.planned.get(self.at).filter(|w| w.name == name) else {
             return;
         };
         let value = held.value(self.bytewise);
-        if is_same(value, wanted.value) {
+        if is_same(value, planned.value) {
             return self.next(now);
         }
         if self.set && self.setting.is_none() {
-            self.setting = Some(held.with(wanted.value, self.bytewise));
-            (self.due, self.asked) = (now, 0);
+            self.setting = Some(held.with(planned.value, self.bytewise));
+            (self.due, self.requested) = (now, 0);
         } else if !self.set {
             self.differences.push(format!(
                 "parameter {name} is {value}, the verdict assumes {} ({})",
-                wanted.value, wanted.why
+                planned.value, planned.why
             ));
             self.next(now);
         }
@@ -70,31 +70,31 @@ impl<'a> SettingsCheck<'a> {
 
     /// What is to be sent now.
     pub(crate) fn poll(&mut self, now: Time, target: Address) -> Option<Message> {
-        let wanted = self.wanted.get(self.at)?;
+        let planned = self.planned.get(self.at)?;
         if now < self.due {
             return None;
         }
-        if self.asked >= MOST {
+        if self.requested >= MOST {
             if self.setting.is_some() {
                 self.differences.push(format!(
                     "parameter {} does not take {}",
-                    wanted.name, wanted.value
+                    planned.name, planned.value
                 ));
-            } else if !self.has_another_name(&wanted.name) {
+            } else if !self.has_another_name(&planned.name) {
                 self.differences.push(format!(
-                    "parameter {} is not told by the vehicle, the verdict assumes {} ({})",
-                    wanted.name, wanted.value, wanted.why
+                    "parameter {} is not known to the vehicle, the verdict assumes {} ({})",
+                    planned.name, planned.value, planned.why
                 ));
             }
             if self.setting.is_none() {
-                self.untold.push(&wanted.name);
+                self.unknown.push(&planned.name);
             }
             self.next(now);
             return self.poll(now, target);
         }
-        self.asked += 1;
+        self.requested += 1;
         self.due = now + REPEAT_MS;
-        let name = wanted.name.clone();
+        let name = planned.name.clone();
         Some(Message::Flight(match self.setting {
             Some(value) => FlightMessage::ParamSet {
                 target,
@@ -105,16 +105,17 @@ impl<'a> SettingsCheck<'a> {
         }))
     }
 
-    /// Whether the vehicle told, or will be asked for, the same parameter under its other name.
+    /// Whether the vehicle reported, or will be asked for, the same parameter under its other name.
     fn has_another_name(&self, name: &str) -> bool {
         other_name(name).is_some_and(|other| {
-            self.wanted.iter().any(|wanted| wanted.name == other) && !self.untold.contains(&other)
+            self.planned.iter().any(|planned| planned.name == other)
+                && !self.unknown.contains(&other)
         })
     }
 
     fn next(&mut self, now: Time) {
         self.at += 1;
-        (self.asked, self.due, self.setting) = (0, now, None);
+        (self.requested, self.due, self.setting) = (0, now, None);
     }
 }
 
@@ -129,13 +130,13 @@ mod tests {
 
     /// The differences that a vehicle is found to have which knows these names alone.
     fn differences(known: &[&str]) -> Vec<String> {
-        let wanted = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN", "WP_RADIUS"].map(|name| Parameter {
+        let planned = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN", "WP_RADIUS"].map(|name| Parameter {
             name: name.to_owned(),
             value: 1.0,
             why: String::new(),
         });
         let mut now = Time(0);
-        let mut check = SettingsCheck::new(&wanted, false, false, now);
+        let mut check = SettingsCheck::new(&planned, false, false, now);
         let target = Address {
             system: 1,
             component: 1,
@@ -153,12 +154,12 @@ mod tests {
     }
 
     #[test]
-    fn a_parameter_with_two_names_is_told_under_either() {
+    fn a_parameter_with_two_names_is_found_under_either() {
         assert!(differences(&["ALT_SLOPE_MIN", "WP_RADIUS"]).is_empty());
         assert!(differences(&["GLIDE_SLOPE_MIN", "WP_RADIUS"]).is_empty());
         let neither = differences(&["WP_RADIUS"]);
         assert_eq!(neither.len(), 1, "{neither:?}");
-        assert!(neither[0].contains("GLIDE_SLOPE_MIN is not told"));
+        assert!(neither[0].contains("GLIDE_SLOPE_MIN is not known"));
         assert_eq!(differences(&["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"]).len(), 1);
     }
 }

@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn what_is_missing_or_of_another_type_is_named() {
-        let told = [
+        let cases = [
             ("{}", "it has none of the keys sortie"),
             (
                 "{\"end\": \"landed\"}",
@@ -148,9 +148,9 @@ mod tests {
             ("{\"t_s\": 1", "it is not JSON: EOF"),
             ("[1, 2]", "it has none of the keys"),
         ];
-        for (line, wanted) in told {
+        for (line, expected) in cases {
             let found = why(line);
-            assert!(found.contains(wanted), "{line}: {found}");
+            assert!(found.contains(expected), "{line}: {found}");
         }
     }
 

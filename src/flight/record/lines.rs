@@ -130,6 +130,13 @@ pub struct FixLine {
 }
 
 impl Line {
+    /// The line as it is written, without its end.
+    #[must_use]
+    pub fn text(&self) -> String {
+        // A line holds text and numbers alone.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
     /// A position.
     #[must_use]
     pub fn of_fix(vehicle: &str, fix: &Fix) -> Self {

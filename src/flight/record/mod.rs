@@ -1,9 +1,11 @@
 //! What was flown.
 
 pub(super) mod invalid_line;
+pub(super) mod journal;
 pub(super) mod lines;
 pub(super) mod read;
 pub(super) mod tlog;
+pub(super) mod underway;
 
 use super::conformance::reference::Reference;
 use crate::geodesy::{Amsl, LatLon};

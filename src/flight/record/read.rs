@@ -37,7 +37,7 @@ pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
             speedup: 1.0,
             ..Record::default()
         },
-        places: BTreeMap::new(),
+        indices: BTreeMap::new(),
         once: BTreeSet::new(),
         fleet: None,
         latest_s: 0.0,
@@ -71,8 +71,8 @@ fn end_of(vehicle: &str) -> String {
 struct Reading {
     frame: LocalFrame,
     record: Record,
-    places: BTreeMap<String, usize>,
-    /// What was told and can be told once: the header, T0, the end of each vehicle.
+    indices: BTreeMap<String, usize>,
+    /// Lines that can stand once: the header, T0, the end of each vehicle.
     once: BTreeSet<String>,
     /// The latest position so far, seconds after T0.
     latest_s: f64,
@@ -83,7 +83,7 @@ struct Reading {
 impl Reading {
     fn of(&mut self, vehicle: &str) -> &mut Flight {
         let flights = &mut self.record.flights;
-        let index = *self.places.entry(vehicle.to_owned()).or_insert_with(|| {
+        let index = *self.indices.entry(vehicle.to_owned()).or_insert_with(|| {
             flights.push(Flight {
                 vehicle: vehicle.to_owned(),
                 plans: Vec::new(),
@@ -94,17 +94,17 @@ impl Reading {
         &mut flights[index]
     }
 
-    /// What is told of once must not be told again.
+    /// Rejects a second line of these.
     fn once(&mut self, what: String) -> Result<(), String> {
         if self.once.contains(&what) {
-            return Err(format!("{what} was told before"));
+            return Err(format!("{what} was recorded before"));
         }
         self.once.insert(what);
         Ok(())
     }
 
-    /// What is told of a vehicle: of one of the fleet, from T0 to its end.
-    fn told(&self, t_s: f64, vehicle: &str) -> Result<(), String> {
+    /// Rejects a line of a stranger, and one before T0 or after the end of its vehicle.
+    fn check(&self, t_s: f64, vehicle: &str) -> Result<(), String> {
         let is_stranger = |fleet: &BTreeSet<String>| !fleet.contains(vehicle);
         if self.fleet.as_ref().is_some_and(is_stranger) {
             return Err(format!(
@@ -150,7 +150,7 @@ impl Reading {
                 self.record.t0_unix_s = t0_unix_s;
             }
             Line::Plan { t_s, vehicle, plan } => {
-                self.told(t_s, &vehicle)?;
+                self.check(t_s, &vehicle)?;
                 let plan = plan.plan(self.frame)?;
                 self.of(&vehicle).plans.push(plan);
             }
@@ -163,7 +163,7 @@ impl Reading {
                 self.record.popups.push(popup);
             }
             Line::Fix(line) => {
-                self.told(line.t_s, &line.vehicle)?;
+                self.check(line.t_s, &line.vehicle)?;
                 let fix = Fix {
                     t_s: line.t_s,
                     place: place(line.lat_deg, line.lon_deg)?,
@@ -184,11 +184,11 @@ impl Reading {
                 vehicle,
                 reached,
             } => {
-                self.told(t_s, &vehicle)?;
+                self.check(t_s, &vehicle)?;
                 self.of(&vehicle).flown.reached.push((reached, t_s));
             }
             Line::End { vehicle, end, t_s } => {
-                self.told(t_s.unwrap_or(0.0), &vehicle)?;
+                self.check(t_s.unwrap_or(0.0), &vehicle)?;
                 self.once(end_of(&vehicle))?;
                 let flown = &mut self.of(&vehicle).flown;
                 (flown.end, flown.until_s) = (End::of_words(&end), t_s);

@@ -147,8 +147,8 @@ impl Reading {
         match message {
             Message::MissionCurrent { seq, total, .. } => {
                 self.item = self.row(*seq);
-                let told = (1..u16::MAX).contains(total);
-                self.items = if told { usize::from(*total) } else { 0 };
+                let is_known = (1..u16::MAX).contains(total);
+                self.items = if is_known { usize::from(*total) } else { 0 };
             }
             Message::Flight(FlightMessage::ItemReached { seq }) if self.armed => {
                 let row = self.row(*seq);

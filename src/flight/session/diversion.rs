@@ -3,7 +3,7 @@
 use super::pending_command::{Answer, PendingCommand};
 use super::set_current::Setting;
 use crate::flight::conformance::leg::leg_at;
-use crate::flight::conformance::proof::BESIDE_M;
+use crate::flight::conformance::proof::CROSS_TRACK_M;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::link::{
     Address, Body, Command, CommandResult, FlightMessage, Heartbeat, Message, MissionMessage,
@@ -15,7 +15,7 @@ use crate::spec::Autopilot;
 /// `MAV_MISSION_TYPE_MISSION`.
 const MISSION: u8 = 0;
 
-/// What is wrong with who does not answer any more.
+/// The problem of a vehicle that does not answer any more.
 const UNSAID: &str = "holds the new mission, and did not say that it goes on with it";
 
 /// What a vehicle in flight shall go on with.
@@ -39,7 +39,7 @@ pub struct Onward<'a> {
 ///
 /// ArduPilot replaces items under way and keeps its place in the list: as long as it flies
 /// to an item that both missions have it needs no command. PX4 takes the new mission as a
-/// whole and begins it, so it is told where to go on as soon as it has it, before
+/// whole and begins it, so the current item is set as soon as it has it, before
 /// the mission is read back.
 #[derive(Debug)]
 pub struct Diversion<'a> {
@@ -129,19 +129,19 @@ impl<'a> Diversion<'a> {
         if self.pending.is_some() || self.setting.is_some() || self.going.is_some() {
             return;
         }
-        let Some((beside_m, next)) = self.here.map(|here| self.on(here)) else {
+        let Some((cross_track_m, next)) = self.here.map(|here| self.on(here)) else {
             self.going = Some(Err(
                 "took its new mission, and does not say where".to_owned()
             ));
             return;
         };
-        if beside_m > BESIDE_M {
+        if cross_track_m > CROSS_TRACK_M {
             self.going = Some(Err(format!(
-                "took its new mission too late, {beside_m:.0} m beside the new path: hold or land it"
+                "took its new mission too late, {cross_track_m:.0} m from the new path: hold or land it"
             )));
         }
         let goes_on = self.onward.mission.autopilot == Autopilot::ArduPilot;
-        if goes_on && next < self.onward.new && beside_m <= BESIDE_M {
+        if goes_on && next < self.onward.new && cross_track_m <= CROSS_TRACK_M {
             self.going = Some(Ok(()));
             return;
         }
@@ -204,14 +204,14 @@ impl<'a> Diversion<'a> {
         };
         let items = self.onward.mission.items.iter().enumerate();
         let ahead = items.skip(self.onward.ahead);
-        let (numbers, places): (Vec<usize>, Vec<PlanPoint>) = ahead
+        let (numbers, points): (Vec<usize>, Vec<PlanPoint>) = ahead
             .filter_map(|(index, item)| Some((index, at(item.place()?))))
             .unzip();
         let way: Vec<PlanPoint> = std::iter::once(at(self.onward.origin))
-            .chain(places)
+            .chain(points)
             .collect();
         let on = leg_at(&way, at(here), velocity_mps);
-        on.and_then(|(leg, beside_m)| Some((beside_m, *numbers.get(leg)?)))
+        on.and_then(|(leg, cross_track_m)| Some((cross_track_m, *numbers.get(leg)?)))
             .unwrap_or((f64::INFINITY, self.onward.ahead))
     }
 

@@ -10,11 +10,11 @@ pub enum End {
     Landed,
     /// It stays in the air at the end of its mission, as planned.
     Loitering,
-    /// It stays in the air because it was told to.
+    /// It stays in the air because it was ordered to.
     Held,
-    /// It was told to stay, and stopped its motors later: somebody else brought it down.
+    /// It was ordered to hold, and stopped its motors later: somebody else brought it down.
     StoppedAfterHold,
-    /// It was told to land, and did.
+    /// It was ordered to land, and did.
     LandedEarly,
     /// It was left flying.
     LeftFlying,

@@ -3,6 +3,7 @@
 pub(super) mod arrival;
 pub(super) mod clock;
 pub(super) mod diversion;
+pub(super) mod driver;
 pub(super) mod end;
 pub(super) mod modes;
 pub(super) mod orbit;
@@ -17,7 +18,7 @@ use super::record::Flown;
 use crate::link::{Address, Heartbeat, Message, Time};
 use crate::spec::OnLinkLoss;
 use end::End;
-use vehicle::{Assignment, FlightVehicle, Stage, Told};
+use vehicle::{Assignment, FlightVehicle, Instruction, Stage};
 
 /// Between two looks at everything, milliseconds.
 const TICK_MS: u64 = 20;
@@ -129,14 +130,15 @@ impl<'a> Fleet<'a> {
     /// Takes in a message that came over a link, whoever sent it.
     pub fn handle(&mut self, now: Time, (link, from): (usize, Address), message: &Message) {
         let clock = (now, self.flight_ms(now), self.t0_ms());
-        for craft in self.vehicles.iter_mut().filter(|c| c.of.link == link) {
-            craft.handle(clock, from, message);
+        for vehicle in self.vehicles.iter_mut().filter(|c| c.of.link == link) {
+            vehicle.handle(clock, from, message);
         }
     }
 
     /// Says that something about the links is wrong. On the ground that ends it.
     pub fn trouble(&mut self, now: Time, system: Option<u8>, what: &str) {
-        let of = |craft: &&FlightVehicle<'_>| system.is_none_or(|system| craft.of.sysid == system);
+        let of =
+            |vehicle: &&FlightVehicle<'_>| system.is_none_or(|system| vehicle.of.sysid == system);
         let vehicle = match system {
             Some(_) => self
                 .vehicles
@@ -157,9 +159,9 @@ impl<'a> Fleet<'a> {
         self.due = now + TICK_MS;
         if now >= self.heartbeat_due {
             self.heartbeat_due = now + HEARTBEAT_MS;
-            for craft in &self.vehicles {
+            for vehicle in &self.vehicles {
                 let beat = Message::Heartbeat(Heartbeat::OURS);
-                self.outbox.push_back((craft.of.sysid, beat));
+                self.outbox.push_back((vehicle.of.sysid, beat));
             }
         }
         #[expect(
@@ -167,8 +169,8 @@ impl<'a> Fleet<'a> {
             reason = "a few hundred thousand microseconds"
         )]
         let interval_us = (self.options.position_s * 1e6) as f32;
-        for craft in &mut self.vehicles {
-            craft.tick(now, interval_us);
+        for vehicle in &mut self.vehicles {
+            vehicle.tick(now, interval_us);
         }
         match self.phase {
             Phase::Checking => self.look_whether_all_are_ready(now),
@@ -203,7 +205,7 @@ impl<'a> Fleet<'a> {
 
     /// What each vehicle has flown so far, in the order of the assignments.
     pub fn flown(&self) -> impl Iterator<Item = (&str, &Flown)> {
-        let of = |craft: &'_ FlightVehicle<'a>| craft.of.vehicle;
+        let of = |vehicle: &'_ FlightVehicle<'a>| vehicle.of.vehicle;
         self.vehicles.iter().map(move |c| (of(c), &c.flown))
     }
 
@@ -215,16 +217,16 @@ impl<'a> Fleet<'a> {
 
     /// Tells every vehicle in flight.
     pub fn intervene(&mut self, now: Time, what: Intervention) {
-        let told = match what {
-            Intervention::Hold => Told::Hold,
-            Intervention::Land => Told::Land,
+        let instruction = match what {
+            Intervention::Hold => Instruction::Hold,
+            Intervention::Land => Instruction::Land,
             Intervention::Leave => {
                 if !matches!(self.phase, Phase::Flying { .. }) {
                     return self.abandon(Vec::new());
                 }
-                for (craft, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
-                    if !matches!(craft.stage, Stage::Ended) {
-                        craft.watch_no_more(End::LeftFlying, *is_lost);
+                for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
+                    if !matches!(vehicle.stage, Stage::Ended) {
+                        vehicle.watch_no_more(End::LeftFlying, *is_lost);
                     }
                 }
                 return;
@@ -233,17 +235,17 @@ impl<'a> Fleet<'a> {
         if !matches!(self.phase, Phase::Flying { .. }) {
             return self.abandon(Vec::new());
         }
-        let text = match told {
-            Told::Hold => "all hold",
-            Told::Land => "all land",
+        let text = match instruction {
+            Instruction::Hold => "all hold",
+            Instruction::Land => "all land",
         };
         self.say(now, None, text.to_owned());
-        for craft in &mut self.vehicles {
+        for vehicle in &mut self.vehicles {
             // Whoever has not taken off stays on the ground.
-            if matches!(craft.stage, Stage::Armed) {
-                craft.disarm();
+            if matches!(vehicle.stage, Stage::Armed) {
+                vehicle.disarm();
             }
-            craft.tell(told);
+            vehicle.instruct(instruction);
         }
     }
 
@@ -268,15 +270,15 @@ impl<'a> Fleet<'a> {
     /// What the vehicles have to send and to say.
     fn gather(&mut self, now: Time) {
         let t_s = self.t_s(now);
-        for craft in &mut self.vehicles {
-            while let Some(message) = craft.poll_transmit() {
-                self.outbox.push_back((craft.of.sysid, message));
+        for vehicle in &mut self.vehicles {
+            while let Some(message) = vehicle.poll_transmit() {
+                self.outbox.push_back((vehicle.of.sysid, message));
             }
-            if matches!(craft.stage, Stage::Ended) {
-                craft.flown.until_s = craft.flown.until_s.or(t_s);
+            if matches!(vehicle.stage, Stage::Ended) {
+                vehicle.flown.until_s = vehicle.flown.until_s.or(t_s);
             }
-            while let Some(text) = craft.poll_said() {
-                let vehicle = Some(craft.of.vehicle.to_owned());
+            while let Some(text) = vehicle.poll_said() {
+                let vehicle = Some(vehicle.of.vehicle.to_owned());
                 self.events.push_back(Event { t_s, vehicle, text });
             }
         }
@@ -285,10 +287,10 @@ impl<'a> Fleet<'a> {
     fn refusals(&self) -> Vec<(String, String)> {
         self.vehicles
             .iter()
-            .flat_map(|craft| match &craft.stage {
+            .flat_map(|vehicle| match &vehicle.stage {
                 Stage::Refused(problems) => problems
                     .iter()
-                    .map(|problem| (craft.of.vehicle.to_owned(), problem.clone()))
+                    .map(|problem| (vehicle.of.vehicle.to_owned(), problem.clone()))
                     .collect(),
                 _ => Vec::new(),
             })
@@ -297,9 +299,9 @@ impl<'a> Fleet<'a> {
 
     /// None is started; who is armed is disarmed.
     fn abandon(&mut self, why: Vec<(String, String)>) {
-        for craft in &mut self.vehicles {
-            if matches!(craft.stage, Stage::Armed | Stage::Arming) {
-                craft.disarm();
+        for vehicle in &mut self.vehicles {
+            if matches!(vehicle.stage, Stage::Armed | Stage::Arming) {
+                vehicle.disarm();
             }
         }
         self.outcome = Some(Outcome::NotStarted(why));
@@ -307,9 +309,9 @@ impl<'a> Fleet<'a> {
     }
 
     fn look_whether_all_are_ready(&mut self, now: Time) {
-        let is_settled =
-            |craft: &FlightVehicle<'_>| matches!(craft.stage, Stage::Ready | Stage::Refused(_));
-        if !self.vehicles.iter().all(is_settled) {
+        let is_checked =
+            |vehicle: &FlightVehicle<'_>| matches!(vehicle.stage, Stage::Ready | Stage::Refused(_));
+        if !self.vehicles.iter().all(is_checked) {
             return;
         }
         let refusals = self.refusals();
@@ -317,7 +319,9 @@ impl<'a> Fleet<'a> {
             return self.abandon(refusals);
         }
         self.say(now, None, "all are ready".to_owned());
-        self.vehicles.iter_mut().for_each(|craft| craft.arm(now));
+        self.vehicles
+            .iter_mut()
+            .for_each(|vehicle| vehicle.arm(now));
         self.phase = Phase::Arming;
     }
 
@@ -340,19 +344,19 @@ impl<'a> Fleet<'a> {
     fn watch(&mut self, now: Time, t0_ms: f64) {
         let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
         let mut ends_s = 0.0_f64;
-        for craft in &mut self.vehicles {
-            if matches!(craft.stage, Stage::Armed) && t_s >= craft.of.start_s {
-                craft.start();
+        for vehicle in &mut self.vehicles {
+            if matches!(vehicle.stage, Stage::Armed) && t_s >= vehicle.of.start_s {
+                vehicle.start();
             }
-            craft.look_whether_it_stays();
-            ends_s = ends_s.max(craft.of.reference.end_s);
+            vehicle.look_whether_it_stays();
+            ends_s = ends_s.max(vehicle.of.reference.end_s);
         }
         self.look_for_the_lost(now);
         if t_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
-            for (craft, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
-                if !matches!(craft.stage, Stage::Ended) {
+            for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
+                if !matches!(vehicle.stage, Stage::Ended) {
                     let why = format!("has not ended its flight {t_s:.0} s after T0");
-                    craft.watch_no_more(End::Failed(why), *is_lost);
+                    vehicle.watch_no_more(End::Failed(why), *is_lost);
                 }
             }
         }
@@ -370,15 +374,15 @@ impl<'a> Fleet<'a> {
     /// Who is lost, who is back, and what the others do about it.
     fn look_for_the_lost(&mut self, now: Time) {
         let mut said = Vec::new();
-        for (craft, lost) in self.vehicles.iter().zip(&mut self.lost) {
-            if matches!(craft.stage, Stage::Ended) {
+        for (vehicle, lost) in self.vehicles.iter().zip(&mut self.lost) {
+            if matches!(vehicle.stage, Stage::Ended) {
                 continue;
             }
-            let is_lost = silence_s(craft, now, self.options.speedup).is_some();
+            let is_lost = silence_s(vehicle, now, self.options.speedup).is_some();
             if is_lost != *lost {
                 *lost = is_lost;
                 let text = if is_lost { "link lost" } else { "link is back" };
-                said.push((craft.of.vehicle.to_owned(), text));
+                said.push((vehicle.of.vehicle.to_owned(), text));
             }
         }
         let anybody = said.iter().any(|(_, text)| *text == "link lost");
@@ -397,9 +401,9 @@ impl<'a> Fleet<'a> {
 }
 
 /// For how long a vehicle has been silent, seconds of flight, if that is too long.
-pub(super) fn silence_s(craft: &FlightVehicle<'_>, now: Time, speedup: f64) -> Option<f64> {
+pub(super) fn silence_s(vehicle: &FlightVehicle<'_>, now: Time, speedup: f64) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
-    let silent_ms = (now - craft.heard) as f64;
+    let silent_ms = (now - vehicle.heard) as f64;
     let silent_s = silent_ms * speedup / 1000.0;
     (silent_s > LOST_FLIGHT_S && silent_ms > LOST_WALL_MS).then_some(silent_s)
 }

@@ -1,4 +1,4 @@
-//! Commands that change what a vehicle does.
+//! Commands and modes of each autopilot.
 
 use crate::autopilot::{Airframe, Autopilot, Mode, Modes, facts};
 use crate::link::Command;
@@ -57,7 +57,7 @@ pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
     custom_mode == modes(of).mission.custom_mode
 }
 
-/// Whether a wing in this mode circles at the place of the command.
+/// Whether a wing in this mode circles as ordered.
 pub(crate) fn is_circling(of: &VehicleMission, custom_mode: u32) -> bool {
     custom_mode == modes(of).loiter.custom_mode
 }

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn straight_ahead_is_no_lap_and_a_circle_to_either_side_is_one() {
+    fn straight_ahead_is_no_orbit_and_a_circle_to_either_side_is_one() {
         let mut ahead = Orbit::default();
         let east = |east_m| EastNorth {
             east_m,

@@ -1,7 +1,7 @@
 //! Where every vehicle of a fleet in flight is, for whoever watches.
 
 use super::end::End;
-use super::vehicle::{FlightVehicle, Stage, Told};
+use super::vehicle::{FlightVehicle, Instruction, Stage};
 use super::{Fleet, silence_s};
 use crate::flight::record::Fix;
 use crate::link::Time;
@@ -30,35 +30,35 @@ impl Fleet<'_> {
     #[must_use]
     pub fn status(&self, now: Time) -> Vec<Status> {
         let t_s = self.t_s(now).unwrap_or(0.0);
-        let places: Vec<Option<Fix>> = self
+        let fixes: Vec<Option<Fix>> = self
             .vehicles
             .iter()
-            .map(|craft| {
-                let flies = matches!(craft.stage, Stage::Flying);
-                craft.latest.map(|(_, fix)| fix).filter(|_| flies)
+            .map(|vehicle| {
+                let flies = matches!(vehicle.stage, Stage::Flying);
+                vehicle.latest.map(|(_, fix)| fix).filter(|_| flies)
             })
             .collect();
         let distance_m = |a: &Fix, b: &Fix| a.place.chord_m(b.place).hypot(a.amsl.0 - b.amsl.0);
         let rows = self.vehicles.iter().enumerate();
-        rows.map(|(index, craft)| {
-            let others = places
+        rows.map(|(index, vehicle)| {
+            let others = fixes
                 .iter()
                 .enumerate()
                 .filter(|(other, _)| *other != index);
-            let closest = places[index].and_then(|here| {
+            let closest = fixes[index].and_then(|here| {
                 others
                     .filter_map(|(other, fix)| Some((other, distance_m(&here, fix.as_ref()?))))
                     .min_by(|a, b| a.1.total_cmp(&b.1))
             });
-            let reference = &craft.of.reference;
-            let behind_s = places[index].and_then(|fix| reference.planned_s(&fix));
+            let reference = &vehicle.of.reference;
+            let behind_s = fixes[index].and_then(|fix| reference.planned_s(&fix));
             Status {
-                vehicle: craft.of.vehicle.to_owned(),
-                stage: stage_word(craft),
-                item: (craft.item, craft.of.mission.items.len()),
+                vehicle: vehicle.of.vehicle.to_owned(),
+                stage: stage_word(vehicle),
+                item: (vehicle.item, vehicle.of.mission.items.len()),
                 behind_s: behind_s.map(|planned_s| t_s - planned_s),
                 closest: closest.map(|(other, m)| (self.vehicles[other].of.vehicle.to_owned(), m)),
-                lost_s: silence_s(craft, now, self.options.speedup).filter(|_| self.lost[index]),
+                lost_s: silence_s(vehicle, now, self.options.speedup).filter(|_| self.lost[index]),
                 progress: (behind_s.unwrap_or(0.0) / reference.end_s.max(1.0)).clamp(0.0, 1.0),
             }
         })
@@ -66,8 +66,8 @@ impl Fleet<'_> {
     }
 }
 
-fn stage_word(craft: &FlightVehicle<'_>) -> &'static str {
-    match (&craft.stage, craft.told) {
+fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
+    match (&vehicle.stage, vehicle.instruction) {
         (Stage::Sending(_), _) => "receives",
         (Stage::Reading(_) | Stage::Checking { .. }, _) => "is checked",
         (Stage::Ready, _) => "ready",
@@ -75,13 +75,15 @@ fn stage_word(craft: &FlightVehicle<'_>) -> &'static str {
         (Stage::Arming, _) => "arms",
         (Stage::Armed, _) => "armed",
         (Stage::Starting, _) => "starts",
-        (Stage::Flying, Some(Told::Hold)) if craft.of.mission.airframe.has_wing() => "circles",
-        (Stage::Flying, Some(Told::Hold)) if craft.holds => "holds",
-        (Stage::Flying, Some(Told::Hold)) => "stops",
-        (Stage::Flying, Some(Told::Land)) => "lands",
-        (Stage::Flying, None) if craft.in_mission => "flies",
+        (Stage::Flying, Some(Instruction::Hold)) if vehicle.of.mission.airframe.has_wing() => {
+            "circles"
+        }
+        (Stage::Flying, Some(Instruction::Hold)) if vehicle.holds => "holds",
+        (Stage::Flying, Some(Instruction::Hold)) => "stops",
+        (Stage::Flying, Some(Instruction::Land)) => "lands",
+        (Stage::Flying, None) if vehicle.in_mission => "flies",
         (Stage::Flying, None) => "off mission",
-        (Stage::Ended, _) => match craft.flown.end {
+        (Stage::Ended, _) => match vehicle.flown.end {
             End::Landed | End::LandedEarly => "landed",
             End::Loitering => "loiters",
             End::Held => "holds",

@@ -61,7 +61,7 @@ pub(crate) enum Stage<'a> {
     Arming,
     /// The motors run.
     Armed,
-    /// The mission was told to start.
+    /// The mission was ordered to start.
     Starting,
     /// The mission is flown.
     Flying,
@@ -69,9 +69,9 @@ pub(crate) enum Stage<'a> {
     Ended,
 }
 
-/// What the fleet told it to do in flight.
+/// An order of the fleet to a vehicle in flight.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Told {
+pub(crate) enum Instruction {
     Hold,
     Land,
 }
@@ -102,11 +102,11 @@ pub(crate) struct FlightVehicle<'a> {
     /// Items on board without home, as the vehicle says.
     total: Option<usize>,
     airborne: bool,
-    pub(crate) told: Option<Told>,
-    /// Whether it is seen to stay where it was told to: watched on, for others may bring it down.
+    pub(crate) instruction: Option<Instruction>,
+    /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
     pub(crate) in_mission: bool,
-    /// Whether it was told of that it left its mission.
+    /// Whether an event has reported that it left its mission.
     left: bool,
     orbit: Orbit,
     pub(crate) flown: Flown,
@@ -155,7 +155,7 @@ impl<'a> FlightVehicle<'a> {
             item: 0,
             total: None,
             airborne: false,
-            told: None,
+            instruction: None,
             holds: false,
             in_mission: false,
             left: false,
@@ -208,8 +208,8 @@ impl<'a> FlightVehicle<'a> {
             } => self.version = Version::of_flight_software(*flight_software).or(self.version),
             Message::MissionCurrent { seq, total, .. } => {
                 self.item = self.row(*seq);
-                let told = (1..u16::MAX).contains(total);
-                self.total = told.then_some(usize::from(*total));
+                let is_known = (1..u16::MAX).contains(total);
+                self.total = is_known.then_some(usize::from(*total));
             }
             Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
                 self.warn(text);
@@ -295,31 +295,33 @@ impl<'a> FlightVehicle<'a> {
         self.in_mission = modes::is_mission(self.of.mission, beat.custom_mode);
         match self.stage {
             Stage::Flying if !beat.is_armed() => {
-                let end = match (self.airborne, self.told) {
+                let end = match (self.airborne, self.instruction) {
                     (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
-                    (true, Some(Told::Hold)) => End::StoppedAfterHold,
-                    (true, Some(Told::Land)) => End::LandedEarly,
+                    (true, Some(Instruction::Hold)) => End::StoppedAfterHold,
+                    (true, Some(Instruction::Land)) => End::LandedEarly,
                     (true, None) => self.landing(),
                 };
                 self.end(end);
             }
-            Stage::Flying if was && !self.in_mission && self.told.is_none() => {
+            Stage::Flying if was && !self.in_mission && self.instruction.is_none() => {
                 self.left = true;
                 self.said
                     .push_back("left its mission: somebody else changed the mode".to_owned());
             }
-            Stage::Flying if !was && self.in_mission && (self.left || self.told.is_some()) => {
+            Stage::Flying
+                if !was && self.in_mission && (self.left || self.instruction.is_some()) =>
+            {
                 self.left = false;
                 self.said.push_back("is on its mission again".to_owned());
-                if self.told == Some(Told::Hold) {
-                    (self.told, self.holds) = (None, false);
+                if self.instruction == Some(Instruction::Hold) {
+                    (self.instruction, self.holds) = (None, false);
                 }
             }
             _ => {}
         }
     }
 
-    /// Does what is due. `interval_us` is how often positions are wanted.
+    /// Does what is due; requests a position every `interval_us` microseconds.
     pub(crate) fn tick(&mut self, now: Time, interval_us: f32) {
         self.work(now);
         if let (Stage::Arming, Some((until, again))) = (&self.stage, self.arming)
@@ -353,7 +355,7 @@ impl<'a> FlightVehicle<'a> {
                 Answer::Result(result) => {
                     let command = pending.command();
                     // Whoever refuses to hold or to land flies on as planned.
-                    (self.told, self.holds) = (None, false);
+                    (self.instruction, self.holds) = (None, false);
                     self.disobeyed(now, &format!("refused command {command} with {result}"));
                 }
                 Answer::Silence => {

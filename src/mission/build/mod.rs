@@ -13,7 +13,7 @@ use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
 use crate::path::{TimedPoint, VehicleLimits};
 use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::world::{NoData, World};
+use crate::world::{Departure, NoData, Stations, World};
 use encode::{ENCODING_M, Encoder};
 use legs::{Keep, Point};
 use simplify::waypoints;
@@ -142,7 +142,7 @@ pub fn build_course(
     let items = if vehicle.airframe.has_wing() {
         writer.winged_items(stations, routes)
     } else {
-        writer.items(stations.home, routes)
+        writer.items(stations, routes)
     };
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
@@ -249,8 +249,7 @@ pub(super) struct ItemWriter<'a> {
 }
 
 impl ItemWriter<'_> {
-    fn items(&self, home: PlanPoint, routes: &[Vec<TimedPoint>]) -> Result<Vec<Item>, NoData> {
-        let mut items = self.departure();
+    fn items(&self, stations: &Stations, routes: &[Vec<TimedPoint>]) -> Result<Vec<Item>, NoData> {
         let mut legs = routes
             .iter()
             .map(|route| self.route(route))
@@ -259,18 +258,12 @@ impl ItemWriter<'_> {
             .peekable();
         let out = legs.next().unwrap_or_default();
         let Some((&start, onward)) = out.split_first() else {
-            return Ok(items);
+            return Ok(self.departure());
         };
-        // Both autopilots climb straight up from where they stand and come to rest.
-        let above_home = PlanPoint {
-            at: home.at,
-            amsl: start.amsl,
+        let mut items = match stations.departure {
+            Departure::Ground => self.takeoff(stations.home, start)?,
+            Departure::Airborne { .. } => self.speed().into_iter().collect(),
         };
-        items.push(self.at(command::NAV_TAKEOFF, 0.0, above_home)?);
-        items.extend(self.speed());
-        if !self.encoder.is_over_home(start) {
-            items.push(self.at(command::NAV_WAYPOINT, HOLD_S, start)?);
-        }
         let mut last = start;
         let mut leg = Some(onward.to_vec());
         while let Some(points) = leg {
@@ -288,8 +281,24 @@ impl ItemWriter<'_> {
         items.push(match self.vehicle.finish {
             Finish::Land => self.at(command::NAV_LAND, 0.0, self.encoder.on_ground(last)?)?,
             Finish::Loiter => self.at(command::NAV_LOITER_UNLIM, 0.0, last)?,
-            Finish::Return => self.at(command::NAV_LAND, 0.0, home)?,
+            Finish::Return => self.at(command::NAV_LAND, 0.0, stations.home)?,
         });
+        Ok(items)
+    }
+
+    /// From home to rest at the start.
+    fn takeoff(&self, home: PlanPoint, start: PlanPoint) -> Result<Vec<Item>, NoData> {
+        let mut items = self.departure();
+        // Both autopilots climb straight up from where they stand and come to rest.
+        let above_home = PlanPoint {
+            at: home.at,
+            amsl: start.amsl,
+        };
+        items.push(self.at(command::NAV_TAKEOFF, 0.0, above_home)?);
+        items.extend(self.speed());
+        if !self.encoder.is_over_home(start) {
+            items.push(self.at(command::NAV_WAYPOINT, HOLD_S, start)?);
+        }
         Ok(items)
     }
 

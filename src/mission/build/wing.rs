@@ -7,7 +7,7 @@ use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::item::Item;
 use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
 use crate::spec::{Airframe, Autopilot, Finish};
-use crate::world::{NoData, Stations};
+use crate::world::{Departure, NoData, Stations};
 
 /// A route that ends in a circle ends this many radii before its middle: from there the
 /// vehicle flies to the rim.
@@ -59,6 +59,13 @@ impl ItemWriter<'_> {
 
     /// Up, to where the way to the route begins.
     fn winged_takeoff(&self, stations: &Stations) -> Result<ItemList, NoData> {
+        if let Departure::Airborne { point, .. } = stations.departure {
+            return Ok(ItemList {
+                items: Vec::new(),
+                at: point.at,
+                course_rad: None,
+            });
+        }
         let (home, start) = (stations.home, stations.start);
         let course_rad = self.vehicle.wing.and_then(|wing| wing.takeoff_heading_rad);
         if let (Airframe::Plane, Some(course_rad)) = (self.vehicle.airframe, course_rad) {

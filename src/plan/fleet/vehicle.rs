@@ -5,7 +5,7 @@ use crate::cost::{CostTerms, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
 use crate::optimize::TracePoint;
-use crate::path::{Flight, homeward_end, route_start_s, time_route, way_speed_mps};
+use crate::path::{Flight, homeward_end, route_start_s, time_route_from, way_speed_mps};
 use crate::plan::bound::estimate;
 use crate::plan::route_context::RouteContext;
 use crate::plan::search::{Found, Run, lifted, search};
@@ -156,11 +156,15 @@ fn route(context: &RouteContext<'_>, found: &Found) -> Route {
     if let Some(last) = points.last_mut() {
         *last = context.ends.to;
     }
+    let departure = context.world.stations[context.index].departure;
     Route {
         control_points: found.spline.points(),
-        path: time_route(
+        path: time_route_from(
             &points,
-            context.ends.start_s,
+            (
+                context.ends.start_s,
+                departure.speed_at_mps(context.ends.from),
+            ),
             way_speed_mps(context.vehicle(), context.ends.from, context.ends.to),
             context.vehicle().accel_mps2,
         ),

@@ -4,9 +4,9 @@ mod ends;
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{VehicleMission, cruise_speed_mps};
-use crate::path::{leg_late_s, stop_late_s};
+use crate::path::{heading_rad, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
-use crate::world::{Stations, World};
+use crate::world::{Departure, Stations, World};
 
 use super::decode::{self, Step, Unknown};
 use super::flight::{End, Flight, Legs, Mark, Slope};
@@ -53,6 +53,7 @@ pub(crate) fn fly(
         lag_s: altitude_lag::lag_s(mission),
         early_m: altitude_lag::early_m(vehicle, mission),
     };
+    pilot.depart();
     pilot.flight.unknown = pilot.fly(&steps, mission, unread);
     pilot.flight.chords = pilot.trajectory.chords;
     pilot.flight.cut_at_nan()
@@ -98,6 +99,17 @@ pub(crate) struct Pilot<'a> {
 }
 
 impl Pilot<'_> {
+    /// Begins in the air, if it is there.
+    fn depart(&mut self) {
+        if let Departure::Airborne { point, at_s, .. } = self.stations.departure {
+            self.airborne = true;
+            self.phase = Phase::Route;
+            self.trajectory.t_s = at_s;
+            self.knots = vec![self.knot(0, point.at, point.amsl.0, None)];
+            self.mark();
+        }
+    }
+
     /// Obeys every order; says from where on the flight is not known, if so.
     fn fly(
         &mut self,
@@ -308,7 +320,11 @@ impl Pilot<'_> {
                 speed_mps
             }
         };
-        let ends_mps = (carried(first_mps, 0), carried(last_mps, knots.len() - 2));
+        let first_mps = match self.initial_mps(&knots) {
+            Some(initial_mps) => initial_mps.min(grounds_mps[0]),
+            None => carried(first_mps, 0),
+        };
+        let ends_mps = (first_mps, carried(last_mps, knots.len() - 2));
         let run = legs::run(&knots, self.vehicle, &grounds_mps, ends_mps);
         let lines = knots
             .windows(2)
@@ -339,6 +355,21 @@ impl Pilot<'_> {
             self.trajectory.late_s += stop_late_s(self.vehicle);
         }
         Ok(())
+    }
+
+    /// The ground speed of an airborne departure along the first leg, m/s; none on later legs.
+    fn initial_mps(&self, knots: &[Knot]) -> Option<f64> {
+        let Departure::Airborne {
+            course_rad,
+            speed_mps,
+            ..
+        } = self.stations.departure
+        else {
+            return None;
+        };
+        let turn_rad = heading_rad(knots[0].at, knots[1].at) - course_rad;
+        let is_first = self.trajectory.chords.is_empty();
+        is_first.then(|| speed_mps * turn_rad.cos().max(0.0))
     }
 
     /// Altitude above the sea, and above the ground if the item says so.

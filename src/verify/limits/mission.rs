@@ -111,7 +111,11 @@ impl Contract<'_> {
 
     /// What the autopilot would refuse or misread: one margin for each problem.
     fn acceptance(&self) -> Vec<Margin> {
-        let problems = mission::problems(self.mission);
+        let problems = if self.stations.departure.is_airborne() {
+            mission::problems_in_flight(self.mission)
+        } else {
+            mission::problems(self.mission)
+        };
         let required = Requirement::at_most(Limit::Acceptance, 0.0, "problems");
         let margin = |at, note| Margin {
             note,
@@ -139,7 +143,9 @@ impl Contract<'_> {
     /// The delay before takeoff against `depart_s` or its window, where the autopilot keeps one.
     fn departure(&self) -> Option<Margin> {
         let first = self.flight.chords.first()?;
-        if self.flight.delay_s.is_none() && is_launched(self.vehicle, self.mission.autopilot) {
+        let is_airborne = self.stations.departure.is_airborne();
+        let is_launched = is_launched(self.vehicle, self.mission.autopilot);
+        if is_airborne || self.flight.delay_s.is_none() && is_launched {
             return None;
         }
         let encoded_s = self.flight.delay_s.unwrap_or(0.0);

@@ -7,11 +7,11 @@ use crate::flight::launch::readiness::STANDS_M;
 use crate::link::{Address, Command, FlightMessage, Message, Time};
 
 /// How long position and home are waited for, milliseconds.
-const TELLING_MS: u64 = 60_000;
-/// Between two requests for what a vehicle does not tell by itself, milliseconds.
+const REPORTING_MS: u64 = 60_000;
+/// Between two requests for what a vehicle does not broadcast, milliseconds.
 const REQUEST_MS: u64 = 1000;
 /// Messages that are asked for: positions, current item.
-const WANTED: [f32; 2] = [33.0, 42.0];
+const REQUESTED: [f32; 2] = [33.0, 42.0];
 
 impl FlightVehicle<'_> {
     /// Goes on with the transfer or the checks.
@@ -53,13 +53,14 @@ impl FlightVehicle<'_> {
             }
             Stage::Checking { until } => {
                 let until = *until;
-                let settled = self.settings.as_ref().and_then(SettingsCheck::outcome);
-                let told = self.home.is_some() && self.latest.is_some() && !self.lacks_version();
-                if let Some(differences) = settled
-                    && (told || now >= until)
+                let outcome = self.settings.as_ref().and_then(SettingsCheck::outcome);
+                let is_known =
+                    self.home.is_some() && self.latest.is_some() && !self.lacks_version();
+                if let Some(differences) = outcome
+                    && (is_known || now >= until)
                 {
                     let differences = differences.to_vec();
-                    self.settle(differences);
+                    self.conclude(differences);
                 }
             }
             _ => {}
@@ -72,10 +73,10 @@ impl FlightVehicle<'_> {
             return;
         }
         let bytewise = self.autopilot().conventions().bytewise_parameters;
-        let wanted = &self.of.mission.params;
-        self.settings = Some(SettingsCheck::new(wanted, self.set_params, bytewise, now));
+        let planned = &self.of.mission.params;
+        self.settings = Some(SettingsCheck::new(planned, self.set_params, bytewise, now));
         self.stage = Stage::Checking {
-            until: now + TELLING_MS,
+            until: now + REPORTING_MS,
         };
     }
 
@@ -84,8 +85,8 @@ impl FlightVehicle<'_> {
         self.of.mission.autopilot_version.is_some() && self.version.is_none()
     }
 
-    /// All was told that will be.
-    fn settle(&mut self, differences: Vec<String>) {
+    /// Decides by everything that the vehicle has reported.
+    fn conclude(&mut self, differences: Vec<String>) {
         let mut soft = differences;
         match &self.home {
             None => soft.push("it does not say where its home is".to_owned()),
@@ -121,7 +122,7 @@ impl FlightVehicle<'_> {
         };
     }
 
-    /// Asks for what it does not tell by itself.
+    /// Requests what it does not broadcast.
     pub(crate) fn request(&mut self, now: Time, target: Address, interval_us: f32) {
         if now - self.requested < REQUEST_MS || matches!(self.stage, Stage::Ended) {
             return;
@@ -139,7 +140,7 @@ impl FlightVehicle<'_> {
             ask(Command::request_version());
         }
         if self.latest.is_none() || matches!(self.stage, Stage::Ready) {
-            for id in WANTED {
+            for id in REQUESTED {
                 ask(Command::new(
                     Command::SET_MESSAGE_INTERVAL,
                     [id, interval_us],

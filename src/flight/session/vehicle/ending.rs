@@ -1,6 +1,6 @@
 //! How a flight comes to its end: on the ground, or where it stays in the air.
 
-use super::{FlightVehicle, Stage, Told};
+use super::{FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
 use crate::flight::session::arrival::STILL_MPS;
@@ -33,24 +33,24 @@ impl FlightVehicle<'_> {
         if self.of.reference.lands {
             self.said
                 .push_back("lands as planned, at the end of its mission".to_owned());
-            (self.told, self.holds) = (None, false);
+            (self.instruction, self.holds) = (None, false);
             if !self.in_mission {
                 self.command([modes::start(self.of.mission)]);
             }
         } else {
             self.said
                 .push_back("has no landing in its mission: it circles where it is".to_owned());
-            self.tell(Told::Hold);
+            self.instruct(Instruction::Hold);
         }
     }
 
-    /// Whether it stays at the end of its mission, or where it was told to.
+    /// Whether it stays at the end of its mission, or where it was ordered to.
     pub(in crate::flight) fn look_whether_it_stays(&mut self) {
         let Some((_, fix)) = self.latest else { return };
         if !matches!(self.stage, Stage::Flying) || !self.airborne {
             return;
         }
-        if self.told == Some(Told::Hold) {
+        if self.instruction == Some(Instruction::Hold) {
             return self.look_whether_it_holds(fix);
         }
         // Another mission may have been given to it meanwhile.
@@ -70,8 +70,7 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// Whether it stays where it was told to; and whether it still does, for whoever takes it over
-    /// may fly it elsewhere.
+    /// Whether it holds as ordered, and still does: somebody else may take it over.
     fn look_whether_it_holds(&mut self, fix: Fix) {
         let wing = self.of.mission.airframe.has_wing();
         let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
@@ -110,7 +109,7 @@ impl FlightVehicle<'_> {
             .is_whole_with(self.of.reference.frame().to_plan(fix.place))
     }
 
-    /// It is not watched any more: what was seen of it last is its end, `other` if that was no hold.
+    /// Ends its monitoring: with a hold if it holds, else with `other`.
     pub(in crate::flight) fn watch_no_more(&mut self, other: End, is_lost: bool) {
         let end = match (self.holds, is_lost) {
             (true, false) => End::Held,

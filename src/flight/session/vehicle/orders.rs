@@ -1,6 +1,6 @@
 //! What a vehicle is ordered to do, and what it answers.
 
-use super::{FlightVehicle, Stage, Told};
+use super::{FlightVehicle, Instruction, Stage};
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 use crate::link::{Command, Time};
@@ -9,7 +9,7 @@ use crate::link::{Command, Time};
 const ARMING_MS: u64 = 20_000;
 /// Between two tries, milliseconds.
 const AGAIN_MS: u64 = 1000;
-/// Most of its texts that are kept while it is armed.
+/// Texts that are remembered while it is armed, at most.
 const MOST_WARNINGS: usize = 5;
 
 impl FlightVehicle<'_> {
@@ -29,18 +29,18 @@ impl FlightVehicle<'_> {
         self.command([modes::disarm()]);
     }
 
-    /// Tells it to hold or to land, if it flies.
-    pub(in crate::flight) fn tell(&mut self, told: Told) {
+    /// Orders it to hold or to land, if it flies.
+    pub(in crate::flight) fn instruct(&mut self, instruction: Instruction) {
         if !matches!(self.stage, Stage::Flying | Stage::Starting) {
             return;
         }
-        let order = match told {
-            Told::Hold => Some(modes::hold(self.of.mission)),
-            Told::Land => modes::land(self.of.mission),
+        let order = match instruction {
+            Instruction::Hold => Some(modes::hold(self.of.mission)),
+            Instruction::Land => modes::land(self.of.mission),
         };
         match order {
             Some(order) => {
-                (self.told, self.holds) = (Some(told), false);
+                (self.instruction, self.holds) = (Some(instruction), false);
                 self.command([order]);
             }
             None => self.land_by_mission(),
@@ -77,7 +77,7 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// Keeps what it said while it was to be armed.
+    /// Remembers a text that it sent while it was armed.
     pub(crate) fn warn(&mut self, text: &str) {
         let is_known = self.warnings.iter().any(|known| known == text);
         if !is_known && self.warnings.len() < MOST_WARNINGS {

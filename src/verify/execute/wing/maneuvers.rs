@@ -177,14 +177,19 @@ impl Pilot<'_> {
         let from = self.last();
         let away_m = from.at.distance_m(middle);
         let rim_m = radius_m.abs();
-        if away_m <= rim_m {
+        let rim_at = if away_m > rim_m {
+            // Clockwise the middle is to the right of the tangent.
+            let aside_rad = (rim_m / away_m).asin() * radius_m.signum();
+            let course_rad = heading_rad(from.at, middle) - aside_rad;
+            let tangent_m = (away_m * away_m - rim_m * rim_m).sqrt();
+            along(from.at, course_rad, tangent_m)
+        } else if self.stations.departure.is_airborne() {
+            // It is on its circle already.
+            along(middle, heading_rad(middle, from.at), rim_m)
+        } else {
             return Unknown::err(row, "a circle that begins inside of it");
-        }
-        // Clockwise the middle is to the right of the tangent.
-        let aside_rad = (rim_m / away_m).asin() * radius_m.signum();
-        let course_rad = heading_rad(from.at, middle) - aside_rad;
-        let tangent_m = (away_m * away_m - rim_m * rim_m).sqrt();
-        let rim = self.knot(row, along(from.at, course_rad, tangent_m), amsl_m, None);
+        };
+        let rim = self.knot(row, rim_at, amsl_m, None);
         self.append(rim)?;
         let speed_mps = rim.speed_mps;
         self.fly_to_last(speed_mps)?;

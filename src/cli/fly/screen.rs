@@ -1,0 +1,115 @@
+//! The operator at the terminal: events and the table of the fleet, Ctrl-C and its answers.
+
+use std::io::{BufRead, IsTerminal};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+
+use super::show::Show;
+use crate::cli::print::console::note;
+use crate::cli::print::failure::Failure;
+use crate::flight::{Event, Fleet, FlightError, Intervention, Operator};
+use crate::link::Time;
+
+/// Screen and keyboard of a flight.
+pub(super) struct Screen {
+    show: Show,
+    interrupts: Arc<AtomicUsize>,
+    /// Interrupts that were answered.
+    handled: usize,
+    answers: Option<Receiver<String>>,
+    has_simulated: bool,
+}
+
+impl Screen {
+    /// Takes over Ctrl-C. `json` says whether stdout belongs to a document.
+    pub(super) fn begin(json: bool, has_simulated: bool) -> Result<Self, Failure> {
+        let interrupts = Arc::new(AtomicUsize::new(0));
+        let counted = Arc::clone(&interrupts);
+        ctrlc::set_handler(move || {
+            counted.fetch_add(1, Ordering::Relaxed);
+        })
+        .map_err(|error| Failure::new(Failure::OUTPUT, format!("Ctrl-C: {error}")))?;
+        Ok(Self {
+            show: Show::new(json),
+            interrupts,
+            handled: 0,
+            answers: None,
+            has_simulated,
+        })
+    }
+
+    fn leave(&self) -> Intervention {
+        if self.has_simulated {
+            note("the simulated vehicles end with this command");
+        }
+        Intervention::Leave
+    }
+
+    /// Asks at an interrupt. Without a terminal, or at a second interrupt, the vehicles are left
+    /// as they are.
+    fn interrupted(&mut self) -> Option<Intervention> {
+        let count = self.interrupts.load(Ordering::Relaxed);
+        if count <= self.handled {
+            return None;
+        }
+        let again = self.handled > 0 && self.answers.is_some();
+        self.handled = count;
+        let is_terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+        if again || !is_terminal {
+            return Some(self.leave());
+        }
+        note("Ctrl-C: [h]old, [l]and, [q]uit and leave flying, anything else to go on?");
+        self.answers = Some(read_line());
+        None
+    }
+}
+
+impl Operator for Screen {
+    fn event(&mut self, event: &Event) -> Result<(), FlightError> {
+        let shown = self.show.event(event);
+        shown.map_err(|failure| FlightError::Record(failure.message))
+    }
+
+    fn update(&mut self, fleet: &Fleet<'_>, now: Time) {
+        self.show.fleet(fleet, now);
+    }
+
+    fn warn(&mut self, text: &str) {
+        note(text);
+    }
+
+    fn intervention(&mut self) -> Option<Intervention> {
+        if let Some(leave) = self.interrupted() {
+            return Some(leave);
+        }
+        let answer = self.answers.as_ref()?.try_recv().ok()?;
+        self.answers = None;
+        match answer.trim().to_ascii_lowercase().as_str() {
+            "h" | "hold" => {
+                note("the vehicles hold and are still monitored; Ctrl-C asks again");
+                return Some(Intervention::Hold);
+            }
+            "l" | "land" => return Some(Intervention::Land),
+            "q" | "quit" => return Some(self.leave()),
+            "" => note("nothing was changed; Ctrl-C asks again"),
+            other => note(&format!(
+                "{other:?} is none of h, l and q: nothing was changed; Ctrl-C asks again"
+            )),
+        }
+        None
+    }
+}
+
+/// Reads one line while the flight goes on.
+fn read_line() -> Receiver<String> {
+    let (send, answers) = channel();
+    std::thread::spawn(move || {
+        let mut line = String::new();
+        if std::io::stdin().lock().read_line(&mut line).is_ok() {
+            // The flight may be over by now.
+            let _ = send.send(line);
+        }
+    });
+    answers
+}

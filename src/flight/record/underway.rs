@@ -1,0 +1,206 @@
+//! What a flight under way and `sortie replan` exchange, as two files in the folder of the
+//! flight's record: `fly` writes how the vehicles are reached and when T0 was, `replan` writes
+//! lines for the record.
+
+use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::lines::Line;
+use super::read::SPEEDUP;
+use crate::flight::clock::unix_ms;
+use crate::flight::error::FlightError;
+use crate::formats::write_file;
+use crate::report;
+use crate::spec::{Link, Threat};
+
+/// The two files: what `fly` writes, and what `replan` writes.
+const NOTICE: &str = "links.json";
+const UNDERWAY: &str = "underway.jsonl";
+
+/// No flight takes longer, milliseconds.
+const LONGEST_MS: u64 = 48 * 3600 * 1000;
+
+/// The exchange files of one flight.
+#[derive(Debug)]
+pub struct Underway {
+    folder: PathBuf,
+    /// The content of `links.json`.
+    pub notice: Notice,
+    /// Both files of an earlier flight that was cut off: its vehicles may still be in the air.
+    earlier: [(&'static str, Option<Vec<u8>>); 2],
+}
+
+/// The content of `links.json`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Notice {
+    /// Where each vehicle is reached, by its id.
+    pub links: BTreeMap<String, String>,
+    /// How much faster than the wall's clock the vehicles' time goes.
+    pub speedup: f64,
+    /// Milliseconds since 1970 at T0; none before it.
+    pub t0_unix_ms: Option<u64>,
+}
+
+impl Default for Notice {
+    /// Of vehicles that no `fly` monitors: T0 is not known.
+    fn default() -> Self {
+        Self {
+            links: BTreeMap::new(),
+            speedup: 1.0,
+            t0_unix_ms: None,
+        }
+    }
+}
+
+impl Notice {
+    /// Seconds after T0; 0 where T0 is not known.
+    #[must_use]
+    pub fn t_s(&self, unix_ms: u64) -> f64 {
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+        let since = |t0_ms: u64| unix_ms.saturating_sub(t0_ms) as f64 / 1000.0 * self.speedup;
+        self.t0_unix_ms.map_or(0.0, since)
+    }
+
+    /// The first problem of a notice that was read, in words.
+    fn problem(&self) -> Option<String> {
+        let now_ms = unix_ms();
+        let is_now = |t0_ms: &u64| (now_ms.saturating_sub(LONGEST_MS)..=now_ms).contains(t0_ms);
+        if self.t0_unix_ms.as_ref().is_some_and(|t0_ms| !is_now(t0_ms)) {
+            return Some("`t0_unix_ms` is not within the last two days".to_owned());
+        }
+        let mut links = self.links.iter();
+        if let Some((vehicle, link)) = links.find(|(_, link)| Link::parse(link).is_none()) {
+            return Some(format!(
+                "`links.{vehicle}` {link:?} is no address (allowed: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT)"
+            ));
+        }
+        (!SPEEDUP.contains(&self.speedup)).then(|| {
+            let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
+            format!("`speedup` {} (allowed: {least} to {most})", self.speedup)
+        })
+    }
+}
+
+impl Underway {
+    /// The files of a flight that begins; `links` are the addresses of the vehicles by id.
+    #[must_use]
+    pub fn new(folder: PathBuf, links: BTreeMap<String, String>, speedup: f64) -> Self {
+        Self {
+            earlier: [NOTICE, UNDERWAY].map(|name| (name, std::fs::read(folder.join(name)).ok())),
+            folder,
+            notice: Notice {
+                links,
+                speedup,
+                t0_unix_ms: None,
+            },
+        }
+    }
+
+    /// The files of the flight under way, if there is one.
+    ///
+    /// # Errors
+    /// [`FlightError::Input`]: the file is not as `fly` writes it.
+    pub fn find(folder: PathBuf) -> Result<Option<Self>, FlightError> {
+        let path = folder.join(NOTICE);
+        let unusable = |why: String| {
+            FlightError::Input(format!(
+                "{}: {why}; `sortie fly` writes it, nothing was sent",
+                path.display()
+            ))
+        };
+        let bytes = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => return Err(unusable(error.to_string())),
+        };
+        let notice: Notice =
+            serde_json::from_slice(&bytes).map_err(|error| unusable(error.to_string()))?;
+        if let Some(problem) = notice.problem() {
+            return Err(unusable(problem));
+        }
+        Ok(Some(Self {
+            folder,
+            notice,
+            earlier: [(NOTICE, None), (UNDERWAY, None)],
+        }))
+    }
+
+    /// Writes `links.json`, before T0 and again at T0.
+    ///
+    /// # Errors
+    /// [`FlightError::Record`]
+    pub fn announce(&self, t0_unix_ms: Option<u64>) -> Result<(), FlightError> {
+        let notice = Notice {
+            t0_unix_ms,
+            ..self.notice.clone()
+        };
+        if t0_unix_ms.is_none() {
+            // Lines for an earlier flight do not count for this one.
+            let _ = std::fs::remove_file(self.underway());
+        }
+        let text = report::json_text(&notice);
+        write_file(&self.folder.join(NOTICE), text.as_bytes())?;
+        Ok(())
+    }
+
+    /// Removes both files after the flight. A flight that never began gives back those of the
+    /// flight before it.
+    pub fn withdraw(&self, has_begun: bool) {
+        for (name, earlier) in &self.earlier {
+            let path = self.folder.join(name);
+            match earlier.as_ref().filter(|_| !has_begun) {
+                // Files that cannot be given back are lost: there is nobody else to write them.
+                Some(bytes) => drop(write_file(&path, bytes)),
+                // A file that is gone already is as good.
+                None => drop(std::fs::remove_file(&path)),
+            }
+        }
+    }
+
+    fn underway(&self) -> PathBuf {
+        self.folder.join(UNDERWAY)
+    }
+
+    /// Appends lines for the record.
+    ///
+    /// # Errors
+    /// [`FlightError::Transfer`]: the file cannot be written, and nothing is sent without a record.
+    pub fn append(&self, lines: &[Line]) -> Result<(), FlightError> {
+        let path = self.underway();
+        let append = || {
+            let text: String = lines.iter().map(|line| line.text() + "\n").collect();
+            let mut file = OpenOptions::new().create(true).append(true).open(&path)?;
+            file.write_all(text.as_bytes())
+        };
+        append().map_err(|error: std::io::Error| {
+            FlightError::Transfer(format!(
+                "cannot write {}: {error}; nothing was sent, and the threat is not recorded: give it again",
+                path.display()
+            ))
+        })
+    }
+
+    /// The threats that came up so far.
+    #[must_use]
+    pub fn popups(&self) -> Vec<Threat> {
+        let (lines, _) = self.lines_after(0);
+        let popup = |line: &String| match serde_json::from_str(line).ok()? {
+            Line::Threat { t_s, threat } => threat.popup(t_s).ok().map(|popup| popup.threat),
+            _ => None,
+        };
+        lines.iter().filter_map(popup).collect()
+    }
+
+    /// Whole lines after the first `taken` bytes, and the number of bytes up to their end.
+    pub(crate) fn lines_after(&self, taken: usize) -> (Vec<String>, usize) {
+        let text = std::fs::read_to_string(self.underway()).unwrap_or_default();
+        let fresh = text.get(taken..).unwrap_or_default();
+        let whole = fresh.rfind('\n').map_or("", |end| &fresh[..=end]);
+        let lines = whole.lines().map(str::to_owned).collect();
+        (lines, taken + whole.len())
+    }
+}

@@ -1,0 +1,361 @@
+//! The state of a vehicle in flight: what it holds, where it is, what it has ahead.
+
+use super::observation::ObservedVehicle;
+use crate::flight::conformance::reference::{Reference, Waypoint};
+use crate::flight::launch::plan::FlightPlan;
+use crate::flight::session::modes;
+use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
+use crate::link::Position;
+use crate::mission::{Home, Item, VehicleMission, command, frame};
+use crate::spec::Autopilot;
+use crate::verify::Track;
+use crate::world::Departure;
+
+/// Lower above its home than this a vehicle stands on the ground, metres.
+const AIRBORNE_M: f64 = 1.5;
+/// A waypoint this near a goal is the goal, metres.
+const GOAL_M: f64 = 2.0;
+
+/// One vehicle in flight.
+#[derive(Clone, Debug)]
+pub struct VehicleState {
+    /// Its index in the spec.
+    pub vehicle: usize,
+    /// What it holds; its home is that of the plan.
+    pub(super) held: VehicleMission,
+    /// Index of its current item.
+    pub(super) at: usize,
+    /// Where it is.
+    pub(super) here: PlanPoint,
+    /// Its course, radians clockwise from north, and its ground speed, m/s.
+    course_rad: f64,
+    speed_mps: f64,
+    /// Whether its takeoff is not over: it must not be diverted low over the ground.
+    pub(super) takes_off: bool,
+    /// Its flown track since the threat came up.
+    pub(super) flown: Vec<PlanPoint>,
+    /// Whether it flies its mission; else it holds, or somebody flies it.
+    pub in_mission: bool,
+    /// Where the leg to the item that it flies to begins.
+    pub(super) origin: PlanPoint,
+    /// The waypoints ahead in the air, each with the index of its item.
+    pub(super) ahead: Vec<(usize, PlanPoint)>,
+    /// Whether it lands after the last of them.
+    pub(super) lands: bool,
+    /// Whether it still stands on the ground.
+    pub stands: bool,
+    /// Index into `ahead` of a goal at which it turns back.
+    pub(super) via: Option<usize>,
+    /// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.
+    stay_radius_m: f32,
+}
+
+/// Where a new path branches off the present one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Branch {
+    /// The point.
+    pub(super) point: PlanPoint,
+    /// Waypoints of `ahead` that lie before it: the vehicle retains them.
+    pub(super) retained: usize,
+    /// Distance along the path to it, metres.
+    pub(super) distance_m: f64,
+}
+
+/// Since when the last threat counts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ThreatTime {
+    /// Milliseconds since 1970.
+    pub(super) unix_ms: u64,
+    /// How much faster than the clock the time of the vehicles goes.
+    pub(super) speedup: f64,
+}
+
+impl ThreatTime {
+    /// The flown track since then: until the first position the vehicle flew straight on as it
+    /// did there.
+    fn flown_track(&self, plan: &FlightPlan, observed: &ObservedVehicle) -> Vec<PlanPoint> {
+        let positions = observed.flown.iter().map(|(_, position)| position);
+        let mut flown: Vec<PlanPoint> = positions.map(|at| point(plan, at)).collect();
+        if let (Some((heard_ms, first)), Some(from)) = (observed.flown.first(), flown.first()) {
+            #[expect(clippy::cast_precision_loss, reason = "milliseconds of one command")]
+            let before_s = heard_ms.saturating_sub(self.unix_ms) as f64 / 1000.0 * self.speedup;
+            let [north_m, east_m, _] = first
+                .velocity_cmps
+                .map(|cmps| f64::from(cmps) / 100.0 * before_s);
+            let then = PlanPoint::new(
+                from.at.east_m - east_m,
+                from.at.north_m - north_m,
+                from.amsl,
+            );
+            flown.insert(0, then);
+        }
+        flown
+    }
+}
+
+impl VehicleState {
+    /// From what a vehicle holds, its current item, and where it is.
+    ///
+    /// # Errors
+    /// Why its path is not known, in words.
+    pub(super) fn new(
+        plan: &FlightPlan,
+        vehicle: usize,
+        planned: &VehicleMission,
+        observed: &ObservedVehicle,
+        threat_time: &ThreatTime,
+    ) -> Result<Self, String> {
+        let held = VehicleMission {
+            items: observed.onboard.mission.clone(),
+            ..planned.clone()
+        };
+        let returns = |item: &Item| item.command == command::NAV_RETURN_TO_LAUNCH;
+        if held.items.iter().any(returns) {
+            return Err("flies a NAV_RETURN_TO_LAUNCH, on a path of its own".to_owned());
+        }
+        let first = usize::from(planned.autopilot == Autopilot::Px4);
+        let row = (usize::from(observed.seq) + first).max(1);
+        let here = point(plan, &observed.position);
+        let no_times = Track {
+            vehicle: String::new(),
+            moments: Vec::new(),
+        };
+        let reference = Reference::new(&held, &no_times, &plan.world);
+        let waypoints = reference.waypoints;
+        let ahead_from = waypoints.iter().position(|w| w.item >= row);
+        let ahead_from = ahead_from.unwrap_or(waypoints.len());
+        let in_air = waypoints.len() - usize::from(reference.lands).min(waypoints.len());
+        let indexed = |w: &Waypoint| (w.item - 1, w.point);
+        let mut ahead: Vec<(usize, PlanPoint)> = waypoints
+            .get(ahead_from.max(1)..in_air)
+            .unwrap_or_default()
+            .iter()
+            .map(indexed)
+            .collect();
+        let before = ahead_from.saturating_sub(1);
+        // A mission that was given in the air does not begin at home.
+        let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
+        let origin = origin.map_or(here, |w| w.point);
+        let stands = observed.position.above_home_m() < AIRBORNE_M;
+        let rising = held.items.get(row - 1).is_some_and(is_takeoff);
+        if let (true, Some((_, top))) = (rising, ahead.first_mut()) {
+            top.at = here.at;
+        }
+        let [north_cmps, east_cmps, _] = observed.position.velocity_cmps.map(f64::from);
+        let wing = plan.vehicle(vehicle).wing;
+        #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
+        let stay_radius_m = wing.map_or(0.0, |wing| wing.loiter_radius_m as f32);
+        let station = plan.world.stations.get(vehicle);
+        let via = station.and_then(|station| {
+            let is_goal = |(_, point): &(usize, PlanPoint)| point.distance_m(station.goal) < GOAL_M;
+            let found = ahead.iter().position(is_goal)?;
+            (found + 1 < ahead.len()).then_some(found)
+        });
+        Ok(Self {
+            vehicle,
+            held,
+            at: row - 1,
+            here,
+            course_rad: east_cmps.atan2(north_cmps),
+            speed_mps: observed.position.ground_speed_mps(),
+            takes_off: rising,
+            flown: threat_time.flown_track(plan, observed),
+            in_mission: modes::is_mission(planned, observed.beat.custom_mode),
+            origin: if rising { here } else { origin },
+            ahead,
+            lands: reference.lands,
+            stands,
+            via,
+            stay_radius_m,
+        })
+    }
+
+    /// Where it is and every waypoint ahead.
+    pub(super) fn points(&self) -> Vec<PlanPoint> {
+        let ahead = self.ahead.iter().map(|(_, point)| *point);
+        std::iter::once(self.here).chain(ahead).collect()
+    }
+
+    /// Its departure from where it is, at a time in seconds after T0.
+    pub(super) fn departure(&self, at_s: f64) -> Departure {
+        Departure::Airborne {
+            point: self.here,
+            course_rad: self.course_rad,
+            speed_mps: self.speed_mps,
+            at_s,
+        }
+    }
+
+    /// Whether its path comes nearer than a distance to a place.
+    pub(super) fn meets(&self, center: EastNorth, distance_m: f64) -> bool {
+        comes_near(&self.points(), center, distance_m)
+    }
+
+    /// Whether it was nearer than a distance to a place since the threat came up.
+    pub(super) fn was_near(&self, center: EastNorth, distance_m: f64) -> bool {
+        comes_near(&self.flown, center, distance_m)
+    }
+
+    /// Whether its path comes nearer than a distance to a place before a branch.
+    pub(super) fn meets_before(&self, branch: &Branch, center: EastNorth, distance_m: f64) -> bool {
+        let mut points = self.points();
+        points.truncate(branch.retained + 1);
+        points.push(branch.point);
+        comes_near(&points, center, distance_m)
+    }
+
+    /// The branch after a distance along its path; none beyond the end.
+    pub(super) fn branch_after(&self, distance_m: f64) -> Option<Branch> {
+        let mut left_m = distance_m;
+        let points = self.points();
+        for (retained, pair) in points.windows(2).enumerate() {
+            let length_m = pair[0].distance_m(pair[1]);
+            if left_m < length_m {
+                let share = left_m / length_m;
+                let mix = |a: f64, b: f64| a + (b - a) * share;
+                let point = PlanPoint::new(
+                    mix(pair[0].at.east_m, pair[1].at.east_m),
+                    mix(pair[0].at.north_m, pair[1].at.north_m),
+                    Amsl(mix(pair[0].amsl.0, pair[1].amsl.0)),
+                );
+                return Some(Branch {
+                    point,
+                    retained,
+                    distance_m,
+                });
+            }
+            left_m -= length_m;
+        }
+        None
+    }
+
+    /// The routes to plan from a branch, end to end.
+    pub(super) fn routes(&self, branch: &Branch) -> Vec<(PlanPoint, PlanPoint)> {
+        let Some(&(_, last)) = self.ahead.last() else {
+            return Vec::new();
+        };
+        let via = self.via.filter(|via| *via >= branch.retained);
+        match via.and_then(|via| self.ahead.get(via)) {
+            Some(&(_, via)) => vec![(branch.point, via), (via, last)],
+            None => vec![(branch.point, last)],
+        }
+    }
+
+    /// Items that it flies from where it is, with altitudes AMSL instead of above home, each with its
+    /// row: the speed that it was commanded, the rest of a takeoff under way, the items ahead. One
+    /// that does not fly its mission stays where it is.
+    pub(super) fn items_ahead(&self, frame: &LocalFrame) -> Vec<(usize, Item)> {
+        if !self.in_mission {
+            let params = [0.0, 0.0, self.stay_radius_m, 0.0];
+            let stay = item_at(frame, command::NAV_LOITER_UNLIM, params, self.here);
+            return vec![(self.at + 1, stay)];
+        }
+        let is_speed = |item: &&Item| item.command == command::DO_CHANGE_SPEED;
+        let flown = self.held.items.iter().take(self.at);
+        let speed = flown.rev().find(is_speed);
+        let speed = speed.map(|item| (self.at + 1, *item));
+        let ahead = self.held.items.iter().enumerate().skip(self.at);
+        let ahead = ahead.filter(|(_, item)| item.command != command::NAV_DELAY);
+        let ahead = ahead.map(|(index, item)| {
+            let item = match self.ahead.first() {
+                Some((_, top)) if is_takeoff(item) => {
+                    item_at(frame, command::NAV_WAYPOINT, [0.0; 4], *top)
+                }
+                _ => with_amsl(item, &self.held.home),
+            };
+            (index + 1, item)
+        });
+        speed.into_iter().chain(ahead).collect()
+    }
+
+    /// Items of the waypoints before a branch, with altitudes AMSL.
+    pub(super) fn retained_items(&self, branch: &Branch) -> Vec<Item> {
+        let waypoints = self.ahead.iter().take(branch.retained);
+        let items = waypoints.filter_map(|(index, _)| self.held.items.get(*index));
+        items.map(|item| with_amsl(item, &self.held.home)).collect()
+    }
+
+    /// Index of the first item that is not retained.
+    pub(super) fn retained_end(&self, branch: &Branch) -> usize {
+        let last = branch.retained.checked_sub(1);
+        let last = last.and_then(|last| self.ahead.get(last));
+        let none = || {
+            // A takeoff that is under way is not begun again.
+            let items = self.held.items.iter().skip(self.at);
+            let stays = |item: &&Item| is_takeoff(item) || item.place().is_none();
+            self.at + items.take_while(stays).count()
+        };
+        last.map_or_else(none, |(index, _)| index + 1)
+    }
+}
+
+/// A position in planning coordinates.
+fn point(plan: &FlightPlan, position: &Position) -> PlanPoint {
+    PlanPoint {
+        at: plan.world.frame.to_plan(position.place()),
+        amsl: position.amsl(),
+    }
+}
+
+/// Whether an item is a takeoff.
+pub(super) fn is_takeoff(item: &Item) -> bool {
+    [command::NAV_TAKEOFF, command::NAV_VTOL_TAKEOFF].contains(&item.command)
+}
+
+/// An item at a point, with an altitude AMSL.
+pub(super) fn item_at(
+    frame: &LocalFrame,
+    command: u16,
+    params: [f32; 4],
+    point: PlanPoint,
+) -> Item {
+    let place = frame.from_plan(point.at);
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "degrees in 1e-7 and metres as missions have them"
+    )]
+    Item {
+        command,
+        frame: crate::mission::frame::GLOBAL,
+        params,
+        x: (place.lat_deg * 1e7).round() as i32,
+        y: (place.lon_deg * 1e7).round() as i32,
+        z: point.amsl.0 as f32,
+        autocontinue: true,
+    }
+}
+
+/// An item with its altitude AMSL, if it has one above home.
+fn with_amsl(item: &Item, home: &Home) -> Item {
+    let mut item = *item;
+    if item.place().is_some() && frame::canonical(item.frame) == frame::GLOBAL_RELATIVE_ALT {
+        item.frame = frame::GLOBAL;
+        item.z += home.amsl_m;
+    }
+    item
+}
+
+/// Whether a path comes nearer than a distance to a place.
+fn comes_near(path: &[PlanPoint], center: EastNorth, distance_m: f64) -> bool {
+    let pairs = path.windows(2).map(|pair| (pair[0].at, pair[1].at));
+    let alone = path.last().map(|last| (last.at, last.at));
+    pairs
+        .chain(alone)
+        .any(|(a, b)| away_m(center, a, b) < distance_m)
+}
+
+/// Distance of a point of the plane from a leg, metres.
+fn away_m(from: EastNorth, a: EastNorth, b: EastNorth) -> f64 {
+    let (east, north) = (b.east_m - a.east_m, b.north_m - a.north_m);
+    let length_sq = east * east + north * north;
+    let gone = (from.east_m - a.east_m) * east + (from.north_m - a.north_m) * north;
+    let share = if length_sq > 0.0 {
+        (gone / length_sq).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    from.distance_m(EastNorth {
+        east_m: a.east_m + share * east,
+        north_m: a.north_m + share * north,
+    })
+}

@@ -1,0 +1,324 @@
+//! The driver of a fleet in flight: clock, links and record.
+
+use std::path::Path;
+use std::time::Duration;
+
+use super::end::End;
+use super::{Event, Fleet, Intervention, Outcome};
+use crate::flight::clock::{Clock, unix_ms};
+use crate::flight::conformance::judge;
+use crate::flight::conformance::reference::Reference;
+use crate::flight::conformance::report::FlightReport;
+use crate::flight::document::flight_json;
+use crate::flight::error::FlightError;
+use crate::flight::launch::plan::FlightPlan;
+use crate::flight::page::flight_page;
+use crate::flight::record::Plan;
+use crate::flight::record::journal::Journal;
+use crate::flight::record::lines::Line;
+use crate::flight::record::read::read_record;
+use crate::flight::record::underway::Underway;
+use crate::formats::write_file;
+use crate::link::{Arrival, Links, Time};
+use crate::mission::VehicleMission;
+use crate::report;
+
+/// How long disarming commands have to go out when nothing was started, milliseconds.
+const PARTING_MS: u64 = 1500;
+/// Between two looks for lines of `replan`, milliseconds.
+const UNDERWAY_MS: u64 = 250;
+/// Messages that are handled before the fleet has its turn again.
+const BURST: usize = 1000;
+
+/// The operator at the screen.
+pub trait Operator {
+    /// Shows an event.
+    ///
+    /// # Errors
+    /// [`FlightError::Record`]: it cannot be shown.
+    fn event(&mut self, event: &Event) -> Result<(), FlightError>;
+    /// Shows the state of the fleet.
+    fn update(&mut self, fleet: &Fleet<'_>, now: Time);
+    /// Shows a problem of the driver itself.
+    fn warn(&mut self, text: &str);
+    /// What the operator wants now, if anything.
+    fn intervention(&mut self) -> Option<Intervention>;
+}
+
+/// Drives a fleet: hands messages and the time to it, sends its messages, writes its record.
+#[derive(Debug)]
+pub struct Driver<'a> {
+    links: &'a Links,
+    clock: Clock,
+    journal: Journal,
+    underway: &'a Underway,
+    /// Everything that could not be written, each once.
+    unwritten: Vec<String>,
+    /// Bytes read from the lines of `replan`, and when they are looked for again.
+    read: (usize, Time),
+}
+
+/// The verdict on a flight, by its record.
+#[derive(Debug)]
+pub struct Judged {
+    /// The verdict.
+    pub report: FlightReport,
+    /// `flight.json`
+    pub json: String,
+    /// Whether the documents of the flight were written.
+    pub written: Result<(), FlightError>,
+}
+
+impl<'a> Driver<'a> {
+    /// Starts the clock.
+    #[must_use]
+    pub fn new(links: &'a Links, underway: &'a Underway, journal: Journal) -> Self {
+        Self {
+            links,
+            clock: Clock::start(),
+            journal,
+            underway,
+            unwritten: Vec::new(),
+            read: (0, Time(0)),
+        }
+    }
+
+    /// Time since the driver was made.
+    #[must_use]
+    pub fn now(&self) -> Time {
+        self.clock.now()
+    }
+
+    /// The record of the flight.
+    #[must_use]
+    pub fn record_path(&self) -> &Path {
+        self.journal.path()
+    }
+
+    /// Everything that could not be written, in words.
+    #[must_use]
+    pub fn unwritten(&self) -> &[String] {
+        &self.unwritten
+    }
+
+    /// Records the plans that the vehicles take off with.
+    ///
+    /// # Errors
+    /// [`FlightError::Record`]
+    pub fn record_plans(
+        &mut self,
+        plan: &FlightPlan,
+        references: &[Reference],
+    ) -> Result<(), FlightError> {
+        let missions = plan.missions.iter().zip(references);
+        let lines = missions.map(|((index, mission), reference)| {
+            let of = Plan {
+                items: mission.items.len(),
+                reference: reference.clone(),
+            };
+            Line::of_plan(&plan.vehicle(*index).id, 0.0, &of).text()
+        });
+        let lines: Vec<String> = lines.collect();
+        self.journal.put(&lines)
+    }
+
+    /// Flies until the flight is over, or was not begun. A line that cannot be written does not
+    /// end it: vehicles in the air are monitored to the ground.
+    pub fn fly(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
+        let mut parting: Option<Time> = None;
+        loop {
+            let now = self.now();
+            fleet.handle_timeout(now);
+            while let Some((system, message)) = fleet.poll_transmit() {
+                self.links.send(system, message);
+            }
+            self.record(fleet, operator);
+            if let Some(intervention) = operator.intervention() {
+                fleet.intervene(now, intervention);
+            }
+            operator.update(fleet, now);
+            match fleet.outcome() {
+                Some(Outcome::NotStarted(_)) if parting.is_none_or(|end| now < end) => {
+                    parting = parting.or(Some(now + PARTING_MS));
+                }
+                Some(_) => return self.record(fleet, operator),
+                None => {}
+            }
+            self.listen(fleet);
+        }
+    }
+
+    fn listen(&self, fleet: &mut Fleet<'_>) {
+        let wait = Duration::from_millis(fleet.poll_timeout() - self.now());
+        let mut arrival = self.links.receive(wait.max(Duration::from_millis(1)));
+        for _ in 0..BURST {
+            let Some(arrived) = arrival else { return };
+            let now = self.now();
+            match arrived {
+                Arrival::Message(link, from, message) => {
+                    fleet.handle(now, (link, from), &message);
+                }
+                Arrival::DuplicateSystem(system) => {
+                    fleet.trouble(now, Some(system), "speaks from two addresses at once");
+                }
+                Arrival::Failed(link, why) => {
+                    fleet.trouble(now, None, &format!("the link {link} has failed: {why}"));
+                }
+            }
+            arrival = self.links.receive(Duration::ZERO);
+        }
+    }
+
+    /// Shows events, and writes everything that happened to the record.
+    fn record(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
+        let mut lines: Vec<String> = Vec::new();
+        while let Some(event) = fleet.poll_event() {
+            if event.text.ends_with(": T0") {
+                let t0_unix_ms = unix_ms();
+                let announced = self.underway.announce(Some(t0_unix_ms));
+                self.note_unwritten(fleet, operator, announced);
+                self.remove_newest();
+                let t0_unix_s = t0_unix_ms / 1000;
+                lines.push(Line::Start { t0_unix_s }.text());
+            }
+            lines.push(Line::of_event(&event).text());
+            let shown = operator.event(&event);
+            self.note_unwritten(fleet, operator, shown);
+        }
+        lines.extend(self.journal.fresh(fleet.flown()));
+        let now = self.now();
+        if now >= self.read.1 || fleet.outcome().is_some() {
+            let (fresh, read) = self.underway.lines_after(self.read.0);
+            for line in fresh {
+                lines.extend(replan_lines(line, fleet.t_s(now), operator));
+            }
+            self.read = (read, now + UNDERWAY_MS);
+        }
+        let written = self.journal.put(&lines);
+        self.note_unwritten(fleet, operator, written);
+    }
+
+    /// Removes the documents of the newest flight: from now on that is this one, however it ends.
+    fn remove_newest(&self) {
+        for ending in ["json", "html", "jsonl"] {
+            // A file that is not there is as good.
+            let _ = std::fs::remove_file(self.newest(ending));
+        }
+    }
+
+    fn newest(&self, ending: &str) -> std::path::PathBuf {
+        let name = Path::new("flight").with_extension(ending);
+        self.journal.path().with_file_name(name)
+    }
+
+    /// Reports once what cannot be written. On the ground that ends the flight, in the air it
+    /// does not.
+    fn note_unwritten(
+        &mut self,
+        fleet: &mut Fleet<'_>,
+        operator: &mut dyn Operator,
+        written: Result<(), FlightError>,
+    ) {
+        let Err(error) = written else { return };
+        let message = error.to_string();
+        if self.unwritten.contains(&message) {
+            return;
+        }
+        if fleet.t_s(self.now()).is_some() {
+            operator.warn(&format!("{message}; the vehicles are still monitored"));
+        } else {
+            fleet.trouble(self.now(), None, &message);
+        }
+        self.unwritten.push(message);
+    }
+
+    /// Records how each flight ended.
+    ///
+    /// # Errors
+    /// [`FlightError::Record`]: the record breaks off, so that it cannot be judged.
+    pub fn record_ends(&mut self, fleet: &Fleet<'_>) -> Result<(), FlightError> {
+        let ends = fleet.flown();
+        let ends = ends.map(|(vehicle, flown)| Line::of_end(vehicle, flown).text());
+        let ends: Vec<String> = ends.collect();
+        let ended = self.journal.put(&ends);
+        self.unwritten
+            .extend(ended.err().map(|error| error.to_string()));
+        if self.journal.is_broken() {
+            let why = self.unwritten.join("; ");
+            let message = format!("{why}: the record breaks off, and the flight is not judged");
+            return Err(FlightError::Record(message));
+        }
+        Ok(())
+    }
+
+    /// Judges the flight by its record, as written, and writes its documents: with the name of the
+    /// record and as those of the newest flight.
+    ///
+    /// # Errors
+    /// [`FlightError::Record`]: the record cannot be read.
+    pub fn judge(&self, plan: &FlightPlan) -> Result<Judged, FlightError> {
+        let path = self.journal.path();
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            FlightError::Record(format!("cannot read {}: {error}", path.display()))
+        })?;
+        let (spec, world) = (plan.spec(), &plan.world);
+        let record = read_record(&text, world.frame)
+            .map_err(|error| FlightError::Record(error.to_string()))?;
+        let report = judge(spec, world, &record);
+        let json = report::json_text(&flight_json(&record, &report));
+        let missions: Vec<(usize, &VehicleMission)> =
+            plan.missions.iter().map(|(v, m)| (*v, m)).collect();
+        let page = flight_page(spec, world, &record, &report, &missions);
+        let written = self.write([("jsonl", &text), ("html", &page), ("json", &json)]);
+        Ok(Judged {
+            report,
+            json,
+            written,
+        })
+    }
+
+    fn write(&self, documents: [(&str, &String); 3]) -> Result<(), FlightError> {
+        for (ending, text) in documents {
+            let named = self.journal.path().with_extension(ending);
+            if named != self.journal.path() {
+                write_file(&named, text.as_bytes())?;
+            }
+            write_file(&self.newest(ending), text.as_bytes())?;
+        }
+        Ok(())
+    }
+}
+
+impl Fleet<'_> {
+    /// The vehicles that are in the air when the monitoring ends.
+    #[must_use]
+    pub fn in_the_air(&self) -> Vec<&str> {
+        let stays = |end: &End| matches!(end, End::Held | End::LeftFlying | End::Loitering);
+        let flown = self.flown().filter(|(_, flown)| stays(&flown.end));
+        flown.map(|(vehicle, _)| vehicle).collect()
+    }
+}
+
+/// The lines of the record for a line of `replan`. A threat counts from now on at the latest,
+/// whatever time it was given.
+fn replan_lines(line: String, t_s: Option<f64>, operator: &mut dyn Operator) -> Vec<String> {
+    let (line, vehicle, text) = match serde_json::from_str(&line) {
+        Ok(Line::Threat {
+            t_s: given_s,
+            threat,
+        }) => {
+            let t_s = t_s.map_or(given_s, |now_s| given_s.min(now_s));
+            let text = format!("replan reports a threat, {}", threat.words());
+            (Line::Threat { t_s, threat }.text(), None, text)
+        }
+        Ok(Line::Plan { vehicle, .. }) => {
+            let text = "is sent another plan by replan".to_owned();
+            (line, Some(vehicle), text)
+        }
+        _ => return vec![line],
+    };
+    let event = Event { t_s, vehicle, text };
+    // A screen that takes nothing is reported with the next event.
+    let _ = operator.event(&event);
+    vec![line, Line::of_event(&event).text()]
+}
