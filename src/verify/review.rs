@@ -409,7 +409,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_of_assumptions_are_printed_from_the_table() {
+    fn assumptions_state_the_figures_of_the_table() {
         let mut named = Vec::new();
         for (_, text) in ASSUMED_OF_SOME {
             let mut rest = *text;
@@ -430,7 +430,7 @@ mod tests {
             .iter()
             .map(|(_, t)| with_figures(t))
             .collect();
-        for printed in [
+        for expected in [
             "up to 12 s late",
             "up to 4.5 s more",
             "up to 1.5 s later",
@@ -443,7 +443,10 @@ mod tests {
             "default 17 and 0.75",
             "at 0.7 of a coordinated turn",
         ] {
-            assert!(texts.iter().any(|text| text.contains(printed)), "{printed}");
+            assert!(
+                texts.iter().any(|text| text.contains(expected)),
+                "{expected}"
+            );
         }
     }
 }
