@@ -75,3 +75,8 @@ pub mod flight;
 pub mod study;
 
 pub mod cli;
+
+/// The examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
