@@ -14,5 +14,5 @@ pub use build::{MissionError, build, build_course};
 pub use commands::{command_name, command_named};
 pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
 pub use params::{
-    ALTITUDE_SLOPE_MIN, corner_cut_m, cruise_speed_mps, other_name, parameters, turn_radius_m,
+    ALTITUDE_SLOPE_MIN, acceptance_m, corner_cut_m, cruise_speed_mps, other_name, parameters, turn_radius_m,
 };

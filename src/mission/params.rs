@@ -51,6 +51,28 @@ pub fn cruise_speed_mps(mission: &VehicleMission) -> Option<f64> {
     .filter(|speed| speed.is_finite() && *speed > 0.0)
 }
 
+/// The radius within which a copter accepts the place of a row (0 for home), metres: PX4's own of
+/// the item, that of the mission's parameters, or the default.
+#[must_use]
+pub fn acceptance_m(mission: &VehicleMission, row: usize) -> f64 {
+    let is_usable = |radius_m: &f64| radius_m.is_finite() && *radius_m > 0.0;
+    let of = |name: &str, unit_m: f64| {
+        let found = mission.params.iter().find(|param| param.name == name)?;
+        Some(f64::from(found.value) * unit_m).filter(is_usable)
+    };
+    let held = match mission.autopilot {
+        Autopilot::ArduPilot => of("WPNAV_RADIUS", 0.01),
+        Autopilot::Px4 => {
+            let item = row.checked_sub(1).and_then(|index| mission.items.get(index));
+            item.filter(|item| item.command == command::NAV_WAYPOINT)
+                .map(|item| f64::from(item.params[1]))
+                .filter(is_usable)
+                .or_else(|| of(ACCEPTANCE_RADIUS, 1.0))
+        }
+    };
+    held.unwrap_or_else(|| default_acceptance_m(mission.autopilot))
+}
+
 /// The smallest change of altitude that ArduPlane spreads along a leg, whole metres: its name since
 /// 4.7, and before that.
 pub const ALTITUDE_SLOPE_MIN: [&str; 2] = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"];

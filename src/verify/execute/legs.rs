@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::path::{VehicleLimits, heading_rad};
+use crate::path::{Cornering, Turn, VehicleLimits, heading_rad};
 use crate::spec::Vehicle;
 
 use super::decode::Unknown;
@@ -27,6 +27,8 @@ pub(crate) struct Knot {
     pub(crate) phase: Phase,
     /// Altitude of the ground that the leg that leads here climbs from or glides to, metres.
     pub(crate) slope_from_m: Option<f64>,
+    /// A copter accepts the place within this radius, metres.
+    pub(crate) accept_m: f64,
 }
 
 /// A corner between two legs and the circle that rounds it.
@@ -34,10 +36,12 @@ pub(crate) struct Knot {
 struct Corner {
     /// Change of course, radians, positive to the left.
     turn_rad: f64,
-    /// What the turn radius takes of each leg, `R tan(phi/2)`, metres.
+    /// What the turn radius of the spec's limits takes of each leg, `R tan(phi/2)`, metres.
     required_m: f64,
-    /// What it gets, metres.
+    /// What the arc takes that the vehicle flies, metres: less where the legs are short.
     taken_m: f64,
+    /// How a copter flies it.
+    turn: Option<Turn>,
 }
 
 /// Horizontal shape of a piece.
@@ -65,6 +69,10 @@ pub(crate) struct Piece {
     pub(crate) speed_mps: (f64, f64),
     /// Fractions of the leg at the ends; of an arc, where it leaves one leg and joins the next.
     pub(crate) fraction: (f64, f64),
+    /// How far a real vehicle may be from it, metres: a copter cuts a corner by less, or not at all.
+    pub(crate) wide_m: f64,
+    /// By how much the vehicle may be later at its end than at its beginning, seconds.
+    pub(crate) late_s: f64,
 }
 
 /// How much of a leg its fillets leave over.
@@ -206,9 +214,11 @@ pub(crate) fn run(
         .windows(2)
         .map(|pair| pair[0].at.distance_m(pair[1].at))
         .collect();
-    let mut corners = corners(knots, vehicle);
+    let law = Cornering::of(vehicle.autopilot, vehicle.airframe, vehicle.accel_mps2);
+    let grounds_mps = cruise_speeds(grounds_mps, &legs, law);
+    let mut corners = corners(knots, vehicle, law, &grounds_mps);
     let rooms = fit(&mut corners, &legs);
-    let passing = passing_speeds(grounds_mps, &legs, &corners, vehicle, ends_mps);
+    let passing = passing_speeds((&grounds_mps, law), &legs, &corners, vehicle, ends_mps);
     let mut found = Run {
         pieces: Vec::new(),
         rooms,
@@ -236,11 +246,15 @@ pub(crate) fn run(
             let share = (1.0 - after_m / length_m, after_m / legs[leg + 1]);
             let corner = (knots[leg].at, knots[leg + 1].at, after.at);
             if let Some(shape) = arc(corner, &corners[leg + 1]) {
+                let slower_mps = cruise_mps.min(grounds_mps[leg + 1]);
+                let is_slowed = passing[leg + 1].0 < slower_mps;
                 found.pieces.push(Piece {
                     leg,
                     shape,
                     speed_mps: passing[leg + 1],
                     fraction: share,
+                    wide_m: corners[leg + 1].cut_m(),
+                    late_s: law.filter(|_| is_slowed).map_or(0.0, |law| law.late_s()),
                 });
             }
         }
@@ -248,12 +262,38 @@ pub(crate) fn run(
     found
 }
 
+/// The highest speed on each leg, m/s. Legs without corners are as fast as the acceleration allows.
+fn cruise_speeds(grounds_mps: &[f64], legs: &[f64], law: Option<Cornering>) -> Vec<f64> {
+    let pairs = grounds_mps.iter().zip(legs);
+    match law {
+        Some(law) if legs.len() > 1 => pairs
+            .map(|(&speed_mps, &length_m)| law.cruise_mps(length_m, speed_mps))
+            .collect(),
+        _ => grounds_mps.to_vec(),
+    }
+}
+
+impl Corner {
+    /// How far the arc of a copter is from the waypoint, metres.
+    fn cut_m(&self) -> f64 {
+        let half_rad = (0.5 * self.turn_rad.abs()).min(89.9_f64.to_radians());
+        self.turn
+            .map_or(0.0, |_| self.taken_m * (0.5 * half_rad).tan())
+    }
+}
+
 /// A corner at every knot; none at the ends.
-fn corners(knots: &[Knot], vehicle: &Vehicle) -> Vec<Corner> {
+fn corners(
+    knots: &[Knot],
+    vehicle: &Vehicle,
+    law: Option<Cornering>,
+    grounds_mps: &[f64],
+) -> Vec<Corner> {
     let none = Corner {
         turn_rad: 0.0,
         required_m: 0.0,
         taken_m: 0.0,
+        turn: None,
     };
     let mut corners = vec![none; knots.len()];
     for (index, trio) in knots.windows(3).enumerate() {
@@ -270,10 +310,17 @@ fn corners(knots: &[Knot], vehicle: &Vehicle) -> Vec<Corner> {
         let speed_mps = trio[1].speed_mps.max(trio[2].speed_mps);
         let at = Amsl(trio[1].amsl_m);
         let required_m = turn_radius_m(vehicle, speed_mps, at) * half_rad.tan();
+        let turn = law.map(|_| Turn {
+            angle_rad: turn_rad.abs(),
+            speed_mps: grounds_mps[index].min(grounds_mps[index + 1]),
+            radius_m: trio[1].accept_m,
+        });
+        let flown_m = law.zip(turn).map(|(law, turn)| law.taken_m(&turn));
         corners[index + 1] = Corner {
             turn_rad,
             required_m,
-            taken_m: required_m,
+            taken_m: flown_m.unwrap_or(required_m),
+            turn,
         };
     }
     corners
@@ -284,6 +331,7 @@ fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
     // A little of each leg stays straight, so that a start from rest can gather speed.
     const SHARE: f64 = 0.99;
     let mut rooms = Vec::new();
+    let flown_m: Vec<f64> = corners.iter().map(|corner| corner.taken_m).collect();
     for (leg, &length_m) in legs.iter().enumerate() {
         let required_m = corners[leg].required_m + corners[leg + 1].required_m;
         if required_m > 0.0 {
@@ -292,10 +340,11 @@ fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
                 left_m: length_m - required_m,
             });
         }
-        if required_m > SHARE * length_m {
-            let scale = SHARE * length_m / required_m;
-            for corner in &mut corners[leg..=leg + 1] {
-                corner.taken_m = corner.taken_m.min(corner.required_m * scale);
+        let both_m = flown_m[leg] + flown_m[leg + 1];
+        if both_m > SHARE * length_m {
+            let scale = SHARE * length_m / both_m;
+            for (corner, flown_m) in corners[leg..=leg + 1].iter_mut().zip(&flown_m[leg..]) {
+                corner.taken_m = corner.taken_m.min(flown_m * scale);
             }
         }
     }
@@ -304,9 +353,9 @@ fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
 
 /// The speeds with which each corner is entered and left: no faster than its legs, and what
 /// the acceleration allows. The wind carries a wing from one ground speed to the other in the
-/// turn itself; anything else passes a corner at the slower one.
+/// turn itself; anything else passes a corner at the slower one, or more slowly as its autopilot does.
 fn passing_speeds(
-    grounds_mps: &[f64],
+    (grounds_mps, law): (&[f64], Option<Cornering>),
     legs: &[f64],
     corners: &[Corner],
     vehicle: &Vehicle,
@@ -314,8 +363,11 @@ fn passing_speeds(
 ) -> Vec<(f64, f64)> {
     let is_carried = vehicle.carried_by().is_some();
     let mut speeds = vec![(ends_mps.0, ends_mps.0)];
-    speeds.extend(grounds_mps.windows(2).map(|pair| {
-        let slower = pair[0].min(pair[1]);
+    speeds.extend(grounds_mps.windows(2).zip(&corners[1..]).map(|(pair, corner)| {
+        let flown = law.zip(corner.turn);
+        let slower = flown.map_or(pair[0].min(pair[1]), |(law, turn)| {
+            law.arc_mps(&turn, corner.taken_m)
+        });
         if is_carried {
             (pair[0], pair[1])
         } else {
@@ -411,6 +463,8 @@ impl Line {
                     },
                     speed_mps,
                     fraction,
+                    wide_m: 0.0,
+                    late_s: 0.0,
                 });
             }
         };
