@@ -8,7 +8,7 @@ use super::words::{self, Ranked, escaped};
 use super::{COLOURS, ReviewInput};
 use crate::mission::VehicleMission;
 use crate::plan::VehiclePlan;
-use crate::spec::{Airframe, Autopilot, Vehicle};
+use crate::spec::{Airframe, Vehicle};
 use crate::verify::Moment;
 
 /// Sorts what is not known behind everything.
@@ -165,10 +165,7 @@ fn flight(departure_s: f64, shape: &VehicleShape) -> String {
 }
 
 fn autopilot(vehicle: &Vehicle, planned: Option<&VehiclePlan>) -> String {
-    let autopilot = match vehicle.autopilot {
-        Autopilot::ArduPilot => "ArduPilot",
-        Autopilot::Px4 => "PX4",
-    };
+    let autopilot = vehicle.autopilot.name();
     let airframe = match vehicle.airframe {
         Airframe::Copter => "copter",
         Airframe::Plane => "plane",

@@ -1,10 +1,14 @@
-//! The checked spec. Whoever holds a [`MissionSpec`] need not check it again.
+//! The checked spec. A [`MissionSpec`] holds values that passed every check without the ground.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
+use super::keys::words;
 use super::vehicle::Vehicle;
 
 /// One mission for a fleet, checked and in SI units. Positions stay geodetic;
@@ -101,7 +105,7 @@ pub struct Hill {
     pub radius_m: f64,
 }
 
-/// What the radius of a threat, or of a hill, may be, metres.
+/// Radius of a threat or of a hill, metres.
 pub const THREAT_RADIUS_M: RangeInclusive<f64> = 1.0..=500_000.0;
 
 /// A vertical cylinder of infinite height.
@@ -137,20 +141,34 @@ pub struct Rally {
     pub agl: Agl,
 }
 
-/// How far apart vehicles must stay, from takeoff to touchdown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How far apart vehicles stay.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Separation {
     /// Least distance at the same time, metres.
+    #[schemars(range(min = 1, max = 50000))]
     pub distance_m: f64,
-    /// Holds for every relative shift of departure up to this, seconds.
+    /// Applies to every relative shift of departures up to this, seconds.
+    #[schemars(range(min = 0, max = 3600))]
     pub time_slack_s: f64,
-    /// If present, a conflict is horizontal < `distance_m` and vertical < this.
+    /// With it, two vehicles conflict only if they are also less than this apart in height, metres.
+    #[schemars(range(min = 1, max = 10000))]
     pub vertical_m: Option<f64>,
 }
 
+impl Default for Separation {
+    fn default() -> Self {
+        Self {
+            distance_m: 100.0,
+            time_slack_s: 5.0,
+            vertical_m: None,
+        }
+    }
+}
+
 impl Separation {
-    /// Whether two places at the same time are too near, for their distance across
-    /// and in height, metres.
+    /// Whether two positions at the same time conflict, by their horizontal and vertical
+    /// distance, metres.
     #[must_use]
     pub fn is_conflict(&self, across_m: f64, up_m: f64) -> bool {
         match self.vertical_m {
@@ -191,7 +209,9 @@ pub struct Planner {
 }
 
 /// Which algorithm searches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(transform = words)]
 pub enum Algorithm {
     /// The default: several swarms in different route classes.
     Msfoa,
@@ -214,7 +234,9 @@ pub enum Algorithm {
 }
 
 /// Which objective is minimised.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Objective {
     /// Integrals along the path, independent of the sampling.
     Operational,
@@ -223,21 +245,29 @@ pub enum Objective {
 }
 
 /// Factors on the terms of the objective; 1 means as designed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Weights {
     /// Length.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub length: f64,
     /// Height above the minimum.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub altitude: f64,
     /// Threats, zones and area.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub threat: f64,
     /// Height below the minimum.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub terrain: f64,
     /// Turns beyond the limit.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub turn: f64,
     /// Slopes beyond the limit.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub climb: f64,
     /// Nearness to earlier vehicles.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub collision: f64,
 }
 
@@ -269,7 +299,9 @@ pub struct MissionOptions {
 }
 
 /// Reference of the altitudes in mission items.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum AltitudeReference {
     /// Above mean sea level.
     Amsl,
@@ -288,13 +320,13 @@ pub struct Wind {
     pub speed_mps: f64,
 }
 
-/// A wing that makes less way over the ground than this makes none, m/s.
-const LEAST_WAY_MPS: f64 = 1.0;
+/// Least ground speed at which a wing holds a course, m/s.
+const MIN_GROUND_MPS: f64 = 1.0;
 
 impl Wind {
-    /// Speed over the ground of what holds a course in the wind by crabbing, from the wind
+    /// Ground speed of a vehicle that holds a course in the wind by crabbing, from the wind
     /// triangle: `sqrt(airspeed^2 - across^2) + along`, m/s. None where the wind is too strong
-    /// to hold the course (radians clockwise from north) with 1 m/s of way.
+    /// to hold the course (radians clockwise from north) at 1 m/s.
     #[must_use]
     pub fn ground_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> Option<f64> {
         let off_rad = course_rad - self.from_rad;
@@ -304,18 +336,21 @@ impl Wind {
         );
         let ahead = airspeed_mps * airspeed_mps - across_mps * across_mps;
         let ground_mps = ahead.max(0.0).sqrt() - against_mps;
-        (ahead > 0.0 && ground_mps >= LEAST_WAY_MPS).then_some(ground_mps)
+        (ahead > 0.0 && ground_mps >= MIN_GROUND_MPS).then_some(ground_mps)
     }
 }
 
 /// What the fleet does when the link to one vehicle is lost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(transform = words)]
 pub enum OnLinkLoss {
-    /// Everyone flies on.
+    /// All vehicles continue.
+    #[default]
     Continue,
-    /// Everyone stays where it is.
+    /// All vehicles hold their position.
     HoldAll,
-    /// Everyone lands where it is.
+    /// All vehicles land at their position.
     LandAll,
 }
 
@@ -346,13 +381,13 @@ mod tests {
                 )
             };
             // Positive: the track lies clockwise of the course.
-            let beside = |(east, north): (f64, f64)| {
+            let off_course = |(east, north): (f64, f64)| {
                 east * course_rad.cos() - north * course_rad.sin()
             };
             let (mut left, mut right) = (-0.5 * PI, 0.5 * PI);
             for _ in 0..60 {
                 let middle = 0.5 * (left + right);
-                if beside(track(middle)) < 0.0 { left = middle } else { right = middle }
+                if off_course(track(middle)) < 0.0 { left = middle } else { right = middle }
             }
             let (east, north) = track(0.5 * (left + right));
             let found = wind.ground_speed_mps(airspeed_mps, course_rad).expect("a weaker wind");
@@ -361,7 +396,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wing_makes_way_as_the_wind_lets_it() {
+    fn a_wing_is_as_fast_over_the_ground_as_the_wind_allows() {
         let wind = Wind {
             from_rad: 1.5 * PI,
             speed_mps: 6.0,
@@ -369,9 +404,9 @@ mod tests {
         let on = |airspeed_mps, course_deg: f64| {
             wind.ground_speed_mps(airspeed_mps, course_deg.to_radians())
         };
-        let near = |found: Option<f64>, wanted: f64| {
+        let near = |found: Option<f64>, expected: f64| {
             assert!(
-                found.is_some_and(|mps| (mps - wanted).abs() < 1e-9),
+                found.is_some_and(|mps| (mps - expected).abs() < 1e-9),
                 "{found:?}"
             );
         };

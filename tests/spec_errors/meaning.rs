@@ -425,3 +425,24 @@ fn a_number_written_as_in_a_program_says_what_is_wrong_with_it() {
         "{said}"
     );
 }
+
+#[test]
+fn an_autopilot_version_is_one_whose_rules_are_known() {
+    let version = |text: &str| format!("autopilot: ardupilot\n    autopilot_version: {text}");
+    let spec = good(&with("autopilot: ardupilot", &version("\"4.7\"")));
+    let found = spec.vehicles[0].autopilot_version.map(|v| v.to_string());
+    assert_eq!(found.as_deref(), Some("4.7"));
+    assert_eq!(spec.vehicles[1].autopilot_version, None);
+    let (path, text) = only("autopilot: ardupilot", &version("\"3.6\""));
+    assert_eq!(path, "vehicles[0].autopilot_version");
+    assert!(
+        text.contains("`3.6` (allowed: 4.6, 4.7 for ardupilot)"),
+        "{text}"
+    );
+    let px4 = "autopilot: px4\n    autopilot_version: \"4.7\"";
+    let (_, text) = only("autopilot: px4", px4);
+    assert!(
+        text.contains("(allowed: 1.17, 1.18, 1.19 for px4)"),
+        "{text}"
+    );
+}

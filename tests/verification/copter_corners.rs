@@ -201,13 +201,7 @@ fn straight_s(autopilot: Autopilot, middle: Item, end: Item) -> f64 {
     let (start, goal) = (off(0.0, 0.0), off(2000.0, 0.0));
     let mut vehicle = copter("alpha", 1, start, goal);
     vehicle.autopilot = autopilot;
-    let items = vec![
-        takeoff(start, UP_M),
-        speed(15.0),
-        middle,
-        end,
-        land(goal),
-    ];
+    let items = vec![takeoff(start, UP_M), speed(15.0), middle, end, land(goal)];
     let mission = mission(&vehicle, GROUND_M, items);
     let review = judge(&empty_spec(vec![vehicle]), &[&mission]);
     let moments = &review.tracks[0].moments;
@@ -217,9 +211,21 @@ fn straight_s(autopilot: Autopilot, middle: Item, end: Item) -> f64 {
 #[test]
 fn arducopter_stops_where_the_kind_of_altitude_changes_and_at_a_timed_loiter() {
     let (half, goal) = (off(1000.0, 0.0), off(2000.0, 0.0));
-    let over_ground = |place| at(command::NAV_WAYPOINT, frame::GLOBAL_TERRAIN_ALT, place, 80.0, 0.0);
+    let over_ground = |place| {
+        at(
+            command::NAV_WAYPOINT,
+            frame::GLOBAL_TERRAIN_ALT,
+            place,
+            80.0,
+            0.0,
+        )
+    };
     let loiter = at(command::NAV_LOITER_TIME, frame::GLOBAL, half, UP_M, 0.0);
-    let passes_s = straight_s(Autopilot::ArduPilot, waypoint(half, UP_M), waypoint(goal, UP_M));
+    let passes_s = straight_s(
+        Autopilot::ArduPilot,
+        waypoint(half, UP_M),
+        waypoint(goal, UP_M),
+    );
     // A stop from 15 m/s and the start after it, with 2.5 m/s2.
     for (middle, end) in [
         (waypoint(half, UP_M), over_ground(goal)),
@@ -227,7 +233,10 @@ fn arducopter_stops_where_the_kind_of_altitude_changes_and_at_a_timed_loiter() {
         (loiter, waypoint(goal, UP_M)),
     ] {
         let stops_s = straight_s(Autopilot::ArduPilot, middle, end);
-        assert!((stops_s - passes_s - 6.0).abs() < 0.1, "{stops_s} {passes_s}");
+        assert!(
+            (stops_s - passes_s - 6.0).abs() < 0.1,
+            "{stops_s} {passes_s}"
+        );
     }
     let px4_s = straight_s(Autopilot::Px4, waypoint(half, UP_M), waypoint(goal, UP_M));
     let timed_s = straight_s(Autopilot::Px4, loiter, waypoint(goal, UP_M));
@@ -249,8 +258,14 @@ fn items_after_an_unlimited_loiter_are_never_flown() {
     let mut spec = empty_spec(vec![vehicle]);
     let hovering = judge(&spec, &[&mission]);
     let judged = find(&hovering, Limit::ItemsJudged);
-    assert!(!judged.ok && (judged.value - 3.0).abs() < 1e-9, "{judged:?}");
-    assert!(judged.note.contains("item 4") && judged.note.contains("NAV_LOITER_UNLIM"), "{judged:?}");
+    assert!(
+        !judged.ok && (judged.value - 3.0).abs() < 1e-9,
+        "{judged:?}"
+    );
+    assert!(
+        judged.note.contains("item 4") && judged.note.contains("NAV_LOITER_UNLIM"),
+        "{judged:?}"
+    );
     let finish = find(&hovering, Limit::Finish);
     assert!(!finish.ok, "{finish:?}");
     spec.vehicles[0].finish = Finish::Loiter;

@@ -176,6 +176,7 @@ pub(super) fn read_mission(
     let vehicle = &file.spec.vehicles[vehicle];
     read_document(path)?
         .into_mission(vehicle.autopilot, vehicle.airframe)
+        .map(|mission| mission.for_version(vehicle.autopilot_version))
         .map_err(|error| Failure::new(Failure::INPUT, format!("{}: {error}", path.display())))
 }
 

@@ -200,10 +200,7 @@ pub(crate) fn clock(seconds: f64) -> String {
 
 /// The autopilot as its people write it.
 pub(crate) fn autopilot(autopilot: Autopilot) -> &'static str {
-    match autopilot {
-        Autopilot::ArduPilot => "ArduPilot",
-        Autopilot::Px4 => "PX4",
-    }
+    autopilot.name()
 }
 
 #[cfg(test)]

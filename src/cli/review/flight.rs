@@ -43,8 +43,8 @@ pub(crate) fn run(
         return Err(Failure::new(Failure::USAGE, message));
     }
     let folder = plan_folder(path);
-    let beside = folder.as_ref().map(|folder| folder.join("spec.yaml"));
-    let spec = spec.map(Path::to_owned).or(beside).ok_or_else(|| {
+    let near_record = folder.as_ref().map(|folder| folder.join("spec.yaml"));
+    let spec = spec.map(Path::to_owned).or(near_record).ok_or_else(|| {
         let message = format!("{}: flown by which spec? Name it (*.yaml)", path.display());
         Failure::new(Failure::USAGE, message)
     })?;

@@ -71,6 +71,7 @@ fn mission_of(onboard: &Onboard) -> VehicleMission {
     VehicleMission {
         // Without ArduPilot's home row: as PX4 counts.
         autopilot: onboard.autopilot.unwrap_or(Autopilot::Px4),
+        autopilot_version: None,
         airframe: Airframe::Copter,
         home: onboard.home.unwrap_or(Home {
             x: 0,

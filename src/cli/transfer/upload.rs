@@ -19,7 +19,7 @@ use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
 use crate::simulator;
 use crate::simulator::{Profile, Running, Simulated};
-use crate::spec::{Autopilot, Link, SpecFile};
+use crate::spec::{Link, SpecFile};
 use crate::verify;
 use crate::world;
 
@@ -300,10 +300,7 @@ fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
 
 fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result<Running, Failure> {
     let this = &file.spec.vehicles[vehicle];
-    let profile = match this.autopilot {
-        Autopilot::ArduPilot => Profile::ArduPilot,
-        Autopilot::Px4 => Profile::Px4,
-    };
+    let profile = Profile::from(this.autopilot);
     simulator::spawn(&Simulated {
         airframe: this.airframe,
         ..Simulated::on_loopback(profile, this.sysid, Some(mission.home))

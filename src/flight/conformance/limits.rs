@@ -129,7 +129,7 @@ impl FlownTrack<'_> {
         Some(required.margin(self.id(), value, Some(at)))
     }
 
-    /// Times of which nothing is known.
+    /// Times without a position.
     fn gaps(&self) -> Vec<Margin> {
         let first = self.fixes().first();
         let before = first.map(|first| (first.t_s - self.since_s(), first));

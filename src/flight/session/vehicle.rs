@@ -11,6 +11,7 @@ use super::end::End;
 use super::modes;
 use super::orbit::Orbit;
 use super::pending_command::{Answer, PendingCommand};
+use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
@@ -19,7 +20,6 @@ use crate::link::{
     Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
-use crate::spec::Autopilot;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -84,6 +84,8 @@ pub(crate) struct FlightVehicle<'a> {
     /// When anything was heard of it.
     pub(crate) heard: Time,
     pub(crate) home: Option<Home>,
+    /// The version of its firmware.
+    version: Option<Version>,
     settings: Option<SettingsCheck<'a>>,
     problems: Vec<String>,
     /// What it said while it was to be armed.
@@ -140,6 +142,7 @@ impl<'a> FlightVehicle<'a> {
             vehicle: None,
             heard: now,
             home: None,
+            version: None,
             settings: None,
             problems: Vec::new(),
             warnings: Vec::new(),
@@ -200,6 +203,9 @@ impl<'a> FlightVehicle<'a> {
                 let (x, y) = (*x, *y);
                 self.home = Some(Home { x, y, amsl_m });
             }
+            Message::AutopilotVersion {
+                flight_software, ..
+            } => self.version = Version::of_flight_software(*flight_software).or(self.version),
             Message::MissionCurrent { seq, total, .. } => {
                 self.item = self.row(*seq);
                 let is_known = (1..u16::MAX).contains(total);
@@ -249,13 +255,9 @@ impl<'a> FlightVehicle<'a> {
         }
     }
 
-    /// The row of a sequence number: PX4 has no home row.
+    /// The row of a sequence number.
     fn row(&self, seq: u16) -> usize {
-        let first = match self.autopilot() {
-            Autopilot::ArduPilot => 0,
-            Autopilot::Px4 => 1,
-        };
-        usize::from(seq) + first
+        usize::from(seq) + usize::from(self.autopilot().first_row())
     }
 
     fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
@@ -352,7 +354,7 @@ impl<'a> FlightVehicle<'a> {
                 }
                 Answer::Result(result) => {
                     let command = pending.command();
-                    // Whoever refuses to hold or to land flies on as planned.
+                    // A vehicle that refuses to hold or to land flies on as planned.
                     (self.instruction, self.holds) = (None, false);
                     self.disobeyed(now, &format!("refused command {command} with {result}"));
                 }

@@ -1,11 +1,14 @@
 //! Which velocity brings a vehicle along its leg.
 
+use crate::autopilot::Turn;
 use crate::simulator::parameters::Limits;
 
 /// Speed for each metre that is missing, near the end, 1/s.
 const GAIN: f64 = 0.8;
 /// Share of the acceleration that is planned with; the rest is for what comes in between.
 const SHARE: f64 = 0.7;
+/// No corner is passed more slowly, m/s.
+const LEAST_CORNER_MPS: f64 = 0.3;
 /// Legs shorter than this across go straight up or down, metres.
 pub(crate) const UPRIGHT_M: f64 = 0.5;
 
@@ -49,17 +52,25 @@ pub(crate) fn half_turn_rad(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
     0.5 * turn.min(std::f64::consts::TAU - turn)
 }
 
-/// How fast a corner may be passed so that it is cut by no more than the limits allow.
+/// How fast a corner may be passed at a cruise speed: as the autopilot does, or so that it is cut
+/// by no more than the limits allow.
 ///
 /// A vehicle that pushes with constant acceleration from one course to the other flies a
 /// parabola, which misses the corner by `v^2 sin^2(phi/2) / (2 a)`.
-pub(crate) fn corner_mps(half_turn_rad: f64, limits: &Limits) -> f64 {
+pub(crate) fn corner_mps(half_turn_rad: f64, speed_mps: f64, limits: &Limits) -> f64 {
     let sin = half_turn_rad.sin();
     if sin < 1e-6 {
-        f64::INFINITY
-    } else {
-        (2.0 * limits.corner_accel_mps2 * limits.corner_cut_m).sqrt() / sin
+        return f64::INFINITY;
     }
+    let turn = Turn {
+        angle_rad: 2.0 * half_turn_rad,
+        speed_mps,
+        radius_m: limits.corner_cut_m,
+    };
+    limits.cornering.map_or_else(
+        || (2.0 * limits.corner_accel_mps2 * limits.corner_cut_m).sqrt() / sin,
+        |law| law.least_mps(&turn).max(LEAST_CORNER_MPS),
+    )
 }
 
 impl Leg {
@@ -71,7 +82,7 @@ impl Leg {
         self.length_m() < UPRIGHT_M
     }
 
-    /// Direction across, way along it so far, and how far beside it (positive left).
+    /// Direction across, distance along it so far, and cross-track error (positive left).
     fn along(&self, at_m: [f64; 3]) -> ([f64; 2], f64, f64) {
         let length_m = self.length_m();
         let unit = [0, 1].map(|axis| (self.to_m[axis] - self.from_m[axis]) / length_m);
@@ -108,7 +119,7 @@ impl Leg {
         if self.is_upright() {
             return hold_mps(at_m, self.to_m, limits);
         }
-        let (unit, gone_m, beside_m) = self.along(at_m);
+        let (unit, gone_m, cross_track_m) = self.along(at_m);
         let slope = self.slope();
         let vertical_mps = if slope > 0.0 {
             limits.climb_mps
@@ -128,11 +139,12 @@ impl Leg {
                 }
             })
             .fold(speed_mps.min(by_slope), f64::min);
-        let aside = closing_mps(-beside_m, limits.corner_accel_mps2).clamp(-0.9 * most, 0.9 * most);
+        let aside =
+            closing_mps(-cross_track_m, limits.corner_accel_mps2).clamp(-0.9 * most, 0.9 * most);
         let ahead = (most * most - aside * aside).max(0.0).sqrt();
         let ahead = if gone_m > self.length_m() { 0.0 } else { ahead };
-        let wanted_m = self.from_m[2] + slope * gone_m.min(self.length_m());
-        let climb = slope * ahead + closing_mps(wanted_m - at_m[2], limits.accel_z_mps2);
+        let demand_m = self.from_m[2] + slope * gone_m.min(self.length_m());
+        let climb = slope * ahead + closing_mps(demand_m - at_m[2], limits.accel_z_mps2);
         [
             unit[0] * ahead - unit[1] * aside,
             unit[1] * ahead + unit[0] * aside,

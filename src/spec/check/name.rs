@@ -17,7 +17,7 @@ fn is_device(name: &str) -> bool {
     ["con", "nul", "prn", "aux"].contains(&name.as_str()) || port("com") || port("lpt")
 }
 
-impl Checker<'_> {
+impl Checker {
     /// A name that becomes part of a file name. Without dots, so that the files
     /// of `a` (`a.*`) are never those of another vehicle `a.b`.
     pub(super) fn file_name(&mut self, path: &str, name: &str) {
@@ -45,15 +45,16 @@ impl Checker<'_> {
         }
     }
 
-    /// Names of one list, `path[i].id`, differ in more than case: file systems may not see case.
-    pub(super) fn unique<'n>(&mut self, path: &str, names: impl Iterator<Item = &'n str>) {
+    /// Names of one list, `path[i].id`, differ in more than case: some file systems ignore case.
+    pub(super) fn unique<'n>(&mut self, path: &str, names: impl Iterator<Item = Option<&'n str>>) {
         let mut seen: BTreeMap<String, usize> = BTreeMap::new();
         for (index, name) in names.enumerate() {
+            let Some(name) = name else { continue };
             if let Some(first) = seen.get(&name.to_lowercase()) {
                 let found = format!(
                     "`{}`, already the id of {}",
                     name.escape_debug(),
-                    self.places.name(&format!("{path}[{first}]"))
+                    self.sources.name(&format!("{path}[{first}]"))
                 );
                 self.report(&format!("{path}[{index}].id"), found, "unique ids");
             } else {

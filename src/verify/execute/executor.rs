@@ -4,7 +4,7 @@ mod ends;
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{VehicleMission, acceptance_m, cruise_speed_mps};
-use crate::path::{STOP_LATE_S, heading_rad, leg_late_s};
+use crate::path::{heading_rad, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
@@ -240,7 +240,7 @@ impl Pilot<'_> {
         let (amsl_m, agl_m) = self.resolve(row, place, height)?;
         let knot = self.knot(row, at, amsl_m, agl_m);
         let changes_kind = self.last().agl_m.is_some() != agl_m.is_some();
-        if changes_kind && self.is_arducopter() {
+        if changes_kind && self.vehicle.facts().stops.between_altitude_kinds {
             self.stop()?;
         }
         self.append(knot)?;
@@ -249,13 +249,6 @@ impl Pilot<'_> {
             self.phase = Phase::Route;
         }
         Ok(())
-    }
-
-    /// `ArduCopter` looks ahead to the next waypoint only where both altitudes are of one kind, and
-    /// never to a landing (`set_wp_destination_next`, `ModeAuto::set_next_wp`).
-    pub(crate) fn is_arducopter(&self) -> bool {
-        let kind = (self.vehicle.autopilot, self.vehicle.airframe);
-        kind == (Autopilot::ArduPilot, Airframe::Copter)
     }
 
     pub(crate) fn append(&mut self, knot: Knot) -> Result<(), Unknown> {
@@ -369,7 +362,7 @@ impl Pilot<'_> {
         self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
         self.drift_onto(&knots, &firsts);
         if last_mps <= 0.0 {
-            self.trajectory.late_s += STOP_LATE_S;
+            self.trajectory.late_s += stop_late_s(self.vehicle);
         }
         Ok(())
     }

@@ -2,8 +2,9 @@
 
 use std::f64::consts::PI;
 
+use crate::autopilot::{Cornering, Turn};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::path::{Cornering, Turn, VehicleLimits, heading_rad};
+use crate::path::{VehicleLimits, corner_late_s, heading_rad};
 use crate::spec::Vehicle;
 
 use super::decode::Unknown;
@@ -214,7 +215,8 @@ pub(crate) fn run(
         .windows(2)
         .map(|pair| pair[0].at.distance_m(pair[1].at))
         .collect();
-    let law = Cornering::of(vehicle.autopilot, vehicle.airframe, vehicle.accel_mps2);
+    let law = vehicle.facts().corners;
+    let law = law.map(|law| Cornering::new(law, vehicle.accel_mps2));
     let grounds_mps = cruise_speeds(grounds_mps, &legs, law);
     let mut corners = corners(knots, vehicle, law, &grounds_mps);
     let rooms = fit(&mut corners, &legs);
@@ -254,7 +256,11 @@ pub(crate) fn run(
                     speed_mps: passing[leg + 1],
                     fraction: share,
                     wide_m: corners[leg + 1].cut_m(),
-                    late_s: law.filter(|_| is_slowed).map_or(0.0, |law| law.late_s()),
+                    late_s: if is_slowed {
+                        corner_late_s(vehicle)
+                    } else {
+                        0.0
+                    },
                 });
             }
         }
@@ -363,17 +369,22 @@ fn passing_speeds(
 ) -> Vec<(f64, f64)> {
     let is_carried = vehicle.carried_by().is_some();
     let mut speeds = vec![(ends_mps.0, ends_mps.0)];
-    speeds.extend(grounds_mps.windows(2).zip(&corners[1..]).map(|(pair, corner)| {
-        let flown = law.zip(corner.turn);
-        let slower = flown.map_or(pair[0].min(pair[1]), |(law, turn)| {
-            law.arc_mps(&turn, corner.taken_m)
-        });
-        if is_carried {
-            (pair[0], pair[1])
-        } else {
-            (slower, slower)
-        }
-    }));
+    speeds.extend(
+        grounds_mps
+            .windows(2)
+            .zip(&corners[1..])
+            .map(|(pair, corner)| {
+                let flown = law.zip(corner.turn);
+                let slower = flown.map_or(pair[0].min(pair[1]), |(law, turn)| {
+                    law.arc_mps(&turn, corner.taken_m)
+                });
+                if is_carried {
+                    (pair[0], pair[1])
+                } else {
+                    (slower, slower)
+                }
+            }),
+    );
     speeds.push((ends_mps.1, ends_mps.1));
     let straight_m = |leg: usize| legs[leg] - corners[leg].taken_m - corners[leg + 1].taken_m;
     let reach = |speed: f64, leg: usize| {

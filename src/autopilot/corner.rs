@@ -5,26 +5,56 @@
 //! late that half of this overlap passes within `WPNAV_RADIUS` of the waypoint. The speeds that follow
 //! from this are those flown on 4.6.3 within 0.2 m/s (2026-11-23, simulator, still air, 31 corners
 //! of 10 to 150 degrees at 5 and 10 m/s with radius 2 and 5 m); the cut is the flown one or
-//! up to twice as much. [`MEASURED_MORE_S`] is by what the flown seconds of a leg differ.
+//! up to twice as much. [`MEASURED_MORE_S`] is what the flown seconds of a leg differ by.
 //!
 //! **PX4** (1.16 to 1.18, `PositionSmoothing` and `computeMaxSpeedInWaypoint`) limits the speed at a
 //! waypoint to that of a circle that touches both legs at the acceptance radius, with a share of
 //! the acceleration. This is from its sources and was not measured.
 
-use crate::spec::{Airframe, Autopilot};
+/// How the copters of an autopilot fly around a waypoint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CornerLaw {
+    /// The profiles of two legs overlap: `ArduCopter`.
+    Overlap,
+    /// A circle that touches both legs at the acceptance radius: PX4.
+    Circle,
+}
+
+/// Where a vehicle stops although its items do not say so, besides holds, delays, returns and
+/// vertical legs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stops {
+    /// At the waypoint before `NAV_LAND` at another place.
+    pub before_landing: bool,
+    /// At a waypoint whose altitude is above the terrain where that of the next one is not, or
+    /// the other way round.
+    pub between_altitude_kinds: bool,
+    /// At `NAV_LOITER_TIME` of 0 s.
+    pub at_timed_loiter: bool,
+}
+
+impl Stops {
+    /// Nowhere.
+    pub(super) const NONE: Self = Self {
+        before_landing: false,
+        between_altitude_kinds: false,
+        at_timed_loiter: false,
+    };
+    /// Wherever the next waypoint is not given to the navigation (`ModeAuto::set_next_wp`,
+    /// `AC_WPNav::set_wp_destination_next`). Before a landing 0.03 m/s were flown on 4.6.3.
+    pub(super) const ARDUCOPTER: Self = Self {
+        before_landing: true,
+        between_altitude_kinds: true,
+        at_timed_loiter: true,
+    };
+}
 
 /// `WPNAV_JERK`, m/s^3: the default.
 const JERK_MPS3: f64 = 1.0;
-/// Default of `WPNAV_RADIUS` and of `NAV_ACC_RAD`, metres.
-const ARDUPILOT_RADIUS_M: f64 = 2.0;
-const PX4_RADIUS_M: f64 = 10.0;
 /// Share of the acceleration that turns a PX4 copter: default of `MPC_XY_TRAJ_P`.
 const PX4_TURNING_SHARE: f64 = 0.5;
 /// Smaller half changes of course are none, radians.
 const LEAST_RAD: f64 = 1e-6;
-/// By how much a leg may last longer for each corner that `ArduCopter` slows down for, seconds: what the
-/// flown legs leave over.
-pub const CORNER_LATE_S: f64 = 0.2;
 
 /// `ArduCopter` 4.6.3, flown 2026-11-23 (simulator, still air) at 10 m/s with 2.5 m/s^2 and default
 /// jerk: change of course, degrees, and by how many seconds a leg of 200 m between two such corners took
@@ -48,7 +78,7 @@ const MEASURED_MORE_S: [(f64, f64); 12] = [
 /// What a copter's autopilot does at its corners.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cornering {
-    autopilot: Autopilot,
+    law: CornerLaw,
     accel_mps2: f64,
 }
 
@@ -71,40 +101,18 @@ impl Turn {
     }
 }
 
-/// The acceptance radius of an autopilot whose parameters are not known, metres.
-#[must_use]
-pub fn default_acceptance_m(autopilot: Autopilot) -> f64 {
-    match autopilot {
-        Autopilot::ArduPilot => ARDUPILOT_RADIUS_M,
-        Autopilot::Px4 => PX4_RADIUS_M,
-    }
-}
-
 impl Cornering {
-    /// The law of an autopilot; `None` for a wing, which does not slow down.
+    /// A law, with the acceleration of a vehicle.
     #[must_use]
-    pub fn of(autopilot: Autopilot, airframe: Airframe, accel_mps2: f64) -> Option<Self> {
-        (airframe == Airframe::Copter).then_some(Self {
-            autopilot,
-            accel_mps2,
-        })
-    }
-
-    /// By how much a vehicle may be later after a corner that it slows down for, seconds.
-    #[must_use]
-    pub fn late_s(&self) -> f64 {
-        match self.autopilot {
-            Autopilot::ArduPilot => CORNER_LATE_S,
-            // Each of its legs may be late.
-            Autopilot::Px4 => 0.0,
-        }
+    pub fn new(law: CornerLaw, accel_mps2: f64) -> Self {
+        Self { law, accel_mps2 }
     }
 
     /// The highest speed on a leg of a length, m/s: the profile of `ArduCopter` must find place on it
     /// from rest to rest.
     #[must_use]
     pub fn cruise_mps(&self, length_m: f64, speed_mps: f64) -> f64 {
-        if self.autopilot == Autopilot::Px4 {
+        if self.law == CornerLaw::Circle {
             return speed_mps;
         }
         let least_m = self.bend_mps() * self.ramp_s(self.bend_mps());
@@ -121,8 +129,8 @@ impl Cornering {
     /// How much of both legs an arc takes that cuts the corner as far as the vehicle does, metres.
     #[must_use]
     pub fn taken_m(&self, turn: &Turn) -> f64 {
-        match self.autopilot {
-            Autopilot::ArduPilot => {
+        match self.law {
+            CornerLaw::Overlap => {
                 let half_rad = turn.half_rad();
                 if half_rad < LEAST_RAD {
                     return 0.0;
@@ -130,7 +138,7 @@ impl Cornering {
                 let before_m = self.distance_m(self.overlap_s(turn));
                 2.0 * before_m * half_rad.sin() / (0.5 * half_rad).tan()
             }
-            Autopilot::Px4 => turn.radius_m,
+            CornerLaw::Circle => turn.radius_m,
         }
     }
 
@@ -139,7 +147,7 @@ impl Cornering {
     #[must_use]
     pub fn arc_mps(&self, turn: &Turn, taken_m: f64) -> f64 {
         let (v_mps, half_rad) = (turn.speed_mps, turn.half_rad());
-        if self.autopilot == Autopilot::Px4 {
+        if self.law == CornerLaw::Circle {
             let turning_mps2 = PX4_TURNING_SHARE * self.accel_mps2;
             return v_mps.min((turning_mps2 * taken_m / half_rad.tan()).sqrt());
         }
@@ -171,11 +179,11 @@ impl Cornering {
     /// The speed nearest to the waypoint, m/s.
     #[must_use]
     pub fn least_mps(&self, turn: &Turn) -> f64 {
-        match self.autopilot {
-            Autopilot::ArduPilot => {
+        match self.law {
+            CornerLaw::Overlap => {
                 2.0 * self.speed_mps(self.overlap_s(turn)) * turn.half_rad().cos()
             }
-            Autopilot::Px4 => self.arc_mps(turn, turn.radius_m),
+            CornerLaw::Circle => self.arc_mps(turn, turn.radius_m),
         }
     }
 
@@ -245,8 +253,7 @@ fn measured_more_s(turn_deg: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Cornering, Turn};
-    use crate::spec::{Airframe, Autopilot};
+    use super::{CornerLaw, Cornering, Turn};
 
     /// Flown on `ArduCopter` 4.6.3 with 2.5 m/s^2 and default jerk: change of course, degrees; least speed, m/s,
     /// and closest to the waypoint, metres, at 10 m/s with radius 2 and 5 m; least speed at 5 m/s with 2 m.
@@ -274,32 +281,41 @@ mod tests {
 
     #[test]
     fn arducopter_has_the_speeds_and_cuts_that_were_flown() {
-        let law = Cornering::of(Autopilot::ArduPilot, Airframe::Copter, 2.5).unwrap();
+        let law = Cornering::new(CornerLaw::Overlap, 2.5);
         for (turn_deg, at_10_mps, slow_mps) in FLOWN {
             for ((flown_mps, closest_m), radius_m) in at_10_mps.into_iter().zip([2.0, 5.0]) {
                 let corner = turn(turn_deg, 10.0, radius_m);
                 let least_mps = law.least_mps(&corner);
-                assert!((least_mps - flown_mps).abs() < 0.2, "{turn_deg} {radius_m}: {least_mps}");
+                assert!(
+                    (least_mps - flown_mps).abs() < 0.2,
+                    "{turn_deg} {radius_m}: {least_mps}"
+                );
                 let cut_m = law.taken_m(&corner) * (0.25 * corner.angle_rad).tan();
                 assert!(cut_m > closest_m - 0.05, "{turn_deg} {radius_m}: {cut_m}");
                 assert!(cut_m <= radius_m + 1e-9, "{turn_deg} {radius_m}: {cut_m}");
             }
             let least_mps = law.least_mps(&turn(turn_deg, 5.0, 2.0));
-            assert!((least_mps - slow_mps).abs() < 0.2, "{turn_deg}: {least_mps}");
+            assert!(
+                (least_mps - slow_mps).abs() < 0.2,
+                "{turn_deg}: {least_mps}"
+            );
         }
     }
 
     #[test]
     fn an_arc_is_never_faster_than_its_legs_and_never_stands() {
-        for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        for law in [CornerLaw::Overlap, CornerLaw::Circle] {
             for accel_mps2 in [1.0, 2.5, 5.0] {
-                let law = Cornering::of(autopilot, Airframe::Copter, accel_mps2).unwrap();
+                let law = Cornering::new(law, accel_mps2);
                 for turn_deg in [0.0, 1.0, 45.0, 90.0, 179.9, 180.0] {
                     for speed_mps in [0.5, 8.0, 22.0] {
                         let corner = turn(turn_deg, speed_mps, 2.0);
                         let taken_m = law.taken_m(&corner).min(30.0);
                         let arc_mps = law.arc_mps(&corner, taken_m);
-                        assert!(arc_mps > 0.0 && arc_mps <= speed_mps, "{corner:?} {arc_mps}");
+                        assert!(
+                            arc_mps > 0.0 && arc_mps <= speed_mps,
+                            "{corner:?} {arc_mps}"
+                        );
                     }
                 }
             }
@@ -308,7 +324,7 @@ mod tests {
 
     #[test]
     fn a_short_leg_holds_the_whole_profile_of_arducopter() {
-        let law = Cornering::of(Autopilot::ArduPilot, Airframe::Copter, 2.5).unwrap();
+        let law = Cornering::new(CornerLaw::Overlap, 2.5);
         for length_m in [1.0, 20.0, 39.0, 40.0, 60.0] {
             let peak_mps = law.cruise_mps(length_m, 10.0);
             let needed_m = peak_mps * law.ramp_s(peak_mps);
