@@ -151,8 +151,12 @@ impl Cornering {
             let turning_mps2 = PX4_TURNING_SHARE * self.accel_mps2;
             return v_mps.min((turning_mps2 * taken_m / half_rad.tan()).sqrt());
         }
-        if self.is_full(turn) {
+        if half_rad < LEAST_RAD {
             return v_mps;
+        }
+        if self.is_full(turn) {
+            // As long as the way over the waypoint.
+            return v_mps * half_rad / half_rad.tan();
         }
         let overlap_s = 2.0 * self.overlap_s(turn);
         let more_s = measured_more_s(turn.angle_rad.to_degrees());
@@ -231,6 +235,15 @@ impl Cornering {
             let bend_mps = 0.5 * self.bend_mps();
             let root = (bend_mps * bend_mps + 2.0 * self.accel_mps2 * (before_m - bend_m)).sqrt();
             bend_s + (root - bend_mps) / self.accel_mps2
+        }
+    }
+
+    /// Whether a leg takes longer for the corner.
+    #[must_use]
+    pub fn takes_time(&self, turn: &Turn) -> bool {
+        match self.law {
+            CornerLaw::Overlap => !self.is_full(turn),
+            CornerLaw::Circle => self.arc_mps(turn, turn.radius_m) < turn.speed_mps,
         }
     }
 

@@ -62,7 +62,8 @@
 //!   faster than the `v` with `v p(v)` its length.
 //! - The end of one leg overlaps with the begin of the next for `2 t`: `t = p(v) / 2` if then `2 d(t) sin h
 //!   <= r`, else the `t` with `2 d(t) sin h = r`. The arc takes `2 d(t) sin h / tan(h / 2)` of each leg.
-//! - Where all of the ramp overlaps, the arc is flown at `v`. Else the corner costs `q = p(v) - 2 t + m`
+//! - Where all of the ramp overlaps, the arc is flown at `v h / tan h`: it takes as long as the way over the
+//!   waypoint. Else the corner costs `q = p(v) - 2 t + m`
 //!   seconds, at least 0; `m` is linear between 0 s at 0 and 20 degrees of `phi`, -0.4 at 30 and 45, -0.1 at 60, 0 at
 //!   75, 0.1 at 90, 0.2 at 105, 0.3 at 120, 0.4 at 135, 0.55 at 150, 0.8 at 180. The speed of the arc is the `c`, at most
 //!   `v`, with `(v - c)^2 / (a v) + 2 h T / (c tan h) - 2 T / v = q`, `T` what the arc takes after scaling (`2 h` is
@@ -127,8 +128,8 @@
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,
 //! may be up to 12 s late and a plane up to 9 s early; two of one autopilot and airframe are so alike.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
-//! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner for which
-//! ArduCopter slows down up to 0.2 s, from its end on. `src/path/lateness.rs` says what was measured.
+//! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
+//! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. `src/path/lateness.rs` says what was measured.
 //!
 //! **Margins.** Clearance is taken along whole legs as far as their corners, and along
 //! the arcs, the columns of takeoff and landing aside; threats everywhere, as the

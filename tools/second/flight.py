@@ -312,7 +312,8 @@ class Flight:
             self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], cruise[i])
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
-                if self.ardupilot and passing[i + 1] < min(cruise[i : i + 2]):
+                slower, radius = min(cruise[i : i + 2]), knots[i + 1].radius
+                if self.ardupilot and not self.profile.overlap(slower, half[i + 1], radius)[1]:
                     self.late += CORNER_LATE
         self.late += STOP_LATE
 
@@ -345,8 +346,10 @@ class Flight:
         if not self.ardupilot:
             return min(v, math.sqrt(PX4_TURNING * self.vehicle["accel_mps2"] * taken / math.tan(max(half, 1e-9))))
         overlap, full = self.profile.overlap(v, half, radius)
-        if full:
+        if half < 1e-6:
             return v
+        if full:
+            return v * half / math.tan(half)
         more = float(np.interp(math.degrees(2 * half), MORE_DEG, MORE_S))
         lost = max(0.0, self.profile.ramp(v) - 2 * overlap + more)
         arc = taken / math.tan(half) * 2 * half

@@ -248,8 +248,8 @@ pub(crate) fn run(
             let share = (1.0 - after_m / length_m, after_m / legs[leg + 1]);
             let corner = (knots[leg].at, knots[leg + 1].at, after.at);
             if let Some(shape) = arc(corner, &corners[leg + 1]) {
-                let slower_mps = cruise_mps.min(grounds_mps[leg + 1]);
-                let is_slowed = passing[leg + 1].0 < slower_mps;
+                let flown = law.zip(corners[leg + 1].turn);
+                let is_slowed = flown.is_some_and(|(law, turn)| law.takes_time(&turn));
                 found.pieces.push(Piece {
                     leg,
                     shape,
