@@ -1,14 +1,15 @@
 //! Legs between two stops: fillets at the corners, speed along the way.
 
-use std::f64::consts::PI;
+mod corners;
 
-use crate::autopilot::{Cornering, Turn};
+use crate::autopilot::Cornering;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::path::{VehicleLimits, corner_late_s, heading_rad};
+use crate::path::heading_rad;
 use crate::spec::Vehicle;
 
 use super::decode::Unknown;
 use crate::verify::measure::segment::Phase;
+use corners::{Corner, arc, corners, fit};
 
 /// A point of the flight where legs meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,19 +31,6 @@ pub(crate) struct Knot {
     pub(crate) slope_from_m: Option<f64>,
     /// A copter accepts the place within this radius, metres.
     pub(crate) accept_m: f64,
-}
-
-/// A corner between two legs and the circle that rounds it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Corner {
-    /// Change of course, radians, positive to the left.
-    turn_rad: f64,
-    /// What the turn radius of the spec's limits takes of each leg, `R tan(phi/2)`, metres.
-    required_m: f64,
-    /// What the arc takes that the vehicle flies, metres: less where the legs are short.
-    taken_m: f64,
-    /// How a copter flies it.
-    turn: Option<Turn>,
 }
 
 /// Horizontal shape of a piece.
@@ -92,14 +80,6 @@ pub(crate) struct Run {
     pub(crate) rooms: Vec<Room>,
     /// Highest speed on each leg, m/s.
     pub(crate) peak_mps: Vec<f64>,
-}
-
-/// The turn radius at a commanded speed and an altitude, metres: it grows with the square of
-/// the greatest speed over the ground.
-fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64, at: Amsl) -> f64 {
-    let limits = VehicleLimits::of(vehicle);
-    let ratio = vehicle.fastest_at_mps(speed_mps, at) / limits.fastest_mps;
-    limits.turn_radius_m * ratio * ratio
 }
 
 /// The speed over the ground on each leg, m/s.
@@ -220,7 +200,7 @@ pub(crate) fn run(
     let grounds_mps = cruise_speeds(grounds_mps, &legs, law);
     let mut corners = corners(knots, vehicle, law, &grounds_mps);
     let rooms = fit(&mut corners, &legs);
-    let passing = passing_speeds((&grounds_mps, law), &legs, &corners, vehicle, ends_mps);
+    let passing = passing_speeds(&grounds_mps, &legs, &corners, vehicle, ends_mps);
     let mut found = Run {
         pieces: Vec::new(),
         rooms,
@@ -248,19 +228,13 @@ pub(crate) fn run(
             let share = (1.0 - after_m / length_m, after_m / legs[leg + 1]);
             let corner = (knots[leg].at, knots[leg + 1].at, after.at);
             if let Some(shape) = arc(corner, &corners[leg + 1]) {
-                let flown = law.zip(corners[leg + 1].turn);
-                let is_slowed = flown.is_some_and(|(law, turn)| law.takes_time(&turn));
                 found.pieces.push(Piece {
                     leg,
                     shape,
                     speed_mps: passing[leg + 1],
                     fraction: share,
                     wide_m: corners[leg + 1].cut_m(),
-                    late_s: if is_slowed {
-                        corner_late_s(vehicle)
-                    } else {
-                        0.0
-                    },
+                    late_s: corners[leg + 1].late_s(vehicle),
                 });
             }
         }
@@ -279,89 +253,11 @@ fn cruise_speeds(grounds_mps: &[f64], legs: &[f64], law: Option<Cornering>) -> V
     }
 }
 
-impl Corner {
-    /// How far the arc of a copter is from the waypoint, metres.
-    fn cut_m(&self) -> f64 {
-        let half_rad = (0.5 * self.turn_rad.abs()).min(89.9_f64.to_radians());
-        self.turn
-            .map_or(0.0, |_| self.taken_m * (0.5 * half_rad).tan())
-    }
-}
-
-/// A corner at every knot; none at the ends.
-fn corners(
-    knots: &[Knot],
-    vehicle: &Vehicle,
-    law: Option<Cornering>,
-    grounds_mps: &[f64],
-) -> Vec<Corner> {
-    let none = Corner {
-        turn_rad: 0.0,
-        required_m: 0.0,
-        taken_m: 0.0,
-        turn: None,
-    };
-    let mut corners = vec![none; knots.len()];
-    for (index, trio) in knots.windows(3).enumerate() {
-        let course =
-            |a: EastNorth, b: EastNorth| (b.north_m - a.north_m).atan2(b.east_m - a.east_m);
-        let mut turn_rad = course(trio[1].at, trio[2].at) - course(trio[0].at, trio[1].at);
-        if turn_rad > PI {
-            turn_rad -= 2.0 * PI;
-        } else if turn_rad < -PI {
-            turn_rad += 2.0 * PI;
-        }
-        // The tangent of a full reversal has no end: 89.9 degrees are long enough to fail.
-        let half_rad = (0.5 * turn_rad.abs()).min(89.9_f64.to_radians());
-        let speed_mps = trio[1].speed_mps.max(trio[2].speed_mps);
-        let at = Amsl(trio[1].amsl_m);
-        let required_m = turn_radius_m(vehicle, speed_mps, at) * half_rad.tan();
-        let turn = law.map(|_| Turn {
-            angle_rad: turn_rad.abs(),
-            speed_mps: grounds_mps[index].min(grounds_mps[index + 1]),
-            radius_m: trio[1].accept_m,
-        });
-        let flown_m = law.zip(turn).map(|(law, turn)| law.taken_m(&turn));
-        corners[index + 1] = Corner {
-            turn_rad,
-            required_m,
-            taken_m: flown_m.unwrap_or(required_m),
-            turn,
-        };
-    }
-    corners
-}
-
-/// Shrinks fillets that do not fit, and says what each leg has left.
-fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
-    // A little of each leg stays straight, so that a start from rest can gather speed.
-    const SHARE: f64 = 0.99;
-    let mut rooms = Vec::new();
-    let flown_m: Vec<f64> = corners.iter().map(|corner| corner.taken_m).collect();
-    for (leg, &length_m) in legs.iter().enumerate() {
-        let required_m = corners[leg].required_m + corners[leg + 1].required_m;
-        if required_m > 0.0 {
-            rooms.push(Room {
-                leg,
-                left_m: length_m - required_m,
-            });
-        }
-        let both_m = flown_m[leg] + flown_m[leg + 1];
-        if both_m > SHARE * length_m {
-            let scale = SHARE * length_m / both_m;
-            for (corner, flown_m) in corners[leg..=leg + 1].iter_mut().zip(&flown_m[leg..]) {
-                corner.taken_m = corner.taken_m.min(flown_m * scale);
-            }
-        }
-    }
-    rooms
-}
-
 /// The speeds with which each corner is entered and left: no faster than its legs, and what
 /// the acceleration allows. The wind carries a wing from one ground speed to the other in the
 /// turn itself; anything else passes a corner at the slower one, or more slowly as its autopilot does.
 fn passing_speeds(
-    (grounds_mps, law): (&[f64], Option<Cornering>),
+    grounds_mps: &[f64],
     legs: &[f64],
     corners: &[Corner],
     vehicle: &Vehicle,
@@ -374,8 +270,7 @@ fn passing_speeds(
             .windows(2)
             .zip(&corners[1..])
             .map(|(pair, corner)| {
-                let flown = law.zip(corner.turn);
-                let slower = flown.map_or(pair[0].min(pair[1]), |(law, turn)| {
+                let slower = corner.flown.map_or(pair[0].min(pair[1]), |(law, turn)| {
                     law.arc_mps(&turn, corner.taken_m)
                 });
                 if is_carried {
@@ -404,34 +299,6 @@ fn passing_speeds(
         }
     }
     speeds
-}
-
-/// The circle that rounds a corner, if there is one to round.
-fn arc(knots: (EastNorth, EastNorth, EastNorth), corner: &Corner) -> Option<Shape> {
-    const LEAST_TURN_RAD: f64 = 1e-6;
-    let half_rad = 0.5 * corner.turn_rad.abs();
-    let radius_m = corner.taken_m / half_rad.min(89.9_f64.to_radians()).tan();
-    if half_rad < LEAST_TURN_RAD || radius_m <= 0.0 {
-        return None;
-    }
-    let (before, at, _) = knots;
-    let course_rad = (at.north_m - before.north_m).atan2(at.east_m - before.east_m);
-    let (sin, cos) = course_rad.sin_cos();
-    // From the centre the vehicle is to the right on a left turn, and the other way round.
-    let side = corner.turn_rad.signum();
-    let entry = EastNorth {
-        east_m: at.east_m - corner.taken_m * cos,
-        north_m: at.north_m - corner.taken_m * sin,
-    };
-    Some(Shape::Arc {
-        center: EastNorth {
-            east_m: entry.east_m - side * radius_m * sin,
-            north_m: entry.north_m + side * radius_m * cos,
-        },
-        radius_m,
-        start_rad: course_rad - side * 0.5 * PI,
-        sweep_rad: corner.turn_rad,
-    })
 }
 
 /// One leg, for cutting pieces off it.
