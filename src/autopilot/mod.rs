@@ -27,7 +27,6 @@ mod px4;
 mod stored_form;
 mod version;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use acceptance::{Acceptance, Capacity};
@@ -44,7 +43,7 @@ pub use stored_form::{Stored, StoredRow};
 pub use version::{InvalidVersion, Version, VersionRange};
 
 /// Which autopilot reads the mission.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Autopilot {
     /// ArduPilot.
@@ -54,7 +53,7 @@ pub enum Autopilot {
 }
 
 /// What flies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Airframe {
     /// Multicopter.
@@ -236,6 +235,9 @@ impl Autopilot {
 }
 
 impl Airframe {
+    /// All of them, in the order of documents.
+    pub const ALL: [Self; 3] = [Self::Copter, Self::Plane, Self::Vtol];
+
     /// Whether it flies on a wing between takeoff and landing: it cannot stop, and circles where
     /// a copter hovers.
     #[must_use]
@@ -259,8 +261,6 @@ impl Airframe {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const AIRFRAMES: [Airframe; 3] = [Airframe::Copter, Airframe::Plane, Airframe::Vtol];
 
     #[test]
     fn defaults_are_those_of_the_parameters() {
@@ -288,7 +288,7 @@ mod tests {
     #[test]
     fn every_figure_names_its_source() {
         for autopilot in Autopilot::ALL {
-            for airframe in AIRFRAMES {
+            for airframe in Airframe::ALL {
                 for (name, figure) in facts(autopilot, airframe).behaviour.figures() {
                     for measured in figure.0 {
                         assert!(!measured.source.is_empty(), "{name}");

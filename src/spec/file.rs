@@ -255,14 +255,7 @@ fn plain(expected: &str) -> String {
 /// The JSON Schema (draft 2020-12) of a mission spec, for editors.
 #[must_use]
 pub fn json_schema() -> String {
-    let mut schema = schemars::schema_for!(keys::Spec);
-    for name in ["Autopilot", "Airframe"] {
-        if let Some(of) = schema.pointer_mut(&format!("/$defs/{name}"))
-            && let Ok(words) = of.try_into()
-        {
-            keys::words(words);
-        }
-    }
+    let schema = schemars::schema_for!(keys::Spec);
     let mut text = format!("{:#}", schema.as_value());
     text.push('\n');
     text

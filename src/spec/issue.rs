@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::numeric::text::escaped;
+
 /// One problem of a spec.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Issue {
@@ -41,7 +43,7 @@ impl fmt::Display for SpecError {
             if index > 0 {
                 writeln!(f)?;
             }
-            write!(f, "{}", visible(&issue.sentence(&self.file)))?;
+            write!(f, "{}", escaped(&issue.sentence(&self.file)))?;
         }
         Ok(())
     }
@@ -73,15 +75,6 @@ impl Issue {
             Some(_) => format!("{place} ({})", self.path),
         }
     }
-}
-
-/// Text from a file with its control characters escaped, so that none controls the terminal.
-fn visible(text: &str) -> String {
-    let show = |sign: char| match sign.is_control() {
-        true => sign.escape_default().to_string(),
-        false => sign.to_string(),
-    };
-    text.chars().map(show).collect()
 }
 
 #[cfg(test)]

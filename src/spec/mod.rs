@@ -34,6 +34,7 @@ mod scenario;
 mod table;
 mod value_sources;
 mod vehicle;
+mod wind;
 
 pub use crate::autopilot::{Airframe, Autopilot};
 pub use builder::Builder;
@@ -42,7 +43,7 @@ pub use issue::{Issue, SpecError};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,
-    THREAT_RADIUS_M, TerrainSource, Threat, Weights, Wind, Zone,
+    THREAT_RADIUS_M, TerrainSource, Threat, Weights, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
@@ -50,3 +51,4 @@ pub use vehicle::{
     ApproachLengths, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement, Retiming, Span,
     Vehicle, Wing, turn_radius_by_load_m,
 };
+pub use wind::Wind;

@@ -7,7 +7,7 @@ use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts};
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
 use super::keys::words;
-use super::model::Wind;
+use super::wind::Wind;
 
 /// One vehicle of the fleet.
 #[derive(Clone, Debug, PartialEq)]

@@ -233,7 +233,8 @@ pub struct Moment {
     pub item: usize,
 }
 
-/// Where one vehicle is over time, from takeoff to touchdown, dense enough to draw.
+/// Where one vehicle is over time, from takeoff to touchdown: straight motions at constant
+/// velocity between the moments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Id of the vehicle.

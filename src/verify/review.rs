@@ -20,9 +20,6 @@ use super::limits::space::Space;
 use super::measure::timeline::Timeline;
 use super::{Limit, Margin, Moment, Review, Track};
 
-/// Most points of one track.
-const TRACK_POINTS: u32 = 600;
-
 /// One mission and the vehicle it is for.
 struct Sortie<'a> {
     vehicle: &'a Vehicle,
@@ -174,32 +171,16 @@ impl<'a> Sortie<'a> {
         items.any(|item| item.command == command)
     }
 
-    /// Evenly in time, so that all is smooth, and no more than a page can draw.
+    /// The ends of every flown chord. Velocity is constant between them, so nothing is lost.
     fn track(&self, world: &World) -> Track {
-        let mut moments: Vec<Moment> = Vec::new();
         // A circle that is flown for ever is drawn once.
         let circles = self.flight.circle.map(|circle| circle.chord);
         let chords = self.flight.chords.iter().enumerate();
-        let flown: Vec<_> = chords
-            .filter(|(index, chord)| chord.flown && Some(*index) != circles)
-            .map(|(_, chord)| chord)
+        let flown = chords.filter(|(index, chord)| chord.flown && Some(*index) != circles);
+        let mut moments: Vec<Moment> = flown
+            .flat_map(|(_, chord)| [0.0, 1.0].map(|u| chord.moment(&world.frame, u)))
             .collect();
-        if let (Some(first), Some(last)) = (flown.first(), flown.last()) {
-            let (from_s, to_s) = (first.from_s, last.to_s);
-            let mut next = 0;
-            for index in 0..TRACK_POINTS {
-                let share = f64::from(index) / f64::from(TRACK_POINTS - 1);
-                let t_s = from_s + (to_s - from_s) * share;
-                while next + 1 < flown.len() && flown[next].to_s < t_s {
-                    next += 1;
-                }
-                let chord = flown[next];
-                moments.push(Moment {
-                    t_s,
-                    ..chord.moment(&world.frame, chord.fraction_at(t_s))
-                });
-            }
-        }
+        moments.dedup();
         Track {
             vehicle: self.vehicle.id.clone(),
             moments,
@@ -438,7 +419,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_of_assumptions_are_printed_from_the_table() {
+    fn assumptions_state_the_figures_of_the_table() {
         let mut named = Vec::new();
         for (_, text) in ASSUMED_OF_SOME {
             let mut rest = *text;
@@ -459,7 +440,7 @@ mod tests {
             .iter()
             .map(|(_, t)| with_figures(t))
             .collect();
-        for printed in [
+        for expected in [
             "up to 12 s late",
             "up to 4.5 s more",
             "up to 1.5 s later",
@@ -472,7 +453,10 @@ mod tests {
             "default 17 and 0.75",
             "at 0.7 of a coordinated turn",
         ] {
-            assert!(texts.iter().any(|text| text.contains(printed)), "{printed}");
+            assert!(
+                texts.iter().any(|text| text.contains(expected)),
+                "{expected}"
+            );
         }
     }
 }

@@ -191,6 +191,37 @@ fn names_that_cannot_be_file_names_are_errors() {
 }
 
 #[test]
+fn ids_with_invisible_or_look_alike_characters_are_errors() {
+    for (id, named) in [
+        // Right-to-left override, zero width space, left-to-right mark.
+        ("\"br\\u202Eavo\"", "U+202E"),
+        ("\"br\\u200Bavo\"", "U+200B"),
+        ("\"bravo\\u200E\"", "U+200E"),
+        // Cyrillic a among Latin letters.
+        ("br\u{430}vo", "`\u{430}` (U+0430)"),
+        // Greek omicron.
+        ("brav\u{3bf}", "`\u{3bf}` (U+03BF)"),
+    ] {
+        let (path, message) = only("id: bravo", &format!("id: {id}"));
+        assert_eq!(path, "vehicles[1].id");
+        assert!(message.contains(named), "{message}");
+        let (path, message) = only("id: town", &format!("id: {id}"));
+        assert_eq!(path, "no_fly[0].id");
+        assert!(message.contains(named), "{message}");
+    }
+    for id in ["северный", "東京タワー", "übung-ß", "δοκιμή"] {
+        good(&with("id: bravo", &format!("id: {id}")));
+    }
+    good(&with("id: town", "id: Town Север"));
+    // All Cyrillic, and all Latin: two ids that look the same.
+    let alike = with("id: bravo", "id: соре").replace("id: alpha", "id: cope");
+    let found = issues(&alike);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].path, "vehicles[1].id");
+    assert!(found[0].found.contains("looks like"), "{found:?}");
+}
+
+#[test]
 fn keys_of_planes_do_not_stand_on_copters() {
     for key in [
         "takeoff_heading_deg: 90",

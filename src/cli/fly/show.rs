@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use crate::cli::print::console::{Paint, note, out};
+use crate::cli::print::console::{Paint, note, out, shown};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table;
 use crate::cli::print::table::Rows;
@@ -41,7 +41,7 @@ impl Show {
         let line = sentence(event);
         if self.is_live {
             // A terminal that is gone shows nothing.
-            let _ = self.all.println(line);
+            let _ = self.all.println(shown(&line));
             return Ok(());
         }
         if self.json {
@@ -66,7 +66,7 @@ impl Show {
                 self.rows.push(bar);
             }
             if let Some(row) = self.rows.get(index) {
-                row.set_message(line(status));
+                row.set_message(shown(&line(status)).into_owned());
             }
         }
     }
@@ -103,7 +103,7 @@ fn line(status: &Status) -> String {
 /// Prints the table of a flight that is over, and the limits that were violated.
 pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
     let paint = Paint::for_stdout();
-    out(&vehicle_rows(judged, paint).to_string())?;
+    vehicle_rows(judged, paint).print()?;
     let stopped = judged.vehicles.iter().filter(|of| !of.ended_as_planned);
     for of in stopped {
         out(&format!(

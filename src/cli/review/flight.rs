@@ -6,12 +6,11 @@ use crate::cli::args;
 use crate::cli::fly;
 use crate::cli::folder;
 use crate::cli::folder::replace;
-use crate::cli::print::console::{note, out};
+use crate::cli::print::console::{note, out_json};
 use crate::cli::print::failure::Failure;
 use crate::cli::review;
 use crate::flight::{self, Capture, Fix, Plan, Record, Reference, Waypoint};
 use crate::mission::VehicleMission;
-use crate::report;
 use crate::spec::SpecFile;
 use crate::verify::{self, Track};
 use crate::world::{self, World};
@@ -255,7 +254,7 @@ fn deliver(
     }
     if arguments.json {
         let document = flight::flight_json(record, &judged);
-        out(report::json_text(&document).trim_end())?;
+        out_json(&document)?;
     } else {
         fly::report(&judged)?;
     }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::args;
 use super::folder;
 use super::folder::replace;
-use super::print::console::{Paint, note, out};
+use super::print::console::{Paint, note, out, out_json, out_lines};
 use super::print::failure::Failure;
 use super::print::table;
 use super::print::table::Rows;
@@ -81,10 +81,36 @@ fn with_spec(
     }
     let file = SpecFile::read(spec)?;
     let world = world::load(&file)?;
+    let missions = missions(&file, &world, files, named)?;
+    let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
+    let review = verify::review(&file.spec, &world, &judged);
+    deliver(
+        &ReviewInput {
+            spec: &file.spec,
+            world: &world,
+            plan: None,
+            missions: &judged,
+            review: &review,
+            seed: None,
+            spec_sha256: &folder::sha256(&file.text),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        &[],
+        arguments,
+    )
+}
+
+/// The missions of the vehicles of a spec, from the files that hold them.
+fn missions(
+    file: &SpecFile,
+    world: &world::World,
+    files: &[&PathBuf],
+    named: &[(&str, PathBuf)],
+) -> Result<Vec<(usize, VehicleMission)>, Failure> {
     let mut lists = Vec::new();
     let mut own = Vec::new();
     for &path in files {
-        let list = match folder::vehicle_of(path, &file) {
+        let list = match folder::vehicle_of(path, file) {
             Some(_) => None,
             None => Some(folder::read_document(path)?).filter(Document::is_list),
         };
@@ -96,7 +122,7 @@ fn with_spec(
             None => own.push(path),
         }
     }
-    let files = assign(&file, own.into_iter(), named)?;
+    let files = assign(file, own.into_iter(), named)?;
     let mut missions = Vec::new();
     for (vehicle, path) in &files {
         let mut document = folder::read_document(path)?;
@@ -115,22 +141,7 @@ fn with_spec(
         report_repairs(path, &mission.notes);
         missions.push((*vehicle, mission));
     }
-    let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
-    let review = verify::review(&file.spec, &world, &judged);
-    deliver(
-        &ReviewInput {
-            spec: &file.spec,
-            world: &world,
-            plan: None,
-            missions: &judged,
-            review: &review,
-            seed: None,
-            spec_sha256: &folder::sha256(&file.text),
-            version: env!("CARGO_PKG_VERSION"),
-        },
-        &[],
-        arguments,
-    )
+    Ok(missions)
 }
 
 /// A blank home row.
@@ -253,7 +264,7 @@ fn deliver(
         replace::write_file(target, report::review_svg(input).as_bytes())?;
     }
     if arguments.json {
-        out(report::json_text(&report::review_json(review)).trim_end())?;
+        out_json(&report::review_json(review))?;
     } else {
         print(&input.spec.name, review, not_judged)?;
     }
@@ -392,7 +403,7 @@ fn print(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<(
     let all = review.margins.len();
     out(&format!("{name}: {verdict}, {passed} of {all} limits kept"))?;
     if !review.passes() {
-        out(&table::failures(review, paint))?;
+        out_lines(&table::failures(review, paint))?;
     }
     let mut rows = Rows::new(&["vehicle", "limit", "worst", "allowed", "where and when", ""]);
     for margin in &review.margins {
@@ -408,7 +419,7 @@ fn print(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<(
             paint.dim("not judged"),
         ]);
     }
-    out(&rows.to_string())
+    rows.print()
 }
 
 /// One margin: vehicle, limit, worst value, allowed value, where and when, verdict.

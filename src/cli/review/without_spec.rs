@@ -75,26 +75,11 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         let file = prototype.file(Path::new("flags"));
         let file = file.map_err(|error| Failure::new(Failure::USAGE, error.to_string()))?;
         let (mut spec, text) = (file.spec, file.text);
-        if spec.vehicles.len() == 1 {
-            let mut vehicle = spec.vehicles.remove(0);
+        if let Some(prototype) = spec.vehicles.pop() {
             let home = home(&subject, limits, &spec, &mut assumed)?;
-            fit(&mut vehicle, &subject, &home, index);
-            if autopilot == Autopilot::ArduPilot && limits.takeoff_heading.is_none() {
-                // No file holds the heading before takeoff: what depends on it is not judged.
-                if let Some(wing) = &mut vehicle.wing {
-                    wing.takeoff_heading_rad = None;
-                }
-            }
-            vehicles.push(vehicle);
-            let path = subject.path;
-            let document = Document {
-                home: Some(home),
-                ..subject.document
-            };
-            let mission = document
-                .into_mission(autopilot, airframe)
-                .map_err(|e| Failure::new(Failure::INPUT, format!("{}: {e}", path.display())))?;
-            missions.push((index, mission));
+            let is_heading_known = autopilot == Autopilot::Px4 || limits.takeoff_heading.is_some();
+            vehicles.push(fit(prototype, &subject, &home, (index, is_heading_known)));
+            missions.push((index, mission(subject, home, who)?));
         }
         whole.get_or_insert((spec, text));
     }
@@ -178,17 +163,6 @@ fn prototype(
             amsl_m: Some(100.0),
         }
     };
-    let area = keys::Area {
-        south_west: south_west.into(),
-        north_east: north_east.into(),
-        min_agl_m: limits.min_agl.unwrap_or(0.0),
-        max_amsl_m: limits.max_amsl.unwrap_or(20_000.0),
-    };
-    let separation = Separation {
-        distance_m: limits.separation.unwrap_or(1.0),
-        time_slack_s: limits.time_slack.unwrap_or(0.0),
-        vertical_m: limits.vertical_separation,
-    };
     let takeoff_heading_deg = match airframe {
         Airframe::Copter => None,
         Airframe::Plane => Some(limits.takeoff_heading.unwrap_or(0.0)),
@@ -215,9 +189,24 @@ fn prototype(
         return_amsl_m: limits.return_amsl,
         ..keys::Vehicle::default()
     };
+    builder((south_west, north_east), limits).vehicle(vehicle)
+}
+
+/// A spec without vehicles.
+fn builder((south_west, north_east): (LatLon, LatLon), limits: &Limits) -> Builder {
+    let area = keys::Area {
+        south_west: south_west.into(),
+        north_east: north_east.into(),
+        min_agl_m: limits.min_agl.unwrap_or(0.0),
+        max_amsl_m: limits.max_amsl.unwrap_or(20_000.0),
+    };
+    let separation = Separation {
+        distance_m: limits.separation.unwrap_or(1.0),
+        time_slack_s: limits.time_slack.unwrap_or(0.0),
+        vertical_m: limits.vertical_separation,
+    };
     MissionSpec::builder("review", area, keys::Terrain::flat(0.0))
         .with(|keys| keys.separation = separation)
-        .vehicle(vehicle)
 }
 
 /// The flag, or the autopilot of the file, or ArduPilot.
@@ -282,8 +271,32 @@ fn home(
     Ok(home)
 }
 
-/// Moves the prototype to the mission: its home, its first position, its last.
-fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
+fn mission(
+    subject: Subject,
+    home: Home,
+    (autopilot, airframe): (Autopilot, Airframe),
+) -> Result<VehicleMission, Failure> {
+    let document = Document {
+        home: Some(home),
+        ..subject.document
+    };
+    document.into_mission(autopilot, airframe).map_err(|error| {
+        let message = format!("{}: {error}", subject.path.display());
+        Failure::new(Failure::INPUT, message)
+    })
+}
+
+/// The prototype at the mission: its home, its first position, its last.
+fn fit(
+    mut vehicle: Vehicle,
+    subject: &Subject,
+    home: &Home,
+    (index, is_heading_known): (usize, bool),
+) -> Vehicle {
+    if let Some(wing) = vehicle.wing.as_mut().filter(|_| !is_heading_known) {
+        // No file holds the heading before takeoff: what depends on it is not judged.
+        wing.takeoff_heading_rad = None;
+    }
     vehicle.id.clone_from(&subject.id);
     vehicle.sysid = u8::try_from(index + 1).unwrap_or(u8::MAX);
     let flown: Vec<&Item> = subject
@@ -326,6 +339,7 @@ fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
     } else if holds(command::NAV_RETURN_TO_LAUNCH) {
         vehicle.finish = Finish::Return;
     }
+    vehicle
 }
 
 /// The elevation of `--terrain` around the area.

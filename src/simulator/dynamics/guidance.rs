@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 use super::steering::Leg;
 use crate::simulator::parameters::WingLimits;
 
-/// So many seconds beyond the end of a leg the way leads back to it.
+/// Beyond the end of a leg the path leads back to it after this time, seconds.
 const BEYOND_S: f64 = 3.0;
 
 /// Where a wing is, and how it moves over the ground: east, north.

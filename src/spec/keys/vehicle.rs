@@ -1,10 +1,33 @@
 //! Vehicles as YAML and tables have them.
 
-use schemars::JsonSchema;
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use super::Place;
-use crate::spec::{Airframe, Autopilot, Finish};
+use crate::autopilot::{Airframe, Autopilot};
+use crate::spec::Finish;
+
+impl JsonSchema for Autopilot {
+    fn schema_name() -> Cow<'static, str> {
+        "Autopilot".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "string", "enum": Self::ALL})
+    }
+}
+
+impl JsonSchema for Airframe {
+    fn schema_name() -> Cow<'static, str> {
+        "Airframe".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({"type": "string", "enum": Self::ALL})
+    }
+}
 
 /// A place in the air: with agl_m or with amsl_m, not both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]

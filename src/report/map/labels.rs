@@ -1,24 +1,23 @@
-//! Where names go on a plan view: inside of its frame and, where there is
-//! room, not on each other.
+//! Label placement on the map: inside its frame and, where possible, without overlap.
 
 /// Height of a line, and width of a letter on average, as shares of the size.
 const LINE: f64 = 1.2;
 const LETTER: f64 = 0.58;
-/// How much smaller a name is written that finds no room.
+/// Size of a label that finds no free place, as a share of the common size.
 const SMALLER: f64 = 0.8;
 
 /// A rectangle of the picture, y downwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Area {
-    pub(super) left: f64,
-    pub(super) top: f64,
-    pub(super) right: f64,
-    pub(super) bottom: f64,
+pub(in crate::report) struct Area {
+    pub(in crate::report) left: f64,
+    pub(in crate::report) top: f64,
+    pub(in crate::report) right: f64,
+    pub(in crate::report) bottom: f64,
 }
 
-/// Which side of its place a name takes first.
+/// The side of its place that a label takes first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Side {
+pub(in crate::report) enum Side {
     /// On the place itself.
     Middle,
     /// To the left of it.
@@ -27,16 +26,16 @@ pub(super) enum Side {
     Right,
 }
 
-/// Where a name is written: its middle, and the share of the common size.
+/// The anchor of a label: its middle, and the share of the common size.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Spot {
-    pub(super) x: f64,
-    pub(super) y: f64,
-    pub(super) share: f64,
+pub(in crate::report) struct Anchor {
+    pub(in crate::report) x: f64,
+    pub(in crate::report) y: f64,
+    pub(in crate::report) share: f64,
 }
 
-/// Names placed one after the other.
-pub(super) struct Labels {
+/// Labels, placed one after the other.
+pub(in crate::report) struct Labels {
     frame: Area,
     /// Size of the letters.
     size: f64,
@@ -62,7 +61,7 @@ impl Area {
 }
 
 impl Labels {
-    pub(super) fn new(frame: Area, size: f64) -> Self {
+    pub(in crate::report) fn new(frame: Area, size: f64) -> Self {
         Self {
             frame,
             size,
@@ -70,44 +69,44 @@ impl Labels {
         }
     }
 
-    /// Keeps names away from a mark.
-    pub(super) fn avoid(&mut self, at: (f64, f64), size: f64) {
+    /// Keeps labels away from a mark.
+    pub(in crate::report) fn avoid(&mut self, at: (f64, f64), size: f64) {
         self.taken.push(Area::around(at, size, size));
     }
 
-    /// The first way around the place that is free, in small letters if need
-    /// be; where none is, the one that covers least.
-    pub(super) fn place(&mut self, at: (f64, f64), side: Side, text: &str) -> Spot {
-        let mut best: Option<(f64, Spot, Area)> = None;
+    /// The first free anchor around a place, in small letters if necessary; if all
+    /// overlap, the one that covers least.
+    pub(in crate::report) fn place(&mut self, at: (f64, f64), side: Side, text: &str) -> Anchor {
+        let mut best: Option<(f64, Anchor, Area)> = None;
         for share in [1.0, SMALLER] {
-            for way in ways(side) {
-                let (spot, area) = self.spot(at, way, text, share);
+            for offset in offsets(side) {
+                let (anchor, area) = self.anchor(at, offset, text, share);
                 let covers: f64 = self.taken.iter().map(|taken| taken.shared(&area)).sum();
                 if best.is_none_or(|(least, ..)| covers < least) {
-                    best = Some((covers, spot, area));
+                    best = Some((covers, anchor, area));
                 }
             }
         }
-        let (_, spot, area) = best.expect("every side has ways");
+        let (_, anchor, area) = best.expect("every side has offsets");
         self.taken.push(area);
-        spot
+        anchor
     }
 
-    /// A name at its way from a place, pushed into the frame.
-    fn spot(
+    /// The anchor and area of a label at an offset from its place, pushed into the frame.
+    fn anchor(
         &self,
         (x, y): (f64, f64),
         (aside, dx, dy): (f64, f64, f64),
         text: &str,
         share: f64,
-    ) -> (Spot, Area) {
+    ) -> (Anchor, Area) {
         let size = self.size * share;
         let (width, height) = (width(text) * size, LINE * size);
         let inside = |value: f64, from: f64, to: f64, length: f64| {
             value.min(to - length / 2.0).max(from + length / 2.0)
         };
         let x = x + dx * self.size + aside * width / 2.0;
-        let spot = Spot {
+        let anchor = Anchor {
             x: inside(x, self.frame.left, self.frame.right, width),
             y: inside(
                 y + dy * self.size,
@@ -117,12 +116,12 @@ impl Labels {
             ),
             share,
         };
-        (spot, Area::around((spot.x, spot.y), width, height))
+        (anchor, Area::around((anchor.x, anchor.y), width, height))
     }
 }
 
-/// Ways around a place: the side on which the text lies, and the offset in sizes.
-fn ways(side: Side) -> [(f64, f64, f64); 7] {
+/// Offsets from a place: the side on which the text lies, and the shift in sizes.
+fn offsets(side: Side) -> [(f64, f64, f64); 7] {
     let (left, right) = ((-1.0, -0.85, 0.0), (1.0, 0.85, 0.0));
     let (below, above) = ((0.0, 0.0, 1.3), (0.0, 0.0, -1.3));
     let (far_below, far_above) = ((0.0, 0.0, 2.5), (0.0, 0.0, -2.5));
@@ -168,20 +167,20 @@ mod tests {
             ((998.0, 300.0), Side::Right),
             ((1.0, 599.0), Side::Left),
         ] {
-            let spot = labels.place(at, side, "a-name-of-20-letters");
-            assert!(spot.x - wide / 2.0 >= -1e-9 && spot.x + wide / 2.0 <= 1000.0 + 1e-9);
-            assert!(spot.y >= 9.0 - 1e-9 && spot.y <= 591.0 + 1e-9);
+            let anchor = labels.place(at, side, "a-name-of-20-letters");
+            assert!(anchor.x - wide / 2.0 >= -1e-9 && anchor.x + wide / 2.0 <= 1000.0 + 1e-9);
+            assert!(anchor.y >= 9.0 - 1e-9 && anchor.y <= 591.0 + 1e-9);
         }
     }
 
     #[test]
     fn names_of_one_place_are_written_apart() {
         let mut labels = Labels::new(FRAME, 15.0);
-        let spots: Vec<_> = (0..5)
+        let anchors: Vec<_> = (0..5)
             .map(|_| labels.place((500.0, 300.0), Side::Middle, "watch-post"))
             .collect();
-        for (number, a) in spots.iter().enumerate() {
-            for b in &spots[number + 1..] {
+        for (number, a) in anchors.iter().enumerate() {
+            for b in &anchors[number + 1..] {
                 let wide = 0.58 * 15.0 * 10.0;
                 assert!((a.x - b.x).abs() >= wide - 1e-9 || (a.y - b.y).abs() >= 18.0 - 1e-9);
             }

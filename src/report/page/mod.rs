@@ -3,32 +3,32 @@
 //! The verdict, the tables and the plan view are written here and are there
 //! without scripts and in print; the scripts move what time moves.
 
+mod tables;
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::documents::{finite, rounded, verdict};
-use super::flown::FlownFacts;
-use super::picture::plan_view;
-use super::scene::{Ending, Scene, VehicleShape};
-use super::tables;
-use super::words::{self, Ranked, escaped};
-use super::{COLOURS, ReviewInput};
+use crate::report::documents::{finite, rounded, verdict};
+use crate::report::map::plan_view;
+use crate::report::scene::{Ending, FlownFacts, Scene, VehicleShape};
+use crate::report::words::{self, Ranked, escaped};
+use crate::report::{COLOURS, ReviewInput};
 use crate::verify::{Limit, Topic};
 
-/// Most rows of the table of margins; the rest is in `review.json`.
-const MOST_ROWS: usize = 600;
+/// Rows of the table of margins; the rest is in `review.json`.
+const MAX_ROWS: usize = 600;
 
-/// Most closest approaches that are drawn, the worst ones.
-const MOST_APPROACHES: usize = 4000;
+/// Closest approaches that are drawn, the worst ones.
+const MAX_APPROACHES: usize = 4000;
 
 /// More vehicles than this are counted instead of named.
-const MOST_NAMED: usize = 5;
+const MAX_NAMED: usize = 5;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPTS: [&str; 7] = [
+const JAVASCRIPT: [&str; 7] = [
     include_str!("state.js"),
     include_str!("solids.js"),
     include_str!("shaders.js"),
@@ -38,7 +38,7 @@ const SCRIPTS: [&str; 7] = [
     include_str!("page.js"),
 ];
 
-/// What the scripts read.
+/// The data of the scripts.
 #[derive(Serialize)]
 struct Data<'a> {
     scene: &'a Scene,
@@ -49,10 +49,10 @@ struct Data<'a> {
     colours: [[&'static str; 2]; COLOURS.len()],
 }
 
-/// Where a row of the table leads.
+/// The vehicles, place and time that a row of the table selects.
 #[derive(Serialize)]
 struct Jump {
-    /// Places of the vehicles in the spec.
+    /// Indices of the vehicles in the spec.
     vehicles: Vec<usize>,
     /// East, north, altitude, time.
     at: Option<[Option<f64>; 4]>,
@@ -63,7 +63,7 @@ struct Jump {
     ok: bool,
 }
 
-/// Two vehicles at their closest, as places in the spec.
+/// The closest approach of two vehicles, by their indices in the spec.
 #[derive(Serialize)]
 struct Approach {
     vehicles: [usize; 2],
@@ -78,8 +78,7 @@ pub fn review_html(input: &ReviewInput<'_>) -> String {
     page(input, Scene::new(input))
 }
 
-/// The same page of a flight: the tracks of `input` are what was flown, and `flown` has
-/// the plans that lie under them.
+/// The page of a flight: the tracks of `input` are flown tracks, and `flown` has their plans.
 #[must_use]
 pub fn flight_html(input: &ReviewInput<'_>, flown: &[FlownFacts]) -> String {
     let mut scene = Scene::new(input);
@@ -91,7 +90,7 @@ pub fn flight_html(input: &ReviewInput<'_>, flown: &[FlownFacts]) -> String {
 
 fn page(input: &ReviewInput<'_>, scene: Scene) -> String {
     let ranked = words::ranked(input.review);
-    let shown = &ranked[..ranked.len().min(MOST_ROWS)];
+    let shown = &ranked[..ranked.len().min(MAX_ROWS)];
     let data = Data {
         scene: &scene,
         margins: shown.iter().map(|entry| jump(entry, input)).collect(),
@@ -109,14 +108,15 @@ fn page(input: &ReviewInput<'_>, scene: Scene) -> String {
         "map" => plan_view(input, &scene, true),
         "legend" => legend(&scene.vehicles),
         "coarse" => coarse(&scene),
+        "infeasible" => infeasible(input),
         "rows" => tables::margins(shown),
         "left-out" => left_out(ranked.len() - shown.len()),
         "fleet" => tables::fleet(input, &scene),
         "assumptions" => assumptions(&input.review.assumptions),
         "notes" => notes(input),
         "footer" => footer(input),
-        "data" => script_safe(&data),
-        "script" => SCRIPTS.concat(),
+        "data" => json_in_html(&data),
+        "script" => JAVASCRIPT.concat(),
         _ => String::new(),
     };
     fill(TEMPLATE, part)
@@ -140,7 +140,7 @@ fn fill(template: &str, part: impl Fn(&str) -> String) -> String {
 }
 
 /// JSON that cannot end the script element it stands in.
-fn script_safe(data: &Data<'_>) -> String {
+fn json_in_html(data: &Data<'_>) -> String {
     serde_json::to_string(data)
         .expect("scenes have string keys and no maps")
         .replace('<', "\\u003c")
@@ -148,14 +148,14 @@ fn script_safe(data: &Data<'_>) -> String {
 
 fn jump(entry: &Ranked<'_>, input: &ReviewInput<'_>) -> Jump {
     let margin = entry.margin;
-    let place_of = |id: &String| {
+    let index_of = |id: &String| {
         let vehicles = &input.spec.vehicles;
         vehicles.iter().position(|vehicle| vehicle.id == *id)
     };
     Jump {
         vehicles: std::iter::once(&margin.vehicle)
             .chain(&margin.other)
-            .filter_map(place_of)
+            .filter_map(index_of)
             .collect(),
         at: margin.at.as_ref().map(|moment| {
             let at = input.world.frame.to_plan(moment.place);
@@ -170,7 +170,7 @@ fn jump(entry: &Ranked<'_>, input: &ReviewInput<'_>) -> Jump {
 
 fn approaches(ranked: &[Ranked<'_>], input: &ReviewInput<'_>) -> Vec<Approach> {
     let vehicles = input.spec.vehicles.iter().enumerate();
-    let places: BTreeMap<&str, usize> = vehicles
+    let indices: BTreeMap<&str, usize> = vehicles
         .map(|(index, vehicle)| (vehicle.id.as_str(), index))
         .collect();
     ranked
@@ -178,15 +178,15 @@ fn approaches(ranked: &[Ranked<'_>], input: &ReviewInput<'_>) -> Vec<Approach> {
         .map(|entry| entry.margin)
         .filter(|margin| margin.limit == Limit::Separation)
         .filter_map(|margin| {
-            let place = |id: &str| places.get(id).copied();
+            let index = |id: &str| indices.get(id).copied();
             Some(Approach {
-                vehicles: [place(&margin.vehicle)?, place(margin.other.as_ref()?)?],
+                vehicles: [index(&margin.vehicle)?, index(margin.other.as_ref()?)?],
                 t_s: rounded(margin.at.as_ref()?.t_s, 100.0),
                 value: rounded(margin.value, 100.0),
                 ok: margin.ok,
             })
         })
-        .take(MOST_APPROACHES)
+        .take(MAX_APPROACHES)
         .collect()
 }
 
@@ -204,7 +204,7 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
             words::number(scene.bounds.height_m() / 1000.0, 1)
         ),
     ];
-    // A limit that nothing was held against is no fact.
+    // A limit that was not judged is left out.
     let held = |limit: Limit| {
         let mut margins = input.review.margins.iter();
         margins.any(|margin| margin.limit == limit)
@@ -221,7 +221,7 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
     }
     if held(Limit::Separation) {
         let apart = words::number(spec.separation.distance_m, 1);
-        // What was flown has no other departures.
+        // A flown track has no other departure.
         let slack_s = spec.separation.time_slack_s;
         let shifted = if slack_s > 0.0 {
             format!(", departures ± {} s", words::number(slack_s, 1))
@@ -237,7 +237,7 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         .collect()
 }
 
-/// When who is down, and who stays in the air; none without a track.
+/// The time of the last landing, and the vehicles that stay in the air; none without a track.
 fn endings(vehicles: &[VehicleShape]) -> Option<String> {
     let mut down = Vec::new();
     let mut aloft = Vec::new();
@@ -255,7 +255,7 @@ fn endings(vehicles: &[VehicleShape]) -> Option<String> {
     let named = |ids: &[&str]| {
         if ids.len() == vehicles.len() && ids.len() > 1 {
             "all".to_owned()
-        } else if ids.len() > MOST_NAMED {
+        } else if ids.len() > MAX_NAMED {
             format!("{} vehicles", ids.len())
         } else {
             ids.join(", ")
@@ -265,8 +265,8 @@ fn endings(vehicles: &[VehicleShape]) -> Option<String> {
         (!down.is_empty()).then(|| format!("{} down after {}", named(&down), words::clock(last_s)));
     let stays = if aloft.len() == 1 { "stays" } else { "stay" };
     let hovering = (!aloft.is_empty()).then(|| format!("{} {stays} in the air", named(&aloft)));
-    let told: Vec<String> = landed.into_iter().chain(hovering).collect();
-    (!told.is_empty()).then(|| told.join("; "))
+    let endings: Vec<String> = landed.into_iter().chain(hovering).collect();
+    (!endings.is_empty()).then(|| endings.join("; "))
 }
 
 fn moment(entry: &Ranked<'_>) -> String {
@@ -285,7 +285,7 @@ fn figure(value: &str, known: bool) -> String {
 
 fn cards(shown: &[Ranked<'_>]) -> String {
     let mut html = String::new();
-    for entry in words::telling(shown, 4) {
+    for entry in words::most_important(shown, 4) {
         let margin = entry.margin;
         let row = shown
             .iter()
@@ -328,7 +328,7 @@ fn legend(vehicles: &[VehicleShape]) -> String {
         .collect()
 }
 
-/// Says so when the paths of a large fleet are drawn coarsely.
+/// A note for a large fleet whose paths are drawn coarsely.
 fn coarse(scene: &Scene) -> String {
     let worst_m = scene
         .vehicles
@@ -339,8 +339,24 @@ fn coarse(scene: &Scene) -> String {
         return String::new();
     }
     format!(
-        "<p class=\"note\">So many paths are drawn to within {} m. The margins are exact.</p>",
+        "<p class=\"note\">With this many paths, each is drawn to within {} m. The margins are exact.</p>",
         words::number(worst_m.ceil(), 0)
+    )
+}
+
+/// Why each vehicle without a path has none; empty if the plan passes.
+fn infeasible(input: &ReviewInput<'_>) -> String {
+    let reasons = input.infeasibilities();
+    if reasons.is_empty() {
+        return String::new();
+    }
+    let items: String = reasons
+        .iter()
+        .map(|reason| format!("<li>{}</li>", escaped(&reason.to_string())))
+        .collect();
+    format!(
+        "<section id=\"infeasible\"><h2>Why no path</h2><ul>{items}</ul>\
+         <p class=\"note\">Crosses on the map mark the worst place of each violation.</p></section>"
     )
 }
 
@@ -363,9 +379,9 @@ fn assumptions(assumptions: &[String]) -> String {
     format!("<ul>{items}</ul>")
 }
 
-/// What the missions cannot say, each sentence once, with its vehicles.
+/// The notes on missions, each once, with its vehicles.
 fn notes(input: &ReviewInput<'_>) -> String {
-    let mut said: Vec<(&str, Vec<&str>)> = Vec::new();
+    let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();
     for (index, mission) in input.missions {
         let id = input
             .spec
@@ -373,16 +389,16 @@ fn notes(input: &ReviewInput<'_>) -> String {
             .get(*index)
             .map_or("–", |vehicle| vehicle.id.as_str());
         for note in &mission.notes {
-            match said.iter_mut().find(|(known, _)| known == note) {
+            match notes.iter_mut().find(|(known, _)| known == note) {
                 Some((_, ids)) => ids.push(id),
-                None => said.push((note, vec![id])),
+                None => notes.push((note, vec![id])),
             }
         }
     }
-    if said.is_empty() {
+    if notes.is_empty() {
         return String::new();
     }
-    let items: String = said
+    let items: String = notes
         .iter()
         .map(|(note, ids)| {
             let whose = if ids.len() == input.missions.len() && ids.len() > 1 {

@@ -1,21 +1,21 @@
-//! A flight over its plan, for the page of a flight.
+//! Flown tracks against their plans, for the page of a flight.
 
 use serde::Serialize;
 
-use super::documents::rounded;
+use super::track::metres;
 use crate::geodesy::PlanPoint;
 
-/// Most points of a chart of errors, for each vehicle.
-const MOST_ERRORS: usize = 400;
+/// Points of a chart of errors, for each vehicle.
+const MAX_ERRORS: usize = 400;
 
 /// How far a vehicle was from its plan at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlownError {
     /// Seconds after T0.
     pub t_s: f64,
-    /// Beside the planned way, metres.
+    /// Cross-track error, metres.
     pub cross_track_m: f64,
-    /// Above it, metres; negative below.
+    /// Above the planned path, metres; negative below.
     pub above_m: f64,
 }
 
@@ -24,27 +24,26 @@ pub struct FlownError {
 pub struct FlownFacts {
     /// Id in the spec.
     pub vehicle: String,
-    /// The planned ways, one after the other.
+    /// The planned paths, one after the other.
     pub planned: Vec<Vec<PlanPoint>>,
     /// In order of time.
     pub errors: Vec<FlownError>,
 }
 
-/// What the views draw of it.
+/// The shapes that the views draw.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub(super) struct FlownShape {
-    /// Ways of places: east, north, altitude.
-    pub(super) planned: Vec<Vec<[f64; 3]>>,
-    /// Time, metres beside the way, metres above it.
+pub(in crate::report) struct FlownShape {
+    /// Paths of points: east, north, altitude.
+    pub(in crate::report) planned: Vec<Vec<[f64; 3]>>,
+    /// Time, cross-track error, metres above the path.
     errors: Vec<[f64; 3]>,
 }
 
 impl FlownShape {
-    pub(super) fn new(facts: &FlownFacts) -> Self {
-        let metres = |value: f64| rounded(value, 10.0).unwrap_or(0.0);
-        let place = |p: &PlanPoint| [metres(p.at.east_m), metres(p.at.north_m), metres(p.amsl.0)];
-        let bucket = facts.errors.len().div_ceil(MOST_ERRORS).max(1);
-        // The worst of each stretch of time, so that none is lost.
+    pub(in crate::report) fn new(facts: &FlownFacts) -> Self {
+        let point = |p: &PlanPoint| [metres(p.at.east_m), metres(p.at.north_m), metres(p.amsl.0)];
+        let bucket = facts.errors.len().div_ceil(MAX_ERRORS).max(1);
+        // The worst of each span of time, so that no peak is lost.
         let errors = facts.errors.chunks(bucket).filter_map(|chunk| {
             let first = chunk.first()?;
             let aside = chunk.iter().map(|error| error.cross_track_m);
@@ -57,7 +56,7 @@ impl FlownShape {
             planned: facts
                 .planned
                 .iter()
-                .map(|way| way.iter().map(place).collect())
+                .map(|path| path.iter().map(point).collect())
                 .collect(),
             errors: errors.collect(),
         }

@@ -2,20 +2,20 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::documents::finite;
-use super::scene::{Scene, VehicleShape};
-use super::words::{self, Ranked, escaped};
-use super::{COLOURS, ReviewInput};
 use crate::mission::VehicleMission;
 use crate::plan::VehiclePlan;
+use crate::report::documents::finite;
+use crate::report::scene::{Scene, VehicleShape};
+use crate::report::words::{self, Ranked, escaped};
+use crate::report::{COLOURS, ReviewInput};
 use crate::spec::{Airframe, Vehicle};
 use crate::verify::Moment;
 
-/// Sorts what is not known behind everything.
+/// Sort key of unknown values, behind all others.
 const LAST: f64 = 1e15;
 
 /// Rows of margins, in the order given.
-pub(super) fn margins(shown: &[Ranked<'_>]) -> String {
+pub(in crate::report) fn margins(shown: &[Ranked<'_>]) -> String {
     shown
         .iter()
         .enumerate()
@@ -86,7 +86,7 @@ fn word(ok: bool) -> &'static str {
 }
 
 /// Rows of vehicles, in the order of the spec.
-pub(super) fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
+pub(in crate::report) fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
     let broken: BTreeSet<&str> = input
         .review
         .margins
@@ -126,16 +126,19 @@ fn cost(planned: Option<&VehiclePlan>) -> String {
     planned.map_or_else(
         || "<td class=\"num\">–</td>".to_owned(),
         |plan| {
-            format!(
-                "<td class=\"num\">{}<small>{} % above the estimate</small></td>",
-                words::number(plan.terms.total(), 3),
-                words::number(plan.gap() * 100.0, 2)
-            )
+            // The estimate proves nothing: a path may cost less.
+            let above = Some(plan.gap() * 100.0).filter(|percent| *percent >= 0.0);
+            let above = above.map_or_else(String::new, |percent| {
+                let percent = words::number(percent, 2);
+                format!("<small>{percent} % above the estimate</small>")
+            });
+            let total = words::number(plan.terms.total(), 3);
+            format!("<td class=\"num\">{total}{above}</td>")
         },
     )
 }
 
-/// When a vehicle takes off: as its mission has it.
+/// The takeoff time of the mission, seconds after T0.
 fn departure_s(input: &ReviewInput<'_>, vehicle: &Vehicle) -> f64 {
     let mut tracks = input.review.tracks.iter();
     let track = tracks.find(|track| track.vehicle == vehicle.id);

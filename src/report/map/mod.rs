@@ -3,19 +3,21 @@
 //! Every shape carries plain attributes, so that it looks right anywhere, and
 //! a class, so that the page can adapt it to light, dark and zoom.
 
+mod contour;
+mod labels;
+
 use std::fmt::Write as _;
 
-use super::contour::{Contours, Line};
-use super::labels::{Area, Labels, Side};
-use super::relief::{Bounds, round_step};
-use super::scene::{Scene, VehicleShape};
-use super::words::{self, escaped};
-use super::{COLOURS, ReviewInput};
+use crate::report::scene::{Bounds, Scene, VehicleShape, round_step};
+use crate::report::words::{self, escaped};
+use crate::report::{COLOURS, ReviewInput};
+use contour::{Contours, Line};
+use labels::{Area, Labels, Side};
 
 /// Width of the map in units of its own.
 const WIDTH: f64 = 1000.0;
-/// Above so many vehicles names would hide the paths.
-const MOST_NAMES: usize = 40;
+/// With more vehicles than this, names would hide the paths.
+const MAX_NAMES: usize = 40;
 
 /// Size of names in the picture, and as the style of the page has them.
 const NAME_SIZE: f64 = 15.0;
@@ -70,7 +72,7 @@ pub fn review_svg(input: &ReviewInput<'_>) -> String {
 }
 
 /// The map alone: the root of a picture, or inline in a page.
-pub(super) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inline: bool) -> String {
+pub(in crate::report) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inline: bool) -> String {
     let view = View::new(scene.bounds);
     let contours = Contours::new(&scene.relief, &scene.bounds);
     let label = format!("Plan view of {}", input.spec.name);
@@ -94,8 +96,8 @@ pub(super) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inline: bool) ->
          <path class=\"hatch\" d=\"M0 0V7\" stroke=\"#6a3d9a\" stroke-width=\"2.4\" stroke-opacity=\".45\"/></pattern></defs>",
     );
     ground(&mut svg, &view, scene, &contours);
-    closed(&mut svg, &view, scene);
-    let names = scene.vehicles.len() <= MOST_NAMES;
+    obstacles(&mut svg, &view, scene);
+    let names = scene.vehicles.len() <= MAX_NAMES;
     for (index, vehicle) in scene.vehicles.iter().enumerate() {
         flight(&mut svg, &view, index, vehicle, names);
     }
@@ -135,11 +137,11 @@ impl View {
         (self.x(point[0]), self.y(point[1]))
     }
 
-    /// Path data through places, each step relative to the last in tenths.
-    fn path(&self, places: impl Iterator<Item = (f64, f64)>) -> String {
+    /// SVG path data through points, each step relative to the last in tenths.
+    fn path(&self, points: impl Iterator<Item = (f64, f64)>) -> String {
         let mut data = String::new();
         let mut last = (0.0, 0.0);
-        for (number, (east_m, north_m)) in places.enumerate() {
+        for (number, (east_m, north_m)) in points.enumerate() {
             let at = (tenth(self.x(east_m)), tenth(self.y(north_m)));
             let (dx, dy) = (one(at.0 - last.0), one(at.1 - last.1));
             let gap = if dy.starts_with('-') { "" } else { " " };
@@ -188,8 +190,8 @@ fn ground(svg: &mut String, view: &View, scene: &Scene, contours: &Contours) {
     );
 }
 
-/// Zones and threats.
-fn closed(svg: &mut String, view: &View, scene: &Scene) {
+/// Zones, threats, violations and rally points.
+fn obstacles(svg: &mut String, view: &View, scene: &Scene) {
     for zone in &scene.zones {
         let data = view.ring(&zone.ring);
         let _ = write!(
@@ -204,6 +206,15 @@ fn closed(svg: &mut String, view: &View, scene: &Scene) {
             one(view.x(threat.at[0])),
             one(view.y(threat.at[1])),
             one(threat.radius_m * view.scale),
+        );
+    }
+    for (at, what) in &scene.violations {
+        let _ = write!(
+            svg,
+            "<path class=\"violation\" d=\"M{} {}l14 14m0-14l-14 14\" fill=\"none\" stroke=\"{THREAT}\" stroke-width=\"3.5\" stroke-linecap=\"round\"><title>{}</title></path>",
+            one(view.x(at[0]) - 7.0),
+            one(view.y(at[1]) - 7.0),
+            escaped(what),
         );
     }
     for [east_m, north_m] in &scene.rally {
@@ -225,9 +236,9 @@ struct Name<'a> {
     text: String,
 }
 
-/// Names of vehicles, threats and zones, in this order of who has the first choice.
+/// Names of vehicles, threats and zones, in the order in which they are placed.
 fn names(scene: &Scene, view: &View) -> Vec<Name<'static>> {
-    let few = scene.vehicles.len() <= MOST_NAMES;
+    let few = scene.vehicles.len() <= MAX_NAMES;
     let vehicles = scene.vehicles.iter().enumerate().filter(|_| few);
     let of_vehicles = vehicles.map(|(index, vehicle)| {
         let (start, goal) = (view.at(&vehicle.start), view.at(&vehicle.goal));
@@ -266,7 +277,7 @@ fn names(scene: &Scene, view: &View) -> Vec<Name<'static>> {
     of_vehicles.chain(of_threats).chain(of_zones).collect()
 }
 
-/// Writes the names where they have room; the page does so again for its own size.
+/// Places and writes the names; the scripts of the page do so again for its own size.
 fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
     let frame = Area {
         left: 4.0,
@@ -275,14 +286,14 @@ fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
         bottom: view.height - 4.0,
     };
     let mut labels = Labels::new(frame, size);
-    if scene.vehicles.len() <= MOST_NAMES {
+    if scene.vehicles.len() <= MAX_NAMES {
         for vehicle in &scene.vehicles {
             labels.avoid(view.at(&vehicle.start), size);
             labels.avoid(view.at(&vehicle.goal), size);
         }
     }
     for name in names(scene, view) {
-        let spot = labels.place(name.at, name.side, &name.text);
+        let anchor = labels.place(name.at, name.side, &name.text);
         let side = match name.side {
             Side::Middle => "middle",
             Side::Left => "left",
@@ -295,9 +306,9 @@ fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
             name.class,
             one(name.at.0),
             one(name.at.1),
-            one(spot.x),
-            one(spot.y),
-            one(spot.share * NAME_SIZE),
+            one(anchor.x),
+            one(anchor.y),
+            one(anchor.share * NAME_SIZE),
             name.colour,
             escaped(&name.text)
         );
@@ -315,11 +326,15 @@ fn flight(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape, c
             "<path class=\"casing\" d=\"{data}\" fill=\"none\" stroke=\"{PAPER}\" stroke-opacity=\".75\" stroke-width=\"5\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
         );
     }
-    for way in vehicle.flown.iter().flat_map(|flown| &flown.planned) {
-        let way = view.path(way.iter().map(|[east_m, north_m, _]| (*east_m, *north_m)));
+    for planned in vehicle.flown.iter().flat_map(|flown| &flown.planned) {
+        let planned = view.path(
+            planned
+                .iter()
+                .map(|[east_m, north_m, _]| (*east_m, *north_m)),
+        );
         let _ = write!(
             svg,
-            "<path class=\"planned v{class}\" d=\"{way}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\".35\" stroke-width=\"8\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
+            "<path class=\"planned v{class}\" d=\"{planned}\" fill=\"none\" stroke=\"{colour}\" stroke-opacity=\".35\" stroke-width=\"8\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>"
         );
     }
     let _ = write!(
@@ -400,13 +415,13 @@ const LEGEND_COLUMNS: usize = 4;
 const LEGEND_LINE: f64 = 26.0;
 
 fn legend_height(vehicles: &[VehicleShape]) -> f64 {
-    let lines = vehicles.len().min(MOST_NAMES).div_ceil(LEGEND_COLUMNS);
+    let lines = vehicles.len().min(MAX_NAMES).div_ceil(LEGEND_COLUMNS);
     f64::from(u32::try_from(lines).unwrap_or(0)) * LEGEND_LINE + 14.0
 }
 
 fn legend(vehicles: &[VehicleShape]) -> String {
     let mut svg = String::new();
-    for (index, vehicle) in vehicles.iter().take(MOST_NAMES).enumerate() {
+    for (index, vehicle) in vehicles.iter().take(MAX_NAMES).enumerate() {
         let column = f64::from(u32::try_from(index % LEGEND_COLUMNS).unwrap_or(0));
         let line = f64::from(u32::try_from(index / LEGEND_COLUMNS).unwrap_or(0));
         let (x, y) = (column * 250.0, line * LEGEND_LINE);
@@ -437,11 +452,11 @@ fn tenth(value: f64) -> f64 {
     (value * 10.0).round() / 10.0
 }
 
-/// Nothing farther out is ever seen.
-const FARTHEST: f64 = 1e6;
+/// Coordinates are clamped to this: nothing farther out is visible.
+const MAX_COORDINATE: f64 = 1e6;
 
-/// With one digit at most, and no sign on a zero.
+/// A number with one decimal at most, and no sign on a zero.
 fn one(value: f64) -> String {
-    let value = tenth(value.clamp(-FARTHEST, FARTHEST)) + 0.0;
+    let value = tenth(value.clamp(-MAX_COORDINATE, MAX_COORDINATE)) + 0.0;
     format!("{value}")
 }

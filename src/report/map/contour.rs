@@ -1,32 +1,34 @@
 //! Lines of equal height over a relief, by marching squares.
+//!
+//! The crate `contour` closes its lines along the edge of the grid and knows no voids.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::relief::{Bounds, Relief, round_step};
 use crate::geodesy::EastNorth;
+use crate::report::scene::{Bounds, Relief, round_step};
 
 /// Contour lines at a round interval.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Contours {
+pub(in crate::report) struct Contours {
     /// Metres between lines; 0 without any.
-    pub(super) interval_m: f64,
+    pub(in crate::report) interval_m: f64,
     /// Every line but the index lines.
-    pub(super) plain: Vec<Line>,
+    pub(in crate::report) plain: Vec<Line>,
     /// Every fifth line.
-    pub(super) index: Vec<Line>,
+    pub(in crate::report) index: Vec<Line>,
 }
 
 /// One line, closed where the last point is the first.
-pub(super) type Line = Vec<EastNorth>;
+pub(in crate::report) type Line = Vec<EastNorth>;
 
 /// An edge of the grid: from a node to the east, or else to the north.
 type Edge = (u32, u32, bool);
 
 impl Contours {
     /// About a dozen lines; none over flat or unknown ground.
-    pub(super) fn new(relief: &Relief, bounds: &Bounds) -> Self {
+    pub(in crate::report) fn new(relief: &Relief, bounds: &Bounds) -> Self {
         let mut contours = Self::default();
         let Some((low_m, high_m)) = relief.range_m() else {
             return contours;
@@ -57,18 +59,16 @@ impl Contours {
 
 /// The lines of one height.
 fn lines(relief: &Relief, bounds: &Bounds, height_m: f64) -> Vec<Line> {
-    // Half a decimetre aside, so that no node lies on a line.
+    // Heights are whole decimetres: half of one above, no node lies on a line.
     let level_m = height_m + 0.05;
-    let places = |edges: Vec<Edge>| {
+    let crossings = |edges: Vec<Edge>| {
         let edges = edges.into_iter();
         edges
             .map(|edge| crossing(relief, bounds, level_m, edge))
             .collect()
     };
-    chained(&pieces(relief, level_m))
-        .into_iter()
-        .map(places)
-        .collect()
+    let chains = chained(&pieces(relief, level_m)).into_iter();
+    chains.map(crossings).collect()
 }
 
 /// Pairs of edges that the line joins across one cell.
@@ -194,8 +194,8 @@ mod tests {
             );
         }
         let holed = relief(|column, row| ((column, row) != (1, 0)).then_some(column * 1000));
-        let kept = Contours::new(&holed, &BOUNDS);
-        let points = kept.index.iter().chain(&kept.plain).map(Vec::len);
+        let broken = Contours::new(&holed, &BOUNDS);
+        let points = broken.index.iter().chain(&broken.plain).map(Vec::len);
         assert!(points.sum::<usize>() < 6 * 3);
     }
 

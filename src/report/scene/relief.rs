@@ -1,9 +1,9 @@
 //! The ground as the report draws it: a small grid and its shading.
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::png::{self, Shade};
 use crate::geodesy::EastNorth;
 use crate::world::World;
 
@@ -12,48 +12,48 @@ const MAX_NODES: u32 = 180;
 
 /// A rectangle of planning coordinates, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(super) struct Bounds {
-    pub(super) west: f64,
-    pub(super) south: f64,
-    pub(super) east: f64,
-    pub(super) north: f64,
+pub(in crate::report) struct Bounds {
+    pub(in crate::report) west: f64,
+    pub(in crate::report) south: f64,
+    pub(in crate::report) east: f64,
+    pub(in crate::report) north: f64,
 }
 
 /// Heights at the nodes of a grid over the bounds, row by row from the
 /// south-west, in decimetres above the sea; none where there is no data.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(super) struct Relief {
-    pub(super) columns: u32,
-    pub(super) rows: u32,
-    pub(super) heights_dm: Vec<Option<i32>>,
+pub(in crate::report) struct Relief {
+    pub(in crate::report) columns: u32,
+    pub(in crate::report) rows: u32,
+    pub(in crate::report) heights_dm: Vec<Option<i32>>,
 }
 
 impl Bounds {
     /// A rectangle around nothing.
-    pub(super) const NONE: Self = Self {
+    pub(in crate::report) const NONE: Self = Self {
         west: f64::INFINITY,
         south: f64::INFINITY,
         east: f64::NEG_INFINITY,
         north: f64::NEG_INFINITY,
     };
 
-    pub(super) fn include(&mut self, at: EastNorth) {
+    pub(in crate::report) fn include(&mut self, at: EastNorth) {
         self.west = self.west.min(at.east_m);
         self.south = self.south.min(at.north_m);
         self.east = self.east.max(at.east_m);
         self.north = self.north.max(at.north_m);
     }
 
-    pub(super) fn width_m(&self) -> f64 {
+    pub(in crate::report) fn width_m(&self) -> f64 {
         self.east - self.west
     }
 
-    pub(super) fn height_m(&self) -> f64 {
+    pub(in crate::report) fn height_m(&self) -> f64 {
         self.north - self.south
     }
 
     /// The same with a margin on every side.
-    pub(super) fn padded(&self, by_m: f64) -> Self {
+    pub(in crate::report) fn padded(&self, by_m: f64) -> Self {
         Self {
             west: self.west - by_m,
             south: self.south - by_m,
@@ -63,7 +63,7 @@ impl Bounds {
     }
 
     /// The nearest place inside.
-    pub(super) fn clamp(&self, at: EastNorth) -> EastNorth {
+    pub(in crate::report) fn clamp(&self, at: EastNorth) -> EastNorth {
         EastNorth {
             east_m: at.east_m.clamp(self.west, self.east),
             north_m: at.north_m.clamp(self.south, self.north),
@@ -73,7 +73,7 @@ impl Bounds {
 
 impl Relief {
     /// The terrain over the bounds, from its source.
-    pub(super) fn sample(world: &World, bounds: &Bounds) -> Self {
+    pub(in crate::report) fn sample(world: &World, bounds: &Bounds) -> Self {
         let longer_m = bounds.width_m().max(bounds.height_m()).max(1.0);
         let nodes = |length_m: f64| {
             let share = (length_m / longer_m * f64::from(MAX_NODES - 1)).round();
@@ -95,7 +95,6 @@ impl Relief {
             let height = world.terrain.height(world.frame.from_plan(at)).ok();
             height.and_then(|amsl| decimetres(amsl.0))
         };
-        // Rows at once, kept in order.
         let rows: Vec<Vec<_>> = (0..relief.rows)
             .into_par_iter()
             .map(|row| {
@@ -108,7 +107,7 @@ impl Relief {
         relief
     }
 
-    pub(super) fn node(&self, bounds: &Bounds, column: u32, row: u32) -> EastNorth {
+    pub(in crate::report) fn node(&self, bounds: &Bounds, column: u32, row: u32) -> EastNorth {
         EastNorth {
             east_m: bounds.west
                 + bounds.width_m() * f64::from(column) / f64::from(self.columns - 1),
@@ -117,7 +116,7 @@ impl Relief {
     }
 
     /// Height in metres at a node; `None` outside and in voids.
-    pub(super) fn at(&self, column: i64, row: i64) -> Option<f64> {
+    pub(in crate::report) fn at(&self, column: i64, row: i64) -> Option<f64> {
         let (columns, rows) = (i64::from(self.columns), i64::from(self.rows));
         if !(0..columns).contains(&column) || !(0..rows).contains(&row) {
             return None;
@@ -128,7 +127,7 @@ impl Relief {
     }
 
     /// Lowest and highest ground, metres; `None` without any data.
-    pub(super) fn range_m(&self) -> Option<(f64, f64)> {
+    pub(in crate::report) fn range_m(&self) -> Option<(f64, f64)> {
         let known = || self.heights_dm.iter().flatten();
         Some((
             f64::from(*known().min()?) / 10.0,
@@ -139,7 +138,7 @@ impl Relief {
     /// Shaded relief as a transparent picture, light from the north-west: it
     /// darkens slopes turned away and lightens those turned to the light, so
     /// that it lies over any colour. Voids stay clear.
-    pub(super) fn shading(&self, bounds: &Bounds) -> String {
+    pub(in crate::report) fn shading(&self, bounds: &Bounds) -> String {
         let step_east_m = bounds.width_m() / f64::from(self.columns - 1);
         let step_north_m = bounds.height_m() / f64::from(self.rows - 1);
         let (low_m, high_m) = self.range_m().unwrap_or((0.0, 0.0));
@@ -171,12 +170,44 @@ impl Relief {
                 });
             }
         }
-        png::data_uri(self.columns, &pixels)
+        data_uri(self.columns, self.rows, &pixels)
     }
 }
 
+/// A shade: 128 is clear, lower darkens, higher lightens, up to opaque.
+type Shade = u8;
+
 /// No shade at all.
 const CLEAR: Shade = 128;
+
+/// A `data:` URI of a picture as PNG, its rows from the top. It is not compressed:
+/// compressors choose by processor, and the report has the same bytes everywhere.
+fn data_uri(columns: u32, rows: u32, shades: &[Shade]) -> String {
+    let dark_or_light = |shade| {
+        if shade < CLEAR {
+            [28, 38, 48]
+        } else {
+            [255; 3]
+        }
+    };
+    let colours: Vec<u8> = (0..=Shade::MAX).flat_map(dark_or_light).collect();
+    let opacity = |shade: Shade| shade.abs_diff(CLEAR).saturating_mul(2);
+    let opacities: Vec<u8> = (0..=Shade::MAX).map(opacity).collect();
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, columns, rows);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_palette(colours);
+    encoder.set_trns(opacities);
+    encoder.set_compression(png::Compression::NoCompression);
+    encoder.set_filter(png::Filter::NoFilter);
+    let written = encoder.write_header().and_then(|mut image| {
+        image.write_image_data(shades)?;
+        image.finish()
+    });
+    written.expect("two rows and columns at least, in memory");
+    format!("data:image/png;base64,{}", BASE64_STANDARD.encode(&file))
+}
 
 /// The shade of a slope (rise over run to the east and to the north).
 fn shade(east: f64, north: f64) -> Shade {
@@ -195,7 +226,7 @@ fn shade(east: f64, north: f64) -> Shade {
 }
 
 /// The next of 1, 2, 5, 10, 20, 50, ... at or above.
-pub(super) fn round_step(least: f64) -> f64 {
+pub(in crate::report) fn round_step(least: f64) -> f64 {
     let decade = 10_f64.powf(least.max(1e-3).log10().floor());
     [1.0, 2.0, 5.0, 10.0]
         .into_iter()
