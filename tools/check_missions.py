@@ -35,7 +35,7 @@ import numpy as np
 
 from second.earth import A, Ground
 from second.fleets import make_fleet
-from second.flight import Flight, read_items
+from second.flight import Flight, read_items, read_radius
 from second.minima import clearance, separation, to_threat
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -85,7 +85,10 @@ def compare(spec_path, files, margins):
     ground = Ground(spec_path.parent / spec["terrain"]["file"])
     by_name = {path.name.split(".")[0]: path for path in files}
     flights = {
-        v["id"]: Flight(v, read_items(by_name[v["id"]]), ground, spec["mission"]["tolerance_m"])
+        v["id"]: Flight(
+            v, read_items(by_name[v["id"]]), ground, spec["mission"]["tolerance_m"],
+            read_radius(by_name[v["id"]], v["autopilot"] == "ardupilot"),
+        )
         for v in spec["vehicles"]
     }
     corners = spec["area"]["south_west"], spec["area"]["north_east"]

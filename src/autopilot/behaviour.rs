@@ -96,6 +96,9 @@ pub struct Behaviour {
     pub stop_late_s: Figure,
     /// A leg may take this much longer than in the flight model, seconds.
     pub leg_late_s: Figure,
+    /// A corner that the vehicle slows down for may take this much longer than in the flight
+    /// model, seconds.
+    pub corner_late_s: Figure,
     /// On a climbing leg the vehicle lags the commanded altitude by this time its climb rate,
     /// seconds.
     pub altitude_lag_s: Figure,
@@ -119,12 +122,13 @@ pub struct Behaviour {
 impl Behaviour {
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 11] {
+    pub fn figures(&self) -> [(&'static str, Figure); 12] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("takeoff_late_s", self.takeoff_late_s),
             ("stop_late_s", self.stop_late_s),
             ("leg_late_s", self.leg_late_s),
+            ("corner_late_s", self.corner_late_s),
             ("altitude_lag_s", self.altitude_lag_s),
             ("climb_out_share", self.climb_out_share),
             ("climb_out_overshoot_m", self.climb_out_overshoot_m),

@@ -7,6 +7,7 @@
 //! | What reads back after an upload? | [`Stored`] (`stored_form.rs`), [`Conventions::packs_items`] |
 //! | How many items fit? | [`Facts::capacity`] |
 //! | Which figures does the verdict assume for a PX4 copter? | `COPTER_BEHAVIOUR` in `px4.rs`, each with version, samples and source ([`Measured`]) |
+//! | How does a copter fly a corner, and where does it stop? | [`Cornering`], [`Stops`] (`corner.rs`) |
 //! | Which parameters and defaults? | `parameters.rs` ([`ParameterRow`]) |
 //! | Which mode numbers? | [`Modes`] |
 //! | Which versions? | [`Conventions::versions`] |
@@ -18,6 +19,7 @@ mod acceptance;
 mod ardupilot;
 mod behaviour;
 mod commands;
+mod corner;
 mod mavlink;
 mod modes;
 mod parameters;
@@ -33,6 +35,7 @@ pub use commands::{
     COMMANDS, CommandRow, CommandRule, Location, Motion, ParamRule, Rejected, command_name,
     command_named, command_row,
 };
+pub use corner::{CornerLaw, Cornering, Stops, Turn};
 pub use mavlink::{command, frame};
 pub use modes::{Mode, Modes};
 pub use parameters::{ParameterRow, SLOPE_MIN, Unit, other_name, parameter};
@@ -151,6 +154,10 @@ pub struct Facts {
     pub parameters: &'static [&'static [ParameterRow]],
     /// What it flies with unless the spec says otherwise.
     pub defaults: Defaults,
+    /// How it flies around a waypoint where it slows down for one: not on a wing.
+    pub corners: Option<CornerLaw>,
+    /// Where it stops.
+    pub stops: Stops,
     /// How it deviates from straight legs flown on time.
     pub behaviour: Behaviour,
 }

@@ -3,6 +3,7 @@
 use super::acceptance::{Acceptance, Capacity};
 use super::ardupilot;
 use super::behaviour::{Behaviour, Figure, NONE, measured};
+use super::corner::{CornerLaw, Stops};
 use super::modes::{Modes, px4_auto};
 use super::version::version;
 use super::{Conventions, Defaults, Facts, command, frame, parameters, stored_form};
@@ -81,6 +82,8 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
         6,
         "PX4 1.16 alpha, simulated: over a few legs in a row, at 8 and 12 m/s",
     )]),
+    // Each leg may be late already.
+    corner_late_s: NONE,
     slow_landing_mps: 0.7,
     ..ardupilot::COPTER_BEHAVIOUR
 };
@@ -121,6 +124,8 @@ pub(super) static COPTER: Facts = Facts {
         descent_mps: 1.5,
         accel_mps2: 3.0,
     },
+    corners: Some(CornerLaw::Circle),
+    stops: Stops::NONE,
     behaviour: COPTER_BEHAVIOUR,
 };
 
@@ -140,6 +145,7 @@ pub(super) static PLANE: Facts = Facts {
         descent_mps: 5.0,
         accel_mps2: 3.0,
     },
+    corners: None,
     behaviour: Behaviour {
         // Assumed: ArduPlane was measured.
         takeoff_early_s: ardupilot::TAKEOFF_EARLY_S,
@@ -167,6 +173,7 @@ pub(super) static VTOL: Facts = Facts {
         cruise_parameter: "FW_AIRSPD_TRIM",
         ..COPTER.defaults
     },
+    corners: None,
     behaviour: WING_BEHAVIOUR,
     ..COPTER
 };

@@ -4,7 +4,7 @@
 //! names are written, and a vehicle knows one of them.
 
 use super::item::{Parameter, VehicleMission};
-use crate::autopilot::{Airframe, Autopilot, SLOPE_MIN, SLOW_LANDING_M, facts, parameter};
+use crate::autopilot::{Airframe, Autopilot, SLOPE_MIN, SLOW_LANDING_M, command, facts, parameter};
 use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
 use crate::spec::{MissionOptions, Vehicle, Wing, turn_radius_by_load_m};
@@ -48,6 +48,32 @@ pub fn cruise_speed_mps(mission: &VehicleMission) -> Option<f64> {
     let found = mission.params.iter().find(|param| param.name == name)?;
     let speed_mps = f64::from(found.value) / parameter(name)?.unit.per_si();
     (speed_mps.is_finite() && speed_mps > 0.0).then_some(speed_mps)
+}
+
+/// The radius within which a copter accepts the place of a row (0 for home), metres: PX4's own of
+/// the item, that of the mission's parameters, or the default.
+#[must_use]
+pub fn acceptance_m(mission: &VehicleMission, row: usize) -> f64 {
+    let is_usable = |radius_m: &f64| radius_m.is_finite() && *radius_m > 0.0;
+    let name = match mission.autopilot {
+        Autopilot::ArduPilot => "WPNAV_RADIUS",
+        Autopilot::Px4 => "NAV_ACC_RAD",
+    };
+    let item = row
+        .checked_sub(1)
+        .and_then(|index| mission.items.get(index));
+    let own_m = item
+        .filter(|item| mission.autopilot == Autopilot::Px4 && item.command == command::NAV_WAYPOINT)
+        .map(|item| f64::from(item.params[1]))
+        .filter(is_usable);
+    let row = parameter(name);
+    let per_si = row.map_or(1.0, |row| row.unit.per_si());
+    let held = mission.params.iter().find(|param| param.name == name);
+    let held_m = held
+        .map(|param| f64::from(param.value) / per_si)
+        .filter(is_usable);
+    let default_m = row.map_or(0.0, |row| f64::from(row.default) / per_si);
+    own_m.or(held_m).unwrap_or(default_m)
 }
 
 /// Share of the planned airspeed below which a QuadPlane's rotors may help. With 18 at a planned

@@ -18,6 +18,13 @@ pub fn leg_late_s(vehicle: &Vehicle) -> f64 {
     behaviour.leg_late_s.value(vehicle.autopilot_version)
 }
 
+/// By how much a vehicle may be later after a corner that it slows down for, seconds.
+#[must_use]
+pub fn corner_late_s(vehicle: &Vehicle) -> f64 {
+    let behaviour = &vehicle.facts().behaviour;
+    behaviour.corner_late_s.value(vehicle.autopilot_version)
+}
+
 /// By how much a vehicle may be late from its takeoff on, seconds. Any lateness in the span may
 /// be: a vehicle with lighter propellers, or a simulated one, is less late than those measured.
 /// It is taken to be the same for two vehicles of one autopilot and airframe.

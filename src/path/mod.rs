@@ -7,7 +7,9 @@ mod timeline;
 mod wing;
 
 pub use dubins::{Pose, Turns, turns};
-pub use lateness::{leg_late_s, most_shift_s, stop_late_s, takeoff_shift_s, with_stops_s};
+pub use lateness::{
+    corner_late_s, leg_late_s, most_shift_s, stop_late_s, takeoff_shift_s, with_stops_s,
+};
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route, time_route_from};
 pub use wing::{

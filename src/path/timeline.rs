@@ -2,7 +2,9 @@
 //!
 //! Assumed, and not measured on an autopilot: a copter keeps its planned ground
 //! speed along a route, corners included, and speeds up and slows down only at
-//! its two ends; it climbs and descends vertically at constant speed.
+//! its two ends; it climbs and descends vertically at constant speed. Planned turns are spread over
+//! waypoints with changes of course so small that copters do not slow down for them
+//! ([`crate::autopilot::Cornering`]).
 
 use crate::autopilot::{Airframe, SLOW_LANDING_M};
 use crate::geodesy::{Amsl, PlanPoint};

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 pub(crate) use wing::{Follows, Passes, WingLimits};
 
 use super::profile::Profile;
-use crate::autopilot::{Airframe, ParameterRow, parameter};
+use crate::autopilot::{Airframe, Cornering, ParameterRow, parameter};
 use crate::link::ParamValue;
 
 /// `MAV_PARAM_TYPE_INT32`.
@@ -33,6 +33,8 @@ pub(crate) struct Limits {
     pub(crate) descent_mps: f64,
     /// How far a corner may be cut.
     pub(crate) corner_cut_m: f64,
+    /// How the autopilot flies corners, if that is known.
+    pub(crate) cornering: Option<Cornering>,
     /// Below this height a landing is slow.
     pub(crate) slow_landing_m: f64,
     pub(crate) slow_landing_mps: f64,
@@ -105,6 +107,11 @@ impl Settings {
         }
     }
 
+    fn cornering(&self, accel_mps2: f64) -> Option<Cornering> {
+        let law = self.profile.facts(self.airframe).corners;
+        law.map(|law| Cornering::new(law, accel_mps2))
+    }
+
     fn ardupilot(&self) -> Limits {
         let metres = |name| self.of_name(name) / 100.0;
         let accel_mps2 = metres("WPNAV_ACCEL").max(0.5);
@@ -125,6 +132,7 @@ impl Settings {
             climb_mps: metres("WPNAV_SPEED_UP").max(0.1),
             descent_mps: down,
             corner_cut_m: metres("WPNAV_RADIUS").max(0.1),
+            cornering: self.cornering(accel_mps2),
             slow_landing_m: metres("LAND_ALT_LOW"),
             slow_landing_mps: metres("LAND_SPEED").max(0.1),
             return_m: metres("RTL_ALT"),
@@ -145,6 +153,7 @@ impl Settings {
             climb_mps: self.of_name("MPC_Z_V_AUTO_UP").max(0.1),
             descent_mps: self.of_name("MPC_Z_V_AUTO_DN").max(0.1),
             corner_cut_m: self.of_name("NAV_ACC_RAD").max(0.1),
+            cornering: self.cornering(accel_mps2),
             slow_landing_m: self.of_name("MPC_LAND_ALT2"),
             slow_landing_mps: self.of_name("MPC_LAND_SPEED").max(0.1),
             return_m: self.of_name("RTL_RETURN_ALT"),

@@ -28,23 +28,66 @@
 //! source.
 //!
 //! **From stop to stop.** The vehicle rests after the takeoff, at a waypoint with a hold,
-//! at `NAV_LOITER_TIME` and `NAV_LOITER_UNLIM`, before a landing, before a return, and
+//! at `NAV_LOITER_TIME` and `NAV_LOITER_UNLIM`, before the descent of a landing, before a return,
+//! where the table below says so, and
 //! where two items in a row are at one place (within 0.025 m) at different altitudes:
 //! there it goes straight up with `climb_mps` or down with `descent_mps`. In between:
 //!
 //! - A leg's cruise speed is that of the last `DO_CHANGE_SPEED` before the item that it
 //!   leads to, else that of the parameters, else the spec's.
-//! - A corner with a change of course `phi` is flown as an arc. Its radius is `R =
-//!   max(v^2 / (g sqrt(n^2 - 1)), v^2 / accel_mps2)`, `v` the faster of the two legs'
+//! - A corner with a change of course `phi` is flown as an arc that touches both legs. On a wing its
+//!   radius is `R = v^2 / (g sqrt(n^2 - 1))`, `v` the faster of the two legs'
 //!   speeds, `n` the load factor; it takes `R tan(phi / 2)` of each leg (`phi / 2` at
 //!   most 89.9 degrees). Where the two ends of a leg want more than 99 % of it, both are
 //!   scaled down to that; a corner takes what the tighter of its two legs leaves it.
 //!   Altitude along an arc is linear between its ends (above ground if both legs follow
 //!   the ground).
-//! - Speed along an arc is constant: the slower of its two legs' speeds, or less where
-//!   the straight parts on either side, flown with `accel_mps2` from or to rest at a
+//! - Speed along an arc is constant: the slower of its two legs' speeds, on a copter as below, or
+//!   less where the straight parts on either side, flown with `accel_mps2` from or to rest at a
 //!   stop, do not allow it. On the straight parts the vehicle speeds up, cruises and
 //!   slows down with `accel_mps2`.
+//! - Turn fit is judged on every airframe with `R tan(phi / 2)` of both ends of a leg, `R` on a copter at
+//!   least `v^2 / accel_mps2`: what a spec allows, also where an autopilot slows down for more.
+//!
+//! **Corners of copters.** `r` is the acceptance radius: on ArduPilot `WPNAV_RADIUS`, on PX4 that of the
+//! waypoint (`param2`) or else `NAV_ACC_RAD`; of the parameters of the mission, else 2 m and 10 m. `v` is the
+//! slower speed of the two legs, `a` is `accel_mps2`, `h = phi / 2`, again at most 89.9 degrees.
+//!
+//! - PX4 (by its sources): an arc takes `r` of each leg, `T` after scaling, at the speed
+//!   `sqrt(0.5 a T / tan h)`, at most `v`.
+//! - ArduCopter gives each leg a profile from rest to rest with the acceleration `a` and the
+//!   jerk `j = 1 m/s^3`. A ramp to `v` lasts `p(v) = v / a + a / j`, or `2 sqrt(v / j)` where `v < a^2 / j`. After
+//!   a time `t` up to half of it the vehicle has come `d(t) = j t^3 / 6`, from `b = a / j` on
+//!   `j b^3 / 6 + (t - b) (j b^2 / 2 + a (t - b) / 2)`. A leg between stops that has a corner is flown no
+//!   faster than the `v` with `v p(v)` its length.
+//! - The end of one leg overlaps with the begin of the next for `2 t`: `t = p(v) / 2` if then `2 d(t) sin h
+//!   <= r`, else the `t` with `2 d(t) sin h = r`. The arc takes `2 d(t) sin h / tan(h / 2)` of each leg.
+//! - Where all of the ramp overlaps, the arc is flown at `v h / tan h`: it takes as long as the way over the
+//!   waypoint. Else the corner costs `q = p(v) - 2 t + m`
+//!   seconds, at least 0; `m` is linear between 0 s at 0 and 20 degrees of `phi`, -0.4 at 30 and 45, -0.1 at 60, 0 at
+//!   75, 0.1 at 90, 0.2 at 105, 0.3 at 120, 0.4 at 135, 0.55 at 150, 0.8 at 180. The speed of the arc is the `c`, at most
+//!   `v`, with `(v - c)^2 / (a v) + 2 h T / (c tan h) - 2 T / v = q`, `T` what the arc takes after scaling (`2 h` is
+//!   `phi` here).
+//! - For the separation a copter is up to `T tan(h / 2)` beside its arcs: it may cut the corner or
+//!   pass through the waypoint. In space the legs are judged as far as the corner besides the arc.
+//!
+//! **Stops by airframe.** A wing never stops but at its takeoff and landing on rotors.
+//!
+//! | item after the waypoint | ArduCopter | PX4 copter | plane, vtol |
+//! |---|---|---|---|
+//! | waypoint, hold there 0 s | passes | passes | passes |
+//! | the same, one altitude above terrain and the other not | stops | passes (no such frame) | passes |
+//! | waypoint with a hold (of the waypoint itself) | stops | stops | passes: ignores holds |
+//! | `NAV_LOITER_TIME` | stops there, also for 0 s | stops there, passes with 0 s | not judged |
+//! | `NAV_LOITER_UNLIM` | passes, stays there | passes, stays there | circles there |
+//! | `NAV_DELAY` | stops | stops | not judged, ArduPilot: ignores it |
+//! | `NAV_LAND` at another place | stops, then flies there | passes, stops there | glides, descends there |
+//! | `NAV_RETURN_TO_LAUNCH` | stops | stops | not judged |
+//! | conditions, commands without motion | passes | passes | passes |
+//! | spline, loiter turns | not judged | not judged | not judged |
+//!
+//! Items after `NAV_LOITER_UNLIM` are never flown, and fail the count of judged items unless
+//! the spec says loiter.
 //!
 //! **Air.** On a wing commanded speeds are indicated airspeeds. At an altitude `z` its speed through
 //! the air `a` is greater by `(1 - 2.25577e-5 z)^-2.12794` (the standard atmosphere): on a leg at that
@@ -85,7 +128,8 @@
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,
 //! may be up to 12 s late and a plane up to 9 s early; two of one autopilot and airframe are so alike.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
-//! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on. `src/path/lateness.rs` says what was measured.
+//! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
+//! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. `src/path/lateness.rs` says what was measured.
 //!
 //! **Margins.** Clearance is taken along whole legs as far as their corners, and along
 //! the arcs, the columns of takeoff and landing aside; threats everywhere, as the

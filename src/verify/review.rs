@@ -222,7 +222,7 @@ fn furthest_rally_m(sorties: &[Sortie<'_>]) -> f64 {
 /// What the flight model assumes of every mission.
 const ASSUMED: [&str; 4] = [
     "legs are straight in the local frame, altitude linear with distance",
-    "corners are flown as arcs of the turn radius at unchanged speed; the legs are judged as far as the corner too",
+    "corners are flown as arcs, on a wing at unchanged speed with the turn radius; the legs are judged as far as the corner too",
     "vehicles speed up and slow down with accel_mps2, climb and descend vertically with climb_mps and descent_mps",
     "each vehicle stands on the ground at the place of its home row when its mission starts, and takes that for home",
 ];
@@ -238,6 +238,16 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          after every stop: separation holds for any lateness up to that (measured on five ArduCopters 4.7.0-dev, simulated: \
          over their homes 6 s late, on their way 6 to 8.5 s, over a ridge 8 to 12 s, after a stop 4.4 s more, at most 0.9 m beside the way \
          and 1 m over or under it; of others assumed): those of one kind differ by up to 5.5 s, which time_slack_s must cover",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Copter,
+        "ArduCopter slows down for corners as far as WPNAV_RADIUS and a jerk of 1 m/s3 ask for, cuts them within that radius, and is up to \
+         {copter.corner_late_s} later after each (measured on 4.6.3, simulated, still air: speeds within 0.2 m/s, legs within 0.3 s); \
+         it stops before a landing at another place and where altitudes above terrain begin or end",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
+        "PX4 copters fly corners as arcs within NAV_ACC_RAD, at the speed that half of accel_mps2 allows across (by its sources, not measured)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod copter_corners;
 mod verify;
 mod verify_independent;
 mod verify_sampled;

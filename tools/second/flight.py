@@ -11,8 +11,58 @@ from .earth import A, axes, distance, ecef, geodetic
 G = 9.80665
 SAME_M = 0.025
 SLOW_M = 10.0
-TAKEOFF_LATE, STOP_LATE, PX4_LEG_LATE = 12.0, 4.5, 1.5
+TAKEOFF_LATE, STOP_LATE, PX4_LEG_LATE, CORNER_LATE = 12.0, 4.5, 1.5, 0.2
+JERK, PX4_TURNING = 1.0, 0.5
+# Change of course, degrees, and the seconds more than overlapping profiles take.
+MORE_DEG = [0, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 180]
+MORE_S = [0, 0, -0.4, -0.4, -0.1, 0, 0.1, 0.2, 0.3, 0.4, 0.55, 0.8]
 WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 93, 178
+
+
+def read_radius(path, ardupilot):
+    """The acceptance radius that the parameters beside a `.waypoints` file set, or the default."""
+    name, unit, default = ("WPNAV_RADIUS", 100, 2.0) if ardupilot else ("NAV_ACC_RAD", 1, 10.0)
+    beside = Path(path).with_suffix(".params")
+    for line in beside.read_text().splitlines() if beside.exists() else []:
+        fields = line.replace(",", " ").split()
+        if name in fields:
+            return float(fields[fields.index(name) + 1]) / unit
+    return default
+
+
+class Profile:
+    """From rest to rest with limited acceleration and jerk."""
+
+    def __init__(self, accel):
+        self.accel, self.bend = accel, accel / JERK
+
+    def ramp(self, v):
+        """Seconds from rest to a speed."""
+        return v / self.accel + self.bend if v >= self.accel * self.bend else 2 * math.sqrt(v / JERK)
+
+    def distance(self, t):
+        jerked = min(t, self.bend)
+        return JERK * jerked**3 / 6 + (t - jerked) * (JERK * jerked**2 / 2 + self.accel * (t - jerked) / 2)
+
+    def within(self, length):
+        """The speed whose ramps up and down take a whole leg."""
+        low, high = 0.0, 1000.0
+        for _ in range(100):
+            middle = (low + high) / 2
+            low, high = (middle, high) if middle * self.ramp(middle) < length else (low, middle)
+        return low
+
+    def overlap(self, v, half, radius):
+        """Half of the time for which two legs overlap, and whether that is all of the ramp."""
+        full = self.ramp(v) / 2
+        if 2 * self.distance(full) * math.sin(half) <= radius:
+            return full, True
+        low, high = 0.0, full
+        for _ in range(100):
+            middle = (low + high) / 2
+            near = 2 * self.distance(middle) * math.sin(half) < radius
+            low, high = (middle, high) if near else (low, middle)
+        return low, False
 
 
 def read_items(path):
@@ -103,6 +153,7 @@ class Motion:
     end: float
     fastest: tuple  # greatest speeds across and up
     late: float = 0.0  # by how much it may be late, for the stops and legs before it
+    wide: float = 0.0  # how far beside it the vehicle may be, for the separation
 
     def fraction(self, t):
         if self.end <= self.start or math.isinf(self.end):
@@ -119,13 +170,15 @@ class Knot:
     amsl: float
     agl: float = None
     speed: float = 0.0
+    radius: float = 0.0
 
 
 class Flight:
     """One vehicle's flight, from its `.waypoints` file and its part of the spec."""
 
-    def __init__(self, vehicle, items, ground, tolerance):
-        self.vehicle, self.ground, self.tolerance = vehicle, ground, tolerance
+    def __init__(self, vehicle, items, ground, tolerance, radius):
+        self.vehicle, self.ground, self.tolerance, self.radius = vehicle, ground, tolerance, radius
+        self.profile = Profile(vehicle["accel_mps2"])
         self.ardupilot = vehicle["autopilot"] == "ardupilot"
         self.motions, self.judged, self.follows = [], [], False
         self.speed, self.t, self.knots, self.turned = vehicle["speed_mps"], 0.0, [], 0.0
@@ -151,12 +204,14 @@ class Flight:
             elif command in (WAYPOINT, HOLD, STAY):
                 self.head(item)
                 hold = math.inf if command == STAY else math.trunc(p1) if self.ardupilot and command == WAYPOINT else p1
-                if hold > 0:
+                if hold > 0 or (self.ardupilot and command == HOLD):
                     self.stop()
                     self.hold(hold)
                 if command == STAY:
                     return
             elif command == LAND:
+                if self.ardupilot:
+                    self.stop()
                 self.append(Knot(item["at"], self.knots[-1].amsl, None, self.speed))
                 self.stop()
                 return self.touch_down()
@@ -191,7 +246,10 @@ class Flight:
 
     def head(self, item):
         amsl, agl = self.resolve(item, item["at"])
-        self.append(Knot(item["at"], amsl, agl, self.speed))
+        if self.ardupilot and (agl is None) != (self.knots[-1].agl is None):
+            self.stop()
+        own = not self.ardupilot and item["command"] == WAYPOINT and item["param2"] > 0
+        self.append(Knot(item["at"], amsl, agl, self.speed, item["param2"] if own else self.radius))
 
     def append(self, knot):
         last = self.knots[-1]
@@ -223,8 +281,8 @@ class Flight:
             self.lift(ground + SLOW_M, rate=self.vehicle["descent_mps"])
         self.lift(ground, rate=min(self.vehicle["descent_mps"], 0.5 if self.ardupilot else 0.7))
 
-    def add(self, shape, part, speed, lasts, fastest):
-        self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest, self.late))
+    def add(self, shape, part, speed, lasts, fastest, wide=0.0):
+        self.motions.append(Motion(shape, part, speed, self.t, self.t + lasts, fastest, self.late, wide))
         self.t += lasts
 
     def stop(self):
@@ -240,25 +298,32 @@ class Flight:
             legs.append(Line(a.at, b.at, Height(follows, above, b.agl if follows else b.amsl)))
         self.judged += legs
         lengths = [leg.length for leg in legs]
-        half, taken = self.corners(knots, legs)
-        passing = self.passing(knots, lengths, taken)
+        cruise = [knot.speed for knot in knots[1:]]
+        if self.ardupilot and len(legs) > 1:
+            cruise = [min(v, self.profile.within(length)) for v, length in zip(cruise, lengths)]
+        half, taken = self.corners(knots, legs, cruise)
+        corner = [0.0] + [
+            self.corner_speed(half[i], taken[i], min(cruise[i - 1 : i + 1]), knots[i].radius)
+            for i in range(1, len(legs))
+        ] + [0.0]
+        passing = self.passing(corner, lengths, taken)
         for i, leg in enumerate(legs):
             self.late += 0.0 if self.ardupilot else PX4_LEG_LATE
-            self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], knots[i + 1].speed)
+            self.straight(leg, taken[i], lengths[i] - taken[i + 1], passing[i], passing[i + 1], cruise[i])
             if i + 1 < len(legs) and taken[i + 1] > 0:
                 self.arc(knots[i : i + 3], legs[i : i + 2], half[i + 1], taken[i + 1], passing[i + 1])
+                slower, radius = min(cruise[i : i + 2]), knots[i + 1].radius
+                if self.ardupilot and not self.profile.overlap(slower, half[i + 1], radius)[1]:
+                    self.late += CORNER_LATE
         self.late += STOP_LATE
 
-    def corners(self, knots, legs):
+    def corners(self, knots, legs, cruise):
         """Half the change of course at each knot, and what its arc takes of both legs."""
-        v = self.vehicle
         half, wanted = [0.0] * len(knots), [0.0] * len(knots)
         for i in range(1, len(knots) - 1):
             arc = Arc(knots[i].at, knots[i - 1].at, knots[i + 1].at, 1.0, 0.0, None)
             half[i] = min(abs(arc.sweep) / 2, math.radians(89.9))
-            speed = max(knots[i].speed, knots[i + 1].speed)
-            tightest = min(G * math.sqrt(v["max_load_factor"] ** 2 - 1), v["accel_mps2"])
-            wanted[i] = speed**2 / tightest * math.tan(half[i])
+            wanted[i] = self.takes(half[i], min(cruise[i - 1 : i + 1]), knots[i].radius)
         taken = list(wanted)
         for i, leg in enumerate(legs):
             both = wanted[i] + wanted[i + 1]
@@ -267,10 +332,38 @@ class Flight:
                     taken[k] = min(taken[k], wanted[k] * 0.99 * leg.length / both)
         return half, taken
 
-    def passing(self, knots, lengths, taken):
+    def takes(self, half, v, radius):
+        """What the arc of a corner takes of both legs where they are long."""
+        if not self.ardupilot:
+            return radius
+        if half < 1e-6:
+            return 0.0
+        overlap, _ = self.profile.overlap(v, half, radius)
+        return 2 * self.profile.distance(overlap) * math.sin(half) / math.tan(half / 2)
+
+    def corner_speed(self, half, taken, v, radius):
+        """The constant speed of an arc that takes so much of both legs."""
+        if not self.ardupilot:
+            return min(v, math.sqrt(PX4_TURNING * self.vehicle["accel_mps2"] * taken / math.tan(max(half, 1e-9))))
+        overlap, full = self.profile.overlap(v, half, radius)
+        if half < 1e-6:
+            return v
+        if full:
+            return v * half / math.tan(half)
+        more = float(np.interp(math.degrees(2 * half), MORE_DEG, MORE_S))
+        lost = max(0.0, self.profile.ramp(v) - 2 * overlap + more)
+        arc = taken / math.tan(half) * 2 * half
+        low, high = 0.0, v
+        for _ in range(100):
+            c = (low + high) / 2
+            loses = (v - c) ** 2 / (self.vehicle["accel_mps2"] * v) + arc / c - 2 * taken / v
+            low, high = (c, high) if loses > lost else (low, c)
+        return high
+
+    def passing(self, corner, lengths, taken):
         """Speeds at the knots."""
         accel = self.vehicle["accel_mps2"]
-        speeds = [0.0] + [min(a.speed, b.speed) for a, b in zip(knots[1:], knots[2:])] + [0.0]
+        speeds = list(corner)
         room = [length - taken[i] - taken[i + 1] for i, length in enumerate(lengths)]
         for i in range(len(room)):
             speeds[i + 1] = min(speeds[i + 1], math.sqrt(speeds[i] ** 2 + 2 * accel * room[i]))
@@ -301,12 +394,12 @@ class Flight:
         if shape.length > 1e-6:
             self.judged.append(shape)
             self.turned += shape.length
-            self.move(shape, (0.0, 1.0), (speed, speed), shape.length)
+            self.move(shape, (0.0, 1.0), (speed, speed), shape.length, taken * math.tan(half / 2))
 
-    def move(self, shape, part, speeds, length):
+    def move(self, shape, part, speeds, length, wide=0.0):
         height = shape.height
         slope = abs(height.end - height.start) / shape.length + (self.ground.steepest if height.follows else 0)
-        self.add(shape, part, speeds, 2 * length / sum(speeds), (max(speeds), max(speeds) * slope))
+        self.add(shape, part, speeds, 2 * length / sum(speeds), (max(speeds), max(speeds) * slope), wide)
 
     def where(self, t):
         """Feet in ECEF and altitudes at times."""
@@ -342,6 +435,12 @@ class Flight:
         starts = np.array([motion.start for motion in self.motions])
         late = np.array([motion.late for motion in self.motions])
         return late[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
+
+    def wide_at(self, t):
+        """How far beside its way the vehicle may be at times."""
+        starts = np.array([motion.start for motion in self.motions])
+        wide = np.array([motion.wide for motion in self.motions])
+        return wide[np.clip(np.searchsorted(starts, t, side="right") - 1, 0, len(starts) - 1)]
 
     def takeoff_late(self, other):
         """By how much the other of two copters may be late against this one, or early, from their takeoffs on."""

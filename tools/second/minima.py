@@ -60,11 +60,11 @@ def to_threat(flight, threat):
 
 
 class Fastest:
-    """The greatest speeds across and up in any interval of time."""
+    """The greatest speeds across and up, and the greatest width, in any interval of time."""
 
     def __init__(self, flight):
         self.starts = np.array([motion.start for motion in flight.motions])
-        self.levels = [np.array([motion.fastest for motion in flight.motions])]
+        self.levels = [np.array([(*motion.fastest, motion.wide) for motion in flight.motions])]
         while 2 ** len(self.levels) <= len(self.starts):
             last, step = self.levels[-1], 2 ** (len(self.levels) - 1)
             self.levels.append(np.maximum(last[:-step], last[step:]))
@@ -74,7 +74,7 @@ class Fastest:
         i = np.clip(np.searchsorted(self.starts, start, side="right") - 1, 0, last)
         j = np.clip(np.searchsorted(self.starts, end, side="right") - 1, 0, last)
         depth = np.log2(j - i + 1).astype(int)
-        found = np.empty((len(i), 2))
+        found = np.empty((len(i), 3))
         for d in np.unique(depth):
             here, level = depth == d, self.levels[d]
             found[here] = np.maximum(level[i[here]], level[j[here] - (1 << d) + 1])
@@ -84,7 +84,8 @@ class Fastest:
 def separation(a, b, slack, vertical, loose):
     """What is measured, the least distance of two flights, how far below the true one may be, and how far
     below that the verdict may see it; or the seconds between them. With `vertical` the distance is horizontal
-    where the altitudes differ by less (for the verdict, by less than `loose` more), else vertical."""
+    where the altitudes differ by less (for the verdict, by less than `loose` more), else vertical. Each is
+    less by how far beside their ways the two may be."""
     spans = [(f.motions[0].start, f.motions[-1].end) for f in (a, b)]
     (a0, a1), (b0, b1) = spans
     late = a.takeoff_late(b)
@@ -115,17 +116,22 @@ class Pair:
         t, u = np.clip(t, self.a0, self.a1), np.clip(t + s, self.b0, self.b1)
         (p, p_amsl), (q, q_amsl) = self.a.where(t), self.b.where(u)
         across, up = np.linalg.norm(p - q, axis=-1), np.abs(p_amsl - q_amsl)
+        wide = self.a.wide_at(t) + self.b.wide_at(u)
         counts = (u - t <= self.slack + self.a.late_at(t) + 1e-9) & (t - u <= self.slack + self.b.late_at(u) + 1e-9)
         if self.kind == "horizontal":
-            return across, up, counts & (up < self.level)
-        return (np.hypot(across, up) if self.kind == "space" else up), up, counts
+            return np.maximum(across - wide, 0), up - wide, counts & (up - wide < self.level)
+        apart = np.hypot(across, up) if self.kind == "space" else up
+        return np.maximum(apart - wide, 0), up - wide, counts
 
     def reach(self, t, s, ht, hs):
         """By how much the distance and the difference in altitude can change in cells of these half widths."""
         u = np.clip(t + s, self.b0, self.b1)
-        change = self.fast_a.within(t - ht, t + ht) * ht + self.fast_b.within(u - ht - hs, u + ht + hs) * (ht + hs)
+        a, b = self.fast_a.within(t - ht, t + ht), self.fast_b.within(u - ht - hs, u + ht + hs)
+        change = a * ht + b * (ht + hs)
         across, up = change[:, 0], change[:, 1]
-        return {"space": np.hypot(across, up), "horizontal": across, "vertical": up}[self.kind], up
+        wider = np.maximum(a[:, 2] + b[:, 2] - self.a.wide_at(t) - self.b.wide_at(u), 0)
+        reach = {"space": np.hypot(across, up), "horizontal": across, "vertical": up}[self.kind]
+        return reach + wider, up + wider
 
     def allowed(self, t, s):
         """The nearest shifts that count, or nearly: before its stops a vehicle is less late."""

@@ -1,11 +1,14 @@
 //! Which velocity brings a vehicle along its leg.
 
+use crate::autopilot::Turn;
 use crate::simulator::parameters::Limits;
 
 /// Speed for each metre that is missing, near the end, 1/s.
 const GAIN: f64 = 0.8;
 /// Share of the acceleration that is planned with; the rest is for what comes in between.
 const SHARE: f64 = 0.7;
+/// No corner is passed more slowly, m/s.
+const LEAST_CORNER_MPS: f64 = 0.3;
 /// Legs shorter than this across go straight up or down, metres.
 pub(crate) const UPRIGHT_M: f64 = 0.5;
 
@@ -49,17 +52,25 @@ pub(crate) fn half_turn_rad(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> f64 {
     0.5 * turn.min(std::f64::consts::TAU - turn)
 }
 
-/// How fast a corner may be passed so that it is cut by no more than the limits allow.
+/// How fast a corner may be passed at a cruise speed: as the autopilot does, or so that it is cut
+/// by no more than the limits allow.
 ///
 /// A vehicle that pushes with constant acceleration from one course to the other flies a
 /// parabola, which misses the corner by `v^2 sin^2(phi/2) / (2 a)`.
-pub(crate) fn corner_mps(half_turn_rad: f64, limits: &Limits) -> f64 {
+pub(crate) fn corner_mps(half_turn_rad: f64, speed_mps: f64, limits: &Limits) -> f64 {
     let sin = half_turn_rad.sin();
     if sin < 1e-6 {
-        f64::INFINITY
-    } else {
-        (2.0 * limits.corner_accel_mps2 * limits.corner_cut_m).sqrt() / sin
+        return f64::INFINITY;
     }
+    let turn = Turn {
+        angle_rad: 2.0 * half_turn_rad,
+        speed_mps,
+        radius_m: limits.corner_cut_m,
+    };
+    limits.cornering.map_or_else(
+        || (2.0 * limits.corner_accel_mps2 * limits.corner_cut_m).sqrt() / sin,
+        |law| law.least_mps(&turn).max(LEAST_CORNER_MPS),
+    )
 }
 
 impl Leg {

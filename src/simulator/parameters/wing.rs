@@ -157,6 +157,7 @@ impl Settings {
             climb_mps,
             descent_mps: metres("Q_WP_SPEED_DN").max(0.1),
             corner_cut_m: 2.0,
+            cornering: None,
             slow_landing_m: self.of_name("Q_LAND_FINAL_ALT"),
             slow_landing_mps: self.of_name("Q_LAND_FINAL_SPD").max(0.1),
             return_m: self.wing().return_m,

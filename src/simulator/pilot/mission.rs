@@ -139,6 +139,7 @@ impl Pilot {
         limits: &Limits,
     ) -> Vec<Gate> {
         let mut gates = Vec::new();
+        let cruise_mps = self.speed_mps.unwrap_or(limits.speed_mps);
         let (mut leg, mut hold, mut index) = (leg, hold, self.at);
         let mut distance_m = leg.left_m(at_m);
         loop {
@@ -158,7 +159,7 @@ impl Pilot {
             let speed_mps = if leg.is_upright() || after.is_upright() {
                 0.0
             } else {
-                steering::corner_mps(half, limits)
+                steering::corner_mps(half, cruise_mps, limits)
             };
             gates.push(Gate {
                 distance_m,
@@ -183,12 +184,21 @@ impl Pilot {
         if self.mode() != Mode::Mission {
             return None;
         }
+        let stops = self.profile.facts(self.airframe).stops;
+        let over_ground = |item: &Item| frame::canonical(item.frame) == frame::GLOBAL_TERRAIN_ALT;
+        let is_over_ground = items.get(index).is_some_and(over_ground);
         for (at, item) in items.iter().enumerate().skip(index + 1) {
             match item.command {
+                command::NAV_WAYPOINT | command::NAV_LOITER_TIME | command::NAV_LOITER_UNLIM
+                    if stops.between_altitude_kinds && over_ground(item) != is_over_ground =>
+                {
+                    return None;
+                }
                 command::NAV_WAYPOINT | command::NAV_LOITER_TIME | command::NAV_LOITER_UNLIM => {
                     let to_m = self.point_m(item, from_m)?;
                     return Some((at, Leg { from_m, to_m }, stay(item)));
                 }
+                command::NAV_LAND if stops.before_landing => return None,
                 command::NAV_LAND => {
                     return match self.to_landing(item, from_m) {
                         Doing::Flying { leg, hold } => Some((at, leg, hold)),

@@ -3,7 +3,7 @@
 mod ends;
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
-use crate::mission::{VehicleMission, cruise_speed_mps};
+use crate::mission::{VehicleMission, acceptance_m, cruise_speed_mps};
 use crate::path::{heading_rad, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
@@ -50,6 +50,7 @@ pub(crate) fn fly(
         guidance: Guidance::of(vehicle, mission),
         early_top: None,
         drift: None,
+        accept_m: acceptance_m(mission, 0),
         lag_s: altitude_lag::lag_s(mission),
         early_m: altitude_lag::early_m(vehicle, mission),
     };
@@ -92,6 +93,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) early_top: Option<PlanPoint>,
     /// Where the wind has driven it as it rose, until it goes on from there: metres.
     pub(crate) drift: Option<EastNorth>,
+    /// A copter accepts the place of the item at work within this radius, metres.
+    accept_m: f64,
     /// Lag behind a slope, seconds of the climb rate; 0 for none.
     pub(crate) lag_s: f64,
     /// So far before a waypoint it has its altitude, metres.
@@ -123,6 +126,8 @@ impl Pilot<'_> {
                 return self.stop().err().or(Some(unknown));
             }
             if matches!(self.flight.end, Some(End::Stays(_))) {
+                let items = mission.items.len();
+                self.flight.last_row = (step.row < items).then_some(step.row);
                 return None;
             }
         }
@@ -137,6 +142,7 @@ impl Pilot<'_> {
     fn obey(&mut self, step: &Step, mission: &VehicleMission) -> Result<(), Unknown> {
         let row = step.row;
         let unknown = |why: &str| Unknown::err(row, why);
+        self.accept_m = acceptance_m(mission, row);
         let moves = !matches!(step.order, Order::Nothing | Order::Speed { .. });
         if moves && self.ended {
             return unknown("the mission goes on after the landing");
@@ -162,7 +168,7 @@ impl Pilot<'_> {
             _ if !self.airborne => return unknown("no takeoff before it"),
             Order::Fly { at, height, hold_s } => {
                 self.head_for(row, at, height)?;
-                if hold_s > 0.0 {
+                if let Some(hold_s) = hold_s {
                     self.stop()?;
                     self.hold(row, hold_s);
                 }
@@ -233,6 +239,10 @@ impl Pilot<'_> {
         let at = self.reach(row, place)?;
         let (amsl_m, agl_m) = self.resolve(row, place, height)?;
         let knot = self.knot(row, at, amsl_m, agl_m);
+        let changes_kind = self.last().agl_m.is_some() != agl_m.is_some();
+        if changes_kind && self.vehicle.facts().stops.between_altitude_kinds {
+            self.stop()?;
+        }
         self.append(knot)?;
         if self.phase == Phase::Join {
             // The first place after the takeoff is the start of the route.
@@ -409,6 +419,7 @@ impl Pilot<'_> {
             speed_is_known: self.speed_mps.is_some(),
             phase: self.phase,
             slope_from_m: None,
+            accept_m: self.accept_m,
         }
     }
 

@@ -95,6 +95,8 @@ pub(crate) struct Flight {
     pub(crate) circle: Option<Circle>,
     /// From where on the flight is not known.
     pub(crate) unknown: Option<Unknown>,
+    /// The row of the item at which the vehicle stays for ever, if others follow it.
+    pub(crate) last_row: Option<usize>,
     /// Whether the altitude above ground is the vehicle's own doing somewhere.
     pub(crate) follows_terrain: bool,
 }

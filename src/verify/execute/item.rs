@@ -1,6 +1,6 @@
 //! One item as the autopilot reads it.
 
-use crate::autopilot::{Autopilot, Motion, command_row};
+use crate::autopilot::{Airframe, Autopilot, Motion, command_row, facts};
 use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
 use crate::mission::{Item, command, frame};
 use crate::world::World;
@@ -20,11 +20,11 @@ pub(crate) enum Order {
     /// Climb: straight up, or a plane along its course. PX4 then moves to the item's place,
     /// a plane towards it.
     Takeoff { at: Option<LatLon>, height: Height },
-    /// Fly to a place and stay there for a time; 0 means pass by.
+    /// Fly to a place and stop and stay there for a time; without one pass by.
     Fly {
         at: LatLon,
         height: Height,
-        hold_s: f64,
+        hold_s: Option<f64>,
     },
     /// Fly to a place and stay for ever; on a wing, circle around it, clockwise where the
     /// radius (metres) is positive.
@@ -65,12 +65,15 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
         command::NAV_WAYPOINT => Ok(Order::Fly {
             at: place(item)?,
             height: own_height(item, autopilot, home)?,
-            hold_s: hold_s(item.params[0], autopilot)?,
+            hold_s: Some(hold_s(item.params[0], autopilot)?).filter(|&hold_s| hold_s > 0.0),
         }),
         command::NAV_LOITER_TIME => Ok(Order::Fly {
             at: place(item)?,
             height: own_height(item, autopilot, home)?,
-            hold_s: seconds(item.params[0])?,
+            hold_s: Some(seconds(item.params[0])?).filter(|&hold_s| {
+                let stops = facts(autopilot, Airframe::Copter).stops;
+                hold_s > 0.0 || stops.at_timed_loiter
+            }),
         }),
         command::NAV_LOITER_UNLIM => Ok(Order::Stay {
             at: place(item)?,

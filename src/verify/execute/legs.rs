@@ -1,13 +1,15 @@
 //! Legs between two stops: fillets at the corners, speed along the way.
 
-use std::f64::consts::PI;
+mod corners;
 
+use crate::autopilot::Cornering;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::path::{VehicleLimits, heading_rad};
+use crate::path::heading_rad;
 use crate::spec::Vehicle;
 
 use super::decode::Unknown;
 use crate::verify::measure::segment::Phase;
+use corners::{Corner, arc, corners, fit};
 
 /// A point of the flight where legs meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,17 +29,8 @@ pub(crate) struct Knot {
     pub(crate) phase: Phase,
     /// Altitude of the ground that the leg that leads here climbs from or glides to, metres.
     pub(crate) slope_from_m: Option<f64>,
-}
-
-/// A corner between two legs and the circle that rounds it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Corner {
-    /// Change of course, radians, positive to the left.
-    turn_rad: f64,
-    /// What the turn radius takes of each leg, `R tan(phi/2)`, metres.
-    required_m: f64,
-    /// What it gets, metres.
-    taken_m: f64,
+    /// A copter accepts the place within this radius, metres.
+    pub(crate) accept_m: f64,
 }
 
 /// Horizontal shape of a piece.
@@ -65,6 +58,10 @@ pub(crate) struct Piece {
     pub(crate) speed_mps: (f64, f64),
     /// Fractions of the leg at the ends; of an arc, where it leaves one leg and joins the next.
     pub(crate) fraction: (f64, f64),
+    /// How far a real vehicle may be from it, metres: a copter cuts a corner by less, or not at all.
+    pub(crate) wide_m: f64,
+    /// By how much the vehicle may be later at its end than at its beginning, seconds.
+    pub(crate) late_s: f64,
 }
 
 /// How much of a leg its fillets leave over.
@@ -83,14 +80,6 @@ pub(crate) struct Run {
     pub(crate) rooms: Vec<Room>,
     /// Highest speed on each leg, m/s.
     pub(crate) peak_mps: Vec<f64>,
-}
-
-/// The turn radius at a commanded speed and an altitude, metres: it grows with the square of
-/// the greatest speed over the ground.
-fn turn_radius_m(vehicle: &Vehicle, speed_mps: f64, at: Amsl) -> f64 {
-    let limits = VehicleLimits::of(vehicle);
-    let ratio = vehicle.fastest_at_mps(speed_mps, at) / limits.fastest_mps;
-    limits.turn_radius_m * ratio * ratio
 }
 
 /// The speed over the ground on each leg, m/s.
@@ -206,9 +195,12 @@ pub(crate) fn run(
         .windows(2)
         .map(|pair| pair[0].at.distance_m(pair[1].at))
         .collect();
-    let mut corners = corners(knots, vehicle);
+    let law = vehicle.facts().corners;
+    let law = law.map(|law| Cornering::new(law, vehicle.accel_mps2));
+    let grounds_mps = cruise_speeds(grounds_mps, &legs, law);
+    let mut corners = corners(knots, vehicle, law, &grounds_mps);
     let rooms = fit(&mut corners, &legs);
-    let passing = passing_speeds(grounds_mps, &legs, &corners, vehicle, ends_mps);
+    let passing = passing_speeds(&grounds_mps, &legs, &corners, vehicle, ends_mps);
     let mut found = Run {
         pieces: Vec::new(),
         rooms,
@@ -241,6 +233,8 @@ pub(crate) fn run(
                     shape,
                     speed_mps: passing[leg + 1],
                     fraction: share,
+                    wide_m: corners[leg + 1].cut_m(),
+                    late_s: corners[leg + 1].late_s(vehicle),
                 });
             }
         }
@@ -248,63 +242,20 @@ pub(crate) fn run(
     found
 }
 
-/// A corner at every knot; none at the ends.
-fn corners(knots: &[Knot], vehicle: &Vehicle) -> Vec<Corner> {
-    let none = Corner {
-        turn_rad: 0.0,
-        required_m: 0.0,
-        taken_m: 0.0,
-    };
-    let mut corners = vec![none; knots.len()];
-    for (index, trio) in knots.windows(3).enumerate() {
-        let course =
-            |a: EastNorth, b: EastNorth| (b.north_m - a.north_m).atan2(b.east_m - a.east_m);
-        let mut turn_rad = course(trio[1].at, trio[2].at) - course(trio[0].at, trio[1].at);
-        if turn_rad > PI {
-            turn_rad -= 2.0 * PI;
-        } else if turn_rad < -PI {
-            turn_rad += 2.0 * PI;
-        }
-        // The tangent of a full reversal has no end: 89.9 degrees are long enough to fail.
-        let half_rad = (0.5 * turn_rad.abs()).min(89.9_f64.to_radians());
-        let speed_mps = trio[1].speed_mps.max(trio[2].speed_mps);
-        let at = Amsl(trio[1].amsl_m);
-        let required_m = turn_radius_m(vehicle, speed_mps, at) * half_rad.tan();
-        corners[index + 1] = Corner {
-            turn_rad,
-            required_m,
-            taken_m: required_m,
-        };
+/// The highest speed on each leg, m/s. Legs without corners are as fast as the acceleration allows.
+fn cruise_speeds(grounds_mps: &[f64], legs: &[f64], law: Option<Cornering>) -> Vec<f64> {
+    let pairs = grounds_mps.iter().zip(legs);
+    match law {
+        Some(law) if legs.len() > 1 => pairs
+            .map(|(&speed_mps, &length_m)| law.cruise_mps(length_m, speed_mps))
+            .collect(),
+        _ => grounds_mps.to_vec(),
     }
-    corners
-}
-
-/// Shrinks fillets that do not fit, and says what each leg has left.
-fn fit(corners: &mut [Corner], legs: &[f64]) -> Vec<Room> {
-    // A little of each leg stays straight, so that a start from rest can gather speed.
-    const SHARE: f64 = 0.99;
-    let mut rooms = Vec::new();
-    for (leg, &length_m) in legs.iter().enumerate() {
-        let required_m = corners[leg].required_m + corners[leg + 1].required_m;
-        if required_m > 0.0 {
-            rooms.push(Room {
-                leg,
-                left_m: length_m - required_m,
-            });
-        }
-        if required_m > SHARE * length_m {
-            let scale = SHARE * length_m / required_m;
-            for corner in &mut corners[leg..=leg + 1] {
-                corner.taken_m = corner.taken_m.min(corner.required_m * scale);
-            }
-        }
-    }
-    rooms
 }
 
 /// The speeds with which each corner is entered and left: no faster than its legs, and what
 /// the acceleration allows. The wind carries a wing from one ground speed to the other in the
-/// turn itself; anything else passes a corner at the slower one.
+/// turn itself; anything else passes a corner at the slower one, or more slowly as its autopilot does.
 fn passing_speeds(
     grounds_mps: &[f64],
     legs: &[f64],
@@ -314,14 +265,21 @@ fn passing_speeds(
 ) -> Vec<(f64, f64)> {
     let is_carried = vehicle.carried_by().is_some();
     let mut speeds = vec![(ends_mps.0, ends_mps.0)];
-    speeds.extend(grounds_mps.windows(2).map(|pair| {
-        let slower = pair[0].min(pair[1]);
-        if is_carried {
-            (pair[0], pair[1])
-        } else {
-            (slower, slower)
-        }
-    }));
+    speeds.extend(
+        grounds_mps
+            .windows(2)
+            .zip(&corners[1..])
+            .map(|(pair, corner)| {
+                let slower = corner.flown.map_or(pair[0].min(pair[1]), |(law, turn)| {
+                    law.arc_mps(&turn, corner.taken_m)
+                });
+                if is_carried {
+                    (pair[0], pair[1])
+                } else {
+                    (slower, slower)
+                }
+            }),
+    );
     speeds.push((ends_mps.1, ends_mps.1));
     let straight_m = |leg: usize| legs[leg] - corners[leg].taken_m - corners[leg + 1].taken_m;
     let reach = |speed: f64, leg: usize| {
@@ -341,34 +299,6 @@ fn passing_speeds(
         }
     }
     speeds
-}
-
-/// The circle that rounds a corner, if there is one to round.
-fn arc(knots: (EastNorth, EastNorth, EastNorth), corner: &Corner) -> Option<Shape> {
-    const LEAST_TURN_RAD: f64 = 1e-6;
-    let half_rad = 0.5 * corner.turn_rad.abs();
-    let radius_m = corner.taken_m / half_rad.min(89.9_f64.to_radians()).tan();
-    if half_rad < LEAST_TURN_RAD || radius_m <= 0.0 {
-        return None;
-    }
-    let (before, at, _) = knots;
-    let course_rad = (at.north_m - before.north_m).atan2(at.east_m - before.east_m);
-    let (sin, cos) = course_rad.sin_cos();
-    // From the centre the vehicle is to the right on a left turn, and the other way round.
-    let side = corner.turn_rad.signum();
-    let entry = EastNorth {
-        east_m: at.east_m - corner.taken_m * cos,
-        north_m: at.north_m - corner.taken_m * sin,
-    };
-    Some(Shape::Arc {
-        center: EastNorth {
-            east_m: entry.east_m - side * radius_m * sin,
-            north_m: entry.north_m + side * radius_m * cos,
-        },
-        radius_m,
-        start_rad: course_rad - side * 0.5 * PI,
-        sweep_rad: corner.turn_rad,
-    })
 }
 
 /// One leg, for cutting pieces off it.
@@ -411,6 +341,8 @@ impl Line {
                     },
                     speed_mps,
                     fraction,
+                    wide_m: 0.0,
+                    late_s: 0.0,
                 });
             }
         };

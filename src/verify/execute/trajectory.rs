@@ -137,6 +137,7 @@ impl<'a> TrajectoryBuilder<'a> {
                 error_m,
                 bow_m: if is_arc { error_m } else { 0.0 },
                 slope_from_m: to.slope_from_m,
+                wide_m: piece.wide_m,
                 late_s: self.late_s,
                 flown: true,
                 ..Chord::unflown((to.row, to.phase), times_s, ends)
@@ -144,6 +145,7 @@ impl<'a> TrajectoryBuilder<'a> {
             self.lay(chord, &line.part(covered))?;
         }
         self.t_s = from_s + duration_s;
+        self.late_s += piece.late_s;
         if is_arc {
             self.lay_corner(piece, knots, lines, from_s)?;
         }

@@ -6,7 +6,7 @@ mod ends;
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};
 use crate::path::VehicleLimits;
-use crate::spec::{Autopilot, MissionSpec, Vehicle};
+use crate::spec::{Autopilot, Finish, MissionSpec, Vehicle};
 use crate::world::{Stations, World};
 
 use super::fence::Fence;
@@ -68,6 +68,9 @@ impl Contract<'_> {
     /// How many items could be flown.
     fn judged(&self) -> Margin {
         let total = count(self.mission.items.len());
+        if let (None, Some(row)) = (&self.flight.unknown, self.flight.last_row) {
+            return self.judged_until(row, total);
+        }
         let judged = self
             .flight
             .unknown
@@ -90,6 +93,22 @@ impl Contract<'_> {
                 None => String::new(),
             },
             ..required.margin(self.id(), judged, at)
+        }
+    }
+
+    /// A vehicle that stays at an item for ever never flies those after it. That is no fault
+    /// where the spec wants it to stay.
+    fn judged_until(&self, row: usize, total: f64) -> Margin {
+        let last = self.flight.chords.last();
+        let at = last.map(|chord| chord.moment(&self.world.frame, 0.0));
+        let required = Requirement::at_least(Limit::ItemsJudged, total, "items");
+        Margin {
+            ok: self.vehicle.finish == Finish::Loiter,
+            note: format!(
+                "the vehicle stays at item {row} (NAV_LOITER_UNLIM) for ever: item {} and all after it are never flown",
+                row + 1
+            ),
+            ..required.margin(self.id(), count(row), at)
         }
     }
 

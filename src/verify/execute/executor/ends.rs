@@ -15,6 +15,9 @@ impl Pilot<'_> {
             let last = self.last();
             let at = self.reach(row, place)?;
             let knot = self.knot(row, at, last.amsl_m, None);
+            if self.vehicle.facts().stops.before_landing {
+                self.stop()?;
+            }
             self.append(knot)?;
         }
         self.stop()?;

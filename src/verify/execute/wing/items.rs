@@ -34,7 +34,7 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
         command::NAV_WAYPOINT => Ok(Order::Fly {
             at: place(item)?,
             height: own_height(item, autopilot, home)?,
-            hold_s: 0.0,
+            hold_s: None,
         }),
         command::NAV_LOITER_UNLIM => Ok(Order::Stay {
             at: place(item)?,

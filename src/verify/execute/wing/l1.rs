@@ -249,6 +249,7 @@ mod tests {
             speed_is_known: true,
             phase: Phase::Route,
             slope_from_m: None,
+            accept_m: 2.0,
         }
     }
 

@@ -1,0 +1,348 @@
+//! How a copter flies around a waypoint: it slows down, cuts the corner, and speeds up again.
+//!
+//! **`ArduCopter`** (4.6, `AC_WPNav` and `SCurve`) gives every leg a profile from rest to rest with
+//! limited acceleration and jerk. It begins the next leg while it still brakes on the one before, so
+//! late that half of this overlap passes within `WPNAV_RADIUS` of the waypoint. The speeds that follow
+//! from this are those flown on 4.6.3 within 0.2 m/s (2026-11-23, simulator, still air, 31 corners
+//! of 10 to 150 degrees at 5 and 10 m/s with radius 2 and 5 m); the cut is the flown one or
+//! up to twice as much. [`MEASURED_MORE_S`] is what the flown seconds of a leg differ by.
+//!
+//! **PX4** (1.16 to 1.18, `PositionSmoothing` and `computeMaxSpeedInWaypoint`) limits the speed at a
+//! waypoint to that of a circle that touches both legs at the acceptance radius, with a share of
+//! the acceleration. This is from its sources and was not measured.
+
+/// How the copters of an autopilot fly around a waypoint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CornerLaw {
+    /// The profiles of two legs overlap: `ArduCopter`.
+    Overlap,
+    /// A circle that touches both legs at the acceptance radius: PX4.
+    Circle,
+}
+
+/// Where a vehicle stops although its items do not say so, besides holds, delays, returns and
+/// vertical legs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stops {
+    /// At the waypoint before `NAV_LAND` at another place.
+    pub before_landing: bool,
+    /// At a waypoint whose altitude is above the terrain where that of the next one is not, or
+    /// the other way round.
+    pub between_altitude_kinds: bool,
+    /// At `NAV_LOITER_TIME` of 0 s.
+    pub at_timed_loiter: bool,
+}
+
+impl Stops {
+    /// Nowhere.
+    pub(super) const NONE: Self = Self {
+        before_landing: false,
+        between_altitude_kinds: false,
+        at_timed_loiter: false,
+    };
+    /// Wherever the next waypoint is not given to the navigation (`ModeAuto::set_next_wp`,
+    /// `AC_WPNav::set_wp_destination_next`). Before a landing 0.03 m/s were flown on 4.6.3.
+    pub(super) const ARDUCOPTER: Self = Self {
+        before_landing: true,
+        between_altitude_kinds: true,
+        at_timed_loiter: true,
+    };
+}
+
+/// `WPNAV_JERK`, m/s^3: the default.
+const JERK_MPS3: f64 = 1.0;
+/// Share of the acceleration that turns a PX4 copter: default of `MPC_XY_TRAJ_P`.
+const PX4_TURNING_SHARE: f64 = 0.5;
+/// Smaller half changes of course are none, radians.
+const LEAST_RAD: f64 = 1e-6;
+
+/// `ArduCopter` 4.6.3, flown 2026-11-23 (simulator, still air) at 10 m/s with 2.5 m/s^2 and default
+/// jerk: change of course, degrees, and by how many seconds a leg of 200 m between two such corners took
+/// longer than the overlapping profiles say. The mean of radius 2 and 5 m, where both slow down.
+/// The entry of 180 degrees continues the line.
+const MEASURED_MORE_S: [(f64, f64); 12] = [
+    (0.0, 0.0),
+    (20.0, 0.0),
+    (30.0, -0.4),
+    (45.0, -0.4),
+    (60.0, -0.1),
+    (75.0, 0.0),
+    (90.0, 0.1),
+    (105.0, 0.2),
+    (120.0, 0.3),
+    (135.0, 0.4),
+    (150.0, 0.55),
+    (180.0, 0.8),
+];
+
+/// What a copter's autopilot does at its corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cornering {
+    law: CornerLaw,
+    accel_mps2: f64,
+}
+
+/// A corner: change of course, the speed of its slower leg, and the radius within which the
+/// waypoint is accepted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// Change of course, radians, never negative.
+    pub angle_rad: f64,
+    /// Cruise speed of the slower leg, m/s.
+    pub speed_mps: f64,
+    /// Acceptance radius, metres.
+    pub radius_m: f64,
+}
+
+impl Turn {
+    /// Half of the change of course; the tangent of a full reversal has no end.
+    fn half_rad(&self) -> f64 {
+        (0.5 * self.angle_rad).min(89.9_f64.to_radians())
+    }
+}
+
+impl Cornering {
+    /// A law, with the acceleration of a vehicle.
+    #[must_use]
+    pub fn new(law: CornerLaw, accel_mps2: f64) -> Self {
+        Self { law, accel_mps2 }
+    }
+
+    /// The highest speed on a leg of a length, m/s: the profile of `ArduCopter` must find place on it
+    /// from rest to rest.
+    #[must_use]
+    pub fn cruise_mps(&self, length_m: f64, speed_mps: f64) -> f64 {
+        if self.law == CornerLaw::Circle {
+            return speed_mps;
+        }
+        let least_m = self.bend_mps() * self.ramp_s(self.bend_mps());
+        let most_mps = if length_m < least_m {
+            (0.25 * JERK_MPS3 * length_m * length_m).cbrt()
+        } else {
+            // v (v / a + a / j) = length
+            let half = 0.5 * self.accel_mps2 * self.accel_mps2 / JERK_MPS3;
+            (half * half + self.accel_mps2 * length_m).sqrt() - half
+        };
+        speed_mps.min(most_mps)
+    }
+
+    /// How much of both legs an arc takes that cuts the corner as far as the vehicle does, metres.
+    #[must_use]
+    pub fn taken_m(&self, turn: &Turn) -> f64 {
+        match self.law {
+            CornerLaw::Overlap => {
+                let half_rad = turn.half_rad();
+                if half_rad < LEAST_RAD {
+                    return 0.0;
+                }
+                let before_m = self.distance_m(self.overlap_s(turn));
+                2.0 * before_m * half_rad.sin() / (0.5 * half_rad).tan()
+            }
+            CornerLaw::Circle => turn.radius_m,
+        }
+    }
+
+    /// The constant speed of an arc that takes so much of both legs, m/s: on `ArduCopter` the one with
+    /// which the leg lasts as long as flown, where the speed changes with the vehicle's acceleration.
+    #[must_use]
+    pub fn arc_mps(&self, turn: &Turn, taken_m: f64) -> f64 {
+        let (v_mps, half_rad) = (turn.speed_mps, turn.half_rad());
+        if self.law == CornerLaw::Circle {
+            let turning_mps2 = PX4_TURNING_SHARE * self.accel_mps2;
+            return v_mps.min((turning_mps2 * taken_m / half_rad.tan()).sqrt());
+        }
+        if half_rad < LEAST_RAD {
+            return v_mps;
+        }
+        if self.is_full(turn) {
+            // As long as the way over the waypoint.
+            return v_mps * half_rad / half_rad.tan();
+        }
+        let overlap_s = 2.0 * self.overlap_s(turn);
+        let more_s = measured_more_s(turn.angle_rad.to_degrees());
+        let lost_s = (self.ramp_s(v_mps) - overlap_s + more_s).max(0.0);
+        let arc_m = taken_m / half_rad.tan() * turn.angle_rad;
+        let loses_s = |mps: f64| {
+            let slower_mps = v_mps - mps;
+            slower_mps * slower_mps / (self.accel_mps2 * v_mps) + arc_m / mps
+                - 2.0 * taken_m / v_mps
+        };
+        // The loss falls with the speed.
+        let (mut low_mps, mut high_mps) = (0.0, v_mps);
+        for _ in 0..60 {
+            let middle_mps = 0.5 * (low_mps + high_mps);
+            if loses_s(middle_mps) > lost_s {
+                low_mps = middle_mps;
+            } else {
+                high_mps = middle_mps;
+            }
+        }
+        high_mps
+    }
+
+    /// The speed nearest to the waypoint, m/s.
+    #[must_use]
+    pub fn least_mps(&self, turn: &Turn) -> f64 {
+        match self.law {
+            CornerLaw::Overlap => {
+                2.0 * self.speed_mps(self.overlap_s(turn)) * turn.half_rad().cos()
+            }
+            CornerLaw::Circle => self.arc_mps(turn, turn.radius_m),
+        }
+    }
+
+    /// Speed at which the acceleration just reaches its limit, m/s.
+    fn bend_mps(&self) -> f64 {
+        self.accel_mps2 * self.accel_mps2 / JERK_MPS3
+    }
+
+    /// From rest to a speed, seconds.
+    fn ramp_s(&self, speed_mps: f64) -> f64 {
+        if speed_mps >= self.bend_mps() {
+            speed_mps / self.accel_mps2 + self.accel_mps2 / JERK_MPS3
+        } else {
+            2.0 * (speed_mps / JERK_MPS3).sqrt()
+        }
+    }
+
+    /// How far a leg has come after a time, up to half of its ramp, metres.
+    fn distance_m(&self, time_s: f64) -> f64 {
+        let bend_s = self.accel_mps2 / JERK_MPS3;
+        let jerked_s = time_s.min(bend_s);
+        let more_s = time_s - jerked_s;
+        JERK_MPS3 * jerked_s.powi(3) / 6.0
+            + more_s * (0.5 * JERK_MPS3 * jerked_s * jerked_s + 0.5 * self.accel_mps2 * more_s)
+    }
+
+    /// Its speed then, m/s.
+    fn speed_mps(&self, time_s: f64) -> f64 {
+        let jerked_s = time_s.min(self.accel_mps2 / JERK_MPS3);
+        0.5 * JERK_MPS3 * jerked_s * jerked_s + self.accel_mps2 * (time_s - jerked_s)
+    }
+
+    /// Half of the time for which two legs overlap, seconds.
+    fn overlap_s(&self, turn: &Turn) -> f64 {
+        let full_s = 0.5 * self.ramp_s(turn.speed_mps);
+        if self.is_full(turn) {
+            return full_s;
+        }
+        let before_m = turn.radius_m / (2.0 * turn.half_rad().sin());
+        let bend_s = self.accel_mps2 / JERK_MPS3;
+        let bend_m = JERK_MPS3 * bend_s.powi(3) / 6.0;
+        if before_m <= bend_m {
+            (6.0 * before_m / JERK_MPS3).cbrt()
+        } else {
+            let bend_mps = 0.5 * self.bend_mps();
+            let root = (bend_mps * bend_mps + 2.0 * self.accel_mps2 * (before_m - bend_m)).sqrt();
+            bend_s + (root - bend_mps) / self.accel_mps2
+        }
+    }
+
+    /// Whether a leg takes longer for the corner.
+    #[must_use]
+    pub fn takes_time(&self, turn: &Turn) -> bool {
+        match self.law {
+            CornerLaw::Overlap => !self.is_full(turn),
+            CornerLaw::Circle => self.arc_mps(turn, turn.radius_m) < turn.speed_mps,
+        }
+    }
+
+    /// Whether the whole of both ramps overlaps within the acceptance radius: nothing is lost.
+    fn is_full(&self, turn: &Turn) -> bool {
+        let full_m = self.distance_m(0.5 * self.ramp_s(turn.speed_mps));
+        2.0 * full_m * turn.half_rad().sin() <= turn.radius_m
+    }
+}
+
+/// [`MEASURED_MORE_S`] at a change of course, linear in between.
+fn measured_more_s(turn_deg: f64) -> f64 {
+    let after = MEASURED_MORE_S.partition_point(|(at, _)| *at <= turn_deg);
+    let last = MEASURED_MORE_S.len() - 1;
+    let after = after.clamp(1, last);
+    let (from, to) = (MEASURED_MORE_S[after - 1], MEASURED_MORE_S[after]);
+    let share = ((turn_deg - from.0) / (to.0 - from.0)).clamp(0.0, 1.0);
+    from.1 + (to.1 - from.1) * share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CornerLaw, Cornering, Turn};
+
+    /// Flown on `ArduCopter` 4.6.3 with 2.5 m/s^2 and default jerk: change of course, degrees; least speed, m/s,
+    /// and closest to the waypoint, metres, at 10 m/s with radius 2 and 5 m; least speed at 5 m/s with 2 m.
+    const FLOWN: [(f64, [(f64, f64); 2], f64); 11] = [
+        (10.0, [(9.9, 0.9), (9.9, 0.9)], 5.0),
+        (20.0, [(9.8, 1.8), (9.9, 1.8)], 4.9),
+        (30.0, [(7.7, 1.7), (9.7, 2.6)], 4.8),
+        (45.0, [(5.8, 1.6), (9.3, 3.9)], 4.6),
+        (60.0, [(4.5, 1.5), (8.1, 4.4)], 4.3),
+        (75.0, [(3.6, 1.3), (6.6, 4.3)], 3.7),
+        (90.0, [(2.9, 1.2), (5.4, 4.2)], 3.0),
+        (105.0, [(2.3, 1.1), (4.4, 4.1)], 2.4),
+        (120.0, [(1.8, 1.0), (3.4, 4.0)], 1.8),
+        (135.0, [(1.3, 0.9), (2.5, 3.9)], 1.4),
+        (150.0, [(0.9, 0.9), (1.6, 3.8)], 0.9),
+    ];
+
+    fn turn(turn_deg: f64, speed_mps: f64, radius_m: f64) -> Turn {
+        Turn {
+            angle_rad: turn_deg.to_radians(),
+            speed_mps,
+            radius_m,
+        }
+    }
+
+    #[test]
+    fn arducopter_has_the_speeds_and_cuts_that_were_flown() {
+        let law = Cornering::new(CornerLaw::Overlap, 2.5);
+        for (turn_deg, at_10_mps, slow_mps) in FLOWN {
+            for ((flown_mps, closest_m), radius_m) in at_10_mps.into_iter().zip([2.0, 5.0]) {
+                let corner = turn(turn_deg, 10.0, radius_m);
+                let least_mps = law.least_mps(&corner);
+                assert!(
+                    (least_mps - flown_mps).abs() < 0.2,
+                    "{turn_deg} {radius_m}: {least_mps}"
+                );
+                let cut_m = law.taken_m(&corner) * (0.25 * corner.angle_rad).tan();
+                assert!(cut_m > closest_m - 0.05, "{turn_deg} {radius_m}: {cut_m}");
+                assert!(cut_m <= radius_m + 1e-9, "{turn_deg} {radius_m}: {cut_m}");
+            }
+            let least_mps = law.least_mps(&turn(turn_deg, 5.0, 2.0));
+            assert!(
+                (least_mps - slow_mps).abs() < 0.2,
+                "{turn_deg}: {least_mps}"
+            );
+        }
+    }
+
+    #[test]
+    fn an_arc_is_never_faster_than_its_legs_and_never_stands() {
+        for law in [CornerLaw::Overlap, CornerLaw::Circle] {
+            for accel_mps2 in [1.0, 2.5, 5.0] {
+                let law = Cornering::new(law, accel_mps2);
+                for turn_deg in [0.0, 1.0, 45.0, 90.0, 179.9, 180.0] {
+                    for speed_mps in [0.5, 8.0, 22.0] {
+                        let corner = turn(turn_deg, speed_mps, 2.0);
+                        let taken_m = law.taken_m(&corner).min(30.0);
+                        let arc_mps = law.arc_mps(&corner, taken_m);
+                        assert!(
+                            arc_mps > 0.0 && arc_mps <= speed_mps,
+                            "{corner:?} {arc_mps}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_short_leg_holds_the_whole_profile_of_arducopter() {
+        let law = Cornering::new(CornerLaw::Overlap, 2.5);
+        for length_m in [1.0, 20.0, 39.0, 40.0, 60.0] {
+            let peak_mps = law.cruise_mps(length_m, 10.0);
+            let needed_m = peak_mps * law.ramp_s(peak_mps);
+            assert!((needed_m - length_m).abs() < 1e-9, "{length_m}: {needed_m}");
+        }
+        assert!((law.cruise_mps(70.0, 10.0) - 10.0).abs() < 1e-12);
+    }
+}
