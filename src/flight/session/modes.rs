@@ -11,7 +11,7 @@ const AUTO: u32 = 3;
 const GUIDED: f32 = 4.0;
 const LAND: f32 = 9.0;
 /// It stops and stays without a pilot's sticks, which `LOITER` does not.
-const BRAKE: f32 = 17.0;
+const BRAKE: u32 = 17;
 /// ArduPlane's modes: `FBWA`, `AUTO`, `LOITER` (circles), and `QLOITER`, `QLAND` of a
 /// `QuadPlane`.
 const PLANE_FBWA: f32 = 5.0;
@@ -26,6 +26,11 @@ const PX4_MISSION: f32 = 4.0;
 const PX4_LAND: f32 = 6.0;
 const PX4_MISSION_MODE: u32 = 4 << 16 | 4 << 24;
 const PX4_LOITER_MODE: u32 = 4 << 16 | 3 << 24;
+
+#[expect(clippy::cast_precision_loss, reason = "a small number")]
+fn number(mode: u32) -> f32 {
+    mode as f32
+}
 
 fn px4(sub: f32) -> Command {
     Command::new(Command::SET_MODE, [CUSTOM, PX4_AUTO, sub])
@@ -64,9 +69,8 @@ pub(crate) fn start(of: &VehicleMission) -> Command {
 /// What makes it stay where it is; a wing circles there.
 pub(crate) fn hold(of: &VehicleMission) -> Command {
     match (of.autopilot, of.airframe.has_wing()) {
-        (Autopilot::ArduPilot, false) => ardupilot(BRAKE),
-        #[expect(clippy::cast_precision_loss, reason = "a small number")]
-        (Autopilot::ArduPilot, true) => ardupilot(PLANE_LOITER as f32),
+        (Autopilot::ArduPilot, false) => ardupilot(number(BRAKE)),
+        (Autopilot::ArduPilot, true) => ardupilot(number(PLANE_LOITER)),
         (Autopilot::Px4, _) => px4(PX4_LOITER),
     }
 }
@@ -90,10 +94,11 @@ pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
     }
 }
 
-/// Whether a wing in this mode circles as ordered.
-pub(crate) fn is_circling(of: &VehicleMission, custom_mode: u32) -> bool {
-    match of.autopilot {
-        Autopilot::ArduPilot => custom_mode == PLANE_LOITER,
-        Autopilot::Px4 => custom_mode == PX4_LOITER_MODE,
+/// Whether a vehicle in this mode stays where it is as ordered; a wing circles there.
+pub(crate) fn is_hold(of: &VehicleMission, custom_mode: u32) -> bool {
+    match (of.autopilot, of.airframe.has_wing()) {
+        (Autopilot::ArduPilot, false) => custom_mode == BRAKE,
+        (Autopilot::ArduPilot, true) => custom_mode == PLANE_LOITER,
+        (Autopilot::Px4, _) => custom_mode == PX4_LOITER_MODE,
     }
 }
