@@ -57,8 +57,8 @@ impl Screen {
         })
         .map_err(|error| Failure::new(Failure::OUTPUT, format!("Ctrl-C: {error}")))?;
         let signals = Signals::begin();
-        let signals = signals
-            .map_err(|error| Failure::new(Failure::OUTPUT, format!("signals: {error}")))?;
+        let signals =
+            signals.map_err(|error| Failure::new(Failure::OUTPUT, format!("signals: {error}")))?;
         Ok(Self {
             signals,
             show: Show::new(json),

@@ -7,8 +7,8 @@ use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::link::{
-    AUTOPILOT_INVALID, Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message, Onboard, Position,
-    Reading, Time,
+    AUTOPILOT_INVALID, Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message,
+    Onboard, Position, Reading, Time,
 };
 
 /// Vehicles that stay silent for this long are given up, milliseconds.

@@ -84,10 +84,14 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Checking,
-    Arming { until: Time },
+    Arming {
+        until: Time,
+    },
     /// Nothing is started, and armed vehicles are disarmed.
     Abandoning,
-    Flying { t0_ms: f64 },
+    Flying {
+        t0_ms: f64,
+    },
     Ended,
 }
 

@@ -227,7 +227,10 @@ impl<'a> FlightVehicle<'a> {
             if let Message::StatusText { severity, text } = message
                 && t0_ms.is_some()
             {
-                self.take_text(*severity, &format!("component {} says: {text}", from.component));
+                self.take_text(
+                    *severity,
+                    &format!("component {} says: {text}", from.component),
+                );
             }
             return;
         }

@@ -55,7 +55,9 @@ impl FlightVehicle<'_> {
         self.hold.was_in_mode |= in_mode;
         let rest = self.rest(since_s);
         if self.holds {
-            let moved_m = rest.zip(self.hold.anchor).map(|(at, anchor)| at.from_m(anchor));
+            let moved_m = rest
+                .zip(self.hold.anchor)
+                .map(|(at, anchor)| at.from_m(anchor));
             let why = match moved_m {
                 _ if !in_mode => "its mode is another one".to_owned(),
                 Some(moved_m) if moved_m > LEFT_M => format!("it has moved {moved_m:.0} m"),

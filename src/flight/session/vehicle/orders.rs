@@ -54,7 +54,8 @@ impl FlightVehicle<'_> {
             Stage::Arming => self.retry_arming(what),
             Stage::Disarming(_) => self.refuse_to_disarm(what),
             Stage::Starting if self.airborne || (self.in_mission && is_armed) => {
-                self.said.push_back(format!("{what}, and flies all the same"));
+                self.said
+                    .push_back(format!("{what}, and flies all the same"));
                 self.stage = Stage::Flying;
             }
             Stage::Starting => self.disarm(Some(End::Failed(what.to_owned()))),

@@ -84,8 +84,9 @@ impl FlightVehicle<'_> {
         self.texts.dropped = 0;
         if self.invalid_positions > 1 {
             let count = self.invalid_positions;
-            self.said
-                .push_back(format!("sent {count} positions that cannot be; none was used"));
+            self.said.push_back(format!(
+                "sent {count} positions that cannot be; none was used"
+            ));
         }
     }
 }
