@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::args;
 use super::folder::{self, runs};
-use super::print::console::{Paint, note, out};
+use super::print::console::{Paint, note, note_lines, out, out_json_text};
 use super::print::failure::Failure;
 use super::print::table;
 use super::review;
@@ -99,7 +99,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
     let missions = review::read(&file, &files)?;
     let plan = FlightPlan::verify(file, folder, world, missions);
     if let Err(FlightError::Rejected(review)) = &plan {
-        note(&table::failures(review, Paint::for_stdout()));
+        note_lines(&table::failures(review, Paint::for_stdout()));
     }
     Ok(plan?)
 }
@@ -127,7 +127,7 @@ fn end(
     let judged = driver.judge(plan)?;
     // The operator sees the verdict whether or not its documents could be written.
     if arguments.json {
-        out(judged.json.trim_end())?;
+        out_json_text(&judged.json)?;
     } else {
         show::report(&judged.report)?;
         let document = driver.record_path().with_extension("json");

@@ -21,21 +21,27 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser};
 
-use crate::cli::print::failure::Failure;
 use args::{Arguments, Command};
+use print::console::{note, note_lines, out_text};
+use print::failure::Failure;
 
 /// Runs one command and returns its exit code.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let parsed = match Arguments::try_parse_from(arguments) {
         Ok(parsed) => parsed,
         Err(error) => {
-            // Help and version go to stdout and are no failure.
+            if error.use_stderr() {
+                // Without colours, as the text quotes arguments.
+                let text = error.render().to_string();
+                note_lines(&text.lines().collect::<Vec<_>>());
+                if let Some(next) = args::next_step(error.kind(), &text) {
+                    note(next);
+                }
+                return Failure::USAGE.into();
+            }
+            // Help and version go to stdout.
             let _ = error.print();
-            return if error.use_stderr() {
-                Failure::USAGE.into()
-            } else {
-                ExitCode::SUCCESS
-            };
+            return ExitCode::SUCCESS;
         }
     };
     let done = match &parsed.command {
@@ -51,19 +57,25 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Terrain(command) => terrain::run(command),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
-        Command::Schema => print::console::out(crate::spec::json_schema().trim_end()),
+        Command::Schema => out_text(&crate::spec::json_schema()),
         Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(*shell, &mut Arguments::command(), "sortie", &mut script);
-            print::console::out(String::from_utf8_lossy(&script).trim_end())
+            let mut completions = Vec::new();
+            clap_complete::generate(
+                *shell,
+                &mut Arguments::command(),
+                "sortie",
+                &mut completions,
+            );
+            out_text(&String::from_utf8_lossy(&completions))
         }
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             if !failure.message.is_empty() {
-                print::console::note(&failure.message);
+                note(&failure.message);
             }
+            note_lines(&failure.more);
             failure.code.into()
         }
     }

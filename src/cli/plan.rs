@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::args;
 use super::folder;
 use super::folder::runs;
-use super::print::console::{Paint, out};
+use super::print::console::{Paint, out, out_json, out_lines};
 use super::print::failure::Failure;
 use super::print::progress::Progress;
 use super::print::table;
@@ -21,16 +21,15 @@ use super::transfer::upload;
 use super::usage;
 use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
-use crate::plan::{VehiclePlan, violations};
-use crate::report::{self, worst_first};
-use crate::spec::{MissionSpec, OnLinkLoss, SpecFile, Vehicle};
+use crate::report::{infeasibilities, worst_first};
+use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
 use crate::verify::{Margin, Review, Topic};
 use crate::world::{self, World};
 
-/// Most vehicles of the table; of more, those with the tightest margins.
-const MOST_LISTED: usize = 40;
+/// Vehicles that the table lists: of a larger fleet, those with the tightest margins.
+const MAX_LISTED: usize = 40;
 
-/// Seconds spent in each stage: printed and in `timing.json`, never in a result.
+/// Seconds spent in each stage: printed and written to `timing.json`, never to a result.
 struct Stopwatch {
     started: Instant,
     stages: Vec<(&'static str, f64)>,
@@ -48,13 +47,13 @@ impl Stopwatch {
         }
     }
 
-    fn lap(&mut self, stage: &'static str) {
+    fn split(&mut self, stage: &'static str) {
         let before: f64 = self.stages.iter().map(|(_, seconds)| seconds).sum();
         self.stages
             .push((stage, self.started.elapsed().as_secs_f64() - before));
     }
 
-    /// The stages so far, and what all of it took of the machine.
+    /// The stages so far, processor time and memory.
     fn json(&self) -> Value {
         let mut document: serde_json::Map<String, Value> = self
             .stages
@@ -62,7 +61,7 @@ impl Stopwatch {
             .map(|(stage, seconds)| ((*stage).to_owned(), json!(seconds)))
             .collect();
         document.insert("cpu_s".to_owned(), json!(usage::cpu_s()));
-        document.insert("memory_mib".to_owned(), json!(usage::most_memory_mib()));
+        document.insert("memory_mib".to_owned(), json!(usage::peak_memory_mib()));
         document.into()
     }
 
@@ -83,12 +82,12 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         return Err(Failure::new(Failure::OUTPUT, message));
     }
     let world = world::load(&file)?;
-    watch.lap("read_s");
+    watch.split("read_s");
     let seed = arguments.seed.unwrap_or(file.spec.planner.seed);
     let dispatched = plan(&file, &world, seed);
-    watch.lap("plan_s");
+    watch.split("plan_s");
     folder::write(&target, &file, &world, &dispatched, &|| watch.json())?;
-    watch.lap("write_s");
+    watch.split("write_s");
 
     let passes = dispatched.review.passes();
     let delivery = if arguments.upload && passes {
@@ -104,28 +103,22 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
     };
     if let Some(delivery) = &delivery {
         delivery.record(&target)?;
-        watch.lap("upload_s");
+        watch.split("upload_s");
     }
     if arguments.json {
         let plan = folder::plan_document(&file, &world, &dispatched);
         let mut document = serde_json::to_value(&plan).unwrap_or(Value::Null);
         document["out"] = json!(target.display().to_string());
         document["upload"] = delivery.as_ref().map_or(Value::Null, Delivery::json);
-        out(report::json_text(&document).trim_end())?;
+        out_json(&document)?;
     } else {
-        tell(&file, &world, &dispatched, delivery.as_ref(), &watch)?;
+        print_result(&file, &world, &dispatched, delivery.as_ref(), &watch)?;
         out(&format!("files in {}", target.display()))?;
     }
     if !passes {
-        let unsent = if arguments.upload {
-            "; nothing was sent"
-        } else {
-            ""
-        };
-        return Err(Failure::new(
-            Failure::VERDICT,
-            format!("the fleet does not pass verification{unsent}"),
-        ));
+        let unsent = ["", "; nothing was sent"][usize::from(arguments.upload)];
+        let message = format!("the fleet does not pass verification{unsent}");
+        return Err(Failure::new(Failure::VERDICT, message));
     }
     match delivery {
         Some(delivery) => delivery.verdict(),
@@ -157,13 +150,13 @@ fn plan(file: &SpecFile, world: &World, seed: u64) -> Dispatched {
             Stage::Verifying(_) => "verifying the encoded missions".to_owned(),
         };
         if let Ok(progress) = progress.lock() {
-            progress.say(message);
+            progress.say(&message);
         }
     })
 }
 
-/// The table an operator reads.
-fn tell(
+/// Prints the verdict, the table of the fleet, failures and notes.
+fn print_result(
     file: &SpecFile,
     world: &World,
     dispatched: &Dispatched,
@@ -188,6 +181,36 @@ fn tell(
         },
         watch.total_s()
     ))?;
+    print_fleet(file, dispatched, delivery)?;
+    if !review.passes() {
+        for reason in infeasibilities(spec, world, &dispatched.plan) {
+            out(&format!("{} {reason}", paint.bad("FAIL")))?;
+        }
+        out_lines(&table::failures(review, paint))?;
+    }
+    if let Some(delivery) = delivery {
+        delivery.print_failures()?;
+    }
+    for line in given_way(file, dispatched) {
+        out(&paint.dim(&format!("note: {line}")))?;
+    }
+    for (note, ids) in notes(file, dispatched) {
+        out(&paint.dim(&format!("note: {}: {note}", ids.join(", "))))?;
+    }
+    if spec.on_link_loss != OnLinkLoss::Continue {
+        out(&paint
+            .dim("note: on_link_loss applies when `sortie fly` flies the fleet; no mission file can hold it"))?;
+    }
+    Ok(())
+}
+
+/// Prints a row for each vehicle: its path, mission, tightest margins and transfer.
+fn print_fleet(
+    file: &SpecFile,
+    dispatched: &Dispatched,
+    delivery: Option<&Delivery>,
+) -> Result<(), Failure> {
+    let (spec, review) = (&file.spec, &dispatched.review);
     let mut rows = Rows::new(&[
         "vehicle",
         "autopilot",
@@ -225,40 +248,13 @@ fn tell(
             on_board(review.accepts(id), report),
         ]);
     }
-    out(&rows.to_string())?;
+    rows.print()?;
     if shown.len() < spec.vehicles.len() {
         let left = spec.vehicles.len() - shown.len();
         out(&format!(
             "the {} vehicles with the tightest margins; {left} more keep every limit and are in review.html",
             shown.len()
         ))?;
-    }
-    if !review.passes() {
-        for line in blocked(file, world, dispatched) {
-            out(&format!("{} {line}", paint.bad("FAIL")))?;
-        }
-        out(&table::failures(review, paint))?;
-    }
-    for report in delivery
-        .iter()
-        .flat_map(|delivery| &delivery.reports)
-        .filter(|report| !report.is_verified())
-    {
-        out(&format!(
-            "{} {}",
-            paint.bad("FAIL"),
-            delivery::sentence(report)
-        ))?;
-    }
-    for line in given_way(file, dispatched) {
-        out(&paint.dim(&format!("note: {line}")))?;
-    }
-    for (note, ids) in notes(file, dispatched) {
-        out(&paint.dim(&format!("note: {}: {note}", ids.join(", "))))?;
-    }
-    if spec.on_link_loss != OnLinkLoss::Continue {
-        out(&paint
-            .dim("note: on_link_loss is kept for flying the fleet; no mission file can hold it"))?;
     }
     Ok(())
 }
@@ -272,109 +268,29 @@ fn has_column(topic: Topic) -> bool {
 }
 
 /// The vehicles of the table: all, in order of priority, or of a large fleet those that are
-/// nearest to a limit of its columns, the worst first; whoever breaks any limit comes before.
+/// nearest to a limit of its columns, the worst first; vehicles that break a limit come first.
 fn tightest_first(spec: &MissionSpec, review: &Review) -> Vec<usize> {
     let count = spec.vehicles.len();
-    if count <= MOST_LISTED {
+    if count <= MAX_LISTED {
         return (0..count).collect();
     }
     let ids = spec.vehicles.iter().map(|vehicle| vehicle.id.as_str());
-    let mut places: BTreeMap<&str, usize> = ids.zip(0..).collect();
+    let mut indices: BTreeMap<&str, usize> = ids.zip(0..).collect();
     let mut shown = Vec::new();
     let counts = |margin: &&Margin| !margin.ok || has_column(margin.limit.topic());
     for margin in worst_first(review).into_iter().filter(counts) {
         for id in std::iter::once(&margin.vehicle).chain(&margin.other) {
-            if margin.ok && shown.len() >= MOST_LISTED {
+            if margin.ok && shown.len() >= MAX_LISTED {
                 return shown;
             }
-            shown.extend(places.remove(id.as_str()));
+            shown.extend(indices.remove(id.as_str()));
         }
     }
-    shown.extend(places.into_values());
+    shown.extend(indices.into_values());
     shown
 }
 
-/// The vehicles for which no path was found that keeps every limit, and what breaks them.
-fn blocked(file: &SpecFile, world: &World, dispatched: &Dispatched) -> Vec<String> {
-    let vehicles = file.spec.vehicles.iter().zip(&dispatched.plan.vehicles);
-    vehicles
-        .filter(|(_, plan)| !plan.terms.is_clean())
-        .map(|(vehicle, plan)| {
-            let mut broken: Vec<String> = violations(&file.spec, world, vehicle, plan)
-                .into_iter()
-                .map(|block| {
-                    let at = world.frame.from_plan(block.at.at);
-                    let (lat, lon) = (at.lat_deg, at.lon_deg);
-                    format!("{} ({}, worst at {lat:.5}, {lon:.5})", block.what, block.how)
-                })
-                .collect();
-            if plan.terms.collision > 0.0 {
-                broken.push("separation from earlier vehicles".to_owned());
-            }
-            let by: Vec<&str> = plan
-                .blocked_by
-                .iter()
-                .filter_map(|&other| file.spec.vehicles.get(other))
-                .map(|other| other.id.as_str())
-                .collect();
-            let why = match by[..] {
-                [] => by_itself(&file.spec, vehicle, plan),
-                _ => format!("; alone it would have one: {} in its way", are(&by)),
-            };
-            format!(
-                "{}: no path was found from start to goal that keeps every limit; the best breaks {}{why}",
-                vehicle.id,
-                broken.join("; ")
-            )
-        })
-        .collect()
-}
-
-/// Why a vehicle has no path even alone: what closes every way, or what it would have one with.
-fn by_itself(spec: &MissionSpec, vehicle: &Vehicle, plan: &VehiclePlan) -> String {
-    /// Most barriers that are named.
-    const MOST_NAMED: usize = 6;
-    let blocking_set = plan.blocking_set.iter();
-    let mut closed: Vec<String> = blocking_set.map(|element| element.name(spec)).collect();
-    if !closed.is_empty() {
-        let more = closed.len().saturating_sub(MOST_NAMED);
-        closed.truncate(MOST_NAMED);
-        if more > 0 {
-            closed.push(format!("{more} more"));
-        }
-        return format!("; there is none: every way is closed by {}", and(&closed));
-    }
-    let Some(relaxations) = &plan.relaxations else {
-        return String::new();
-    };
-    let relaxations = relaxations.iter();
-    let relaxations: Vec<String> = relaxations
-        .map(|relaxation| relaxation.words(vehicle))
-        .collect();
-    match relaxations.is_empty() {
-        true => "; there may be none".to_owned(),
-        false => format!("; one is found with {}", relaxations.join(", or with ")),
-    }
-}
-
-/// Some names in a row.
-fn and(names: &[String]) -> String {
-    match names {
-        [one, rest @ .., last] => {
-            let between: String = rest.iter().map(|name| format!(", {name}")).collect();
-            format!("{one}{between} and {last}")
-        }
-        _ => names.concat(),
-    }
-}
-
-/// Some names, and that they are.
-fn are(names: &[&str]) -> String {
-    let verb = if names.len() == 1 { "is" } else { "are" };
-    format!("{} {verb}", names.join(", "))
-}
-
-/// The vehicles that take off or fly otherwise than wanted, and past whom.
+/// The vehicles with another departure or speed than the spec has, and to which they give way.
 fn given_way(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
     let vehicles = &file.spec.vehicles;
     let planned = vehicles.iter().zip(&dispatched.plan.vehicles);
@@ -387,14 +303,14 @@ fn given_way(file: &SpecFile, dispatched: &Dispatched) -> Vec<String> {
                 past += &format!(" and {} more", rest.len());
             }
             Some(format!(
-                "{}: takes off at {} s and flies {} m/s (wanted: {} s, {} m/s), to give way to {past}",
+                "{}: takes off at {} s and flies {} m/s (spec: {} s, {} m/s), to give way to {past}",
                 vehicle.id, plan.depart_s, plan.speed_mps, vehicle.depart_s, vehicle.speed_mps
             ))
         })
         .collect()
 }
 
-/// What a reader of the missions needs to know, each once, with the vehicles it is true of.
+/// The notes on missions, each once, with its vehicles.
 fn notes<'a>(file: &'a SpecFile, dispatched: &'a Dispatched) -> Vec<(&'a str, Vec<&'a str>)> {
     let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();
     for (vehicle, mission) in &dispatched.missions {

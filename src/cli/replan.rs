@@ -2,13 +2,14 @@
 
 use super::args;
 use super::fly;
-use super::folder::{replace, runs};
-use super::print::console::{Paint, note, out};
+use super::folder::runs;
+use super::print::console::{Paint, note, out, out_lines};
 use super::print::failure::Failure;
 use super::print::table::{self, Rows};
 use super::transfer::upload;
 use crate::flight::replan::{self, Decision, Outcomes, Replanner};
 use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
+use crate::formats::write_file;
 use crate::geodesy::LatLon;
 use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
 
@@ -49,8 +50,8 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         lead(&replanner, underway.as_ref(), &notice, arguments.seed)
     });
     let write = |text: String| -> Result<(), Failure> {
-        replace::write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
-        replace::write_file(&folder.join("replan.json"), text.as_bytes())?;
+        write_file(&runs::named(&folder, "replan", "json"), text.as_bytes())?;
+        write_file(&folder.join("replan.json"), text.as_bytes())?;
         Ok(())
     };
     if let Err(failure) = &led {
@@ -73,7 +74,7 @@ fn lead(
     if !decision.review.passes() {
         let clock = notice.t0_unix_ms.map_or("now", |_| "T0");
         let paint = Paint::for_stdout();
-        out(&table::failures_since(&decision.review, paint, clock))?;
+        out_lines(&table::failures_since(&decision.review, paint, clock))?;
     }
     if !decision.is_sound {
         let message = "no new paths that pass verification; nothing was sent";
@@ -202,7 +203,7 @@ fn print(spec: &MissionSpec, decision: &Decision, outcomes: &Outcomes) -> Result
             result,
         ]);
     }
-    out(&rows.to_string())?;
+    rows.print()?;
     out(&format!(
         "planned and verified in {:.2} s",
         decision.planned_s

@@ -1,17 +1,17 @@
-//! What this process has taken of the machine, where the system tells: Linux.
+//! Processor time and memory of this process, on Linux.
 
 use std::fs;
 
 /// Ticks of a second in `/proc`, on every architecture of Linux.
 const TICKS: f64 = 100.0;
 
-/// Time of all processors, seconds.
+/// Processor time of all threads, seconds.
 pub(super) fn cpu_s() -> Option<f64> {
     cpu_of(&fs::read_to_string("/proc/self/stat").ok()?)
 }
 
-/// User and system time of a line of `/proc/PID/stat`: the 14th and 15th field. The second
-/// is the name of the program, which may hold anything, in brackets.
+/// User and system time of a line of `/proc/PID/stat`: fields 14 and 15. Field 2 is the
+/// name of the program in brackets, which may hold any character.
 fn cpu_of(stat: &str) -> Option<f64> {
     let (_, rest) = stat.rsplit_once(')')?;
     let mut fields = rest.split_whitespace().skip(11);
@@ -19,8 +19,8 @@ fn cpu_of(stat: &str) -> Option<f64> {
     Some((ticks()? + ticks()?) / TICKS)
 }
 
-/// Most memory in use at once, MiB.
-pub(super) fn most_memory_mib() -> Option<f64> {
+/// Peak memory, MiB.
+pub(super) fn peak_memory_mib() -> Option<f64> {
     memory_of(&fs::read_to_string("/proc/self/status").ok()?)
 }
 

@@ -12,7 +12,7 @@ use crate::link::List;
 use crate::mission;
 use crate::simulator;
 use crate::simulator::{Profile, Running, Simulated, Surroundings, Weather};
-use crate::spec::SpecFile;
+use crate::spec::{SpecFile, Vehicle};
 use crate::world;
 
 pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
@@ -22,36 +22,20 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
     let mut running: Vec<Running> = Vec::new();
     let mut rows = Rows::new(&["vehicle", "system", "plays", "link"]);
     for (index, (this, stations)) in file.spec.vehicles.iter().zip(&world.stations).enumerate() {
-        let profile = match arguments.profile {
-            None => this.autopilot.into(),
-            Some(ProfileName::Ardupilot) => Profile::ArduPilot,
-            Some(ProfileName::Px4) => Profile::Px4,
-            Some(ProfileName::Generic) => Profile::Generic,
-        };
-        let surroundings = Surroundings {
-            heading_rad: this
-                .wing
-                .and_then(|wing| wing.takeoff_heading_rad)
-                .unwrap_or(0.0),
-            ..Surroundings::default()
-        };
-        let simulated = Simulated {
-            profile,
-            airframe: this.airframe,
-            sysid: this.sysid,
-            home: Some(mission::home_at(this.home, stations.home.amsl)),
-            listen: (Ipv4Addr::LOCALHOST, port(arguments.port, index)?).into(),
-            speak_to,
-            weather: Weather {
-                loss: arguments.loss / 100.0,
-                delay_ms: arguments.delay,
-                seed: arguments.seed,
+        let profile = arguments
+            .profile
+            .map_or(this.autopilot.into(), Profile::from);
+        let home = Some(mission::home_at(this.home, stations.home.amsl));
+        let port = port(arguments.port, index)?;
+        let vehicle = start(
+            arguments,
+            this,
+            Simulated {
+                listen: (Ipv4Addr::LOCALHOST, port).into(),
+                speak_to,
+                ..Simulated::on_loopback(profile, this.sysid, home)
             },
-        };
-        let vehicle = simulator::spawn_in(&simulated, surroundings, 1.0).map_err(|error| {
-            let message = format!("{}: the vehicle does not start: {error}", this.id);
-            Failure::new(Failure::TRANSFER, message)
-        })?;
+        )?;
         let link = match speak_to {
             Some(ground) => format!("udpin:{ground}"),
             None => format!("udpout:{}", vehicle.address()),
@@ -74,13 +58,12 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
     stop_at_signals(stop.clone())
         .map_err(|error| Failure::new(Failure::OUTPUT, format!("no signals: {error}")))?;
     ctrlc::set_handler(move || {
-        // Nobody listens any more when it is ending anyway.
+        // The receiver is gone if the command ends already.
         let _ = stop.send(());
     })
     .map_err(|error| Failure::new(Failure::OUTPUT, format!("no Ctrl-C: {error}")))?;
-    out(&rows.to_string())?;
+    rows.print()?;
     match arguments.for_s {
-        // A timeout is the time that was told.
         Some(seconds) => drop(stopped.recv_timeout(Duration::from_secs(seconds))),
         None => drop(stopped.recv()),
     }
@@ -101,7 +84,43 @@ fn stop_at_signals(stop: mpsc::Sender<()>) -> std::io::Result<()> {
     Ok(())
 }
 
-/// What the vehicles hold in the end.
+impl From<ProfileName> for Profile {
+    fn from(name: ProfileName) -> Self {
+        match name {
+            ProfileName::Ardupilot => Self::ArduPilot,
+            ProfileName::Px4 => Self::Px4,
+            ProfileName::Generic => Self::Generic,
+        }
+    }
+}
+
+/// Starts one simulated vehicle in the weather of the command line.
+fn start(
+    arguments: &args::Vehicles,
+    this: &Vehicle,
+    simulated: Simulated,
+) -> Result<Running, Failure> {
+    let heading_rad = this.wing.and_then(|wing| wing.takeoff_heading_rad);
+    let surroundings = Surroundings {
+        heading_rad: heading_rad.unwrap_or(0.0),
+        ..Surroundings::default()
+    };
+    let simulated = Simulated {
+        airframe: this.airframe,
+        weather: Weather {
+            loss: arguments.loss / 100.0,
+            delay_ms: arguments.delay,
+            seed: arguments.seed,
+        },
+        ..simulated
+    };
+    simulator::spawn_in(&simulated, surroundings, 1.0).map_err(|error| {
+        let message = format!("{}: the vehicle does not start: {error}", this.id);
+        Failure::new(Failure::TRANSFER, message)
+    })
+}
+
+/// The items that the vehicles hold in the end.
 fn farewell(running: &[Running]) -> String {
     let items = |vehicle: &Running, list| vehicle.items(list).len();
     let holds = |vehicle: &&Running| List::ALL.iter().any(|list| items(vehicle, *list) > 0);

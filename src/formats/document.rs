@@ -108,6 +108,7 @@ impl Document {
         let repairs = self.repairs.iter().map(Repair::to_string);
         let notes = repairs.chain(other).collect();
         Ok(VehicleMission {
+            autopilot_version: None,
             autopilot,
             airframe,
             home,
@@ -178,10 +179,7 @@ pub(super) fn rows(mission: &VehicleMission) -> impl Iterator<Item = Item> + '_ 
 
 /// Rows minus item numbers: PX4 counts its items from 0, without home.
 fn row_shift(autopilot: Autopilot) -> f32 {
-    match autopilot {
-        Autopilot::ArduPilot => 0.0,
-        Autopilot::Px4 => 1.0,
-    }
+    f32::from(autopilot.first_row())
 }
 
 fn shift_jump(mut item: Item, shift: f32) -> Item {

@@ -1,7 +1,7 @@
 //! Parameter files as ground stations load them.
 
+use crate::autopilot::{self, Autopilot};
 use crate::mission::{Parameter, VehicleMission};
-use crate::spec::Autopilot;
 
 /// The parameters that the verdict assumes, as text.
 ///
@@ -13,17 +13,18 @@ pub fn write(mission: &VehicleMission) -> String {
     for note in &mission.notes {
         text.push_str(&format!("# Note: {}\n", note.replace(['\r', '\n'], " ")));
     }
-    if mission.autopilot == Autopilot::Px4 {
+    let is_px4 = mission.autopilot == Autopilot::Px4;
+    if is_px4 {
         text.push_str("# Vehicle-Id Component-Id Name Value Type\n");
     }
     for parameter in &mission.params {
         let (name, value) = (&parameter.name, parameter.value);
-        text.push_str(&match mission.autopilot {
-            Autopilot::ArduPilot => format!("# {}\n{name},{value}\n", parameter.why),
-            Autopilot::Px4 => {
-                let kind = if is_int32(name) { 6 } else { 9 };
-                format!("# {}\n1\t1\t{name}\t{value}\t{kind}\n", parameter.why)
-            }
+        text.push_str(&format!("# {}\n", parameter.why));
+        text.push_str(&if is_px4 {
+            let is_int32 = autopilot::parameter(name).is_some_and(|row| row.is_int32);
+            format!("1\t1\t{name}\t{value}\t{}\n", if is_int32 { 6 } else { 9 })
+        } else {
+            format!("{name},{value}\n")
         });
     }
     text
@@ -77,9 +78,4 @@ pub fn read(text: &str) -> Result<Vec<Parameter>, ParamsError> {
         })?);
     }
     Ok(params)
-}
-
-/// PX4 parameters that are whole numbers; a loader refuses the other type.
-fn is_int32(name: &str) -> bool {
-    ["GF_ACTION"].contains(&name)
 }

@@ -1,7 +1,7 @@
 //! Where mean sea level lies: the EGM96 geoid over the WGS84 ellipsoid.
 //!
-//! The grid is NGA's, of 15 arc-minutes and in whole centimetres (`EGM96.md` beside
-//! this file tells its origin). Bilinear values are within 1 cm of PROJ's; the model
+//! The grid is NGA's, of 15 arc-minutes and in whole centimetres (`EGM96.md` in
+//! this folder has its origin). Bilinear values are within 1 cm of PROJ's; the model
 //! itself is good to about half a metre, and up to 5 cm more goes with the grid.
 
 use std::io::Read;

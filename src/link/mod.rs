@@ -34,9 +34,9 @@ pub use message::flight::{
     Command, CommandResult, FlightMessage, LandedState, ParamValue, Position,
 };
 pub use message::{
-    AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Address, Body,
-    Heartbeat, List, MISSION_TYPE_ALL, MODE_ARMED, Message, MissionMessage, MissionResult, Route,
-    STATE_ACTIVE, STATE_STANDBY, TYPE_GCS,
+    AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, List, MISSION_TYPE_ALL,
+    MODE_ARMED, Message, MissionMessage, MissionResult, Route, STATE_ACTIVE, STATE_STANDBY,
+    TYPE_GCS,
 };
-pub use stored_form::kept;
+pub use stored_form::stored_form;
 pub use time::Time;

@@ -1,70 +1,7 @@
 //! The mission of one vehicle, in the integers and floats that go over the wire.
 
+use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts, frame};
 use crate::geodesy::LatLon;
-use crate::spec::{Airframe, Autopilot};
-
-/// Commands (`MAV_CMD`) that Sortie writes or understands.
-pub mod command {
-    /// Fly to a place.
-    pub const NAV_WAYPOINT: u16 = 16;
-    /// Loiter for ever.
-    pub const NAV_LOITER_UNLIM: u16 = 17;
-    /// Loiter for a number of turns.
-    pub const NAV_LOITER_TURNS: u16 = 18;
-    /// Loiter for a time.
-    pub const NAV_LOITER_TIME: u16 = 19;
-    /// Return to the launch place.
-    pub const NAV_RETURN_TO_LAUNCH: u16 = 20;
-    /// Land.
-    pub const NAV_LAND: u16 = 21;
-    /// Take off.
-    pub const NAV_TAKEOFF: u16 = 22;
-    /// Climb vertically, then fly on the wing.
-    pub const NAV_VTOL_TAKEOFF: u16 = 84;
-    /// Stop flying on the wing, and land vertically.
-    pub const NAV_VTOL_LAND: u16 = 85;
-    /// Wait, on the ground or in the air.
-    pub const NAV_DELAY: u16 = 93;
-    /// Jump to another item.
-    pub const DO_JUMP: u16 = 177;
-    /// Change the speed.
-    pub const DO_CHANGE_SPEED: u16 = 178;
-    /// Fence: where to return to.
-    pub const FENCE_RETURN_POINT: u16 = 5000;
-    /// Fence: a corner of a polygon to stay in.
-    pub const FENCE_POLYGON_INCLUSION: u16 = 5001;
-    /// Fence: a corner of a polygon to stay out of.
-    pub const FENCE_POLYGON_EXCLUSION: u16 = 5002;
-    /// Fence: a circle to stay in.
-    pub const FENCE_CIRCLE_INCLUSION: u16 = 5003;
-    /// Fence: a circle to stay out of.
-    pub const FENCE_CIRCLE_EXCLUSION: u16 = 5004;
-    /// A rally point.
-    pub const RALLY_POINT: u16 = 5100;
-}
-
-/// Frames (`MAV_FRAME`) of mission items. 5, 6 and 11 are synonyms of 0, 3 and 10.
-pub mod frame {
-    /// Latitude, longitude, altitude above mean sea level.
-    pub const GLOBAL: u8 = 0;
-    /// No place at all: the item is a command.
-    pub const MISSION: u8 = 2;
-    /// Latitude, longitude, altitude above home.
-    pub const GLOBAL_RELATIVE_ALT: u8 = 3;
-    /// Latitude, longitude, altitude above terrain.
-    pub const GLOBAL_TERRAIN_ALT: u8 = 10;
-
-    /// The frame with synonyms (5, 6, 11) folded into 0, 3, 10.
-    #[must_use]
-    pub fn canonical(frame: u8) -> u8 {
-        match frame {
-            5 => GLOBAL,
-            6 => GLOBAL_RELATIVE_ALT,
-            11 => GLOBAL_TERRAIN_ALT,
-            other => other,
-        }
-    }
-}
 
 /// One item, field by field as in `MISSION_ITEM_INT`. Its sequence number is its
 /// place in the list; `current` belongs to the transfer, not to the item.
@@ -124,6 +61,8 @@ pub struct Parameter {
 pub struct VehicleMission {
     /// Who reads it.
     pub autopilot: Autopilot,
+    /// The version of its firmware; absent: every supported one.
+    pub autopilot_version: Option<Version>,
     /// What flies it.
     pub airframe: Airframe,
     /// Where it starts from. Not among `items`: the ArduPilot home row (sequence
@@ -142,6 +81,23 @@ pub struct VehicleMission {
     pub params: Vec<Parameter>,
     /// What the spec asks for and the items cannot say, in sentences.
     pub notes: Vec<String>,
+}
+
+impl VehicleMission {
+    /// The same mission for one version of the firmware; absent: for every supported one.
+    #[must_use]
+    pub fn for_version(self, autopilot_version: Option<Version>) -> Self {
+        Self {
+            autopilot_version,
+            ..self
+        }
+    }
+
+    /// What its autopilot does on its airframe.
+    #[must_use]
+    pub fn facts(&self) -> &'static Facts {
+        facts(self.autopilot, self.airframe)
+    }
 }
 
 impl Item {

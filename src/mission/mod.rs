@@ -1,18 +1,18 @@
-//! Mission items as an autopilot reads them, and how a path becomes items.
+//! Mission items as an autopilot reads them, and the encoding of paths as items.
+//!
+//! The rules by which an autopilot accepts items are data in [`crate::autopilot`]; the checks
+//! that apply them to a mission are in `accept`.
 
 mod accept;
 mod build;
-mod commands;
 mod item;
 mod params;
 
+pub use crate::autopilot::{command, command_name, command_named, frame};
 pub use accept::differences::read_differently;
-pub use accept::{AcceptanceProblem, Limits, List, limits, problems, problems_in_flight};
+pub use accept::{AcceptanceProblem, List, problems, problems_in_flight};
 pub use build::encode::home_at;
 pub use build::fence::missing_from_fence;
 pub use build::{MissionError, build, build_course};
-pub use commands::{command_name, command_named};
-pub use item::{Home, Item, Parameter, VehicleMission, command, frame};
-pub use params::{
-    ALTITUDE_SLOPE_MIN, corner_cut_m, cruise_speed_mps, other_name, parameters, turn_radius_m,
-};
+pub use item::{Home, Item, Parameter, VehicleMission};
+pub use params::{corner_cut_m, cruise_speed_mps, parameters, turn_radius_m};

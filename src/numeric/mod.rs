@@ -10,6 +10,7 @@ pub mod geometry;
 pub mod order;
 mod seed;
 mod speed;
+pub mod text;
 pub mod tracks;
 
 pub use bspline::Basis;

@@ -124,7 +124,7 @@ impl State {
         }
     }
 
-    /// After so many radii straight on, or radians of a turn.
+    /// The state after a length: radii straight on, or radians of a turn.
     fn moved(&self, step: Move, length: f64, radius_m: f64) -> Self {
         let course = self.course_rad;
         let (east, north, turned) = match step {

@@ -1,15 +1,13 @@
 //! From control points to a sampled, timed path.
 
 mod dubins;
-mod landing;
 mod lateness;
 mod limits;
 mod timeline;
 mod wing;
 
 pub use dubins::{Pose, Turns, turns};
-pub use landing::{SLOW_LANDING_M, slow_landing_mps};
-pub use lateness::{STOP_LATE_S, leg_late_s, most_shift_s, takeoff_shift_s, with_stops_s};
+pub use lateness::{leg_late_s, most_shift_s, stop_late_s, takeoff_shift_s, with_stops_s};
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route, time_route_from};
 pub use wing::{

@@ -4,12 +4,13 @@
 //! speed along a route, corners included, and speeds up and slows down only at
 //! its two ends; it climbs and descends vertically at constant speed.
 
+use crate::autopilot::{Airframe, SLOW_LANDING_M};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::SpeedProfile;
 use crate::numeric::approach::Segment;
 use crate::numeric::tracks::Track;
-use crate::path::{SLOW_LANDING_M, TimedPoint, slow_landing_mps, wing};
-use crate::spec::{Airframe, Finish, Vehicle};
+use crate::path::{TimedPoint, wing};
+use crate::spec::{Finish, Vehicle};
 use crate::world::{Departure, Stations};
 
 /// Longest piece of a motion while the speed changes, seconds: between its ends
@@ -252,7 +253,11 @@ fn land(points: &mut Vec<TimedPoint>, ground: Amsl, vehicle: &Vehicle) {
     {
         lift(points, slow_from, vehicle.descent_mps);
     }
-    let slow_mps = slow_landing_mps(vehicle.autopilot).min(vehicle.descent_mps);
+    let slow_mps = vehicle
+        .facts()
+        .behaviour
+        .slow_landing_mps
+        .min(vehicle.descent_mps);
     lift(points, ground, slow_mps);
 }
 
@@ -309,7 +314,7 @@ fn speed_between(vehicle: &Vehicle, route: &[PlanPoint]) -> f64 {
     }
 }
 
-/// Distances strictly between `from_m` and `to_m` at which a leg is to be cut,
+/// Distances strictly between `from_m` and `to_m` at which a leg is cut,
 /// so that the speed is near constant on every piece; none while cruising.
 pub fn ramp_stops_m(
     profile: &SpeedProfile,

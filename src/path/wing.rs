@@ -213,21 +213,16 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
     let climb = takeoff_rad
         .filter(|_| vehicle.airframe == Airframe::Plane)
         .map(|course| {
-            climb_out(
-                vehicle,
-                stations.home.at,
-                course,
-                |_| stations.home.amsl,
-                start.amsl,
-            )
+            let (home, ground) = (stations.home.at, |_| stations.home.amsl);
+            climb_out(vehicle, home, course, ground, start.amsl)
         });
-    let first = match (stations.departure, &climb) {
-        (Departure::Airborne { point, .. }, _) => point,
-        (Departure::Ground, Some(climb)) => climb.top,
-        (Departure::Ground, None) => PlanPoint {
-            at: stations.home.at,
-            ..start
-        },
+    let over_home = PlanPoint {
+        at: stations.home.at,
+        ..start
+    };
+    let first = match stations.departure {
+        Departure::Airborne { point, .. } => point,
+        Departure::Ground => climb.as_ref().map_or(over_home, |climb| climb.top),
     };
     let (mut at, mut course) = (first.at, takeoff_rad);
     let mut points = vec![first];

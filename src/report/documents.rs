@@ -39,12 +39,12 @@ pub struct PlannedVehicle {
     pub id: String,
     /// MAVLink system id.
     pub sysid: u8,
-    /// When it takes off, seconds after T0: as wanted, or another time of its window.
+    /// Takeoff time, seconds after T0: that of the spec, or another time of its window.
     pub depart_s: f64,
-    /// How fast it flies, m/s: as wanted, or another speed of its range.
+    /// Cruise speed, m/s: that of the spec, or another speed of its range.
     pub speed_mps: f64,
-    /// The earlier vehicles because of which another departure or speed was chosen than the
-    /// spec wants.
+    /// The earlier vehicles to which it gives way by another departure or speed than that
+    /// of the spec.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gives_way_to: Vec<String>,
     /// The earlier vehicles because of which no path was found that keeps every limit.
@@ -63,12 +63,12 @@ pub struct PlannedVehicle {
     /// Which limits the best path breaks, if none was found that keeps them all.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub violations: Vec<BlockEntry>,
-    /// How often it was planned: again where a plan met earlier vehicles or failed verification.
+    /// Number of plans: one more for each conflict with earlier vehicles or failed verification.
     pub plans: usize,
-    /// Proven: threats, zones and ground too high under the ceiling leave no way to its goal.
+    /// Proven: threats, zones and ground above the ceiling leave no path to its goal.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub is_proven_infeasible: bool,
-    /// What does so, in a row around an end of its way.
+    /// The blocking set, in a row around its start or goal.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub blocking_set: Vec<String>,
     /// Changes of the spec with which, each alone, a path that keeps every limit was found.
@@ -80,14 +80,14 @@ pub struct PlannedVehicle {
     pub path: Vec<PathPoint>,
 }
 
-/// Something that the best path found goes through or does not manage.
+/// A limit that the best path found violates.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BlockEntry {
-    /// What, in words: a threat or zone by its id, the ground, a turn.
+    /// The limit: a threat or zone by its id, the ground, a turn.
     pub what: String,
     /// By how much, in words.
     pub how: String,
-    /// Where it is worst.
+    /// The worst place.
     pub at: ControlPoint,
 }
 
@@ -105,7 +105,7 @@ pub struct Cost {
     pub collision: Option<f64>,
 }
 
-/// A control point; a vehicle passes near it at no certain time.
+/// A control point; the path passes near it, at no defined time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ControlPoint {
     /// Degrees north, WGS84.
@@ -136,7 +136,7 @@ pub struct ReviewDocument {
     pub verdict: &'static str,
     /// In the order of the review.
     pub margins: Vec<MarginEntry>,
-    /// What the flight model assumes and was not measured on an autopilot.
+    /// Assumptions of the flight model that were not measured on an autopilot.
     pub assumptions: Vec<String>,
 }
 
@@ -151,7 +151,7 @@ pub struct MarginEntry {
     pub what: String,
     /// The worst value, or null.
     pub value: Option<f64>,
-    /// What it is held against.
+    /// The limit of the value.
     pub limit: Option<f64>,
     /// Unit of both.
     pub unit: &'static str,
@@ -159,7 +159,7 @@ pub struct MarginEntry {
     pub at: Option<Place>,
     /// Whether the limit is kept.
     pub ok: bool,
-    /// What a reader needs to know besides.
+    /// Further remarks.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub note: String,
 }
@@ -179,7 +179,7 @@ pub struct Place {
     pub item: usize,
 }
 
-/// The content of `plan.json`; the hash of a table is left to whoever has read one.
+/// The content of `plan.json`, without the hash of a table of vehicles.
 #[must_use]
 pub fn plan_json(
     spec_sha256: &str,
@@ -201,24 +201,35 @@ pub fn plan_json(
             .map(|(vehicle, planned)| PlannedVehicle {
                 gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
                 blocked_by: ids(spec, &planned.blocked_by),
-                ..planned_vehicle(spec, vehicle, planned, world).told(passes)
+                // The objective judges turns and ground more strictly than the verdict.
+                violations: if passes {
+                    Vec::new()
+                } else {
+                    violation_entries(spec, vehicle, planned, world)
+                },
+                ..planned_vehicle(spec, vehicle, planned, world)
             })
             .collect(),
     }
 }
 
-impl PlannedVehicle {
-    /// What the objective minds is nothing to tell of missions that keep every limit: it reads
-    /// turns and ground more strictly.
-    fn told(mut self, passes: bool) -> Self {
-        if passes {
-            self.violations.clear();
-        }
-        self
-    }
+fn violation_entries(
+    spec: &MissionSpec,
+    vehicle: &Vehicle,
+    planned: &VehiclePlan,
+    world: &World,
+) -> Vec<BlockEntry> {
+    let violations = violations(spec, world, vehicle, planned).into_iter();
+    violations
+        .map(|violation| BlockEntry {
+            at: control_point(violation.at, world),
+            what: violation.what,
+            how: violation.how,
+        })
+        .collect()
 }
 
-/// What vehicles are called.
+/// The ids of vehicles.
 fn ids(spec: &MissionSpec, indices: &[usize]) -> Vec<String> {
     let known = indices.iter().filter_map(|&index| spec.vehicles.get(index));
     known.map(|vehicle| vehicle.id.clone()).collect()
@@ -266,14 +277,7 @@ fn planned_vehicle(
         estimate: finite(planned.estimate),
         gap: finite(planned.gap()),
         evaluations: planned.evaluations,
-        violations: violations(spec, world, vehicle, planned)
-            .into_iter()
-            .map(|block| BlockEntry {
-                at: control_point(block.at, world),
-                what: block.what,
-                how: block.how,
-            })
-            .collect(),
+        violations: Vec::new(),
         plans: planned.plans,
         is_proven_infeasible: !planned.blocking_set.is_empty(),
         blocking_set: (planned.blocking_set.iter())
@@ -342,7 +346,7 @@ fn margin_entry(margin: &Margin) -> MarginEntry {
         vehicle: margin.vehicle.clone(),
         other: margin.other.clone(),
         what: margin.limit.to_string(),
-        value: rounded_beside(margin.value, margin.bound),
+        value: rounded_against(margin.value, margin.bound),
         limit: rounded(margin.bound, 1e9),
         unit: margin.unit,
         at: margin.at.as_ref().map(place),
@@ -364,20 +368,20 @@ fn place(moment: &Moment) -> Place {
 const DEGREE_DIGITS: f64 = 1e9;
 const METRE_DIGITS: f64 = 1e4;
 
-/// The number, unless it is none.
+/// The number, if it is finite.
 pub(super) fn finite(value: f64) -> Option<f64> {
     // Adding 0 turns -0 into 0.
     value.is_finite().then_some(value + 0.0)
 }
 
-/// To the nearest multiple of `1 / per_unit`; none if not finite.
+/// Rounds to the nearest multiple of `1 / per_unit`; none if not finite.
 pub(super) fn rounded(value: f64, per_unit: f64) -> Option<f64> {
     finite((value * per_unit).round() / per_unit)
 }
 
 /// Rounded like metres, but never onto or across the limit it is compared with:
 /// 59.99999 m of 60 m must not read as 60.
-fn rounded_beside(value: f64, limit: f64) -> Option<f64> {
+fn rounded_against(value: f64, limit: f64) -> Option<f64> {
     let near = rounded(value, METRE_DIGITS)?;
     if near.partial_cmp(&limit) == value.partial_cmp(&limit) {
         Some(near)
@@ -388,14 +392,14 @@ fn rounded_beside(value: f64, limit: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{rounded, rounded_beside};
+    use super::{rounded, rounded_against};
 
     #[test]
     fn rounding_neither_crosses_the_limit_nor_leaves_a_negative_zero() {
-        assert_eq!(rounded_beside(61.234_567_8, 60.0), Some(61.2346));
-        assert_eq!(rounded_beside(59.999_999, 60.0), Some(59.999_999));
-        assert_eq!(rounded_beside(60.0, 60.0), Some(60.0));
-        assert_eq!(rounded_beside(f64::NAN, 60.0), None);
+        assert_eq!(rounded_against(61.234_567_8, 60.0), Some(61.2346));
+        assert_eq!(rounded_against(59.999_999, 60.0), Some(59.999_999));
+        assert_eq!(rounded_against(60.0, 60.0), Some(60.0));
+        assert_eq!(rounded_against(f64::NAN, 60.0), None);
         assert_eq!(rounded(f64::INFINITY, 1e4), None);
         let zero = rounded(-1e-9, 1e4).expect("finite");
         assert!(zero.is_sign_positive(), "{zero}");

@@ -1,25 +1,20 @@
 //! Pages and documents from facts handed over.
 
-mod contour;
 mod documents;
-mod flown;
-mod labels;
+mod infeasibility;
+mod map;
 mod page;
-mod picture;
-mod png;
-mod relief;
 mod scene;
-mod simplify;
-mod tables;
 mod words;
 
 pub use documents::{
     ControlPoint, Cost, MarginEntry, PathPoint, Place, PlanDocument, PlannedVehicle,
     ReviewDocument, json_text, plan_json, review_json,
 };
-pub use flown::{FlownError, FlownFacts};
+pub use infeasibility::{Infeasibility, infeasibilities};
+pub use map::review_svg;
 pub use page::{flight_html, review_html};
-pub use picture::review_svg;
+pub use scene::{FlownError, FlownFacts};
 pub use words::worst_first;
 
 use crate::mission::VehicleMission;
@@ -31,17 +26,17 @@ use crate::world::World;
 /// The facts of a review.
 #[derive(Clone, Copy, Debug)]
 pub struct ReviewInput<'a> {
-    /// What was asked for.
+    /// The limits and the fleet.
     pub spec: &'a MissionSpec,
-    /// Where.
+    /// The ground, the area and the obstacles.
     pub world: &'a World,
-    /// The paths, if the missions come from a plan of ours.
+    /// The paths, if Sortie planned the missions.
     pub plan: Option<&'a FleetPlan>,
-    /// The missions, each with the place of its vehicle in the spec.
+    /// The missions, each with the index of its vehicle in the spec.
     pub missions: &'a [(usize, &'a VehicleMission)],
     /// What `verify` found.
     pub review: &'a Review,
-    /// The seed the paths came from, if they are ours.
+    /// The seed of the plan, if Sortie made it.
     pub seed: Option<u64>,
     /// SHA-256 of the spec file, hexadecimal.
     pub spec_sha256: &'a str,
@@ -49,9 +44,9 @@ pub struct ReviewInput<'a> {
     pub version: &'a str,
 }
 
-/// Colours of vehicles, for a light and for a dark ground: told apart in the
-/// common kinds of colour blindness (after Okabe and Ito 2008), and none of
-/// them the red of threats. More vehicles begin again.
+/// Colours of vehicles, for a light and for a dark background: distinct in the
+/// common kinds of colour blindness (after Okabe and Ito 2008), and none is
+/// the red of threats. More vehicles repeat them.
 const COLOURS: [[&str; 2]; 8] = [
     ["#0067a5", "#56b4e9"],
     ["#c26a00", "#f0a93b"],

@@ -1,4 +1,4 @@
-//! Margins in words and in order: what an operator reads.
+//! Margins as words, and in the order of a report.
 
 use std::cmp::Ordering;
 
@@ -13,8 +13,8 @@ pub(super) struct Ranked<'a> {
     pub(super) slack: f64,
 }
 
-/// Broken limits first, then kept ones, each from the tightest; what has
-/// nothing to measure comes last.
+/// Broken limits first, then kept ones, each from the tightest; margins without a
+/// measure come last.
 pub(super) fn ranked(review: &Review) -> Vec<Ranked<'_>> {
     let mut ranked: Vec<Ranked<'_>> = review
         .margins
@@ -82,7 +82,10 @@ fn rank(topic: Topic) -> usize {
 }
 
 /// The worst margins of different limits: violated ones, then those of topics, then others.
-pub(super) fn telling<'a, 'r>(ranked: &'r [Ranked<'a>], most: usize) -> Vec<&'r Ranked<'a>> {
+pub(super) fn most_important<'a, 'r>(
+    ranked: &'r [Ranked<'a>],
+    count: usize,
+) -> Vec<&'r Ranked<'a>> {
     let violated = ranked.iter().filter(|entry| !entry.margin.ok);
     let mut held: Vec<_> = ranked
         .iter()
@@ -92,7 +95,7 @@ pub(super) fn telling<'a, 'r>(ranked: &'r [Ranked<'a>], most: usize) -> Vec<&'r 
     let mut shown: Vec<&Ranked<'a>> = Vec::new();
     for entry in violated.chain(held) {
         let limit = &entry.margin.limit;
-        if shown.len() < most && !shown.iter().any(|other| other.margin.limit.is_like(limit)) {
+        if shown.len() < count && !shown.iter().any(|other| other.margin.limit.is_like(limit)) {
             shown.push(entry);
         }
     }
@@ -112,7 +115,7 @@ pub(super) fn headline(review: &Review) -> String {
     }
 }
 
-/// Who the margin is about.
+/// The vehicles of a margin.
 pub(super) fn who(margin: &Margin) -> String {
     match &margin.other {
         Some(other) => format!("{} and {other}", margin.vehicle),
@@ -124,7 +127,7 @@ pub(super) fn who(margin: &Margin) -> String {
 /// The worst value with its unit.
 pub(super) fn value(margin: &Margin) -> String {
     if margin.value.is_finite() {
-        with_unit(&number_beside(margin.value, margin.bound), margin.unit)
+        with_unit(&number_against(margin.value, margin.bound), margin.unit)
     } else if margin.ok {
         "–".to_owned()
     } else {
@@ -155,8 +158,8 @@ fn with_unit(number: &str, unit: &str) -> String {
     }
 }
 
-/// With as few digits as still show on which side of the limit it is.
-fn number_beside(value: f64, limit: f64) -> String {
+/// A number with the fewest digits that show on which side of the limit it is.
+fn number_against(value: f64, limit: f64) -> String {
     let apart = (value - limit).abs() > 1e-9;
     let scales = [
         (1, 10.0),
@@ -173,12 +176,12 @@ fn number_beside(value: f64, limit: f64) -> String {
         .map_or_else(|| format!("{value:e}"), |(digits, _)| number(value, digits))
 }
 
-/// No length, time or count on Earth is as large: it is written with a power of ten.
-const ABSURD: f64 = 1e12;
+/// From here on a number is written with a power of ten.
+const HUGE: f64 = 1e12;
 
-/// A whole number without digits, any other with so many; thousands set apart.
+/// A number with `digits` decimals, a whole one with none; thousands are separated.
 pub(super) fn number(value: f64, digits: usize) -> String {
-    if value.abs() >= ABSURD {
+    if value.abs() >= HUGE {
         let text = format!("{value:.3e}").replace('-', "−");
         let (mantissa, power) = text.split_at(text.find('e').unwrap_or(text.len()));
         let mantissa = mantissa.trim_end_matches('0').trim_end_matches('.');
@@ -216,12 +219,12 @@ pub(super) fn clock(t_s: f64) -> String {
     }
 }
 
-/// A place as an operator types it.
+/// Latitude and longitude, degrees.
 pub(super) fn place(place: LatLon) -> String {
     format!("{:.6}, {:.6}", place.lat_deg, place.lon_deg)
 }
 
-/// Text inside of an element or a quoted attribute.
+/// Text for an element or a quoted attribute of HTML.
 pub(super) fn escaped(text: &str) -> String {
     let mut safe = String::with_capacity(text.len());
     for c in text.chars() {

@@ -7,52 +7,11 @@ use std::collections::BTreeMap;
 pub(crate) use wing::{Follows, Passes, WingLimits};
 
 use super::profile::Profile;
+use crate::autopilot::{Airframe, ParameterRow, parameter};
 use crate::link::ParamValue;
-use crate::spec::Airframe;
 
 /// `MAV_PARAM_TYPE_INT32`.
 const INT_32: u8 = 6;
-
-/// Those that shape a flight on rotors, with the values an ArduCopter 4.6 comes with.
-const ARDUPILOT: &[(&str, f32)] = &[
-    ("WPNAV_SPEED", 1000.0),
-    ("WPNAV_ACCEL", 250.0),
-    ("WPNAV_ACCEL_C", 0.0),
-    ("WPNAV_ACCEL_Z", 100.0),
-    ("WPNAV_SPEED_UP", 250.0),
-    ("WPNAV_SPEED_DN", 150.0),
-    ("WPNAV_RADIUS", 200.0),
-    ("LAND_SPEED_HIGH", 0.0),
-    ("LAND_ALT_LOW", 1000.0),
-    ("LAND_SPEED", 50.0),
-    ("DISARM_DELAY", 10.0),
-    ("RTL_ALT", 1500.0),
-    ("FENCE_ENABLE", 0.0),
-    ("FENCE_TYPE", 7.0),
-    ("FENCE_ACTION", 1.0),
-];
-
-/// The same of PX4 1.16.
-const PX4: &[(&str, f32)] = &[
-    ("MPC_XY_CRUISE", 5.0),
-    ("MPC_XY_VEL_MAX", 12.0),
-    ("MPC_ACC_HOR", 3.0),
-    ("MPC_ACC_UP_MAX", 4.0),
-    ("MPC_Z_V_AUTO_UP", 3.0),
-    ("MPC_Z_V_AUTO_DN", 1.5),
-    ("MPC_Z_VEL_MAX_UP", 3.0),
-    ("MPC_Z_VEL_MAX_DN", 1.5),
-    ("MPC_TKO_SPEED", 1.5),
-    ("MPC_LAND_SPEED", 0.7),
-    ("MPC_LAND_ALT2", 5.0),
-    ("NAV_ACC_RAD", 10.0),
-    ("COM_DISARM_PRFLT", 10.0),
-    ("RTL_RETURN_ALT", 60.0),
-    ("GF_ACTION", 2.0),
-];
-
-/// Whole numbers of PX4; its others are floats.
-const PX4_WHOLE: &[&str] = &["GF_ACTION"];
 
 /// Parameters by name.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,23 +43,16 @@ pub(crate) struct Limits {
 }
 
 impl Settings {
-    /// What a vehicle comes with.
+    /// The values that a vehicle comes with.
     pub(crate) fn of(profile: Profile, airframe: Airframe) -> Self {
-        let defaults: &[&[(&str, f32)]] = match (profile, airframe) {
-            (Profile::ArduPilot | Profile::Generic, Airframe::Copter) => &[ARDUPILOT],
-            (Profile::ArduPilot | Profile::Generic, Airframe::Plane) => &[wing::ARDUPLANE],
-            (Profile::ArduPilot | Profile::Generic, Airframe::Vtol) => {
-                &[wing::ARDUPLANE, wing::QUADPLANE]
-            }
-            (Profile::Px4, Airframe::Copter) => &[PX4],
-            (Profile::Px4, Airframe::Plane) => &[wing::PX4_WING],
-            (Profile::Px4, Airframe::Vtol) => &[PX4, wing::PX4_WING, wing::PX4_VTOL],
-        };
-        let named = |&(name, value): &(&str, f32)| (name.to_owned(), value);
+        let tables = profile.facts(airframe).parameters.iter().copied().flatten();
+        let version = profile.version();
+        let has = |row: &&ParameterRow| version.is_none_or(|v| row.versions.contains(v));
+        let named = |row: &ParameterRow| (row.name.to_owned(), row.default);
         Self {
             profile,
             airframe,
-            values: defaults.concat().iter().map(named).collect(),
+            values: tables.filter(has).map(named).collect(),
         }
     }
 
@@ -132,7 +84,7 @@ impl Settings {
     }
 
     fn is_whole(&self, name: &str) -> bool {
-        self.is_bytewise() && PX4_WHOLE.contains(&name)
+        self.is_bytewise() && parameter(name).is_some_and(|row| row.is_int32)
     }
 
     fn is_bytewise(&self) -> bool {

@@ -64,7 +64,7 @@ pub(crate) enum Hold {
     Land,
 }
 
-/// What the pilot tells, for the ground station.
+/// Reports of the pilot for the ground station.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Event {
     /// An item was done: its index without home.
@@ -217,7 +217,7 @@ impl Pilot {
     fn step(&mut self, items: &[Item]) {
         let limits = self.settings.limits();
         let at_m = self.sensed();
-        let wanted = match self.doing {
+        let demand = match self.doing {
             Doing::Standing => return self.idle(&limits),
             Doing::Landed { at } => {
                 if self.clock >= at + self.disarm_ms() {
@@ -244,9 +244,9 @@ impl Pilot {
                 [0.0, 0.0, climb.clamp(0.0, limits.takeoff_mps)]
             }
             Doing::Flying { leg, hold } => {
-                let wanted = self.along(leg, hold, at_m, items, &limits);
+                let demand = self.along(leg, hold, at_m, items, &limits);
                 self.arrive(leg, hold, at_m, items, &limits);
-                wanted
+                demand
             }
             Doing::Holding { at_m: place, until } => {
                 if until.is_some_and(|until| self.clock >= until) {
@@ -261,7 +261,7 @@ impl Pilot {
             return;
         }
         self.body
-            .step(wanted, &limits, self.weathering.gust(), STEP_S);
+            .step(demand, &limits, self.weathering.gust(), STEP_S);
     }
 
     /// From touchdown until the motors stop, milliseconds.

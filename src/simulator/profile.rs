@@ -1,17 +1,17 @@
-//! Which autopilot a simulated vehicle plays.
+//! The autopilot that a simulated vehicle plays.
 
-use crate::link::{AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_PX4, List};
-use crate::spec::{Airframe, Autopilot};
+use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts};
+use crate::link::{AUTOPILOT_GENERIC, List};
 
-/// The autopilot that a simulated vehicle plays. What each does was measured on
-/// ArduCopter and ArduPlane 4.6.3, PX4 1.18 (both software in the loop) and MAVSDK 4.1.0.
+/// The autopilot that a simulated vehicle plays. Its behaviour was measured on ArduCopter and
+/// ArduPlane 4.6.3, PX4 1.18 (both software in the loop) and MAVSDK 4.1.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
     /// ArduPilot: ArduCopter, or ArduPlane on a wing.
     ArduPilot,
     /// PX4.
     Px4,
-    /// An autopilot that does not say which it is, as MAVSDK's mission server.
+    /// An autopilot that does not name itself, as MAVSDK's mission server.
     Generic,
 }
 
@@ -25,14 +25,26 @@ impl From<Autopilot> for Profile {
 }
 
 impl Profile {
+    /// The autopilot whose tables apply; none for the generic one, which stores every item bit
+    /// by bit.
+    pub(crate) fn known(self) -> Option<Autopilot> {
+        match self {
+            Self::ArduPilot => Some(Autopilot::ArduPilot),
+            Self::Px4 => Some(Autopilot::Px4),
+            Self::Generic => None,
+        }
+    }
+
+    /// The table by which it flies: the generic one flies as ArduPilot.
+    pub(crate) fn facts(self, airframe: Airframe) -> &'static Facts {
+        facts(self.known().unwrap_or(Autopilot::ArduPilot), airframe)
+    }
+
     /// `MAV_AUTOPILOT` of its heartbeat.
     #[must_use]
     pub fn autopilot(self) -> u8 {
-        match self {
-            Self::ArduPilot => AUTOPILOT_ARDUPILOT,
-            Self::Px4 => AUTOPILOT_PX4,
-            Self::Generic => AUTOPILOT_GENERIC,
-        }
+        let known = self.known();
+        known.map_or(AUTOPILOT_GENERIC, |known| known.conventions().mav_autopilot)
     }
 
     /// `MAV_TYPE` of its heartbeat: quadrotor, fixed wing or quad-VTOL. A QuadPlane says that
@@ -46,7 +58,12 @@ impl Profile {
         }
     }
 
-    /// `AUTOPILOT_VERSION.flight_sw_version`: the one whose behaviour was measured.
+    /// The version whose behaviour was measured.
+    pub(crate) fn version(self) -> Option<Version> {
+        self.known().map(|known| known.conventions().measured)
+    }
+
+    /// `AUTOPILOT_VERSION.flight_sw_version` of that version.
     pub(crate) fn flight_software(self) -> u32 {
         match self {
             Self::ArduPilot => u32::from_be_bytes([4, 6, 3, 255]),
@@ -55,7 +72,7 @@ impl Profile {
         }
     }
 
-    /// `AUTOPILOT_VERSION.capabilities`: what the simulated vehicle can do.
+    /// `AUTOPILOT_VERSION.capabilities`.
     pub(crate) fn capabilities(self) -> u64 {
         // MISSION_INT, COMMAND_INT, MAVLINK2, MISSION_FENCE, MISSION_RALLY.
         let all = 4 | 8 | 8192 | 16384 | 32768;
@@ -66,41 +83,28 @@ impl Profile {
         }
     }
 
-    /// By which rules it stores items; none means bit by bit.
-    pub(crate) fn keeps(self) -> Option<Autopilot> {
-        match self {
-            Self::ArduPilot => Some(Autopilot::ArduPilot),
-            Self::Px4 => Some(Autopilot::Px4),
-            Self::Generic => None,
-        }
-    }
-
-    /// Between two requests for the same item, milliseconds.
+    /// Time between two requests for the same item, milliseconds.
     pub(crate) fn repeat_ms(self) -> u64 {
-        match self {
-            Self::ArduPilot => 1000,
-            Self::Px4 => 270,
-            Self::Generic => 500,
-        }
+        self.known()
+            .map_or(500, |known| known.conventions().request_ms)
     }
 
-    /// Without the item until the transfer is given up, milliseconds.
+    /// Time without the item until it gives up the transfer, milliseconds.
     pub(crate) fn give_up_ms(self) -> u64 {
-        match self {
-            Self::ArduPilot => 8000,
-            Self::Px4 => 5000,
-            Self::Generic => 2500,
-        }
+        self.known()
+            .map_or(2500, |known| known.conventions().give_up_ms)
     }
 
-    /// Most items in a list, home included where there is one.
+    /// Greatest number of items in a list, home included where there is one.
     pub(crate) fn capacity(self, list: List, airframe: Airframe) -> usize {
-        match (self, list) {
-            (Self::ArduPilot, List::Mission) if airframe.has_wing() => 655,
-            (Self::ArduPilot, List::Mission) => 650,
-            (Self::ArduPilot, List::Fence) => 70,
-            (Self::ArduPilot, List::Rally) => 46,
-            (Self::Px4 | Self::Generic, _) => 10_000,
+        let Some(known) = self.known() else {
+            return 10_000;
+        };
+        let capacity = facts(known, airframe).capacity;
+        match list {
+            List::Mission => capacity.items + usize::from(known.conventions().counts_home),
+            List::Fence => capacity.fence,
+            List::Rally => capacity.rally,
         }
     }
 }

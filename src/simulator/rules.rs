@@ -1,23 +1,31 @@
-//! Which items an autopilot takes, at upload.
+//! Acceptance of items at upload.
 
+use crate::autopilot::{
+    Airframe, Autopilot, CommandRule, Location, command, command_row, facts, frame,
+};
 use crate::link::{List, MissionResult};
-use crate::mission::{Item, command, frame};
+use crate::mission::Item;
 
 /// Latitude and longitude in 1e-7 degrees.
-const MOST_LATITUDE: i32 = 900_000_000;
-const MOST_LONGITUDE: i32 = 1_800_000_000;
-/// ArduPilot refuses altitudes from here on, metres.
-const MOST_ALTITUDE_M: f32 = 83_000.0;
+const MAX_LATITUDE: i32 = 900_000_000;
+const MAX_LONGITUDE: i32 = 1_800_000_000;
 
-/// `MAV_CMD`s that the simulated autopilots know as mission items.
-fn is_known(number: u16) -> bool {
-    matches!(number,
-        16..=22 | 30 | 31 | 82..=85 | 92..=94 | 112..=115 | 176..=223 | 2000..=2003 | 3000)
+/// The rule for a mission item in the version that the simulated vehicle plays.
+fn rule(autopilot: Autopilot, item: &Item) -> Option<&'static CommandRule> {
+    let rule = command_row(item.command)?.rule(autopilot)?;
+    let version = autopilot.conventions().measured;
+    rule.versions.contains(version).then_some(rule)
 }
 
-/// Commands that go to a place.
-fn has_place(number: u16) -> bool {
-    matches!(number, 16..=19 | 21 | 22 | 31 | 82 | 84 | 85 | 195 | 201)
+/// Whether a fence or rally item is of its list.
+fn is_of(list: List, number: u16) -> bool {
+    match list {
+        List::Mission => false,
+        List::Fence => {
+            (command::FENCE_RETURN_POINT..=command::FENCE_CIRCLE_EXCLUSION).contains(&number)
+        }
+        List::Rally => number == command::RALLY_POINT,
+    }
 }
 
 /// ArduPilot: frame, then parameters, then place.
@@ -27,35 +35,32 @@ pub(crate) fn ardupilot(
     seq: u16,
     count: u16,
 ) -> Result<(), MissionResult> {
-    let known = match list {
-        List::Mission => is_known(item.command),
-        List::Fence => (5000..=5004).contains(&item.command),
-        List::Rally => item.command == command::RALLY_POINT,
-    };
-    if !known {
+    let rule = rule(Autopilot::ArduPilot, item).filter(|_| list == List::Mission);
+    if rule.is_none() && !is_of(list, item.command) {
         return Err(MissionResult::UNSUPPORTED);
     }
-    let is_placed = list != List::Mission || has_place(item.command);
+    let is_placed = rule.is_none_or(|rule| rule.location != Location::None);
     let canonical = frame::canonical(item.frame);
     if is_placed && ![0, 2, 3, 10].contains(&canonical)
         || (list != List::Mission && canonical == frame::MISSION)
     {
         return Err(MissionResult::UNSUPPORTED_FRAME);
     }
-    let yaw_may_be_nan = matches!(item.command, 16 | 21 | 22 | 84);
-    for (index, code) in [6, 7, 8, 9].into_iter().enumerate() {
-        if item.params[index].is_nan() && !(index == 3 && yaw_may_be_nan) {
+    let may_be_nan = rule.map_or([false; 4], |rule| rule.nan);
+    for ((code, value), may_be_nan) in (6..).zip(item.params).zip(may_be_nan) {
+        if value.is_nan() && !may_be_nan {
             return Err(MissionResult(code));
         }
     }
     if is_placed {
-        if item.x.abs() > MOST_LATITUDE {
+        if item.x.abs() > MAX_LATITUDE {
             return Err(MissionResult::INVALID_PARAM5_X);
         }
-        if item.y.abs() > MOST_LONGITUDE {
+        if item.y.abs() > MAX_LONGITUDE {
             return Err(MissionResult::INVALID_PARAM6_Y);
         }
-        if item.z.is_nan() || item.z.abs() >= MOST_ALTITUDE_M {
+        let acceptance = facts(Autopilot::ArduPilot, Airframe::Copter).acceptance;
+        if item.z.is_nan() || item.z.abs() >= acceptance.max_altitude_m {
             return Err(MissionResult::INVALID_PARAM7);
         }
     }
@@ -66,25 +71,30 @@ pub(crate) fn ardupilot(
     Ok(())
 }
 
-/// PX4 looks at command and frame only: NaN altitudes and impossible places pass.
+/// PX4 looks at command and frame only: NaN altitudes and impossible locations pass.
 pub(crate) fn px4(list: List, item: &Item) -> Result<(), MissionResult> {
-    let global = matches!(item.frame, 0 | 3 | 5 | 6);
-    match list {
-        List::Mission if !is_known(item.command) => Err(MissionResult::UNSUPPORTED),
-        List::Mission if has_place(item.command) && !global => {
+    let acceptance = facts(Autopilot::Px4, Airframe::Copter).acceptance;
+    let is_global = acceptance.location_frames.contains(&item.frame);
+    if list != List::Mission {
+        return match (is_global, is_of(list, item.command)) {
+            (false, _) => Err(MissionResult::UNSUPPORTED_FRAME),
+            (true, false) => Err(MissionResult::UNSUPPORTED),
+            (true, true) => Ok(()),
+        };
+    }
+    match rule(Autopilot::Px4, item) {
+        Some(rule) if rule.has_location(item.frame) && !is_global => {
             Err(MissionResult::UNSUPPORTED_FRAME)
         }
-        List::Mission if !has_place(item.command) && item.frame != frame::MISSION => {
+        Some(rule) if !rule.has_location(item.frame) && item.frame != frame::MISSION => {
             Err(MissionResult::UNSUPPORTED)
         }
-        List::Fence | List::Rally if !global => Err(MissionResult::UNSUPPORTED_FRAME),
-        List::Fence if !(5000..=5004).contains(&item.command) => Err(MissionResult::UNSUPPORTED),
-        List::Rally if item.command != command::RALLY_POINT => Err(MissionResult::UNSUPPORTED),
-        _ => Ok(()),
+        Some(_) => Ok(()),
+        None => Err(MissionResult::UNSUPPORTED),
     }
 }
 
-/// The corners of each polygon stand together, and each says how many they are.
+/// Whether the corners of each polygon follow each other, and each states their number.
 pub(crate) fn fence_is_consistent(items: &[Item]) -> bool {
     let mut rest = items;
     while let Some(first) = rest.first() {

@@ -216,7 +216,7 @@ impl Server {
                 self.send(now(), &mut encoder, &message);
             }
             while let Some((to, frame)) = self.down.arrived(now()) {
-                // Whoever is gone does not hear it: as on any radio.
+                // A partner that is gone does not receive it, as on any radio.
                 let _ = self.socket.send_to(&frame, to);
             }
         }

@@ -149,7 +149,7 @@ impl Vehicle {
         self.armed || self.pilot.as_ref().is_some_and(|pilot| pilot.armed)
     }
 
-    /// Starts the motors, or stops them, without asking the autopilot.
+    /// Starts the motors, or stops them, without the consent of the autopilot.
     pub fn set_armed(&mut self, armed: bool) {
         self.armed = armed;
     }
@@ -163,7 +163,7 @@ impl Vehicle {
         self.heartbeat_due = now + DARK_MS;
     }
 
-    /// Takes in a message, whoever sent it.
+    /// Handles a message of any sender.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         let mission = match message {
             Message::Mission(mission) => mission,

@@ -1,12 +1,12 @@
-//! A spec file: read, parsed, checked, with its text kept for messages and copies.
+//! A spec file: read, parsed and checked, with its text for messages and copies.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::check;
+use super::keys;
 use super::positions::Positions;
-use super::raw;
 use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
@@ -18,7 +18,7 @@ const MAX_BYTES: u64 = 8 << 20;
 /// A checked spec and the text it came from.
 #[derive(Clone, Debug)]
 pub struct SpecFile {
-    /// What it says.
+    /// The mission.
     pub spec: MissionSpec,
     /// The file, byte for byte.
     pub text: String,
@@ -26,12 +26,11 @@ pub struct SpecFile {
     pub path: PathBuf,
     /// The table of vehicles that it names, if any.
     pub table: Option<TableFile>,
-    places: ValueSources,
+    sources: ValueSources,
 }
 
 impl SpecFile {
-    /// Reads and checks a spec: everything that can be told without the ground.
-    /// What needs the ground is checked where the world is loaded.
+    /// Reads and checks a spec, as far as that needs no ground. Loading the world checks the rest.
     ///
     /// # Errors
     /// A file that cannot be read or is not text, and all that [`Self::parse`] finds.
@@ -39,59 +38,64 @@ impl SpecFile {
         Self::parse(path, read_text(path)?)
     }
 
-    /// Checks a spec that is already in memory; `path` is where it would be, and beside it
+    /// Checks a spec that is already in memory; `path` is where it would be, and in that folder
     /// the table of vehicles that it may name is read.
     ///
     /// # Errors
     /// The first structural problem (syntax, type, unknown or repeated key), or a table that
     /// cannot be read, or else every semantic problem, in file order.
     pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
-        let file = || path.display().to_string();
         let one = |issue: Issue| SpecError {
-            file: file(),
+            file: path.display().to_string(),
             issues: vec![issue],
         };
         // Editors on Windows begin a file with a byte order mark.
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        let places = Positions::read(yaml).map_err(one)?;
-        if places.has("frame") {
+        let positions = Positions::read(yaml).map_err(one)?;
+        if positions.has("frame") {
             return Err(one(Issue {
                 path: "frame".to_owned(),
                 table: None,
-                position: places.find("frame"),
-                found:
-                    "a scenario of the study, in Cartesian coordinates that are nowhere on earth"
-                        .to_owned(),
+                position: positions.find("frame"),
+                found: "a scenario of the study, in Cartesian coordinates without a place on earth"
+                    .to_owned(),
                 allowed: "a mission in latitude and longitude, without this key".to_owned(),
             }));
         }
-        let raw: raw::Spec = serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
+        let keys: keys::Spec =
+            serde_yaml::from_str(yaml).map_err(|error| one(structural(&error)))?;
+        Self::check(path, text, keys, positions)
+    }
+
+    /// Checks the keys of a file, and the table that they name.
+    pub(super) fn check(
+        path: &Path,
+        text: String,
+        keys: keys::Spec,
+        positions: Positions,
+    ) -> Result<Self, SpecError> {
         let all = |issues: Vec<Issue>| SpecError {
-            file: file(),
+            file: path.display().to_string(),
             issues,
         };
-        let (file, table) = match raw.fleet.as_ref().and_then(|fleet| fleet.csv.as_deref()) {
-            None => (None, Table::default()),
-            Some(name) => {
-                let (file, table) = read_table(path, name, &places).map_err(all)?;
-                (Some(file), table)
-            }
-        };
-        let whole = check::write_out(raw, places, table);
-        let spec = check::check(&whole.raw, &whole.places, whole.issues).map_err(all)?;
+        let csv = keys.fleet.as_ref().and_then(|fleet| fleet.csv.as_deref());
+        let table = csv.map(|name| read_table(path, name, &positions));
+        let (file, table) = table.transpose().map_err(all)?.unzip();
+        let (spec, sources) =
+            check::check(keys, positions, table.unwrap_or_default()).map_err(all)?;
         Ok(Self {
             spec,
             text,
             path: path.to_owned(),
             table: file,
-            places: whole.places,
+            sources,
         })
     }
 
     /// A problem at a path of this file, with its line and column.
     #[must_use]
     pub fn issue(&self, path: &str, found: String, allowed: String) -> Issue {
-        self.places.issue(path, found, allowed)
+        self.sources.issue(path, found, allowed)
     }
 
     /// An error of these issues, put in file order.
@@ -116,17 +120,17 @@ impl SpecFile {
     }
 }
 
-/// The table beside a spec.
+/// The table that a spec names, in its folder.
 fn read_table(
     spec: &Path,
     name: &str,
-    places: &Positions,
+    positions: &Positions,
 ) -> Result<(TableFile, Table), Vec<Issue>> {
     let issue = |found: String, allowed: &str| {
         vec![Issue {
             path: "fleet.csv".to_owned(),
             table: None,
-            position: places.find("fleet.csv"),
+            position: positions.find("fleet.csv"),
             found,
             allowed: allowed.to_owned(),
         }]
@@ -137,13 +141,13 @@ fn read_table(
             "a path relative to the spec that ends in .csv, with /, without .. and drive letters";
         return Err(issue(format!("`{}`", name.escape_debug()), allowed));
     };
-    let place = spec.parent().unwrap_or(Path::new("")).join(&path);
-    let text = read_text(&place).map_err(|error| {
-        let said = error.issues.into_iter().next();
-        let (found, allowed) = said.map_or_else(Default::default, |it| (it.found, it.allowed));
-        issue(format!("{}: {found}", place.display()), &allowed)
+    let file = spec.parent().unwrap_or(Path::new("")).join(&path);
+    let text = read_text(&file).map_err(|error| {
+        let first = error.issues.into_iter().next();
+        let (found, allowed) = first.map_or_else(Default::default, |it| (it.found, it.allowed));
+        issue(format!("{}: {found}", file.display()), &allowed)
     })?;
-    let table = Table::read(place.display().to_string(), &text)?;
+    let table = Table::read(file.display().to_string(), &text)?;
     Ok((TableFile { name: path, text }, table))
 }
 
@@ -182,11 +186,11 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
 /// Takes apart a message such as
 /// `vehicles[0]: invalid type: string "fast", expected f64 at line 3 column 5`.
 pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
-    let position = error.location().map(|place| (place.line(), place.column()));
+    let position = error.location().map(|at| (at.line(), at.column()));
     let mut message = error.to_string();
     if let Some((line, column)) = position {
-        let place = format!(" at line {line} column {column}");
-        message = message.replacen(&place, "", 1);
+        let suffix = format!(" at line {line} column {column}");
+        message = message.replacen(&suffix, "", 1);
     }
     let is_path = |text: &str| {
         text.chars()
@@ -218,10 +222,10 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
     }
 }
 
-/// What the parser says of a number, as one who wrote it understands it.
+/// What the parser found and expected of a number, in the words of the file.
 fn explained(found: &str, allowed: String) -> (String, String) {
     let between = |before: &str| found.strip_prefix(before)?.strip_suffix('`');
-    // An integer does for a number, unless it is written as in a program.
+    // An integer is a number too, unless its digits are not decimal.
     if let Some(value) = between("invalid type: integer `").filter(|_| allowed == "a number") {
         let found = format!("{value} in hexadecimal, octal or binary digits");
         return (
@@ -237,7 +241,7 @@ fn explained(found: &str, allowed: String) -> (String, String) {
     (found.to_owned(), allowed)
 }
 
-/// What the parser expected, without the words of the programmer.
+/// What the parser expected, in the words of the file.
 fn plain(expected: &str) -> String {
     match expected {
         "f64" => "a number".to_owned(),
@@ -251,7 +255,7 @@ fn plain(expected: &str) -> String {
 /// The JSON Schema (draft 2020-12) of a mission spec, for editors.
 #[must_use]
 pub fn json_schema() -> String {
-    let schema = schemars::schema_for!(raw::Spec);
+    let schema = schemars::schema_for!(keys::Spec);
     let mut text = format!("{:#}", schema.as_value());
     text.push('\n');
     text

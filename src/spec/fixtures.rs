@@ -1,9 +1,9 @@
-//! What tests of other folders begin with.
+//! Vehicles for the tests of other folders.
 
 use super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Retiming, Vehicle};
 use crate::geodesy::{Agl, LatLon};
 
-/// A copter at 10 m/s with 2 m/s^2 that lands at its goal; all its places are one.
+/// A copter at 10 m/s with 2 m/s^2 that lands at its goal. Home, start and goal are one position.
 pub(crate) fn copter() -> Vehicle {
     let place = LatLon {
         lat_deg: 36.0,
@@ -17,6 +17,7 @@ pub(crate) fn copter() -> Vehicle {
         id: "alpha".to_owned(),
         sysid: 1,
         autopilot: Autopilot::ArduPilot,
+        autopilot_version: None,
         airframe: Airframe::Copter,
         link: Link::Sim,
         home: place,

@@ -1,6 +1,8 @@
-//! What is wrong with a spec: where, what was found, what is allowed.
+//! Problems of a spec: where, what was found, what is allowed.
 
 use std::fmt;
+
+use crate::numeric::text::escaped;
 
 /// One problem of a spec.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -10,7 +12,7 @@ pub struct Issue {
     pub path: String,
     /// The table in which the problem stands; none: in the spec itself.
     pub table: Option<String>,
-    /// Line and column, from 1; absent if the place cannot be told. In a table the row,
+    /// Line and column, from 1; absent if unknown. In a table the row,
     /// which is the line, and the number of the column, 0 for the whole row.
     pub position: Option<(usize, usize)>,
     /// What was found.
@@ -20,7 +22,7 @@ pub struct Issue {
 }
 
 impl Issue {
-    /// Where it stands among others: the spec before its table, each from top to bottom.
+    /// Sorts the spec before its table, each from top to bottom.
     pub(super) fn order(&self) -> (bool, Option<(usize, usize)>) {
         (self.table.is_some(), self.position)
     }
@@ -41,7 +43,7 @@ impl fmt::Display for SpecError {
             if index > 0 {
                 writeln!(f)?;
             }
-            write!(f, "{}", visible(&issue.sentence(&self.file)))?;
+            write!(f, "{}", escaped(&issue.sentence(&self.file)))?;
         }
         Ok(())
     }
@@ -75,22 +77,12 @@ impl Issue {
     }
 }
 
-/// A text out of a file as a terminal may have it: what commands the terminal is written out.
-fn visible(text: &str) -> String {
-    let show = |sign: char| {
-        let is_command = sign.is_control();
-        let written = is_command.then(|| sign.escape_default().to_string());
-        written.unwrap_or_else(|| sign.to_string())
-    };
-    text.chars().map(show).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::{Issue, SpecError};
 
     #[test]
-    fn what_a_file_says_does_not_command_the_terminal() {
+    fn text_of_a_file_does_not_control_the_terminal() {
         let error = SpecError {
             file: "spec.yaml".to_owned(),
             issues: vec![Issue {
@@ -101,7 +93,7 @@ mod tests {
                 allowed: "a name".to_owned(),
             }],
         };
-        let told = "fleet.csv: row 4, column 2 (\\u{1b}[2Jname): bell\\u{7} (allowed: a name)";
-        assert_eq!(error.to_string(), told);
+        let message = "fleet.csv: row 4, column 2 (\\u{1b}[2Jname): bell\\u{7} (allowed: a name)";
+        assert_eq!(error.to_string(), message);
     }
 }

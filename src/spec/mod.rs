@@ -1,29 +1,54 @@
-//! The mission spec: YAML as typed, then checked, SI and immutable.
+//! The mission spec: keys as a file has them, then checked, SI and immutable.
+//!
+//! [`SpecFile::parse`] or a [`Builder`] supplies the [`keys`]. `check` makes a [`MissionSpec`] of
+//! them and reports every [`Issue`] at once, each with its path, line and column.
+//!
+//! # How to add a key
+//!
+//! A key is named in two places:
+//!
+//! 1. Its struct in [`keys`]: name, type, `range`, and the doc comment that becomes its
+//!    description. A key of a vehicle is an `Option`, with the attribute `required` if each vehicle
+//!    must have one. The JSON Schema (`sortie schema`), the check of the range, the key in
+//!    `fleet.defaults`, the column of a table and the builder follow from it.
+//! 2. Its check into the model, in the file of `check` that has the struct: conditions beyond a
+//!    range (`self.required`, `self.report`), the unit (SI), and the default. The field of the
+//!    model stands in `model.rs` or `vehicle.rs`.
+//!
+//! Enums of words are one type for file and model: they derive `Deserialize` and `JsonSchema` with
+//! `transform = words`. Issues are located by path, so a message needs no code of its own for
+//! tables, grids and defaults. Do not use untagged or flattened enums: serde loses positions in
+//! them.
 
+mod builder;
 mod check;
 mod file;
 #[cfg(test)]
 pub(crate) mod fixtures;
 mod issue;
+pub mod keys;
 mod link;
 mod model;
 mod positions;
-mod raw;
 mod scenario;
 mod table;
 mod value_sources;
 mod vehicle;
+mod wind;
 
+pub use crate::autopilot::{Airframe, Autopilot};
+pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,
-    THREAT_RADIUS_M, TerrainSource, Threat, Weights, Wind, Zone,
+    THREAT_RADIUS_M, TerrainSource, Threat, Weights, Zone,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
 pub use vehicle::{
-    Airframe, ApproachLengths, Autopilot, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement,
-    Retiming, Span, Vehicle, Wing, turn_radius_by_load_m,
+    ApproachLengths, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement, Retiming, Span,
+    Vehicle, Wing, turn_radius_by_load_m,
 };
+pub use wind::Wind;

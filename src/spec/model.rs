@@ -1,11 +1,16 @@
-//! The checked spec. Whoever holds a [`MissionSpec`] need not check it again.
+//! The checked spec. A [`MissionSpec`] holds values that passed every check without the ground.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
+use super::keys::words;
 use super::vehicle::Vehicle;
+use super::wind::Wind;
 
 /// One mission for a fleet, checked and in SI units. Positions stay geodetic;
 /// [`MissionSpec::frame`] takes them to planning coordinates.
@@ -101,7 +106,7 @@ pub struct Hill {
     pub radius_m: f64,
 }
 
-/// What the radius of a threat, or of a hill, may be, metres.
+/// Radius of a threat or of a hill, metres.
 pub const THREAT_RADIUS_M: RangeInclusive<f64> = 1.0..=500_000.0;
 
 /// A vertical cylinder of infinite height.
@@ -137,20 +142,34 @@ pub struct Rally {
     pub agl: Agl,
 }
 
-/// How far apart vehicles must stay, from takeoff to touchdown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// How far apart vehicles stay.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Separation {
     /// Least distance at the same time, metres.
+    #[schemars(range(min = 1, max = 50000))]
     pub distance_m: f64,
-    /// Holds for every relative shift of departure up to this, seconds.
+    /// Applies to every relative shift of departures up to this, seconds.
+    #[schemars(range(min = 0, max = 3600))]
     pub time_slack_s: f64,
-    /// If present, a conflict is horizontal < `distance_m` and vertical < this.
+    /// With it, two vehicles conflict only if they are also less than this apart in height, metres.
+    #[schemars(range(min = 1, max = 10000))]
     pub vertical_m: Option<f64>,
 }
 
+impl Default for Separation {
+    fn default() -> Self {
+        Self {
+            distance_m: 100.0,
+            time_slack_s: 5.0,
+            vertical_m: None,
+        }
+    }
+}
+
 impl Separation {
-    /// Whether two places at the same time are too near, for their distance across
-    /// and in height, metres.
+    /// Whether two positions at the same time conflict, by their horizontal and vertical
+    /// distance, metres.
     #[must_use]
     pub fn is_conflict(&self, across_m: f64, up_m: f64) -> bool {
         match self.vertical_m {
@@ -191,7 +210,9 @@ pub struct Planner {
 }
 
 /// Which algorithm searches.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+#[schemars(transform = words)]
 pub enum Algorithm {
     /// The default: several swarms in different route classes.
     Msfoa,
@@ -214,7 +235,9 @@ pub enum Algorithm {
 }
 
 /// Which objective is minimised.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Objective {
     /// Integrals along the path, independent of the sampling.
     Operational,
@@ -223,21 +246,29 @@ pub enum Objective {
 }
 
 /// Factors on the terms of the objective; 1 means as designed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Weights {
     /// Length.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub length: f64,
     /// Height above the minimum.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub altitude: f64,
     /// Threats, zones and area.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub threat: f64,
     /// Height below the minimum.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub terrain: f64,
     /// Turns beyond the limit.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub turn: f64,
     /// Slopes beyond the limit.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub climb: f64,
     /// Nearness to earlier vehicles.
+    #[schemars(range(min = 0, max = 1_000_000))]
     pub collision: f64,
 }
 
@@ -269,7 +300,9 @@ pub struct MissionOptions {
 }
 
 /// Reference of the altitudes in mission items.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum AltitudeReference {
     /// Above mean sea level.
     Amsl,
@@ -279,110 +312,16 @@ pub enum AltitudeReference {
     Terrain,
 }
 
-/// A steady wind.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wind {
-    /// Direction it blows from, radians clockwise from north.
-    pub from_rad: f64,
-    /// Speed, m/s.
-    pub speed_mps: f64,
-}
-
-/// A wing that makes less way over the ground than this makes none, m/s.
-const LEAST_WAY_MPS: f64 = 1.0;
-
-impl Wind {
-    /// Speed over the ground of what holds a course in the wind by crabbing, from the wind
-    /// triangle: `sqrt(airspeed^2 - across^2) + along`, m/s. None where the wind is too strong
-    /// to hold the course (radians clockwise from north) with 1 m/s of way.
-    #[must_use]
-    pub fn ground_speed_mps(&self, airspeed_mps: f64, course_rad: f64) -> Option<f64> {
-        let off_rad = course_rad - self.from_rad;
-        let (across_mps, against_mps) = (
-            self.speed_mps * off_rad.sin(),
-            self.speed_mps * off_rad.cos(),
-        );
-        let ahead = airspeed_mps * airspeed_mps - across_mps * across_mps;
-        let ground_mps = ahead.max(0.0).sqrt() - against_mps;
-        (ahead > 0.0 && ground_mps >= LEAST_WAY_MPS).then_some(ground_mps)
-    }
-}
-
 /// What the fleet does when the link to one vehicle is lost.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+#[schemars(transform = words)]
 pub enum OnLinkLoss {
-    /// Everyone flies on.
+    /// All vehicles continue.
+    #[default]
     Continue,
-    /// Everyone stays where it is.
+    /// All vehicles hold their position.
     HoldAll,
-    /// Everyone lands where it is.
+    /// All vehicles land at their position.
     LandAll,
-}
-
-#[cfg(test)]
-mod tests {
-    use std::f64::consts::{PI, TAU};
-
-    use proptest::prelude::*;
-
-    use super::Wind;
-
-    proptest! {
-        /// Heads through the air where the track comes out on the course, found by bisection.
-        #[test]
-        fn the_velocities_through_the_air_and_of_the_air_add_up_to_the_track(
-            airspeed_mps in 8.0..40.0_f64,
-            share in 0.0..0.8_f64,
-            from_rad in 0.0..TAU,
-            course_rad in 0.0..TAU,
-        ) {
-            let wind = Wind { from_rad, speed_mps: share * airspeed_mps };
-            let track = |crab_rad: f64| {
-                let heading_rad = course_rad + crab_rad;
-                let towards_rad = from_rad + PI;
-                (
-                    airspeed_mps * heading_rad.sin() + wind.speed_mps * towards_rad.sin(),
-                    airspeed_mps * heading_rad.cos() + wind.speed_mps * towards_rad.cos(),
-                )
-            };
-            // Positive: the track lies clockwise of the course.
-            let beside = |(east, north): (f64, f64)| {
-                east * course_rad.cos() - north * course_rad.sin()
-            };
-            let (mut left, mut right) = (-0.5 * PI, 0.5 * PI);
-            for _ in 0..60 {
-                let middle = 0.5 * (left + right);
-                if beside(track(middle)) < 0.0 { left = middle } else { right = middle }
-            }
-            let (east, north) = track(0.5 * (left + right));
-            let found = wind.ground_speed_mps(airspeed_mps, course_rad).expect("a weaker wind");
-            prop_assert!((found - east.hypot(north)).abs() < 1e-6, "{found} {east} {north}");
-        }
-    }
-
-    #[test]
-    fn a_wing_makes_way_as_the_wind_lets_it() {
-        let wind = Wind {
-            from_rad: 1.5 * PI,
-            speed_mps: 6.0,
-        };
-        let on = |airspeed_mps, course_deg: f64| {
-            wind.ground_speed_mps(airspeed_mps, course_deg.to_radians())
-        };
-        let near = |found: Option<f64>, wanted: f64| {
-            assert!(
-                found.is_some_and(|mps| (mps - wanted).abs() < 1e-9),
-                "{found:?}"
-            );
-        };
-        near(on(10.0, 90.0), 16.0);
-        near(on(10.0, 270.0), 4.0);
-        near(on(10.0, 0.0), 8.0);
-        assert_eq!(on(5.5, 0.0), None, "across, and stronger");
-        assert_eq!(
-            on(6.5, 270.0),
-            None,
-            "half a metre a second against the wind"
-        );
-    }
 }

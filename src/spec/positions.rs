@@ -1,7 +1,12 @@
-//! Where everything stands in the YAML text.
+//! Line and column of every value in the YAML text.
 //!
 //! A walk over the parser's events: no tree is built and nothing recurses, so
 //! that deep nesting and aliases of aliases end in an error, not in a hang.
+//!
+//! serde-saphyr 1 has positions too, as `Spanned<T>` around a field. It does not replace this
+//! walk: a position is needed for every value by its path, also for keys that are absent, so each
+//! field of `keys` would be a `Spanned<Option<T>>`, in the schema and the builder as well. It has
+//! no `Value`, which rows over defaults are merged in, so `serde_yaml` would stay as well.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -38,7 +43,7 @@ impl Positions {
             })?;
             walk.take(event, span)?;
         }
-        Ok(Self { of: walk.places })
+        Ok(Self { of: walk.positions })
     }
 
     /// Whether there is a value of exactly this path.
@@ -46,7 +51,7 @@ impl Positions {
         self.of.contains_key(path)
     }
 
-    /// The place of a path; of the nearest thing around it where the path itself
+    /// The position of a path; of the nearest value around it where the path itself
     /// is absent (a missing key, the inside of an alias).
     pub(super) fn find(&self, path: &str) -> Option<Position> {
         let mut path = path;
@@ -87,7 +92,7 @@ enum Inside {
 
 #[derive(Debug, Default)]
 struct Walk {
-    places: BTreeMap<String, Position>,
+    positions: BTreeMap<String, Position>,
     open: Vec<Open>,
     documents: usize,
     /// Size of each anchored value, by anchor id.
@@ -153,7 +158,7 @@ impl Walk {
         Ok(())
     }
 
-    /// Takes a word as a key if one is due, and says whether it was.
+    /// Takes a word as a key if one is due; returns whether it did.
     fn key(&mut self, at: Position, word: &str) -> Result<bool, Issue> {
         let inside = self.open.last_mut().map(|open| &mut open.inside);
         let Some(Inside::Mapping {
@@ -195,7 +200,7 @@ impl Walk {
         }
     }
 
-    /// Notes one value, of so many nodes.
+    /// Notes one value, with its number of nodes.
     fn value(&mut self, at: Position, nodes: usize) -> Result<(), Issue> {
         let path = self.path();
         self.nodes = self.nodes.saturating_add(nodes);
@@ -210,7 +215,7 @@ impl Walk {
                 Inside::Sequence { next } => *next += 1,
             }
         }
-        self.places.insert(path, at);
+        self.positions.insert(path, at);
         Ok(())
     }
 
@@ -267,25 +272,25 @@ mod tests {
 
     #[test]
     fn every_value_has_its_line_and_column() {
-        let places = Positions::read(TEXT).expect("good YAML");
-        assert_eq!(places.find("name"), Some((1, 7)));
-        assert_eq!(places.find("vehicles[0].start.lon"), Some((4, 26)));
-        assert_eq!(places.find("vehicles[1].id"), Some((6, 9)));
+        let positions = Positions::read(TEXT).expect("good YAML");
+        assert_eq!(positions.find("name"), Some((1, 7)));
+        assert_eq!(positions.find("vehicles[0].start.lon"), Some((4, 26)));
+        assert_eq!(positions.find("vehicles[1].id"), Some((6, 9)));
     }
 
     #[test]
-    fn what_is_absent_stands_where_its_surroundings_stand() {
-        let places = Positions::read(TEXT).expect("good YAML");
+    fn an_absent_value_has_the_position_of_its_surroundings() {
+        let positions = Positions::read(TEXT).expect("good YAML");
         assert_eq!(
-            places.find("vehicles[0].start.agl_m"),
-            places.find("vehicles[0].start")
+            positions.find("vehicles[0].start.agl_m"),
+            positions.find("vehicles[0].start")
         );
         assert_eq!(
-            places.find("vehicles[2].id"),
+            positions.find("vehicles[2].id"),
             Some((7, 5)),
             "the alias, not its anchor"
         );
-        assert_eq!(places.find("nothing.at[3].all"), Some((1, 1)));
+        assert_eq!(positions.find("nothing.at[3].all"), Some((1, 1)));
     }
 
     #[test]

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::check;
 use super::file::{self, SpecFile};
+use super::keys;
 use super::positions::Positions;
-use super::raw;
 use super::{Planner, SpecError};
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
 
@@ -131,10 +131,10 @@ impl Scenario {
             issues,
         };
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let places = Positions::read(yaml).map_err(|issue| error(vec![issue]))?;
-        let raw: raw::Scenario = serde_yaml::from_str(yaml)
+        let positions = Positions::read(yaml).map_err(|issue| error(vec![issue]))?;
+        let keys: keys::Scenario = serde_yaml::from_str(yaml)
             .map_err(|problem| error(vec![file::structural(&problem)]))?;
-        check::scenario(&raw, &places).map_err(error)
+        check::scenario(&keys, positions).map_err(error)
     }
 
     /// Reads and checks a scenario.
@@ -170,7 +170,7 @@ impl Document {
     /// As [`SpecFile::parse`] and [`Scenario::parse`].
     pub fn parse(path: &Path, text: String) -> Result<Self, SpecError> {
         let yaml = text.strip_prefix('\u{feff}').unwrap_or(&text);
-        if Positions::read(yaml).is_ok_and(|places| places.has("frame")) {
+        if Positions::read(yaml).is_ok_and(|positions| positions.has("frame")) {
             Scenario::parse(path, &text).map(|scenario| Self::Scenario(Box::new(scenario)))
         } else {
             SpecFile::parse(path, text).map(|file| Self::Mission(Box::new(file)))

@@ -1,4 +1,4 @@
-//! A table of vehicles beside a spec: comma-separated values with a row of names first.
+//! A table of vehicles: comma-separated values with a row of names first.
 
 use std::path::PathBuf;
 
@@ -72,7 +72,7 @@ impl Table {
                 issues.push(table.row_issue(line, "", found, &allowed));
             }
         }
-        table.look_at_names(&mut issues);
+        table.check_names(&mut issues);
         if issues.is_empty() {
             Ok(table)
         } else {
@@ -80,7 +80,7 @@ impl Table {
         }
     }
 
-    fn look_at_names(&self, issues: &mut Vec<Issue>) {
+    fn check_names(&self, issues: &mut Vec<Issue>) {
         if self.columns.is_empty() {
             let allowed = "the names of the columns, then one row for each vehicle";
             issues.push(self.row_issue(1, "", "an empty table".to_owned(), allowed));

@@ -3,15 +3,15 @@
 
 use super::Issue;
 use super::positions::Positions;
-use super::table::Table;
+use super::table::{Row, Table};
 
 /// Keys that are of one vehicle, though a part of them may be common to all.
 const WHOLE: [&str; 5] = ["", "home", "start", "goal", "landing"];
 
-/// The places of a spec and of its table.
+/// The positions of a spec and of its table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct ValueSources {
-    places: Positions,
+    positions: Positions,
     /// Number of vehicles that `vehicles` lists; those after them are made by `fleet`.
     listed: usize,
     made: Vec<Made>,
@@ -27,28 +27,26 @@ pub(super) struct Made {
 }
 
 impl ValueSources {
-    /// Of a spec in which so many vehicles are listed and these made.
-    pub(super) fn new(places: Positions, listed: usize, made: Vec<Made>, table: Table) -> Self {
+    /// Of a spec whose `vehicles` lists this many.
+    pub(super) fn new(positions: Positions, listed: usize) -> Self {
         Self {
-            places,
+            positions,
             listed,
-            made,
-            table,
+            ..Self::default()
         }
+    }
+
+    /// Takes the vehicles that `fleet` made, and the table they come from.
+    pub(super) fn add_fleet(&mut self, made: Vec<Made>, table: Table) {
+        (self.made, self.table) = (made, table);
     }
 
     /// A problem at a path such as `vehicles[7].start.lat`.
     pub(super) fn issue(&self, path: &str, found: String, allowed: String) -> Issue {
         let Some((made, key)) = self.made(path) else {
-            return Issue {
-                path: path.to_owned(),
-                table: None,
-                position: self.places.find(path),
-                found,
-                allowed,
-            };
+            return self.in_file(path, found, allowed);
         };
-        let row = made.row.and_then(|row| self.table.rows.get(row));
+        let row = self.row(made);
         if let Some(row) = row {
             let cell = |key: &str| self.cell(&row.cells, key);
             // A vehicle without a home stands under its start.
@@ -63,27 +61,51 @@ impl ValueSources {
             common.strip_prefix("fleet.defaults.") == Some(key) && !WHOLE.contains(&key);
         match row {
             Some(row) if !is_common => self.table.row_issue(row.line, key, found, &allowed),
-            _ => Issue {
-                position: self.places.find(&common),
-                path: common,
-                table: None,
-                found: if is_common {
-                    found
-                } else {
-                    format!("`{}`: {found}", made.id)
-                },
-                allowed,
-            },
+            _ if is_common => self.in_file(&common, found, allowed),
+            _ => self.in_file(&common, format!("`{}`: {found}", made.id), allowed),
+        }
+    }
+
+    /// A key that is missing below a path such as `vehicles[7].start`.
+    pub(super) fn missing(&self, path: &str, key: &str) -> Issue {
+        let whole = format!("{path}.{key}");
+        let Some((made, key)) = self.made(&whole) else {
+            return self.in_file(path, format!("missing field `{key}`"), String::new());
+        };
+        let column = key.replace('.', "_");
+        let names = &self.table.columns;
+        let index = names.iter().position(|name| *name == column);
+        let allowed = match (self.row(made), index, key) {
+            (Some(row), Some(index), _) => {
+                let found = "an empty cell".to_owned();
+                let allowed = format!("a value, or {key} in fleet.defaults");
+                return self.table.cell_issue(row.line, index, found, &allowed);
+            }
+            (Some(_), None, _) => format!("{key} here, or a column {column}"),
+            (None, _, "start.lat" | "start.lon") => format!("{key} here, or start_grid"),
+            (None, _, "goal.lat" | "goal.lon") => format!("{key} here, or goal_grid"),
+            (None, ..) => format!("{key}, as a vehicle has it"),
+        };
+        self.in_file("fleet.defaults", format!("no {key}"), allowed)
+    }
+
+    fn in_file(&self, path: &str, found: String, allowed: String) -> Issue {
+        Issue {
+            path: path.to_owned(),
+            table: None,
+            position: self.positions.find(path),
+            found,
+            allowed,
         }
     }
 
     /// What an operator calls `vehicles[7]`.
     pub(super) fn name(&self, path: &str) -> String {
-        match self.made(path).map(|(made, _)| made.row) {
+        match self.made(path).map(|(made, _)| (made.row, self.row(made))) {
             None => path.to_owned(),
-            Some(None) => "another vehicle of fleet".to_owned(),
-            Some(Some(row)) => {
-                let line = self.table.rows.get(row).map_or(0, |row| row.line);
+            Some((None, _)) => "another vehicle of fleet".to_owned(),
+            Some((_, row)) => {
+                let line = row.map_or(0, |row| row.line);
                 format!("row {line} of {}", self.table.file)
             }
         }
@@ -95,6 +117,10 @@ impl ValueSources {
         let index: usize = index.parse().ok()?;
         let made = self.made.get(index.checked_sub(self.listed)?)?;
         Some((made, rest.trim_start_matches('.')))
+    }
+
+    fn row(&self, made: &Made) -> Option<&Row> {
+        self.table.rows.get(made.row?)
     }
 
     /// Index of the first column that has a cell for this key or for a part of it.
@@ -109,10 +135,10 @@ impl ValueSources {
         })
     }
 
-    /// Where `fleet` says what its vehicles have for this key.
+    /// The path in `fleet` that gives its vehicles this key.
     fn common(&self, key: &str) -> String {
         let own = format!("fleet.defaults.{key}");
-        let ways = match key {
+        let paths = match key {
             "" => ["fleet", "fleet", "fleet"],
             "id" => ["fleet.id", "fleet", "fleet"],
             "sysid" => ["fleet.first_sysid", "fleet", "fleet"],
@@ -122,32 +148,32 @@ impl ValueSources {
             "home" => [&own, "fleet.start_grid", "fleet.defaults.start"],
             _ => [&own, "fleet.defaults", "fleet"],
         };
-        let mut known = ways.into_iter().filter(|path| self.places.has(path));
+        let mut known = paths.into_iter().filter(|path| self.positions.has(path));
         known.next().unwrap_or("fleet").to_owned()
     }
 }
 
-/// Problems in file order; of those that the same lines make for many vehicles the first,
-/// with the number of the others.
+/// Problems in file order. Of those that the same lines of `fleet` cause for many vehicles,
+/// the first, with the number of the others.
 pub(super) fn in_order(mut issues: Vec<Issue>) -> Vec<Issue> {
     issues.sort_by_key(Issue::order);
-    let mut told: Vec<(Issue, usize)> = Vec::new();
+    let mut distinct: Vec<(Issue, usize)> = Vec::new();
     for issue in issues {
         let of_fleet = issue.table.is_none() && issue.path.starts_with("fleet");
-        let same = told.iter_mut().rev().take(16).find(|(other, _)| {
+        let same = distinct.iter_mut().rev().take(16).find(|(other, _)| {
             of_fleet && other.path == issue.path && other.allowed == issue.allowed
         });
         match same {
             Some((other, more)) if other.found != issue.found => *more += 1,
             Some(_) => {}
-            None => told.push((issue, 0)),
+            None => distinct.push((issue, 0)),
         }
     }
-    let said = |(mut issue, more): (Issue, usize)| {
+    let with_count = |(mut issue, more): (Issue, usize)| {
         if more > 0 {
             issue.found = format!("{} (and {more} more like it)", issue.found);
         }
         issue
     };
-    told.into_iter().map(said).collect()
+    distinct.into_iter().map(with_count).collect()
 }

@@ -1,8 +1,13 @@
-//! A vehicle of the checked spec: what it is, where it goes, what it can.
+//! A vehicle of the checked spec: identity, route and performance.
 
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts};
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
-use super::model::Wind;
+use super::keys::words;
+use super::wind::Wind;
 
 /// One vehicle of the fleet.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,6 +18,8 @@ pub struct Vehicle {
     pub sysid: u8,
     /// Which autopilot will read the mission.
     pub autopilot: Autopilot,
+    /// Its firmware version; absent: every supported one.
+    pub autopilot_version: Option<Version>,
     /// What flies.
     pub airframe: Airframe,
     /// How to reach it.
@@ -51,7 +58,7 @@ pub struct Vehicle {
     pub wing: Option<Wing>,
 }
 
-/// What the planner may choose so that a vehicle need not go around others.
+/// Departures and speeds that the planner may choose instead of a detour around other vehicles.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Retiming {
     /// Departures, seconds after T0; none: `depart_s` alone.
@@ -102,10 +109,10 @@ pub struct Landing {
     pub glide_rad: f64,
 }
 
-/// The last way to a landing, both lengths in metres.
+/// The last part of a path to a landing, both lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ApproachLengths {
-    /// The straight way on the course of the landing: a plane's glide, or the stretch on
+    /// The straight leg on the course of the landing: a plane's glide, or the distance in
     /// which a vtol slows down.
     pub straight_m: f64,
     /// Before it, for the turn onto that course: here the planned path ends.
@@ -113,6 +120,12 @@ pub struct ApproachLengths {
 }
 
 impl Vehicle {
+    /// What its autopilot does on its airframe.
+    #[must_use]
+    pub fn facts(&self) -> &'static Facts {
+        facts(self.autopilot, self.airframe)
+    }
+
     /// The departures that the spec allows, seconds after T0.
     #[must_use]
     pub fn departures(&self) -> Span {
@@ -148,8 +161,8 @@ impl Vehicle {
         self.through_air_mps(speed_mps, at) + wind_mps
     }
 
-    /// A commanded speed as it moves the vehicle at an altitude, m/s: on a wing the indicated
-    /// airspeed, in the thinner air above the sea a greater true one.
+    /// Speed through the air at a commanded speed and an altitude, m/s. The command of a wing is
+    /// an indicated airspeed; its true airspeed grows with altitude.
     fn through_air_mps(&self, speed_mps: f64, at: Amsl) -> f64 {
         match self.wing {
             Some(_) => speed_mps * true_airspeed_ratio(at),
@@ -220,37 +233,6 @@ pub enum Placement {
     Amsl(Amsl),
 }
 
-/// Which autopilot reads the mission.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Autopilot {
-    /// ArduPilot.
-    ArduPilot,
-    /// PX4.
-    Px4,
-}
-
-/// What flies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Airframe {
-    /// Multicopter.
-    Copter,
-    /// Fixed wing: takes off along a course and lands on a glide.
-    Plane,
-    /// Takes off and lands vertically, flies on its wing between.
-    Vtol,
-}
-
-impl Airframe {
-    /// Whether it flies on a wing on its way: it cannot stop, and circles where a copter hovers.
-    #[must_use]
-    pub fn has_wing(self) -> bool {
-        match self {
-            Self::Copter => false,
-            Self::Plane | Self::Vtol => true,
-        }
-    }
-}
-
 /// How a vehicle is reached.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Link {
@@ -274,11 +256,13 @@ pub enum Link {
 }
 
 /// What happens at the goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum Finish {
     /// Land there.
     Land,
-    /// Stay there until told otherwise.
+    /// Stay there until commanded otherwise.
     Loiter,
     /// Fly a planned path home and land there.
     Return,

@@ -8,10 +8,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::stats::as_f64;
+use crate::autopilot::{Airframe, Autopilot, facts};
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
-use crate::mission::limits;
 use crate::numeric::Seed;
-use crate::spec::Autopilot;
 
 /// The highest difficulty.
 pub const MAX_DIFFICULTY: u8 = 10;
@@ -281,7 +280,7 @@ impl Draft {
         }
         let _ = writeln!(text, "planner: {{control_points: {CONTROL_POINTS}}}");
         if self.length_m > SHORT_M {
-            let most = limits(Autopilot::ArduPilot).items;
+            let most = facts(Autopilot::ArduPilot, Airframe::Copter).capacity.items;
             let _ = writeln!(text, "mission: {{max_items: {most}}}");
         }
         text.push_str(&self.vehicles(place));

@@ -259,6 +259,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         id: mover.id.clone(),
         sysid,
         autopilot: Autopilot::ArduPilot,
+        autopilot_version: None,
         airframe: Airframe::Copter,
         link: Link::Sim,
         home: frame.from_plan(mover.start.at),

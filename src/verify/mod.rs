@@ -102,8 +102,6 @@ mod limits;
 mod measure;
 mod review;
 
-pub use execute::wing::altitude_lag::{MAX_LAG_S, SLOPE_MIN_M};
-pub use execute::wing::overshoot::EARLY_SHARE;
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use review::review;
 
@@ -191,7 +189,8 @@ pub struct Moment {
     pub item: usize,
 }
 
-/// Where one vehicle is over time, from takeoff to touchdown, dense enough to draw.
+/// Where one vehicle is over time, from takeoff to touchdown: straight motions at constant
+/// velocity between the moments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     /// Id of the vehicle.

@@ -2,10 +2,11 @@
 
 use rayon::prelude::*;
 
+use crate::autopilot::{Airframe, Autopilot, facts, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command};
 use crate::path::most_shift_s;
-use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
+use crate::spec::{MissionSpec, Vehicle};
 use crate::world::{Stations, Terrain, World};
 
 use super::execute::executor;
@@ -18,9 +19,6 @@ use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::timeline::Timeline;
 use super::{Limit, Margin, Moment, Review, Track};
-
-/// Most points of one track.
-const TRACK_POINTS: u32 = 600;
 
 /// One mission and the vehicle it is for.
 struct Sortie<'a> {
@@ -173,32 +171,16 @@ impl<'a> Sortie<'a> {
         items.any(|item| item.command == command)
     }
 
-    /// Evenly in time, so that all is smooth, and no more than a page can draw.
+    /// The ends of every flown chord. Velocity is constant between them, so nothing is lost.
     fn track(&self, world: &World) -> Track {
-        let mut moments: Vec<Moment> = Vec::new();
         // A circle that is flown for ever is drawn once.
         let circles = self.flight.circle.map(|circle| circle.chord);
         let chords = self.flight.chords.iter().enumerate();
-        let flown: Vec<_> = chords
-            .filter(|(index, chord)| chord.flown && Some(*index) != circles)
-            .map(|(_, chord)| chord)
+        let flown = chords.filter(|(index, chord)| chord.flown && Some(*index) != circles);
+        let mut moments: Vec<Moment> = flown
+            .flat_map(|(_, chord)| [0.0, 1.0].map(|u| chord.moment(&world.frame, u)))
             .collect();
-        if let (Some(first), Some(last)) = (flown.first(), flown.last()) {
-            let (from_s, to_s) = (first.from_s, last.to_s);
-            let mut next = 0;
-            for index in 0..TRACK_POINTS {
-                let share = f64::from(index) / f64::from(TRACK_POINTS - 1);
-                let t_s = from_s + (to_s - from_s) * share;
-                while next + 1 < flown.len() && flown[next].to_s < t_s {
-                    next += 1;
-                }
-                let chord = flown[next];
-                moments.push(Moment {
-                    t_s,
-                    ..chord.moment(&world.frame, chord.fraction_at(t_s))
-                });
-            }
-        }
+        moments.dedup();
         Track {
             vehicle: self.vehicle.id.clone(),
             moments,
@@ -245,20 +227,21 @@ const ASSUMED: [&str; 4] = [
     "each vehicle stands on the ground at the place of its home row when its mission starts, and takes that for home",
 ];
 
-/// What the flight model assumes of some missions: the condition and the text.
+/// What the flight model assumes of some missions: the condition, and the text with figures of
+/// [`crate::autopilot`] as `{vehicle.figure}` or `{PARAMETER}`.
 type Assumption = (fn(&Sortie<'_>) -> bool, &'static str);
 
 const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.vehicle.airframe != Airframe::Plane,
-        "copters and vtol are up to 12 s late from their takeoff on, all of one autopilot and airframe alike, and up to 4.5 s more \
+        "copters and vtol are up to {copter.takeoff_late_s} late from their takeoff on, all of one autopilot and airframe alike, and up to {copter.stop_late_s} more \
          after every stop: separation holds for any lateness up to that (measured on five ArduCopters 4.7.0-dev, simulated: \
          over their homes 6 s late, on their way 6 to 8.5 s, over a ridge 8 to 12 s, after a stop 4.4 s more, at most 0.9 m beside the way \
          and 1 m over or under it; of others assumed): those of one kind differ by up to 5.5 s, which time_slack_s must cover",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
-        "PX4 copters are up to 1.5 s later after every leg, and separation holds for any lateness up to that (measured on six PX4 1.16 alpha, simulated, still air: \
+        "PX4 copters are up to {px4_copter.leg_late_s} later after every leg, and separation holds for any lateness up to that (measured on six PX4 1.16 alpha, simulated, still air: \
          6 to 10 s late over their homes, 1 to 1.7 s more after a corner or a change of slope, 20.7 s more after 23 legs, 4.6 s with a turn back, at most 2.1 m beside \
          the way and 2.2 m over or under it); that the airframe can fly the speed of the spec, also in a descent, is assumed: one that could not was 44 s late after 7 minutes",
     ),
@@ -301,9 +284,9 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::ArduPilot,
-        "ArduPlane climbs out more steeply (4.7.0-dev, simulated: 10 m/s where 3 were planned, the height reached after 0.4 of the planned climb, \
-         14 m over it for some seconds, at its start 8 s early): the ceiling is judged 14 m over that height and the way on from 0.4 of the climb, \
-         separation counts with the height in between and with up to 9 s early; of PX4 the 9 s are assumed and the rest is not judged",
+        "ArduPlane climbs out more steeply (4.7.0-dev, simulated: 10 m/s where 3 were planned, the height reached after {plane.climb_out_share} of the planned climb, \
+         {plane.climb_out_overshoot_m} over it for some seconds, at its start 8 s early): the ceiling is judged {plane.climb_out_overshoot_m} over that height and the way on from {plane.climb_out_share} of the climb, \
+         separation counts with the height in between and with up to {plane.takeoff_early_s} early; of PX4 the {plane.takeoff_early_s} are assumed and the rest is not judged",
     ),
     (
         |s| s.vehicle.airframe.has_wing(),
@@ -312,8 +295,8 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
-        "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else 15 m) at once, \
-         and is 3.3 s of its climb under a slope upwards and as much over one downwards (measured: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s): \
+        "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else {ALT_SLOPE_MIN} m) at once, \
+         and is {plane.altitude_lag_s} of its climb under a slope upwards and as much over one downwards (measured: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s): \
          such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
     ),
     (
@@ -322,18 +305,18 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
                 s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
             is_quadplane && s.vehicle.wing.is_some_and(|wing| wing.wind.is_some())
         },
-        "a QuadPlane drifts downwind as it climbs, with 0.31 of the wind and 3.6 s of it more until it is on its first leg (one flight, 4.7.0-dev, simulated, 5 m/s): \
+        "a QuadPlane drifts downwind as it climbs, with {quadplane.drift_share} of the wind and {quadplane.drift_s} of it more until it is on its first leg (one flight, 4.7.0-dev, simulated, 5 m/s): \
          climb and first leg are judged there too; its landing is not",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
-        "PX4 on a wing is 3.5 s of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
+        "PX4 on a wing is {px4_plane.altitude_lag_s} of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
          such legs are judged there too, and with the altitude of their end NAV_LOITER_RAD before it, by its sources as well (neither was measured)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
-        "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default 17 and 0.75), WP_RADIUS and ROLL_LIMIT_DEG, \
-         at 0.7 of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
+        "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default {NAVL1_PERIOD} and {NAVL1_DAMPING}), WP_RADIUS and ROLL_LIMIT_DEG, \
+         at {plane.turning_share} of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
          2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; no wind)",
     ),
     (
@@ -358,6 +341,44 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
 ];
 
+/// Kinds of vehicles whose figures the texts name.
+const KINDS: [(&str, Autopilot, Airframe); 5] = [
+    ("copter", Autopilot::ArduPilot, Airframe::Copter),
+    ("plane", Autopilot::ArduPilot, Airframe::Plane),
+    ("quadplane", Autopilot::ArduPilot, Airframe::Vtol),
+    ("px4_copter", Autopilot::Px4, Airframe::Copter),
+    ("px4_plane", Autopilot::Px4, Airframe::Plane),
+];
+
+/// A text of an assumption with its figures: `{plane.bank_lag_s}` is the figure of that name in
+/// the table of a plane, `{NAVL1_PERIOD}` the default of a parameter in SI units.
+fn with_figures(text: &str) -> String {
+    let (mut filled, mut rest) = (String::new(), text);
+    while let Some((before, name, after)) = placeholder(rest) {
+        filled += before;
+        filled += &figure(name).unwrap_or_else(|| name.to_owned());
+        rest = after;
+    }
+    filled + rest
+}
+
+/// The first name in braces, with the text before and after it.
+fn placeholder(text: &str) -> Option<(&str, &str, &str)> {
+    let (before, rest) = text.split_once('{')?;
+    let (name, after) = rest.split_once('}')?;
+    Some((before, name, after))
+}
+
+fn figure(name: &str) -> Option<String> {
+    let Some((kind, name)) = name.split_once('.') else {
+        return parameter(name).map(|row| row.default_si().to_string());
+    };
+    let (_, autopilot, airframe) = KINDS.into_iter().find(|(known, ..)| *known == kind)?;
+    let figures = facts(autopilot, airframe).behaviour.figures();
+    let found = figures.into_iter().find(|(known, _)| *known == name)?;
+    Some(found.1.to_string())
+}
+
 /// What the flight model assumes and used.
 fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec<String> {
     let used = ASSUMED_OF_SOME
@@ -367,7 +388,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     let unknown = (world.terrain == Terrain::Unknown)
         .then_some("the ground is not known: landings end at the altitude of home");
     let texts = ASSUMED.into_iter().chain(used).chain(unknown);
-    let mut list: Vec<String> = texts.map(str::to_owned).collect();
+    let mut list: Vec<String> = texts.map(with_figures).collect();
     let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
     list.extend(assumptions::windy_copters(flown(), spec.wind));
     list.extend(assumptions::carried_wings(
@@ -381,4 +402,51 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     list.extend(assumptions::rally_limit(furthest_rally_m(sorties)));
     list.extend(separation::assumption(sorties.len(), &spec.separation));
     list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn assumptions_state_the_figures_of_the_table() {
+        let mut named = Vec::new();
+        for (_, text) in ASSUMED_OF_SOME {
+            let mut rest = *text;
+            while let Some((_, name, after)) = placeholder(rest) {
+                assert!(figure(name).is_some(), "{name}");
+                named.push(name);
+                rest = after;
+            }
+        }
+        for (kind, autopilot, airframe) in KINDS {
+            for (name, found) in facts(autopilot, airframe).behaviour.figures() {
+                let is_named = named.contains(&format!("{kind}.{name}").as_str());
+                let text = found.to_string();
+                assert!(!is_named || text != "nothing", "{kind}.{name}");
+            }
+        }
+        let texts: Vec<String> = ASSUMED_OF_SOME
+            .iter()
+            .map(|(_, t)| with_figures(t))
+            .collect();
+        for expected in [
+            "up to 12 s late",
+            "up to 4.5 s more",
+            "up to 1.5 s later",
+            "after 0.4 of the planned climb, 14 m over it",
+            "with up to 9 s early",
+            "else 15 m) at once",
+            "is 3.3 s of its climb",
+            "with 0.31 of the wind and 3.6 s of it more",
+            "is 3.5 s of its climb",
+            "default 17 and 0.75",
+            "at 0.7 of a coordinated turn",
+        ] {
+            assert!(
+                texts.iter().any(|text| text.contains(expected)),
+                "{expected}"
+            );
+        }
+    }
 }

@@ -38,10 +38,10 @@ impl Ground {
     /// Samples the terrain over the bounding box of the area.
     #[must_use]
     pub fn sample(terrain: &Terrain, frame: &LocalFrame, area: &Polygon<f64>) -> Self {
-        let wanted_m = source_spacing_m(terrain);
-        let mounds = Mounds::new(terrain, frame, grid_spacing_m(area, wanted_m));
+        let desired_m = source_spacing_m(terrain);
+        let mounds = Mounds::new(terrain, frame, grid_spacing_m(area, desired_m));
         let terrain = mounds.as_ref().map_or(terrain, |mounds| &mounds.wide);
-        let mut ground = Self::sample_by(area, wanted_m, |at| node_m(terrain, frame, at));
+        let mut ground = Self::sample_by(area, desired_m, |at| node_m(terrain, frame, at));
         if let Some(mounds) = &mounds {
             mounds.raise(&mut ground);
         }
@@ -73,7 +73,7 @@ impl Ground {
             east_m: min.0,
             north_m: min.1,
         };
-        // Rows at once, kept in order: the same grid on any number of threads.
+        // In parallel by rows, collected in order: the same grid on any number of threads.
         let heights_m: Vec<Vec<f32>> = (0..rows)
             .into_par_iter()
             .map(|row| {
@@ -117,7 +117,7 @@ impl Ground {
         Some(wider)
     }
 
-    /// Whether it shows what its source has: nothing of that is narrower than its cells.
+    /// Whether it resolves its source: no feature of that is narrower than its cells.
     #[must_use]
     pub fn shows(&self, terrain: &Terrain) -> bool {
         match terrain {
@@ -138,7 +138,7 @@ impl Ground {
     }
 
     /// Bilinear height above mean sea level, metres; places outside take the
-    /// edge; NaN beside voids.
+    /// edge; NaN in a cell with a void.
     #[must_use]
     pub fn height_m(&self, at: EastNorth) -> f64 {
         let (column, right) = cell(
@@ -166,12 +166,12 @@ fn corners(area: &Polygon<f64>) -> ((f64, f64), (f64, f64)) {
         })
 }
 
-/// The spacing that a grid over an area has when one is wanted, metres.
-fn grid_spacing_m(area: &Polygon<f64>, wanted_m: f64) -> f64 {
+/// The spacing of a grid over an area, nearest to a desired one, metres.
+fn grid_spacing_m(area: &Polygon<f64>, desired_m: f64) -> f64 {
     let (min, max) = corners(area);
     let side_m = (max.0 - min.0).max(max.1 - min.1);
     let finest_m = side_m / (MAX_NODES - 1.0);
-    wanted_m.min(side_m).max(finest_m).max(1.0)
+    desired_m.min(side_m).max(finest_m).max(1.0)
 }
 
 /// The height that the source has at a node; NaN where it has none.
@@ -203,7 +203,7 @@ fn cell(at: f64, nodes: usize) -> (usize, f64) {
     (index, at - count(index))
 }
 
-/// The finest spacing at which the source still tells something new, metres.
+/// The spacing of the source: a finer grid holds no more information, metres.
 fn source_spacing_m(terrain: &Terrain) -> f64 {
     const METRES_PER_DEGREE: f64 = 111_195.08;
     match terrain {

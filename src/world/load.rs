@@ -9,7 +9,7 @@ use crate::spec::{
     EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
 };
 
-/// The world of a spec file. The terrain is looked for beside it.
+/// The world of a spec file. Its terrain is read from a path relative to the spec.
 ///
 /// # Errors
 /// A terrain that cannot be used; or else every problem that shows only over the
@@ -59,7 +59,7 @@ fn terrain(file: &SpecFile) -> Result<Terrain, TerrainError> {
             let path = file.terrain_path().unwrap_or_else(|| name.clone());
             let is_folder = matches!(file.spec.terrain, TerrainSource::Folder(_));
             if path.is_dir() != is_folder {
-                // Says what the system says of it.
+                // The error of the system explains why.
                 std::fs::read_dir(&path)?;
                 return Err(TerrainError::UnknownKind);
             }
@@ -71,14 +71,14 @@ fn terrain(file: &SpecFile) -> Result<Terrain, TerrainError> {
 /// The elevation files that a spec uses; none if its ground comes from no file.
 ///
 /// # Errors
-/// A folder of which the files do not fit together or are of elsewhere.
+/// A folder whose files do not fit together or do not cover the area.
 pub fn files(file: &SpecFile) -> Result<Vec<PathBuf>, TerrainError> {
     file.terrain_path().map_or(Ok(Vec::new()), |path| {
         terrain_files(&path, Some(Bounds::around(&file.spec.area)))
     })
 }
 
-/// What legs may leave the path by where nothing asks for more, metres.
+/// Tolerance of legs by default, metres.
 const USUAL_TOLERANCE_M: f64 = 5.0;
 
 struct Check<'a> {
@@ -133,8 +133,8 @@ impl Check<'_> {
         }
     }
 
-    /// The path keeps the tolerance over the minimum height, for what the legs between
-    /// waypoints cut off, and still has to be under the ceiling.
+    /// The path keeps the tolerance over the minimum height, because legs between waypoints
+    /// cut corners, and must stay under the ceiling.
     fn tolerance(&mut self, vehicle: &Vehicle) {
         let path = "mission.tolerance_m";
         let (area, tolerance_m) = (self.file.spec.area, self.file.spec.mission.tolerance_m);
@@ -142,9 +142,9 @@ impl Check<'_> {
         let Ok(ground) = self.terrain.height(vehicle.start.place) else {
             return;
         };
-        let room_m = area.max_amsl.above_ground(ground).0 - area.min_agl.0;
-        // A thin layer alone may be meant; a wide tolerance in it cannot be. Once is enough.
-        let is_wide = tolerance_m > USUAL_TOLERANCE_M && tolerance_m > room_m;
+        let layer_m = area.max_amsl.above_ground(ground).0 - area.min_agl.0;
+        // A narrow layer may be meant, a wide tolerance in it not. Reported once for the fleet.
+        let is_wide = tolerance_m > USUAL_TOLERANCE_M && tolerance_m > layer_m;
         if !is_wide || self.issues.iter().any(|issue| issue.path == path) {
             return;
         }
@@ -152,9 +152,9 @@ impl Check<'_> {
             "{} m, and from area.min_agl_m over the start of `{}` to the ceiling it is {} m",
             digits::plain(tolerance_m),
             vehicle.id,
-            digits::distinct_from(room_m, tolerance_m, 1)
+            digits::distinct_from(layer_m, tolerance_m, 1)
         );
-        let most_m = room_m.max(USUAL_TOLERANCE_M);
+        let most_m = layer_m.max(USUAL_TOLERANCE_M);
         self.report(path, found, format!("at most {} m", digits::plain(most_m)));
     }
 
@@ -202,8 +202,8 @@ impl Check<'_> {
         self.zones(path, what, end.place, amsl);
     }
 
-    /// The planned path of a wing ends where its approach begins: as far before the touchdown
-    /// as glide, height and radius have it.
+    /// The planned path of a wing ends at the beginning of its approach. Glide, height and radius
+    /// give its distance from the touchdown.
     fn approach(&mut self, path: &str, vehicle: &Vehicle) {
         let spec = &self.file.spec;
         let (touchdown, from) = match vehicle.finish {
@@ -291,7 +291,7 @@ impl Check<'_> {
         }
     }
 
-    /// Whoever loiters keeps its place for ever.
+    /// A loitering vehicle stays at its goal for ever.
     fn loiters(&mut self) {
         let spec = &self.file.spec;
         let stays: Vec<(usize, PlanPoint)> = spec

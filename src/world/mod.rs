@@ -41,7 +41,7 @@ pub struct PlanZone {
     pub below: Option<Amsl>,
 }
 
-/// The fixed places of one vehicle, altitudes resolved over the terrain.
+/// The fixed positions of one vehicle, altitudes resolved over the terrain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stations {
     /// How the vehicle begins its path.

@@ -1,17 +1,17 @@
-//! Hills narrower than the grid of the search, as it sees them: too wide rather than not at all.
+//! Hills narrower than the grid of the search: drawn too wide, so that none is missed.
 
 use super::{Ground, Terrain};
 use crate::geodesy::{EastNorth, LocalFrame};
 use crate::spec::Hill;
 
-/// A hill of fewer spacings may slip between the nodes; it is drawn with so many.
+/// Radius, in spacings, of a narrow hill as drawn: a smaller one may lie between the nodes.
 const SPACINGS: f64 = 2.0;
-/// Such a hill reaches its height between four nodes when it is higher by this: `exp(1/8)`.
+/// Factor on its height, so that it reaches that height between four nodes: `exp(1/8)`.
 const BETWEEN_NODES: f64 = 1.134;
-/// Further away, in radii, a mound is hardly higher than a millimetre.
+/// Reach of a mound, in radii: further away it is below about a millimetre.
 const REACH: f64 = 4.0;
 
-/// Analytic ground of which some hills are too narrow for a grid.
+/// Analytic ground with hills too narrow for a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Mounds {
     /// The ground without them.
@@ -40,7 +40,7 @@ impl Mounds {
                 terrain.height(hill.place).ok()?,
                 wide.height(hill.place).ok()?,
             );
-            // Pits are left out: the ground beside them counts.
+            // Pits are omitted: the ground around them counts.
             (top.0 > under.0).then(|| (frame.to_plan(hill.place), top.0 - under.0))
         };
         let tops = narrow.iter().filter_map(top).collect();
@@ -70,7 +70,7 @@ impl Mounds {
     }
 }
 
-/// Rows or columns that a mound so far from the first one reaches.
+/// Rows or columns within reach of a mound, by its distance from the first one.
 fn near(at_m: f64, spacing_m: f64, nodes: usize) -> std::ops::Range<usize> {
     let reach = REACH * SPACINGS;
     #[expect(

@@ -129,14 +129,14 @@ impl TerrainGrid {
         ])
     }
 
-    /// Bilinear height at a place, metres; `None` outside and beside voids.
+    /// Bilinear height at a place, metres; `None` outside and in a cell with a void.
     #[must_use]
     pub fn height_m(&self, place: LatLon) -> Option<f64> {
         let (row, column) = self.row_column(place);
         let (top, down) = cell(row, self.rows)?;
         let (left, right) = cell(column, self.columns)?;
         let node = |r: usize, c: usize| f64::from(self.heights_m[r * self.columns + c]);
-        // A neighbour of weight 0 is not asked, so that a node beside a void still counts.
+        // A neighbour of weight 0 is not read, so that a node next to a void still counts.
         let mix = |r: usize| {
             if right > 0.0 {
                 node(r, left) * (1.0 - right) + node(r, left + 1) * right
@@ -155,12 +155,12 @@ impl TerrainGrid {
 
 /// The cell index and the fraction within it; `None` outside of `nodes` nodes.
 fn cell(at: f64, nodes: usize) -> Option<(usize, f64)> {
-    // A hair of tolerance: a place on the very edge is inside.
+    // Rounding: a position on the edge is inside.
     let last = f64::from(u32::try_from(nodes.checked_sub(1)?).ok()?);
     if !(-1e-9..=last + 1e-9).contains(&at) {
         return None;
     }
-    // The same hair puts a place beside a node on it, so that rounding cannot ask a void.
+    // A position this near to a node is on it, so that rounding reads no void.
     let near = at.round();
     let at = if (at - near).abs() < 1e-9 { near } else { at };
     let at = at.clamp(0.0, last);

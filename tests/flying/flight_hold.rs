@@ -37,7 +37,7 @@ fn who_was_held_and_is_brought_down_by_somebody_else_is_seen_to_stop_its_motors(
     sky.order(0, Command::LAND);
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
     assert_eq!((sky.end(0), sky.end(1)), (End::StoppedAfterHold, End::Held));
-    let told = "stopped its motors after it was told to hold";
+    let told = "stopped its motors after it was ordered to hold";
     assert!(sky.says("alpha", told), "{:?}", sky.events);
     assert!(sky.says("bravo", "is not watched any more"));
     assert_eq!(stage(&sky, 0), "stopped");
@@ -47,7 +47,7 @@ fn who_was_held_and_is_brought_down_by_somebody_else_is_seen_to_stop_its_motors(
     assert!((last.amsl.0 - 400.0).abs() < 1.0, "{last:?}");
     let report = judge(&plan.spec, &plan.world, &record);
     let ends: Vec<&str> = report.vehicles.iter().map(|v| v.end.as_str()).collect();
-    assert_eq!(ends, ["told to hold, then stopped its motors", "held"]);
+    assert_eq!(ends, ["ordered to hold, then stopped its motors", "held"]);
     assert!(!report.passes());
     assert_eq!(End::of_words(ends[0]), End::StoppedAfterHold);
 }

@@ -147,6 +147,38 @@ fn info_tells_what_each_file_holds() {
     }
 }
 
+/// The citation of the vertical system is text out of the file, as is its name.
+#[cfg(unix)]
+#[test]
+fn what_a_file_says_of_itself_commands_no_terminal() {
+    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/geotiff");
+    let mut bytes = fs::read(fixtures.join("egm96.tif")).expect("a fixture");
+    // The last GeoKey, VerticalGeodeticCRS 5773, becomes VerticalCitation (4097): 22 bytes
+    // of GeoAsciiParams (34737), which follow the keys.
+    let crs = [4096_u16, 0, 1, 5773].map(u16::to_le_bytes).concat();
+    let at = bytes.windows(8).position(|eight| eight == crs);
+    let at = at.expect("the key of the vertical system");
+    let citation = [4097_u16, 34737, 22, 0].map(u16::to_le_bytes).concat();
+    bytes[at..at + 8].copy_from_slice(&citation);
+    bytes[at + 8..at + 30].copy_from_slice(b"\x1b[2K\r landed as plann|");
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = "a\u{1b}[2K\rb\nlanded as planned.tif";
+    fs::write(folder.path().join(name), &bytes).expect("written");
+    let output = sortie(folder.path(), &["terrain", "info", name]);
+    let words = text(&output.stdout);
+    assert!(
+        words.starts_with("a\\u{1b}[2K\\rb\\nlanded as planned.tif: "),
+        "{words}"
+    );
+    assert!(words.contains("\\u{1b}[2K\\r"), "{words}");
+    assert!(!words.contains(['\u{1b}', '\r']), "{words}");
+    assert_eq!(words.lines().count(), 5, "{words}");
+    let missing = sortie(folder.path(), &["terrain", "info", "x\nlanded.tif"]);
+    let said = text(&missing.stderr);
+    assert!(said.starts_with("x\\nlanded.tif: "), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+}
+
 #[test]
 fn info_tells_of_the_good_files_and_of_the_bad_ones() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -592,11 +592,11 @@ fn clearance_over(
     }
     mission
         .params
-        .retain(|param| !mission::ALTITUDE_SLOPE_MIN.contains(&param.name.as_str()));
+        .retain(|param| !sortie::autopilot::SLOPE_MIN.contains(&param.name.as_str()));
     mission
         .params
         .extend(slope_min_m.map(|value| mission::Parameter {
-            name: mission::ALTITUDE_SLOPE_MIN[0].to_owned(),
+            name: sortie::autopilot::SLOPE_MIN[0].to_owned(),
             value,
             why: String::new(),
         }));

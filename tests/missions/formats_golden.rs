@@ -41,6 +41,7 @@ fn example(autopilot: Autopilot) -> VehicleMission {
     };
     let at = |command, hold, x, y, z| item(command, 3, [hold, 0.0, 0.0, heading], x, y, z);
     VehicleMission {
+        autopilot_version: None,
         autopilot,
         airframe: Airframe::Copter,
         home: Home {

@@ -1,9 +1,9 @@
 //! What each autopilot takes: one test for each rule.
 
+use sortie::autopilot::{Airframe, Autopilot, Version, facts};
 use sortie::mission::{
-    AcceptanceProblem, Home, Item, List, Parameter, VehicleMission, command, limits, problems,
+    AcceptanceProblem, Home, Item, List, Parameter, VehicleMission, command, problems,
 };
-use sortie::spec::{Airframe, Autopilot};
 
 use Autopilot::{ArduPilot, Px4};
 
@@ -22,6 +22,7 @@ fn at(command: u16, frame: u8, z: f32) -> Item {
 /// Takeoff, waypoint, landing: nothing to complain about.
 fn good(autopilot: Autopilot) -> VehicleMission {
     VehicleMission {
+        autopilot_version: None,
         autopilot,
         airframe: Airframe::Copter,
         home: Home {
@@ -248,9 +249,11 @@ fn a_jump_goes_to_an_item_as_the_autopilot_counts_them() {
 
 #[test]
 fn the_first_place_is_a_takeoff_but_a_delay_may_come_before() {
+    let waypoint_first = |mission: &mut VehicleMission| mission.items.swap(0, 1);
+    assert_eq!(one(ArduPilot, waypoint_first), (1, "takeoff first"));
+    // PX4 climbs to it by itself.
+    fine(Px4, waypoint_first);
     for autopilot in [ArduPilot, Px4] {
-        let waypoint_first = |mission: &mut VehicleMission| mission.items.swap(0, 1);
-        assert_eq!(one(autopilot, waypoint_first), (1, "takeoff first"));
         fine(autopilot, |mission| {
             mission.items.insert(
                 0,
@@ -261,25 +264,126 @@ fn the_first_place_is_a_takeoff_but_a_delay_may_come_before() {
 }
 
 #[test]
-fn a_takeoff_goes_up_and_for_px4_beyond_the_acceptance_radius() {
+fn a_takeoff_goes_up() {
     let to = |frame, z| {
         move |mission: &mut VehicleMission| {
             (mission.items[0].frame, mission.items[0].z) = (frame, z)
         }
     };
-    assert_eq!(one(ArduPilot, to(3, 0.0)), (1, "takeoff altitude"));
-    fine(ArduPilot, to(3, 5.0));
-    assert_eq!(one(ArduPilot, to(0, 390.0)), (1, "takeoff altitude"));
-    assert_eq!(one(Px4, to(3, 11.0)), (1, "takeoff altitude"));
-    fine(Px4, to(3, 11.5));
+    for autopilot in [ArduPilot, Px4] {
+        assert_eq!(one(autopilot, to(3, 0.0)), (1, "takeoff altitude"));
+        assert_eq!(one(autopilot, to(0, 390.0)), (1, "takeoff altitude"));
+        // PX4's rule "acceptance radius and 1 m" is gone since mid-2024.
+        fine(autopilot, to(3, 5.0));
+    }
+}
+
+fn action(command: u16) -> impl Fn(&mut VehicleMission) {
+    move |mission| {
+        mission
+            .items
+            .insert(1, Item::without_place(command, [0.0; 4]))
+    }
+}
+
+#[test]
+fn commands_without_motion_are_known_to_those_that_accept_them() {
+    for command in [
+        83, 191, 193, 194, 202, 210, 212, 213, 215, 216, 217, 218, 223, 531, 532, 534, 600, 601,
+        1000, 2000, 2001, 2500, 2501, 42600, 42702, 42703,
+    ] {
+        fine(ArduPilot, action(command));
+    }
+    for command in [212, 214, 400, 534, 1001] {
+        fine(Px4, action(command));
+    }
+    assert_eq!(one(Px4, action(600)), (2, "known command"));
+    assert_eq!(one(ArduPilot, action(214)), (2, "known command"));
+}
+
+#[test]
+fn a_landing_sequence_has_an_altitude_for_ardupilot_and_frame_2_for_px4() {
+    let start =
+        |frame, z| move |mission: &mut VehicleMission| mission.items.insert(1, at(189, frame, z));
+    fine(ArduPilot, start(3, 80.0));
+    fine(ArduPilot, start(2, 0.0));
+    assert_eq!(one(ArduPilot, start(3, f32::NAN)), (2, "altitude"));
+    let (item, rule, text) = only(ArduPilot, start(2, f32::NAN));
+    assert_eq!((item, rule), (2, "parameter value"));
+    assert!(text.contains("param7 is NaN"), "{text}");
+    fine(Px4, start(2, 0.0));
+    assert_eq!(one(Px4, start(3, 80.0)), (2, "frame"));
+}
+
+#[test]
+fn px4_rejects_a_region_of_interest_at_a_location_in_the_frame_of_commands() {
+    let roi = |frame, mode| {
+        move |mission: &mut VehicleMission| {
+            let mut item = at(201, frame, 10.0);
+            item.params[0] = mode;
+            mission.items.insert(1, item);
+        }
+    };
+    assert_eq!(one(Px4, roi(2, 3.0)), (2, "parameter value"));
+    fine(Px4, roi(2, 4.0));
+    fine(Px4, roi(3, 3.0));
+    fine(ArduPilot, roi(2, 3.0));
+}
+
+#[test]
+fn px4_since_2026_07_rejects_numbers_in_unused_parameters() {
+    let set = |index: usize, value: f32| {
+        move |mission: &mut VehicleMission| mission.items[1].params[index] = value
+    };
+    let (item, rule, text) = only(Px4, set(2, 5.0));
+    assert_eq!((item, rule), (2, "parameter value"));
+    assert!(
+        text.contains("param3 is 5 (allowed: 0 or NaN: PX4 main"),
+        "{text}"
+    );
+    fine(Px4, set(2, f32::NAN));
+    fine(ArduPilot, set(2, 5.0));
     fine(Px4, |mission| {
-        to(3, 11.0)(mission);
-        let name = "NAV_ACC_RAD".to_owned();
-        mission.params.push(Parameter {
-            name,
-            value: 2.0,
-            why: String::new(),
+        mission.autopilot_version = Some(Version {
+            major: 1,
+            minor: 18,
         });
+        set(2, 5.0)(mission);
+    });
+    let speed = |mission: &mut VehicleMission| {
+        let speed = Item::without_place(command::DO_CHANGE_SPEED, [1.0, 8.0, -1.0, 1.0]);
+        mission.items.insert(1, speed);
+    };
+    assert_eq!(one(Px4, speed), (2, "parameter value"));
+}
+
+#[test]
+fn a_command_of_a_later_version_is_accepted_by_that_version() {
+    let arc = |mission: &mut VehicleMission| {
+        mission.items[1].command = 36;
+        mission.items[1].params = [90.0, 0.0, 0.0, 0.0];
+    };
+    let (item, rule, text) = only(ArduPilot, arc);
+    assert_eq!((item, rule), (2, "known command"));
+    assert!(text.contains("in ArduPilot 4.7 and later"), "{text}");
+    fine(ArduPilot, |mission| {
+        mission.autopilot_version = Some(Version { major: 4, minor: 7 });
+        arc(mission);
+    });
+}
+
+#[test]
+fn small_boards_of_ardupilot_hold_15_jumps() {
+    let jumps = |count| {
+        move |mission: &mut VehicleMission| {
+            let jump = Item::without_place(command::DO_JUMP, [2.0, 1.0, 0.0, 0.0]);
+            mission.items.extend(vec![jump; count]);
+        }
+    };
+    fine(ArduPilot, jumps(15));
+    assert_eq!(one(ArduPilot, jumps(16)), (0, "jump count"));
+    fine(Px4, |mission| {
+        jumps(16)(mission);
     });
 }
 
@@ -294,7 +398,7 @@ fn corner(command: u16, param1: f32) -> Item {
 #[test]
 fn a_fence_and_its_rally_points_fit_the_storage() {
     for autopilot in [ArduPilot, Px4] {
-        let allowed = limits(autopilot);
+        let allowed = facts(autopilot, Airframe::Copter).capacity;
         fine(autopilot, |mission| {
             mission.fence = vec![corner(5004, 9.0); allowed.fence];
             mission.rally = vec![corner(5100, 0.0); allowed.rally];
@@ -412,6 +516,9 @@ fn a_plain_mission_of_a_wing_has_no_problems() {
 #[test]
 fn each_airframe_takes_off_with_its_own_command() {
     for wing in WINGS {
+        if wing == (Px4, Airframe::Vtol) {
+            continue;
+        }
         let other = |mission: &mut VehicleMission| {
             let takeoff = &mut mission.items[0].command;
             *takeoff = command::NAV_TAKEOFF + command::NAV_VTOL_TAKEOFF - *takeoff;
@@ -423,15 +530,21 @@ fn each_airframe_takes_off_with_its_own_command() {
 
 #[test]
 fn each_airframe_lands_with_its_own_command() {
+    let other = |mission: &mut VehicleMission| {
+        let landing = &mut mission.items[2].command;
+        *landing = command::NAV_LAND + command::NAV_VTOL_LAND - *landing;
+    };
     for wing in WINGS {
-        let other = |mission: &mut VehicleMission| {
-            let landing = &mut mission.items[2].command;
-            *landing = command::NAV_LAND + command::NAV_VTOL_LAND - *landing;
+        // `NAV_FORCE_VT` lands a VTOL of PX4 with either.
+        let expected: &[_] = match wing {
+            (Px4, Airframe::Vtol) => &[],
+            _ => &[(3, "kind of landing")],
         };
-        assert_eq!(on_a_wing(wing, other), [(3, "kind of landing")], "{wing:?}");
+        assert_eq!(on_a_wing(wing, other), expected, "{wing:?}");
     }
-    let copter = |mission: &mut VehicleMission| mission.items[2].command = command::NAV_VTOL_LAND;
-    assert_eq!(one(ArduPilot, copter), (3, "kind of landing"));
+    // ArduCopter lands with either.
+    fine(ArduPilot, other);
+    assert_eq!(one(Px4, other), (3, "kind of landing"));
 }
 
 #[test]
@@ -484,7 +597,11 @@ fn arduplane_keeps_whole_numbers_and_no_hold() {
             expected,
             "{index}: {value}"
         );
-        assert_eq!(on_a_wing((Px4, Airframe::Plane), set), []);
+        let px4: &[_] = match index {
+            2 => &[(2, "parameter value")],
+            _ => &[],
+        };
+        assert_eq!(on_a_wing((Px4, Airframe::Plane), set), px4);
     }
     let circle = |mission: &mut VehicleMission| {
         mission.items[2].command = command::NAV_LOITER_UNLIM;
@@ -519,7 +636,7 @@ fn px4_lands_a_plane_from_a_waypoint_above_on_a_glide_that_is_not_too_steep() {
 }
 
 #[test]
-fn arduplane_holds_655_items_with_home() {
+fn arduplane_holds_655_items_with_home_and_84_fence_points() {
     let fill = |count| {
         move |mission: &mut VehicleMission| {
             let waypoint = mission.items[1];
@@ -529,4 +646,8 @@ fn arduplane_holds_655_items_with_home() {
     let plane = (ArduPilot, Airframe::Plane);
     assert_eq!(on_a_wing(plane, fill(654)), []);
     assert_eq!(on_a_wing(plane, fill(655)), [(0, "item count")]);
+    let fence =
+        |count| move |mission: &mut VehicleMission| mission.fence = vec![corner(5004, 9.0); count];
+    assert_eq!(on_a_wing(plane, fence(84)), []);
+    assert_eq!(on_a_wing(plane, fence(85)), [(0, "item count")]);
 }

@@ -251,6 +251,7 @@ fn mission(vehicle: &Vehicle, home: PlanPoint, track: &Track) -> VehicleMission 
         .collect();
     items[0].command = command::NAV_TAKEOFF;
     VehicleMission {
+        autopilot_version: None,
         autopilot: vehicle.autopilot,
         airframe: vehicle.airframe,
         home: Home {

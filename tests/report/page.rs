@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use sortie::plan::{BlockingElement, Change, Relaxation};
 use sortie::spec::Vehicle;
 use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
@@ -153,6 +154,49 @@ fn a_vehicle_that_loiters_is_not_said_to_be_down() {
     assert!((told_s - flown_s).abs() < 1.0, "{told_s} {flown_s}");
     assert_eq!(html.matches("<small>then loiters</small>").count(), 1);
     assert!(!html.contains("2:30:00</td>"));
+}
+
+#[test]
+fn the_page_of_a_failure_says_why_no_path_was_found() {
+    let mut facts = facts(hilly_spec(IDS));
+    let threat = facts.spec.threats[0].id.clone();
+    let plan = &mut facts.plan.vehicles[0];
+    plan.terms.threat = 0.2;
+    plan.terms.collision = 0.1;
+    plan.blocking_set = vec![BlockingElement::Threat(0), BlockingElement::Edge];
+    facts.plan.vehicles[1].terms.threat = 0.2;
+    facts.plan.vehicles[1].relaxations = Some(vec![Relaxation(vec![Change::Evaluations(80_000)])]);
+    facts.review.margins[0].ok = false;
+    let page = facts.html();
+    let (_, reasons) = page
+        .split_once("<section id=\"infeasible\">")
+        .expect("reasons");
+    let (reasons, _) = reasons.split_once("</section>").expect("an end");
+    for part in [
+        "alpha: no path was found from start to goal",
+        "separation from earlier vehicles",
+        &format!("every way is closed by threat {threat} and the edge of the area"),
+        "bravo: no path was found",
+        "one is found with",
+    ] {
+        assert!(reasons.contains(part), "{part}: {reasons}");
+    }
+    facts
+        .review
+        .margins
+        .iter_mut()
+        .for_each(|margin| margin.ok = true);
+    assert!(!facts.html().contains("<section id=\"infeasible\">"));
+}
+
+#[test]
+fn a_cost_below_the_estimate_is_not_a_negative_gap() {
+    let mut facts = facts(hilly_spec(IDS));
+    assert!(facts.html().contains("1.06 % above the estimate"));
+    facts.plan.vehicles[0].estimate = 21.2;
+    let page = facts.html();
+    assert_eq!(page.matches("% above the estimate").count(), 2, "{page}");
+    assert!(!page.contains("−0.85 %"));
 }
 
 #[test]

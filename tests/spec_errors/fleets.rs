@@ -134,10 +134,11 @@ x5,36.21,-84.38,36.39,-84.35,,
     let table = table.replace("x4,36.21,-84.38,36.39,-84.35\n", "");
     let found = said(&fleet(TABLE), &table);
     let starts = [
-        "fleet.csv: row 1, column 6 (speed): an unknown column (allowed: id, sysid,",
+        "fleet.csv: row 1, column 6 (speed): an unknown column (allowed: accel_mps2, airframe,",
         "fleet.csv: row 2, column 2 (start_lat): 123 (allowed: -90 to 90)",
         "fleet.csv: row 3, column 3 (start_lon): `fast` (allowed: a number)",
         "fleet.csv: row 3, column 3 (start_lon): an empty cell",
+        "fleet.csv: row 4, column 1 (id): `x1`, already the id of row 2 of",
         "fleet.csv: row 4, column 4 (goal_lat): an empty cell (allowed: a value, or goal.lat",
         "fleet.csv: row 4, column 7 (autopilot): `betaflight` (allowed: `ardupilot` or `px4`)",
     ];

@@ -191,6 +191,37 @@ fn names_that_cannot_be_file_names_are_errors() {
 }
 
 #[test]
+fn ids_with_invisible_or_look_alike_characters_are_errors() {
+    for (id, named) in [
+        // Right-to-left override, zero width space, left-to-right mark.
+        ("\"br\\u202Eavo\"", "U+202E"),
+        ("\"br\\u200Bavo\"", "U+200B"),
+        ("\"bravo\\u200E\"", "U+200E"),
+        // Cyrillic a among Latin letters.
+        ("br\u{430}vo", "`\u{430}` (U+0430)"),
+        // Greek omicron.
+        ("brav\u{3bf}", "`\u{3bf}` (U+03BF)"),
+    ] {
+        let (path, message) = only("id: bravo", &format!("id: {id}"));
+        assert_eq!(path, "vehicles[1].id");
+        assert!(message.contains(named), "{message}");
+        let (path, message) = only("id: town", &format!("id: {id}"));
+        assert_eq!(path, "no_fly[0].id");
+        assert!(message.contains(named), "{message}");
+    }
+    for id in ["северный", "東京タワー", "übung-ß", "δοκιμή"] {
+        good(&with("id: bravo", &format!("id: {id}")));
+    }
+    good(&with("id: town", "id: Town Север"));
+    // All Cyrillic, and all Latin: two ids that look the same.
+    let alike = with("id: bravo", "id: соре").replace("id: alpha", "id: cope");
+    let found = issues(&alike);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].path, "vehicles[1].id");
+    assert!(found[0].found.contains("looks like"), "{found:?}");
+}
+
+#[test]
 fn keys_of_planes_do_not_stand_on_copters() {
     for key in [
         "takeoff_heading_deg: 90",
@@ -423,5 +454,26 @@ fn a_number_written_as_in_a_program_says_what_is_wrong_with_it() {
     assert!(
         said.contains("(allowed: a number in decimal digits, such as 16)"),
         "{said}"
+    );
+}
+
+#[test]
+fn an_autopilot_version_is_one_whose_rules_are_known() {
+    let version = |text: &str| format!("autopilot: ardupilot\n    autopilot_version: {text}");
+    let spec = good(&with("autopilot: ardupilot", &version("\"4.7\"")));
+    let found = spec.vehicles[0].autopilot_version.map(|v| v.to_string());
+    assert_eq!(found.as_deref(), Some("4.7"));
+    assert_eq!(spec.vehicles[1].autopilot_version, None);
+    let (path, text) = only("autopilot: ardupilot", &version("\"3.6\""));
+    assert_eq!(path, "vehicles[0].autopilot_version");
+    assert!(
+        text.contains("`3.6` (allowed: 4.6, 4.7 for ardupilot)"),
+        "{text}"
+    );
+    let px4 = "autopilot: px4\n    autopilot_version: \"4.7\"";
+    let (_, text) = only("autopilot: px4", px4);
+    assert!(
+        text.contains("(allowed: 1.17, 1.18, 1.19 for px4)"),
+        "{text}"
     );
 }

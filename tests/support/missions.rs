@@ -46,6 +46,7 @@ pub fn delay(delay_s: f32) -> Item {
 
 pub fn mission(vehicle: &Vehicle, home_m: f64, items: Vec<Item>) -> VehicleMission {
     VehicleMission {
+        autopilot_version: None,
         autopilot: vehicle.autopilot,
         airframe: vehicle.airframe,
         home: Home {

@@ -71,6 +71,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         start: airborne(start),
         goal: airborne(goal),
         finish: Finish::Land,
+        autopilot_version: None,
         speed_mps: 15.0,
         max_load_factor: 1.2,
         max_climb_rad: Some(15_f64.to_radians()),

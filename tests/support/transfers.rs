@@ -56,6 +56,7 @@ pub fn rally(n: i32) -> Item {
 /// A mission of these items, without fence and rally points.
 pub fn mission(autopilot: Autopilot, items: Vec<Item>) -> VehicleMission {
     VehicleMission {
+        autopilot_version: None,
         autopilot,
         airframe: Airframe::Copter,
         home: HOME,

@@ -1,4 +1,4 @@
-//! What was typed after `fly` and `replan`.
+//! Arguments of `fly` and `replan`.
 
 use std::path::PathBuf;
 
@@ -11,22 +11,22 @@ pub(in crate::cli) struct Fly {
     /// The folder that `plan` wrote [default: out/<name>]
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) dir: Option<PathBuf>,
-    /// Reach a vehicle elsewhere: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    /// Link of a vehicle instead of the spec's: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
     #[arg(long, value_name = "ID=ADDR")]
     pub(in crate::cli) link: Vec<String>,
-    /// Transfer the missions first, instead of only comparing what is on board
+    /// Transfer the missions first, instead of only comparing those on board
     #[arg(long)]
     pub(in crate::cli) upload: bool,
-    /// Set the parameters that the verdict assumes where they differ
+    /// Set parameters that differ from those that the verdict assumes
     #[arg(long)]
     pub(in crate::cli) set_params: bool,
-    /// How much faster than the clock on the wall the vehicles' time goes: simulators only
+    /// Speed-up of the vehicles' time over real time: simulators only
     #[arg(long, value_name = "N", default_value_t = 1.0, value_parser = speedup)]
     pub(in crate::cli) speedup: f64,
     /// Standard deviation of the positions of simulated vehicles, metres
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = metres)]
     pub(in crate::cli) noise: f64,
-    /// Fly although parameters, home or place differ from the plan
+    /// Fly even if parameters, home or position differ from the plan
     #[arg(long)]
     pub(in crate::cli) force: bool,
     /// Print flight.json instead of the table
@@ -41,10 +41,10 @@ pub(in crate::cli) struct Replan {
     /// The folder that `plan` wrote [default: out/<name>]
     #[arg(long, value_name = "DIR")]
     pub(in crate::cli) dir: Option<PathBuf>,
-    /// The threat that was not there: degrees and metres
+    /// New threat to avoid (degrees, metres)
     #[arg(long, value_name = "LAT,LON,RADIUS", allow_hyphen_values = true)]
     pub(in crate::cli) threat: String,
-    /// Reach a vehicle elsewhere than `fly` says it does: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    /// Link of a vehicle instead of the one that `fly` uses: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
     #[arg(long, value_name = "ID=ADDR")]
     pub(in crate::cli) link: Vec<String>,
     /// Seed instead of the spec's

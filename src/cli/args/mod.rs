@@ -1,10 +1,11 @@
-//! What was typed.
+//! Arguments of the commands.
 
 mod flight;
 mod study;
 
 use std::path::PathBuf;
 
+use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 pub(super) use flight::{Fly, Replan};
@@ -20,6 +21,21 @@ pub(super) struct Arguments {
     pub(super) command: Command,
 }
 
+/// The command to type next, for a command line without a command or a spec.
+pub(super) fn next_step(error: ErrorKind, text: &str) -> Option<&'static str> {
+    match error {
+        ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Some(
+            "To begin: `sortie study scenario --seed 1 --difficulty 1 -o mission.yaml` writes a spec, \
+             `sortie check mission.yaml` checks it, `sortie plan mission.yaml` plans it.",
+        ),
+        ErrorKind::MissingRequiredArgument if text.contains("<SPEC>") => Some(
+            "A spec is a YAML file such as missions/first.yaml; \
+             `sortie study scenario --seed 1 --difficulty 1 -o mission.yaml` writes one, `sortie schema` describes its keys.",
+        ),
+        _ => None,
+    }
+}
+
 const EXIT_CODES: &str = "Exit codes: 0 done and verified; 1 internal, or output not writable; 2 usage; \
                           3 bad spec or input file; 4 nothing that passes verification; 5 transfer or flight failed.";
 
@@ -33,21 +49,21 @@ pub(super) enum Command {
     Review(Box<Review>),
     /// Verify again, transfer to the vehicles, read back and compare
     Upload(Upload),
-    /// Launch the fleet, watch it to the end, and judge what it flew
+    /// Launch the fleet, monitor and record the flight, and judge it
     Fly(Fly),
-    /// Give the vehicles in flight new paths around a threat, from where they are
+    /// Plan new paths around a threat for vehicles in flight, and upload them
     Replan(Replan),
     /// Read mission, fence and rally points from a vehicle into a file
     Download(Download),
-    /// Write a mission file in another format, and say what that cannot keep
+    /// Convert a mission file to another format, and report what that cannot hold
     #[command(after_help = CONVERT)]
     Convert(Convert),
     /// Run the simulated vehicles of a spec, for any ground station, until Ctrl-C
     Vehicles(Vehicles),
-    /// Look at elevation files, get them from a server, or make them for a vehicle
+    /// Inspect elevation files, fetch them from a server, or export them for a vehicle
     #[command(subcommand)]
     Terrain(Terrain),
-    /// Costs of candidate paths from stdin to stdout, for any optimiser
+    /// Evaluate candidate paths from stdin for an external optimiser, costs to stdout
     #[command(after_help = EVALUATE)]
     Evaluate(Evaluate),
     /// Run the paper's experiment and other studies
@@ -84,16 +100,16 @@ const EVALUATE: &str = "A candidate is 3 x control_points numbers, in the unit c
                         the east of every free control point in parts of the area's box, then the north, then the \
                         altitude in parts of the range from the lowest ground to the ceiling. One line in, one line \
                         with its cost out; with --binary 8 bytes little-endian for each number and each cost. \
-                        Whatever has come in whole is answered at once: write a batch, read as many costs. \
-                        A path too far out to be measured costs inf. What is no candidate (a blank line, too) \
-                        ends the program with code 3 and its row, once the rows before it are answered. \
-                        Vehicles before this one in the spec are planned first and kept apart from.";
+                        Complete candidates are answered at once: write a batch, read as many costs. \
+                        A path too far out to be measured costs inf. An invalid candidate (a blank line, too) \
+                        ends the program with code 3 and its row, after the rows before it are answered. \
+                        Earlier vehicles of the spec are planned first, and the candidate is judged against them.";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
     /// The mission spec (YAML), or a map with `frame: local`, under the operational objective
     pub(super) spec: PathBuf,
-    /// The vehicle whose path it is
+    /// The vehicle to evaluate
     #[arg(long, value_name = "ID")]
     pub(super) vehicle: String,
     /// Little-endian f64 instead of lines
@@ -102,7 +118,7 @@ pub(super) struct Evaluate {
     /// Samples of the path instead of the spec's; results are judged at 2001
     #[arg(long, value_name = "K", value_parser = samples)]
     pub(super) samples: Option<usize>,
-    /// Print how many numbers a candidate has, and end
+    /// Print the number of dimensions of a candidate, and exit
     #[arg(long)]
     pub(super) dimension: bool,
 }
@@ -143,14 +159,14 @@ pub(super) struct Review {
     pub(super) limits: Limits,
 }
 
-/// What a spec would say. A limit that is not given is not judged.
+/// Limits in place of a spec. A limit that is not given is not judged.
 #[derive(Debug, Default, PartialEq, clap::Args)]
 #[command(next_help_heading = "Without a spec (a limit that is not given is not judged)")]
 pub(super) struct Limits {
-    /// Elevation file; without it nothing passes unless --no-terrain is stated
+    /// Elevation file; without it nothing passes unless --no-terrain is given
     #[arg(long, value_name = "FILE", conflicts_with = "no_terrain")]
     pub(super) terrain: Option<PathBuf>,
-    /// Leave the ground out of the verdict
+    /// Judge without terrain
     #[arg(long)]
     pub(super) no_terrain: bool,
     /// Minimum height above ground, metres [default: 0]
@@ -159,22 +175,22 @@ pub(super) struct Limits {
     /// Ceiling, metres above mean sea level
     #[arg(long, value_name = "M", value_parser = finite, allow_negative_numbers = true)]
     pub(super) max_amsl: Option<f64>,
-    /// Least distance between vehicles, metres
+    /// Minimum distance between vehicles, metres
     #[arg(long, value_name = "M", value_parser = finite)]
     pub(super) separation: Option<f64>,
-    /// With this much in height they may be nearer, metres
+    /// Vertical distance at which vehicles may be nearer than --separation, metres
     #[arg(long, value_name = "M", value_parser = finite, requires = "separation")]
     pub(super) vertical_separation: Option<f64>,
     /// The separation holds for every shift of departure up to this, seconds [default: 0]
     #[arg(long, value_name = "S", value_parser = finite, requires = "separation")]
     pub(super) time_slack: Option<f64>,
-    /// Who reads the missions [default: as the file says, else ardupilot]
+    /// Autopilot of the missions [default: as the file says, else ardupilot]
     #[arg(long, value_enum, value_name = "AUTOPILOT")]
     pub(super) autopilot: Option<AutopilotName>,
-    /// What flies them [default: as the file says, else copter]
+    /// Airframe of the vehicles [default: as the file says, else copter]
     #[arg(long, value_enum, value_name = "AIRFRAME")]
     pub(super) airframe: Option<AirframeName>,
-    /// Course of a plane's takeoff, degrees from north: ArduPilot's missions do not say it
+    /// Takeoff course of a plane, degrees from north; missions of ArduPilot do not hold it
     #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) takeoff_heading: Option<f64>,
     /// Ground speed where the mission says none, m/s [default: the autopilot's]
@@ -183,10 +199,10 @@ pub(super) struct Limits {
     /// Horizontal acceleration, m/s^2 [default: the autopilot's]
     #[arg(long, value_name = "MPS2", value_parser = finite)]
     pub(super) accel: Option<f64>,
-    /// Vertical speed up, and the limit of it, m/s
+    /// Climb rate and its limit, m/s
     #[arg(long, value_name = "MPS", value_parser = finite)]
     pub(super) climb: Option<f64>,
-    /// Vertical speed down, and the limit of it, m/s
+    /// Descent rate and its limit, m/s
     #[arg(long, value_name = "MPS", value_parser = finite)]
     pub(super) descent: Option<f64>,
     /// Steepest climb, degrees
@@ -195,7 +211,7 @@ pub(super) struct Limits {
     /// Steepest descent, degrees
     #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) max_descent: Option<f64>,
-    /// Load factor in turns, which gives their radius
+    /// Maximum load factor, which sets the turn radius
     #[arg(long, value_name = "N", value_parser = finite)]
     pub(super) load_factor: Option<f64>,
     /// Altitude at which a vehicle returns to launch, metres above mean sea level
@@ -275,17 +291,17 @@ pub(super) struct Upload {
     /// Judge and transfer the given files against this spec
     #[arg(long, value_name = "SPEC")]
     pub(super) spec: Option<PathBuf>,
-    /// Reach a vehicle elsewhere: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
+    /// Link of a vehicle instead of the spec's: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
     /// tcpin:HOST:PORT, serial:DEVICE:BAUD
     #[arg(long, value_name = "ID=ADDR")]
     pub(super) link: Vec<String>,
-    /// Say what would be sent, and send nothing
+    /// Print what would be sent, and send nothing
     #[arg(long)]
     pub(super) dry_run: bool,
     /// Capture every frame sent and received: a file, or a folder for one named after the time
     #[arg(long, value_name = "FILE or DIR")]
     pub(super) tlog: Option<PathBuf>,
-    /// Send although verification fails, or the vehicle is armed or not the one in the spec
+    /// Send even if verification fails, or the vehicle is armed or not that of the spec
     #[arg(long)]
     pub(super) force: bool,
     /// Print one JSON document instead of the table
@@ -308,26 +324,26 @@ pub(super) struct Download {
 }
 
 const CONVERT: &str = "Numbers are kept as they go over the wire: 1e-7 degrees, 32-bit floats. Altitudes keep their \
-                       reference. What is not kept, what ArduPilot and PX4 read differently and what the autopilot \
-                       would refuse is told item by item; items count from 1, home is row 0 of a .waypoints file. \
+                       reference. The report lists, item by item, what is lost, what ArduPilot and PX4 read \
+                       differently, and what the autopilot would refuse; items count from 1, home is row 0 of a .waypoints file. \
                        A fence or rally points in a .waypoints or .txt file are rows from 0 without home, as \
                        MAVProxy keeps them. .kml and .geojson are maps, not missions.";
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Convert {
-    /// The file to read: QGC WPL, .plan, a fence or a rally list, told by what is in it
+    /// The file to read: QGC WPL, .plan, a fence or a rally list, recognised by its content
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// The file to write: .waypoints, .txt, .plan, .kml or .geojson
     #[arg(value_name = "OUT")]
     pub(super) output: PathBuf,
-    /// Who is to read it [default: as the file says, else ardupilot]
+    /// Autopilot of the mission [default: as the file says, else ardupilot]
     #[arg(long, value_enum, value_name = "AUTOPILOT")]
     pub(super) autopilot: Option<AutopilotName>,
-    /// What flies it [default: as the file says, else copter]
+    /// Airframe of the vehicle [default: as the file says, else copter]
     #[arg(long, value_enum, value_name = "AIRFRAME")]
     pub(super) airframe: Option<AirframeName>,
-    /// What a .waypoints or .txt is to hold [default: the mission, or the only list there is]
+    /// The list that a .waypoints or .txt holds [default: the mission, or the only list]
     #[arg(long, value_enum, value_name = "LIST")]
     pub(super) list: Option<ListName>,
     /// Home of a file that has none: latitude, longitude, metres above mean sea level
@@ -356,27 +372,27 @@ pub(super) struct Vehicles {
     /// UDP port of the first vehicle, one more for each further one; 0 for any free ones
     #[arg(long, value_name = "PORT", default_value_t = 14550)]
     pub(super) port: u16,
-    /// Speak to this ground station at once, instead of waiting to be spoken to
+    /// Send to this ground station at once, instead of waiting for its first frame
     #[arg(long, value_name = "HOST:PORT")]
     pub(super) speak_to: Option<String>,
-    /// What all of them play [default: the autopilots in the spec]
+    /// Autopilot that all of them simulate [default: the autopilots in the spec]
     #[arg(long, value_enum, value_name = "AUTOPILOT")]
     pub(super) profile: Option<ProfileName>,
     /// Frames lost in each direction, percent
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0, value_parser = percent)]
     pub(super) loss: f64,
-    /// How long a frame takes in each direction, milliseconds
+    /// Delay of frames in each direction, milliseconds
     #[arg(long, value_name = "MS", default_value_t = 0)]
     pub(super) delay: u64,
     /// Seed of the losses
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub(super) seed: u64,
-    /// End after this time instead of at Ctrl-C
+    /// Stop after this time instead of at Ctrl-C
     #[arg(long = "for", value_name = "SECONDS")]
     pub(super) for_s: Option<u64>,
 }
 
-/// What a simulated vehicle plays.
+/// The autopilot that a vehicle simulates.
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 pub(super) enum ProfileName {
     /// ArduCopter
@@ -396,9 +412,9 @@ fn percent(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Terrain {
-    /// What elevation files hold: place, posts, voids, heights and their datum
+    /// Print extent, posts, voids, heights and datum of elevation files
     Info(TerrainInfo),
-    /// Get the tiles that a spec needs into its terrain folder, over http
+    /// Fetch the tiles that a spec needs into its terrain folder, over http
     Fetch(TerrainFetch),
     /// Write the ground of a spec as ArduPilot's terrain database (.DAT)
     Export(TerrainExport),
@@ -418,7 +434,7 @@ pub(super) struct TerrainInfo {
 pub(super) struct TerrainFetch {
     /// The mission spec (YAML), with `terrain: {folder: ...}`
     pub(super) spec: PathBuf,
-    /// Where the tiles are, such as http://host/{ns}{lat}/{tile}.hgt.gz: {tile} is N36W085,
+    /// Address of the tiles, such as http://host/{ns}{lat}/{tile}.hgt.gz: {tile} is N36W085,
     /// {ns} {lat} {ew} {lon} its parts N 36 W 085
     #[arg(long, value_name = "TEMPLATE")]
     pub(super) url: String,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::mission::Item;
 
-/// The differences between items and what came back of them, same ones told together.
+/// The differences between items and those read back; equal differences share a line.
 pub(crate) fn changes(what: &str, was: &[Item], is: &[Item]) -> Vec<String> {
     if was.len() == is.len() && was != is && is_reordered(was, is) {
         return vec![format!("the order of the {what}s")];
@@ -17,14 +17,14 @@ pub(crate) fn changes(what: &str, was: &[Item], is: &[Item]) -> Vec<String> {
     }
     let mut groups: Vec<(String, Vec<usize>)> = groups.into_iter().collect();
     groups.sort_by_key(|(_, numbers)| numbers.first().copied());
-    let mut told: Vec<String> = groups
+    let mut changes: Vec<String> = groups
         .iter()
         .map(|(text, numbers)| format!("{}: {text}", ranges(what, numbers)))
         .collect();
     if was.len() != is.len() {
-        told.push(format!("of {} {what}s {} come back", was.len(), is.len()));
+        changes.push(format!("of {} {what}s {} come back", was.len(), is.len()));
     }
-    told
+    changes
 }
 
 /// Whether each of them is there, elsewhere.
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_change_of_many_items_is_told_once_with_their_numbers() {
+    fn the_same_change_of_many_items_is_listed_once_with_their_numbers() {
         let was = [1, 2, 3, 4].map(|x| waypoint(x, f32::NAN));
         let mut is = was;
         for index in [0, 1, 3] {
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn another_order_is_told_as_such_and_a_lost_item_by_count() {
+    fn another_order_is_named_as_such_and_a_lost_item_by_count() {
         let was = [1, 2, 3].map(|x| waypoint(x, 0.0));
         let is = [was[2], was[0], was[1]];
         assert_eq!(changes("item", &was, &is), ["the order of the items"]);

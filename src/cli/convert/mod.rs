@@ -1,4 +1,4 @@
-//! `sortie convert`: a mission file in another format, and what that cannot keep.
+//! `sortie convert`: a mission file in another format, and a report of the losses.
 
 pub(super) mod changes;
 
@@ -9,18 +9,17 @@ use serde::Serialize;
 use super::args::{self, AirframeName, AutopilotName, ListName};
 use super::folder;
 use super::folder::replace;
-use super::print::console::{note, out};
+use super::print::console::{note, out, out_json};
 use super::print::failure::Failure;
 use super::print::table;
 use crate::formats::{self, Document, Drawing, Format};
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::{self, Home, Item, VehicleMission};
-use crate::report;
 use crate::spec::{Airframe, Autopilot};
 use changes::{changes, ranges};
 
-/// Most sentences of one kind that are told on a terminal; `--json` has them all.
-const MOST_TOLD: usize = 20;
+/// Sentences of one kind that a terminal shows; `--json` has them all.
+const MAX_LISTED: usize = 20;
 
 /// A blank home row.
 const NO_HOME: Home = Home {
@@ -29,7 +28,7 @@ const NO_HOME: Home = Home {
     amsl_m: 0.0,
 };
 
-/// What is written.
+/// The format of the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Target {
     Plan,
@@ -38,7 +37,18 @@ enum Target {
     GeoJson,
 }
 
-/// What became of the file, and what did not.
+impl Target {
+    fn text(self, mission: &VehicleMission, name: &str) -> Result<String, String> {
+        Ok(match self {
+            Self::Plan => formats::plan::write(mission),
+            Self::Rows(list) => rows(mission, list)?,
+            Self::Kml => formats::kml::write_mission(name, &Drawing::of(mission)),
+            Self::GeoJson => formats::geojson::write_mission(name, &Drawing::of(mission)),
+        })
+    }
+}
+
+/// The report of a conversion.
 #[derive(Debug, Serialize)]
 struct Report {
     input: String,
@@ -47,15 +57,16 @@ struct Report {
     mission_items: usize,
     fence_items: usize,
     rally_points: usize,
-    /// What was read although the format does not allow it.
+    /// Deviations from the format that the reader repaired.
     repairs: Vec<String>,
-    /// What the file does not say and was taken for granted, or left open.
+    /// Assumptions where the file says nothing.
     assumed: Vec<String>,
-    /// What is in the input and not in the output, or not as it was.
-    not_kept: Vec<String>,
-    /// What ArduPilot and PX4 read differently, where the file was not made for `autopilot`.
+    /// Content of the input that the output lacks or changes.
+    #[serde(rename = "not_kept")]
+    lost: Vec<String>,
+    /// Items that ArduPilot and PX4 read differently, where the file was not made for `autopilot`.
     read_differently: Vec<String>,
-    /// What `autopilot` would refuse or misread.
+    /// Items that `autopilot` would refuse or misread.
     refused: Vec<String>,
 }
 
@@ -70,12 +81,12 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     let (text, report) = converted(document, target, arguments)?;
     replace::write_file(&arguments.output, text.as_bytes())?;
     if arguments.json {
-        return out(report::json_text(&report).trim_end());
+        return out_json(&report);
     }
-    tell(&report)
+    print(&report)
 }
 
-/// What the name of the output asks for; which rows is open yet.
+/// The target by the name of the output; which rows is open yet.
 fn ending(arguments: &args::Convert) -> Result<Target, Failure> {
     let path = &arguments.output;
     let target = match path.extension().and_then(|ending| ending.to_str()) {
@@ -107,7 +118,7 @@ fn same_file(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// Which rows, if nobody said so: the mission, or the only list there is.
+/// The rows to write: as given, else the mission, else the only list.
 fn target(document: &Document, ending: Target, asked: Option<ListName>) -> Result<Target, Failure> {
     if ending != Target::Rows(ListName::Mission) || asked.is_some() || !document.is_list() {
         return Ok(ending);
@@ -122,7 +133,7 @@ fn target(document: &Document, ending: Target, asked: Option<ListName>) -> Resul
     }
 }
 
-/// The text and what there is to tell about it.
+/// The text of the output, and the report.
 fn converted(
     document: Document,
     target: Target,
@@ -134,16 +145,14 @@ fn converted(
     };
     let mut assumed = Vec::new();
     let made_for = document.autopilot;
-    let who = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
-    let what = document
-        .airframe
-        .map(|airframe| format!("a {}", name_of(airframe)));
-    let made: Vec<String> = who.into_iter().chain(what).collect();
+    let made_by = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
+    let airframe_of = document.airframe.map(|of| format!("a {}", name_of(of)));
+    let made: Vec<String> = made_by.into_iter().chain(airframe_of).collect();
     let autopilot = autopilot(made_for, arguments.autopilot, &mut assumed);
     let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
     let is_list = document.is_list();
     let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
-    let mut not_kept = document.dropped.clone();
+    let mut lost = document.dropped.clone();
     let home = home(&document, target, arguments, &mut assumed)?;
     let document = Document {
         home: Some(home),
@@ -154,17 +163,12 @@ fn converted(
         .into_mission(autopilot, airframe)
         .map_err(|error| bad(&error.to_string()))?;
     let name = folder::stem(&arguments.input);
-    let text = match target {
-        Target::Plan => formats::plan::write(&mission),
-        Target::Rows(list) => rows(&mission, list).map_err(|what| bad(&what))?,
-        Target::Kml => formats::kml::write_mission(&name, &Drawing::of(&mission)),
-        Target::GeoJson => formats::geojson::write_mission(&name, &Drawing::of(&mission)),
-    };
-    not_kept.extend(losses(&mission, target, &made));
+    let text = target.text(&mission, &name).map_err(|what| bad(&what))?;
+    lost.extend(losses(&mission, target, &made));
     if matches!(target, Target::Plan | Target::Rows(_)) {
-        not_kept.extend(differences(&mission, &text, target).map_err(|what| bad(&what))?);
+        lost.extend(differences(&mission, &text, target).map_err(|what| bad(&what))?);
     }
-    let asks_for_another = arguments.autopilot.is_some() && made_for != Some(autopilot);
+    let is_foreign = arguments.autopilot.is_some() && made_for != Some(autopilot);
     let count = |of: ListName, items: &[Item]| match target {
         Target::Rows(list) if of != list => 0,
         _ => items.len(),
@@ -178,14 +182,12 @@ fn converted(
         rally_points: count(ListName::Rally, &mission.rally),
         repairs,
         assumed,
-        not_kept,
-        read_differently: if asks_for_another {
-            let all = mission::read_differently(&mission).into_iter();
-            all.map(|(what, items)| format!("{}: {what}", ranges("item", &items)))
-                .collect()
-        } else {
-            Vec::new()
-        },
+        lost,
+        read_differently: (is_foreign.then(|| mission::read_differently(&mission)))
+            .into_iter()
+            .flatten()
+            .map(|(what, items)| format!("{}: {what}", ranges("item", &items)))
+            .collect(),
         refused: mission::problems(&mission)
             .iter()
             .filter(|problem| !(is_list && problem.list == mission::List::Mission))
@@ -322,22 +324,22 @@ fn losses(mission: &VehicleMission, target: Target, made: &[String]) -> Vec<Stri
         Target::Plan => formats::losses(mission, Format::Plan),
         Target::Rows(list) => {
             let others = LISTS.iter().filter(|(other, _)| *other != list);
-            let mut told: Vec<String> = others
+            let mut found: Vec<String> = others
                 .filter(|(other, _)| !items(mission, *other).is_empty())
                 .map(|(other, what)| format!("{} {what}s", items(mission, *other).len()))
                 .collect();
             if list != ListName::Mission && mission.home != NO_HOME {
-                told.push("home".to_owned());
+                found.push("home".to_owned());
             }
-            told.extend(made.iter().map(|who| format!("that it is for {who}")));
-            told
+            found.extend(made.iter().map(|who| format!("that it is for {who}")));
+            found
         }
         Target::Kml | Target::GeoJson => of_a_map(&Drawing::of(mission)),
     }
 }
 
 fn of_a_map(drawing: &Drawing<'_>) -> Vec<String> {
-    let mut told = vec![
+    let mut found = vec![
         "it is a map: no ground station reads a mission from it".to_owned(),
         "the route is straight between its items: turns, splines, circles and jumps are not drawn"
             .to_owned(),
@@ -345,17 +347,17 @@ fn of_a_map(drawing: &Drawing<'_>) -> Vec<String> {
     let nowhere = drawing.without_place();
     if !nowhere.is_empty() {
         let items = ranges("item", &nowhere);
-        told.push(format!("{items}: no place on a map"));
+        found.push(format!("{items}: no place on a map"));
     }
     if !drawing.without_altitude().is_empty() {
         let items = ranges("item", drawing.without_altitude());
-        told.push(format!(
+        found.push(format!(
             "{items}: the altitude above the sea is not known from the file alone, and so not \
              drawn, nor are those of the route"
         ));
     }
-    told.extend(drawing.lost());
-    told
+    found.extend(drawing.lost());
+    found
 }
 
 /// What does not come back from the text as it was, list by list.
@@ -374,31 +376,31 @@ fn differences(
     let back = document
         .into_mission(mission.autopilot, mission.airframe)
         .map_err(unreadable)?;
-    let mut told = Vec::new();
+    let mut found = Vec::new();
     if matches!(target, Target::Plan | Target::Rows(ListName::Mission)) && home != mission.home {
-        told.push(format!("home: {:?} becomes {home:?}", mission.home));
+        found.push(format!("home: {:?} becomes {home:?}", mission.home));
     }
     for (list, what) in LISTS {
         if target == Target::Plan || target == Target::Rows(list) {
-            told.extend(changes(what, items(mission, list), items(&back, list)));
+            found.extend(changes(what, items(mission, list), items(&back, list)));
         }
     }
-    Ok(told)
+    Ok(found)
 }
 
-fn tell(report: &Report) -> Result<(), Failure> {
+fn print(report: &Report) -> Result<(), Failure> {
     for (head, all) in [
         ("read: ", &report.repairs),
         ("note: ", &report.assumed),
-        ("not kept: ", &report.not_kept),
+        ("not kept: ", &report.lost),
         ("read differently: ", &report.read_differently),
         ("refused or misread: ", &report.refused),
     ] {
-        for one in all.iter().take(MOST_TOLD) {
+        for one in all.iter().take(MAX_LISTED) {
             note(&format!("{head}{one}"));
         }
-        if let Some(more) = all.len().checked_sub(MOST_TOLD).filter(|&more| more > 0) {
-            note(&format!("{head}{more} more (--json tells all)"));
+        if let Some(more) = all.len().checked_sub(MAX_LISTED).filter(|&more| more > 0) {
+            note(&format!("{head}{more} more (--json lists all)"));
         }
     }
     out(&format!(

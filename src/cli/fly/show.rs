@@ -4,13 +4,13 @@ use std::io::IsTerminal;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
-use crate::cli::print::console::{Paint, note, out};
+use crate::cli::print::console::{Paint, note, out, shown};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table;
 use crate::cli::print::table::Rows;
 use crate::flight::{Event, Fleet, FlightReport, Spread, Status};
 use crate::link::Time;
-use crate::verify::{Limit, Sense};
+use crate::verify::{Limit, Margin, Sense};
 
 /// Between two pictures of the table, milliseconds.
 const PICTURE_MS: u64 = 250;
@@ -41,7 +41,7 @@ impl Show {
         let line = sentence(event);
         if self.is_live {
             // A terminal that is gone shows nothing.
-            let _ = self.all.println(line);
+            let _ = self.all.println(shown(&line));
             return Ok(());
         }
         if self.json {
@@ -66,7 +66,7 @@ impl Show {
                 self.rows.push(bar);
             }
             if let Some(row) = self.rows.get(index) {
-                row.set_message(line(status));
+                row.set_message(shown(&line(status)).into_owned());
             }
         }
     }
@@ -100,14 +100,32 @@ fn line(status: &Status) -> String {
     )
 }
 
-/// The table of a flight that is over, and what was not kept.
+/// Prints the table of a flight that is over, and the limits that were violated.
 pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
     let paint = Paint::for_stdout();
+    vehicle_rows(judged, paint).print()?;
+    let stopped = judged.vehicles.iter().filter(|of| !of.ended_as_planned);
+    for of in stopped {
+        out(&format!(
+            "{} {}: {}; a flight as planned ends with the landing, or in the air where the plan ends",
+            paint.bad("FAIL"),
+            of.vehicle,
+            of.end
+        ))?;
+    }
+    for margin in judged.margins.iter().filter(|m| m.other.is_some() || !m.ok) {
+        out(&margin_line(margin, paint))?;
+    }
+    Ok(())
+}
+
+/// One row for each vehicle.
+fn vehicle_rows(judged: &FlightReport, paint: Paint) -> Rows {
     let mut rows = Rows::new(&[
         "vehicle",
         "end",
-        "beside the way",
-        "over or under it",
+        "cross-track error",
+        "altitude error",
         "late",
         "clearance",
         "",
@@ -125,7 +143,7 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
             .margins
             .iter()
             .find(|m| m.vehicle == vehicle.vehicle && m.limit == Limit::TerrainClearance);
-        let kept = judged
+        let is_within = judged
             .margins
             .iter()
             .all(|margin| margin.ok || !margin.concerns(&vehicle.vehicle));
@@ -138,52 +156,44 @@ pub(in crate::cli) fn report(judged: &FlightReport) -> Result<(), Failure> {
             clearance
                 .filter(|margin| margin.value.is_finite())
                 .map_or_else(|| "-".to_owned(), |m| format!("{:.0} m", m.value)),
-            if kept && vehicle.ended_as_planned {
+            if is_within && vehicle.ended_as_planned {
                 paint.good("ok")
             } else {
                 paint.bad("FAIL")
             },
         ]);
     }
-    out(&rows.to_string())?;
-    let stopped = judged.vehicles.iter().filter(|of| !of.ended_as_planned);
-    for of in stopped {
-        out(&format!(
-            "{} {}: {}; only who lands or stays in the air where its plan ends has flown it",
-            paint.bad("FAIL"),
-            of.vehicle,
-            of.end
-        ))?;
-    }
-    for margin in judged.margins.iter().filter(|m| m.other.is_some() || !m.ok) {
-        let whom = margin
-            .other
-            .as_ref()
-            .map_or_else(String::new, |other| format!(" and {other}"));
-        let sign = if margin.sense == Sense::AtLeast {
-            ">="
-        } else {
-            "<="
-        };
-        let at = margin
-            .at
-            .map_or_else(String::new, |at| format!(" at T0+{}", table::clock(at.t_s)));
-        let mark = if margin.ok {
-            paint.good("ok")
-        } else {
-            paint.bad("FAIL")
-        };
-        out(&format!(
-            "{mark} {}{whom}: {} {} {} flown ({sign} {}){at} {}",
-            margin.vehicle,
-            margin.limit,
-            table::number(margin.value, 1),
-            margin.unit,
-            table::number(margin.bound, 1),
-            margin.note
-        ))?;
-    }
-    Ok(())
+    rows
+}
+
+/// The worst value of a limit as a line.
+fn margin_line(margin: &Margin, paint: Paint) -> String {
+    let whom = margin
+        .other
+        .as_ref()
+        .map_or_else(String::new, |other| format!(" and {other}"));
+    let sign = if margin.sense == Sense::AtLeast {
+        ">="
+    } else {
+        "<="
+    };
+    let at = margin
+        .at
+        .map_or_else(String::new, |at| format!(" at T0+{}", table::clock(at.t_s)));
+    let mark = if margin.ok {
+        paint.good("ok")
+    } else {
+        paint.bad("FAIL")
+    };
+    format!(
+        "{mark} {}{whom}: {} {} {} flown ({sign} {}){at} {}",
+        margin.vehicle,
+        margin.limit,
+        table::number(margin.value, 1),
+        margin.unit,
+        table::number(margin.bound, 1),
+        margin.note
+    )
 }
 
 /// An event as a line.

@@ -1,4 +1,4 @@
-//! The files of an output folder: what `plan` writes and `upload` reads.
+//! The output folder: `plan` writes its files, `upload` reads them.
 
 pub(super) mod replace;
 pub(super) mod runs;
@@ -46,7 +46,7 @@ fn table_sha256(file: &SpecFile) -> Option<String> {
     file.table.as_ref().map(|table| sha256(&table.text))
 }
 
-/// Writes everything that `plan` leaves, whole or not at all.
+/// Writes the output folder of `plan`, whole or not at all.
 pub(super) fn write(
     out: &Path,
     file: &SpecFile,
@@ -63,17 +63,7 @@ pub(super) fn write(
     folder.write("spec.yaml", file.text.as_bytes())?;
     for (vehicle, mission) in &dispatched.missions {
         let id = &spec.vehicles[*vehicle].id;
-        let tag = if review.accepts(id) { "" } else { REJECTED };
-        let waypoints = formats::waypoints::write(mission);
-        folder.write(&format!("{id}{tag}.waypoints"), waypoints.as_bytes())?;
-        folder.write(
-            &format!("{id}{tag}.plan"),
-            formats::plan::write(mission).as_bytes(),
-        )?;
-        folder.write(
-            &format!("{id}.params"),
-            formats::params::write(mission).as_bytes(),
-        )?;
+        write_mission(&folder, id, mission, review.accepts(id))?;
     }
     let paths: Vec<(&str, Vec<TimedPoint>)> = spec
         .vehicles
@@ -122,6 +112,27 @@ pub(super) fn write(
     Ok(())
 }
 
+/// The files of one vehicle; a rejected mission has a name of its own.
+fn write_mission(
+    folder: &NewFolder,
+    id: &str,
+    mission: &VehicleMission,
+    is_accepted: bool,
+) -> Result<(), Failure> {
+    let tag = if is_accepted { "" } else { REJECTED };
+    for (name, text) in [
+        (
+            format!("{id}{tag}.waypoints"),
+            formats::waypoints::write(mission),
+        ),
+        (format!("{id}{tag}.plan"), formats::plan::write(mission)),
+        (format!("{id}.params"), formats::params::write(mission)),
+    ] {
+        folder.write(&name, text.as_bytes())?;
+    }
+    Ok(())
+}
+
 /// Copies the elevation files that a spec uses to the same place beside its copy.
 fn copy_terrain(folder: &NewFolder, file: &SpecFile) -> Result<(), Failure> {
     let unusable = |error| Failure::new(Failure::INPUT, format!("the terrain: {error}"));
@@ -150,7 +161,7 @@ pub(super) fn is_rejected(path: &Path) -> bool {
         .is_some_and(|stem| stem.to_string_lossy().ends_with(REJECTED))
 }
 
-/// What a mission file of any kind says.
+/// Reads a mission file of any format.
 pub(super) fn read_document(path: &Path) -> Result<Document, Failure> {
     let bad = |what: String| Failure::new(Failure::INPUT, format!("{}: {what}", path.display()));
     let mut bytes = Vec::new();
@@ -176,6 +187,7 @@ pub(super) fn read_mission(
     let vehicle = &file.spec.vehicles[vehicle];
     read_document(path)?
         .into_mission(vehicle.autopilot, vehicle.airframe)
+        .map(|mission| mission.for_version(vehicle.autopilot_version))
         .map_err(|error| Failure::new(Failure::INPUT, format!("{}: {error}", path.display())))
 }
 
@@ -230,10 +242,10 @@ pub(super) fn refuse_edited(
     Ok(())
 }
 
-/// The hashes of the spec and of its table from which an output folder was made, if that is
-/// what a folder is.
+/// The hashes of the spec and its table from which an output folder was made; none if the
+/// folder is no output folder.
 fn planned_from(folder: &Path) -> Option<(String, Option<String>)> {
-    /// The rest is passed over: a large fleet has a hundred megabytes of it.
+    /// Other keys are skipped: for a large fleet they hold a hundred megabytes.
     #[derive(serde::Deserialize)]
     struct Plan {
         #[serde(rename = "sortie")]
@@ -245,8 +257,7 @@ fn planned_from(folder: &Path) -> Option<(String, Option<String>)> {
     Some((plan.spec_sha256, plan.table_sha256))
 }
 
-/// Why a folder may not be replaced: only what `plan` wrote, and nothing else
-/// beside it, may go.
+/// Why a folder cannot be replaced; none if it holds only the files that `plan` wrote.
 pub(super) fn in_the_way(target: &Path) -> Option<String> {
     let Ok(entries) = fs::read_dir(target) else {
         return target
@@ -276,10 +287,10 @@ pub(super) fn in_the_way(target: &Path) -> Option<String> {
     let file = SpecFile::read(&spec)
         .ok()
         .filter(|file| planned.and_then(|(_, table)| table) == table_sha256(file));
-    let beside = file.as_ref().map_or_else(Vec::new, copied);
+    let copies = file.as_ref().map_or_else(Vec::new, copied);
     let foreign = names
         .iter()
-        .find(|name| !is_written(name) && !beside.contains(name))?;
+        .find(|name| !is_written(name) && !copies.contains(name))?;
     Some(format!(
         "it holds {foreign}, which no plan wrote, and is not replaced"
     ))

@@ -1,11 +1,68 @@
-//! Printing: results on stdout, everything else on stderr.
+//! The terminal: results go to stdout, everything else to stderr.
+//!
+//! All output passes through here. Text may come from a vehicle, a file or a server, so
+//! hidden and control characters are written out ([`text::escaped`]), a newline within a
+//! line too. Colours are marks without width (Unicode tags) until the text is safe.
 
+use std::borrow::Cow;
 use std::io::{ErrorKind, IsTerminal, Write};
 
-use super::failure::Failure;
+use serde::Serialize;
 
-/// Prints a result. A closed pipe is the reader's choice, not an error.
-pub(crate) fn out(text: &str) -> Result<(), Failure> {
+use super::failure::Failure;
+use crate::numeric::text;
+use crate::report::json_text;
+
+/// Prints one line of a result.
+pub(crate) fn out(line: &str) -> Result<(), Failure> {
+    print(&shown(line))
+}
+
+/// Prints lines of a result.
+pub(crate) fn out_lines<S: AsRef<str>>(lines: &[S]) -> Result<(), Failure> {
+    lines.iter().try_for_each(|line| out(line.as_ref()))
+}
+
+/// Prints a text of several lines that the program itself has laid out.
+pub(crate) fn out_text(text: &str) -> Result<(), Failure> {
+    print(&text::escaped_except(text.trim_end(), |c| {
+        matches!(c, '\n' | '\t')
+    }))
+}
+
+/// Prints a JSON document.
+pub(crate) fn out_json<D: Serialize>(document: &D) -> Result<(), Failure> {
+    out_json_text(&json_text(document))
+}
+
+/// Prints the text of a JSON document, hidden characters escaped as JSON has them.
+pub(crate) fn out_json_text(text: &str) -> Result<(), Failure> {
+    let mut safe = String::with_capacity(text.len());
+    for sign in text.trim_end().chars() {
+        if sign != '\n' && text::is_hidden(sign) {
+            let units = &mut [0; 2];
+            for unit in sign.encode_utf16(units) {
+                safe += &format!("\\u{unit:04x}");
+            }
+        } else {
+            safe.push(sign);
+        }
+    }
+    print(&safe)
+}
+
+/// Prints one line that is no result.
+pub(crate) fn note(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{}", shown(line));
+}
+
+/// Prints lines that are no result.
+pub(crate) fn note_lines<S: AsRef<str>>(lines: &[S]) {
+    lines.iter().for_each(|line| note(line.as_ref()));
+}
+
+/// A closed pipe is the reader's choice, not an error.
+fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -16,12 +73,41 @@ pub(crate) fn out(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Prints what is not a result.
-pub(crate) fn note(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+/// One line as the terminal gets it: hidden characters are written out, marks become
+/// colours.
+pub(crate) fn shown(line: &str) -> Cow<'_, str> {
+    coloured(line, Paint::for_stdout())
 }
 
-/// Colours for a terminal that wants them.
+fn coloured(line: &str, paint: Paint) -> Cow<'_, str> {
+    if !paint.on || !line.contains(is_mark) {
+        return text::escaped(line);
+    }
+    let mut text = safe(line).into_owned();
+    for (mark, code) in MARKS {
+        text = text.replace(mark, &format!("\u{1b}[{code}m"));
+    }
+    // A mark out of the text itself ends with its line.
+    Cow::Owned(text + "\u{1b}[0m")
+}
+
+/// A line with its hidden characters written out; marks of colours stay.
+pub(super) fn safe(line: &str) -> Cow<'_, str> {
+    text::escaped_except(line, is_mark)
+}
+
+/// Marks that [`Paint`] sets, each with the code that becomes of it.
+const MARKS: [(char, &str); 4] = [(GOOD, "32"), (BAD, "31;1"), (DIM, "2"), (PLAIN, "0")];
+const GOOD: char = '\u{e0067}';
+const BAD: char = '\u{e0062}';
+const DIM: char = '\u{e0064}';
+const PLAIN: char = '\u{e007f}';
+
+fn is_mark(sign: char) -> bool {
+    MARKS.iter().any(|(mark, _)| *mark == sign)
+}
+
+/// Colours for a terminal that wants them: marks that [`out`] and [`note`] turn into codes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Paint {
     on: bool,
@@ -37,26 +123,49 @@ impl Paint {
         }
     }
 
-    fn wrap(self, code: &str, text: &str) -> String {
+    fn wrap(self, mark: char, text: &str) -> String {
         if self.on {
-            format!("\u{1b}[{code}m{text}\u{1b}[0m")
+            format!("{mark}{text}{PLAIN}")
         } else {
             text.to_owned()
         }
     }
 
-    /// For what is good.
+    /// For a limit that is met.
     pub(crate) fn good(self, text: &str) -> String {
-        self.wrap("32", text)
+        self.wrap(GOOD, text)
     }
 
-    /// For what is not.
+    /// For a failure.
     pub(crate) fn bad(self, text: &str) -> String {
-        self.wrap("31;1", text)
+        self.wrap(BAD, text)
     }
 
-    /// For what matters less.
+    /// For secondary text.
     pub(crate) fn dim(self, text: &str) -> String {
-        self.wrap("2", text)
+        self.wrap(DIM, text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Paint, coloured};
+
+    #[test]
+    fn colours_are_added_to_text_that_is_safe() {
+        let hostile = "\u{1b}[2K\r landed\n";
+        for (on, expected) in [
+            (false, "FAIL \\u{1b}[2K\\r landed\\n"),
+            (
+                true,
+                "\u{1b}[31;1mFAIL\u{1b}[0m \\u{1b}[2K\\r landed\\n\u{1b}[0m",
+            ),
+        ] {
+            let paint = Paint { on };
+            let line = format!("{} {hostile}", paint.bad("FAIL"));
+            assert_eq!(coloured(&line, paint), expected);
+        }
+        let marked = coloured("\u{e0067}", Paint { on: false });
+        assert_eq!(marked, "\\u{e0067}");
     }
 }

@@ -6,12 +6,14 @@ use crate::flight::FlightError;
 use crate::formats::OutputError;
 use crate::spec::SpecError;
 
-/// A failed command: its exit code, and what to tell on stderr.
+/// A failed command: its exit code, and what stderr says of it.
 #[derive(Debug)]
 pub(crate) struct Failure {
     pub(crate) code: Code,
-    /// Empty when everything was said already.
+    /// One line; empty if the command has printed the reason already.
     pub(crate) message: String,
+    /// Further problems, a line each.
+    pub(crate) more: Vec<String>,
 }
 
 /// An exit code of the contract.
@@ -47,13 +49,25 @@ impl Failure {
         Self {
             code,
             message: message.into(),
+            more: Vec::new(),
+        }
+    }
+
+    /// Several problems at once, a line each.
+    pub(crate) fn all(code: Code, problems: impl IntoIterator<Item = String>) -> Self {
+        let mut problems = problems.into_iter();
+        Self {
+            code,
+            message: problems.next().unwrap_or_default(),
+            more: problems.collect(),
         }
     }
 }
 
 impl From<SpecError> for Failure {
     fn from(error: SpecError) -> Self {
-        Self::new(Self::INPUT, error.to_string())
+        // The spec's own text is escaped: each line is one problem.
+        Self::all(Self::INPUT, error.to_string().lines().map(str::to_owned))
     }
 }
 

@@ -1,11 +1,11 @@
-//! Where the transfers to a fleet are, in one line.
+//! The progress of the transfers to a fleet, in one line.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
 use crate::link::Progress;
 
-/// The latest of every vehicle.
+/// The latest progress of each vehicle.
 #[derive(Debug)]
 pub(crate) struct Overview {
     vehicles: usize,
@@ -13,7 +13,7 @@ pub(crate) struct Overview {
 }
 
 impl Overview {
-    /// Nothing yet of so many vehicles.
+    /// No progress yet, of a number of vehicles.
     pub(crate) fn of(vehicles: usize) -> Self {
         Self {
             vehicles,
@@ -21,7 +21,7 @@ impl Overview {
         }
     }
 
-    /// Where one vehicle is now.
+    /// Sets the progress of one vehicle.
     pub(crate) fn note(&mut self, id: &str, at: Progress) {
         match self.at.get_mut(id) {
             Some(known) => *known = at,
@@ -30,8 +30,8 @@ impl Overview {
     }
 }
 
-/// One vehicle with its items; of several how many there are in each stage, so that
-/// the line is short however large the fleet is.
+/// One vehicle with its items; of a fleet the number of vehicles in each stage, so that
+/// the line stays short.
 impl fmt::Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let (1, Some((id, at))) = (self.vehicles, self.at.first_key_value()) {

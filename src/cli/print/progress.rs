@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A line on stderr that says what is being done. Hidden unless stderr is a terminal.
+use super::console::shown;
+
+/// A line on stderr with the current step. Hidden unless stderr is a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
 }
@@ -20,8 +22,8 @@ impl Progress {
         Self { bar }
     }
 
-    pub(crate) fn say(&self, message: String) {
-        self.bar.set_message(message);
+    pub(crate) fn say(&self, message: &str) {
+        self.bar.set_message(shown(message).into_owned());
     }
 }
 

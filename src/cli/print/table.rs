@@ -1,16 +1,15 @@
 //! Tables for the terminal: one for the fleet, one for what fails.
 
-use std::fmt;
-
 use comfy_table::{ContentArrangement, LineStyle, Table, presets};
 
-use super::console::Paint;
+use super::console::{Paint, out, out_lines, safe};
+use super::failure::Failure;
 use crate::numeric::digits;
 use crate::spec::Autopilot;
 use crate::verify::{Limit, Margin, Review, Sense, Topic};
 
-/// With more rows than these the lines between them only take room.
-const MOST_RULED: usize = 12;
+/// With more rows than this, the lines between them are left out.
+const MAX_RULED: usize = 12;
 
 /// A table, or on a terminal too narrow for it a list of the same cells.
 pub(crate) struct Rows {
@@ -28,19 +27,21 @@ impl Rows {
         }
     }
 
-    /// Columns that a narrow terminal does without, the first one first.
+    /// Columns that a narrow terminal omits, in this order.
     pub(crate) fn spare(&mut self, heads: &[&'static str]) {
         self.spare = heads.to_vec();
     }
 
     /// Adds a row with a cell for each head.
     pub(crate) fn add(&mut self, cells: impl Into<Vec<String>>) {
-        self.rows.push(cells.into());
+        let cells: Vec<String> = cells.into();
+        let safe_cells = cells.iter().map(|cell| safe(cell).into_owned());
+        self.rows.push(safe_cells.collect());
     }
 }
 
 impl Rows {
-    /// The table without some columns.
+    /// The table without the columns `without`.
     fn table(&self, without: &[&str]) -> Table {
         let keeps = |column: usize| {
             let head = self.header.get(column);
@@ -48,7 +49,7 @@ impl Rows {
         };
         let mut table = Table::new();
         table.load_style(presets::UTF8_HORIZONTAL_ONLY);
-        if self.rows.len() > MOST_RULED {
+        if self.rows.len() > MAX_RULED {
             table.style_mut().row_separator = LineStyle::none();
         }
         table.set_content_arrangement(ContentArrangement::Disabled);
@@ -61,35 +62,32 @@ impl Rows {
     }
 }
 
-impl fmt::Display for Rows {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl Rows {
+    /// Prints the table, on a narrow terminal as a list.
+    pub(crate) fn print(&self) -> Result<(), Failure> {
         for spared in 0..=self.spare.len() {
             let table = self.table(self.spare.get(..spared).unwrap_or_default());
-            let text = table.to_string();
-            let needed = text.lines().map(|line| line.chars().count()).max();
+            let lines: Vec<String> = table.lines().collect();
+            let needed = lines.iter().map(|line| line.chars().count()).max();
             let fits = |columns: u16| needed.is_none_or(|needed| needed <= usize::from(columns));
             if table.width().is_none_or(fits) {
-                return f.write_str(&text);
+                return out_lines(&lines);
             }
         }
         for (index, row) in self.rows.iter().enumerate() {
             if index > 0 {
-                writeln!(f)?;
+                out("")?;
             }
-            for (head, cell) in self
-                .header
-                .iter()
-                .zip(row)
-                .filter(|(_, cell)| !cell.is_empty())
-            {
-                writeln!(f, "{head:>18}  {cell}")?;
+            let cells = self.header.iter().zip(row);
+            for (head, cell) in cells.filter(|(_, cell)| !cell.is_empty()) {
+                out(&format!("{head:>18}  {cell}"))?;
             }
         }
         Ok(())
     }
 }
 
-/// A number of at most so many decimals; short whatever its size.
+/// A number with at most `decimals` decimals; a huge one with a power of ten.
 pub(crate) fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         "not known".to_owned()
@@ -100,8 +98,8 @@ pub(crate) fn number(value: f64, decimals: usize) -> String {
     }
 }
 
-/// The same, with more decimals where it would read like the limit it misses.
-fn number_beside(value: f64, limit: f64, decimals: usize) -> String {
+/// A number with enough decimals to differ from the limit it misses.
+fn number_against(value: f64, limit: f64, decimals: usize) -> String {
     if value.abs() < 1e9 {
         digits::distinct_from(value, limit, decimals)
     } else {
@@ -109,8 +107,7 @@ fn number_beside(value: f64, limit: f64, decimals: usize) -> String {
     }
 }
 
-/// The tightest margin of a vehicle among the limits of some topics, as an operator
-/// reads it: the value and what it is compared with.
+/// The tightest margin of a vehicle among the limits of some topics: value and limit.
 pub(crate) fn tightest(review: &Review, vehicle: &str, topics: &[Topic]) -> String {
     let worst = review
         .margins
@@ -135,26 +132,25 @@ pub(crate) fn tightest(review: &Review, vehicle: &str, topics: &[Topic]) -> Stri
     let limit = number(margin.bound, 0);
     let value = match margin.ok {
         true => number(margin.value, 0),
-        false => number_beside(margin.value, margin.bound, 0),
+        false => number_against(margin.value, margin.bound, 0),
     };
     format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
 }
 
-/// Every failed margin in words, with times after T0.
-pub(crate) fn failures(review: &Review, paint: Paint) -> String {
+/// A sentence for each failed margin, with times after T0.
+pub(crate) fn failures(review: &Review, paint: Paint) -> Vec<String> {
     failures_since(review, paint, "T0")
 }
 
-/// The same with times after something else.
-pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> String {
+/// A sentence for each failed margin, with times after `since`.
+pub(crate) fn failures_since(review: &Review, paint: Paint, since: &str) -> Vec<String> {
     let failed = review.margins.iter().filter(|margin| !margin.ok);
     failed
         .map(|margin| format!("{} {}", paint.bad("FAIL"), sentence(margin, since)))
-        .collect::<Vec<_>>()
-        .join("\n")
+        .collect()
 }
 
-/// One margin in words: who, what, by how much, where, when.
+/// One margin in words: vehicles, limit, value, place and time.
 fn sentence(margin: &Margin, since: &str) -> String {
     let mut text = match &margin.other {
         Some(other) => format!("{} and {other}: {}", margin.vehicle, margin.limit),
@@ -163,7 +159,7 @@ fn sentence(margin: &Margin, since: &str) -> String {
     if margin.value.is_finite() {
         text += &format!(
             ": {} {unit}, {} {} {unit} allowed",
-            number_beside(margin.value, margin.bound, 1),
+            number_against(margin.value, margin.bound, 1),
             sense(margin),
             number(margin.bound, 1),
             unit = margin.unit
@@ -198,12 +194,9 @@ pub(crate) fn clock(seconds: f64) -> String {
     format!("{:.0}:{:02.0}", (whole / 60.0).floor(), whole % 60.0)
 }
 
-/// The autopilot as its people write it.
+/// The name of an autopilot.
 pub(crate) fn autopilot(autopilot: Autopilot) -> &'static str {
-    match autopilot {
-        Autopilot::ArduPilot => "ArduPilot",
-        Autopilot::Px4 => "PX4",
-    }
+    autopilot.name()
 }
 
 #[cfg(test)]

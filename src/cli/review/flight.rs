@@ -6,12 +6,11 @@ use crate::cli::args;
 use crate::cli::fly;
 use crate::cli::folder;
 use crate::cli::folder::replace;
-use crate::cli::print::console::{note, out};
+use crate::cli::print::console::{note, out_json};
 use crate::cli::print::failure::Failure;
 use crate::cli::review;
 use crate::flight::{self, Capture, Fix, Plan, Record, Reference, Waypoint};
 use crate::mission::VehicleMission;
-use crate::report;
 use crate::spec::SpecFile;
 use crate::verify::{self, Track};
 use crate::world::{self, World};
@@ -43,8 +42,8 @@ pub(crate) fn run(
         return Err(Failure::new(Failure::USAGE, message));
     }
     let folder = plan_folder(path);
-    let beside = folder.as_ref().map(|folder| folder.join("spec.yaml"));
-    let spec = spec.map(Path::to_owned).or(beside).ok_or_else(|| {
+    let near_record = folder.as_ref().map(|folder| folder.join("spec.yaml"));
+    let spec = spec.map(Path::to_owned).or(near_record).ok_or_else(|| {
         let message = format!("{}: flown by which spec? Name it (*.yaml)", path.display());
         Failure::new(Failure::USAGE, message)
     })?;
@@ -255,7 +254,7 @@ fn deliver(
     }
     if arguments.json {
         let document = flight::flight_json(record, &judged);
-        out(report::json_text(&document).trim_end())?;
+        out_json(&document)?;
     } else {
         fly::report(&judged)?;
     }

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use super::args;
 use super::folder;
 use super::folder::replace;
-use super::print::console::{Paint, note, out};
+use super::print::console::{Paint, note, out, out_json, out_lines};
 use super::print::failure::Failure;
 use super::print::table;
 use super::print::table::Rows;
@@ -21,11 +21,11 @@ use crate::verify;
 use crate::world;
 use without_spec::Subject;
 
-/// Which file holds the mission of which vehicle (by its index in the spec).
+/// The mission file of each vehicle, by index in the spec.
 pub(super) type Files = BTreeMap<usize, PathBuf>;
 
-/// Most repairs of one file that are told one by one.
-const MOST_TOLD: usize = 20;
+/// Most repairs of one file that are printed one by one.
+const MAX_REPAIRS: usize = 20;
 
 pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
     for (flag, path, endings) in [
@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
     }
 }
 
-/// A page or picture never overwrites a mission by mistake.
+/// A wrong ending is rejected, so that a page or picture never overwrites a mission.
 fn check_name(flag: &str, path: Option<&Path>, endings: &[&str]) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
     if path
@@ -81,39 +81,7 @@ fn with_spec(
     }
     let file = SpecFile::read(spec)?;
     let world = world::load(&file)?;
-    let mut lists = Vec::new();
-    let mut own = Vec::new();
-    for &path in files {
-        let list = match folder::vehicle_of(path, &file) {
-            Some(_) => None,
-            None => Some(folder::read_document(path)?).filter(Document::is_list),
-        };
-        match list {
-            Some(document) => {
-                tell_list(path, &document);
-                lists.push((path.clone(), document));
-            }
-            None => own.push(path),
-        }
-    }
-    let files = assign(&file, own.into_iter(), named)?;
-    let mut missions = Vec::new();
-    for (vehicle, path) in &files {
-        let mut document = folder::read_document(path)?;
-        hand_out(&lists, &mut document);
-        tell_losses(&file.spec.vehicles[*vehicle].id, path, &document);
-        // Judged from the home of the spec, and that fails.
-        let home = document.home.or_else(|| document.home_on(&world.terrain));
-        document.home = Some(home.unwrap_or(NO_HOME));
-        let vehicle_of = &file.spec.vehicles[*vehicle];
-        let mission = document
-            .into_mission(vehicle_of.autopilot, vehicle_of.airframe)
-            .map_err(|error| {
-                Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
-            })?;
-        tell_repairs(path, &mission.notes);
-        missions.push((*vehicle, mission));
-    }
+    let missions = missions(&file, &world, files, named)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
     deliver(
@@ -132,6 +100,50 @@ fn with_spec(
     )
 }
 
+/// The missions of the vehicles of a spec, from the files that hold them.
+fn missions(
+    file: &SpecFile,
+    world: &world::World,
+    files: &[&PathBuf],
+    named: &[(&str, PathBuf)],
+) -> Result<Vec<(usize, VehicleMission)>, Failure> {
+    let mut lists = Vec::new();
+    let mut own = Vec::new();
+    for &path in files {
+        let list = match folder::vehicle_of(path, file) {
+            Some(_) => None,
+            None => Some(folder::read_document(path)?).filter(Document::is_list),
+        };
+        match list {
+            Some(document) => {
+                report_list(path, &document);
+                lists.push((path.clone(), document));
+            }
+            None => own.push(path),
+        }
+    }
+    let files = assign(file, own.into_iter(), named)?;
+    let mut missions = Vec::new();
+    for (vehicle, path) in &files {
+        let mut document = folder::read_document(path)?;
+        hand_out(&lists, &mut document);
+        report_losses(&file.spec.vehicles[*vehicle].id, path, &document);
+        // A missing home is judged against the home of the spec, and fails.
+        let home = document.home.or_else(|| document.home_on(&world.terrain));
+        document.home = Some(home.unwrap_or(NO_HOME));
+        let vehicle_of = &file.spec.vehicles[*vehicle];
+        let mission = document
+            .into_mission(vehicle_of.autopilot, vehicle_of.airframe)
+            .map(|mission| mission.for_version(vehicle_of.autopilot_version))
+            .map_err(|error| {
+                Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
+            })?;
+        report_repairs(path, &mission.notes);
+        missions.push((*vehicle, mission));
+    }
+    Ok(missions)
+}
+
 /// A blank home row.
 const NO_HOME: Home = Home {
     x: 0,
@@ -144,6 +156,46 @@ fn without_spec(
     named: &[(&str, PathBuf)],
     arguments: &args::Review,
 ) -> Result<(), Failure> {
+    let subjects = subjects(files, named)?;
+    let mut paths = Vec::new();
+    for subject in &subjects {
+        report_losses(&subject.id, &subject.path, &subject.document);
+        paths.push(subject.path.clone());
+    }
+    let made = without_spec::around(subjects, &arguments.limits)?;
+    for ((_, mission), path) in made.missions.iter().zip(&paths) {
+        report_repairs(path, &mission.notes);
+    }
+    let judged: Vec<(usize, &VehicleMission)> =
+        made.missions.iter().map(|(v, m)| (*v, m)).collect();
+    let mut review = verify::review(&made.spec, &made.world, &judged);
+    let not_judged = without_spec::keep_given(&mut review, &made.spec, &arguments.limits);
+    review.assumptions.extend(made.assumed.iter().cloned());
+    for left_out in &not_judged {
+        let text = format!("not judged, because it was not given: {left_out}");
+        review.assumptions.push(text);
+    }
+    for text in &made.assumed {
+        note(&format!("note: {text}"));
+    }
+    deliver(
+        &ReviewInput {
+            spec: &made.spec,
+            world: &made.world,
+            plan: None,
+            missions: &judged,
+            review: &review,
+            seed: None,
+            spec_sha256: &folder::sha256(&made.text),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        &not_judged,
+        arguments,
+    )
+}
+
+/// The missions among the files; the lists among them go to each mission that has none.
+fn subjects(files: &[&PathBuf], named: &[(&str, PathBuf)]) -> Result<Vec<Subject>, Failure> {
     let mut lists = Vec::new();
     let mut subjects: Vec<Subject> = Vec::new();
     let own = named.iter().map(|(id, path)| ((*id).to_owned(), path));
@@ -151,7 +203,7 @@ fn without_spec(
     for (id, path) in own.chain(others) {
         let document = folder::read_document(path)?;
         if document.is_list() {
-            tell_list(path, &document);
+            report_list(path, &document);
             lists.push((path.clone(), document));
             continue;
         }
@@ -168,7 +220,7 @@ fn without_spec(
         });
     }
     if subjects.is_empty() {
-        // A fence alone has nothing to fly, which the verdict says.
+        // A fence alone holds nothing to fly; the verdict fails for that.
         subjects.extend(lists.drain(..).map(|(path, document)| Subject {
             id: folder::stem(&path),
             path,
@@ -178,42 +230,10 @@ fn without_spec(
             },
         }));
     }
-    let mut paths = Vec::new();
     for subject in &mut subjects {
         hand_out(&lists, &mut subject.document);
-        tell_losses(&subject.id, &subject.path, &subject.document);
-        paths.push(subject.path.clone());
     }
-    let bare = without_spec::around(subjects, &arguments.limits)?;
-    for ((_, mission), path) in bare.missions.iter().zip(&paths) {
-        tell_repairs(path, &mission.notes);
-    }
-    let judged: Vec<(usize, &VehicleMission)> =
-        bare.missions.iter().map(|(v, m)| (*v, m)).collect();
-    let mut review = verify::review(&bare.spec, &bare.world, &judged);
-    let not_judged = without_spec::keep_given(&mut review, &bare.spec, &arguments.limits);
-    review.assumptions.extend(bare.assumed.iter().cloned());
-    for left_out in &not_judged {
-        let text = format!("not judged, because it was not given: {left_out}");
-        review.assumptions.push(text);
-    }
-    for text in &bare.assumed {
-        note(&format!("note: {text}"));
-    }
-    deliver(
-        &ReviewInput {
-            spec: &bare.spec,
-            world: &bare.world,
-            plan: None,
-            missions: &judged,
-            review: &review,
-            seed: None,
-            spec_sha256: &folder::sha256(&bare.text),
-            version: env!("CARGO_PKG_VERSION"),
-        },
-        &not_judged,
-        arguments,
-    )
+    Ok(subjects)
 }
 
 /// Gives the fence and the rally points of files that hold nothing else to a mission
@@ -230,7 +250,7 @@ fn hand_out(lists: &[(PathBuf, Document)], document: &mut Document) {
     }
 }
 
-/// Writes and prints what was asked for, and fails if the missions do.
+/// Writes and prints the review; an error if the missions fail.
 fn deliver(
     input: &ReviewInput<'_>,
     not_judged: &[String],
@@ -244,9 +264,9 @@ fn deliver(
         replace::write_file(target, report::review_svg(input).as_bytes())?;
     }
     if arguments.json {
-        out(report::json_text(&report::review_json(review)).trim_end())?;
+        out_json(&report::review_json(review))?;
     } else {
-        tell(&input.spec.name, review, not_judged)?;
+        print(&input.spec.name, review, not_judged)?;
     }
     if review.passes() {
         Ok(())
@@ -258,8 +278,8 @@ fn deliver(
     }
 }
 
-/// Says what a file without a mission is taken for.
-fn tell_list(path: &Path, document: &Document) {
+/// Prints the use of a file without a mission.
+fn report_list(path: &Path, document: &Document) {
     note(&format!(
         "{}: {} fence items and {} rally points, for every mission that has none",
         path.display(),
@@ -267,14 +287,14 @@ fn tell_list(path: &Path, document: &Document) {
         document.rally.len()
     ));
     let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
-    tell_repairs(path, &repairs);
+    report_repairs(path, &repairs);
 }
 
-fn tell_repairs(path: &Path, repairs: &[String]) {
-    for repair in repairs.iter().take(MOST_TOLD) {
+fn report_repairs(path: &Path, repairs: &[String]) {
+    for repair in repairs.iter().take(MAX_REPAIRS) {
         note(&format!("{}: {repair}", path.display()));
     }
-    if let Some(more) = repairs.len().checked_sub(MOST_TOLD).filter(|&n| n > 0) {
+    if let Some(more) = repairs.len().checked_sub(MAX_REPAIRS).filter(|&n| n > 0) {
         note(&format!("{}: and {more} more repairs", path.display()));
     }
 }
@@ -293,7 +313,7 @@ fn named(arguments: &[String]) -> Result<Vec<(&str, PathBuf)>, Failure> {
         .collect()
 }
 
-/// Gives each file to its vehicle: `<id>.*` by name, the named ones as told.
+/// Assigns each file to its vehicle: `<id>.*` by name, others as `--vehicle` says.
 pub(super) fn assign<'a>(
     file: &SpecFile,
     paths: impl Iterator<Item = &'a PathBuf>,
@@ -362,8 +382,8 @@ pub(super) fn read(
         .collect()
 }
 
-/// Says what the format of a file cannot have kept.
-fn tell_losses(id: &str, path: &Path, document: &Document) {
+/// Prints what the format of a file cannot hold.
+fn report_losses(id: &str, path: &Path, document: &Document) {
     if folder::is_waypoints(path) && !document.is_fence_known && document.rally.is_empty() {
         note(&format!(
             "note: {id}: {}",
@@ -372,58 +392,22 @@ fn tell_losses(id: &str, path: &Path, document: &Document) {
     }
 }
 
-fn tell(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<(), Failure> {
+fn print(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<(), Failure> {
     let paint = Paint::for_stdout();
-    let kept = review.margins.iter().filter(|margin| margin.ok).count();
+    let passed = review.margins.iter().filter(|margin| margin.ok).count();
     let verdict = if review.passes() {
         paint.good("pass")
     } else {
         paint.bad("FAIL")
     };
     let all = review.margins.len();
-    out(&format!("{name}: {verdict}, {kept} of {all} limits kept"))?;
+    out(&format!("{name}: {verdict}, {passed} of {all} limits kept"))?;
     if !review.passes() {
-        out(&table::failures(review, paint))?;
+        out_lines(&table::failures(review, paint))?;
     }
     let mut rows = Rows::new(&["vehicle", "limit", "worst", "allowed", "where and when", ""]);
     for margin in &review.margins {
-        let who = margin.other.as_ref().map_or_else(
-            || margin.vehicle.clone(),
-            |other| format!("{}, {other}", margin.vehicle),
-        );
-        let place = margin.at.map_or_else(String::new, |at| {
-            format!(
-                "item {}, {:.5} {:.5}, T0+{}",
-                at.item,
-                at.place.lat_deg,
-                at.place.lon_deg,
-                table::clock(at.t_s)
-            )
-        });
-        let value = |value: f64| {
-            if value.is_finite() {
-                format!("{} {}", table::number(value, 1), margin.unit)
-            } else {
-                "-".to_owned()
-            }
-        };
-        let verdict = if margin.ok {
-            paint.good("ok")
-        } else {
-            paint.bad("FAIL")
-        };
-        rows.add([
-            who,
-            margin.limit.to_string(),
-            value(margin.value),
-            if margin.bound.is_finite() {
-                format!("{} {}", table::sense(margin), value(margin.bound))
-            } else {
-                "-".to_owned()
-            },
-            place,
-            verdict,
-        ]);
+        rows.add(row(margin, paint));
     }
     for left_out in not_judged {
         rows.add([
@@ -435,5 +419,46 @@ fn tell(name: &str, review: &verify::Review, not_judged: &[String]) -> Result<()
             paint.dim("not judged"),
         ]);
     }
-    out(&rows.to_string())
+    rows.print()
+}
+
+/// One margin: vehicle, limit, worst value, allowed value, where and when, verdict.
+fn row(margin: &verify::Margin, paint: Paint) -> [String; 6] {
+    let who = margin.other.as_ref().map_or_else(
+        || margin.vehicle.clone(),
+        |other| format!("{}, {other}", margin.vehicle),
+    );
+    let place = margin.at.map_or_else(String::new, |at| {
+        format!(
+            "item {}, {:.5} {:.5}, T0+{}",
+            at.item,
+            at.place.lat_deg,
+            at.place.lon_deg,
+            table::clock(at.t_s)
+        )
+    });
+    let value = |value: f64| {
+        if value.is_finite() {
+            format!("{} {}", table::number(value, 1), margin.unit)
+        } else {
+            "-".to_owned()
+        }
+    };
+    let verdict = if margin.ok {
+        paint.good("ok")
+    } else {
+        paint.bad("FAIL")
+    };
+    [
+        who,
+        margin.limit.to_string(),
+        value(margin.value),
+        if margin.bound.is_finite() {
+            format!("{} {}", table::sense(margin), value(margin.bound))
+        } else {
+            "-".to_owned()
+        },
+        place,
+        verdict,
+    ]
 }

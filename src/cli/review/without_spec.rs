@@ -1,4 +1,4 @@
-//! Mission files without a spec: one is made in memory of the items and of the flags,
+//! Mission files without a spec: one is made in memory from the items and the flags,
 //! so that the same verdict judges them.
 
 mod given;
@@ -11,27 +11,28 @@ use crate::formats::Document;
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::{Home, Item, VehicleMission, command, frame};
 use crate::spec::{
-    Airframe, Autopilot, EndPoint, Finish, MissionSpec, Placement, SpecFile, Vehicle,
+    Airframe, Autopilot, Builder, EndPoint, Finish, MissionSpec, Placement, Separation, Vehicle,
+    keys,
 };
 use crate::world::{Bounds, Terrain, World, read_terrain};
 
 pub(crate) use given::keep_given;
 
-/// Places further than this from the first one are not part of the area, degrees.
+/// Positions further than this from the first one are not part of the area, degrees.
 const NEAR_DEG: f64 = 2.0;
 /// The area reaches this far beyond the items, degrees of latitude.
 const AROUND_DEG: f64 = 0.006;
 /// Vehicles without a spec are numbered as systems from 1.
-const MOST_VEHICLES: usize = 250;
+const MAX_VEHICLES: usize = 250;
 
-/// Everything a verdict needs, made of files and flags.
+/// Everything that a verdict needs, from files and flags.
 pub(crate) struct WithoutSpec {
     pub(crate) spec: MissionSpec,
-    /// The prototype as YAML: what the rest of the spec came from.
+    /// The prototype as YAML, with every key but those of the vehicles.
     pub(crate) text: String,
     pub(crate) world: World,
     pub(crate) missions: Vec<(usize, VehicleMission)>,
-    /// What was taken for granted, in sentences.
+    /// Assumptions, in sentences.
     pub(crate) assumed: Vec<String>,
 }
 
@@ -44,55 +45,43 @@ pub(crate) struct Subject {
 
 /// Makes a spec and a world around the missions.
 pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutSpec, Failure> {
-    if subjects.len() > MOST_VEHICLES {
-        let message = format!("{} missions (allowed: {MOST_VEHICLES})", subjects.len());
+    if subjects.len() > MAX_VEHICLES {
+        let message = format!("{} missions (allowed: {MAX_VEHICLES})", subjects.len());
         return Err(Failure::new(Failure::USAGE, message));
     }
     let mut assumed = Vec::new();
-    let places: Vec<LatLon> = subjects.iter().flat_map(|s| places(&s.document)).collect();
-    // Without any place there is nothing to fly, which the verdict says wherever that is.
-    let middle = places.first().copied().unwrap_or(LatLon {
+    let positions: Vec<LatLon> = subjects
+        .iter()
+        .flat_map(|subject| positions(&subject.document))
+        .collect();
+    // Without any position there is nothing to fly, and the verdict fails anywhere.
+    let middle = positions.first().copied().unwrap_or(LatLon {
         lat_deg: 0.0,
         lon_deg: 0.0,
     });
-    let corners = corners(middle, &places);
+    let corners = corners(middle, &positions);
     let mut whole: Option<(MissionSpec, String)> = None;
     let mut vehicles = Vec::new();
     let mut missions = Vec::new();
     for (index, subject) in subjects.into_iter().enumerate() {
         let autopilot = autopilot(&subject, limits, &mut assumed);
-        let asked = limits.airframe.map(AirframeName::airframe);
-        let airframe = asked
+        let flag = limits.airframe.map(AirframeName::airframe);
+        let airframe = flag
             .or(subject.document.airframe)
             .unwrap_or(Airframe::Copter);
         let who = (autopilot, airframe);
         let speed_mps = speed_mps(&subject.document, who, limits);
-        let text = prototype(corners, who, speed_mps, limits);
-        let parsed = SpecFile::parse(Path::new("flags"), text)
-            .map_err(|error| Failure::new(Failure::USAGE, error.to_string()))?;
-        let mut spec = parsed.spec;
-        if spec.vehicles.len() == 1 {
-            let mut vehicle = spec.vehicles.remove(0);
+        let prototype = prototype(corners, who, speed_mps, limits);
+        let file = prototype.file(Path::new("flags"));
+        let file = file.map_err(|error| Failure::new(Failure::USAGE, error.to_string()))?;
+        let (mut spec, text) = (file.spec, file.text);
+        if let Some(prototype) = spec.vehicles.pop() {
             let home = home(&subject, limits, &spec, &mut assumed)?;
-            fit(&mut vehicle, &subject, &home, index);
-            if autopilot == Autopilot::ArduPilot && limits.takeoff_heading.is_none() {
-                // Which way it stands is in no file: where that matters, nothing is judged.
-                if let Some(wing) = &mut vehicle.wing {
-                    wing.takeoff_heading_rad = None;
-                }
-            }
-            vehicles.push(vehicle);
-            let path = subject.path;
-            let document = Document {
-                home: Some(home),
-                ..subject.document
-            };
-            let mission = document
-                .into_mission(autopilot, airframe)
-                .map_err(|e| Failure::new(Failure::INPUT, format!("{}: {e}", path.display())))?;
-            missions.push((index, mission));
+            let is_heading_known = autopilot == Autopilot::Px4 || limits.takeoff_heading.is_some();
+            vehicles.push(fit(prototype, &subject, &home, (index, is_heading_known)));
+            missions.push((index, mission(subject, home, who)?));
         }
-        whole.get_or_insert((spec, parsed.text));
+        whole.get_or_insert((spec, text));
     }
     let Some((mut spec, text)) = whole else {
         return Err(Failure::new(Failure::USAGE, "no mission files given"));
@@ -109,8 +98,8 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     })
 }
 
-/// Home first, then every item with a place.
-fn places(document: &Document) -> Vec<LatLon> {
+/// Home first, then every item with a position.
+fn positions(document: &Document) -> Vec<LatLon> {
     let home = document.home.map(|home| (home.x, home.y));
     let lists = [&document.items, &document.fence, &document.rally];
     let of_items = lists
@@ -118,18 +107,18 @@ fn places(document: &Document) -> Vec<LatLon> {
         .flatten()
         .filter(|item| item.place().is_some())
         .map(|item| (item.x, item.y));
-    let places = home
+    let positions = home
         .into_iter()
         .chain(of_items)
         .filter(|&place| place != (0, 0))
         .filter_map(|(x, y)| LatLon::new(f64::from(x) / 1e7, f64::from(y) / 1e7).ok());
-    document.home_place.into_iter().chain(places).collect()
+    document.home_place.into_iter().chain(positions).collect()
 }
 
-/// The corners of a box around the places that are near the first.
-fn corners(middle: LatLon, places: &[LatLon]) -> (LatLon, LatLon) {
+/// The corners of a box around the positions near the first.
+fn corners(middle: LatLon, positions: &[LatLon]) -> (LatLon, LatLon) {
     let (mut low, mut high) = (middle, middle);
-    let near = places.iter().filter(|place| {
+    let near = positions.iter().filter(|place| {
         (place.lat_deg - middle.lat_deg).abs() < NEAR_DEG
             && (place.lon_deg - middle.lon_deg).abs() < NEAR_DEG
     });
@@ -157,75 +146,76 @@ fn prototype(
     (autopilot, airframe): (Autopilot, Airframe),
     speed_mps: f64,
     limits: &Limits,
-) -> String {
+) -> Builder {
     let between = |share: f64| {
         let mix = |a: f64, b: f64| a + (b - a) * share;
-        format!(
-            "lat: {}, lon: {}",
-            mix(south_west.lat_deg, north_east.lat_deg),
-            mix(south_west.lon_deg, north_east.lon_deg)
-        )
+        keys::Place {
+            lat: Some(mix(south_west.lat_deg, north_east.lat_deg)),
+            lon: Some(mix(south_west.lon_deg, north_east.lon_deg)),
+        }
     };
-    let mut yaml = format!(
-        "sortie: 1\nname: review\narea:\n  south_west: {{{}}}\n  north_east: {{{}}}\n  min_agl_m: {}\n  max_amsl_m: {}\n",
-        between(0.0),
-        between(1.0),
-        limits.min_agl.unwrap_or(0.0),
-        limits.max_amsl.unwrap_or(20_000.0),
-    );
-    yaml += &format!(
-        "terrain: {{flat: {{amsl_m: 0}}}}\nseparation:\n  distance_m: {}\n  time_slack_s: {}\n",
-        limits.separation.unwrap_or(1.0),
-        limits.time_slack.unwrap_or(0.0),
-    );
-    if let Some(vertical_m) = limits.vertical_separation {
-        yaml += &format!("  vertical_m: {vertical_m}\n");
-    }
-    yaml += &format!(
-        "vehicles:\n- id: vehicle\n  sysid: 1\n  link: sim\n  finish: loiter\n  autopilot: {}\n  airframe: {}\n  \
-         home: {{{}}}\n  start: {{{}, amsl_m: 100}}\n  goal: {{{}, amsl_m: 100}}\n  speed_mps: {speed_mps}\n",
-        match autopilot {
-            Autopilot::ArduPilot => "ardupilot",
-            Autopilot::Px4 => "px4",
-        },
-        match airframe {
-            Airframe::Copter => "copter",
-            Airframe::Plane => "plane",
-            Airframe::Vtol => "vtol",
-        },
-        between(0.2),
-        between(0.3),
-        between(0.7),
-    );
-    let heading_deg = match airframe {
+    let end = |share: f64| {
+        let keys::Place { lat, lon } = between(share);
+        keys::EndPoint {
+            lat,
+            lon,
+            agl_m: None,
+            amsl_m: Some(100.0),
+        }
+    };
+    let takeoff_heading_deg = match airframe {
         Airframe::Copter => None,
         Airframe::Plane => Some(limits.takeoff_heading.unwrap_or(0.0)),
         Airframe::Vtol => limits.takeoff_heading,
     };
-    for (key, value) in [
-        ("takeoff_heading_deg", heading_deg),
-        ("max_load_factor", limits.load_factor),
-        ("max_climb_deg", limits.max_climb),
-        ("max_descent_deg", limits.max_descent),
-        ("climb_mps", limits.climb),
-        ("descent_mps", limits.descent),
-        ("accel_mps2", limits.accel),
-        ("return_amsl_m", limits.return_amsl),
-    ] {
-        if let Some(value) = value {
-            yaml += &format!("  {key}: {value}\n");
-        }
-    }
-    yaml
+    let vehicle = keys::Vehicle {
+        id: Some("vehicle".to_owned()),
+        sysid: Some(1),
+        link: Some("sim".to_owned()),
+        finish: Some(Finish::Loiter),
+        autopilot: Some(autopilot),
+        airframe: Some(airframe),
+        home: Some(between(0.2)),
+        start: Some(end(0.3)),
+        goal: Some(end(0.7)),
+        speed_mps: Some(speed_mps),
+        takeoff_heading_deg,
+        max_load_factor: limits.load_factor,
+        max_climb_deg: limits.max_climb,
+        max_descent_deg: limits.max_descent,
+        climb_mps: limits.climb,
+        descent_mps: limits.descent,
+        accel_mps2: limits.accel,
+        return_amsl_m: limits.return_amsl,
+        ..keys::Vehicle::default()
+    };
+    builder((south_west, north_east), limits).vehicle(vehicle)
 }
 
-/// What the file says, or the flag, or ArduPilot.
+/// A spec without vehicles.
+fn builder((south_west, north_east): (LatLon, LatLon), limits: &Limits) -> Builder {
+    let area = keys::Area {
+        south_west: south_west.into(),
+        north_east: north_east.into(),
+        min_agl_m: limits.min_agl.unwrap_or(0.0),
+        max_amsl_m: limits.max_amsl.unwrap_or(20_000.0),
+    };
+    let separation = Separation {
+        distance_m: limits.separation.unwrap_or(1.0),
+        time_slack_s: limits.time_slack.unwrap_or(0.0),
+        vertical_m: limits.vertical_separation,
+    };
+    MissionSpec::builder("review", area, keys::Terrain::flat(0.0))
+        .with(|keys| keys.separation = separation)
+}
+
+/// The flag, or the autopilot of the file, or ArduPilot.
 fn autopilot(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> Autopilot {
-    let asked = limits.autopilot.map(|name| match name {
+    let flag = limits.autopilot.map(|name| match name {
         AutopilotName::Ardupilot => Autopilot::ArduPilot,
         AutopilotName::Px4 => Autopilot::Px4,
     });
-    asked.or(subject.document.autopilot).unwrap_or_else(|| {
+    flag.or(subject.document.autopilot).unwrap_or_else(|| {
         assumed.push(format!(
             "{}: the file does not say for which autopilot it is: read as for ArduPilot (--autopilot)",
             subject.id
@@ -234,7 +224,7 @@ fn autopilot(subject: &Subject, limits: &Limits, assumed: &mut Vec<String>) -> A
     })
 }
 
-/// What the flag says, or the first change of speed, or the default of the autopilot
+/// The flag, or the first change of speed, or the default of the autopilot
 /// (`WPNAV_SPEED`, `MPC_XY_CRUISE`, `AIRSPEED_CRUISE`, `FW_AIRSPD_TRIM`).
 fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -> f64 {
     let changes = document.items.iter();
@@ -242,16 +232,11 @@ fn speed_mps(document: &Document, who: (Autopilot, Airframe), limits: &Limits) -
     let in_mission = changes
         .find(|item| (0.5..=100.0).contains(&item.params[1]))
         .map(|item| f64::from(item.params[1]));
-    let default = match who {
-        (Autopilot::ArduPilot, Airframe::Copter) => 10.0,
-        (Autopilot::Px4, Airframe::Copter) => 5.0,
-        (Autopilot::ArduPilot, Airframe::Plane | Airframe::Vtol) => 12.0,
-        (Autopilot::Px4, Airframe::Plane | Airframe::Vtol) => 15.0,
-    };
+    let default = crate::autopilot::facts(who.0, who.1).defaults.cruise_mps();
     limits.speed.or(in_mission).unwrap_or(default)
 }
 
-/// Home as the file has it, or the flag, or on the terrain; 0, 0 is none, and the verdict says so.
+/// Home of the file, or of the flag, or on the terrain; else 0, 0, for which the verdict fails.
 fn home(
     subject: &Subject,
     limits: &Limits,
@@ -286,8 +271,32 @@ fn home(
     Ok(home)
 }
 
-/// Puts the prototype where the mission is: its home, its first place, its last.
-fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
+fn mission(
+    subject: Subject,
+    home: Home,
+    (autopilot, airframe): (Autopilot, Airframe),
+) -> Result<VehicleMission, Failure> {
+    let document = Document {
+        home: Some(home),
+        ..subject.document
+    };
+    document.into_mission(autopilot, airframe).map_err(|error| {
+        let message = format!("{}: {error}", subject.path.display());
+        Failure::new(Failure::INPUT, message)
+    })
+}
+
+/// The prototype at the mission: its home, its first position, its last.
+fn fit(
+    mut vehicle: Vehicle,
+    subject: &Subject,
+    home: &Home,
+    (index, is_heading_known): (usize, bool),
+) -> Vehicle {
+    if let Some(wing) = vehicle.wing.as_mut().filter(|_| !is_heading_known) {
+        // No file holds the heading before takeoff: what depends on it is not judged.
+        wing.takeoff_heading_rad = None;
+    }
     vehicle.id.clone_from(&subject.id);
     vehicle.sysid = u8::try_from(index + 1).unwrap_or(u8::MAX);
     let flown: Vec<&Item> = subject
@@ -330,6 +339,7 @@ fn fit(vehicle: &mut Vehicle, subject: &Subject, home: &Home, index: usize) {
     } else if holds(command::NAV_RETURN_TO_LAUNCH) {
         vehicle.finish = Finish::Return;
     }
+    vehicle
 }
 
 /// The elevation of `--terrain` around the area.
@@ -351,7 +361,7 @@ fn world(
     limits: &Limits,
 ) -> Result<World, Failure> {
     let terrain = terrain(spec, limits)?;
-    // Stations need ground, of which there may be none; only homes are used of them.
+    // Stations need ground, and there may be none; only their homes are used.
     let mut world = World::new(spec, Terrain::Flat(Amsl(0.0)))
         .map_err(|error| Failure::new(Failure::INPUT, error.to_string()))?;
     for (index, mission) in missions {

@@ -1,7 +1,7 @@
 //! `sortie study fleet`.
 
 use crate::cli::args;
-use crate::cli::print::console::out;
+use crate::cli::print::console::{out_json_text, out_text};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::progress::Progress;
 use crate::report::json_text;
@@ -15,7 +15,7 @@ pub(super) fn run(arguments: &args::FleetStudy) -> Result<(), Failure> {
         arguments.evaluations,
         arguments.compare_to,
         &|vehicles, evaluations| {
-            progress.say(format!(
+            progress.say(&format!(
                 "{vehicles} vehicles, {evaluations} evaluations each"
             ));
         },
@@ -24,9 +24,9 @@ pub(super) fn run(arguments: &args::FleetStudy) -> Result<(), Failure> {
     let (document, table) = (json_text(&growth), growth.table());
     folder.keep([("fleet.json", &document), ("fleet.md", &table)])?;
     if arguments.json {
-        return out(document.trim_end());
+        return out_json_text(&document);
     }
-    out(&format!(
+    out_text(&format!(
         "deliveries over the Cumberland Mountains, {} evaluations a plan, {} threads\n\n{}",
         growth.evaluations_a_plan,
         growth.threads,

@@ -8,9 +8,8 @@ use std::path::Path;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::args;
-use super::print::console::out;
+use super::print::console::{out, out_json, out_text};
 use super::print::failure::Failure;
-use crate::report::json_text;
 use crate::study::{
     BestKnown, Config, ConfigError, Job, MapText, PlannerRun, PlannerStudy, Progress, Results,
     Store, StoreError, Study, merge, planner_md, read_kind, run, scenario, speed, write_results,
@@ -61,15 +60,15 @@ fn print_speed(arguments: &args::Speed) -> Result<(), Failure> {
     let of = speed(arguments.seconds)?;
     if arguments.json {
         let document = serde_json::to_value(&of).unwrap_or_default();
-        return out(json_text(&document).trim_end());
+        return out_json(&document);
     }
-    out(of.table().trim_end())
+    out_text(&of.table())
 }
 
 fn write_scenario(arguments: &args::Scenario) -> Result<(), Failure> {
     let text = scenario(arguments.seed, arguments.difficulty);
     let Some(path) = &arguments.output else {
-        return out(text.trim_end());
+        return out_text(&text);
     };
     std::fs::write(path, text).map_err(|error| {
         let message = format!("{}: cannot be written: {error}", path.display());

@@ -4,9 +4,8 @@ use std::ops::RangeInclusive;
 
 use super::{complete, write_planner_table};
 use crate::cli::args;
-use crate::cli::print::console::out;
+use crate::cli::print::console::{out, out_json, out_text};
 use crate::cli::print::failure::Failure;
-use crate::report::json_text;
 use crate::study::{
     BestKnown, MissionText, PlannerRun, PlannerStudy, planner_json, planner_md, run_planner,
 };
@@ -56,9 +55,9 @@ fn print_results(
     if arguments.json {
         let mut document = planner_json(study, runs, &best);
         document["below_best_known"] = serde_json::json!(lowered);
-        return out(json_text(&document).trim_end());
+        return out_json(&document);
     }
-    out(planner_md(study, runs, &best).trim_end())?;
+    out_text(&planner_md(study, runs, &best))?;
     let state = if arguments.update {
         "updated"
     } else {

@@ -1,8 +1,8 @@
 //! `sortie terrain fetch`: the tiles of a spec from a server of SRTM tiles.
 //!
-//! A tile is written beside its final name, checked from end to end, and only then
-//! renamed. What a broken transfer left is gone on with if the server still has the same
-//! file, which its `ETag` or `Last-Modified` tells; otherwise it is begun again.
+//! A tile is written next to its final name, checked from end to end, and then renamed. A
+//! broken transfer is resumed if the server still has the same file (`ETag` or
+//! `Last-Modified`); otherwise it starts again.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -48,12 +48,8 @@ pub(crate) fn run(arguments: &args::TerrainFetch) -> Result<(), Failure> {
     let mut missing = Vec::new();
     let squares = squares(Bounds::around(&file.spec.area));
     for (index, square) in squares.iter().enumerate() {
-        progress.say(format!(
-            "{} ({} of {})",
-            square.name(),
-            index + 1,
-            squares.len()
-        ));
+        let (name, number) = (square.name(), index + 1);
+        progress.say(&format!("{name} ({number} of {})", squares.len()));
         if let Some(path) = square.at_hand(&folder) {
             check(*square, &path)?;
             out(&format!("{}: there already", path.display()))?;
@@ -70,11 +66,11 @@ pub(crate) fn run(arguments: &args::TerrainFetch) -> Result<(), Failure> {
         }
     }
     drop(progress);
-    tell_missing(&missing, &file.spec.area)
+    report_missing(&missing, &file.spec.area)
 }
 
-/// What the server lacks is a failure where the area is, and a note in the margin around it.
-fn tell_missing(missing: &[(Square, String)], area: &Area) -> Result<(), Failure> {
+/// A tile that the server lacks is a failure within the area, and a note in the margin around it.
+fn report_missing(missing: &[(Square, String)], area: &Area) -> Result<(), Failure> {
     let mut needed = Vec::new();
     for (square, url) in missing {
         let line = format!("{url}: the server has no such file");
@@ -89,7 +85,7 @@ fn tell_missing(missing: &[(Square, String)], area: &Area) -> Result<(), Failure
     if needed.is_empty() {
         Ok(())
     } else {
-        Err(Failure::new(Failure::TRANSFER, needed.join("\n")))
+        Err(Failure::all(Failure::TRANSFER, needed))
     }
 }
 
@@ -203,7 +199,7 @@ impl<'a> Template<'a> {
         };
         let filled = template.fill(one);
         if filled.contains(['{', '}']) {
-            return usage(format!("--url {text}: unknown name (allowed: {PLACES})"));
+            return usage(format!("--url {text}: unknown name (allowed: {FIELDS})"));
         }
         let others = [
             Square {
@@ -219,7 +215,7 @@ impl<'a> Template<'a> {
         ];
         if others.iter().any(|other| template.fill(*other) == filled) {
             return usage(format!(
-                "--url {text}: the same for different tiles (allowed: {PLACES})"
+                "--url {text}: the same for different tiles (allowed: {FIELDS})"
             ));
         }
         Ok(template)
@@ -235,8 +231,8 @@ impl<'a> Template<'a> {
     }
 }
 
-/// What a template may hold.
-const PLACES: &str = "{tile} such as N36W085, {ns}, {ew}, {lat} of two digits, {lon} of three";
+/// The fields of a template.
+const FIELDS: &str = "{tile} such as N36W085, {ns}, {ew}, {lat} of two digits, {lon} of three";
 
 #[cfg(test)]
 mod tests {

@@ -218,7 +218,7 @@ impl Partial {
         })
     }
 
-    /// What can be gone on with: nothing if it is not known of which version it is.
+    /// The part to resume; none if its version is not known.
     fn length(&self) -> u64 {
         match self.version() {
             Some(_) => fs::metadata(&self.bytes).map_or(0, |data| data.len()),

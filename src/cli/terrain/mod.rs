@@ -1,4 +1,4 @@
-//! `sortie terrain`: elevation files, looked at, got from a server, and made for a vehicle.
+//! `sortie terrain`: elevation files, inspected, fetched, and exported for a vehicle.
 
 pub(super) mod export;
 pub(super) mod fetch;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::args;
-use super::print::console::out;
+use super::print::console::{out_json, out_lines};
 use super::print::failure::Failure;
 use crate::geodesy::LatLon;
 use crate::world::{self, TerrainError, TerrainInfo};
@@ -27,7 +27,7 @@ pub(super) fn unusable(path: &Path, error: &TerrainError) -> Failure {
     Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
 }
 
-/// Looks at every file; those that cannot be used are told at the end.
+/// Inspects every file, and reports the unusable ones at the end.
 fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
     let mut files: Vec<PathBuf> = Vec::new();
     for path in &arguments.files {
@@ -55,26 +55,26 @@ fn info(arguments: &args::TerrainInfo) -> Result<(), Failure> {
             .iter()
             .map(|(path, found)| document(path, found))
             .collect();
-        out(&format!("{:#}", json!({ "files": files })))?;
+        out_json(&json!({ "files": files }))?;
     } else {
         for (path, found) in &good {
-            out(&words(path, found))?;
+            out_lines(&lines(path, found))?;
         }
     }
     if bad.is_empty() {
         Ok(())
     } else {
-        Err(Failure::new(Failure::INPUT, bad.join("\n")))
+        Err(Failure::all(Failure::INPUT, bad))
     }
 }
 
-fn words(path: &Path, found: &TerrainInfo) -> String {
+fn lines(path: &Path, found: &TerrainInfo) -> [String; 5] {
     let (south_west, north_east) = (found.south_west, found.north_east);
     let middle = LatLon {
         lat_deg: f64::midpoint(south_west.lat_deg, north_east.lat_deg),
         lon_deg: south_west.lon_deg,
     };
-    let beside = |lat_deg: f64, lon_deg: f64| {
+    let distance_m = |lat_deg: f64, lon_deg: f64| {
         middle.chord_m(LatLon {
             lat_deg: middle.lat_deg + lat_deg,
             lon_deg: middle.lon_deg + lon_deg,
@@ -89,23 +89,24 @@ fn words(path: &Path, found: &TerrainInfo) -> String {
         1 => "1 void".to_owned(),
         voids => format!("{voids} voids"),
     };
-    format!(
-        "{}: {}\n  latitude {:.6} to {:.6}, longitude {:.6} to {:.6}\n  \
-         {} x {} posts every {:.3}\" x {:.3}\" ({:.1} m x {:.1} m)\n  {range}, {voids}\n  {}",
-        path.display(),
-        found.format,
-        south_west.lat_deg,
-        north_east.lat_deg,
-        south_west.lon_deg,
-        north_east.lon_deg,
-        found.rows,
-        found.columns,
-        found.row_step_deg * 3600.0,
-        found.column_step_deg * 3600.0,
-        beside(found.row_step_deg, 0.0),
-        beside(0.0, found.column_step_deg),
-        found.datum,
-    )
+    [
+        format!("{}: {}", path.display(), found.format),
+        format!(
+            "  latitude {:.6} to {:.6}, longitude {:.6} to {:.6}",
+            south_west.lat_deg, north_east.lat_deg, south_west.lon_deg, north_east.lon_deg
+        ),
+        format!(
+            "  {} x {} posts every {:.3}\" x {:.3}\" ({:.1} m x {:.1} m)",
+            found.rows,
+            found.columns,
+            found.row_step_deg * 3600.0,
+            found.column_step_deg * 3600.0,
+            distance_m(found.row_step_deg, 0.0),
+            distance_m(0.0, found.column_step_deg),
+        ),
+        format!("  {range}, {voids}"),
+        format!("  {}", found.datum),
+    ]
 }
 
 fn document(path: &Path, found: &TerrainInfo) -> Value {

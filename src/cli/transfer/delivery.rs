@@ -1,4 +1,4 @@
-//! What came of a transfer: the table, the sentences, the record.
+//! The result of a transfer: table, sentences and record.
 
 use std::path::Path;
 
@@ -6,18 +6,22 @@ use serde_json::{Value, json};
 
 use crate::cli::folder::replace;
 use crate::cli::folder::runs;
-use crate::cli::print::console::{Paint, out};
+use crate::cli::print::console::{Paint, out_lines};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table::Rows;
 use crate::flight::unix_ms;
 use crate::link::{TransferReport, Verdict};
+use crate::report::json_text;
 
-/// What came of a transfer to a fleet.
+/// Differing items that are listed of each vehicle.
+const MAX_DIFFERENCES: usize = 5;
+
+/// The result of a transfer to a fleet.
 pub(crate) struct Delivery {
     pub(crate) reports: Vec<TransferReport>,
 }
 
-/// `on board` as one word and the figures behind it.
+/// The verdict in one word, and the time of the transfer.
 pub(crate) fn state(report: &TransferReport) -> String {
     match &report.verdict {
         Verdict::Verified => format!("verified, {:.1} s", report.seconds),
@@ -26,25 +30,19 @@ pub(crate) fn state(report: &TransferReport) -> String {
     }
 }
 
-/// What came of one transfer, in words.
-pub(crate) fn sentence(report: &TransferReport) -> String {
+/// The result of one transfer: a line, and indented ones with its details.
+fn lines(report: &TransferReport) -> Vec<String> {
     let why = match &report.verdict {
         Verdict::Verified => "holds exactly its mission".to_owned(),
         Verdict::Failed(failure) => failure.to_string(),
         Verdict::Refused(refusal) => format!("refused: {refusal} (--force overrides)"),
     };
-    let mut text = format!("{}: {why}", report.vehicle);
-    for difference in report.differences.iter().take(5) {
-        text += &format!("\n  {difference}");
-    }
-    for said in &report.statustexts {
-        text += &format!("\n  the vehicle says: {said}");
-    }
-    text
-}
-
-pub(crate) fn report_text(document: &Value) -> String {
-    crate::report::json_text(document)
+    let differences = report.differences.iter().take(MAX_DIFFERENCES);
+    let texts = report.statustexts.iter();
+    std::iter::once(format!("{}: {why}", report.vehicle))
+        .chain(differences.map(|difference| format!("  {difference}")))
+        .chain(texts.map(|text| format!("  the vehicle says: {text}")))
+        .collect()
 }
 
 impl Delivery {
@@ -102,24 +100,16 @@ impl Delivery {
 
     /// Writes the record to `DIR.runs/`, under its time and as the newest.
     pub(crate) fn record(&self, target: &Path) -> Result<(), Failure> {
-        let text = report_text(&self.json());
+        let text = json_text(&self.json());
         let folder = runs::folder(target);
         replace::write_file(&runs::named(&folder, "upload", "json"), text.as_bytes())?;
         replace::write_file(&folder.join("upload.json"), text.as_bytes())?;
         Ok(())
     }
 
-    pub(crate) fn tell(&self) -> Result<(), Failure> {
-        let paint = Paint::for_stdout();
+    pub(crate) fn print(&self) -> Result<(), Failure> {
         let mut rows = Rows::new(&[
-            "vehicle",
-            "system",
-            "says it is",
-            "items",
-            "fence",
-            "rally",
-            "on board",
-            "hash",
+            "vehicle", "system", "reports", "items", "fence", "rally", "on board", "hash",
         ]);
         rows.spare(&["hash", "system", "rally", "fence"]);
         for report in &self.reports {
@@ -136,11 +126,18 @@ impl Delivery {
                 report.hash.chars().take(12).collect(),
             ]);
         }
-        out(&rows.to_string())?;
-        for report in self.reports.iter().filter(|report| !report.is_verified()) {
-            out(&format!("{} {}", paint.bad("FAIL"), sentence(report)))?;
-        }
-        Ok(())
+        rows.print()?;
+        self.print_failures()
+    }
+
+    /// Prints why each of the failed transfers did.
+    pub(crate) fn print_failures(&self) -> Result<(), Failure> {
+        let fail = Paint::for_stdout().bad("FAIL");
+        let failed = self.reports.iter().filter(|report| !report.is_verified());
+        failed.map(lines).try_for_each(|mut lines| {
+            lines[0] = format!("{fail} {}", lines[0]);
+            out_lines(&lines)
+        })
     }
 
     pub(crate) fn verdict(&self) -> Result<(), Failure> {
@@ -153,7 +150,7 @@ impl Delivery {
             .filter(|report| !report.is_verified())
             .count();
         let message = format!(
-            "{failed} of {} vehicles do not hold their mission for certain",
+            "{failed} of {} vehicles: mission not verified on board",
             self.reports.len()
         );
         Err(Failure::new(Failure::TRANSFER, message))
@@ -162,4 +159,29 @@ impl Delivery {
 
 pub(crate) fn seconds_since_1970() -> u64 {
     unix_ms() / 1000
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{TransferReport, Verdict, lines};
+    use crate::cli::print::console::shown;
+
+    #[test]
+    fn a_text_of_a_vehicle_is_one_line_and_commands_no_terminal() {
+        let report = TransferReport {
+            statustexts: vec!["\u{1b}[2K\r landed as planned\n".to_owned()],
+            ..TransferReport::nothing("alpha", 1, Verdict::Verified)
+        };
+        let shown: Vec<String> = lines(&report)
+            .iter()
+            .map(|line| shown(line).into())
+            .collect();
+        assert_eq!(
+            shown,
+            [
+                "alpha: holds exactly its mission",
+                "  the vehicle says: \\u{1b}[2K\\r landed as planned\\n"
+            ]
+        );
+    }
 }

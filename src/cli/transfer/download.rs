@@ -1,4 +1,4 @@
-//! `sortie download`: what a vehicle holds, into a file.
+//! `sortie download`: the lists on board a vehicle, into a file.
 
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub(crate) fn run(arguments: &args::Download) -> Result<(), Failure> {
     };
     let progress = Progress::start();
     let onboard = link::download(&link, arguments.sysid, &|list, items| {
-        progress.say(format!("{list}: {items} items"));
+        progress.say(&format!("{list}: {items} items"));
     });
     drop(progress);
     let onboard = onboard.map_err(|failure| {
@@ -39,7 +39,7 @@ pub(crate) fn run(arguments: &args::Download) -> Result<(), Failure> {
     };
     let mut losses = assumptions(&onboard);
     losses.extend(formats::losses(&mission, format));
-    losses.extend(misread(&mission, format, &text)?);
+    losses.extend(reread_differences(&mission, format, &text)?);
     replace::write_file(&arguments.output, text.as_bytes())?;
     for loss in losses {
         note(&format!("note: {loss}"));
@@ -71,6 +71,7 @@ fn mission_of(onboard: &Onboard) -> VehicleMission {
     VehicleMission {
         // Without ArduPilot's home row: as PX4 counts.
         autopilot: onboard.autopilot.unwrap_or(Autopilot::Px4),
+        autopilot_version: None,
         airframe: Airframe::Copter,
         home: onboard.home.unwrap_or(Home {
             x: 0,
@@ -88,24 +89,25 @@ fn mission_of(onboard: &Onboard) -> VehicleMission {
 
 /// What the file says although the vehicle did not.
 fn assumptions(onboard: &Onboard) -> Vec<String> {
-    let mut told = Vec::new();
+    let mut losses = Vec::new();
     if onboard.autopilot.is_none() {
-        told.push(format!(
+        losses.push(format!(
             "the vehicle is a {}: items are counted as PX4 does, without a home row",
             onboard.description
         ));
     }
     if onboard.home.is_none() {
-        told.push("the vehicle does not say where its home is: it is 0, 0 in the file".to_owned());
+        losses
+            .push("the vehicle does not say where its home is: it is 0, 0 in the file".to_owned());
     }
     for list in &onboard.unknown {
-        told.push(format!("the vehicle keeps no {list} items"));
+        losses.push(format!("the vehicle keeps no {list} items"));
     }
-    told
+    losses
 }
 
 /// Whether the file says what the vehicle holds.
-fn misread(
+fn reread_differences(
     mission: &VehicleMission,
     format: Format,
     text: &str,

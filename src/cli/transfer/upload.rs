@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use super::delivery::{Delivery, report_text, seconds_since_1970};
+use super::delivery::{Delivery, seconds_since_1970};
 use crate::cli::args;
 use crate::cli::folder;
 use crate::cli::folder::runs;
-use crate::cli::print::console::{Paint, note, out};
+use crate::cli::print::console::{Paint, note, note_lines, out, out_json, out_lines};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::overview::Overview;
 use crate::cli::print::progress::Progress;
@@ -18,28 +18,14 @@ use crate::cli::review;
 use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
 use crate::simulator;
-use crate::simulator::{Profile, Running, Simulated};
-use crate::spec::{Autopilot, Link, SpecFile};
+use crate::simulator::{Running, Simulated};
+use crate::spec::{Link, SpecFile};
 use crate::verify;
 use crate::world;
 
 pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let (file, files, target) = match &arguments.spec {
-        Some(spec) => {
-            let file = SpecFile::read(spec)?;
-            let files = review::assign(&file, arguments.paths.iter(), &[])?;
-            if !arguments.force {
-                refuse_rejected(files.values())?;
-            }
-            for path in files.values().filter(|path| folder::is_waypoints(path)) {
-                note(&format!(
-                    "{}: a .waypoints file holds no fence and no rally points: what is on board is cleared",
-                    path.display()
-                ));
-            }
-            let target = PathBuf::from("out").join(&file.spec.name);
-            (file, files, target)
-        }
+        Some(spec) => from_files(spec, arguments)?,
         None => from_folder(&arguments.paths, arguments.force).map_err(|refusal| {
             let way_out = match refusal.code {
                 Failure::VERDICT => " (--force overrides)",
@@ -56,36 +42,56 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {
-            note(&failures);
+            note_lines(&failures);
         } else {
-            out(&failures)?;
+            out_lines(&failures)?;
         }
         if !arguments.force {
             let reason = "the missions do not pass verification; nothing was sent";
             if arguments.json {
-                out(report_text(&Delivery::nothing(reason)).trim_end())?;
+                out_json(&Delivery::nothing(reason))?;
             }
             return Err(Failure::new(Failure::VERDICT, reason));
         }
-        note("the missions do not pass verification; sent all the same, as told by --force");
+        note("the missions do not pass verification; sent nevertheless (--force)");
     }
     if arguments.dry_run {
         if arguments.json {
             let reason = "nothing was sent (--dry-run)";
-            return out(report_text(&Delivery::nothing(reason)).trim_end());
+            return out_json(&Delivery::nothing(reason));
         }
-        return say_what_would_be_sent(&file, &missions, &links);
+        return print_dry_run(&file, &missions, &links);
     }
     runs::make(&runs::folder(&target))?;
     let tlog = arguments.tlog.as_deref();
     let delivery = deliver(&file, judged, &links, arguments.force, tlog)?;
     delivery.record(&target)?;
     if arguments.json {
-        out(report_text(&delivery.json()).trim_end())?;
+        out_json(&delivery.json())?;
     } else {
-        delivery.tell()?;
+        delivery.print()?;
     }
     delivery.verdict()
+}
+
+/// A spec and the mission files of the command line, and the folder of their records.
+fn from_files(
+    spec: &Path,
+    arguments: &args::Upload,
+) -> Result<(SpecFile, review::Files, PathBuf), Failure> {
+    let file = SpecFile::read(spec)?;
+    let files = review::assign(&file, arguments.paths.iter(), &[])?;
+    if !arguments.force {
+        refuse_rejected(files.values())?;
+    }
+    for path in files.values().filter(|path| folder::is_waypoints(path)) {
+        note(&format!(
+            "{}: a .waypoints file holds no fence and no rally points: those on board are cleared",
+            path.display()
+        ));
+    }
+    let target = PathBuf::from("out").join(&file.spec.name);
+    Ok((file, files, target))
 }
 
 /// The spec and the missions of a folder that `plan` wrote.
@@ -175,7 +181,7 @@ pub(crate) fn links(file: &SpecFile, arguments: &[String]) -> Result<Vec<(usize,
         .collect()
 }
 
-fn say_what_would_be_sent(
+fn print_dry_run(
     file: &SpecFile,
     missions: &[(usize, VehicleMission)],
     links: &[(usize, Link)],
@@ -192,7 +198,7 @@ fn say_what_would_be_sent(
             mission.rally.len().to_string(),
         ]);
     }
-    out(&rows.to_string())?;
+    rows.print()?;
     out("nothing was sent (--dry-run)")
 }
 
@@ -201,8 +207,8 @@ pub(crate) fn link_of<'a>(
     vehicle: usize,
     links: &'a [(usize, Link)],
 ) -> &'a Link {
-    let told = links.iter().rev().find(|(of, _)| *of == vehicle);
-    told.map_or(&file.spec.vehicles[vehicle].link, |(_, link)| link)
+    let given = links.iter().rev().find(|(of, _)| *of == vehicle);
+    given.map_or(&file.spec.vehicles[vehicle].link, |(_, link)| link)
 }
 
 /// Transfers to every vehicle at once. Simulated vehicles are started inside
@@ -214,7 +220,7 @@ pub(crate) fn deliver(
     force: bool,
     tlog: Option<&Path>,
 ) -> Result<Delivery, Failure> {
-    told_apart(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
+    distinct_on_links(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
     let capture = tlog.map(begin_capture).transpose()?;
     let mut simulated: Vec<Running> = Vec::new();
     let mut resolved: Vec<Link> = Vec::new();
@@ -244,13 +250,13 @@ pub(crate) fn deliver(
         })
         .collect();
     let (progress, overview) = (Progress::start(), Overview::of(jobs.len()));
-    progress.say(overview.to_string());
+    progress.say(&overview.to_string());
     let shown = Mutex::new((progress, overview));
     let reports = link::upload_fleet_captured(&jobs, capture.as_ref(), &|id, at| {
         if let Ok(mut shown) = shown.lock() {
             let (progress, overview) = &mut *shown;
             overview.note(id, at);
-            progress.say(overview.to_string());
+            progress.say(&overview.to_string());
         }
     });
     drop(shown);
@@ -260,8 +266,8 @@ pub(crate) fn deliver(
     Ok(Delivery { reports })
 }
 
-/// On one link vehicles are told apart by system id alone.
-fn told_apart(
+/// Vehicles on one link need different system ids.
+fn distinct_on_links(
     file: &SpecFile,
     vehicles: impl Iterator<Item = usize>,
     links: &[(usize, Link)],
@@ -300,13 +306,9 @@ fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
 
 fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result<Running, Failure> {
     let this = &file.spec.vehicles[vehicle];
-    let profile = match this.autopilot {
-        Autopilot::ArduPilot => Profile::ArduPilot,
-        Autopilot::Px4 => Profile::Px4,
-    };
     simulator::spawn(&Simulated {
         airframe: this.airframe,
-        ..Simulated::on_loopback(profile, this.sysid, Some(mission.home))
+        ..Simulated::on_loopback(this.autopilot.into(), this.sysid, Some(mission.home))
     })
     .map_err(|error| {
         Failure::new(
@@ -345,11 +347,14 @@ fleet:
             (250, 1, 1)
         );
         let all = || 0..file.spec.vehicles.len();
-        assert!(told_apart(&file, all(), &[]).is_ok(), "each has its own");
+        assert!(
+            distinct_on_links(&file, all(), &[]).is_ok(),
+            "each has its own"
+        );
         let to = |index: usize, port: u16| (index, Link::UdpOut(format!("127.0.0.1:{port}")));
-        assert!(told_apart(&file, all(), &[to(0, 14550), to(240, 14551)]).is_ok());
-        assert!(told_apart(&file, all(), &[to(0, 14550), to(239, 14550)]).is_ok());
-        let refused = told_apart(&file, all(), &[to(0, 14550), to(240, 14550)]);
+        assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(240, 14551)]).is_ok());
+        assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(239, 14550)]).is_ok());
+        let refused = distinct_on_links(&file, all(), &[to(0, 14550), to(240, 14550)]);
         let message = refused.unwrap_err().message;
         assert!(
             message.contains("d1 and d241 have one system id, 1"),

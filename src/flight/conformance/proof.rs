@@ -4,6 +4,7 @@
 
 use super::reference::Waypoint;
 use super::{FlownTrack, GAP_S, Part};
+use crate::autopilot::{Airframe, Autopilot, ParameterRow, SLOPE_MIN, facts, parameter};
 use crate::flight::launch::readiness::STANDS_M;
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
@@ -11,18 +12,15 @@ use crate::flight::session::arrival::{ARRIVED_M, STILL_MPS, TURNED_RAD};
 use crate::flight::session::end::End;
 use crate::flight::session::{LATE_S, LATE_SHARE};
 use crate::path::VehicleLimits;
-use crate::spec::{Airframe, AltitudeReference, Finish, MissionSpec, Vehicle};
-use crate::verify::{
-    EARLY_SHARE, Flown, Limit, MAX_LAG_S, Margin, Moment, Requirement, SLOPE_MIN_M,
-};
+use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
+use crate::verify::{Flown, Limit, Margin, Moment, Requirement};
 use crate::world::World;
 
 /// Farther than this from its way a copter has left what was verified, metres: corners are cut
 /// by up to 10 m (`mission.tolerance_m` as the parameters have it), positions are some metres
 /// off. Real ArduCopters were at most 1.5 m beside their way.
 pub(crate) const CROSS_TRACK_M: f64 = 30.0;
-/// A wing that turns late by the whole corner comes out of it so many turn radii beside its way,
-/// at most. Real ArduPlane, 18 m/s: 0.6 at a right angle, 1.4 at 120 degrees, 2.2 at 150; and a
+/// Greatest cross-track error, in turn radii, of a wing that turns late by the whole corner. Real ArduPlane, 18 m/s: 0.6 at a right angle, 1.4 at 120 degrees, 2.2 at 150; and a
 /// QuadPlane that the wind drove away as it climbed, 59 m or 1.1.
 const TURNS: f64 = 2.0;
 /// A vehicle that landed is not higher or lower than this over the ground of the elevation
@@ -48,9 +46,13 @@ impl Tube {
         }
         let turns_m = TURNS * VehicleLimits::of(&at_its_fastest(vehicle)).turn_radius_m;
         let slopes_mps = vehicle.climb_mps.max(vehicle.descent_mps);
+        let slope_min_m = parameter(SLOPE_MIN[0]).map_or(0.0, ParameterRow::default_si);
+        let lags = Autopilot::ALL.map(|autopilot| facts(autopilot, vehicle.airframe));
+        let lags_s = lags.map(|facts| facts.behaviour.altitude_lag_s.value(None));
+        let lag_s = lags_s.into_iter().fold(0.0, f64::max);
         Self {
             across_m: CROSS_TRACK_M.max(turns_m),
-            up_m: CROSS_TRACK_M.max(SLOPE_MIN_M + MAX_LAG_S * slopes_mps),
+            up_m: CROSS_TRACK_M.max(slope_min_m + lag_s * slopes_mps),
         }
     }
 }
@@ -181,11 +183,15 @@ impl FlownTrack<'_> {
         if self.airframe != Airframe::Plane {
             return None;
         }
+        let early_share = facts(Autopilot::ArduPilot, self.airframe)
+            .behaviour
+            .climb_out_share
+            .value(None);
         let passages = self.passages(&part);
         let passed = passages.iter().find(|passage| passage.item == next.item);
         Some(ClimbOut {
             until_s: passed.map_or(f64::INFINITY, |passage| passage.flown_s),
-            wide_m: (1.0 - EARLY_SHARE) * home.point.at.distance_m(top.point.at),
+            wide_m: (1.0 - early_share) * home.point.at.distance_m(top.point.at),
         })
     }
 
@@ -229,7 +235,7 @@ impl FlownTrack<'_> {
 
     /// The waypoints that had to be passed while a plan was flown: all that were ahead, of a plan
     /// that another took the place of those before the item that was flown to. Not the last
-    /// item, of which the last position tells, nor the place where a climb-out ends.
+    /// item, which the last position shows, nor the place where a climb-out ends.
     fn due<'p>(&self, part: &Part<'p>, is_last: bool) -> impl Iterator<Item = &'p Waypoint> {
         let waypoints = part.plan.waypoints.iter();
         let last = waypoints.clone().next_back().map_or(0, |last| last.item);
@@ -267,8 +273,8 @@ impl FlownTrack<'_> {
         self.worst(required, std::iter::once((place.distance_m(at.at), last)))
     }
 
-    /// So late that `fly` would have given it up. In a capture nobody knows when a vehicle was to
-    /// start: whoever armed it late started it late.
+    /// So late that `fly` would have given it up. A capture does not say when a vehicle had to
+    /// start: one that was armed late started late.
     fn lateness(&self, ends_s: f64) -> Option<Margin> {
         let required = at_most(Flown::End, ends_s * (1.0 + LATE_SHARE) + LATE_S, "s");
         let last = self.fixes().last()?;
@@ -280,7 +286,7 @@ impl FlownTrack<'_> {
         self.worst(required, std::iter::once((until_s - waited_s, last)))
     }
 
-    /// The last positions show the end that the record tells of.
+    /// The last positions show the end that the record names.
     fn ending(&self, world: &World) -> Vec<Margin> {
         let (Some(last), Some(part)) = (self.fixes().last(), self.parts().last()) else {
             return Vec::new();

@@ -1,6 +1,6 @@
 //! The planned flight of one vehicle, as what is flown is held against it.
 
-use crate::flight::record::Fix;
+use crate::flight::record::fix::Fix;
 use crate::geodesy::{AboveHome, Agl, Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::spec::Airframe;

@@ -1,5 +1,5 @@
 //! Whether what was flown can have been flown: no vehicle holds a pace that it cannot fly, and none
-//! gets further than the speed takes it that it tells itself.
+//! gets further than its reported speed takes it.
 
 use super::limits::moment;
 use super::proof::{CROSS_TRACK_M, at_its_fastest, at_most};
@@ -8,7 +8,7 @@ use crate::flight::record::Fix;
 use crate::spec::{Airframe, Vehicle};
 use crate::verify::{Flown, Margin};
 
-/// A pace is held for so long, seconds, and so many times what clocks may be off in it.
+/// Least duration of a pace: seconds, and multiples of the error of clocks.
 const HELD_S: f64 = 10.0;
 const CLOCKS: f64 = 4.0;
 /// What the clock of a record may be off: a message waits so long on a busy machine, on the wall's

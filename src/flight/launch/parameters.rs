@@ -1,7 +1,8 @@
 //! The parameters that the verdict assumes, against those of the vehicle.
 
+use crate::autopilot::other_name;
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
-use crate::mission::{Parameter, other_name};
+use crate::mission::Parameter;
 
 /// Between two requests for one parameter, milliseconds.
 const REPEAT_MS: u64 = 400;
@@ -67,7 +68,7 @@ impl<'a> SettingsCheck<'a> {
         }
     }
 
-    /// What is to be sent now.
+    /// The message that is due, if any.
     pub(crate) fn poll(&mut self, now: Time, target: Address) -> Option<Message> {
         let planned = self.planned.get(self.at)?;
         if now < self.due {

@@ -1,5 +1,6 @@
 //! Whether a vehicle is where and what the plan takes it to be.
 
+use crate::autopilot::Version;
 use crate::geodesy::LatLon;
 use crate::link::{List, Onboard, differences};
 use crate::mission::{Home, VehicleMission};
@@ -30,6 +31,21 @@ pub(crate) fn home_problem(assumed: &Home, reported: &Home) -> Option<String> {
             reported.amsl_m, assumed.amsl_m
         )
     })
+}
+
+/// The difference between the version that a mission is for and that of the vehicle.
+pub(crate) fn version_problem(mission: &VehicleMission, found: Option<Version>) -> Option<String> {
+    let planned = mission.autopilot_version?;
+    let name = mission.autopilot.name();
+    match found {
+        Some(found) if found == planned => None,
+        Some(found) => Some(format!(
+            "it runs {name} {found}, the mission is for {planned} (autopilot_version)"
+        )),
+        None => Some(format!(
+            "it does not report its version, the mission is for {name} {planned} (autopilot_version)"
+        )),
+    }
 }
 
 /// In what the lists on board differ from the plan's, in sentences.
@@ -63,4 +79,37 @@ pub(crate) fn list_problems(mission: &VehicleMission, onboard: &Onboard) -> Vec<
         }
     }
     problems
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::autopilot::{Airframe, Autopilot};
+
+    #[test]
+    fn a_mission_for_one_version_is_flown_by_that_version() {
+        let version = |text: &str| text.parse::<Version>().ok();
+        let mission = VehicleMission {
+            autopilot: Autopilot::ArduPilot,
+            autopilot_version: version("4.7"),
+            airframe: Airframe::Copter,
+            home: Home {
+                x: 0,
+                y: 0,
+                amsl_m: 0.0,
+            },
+            items: Vec::new(),
+            fence: Vec::new(),
+            is_fence_known: true,
+            rally: Vec::new(),
+            params: Vec::new(),
+            notes: Vec::new(),
+        };
+        assert_eq!(version_problem(&mission, version("4.7")), None);
+        let problem = version_problem(&mission, version("4.6"));
+        let expected = "it runs ArduPilot 4.6, the mission is for 4.7 (autopilot_version)";
+        assert_eq!(problem.as_deref(), Some(expected));
+        assert!(version_problem(&mission, None).is_some());
+        assert_eq!(version_problem(&mission.for_version(None), None), None);
+    }
 }

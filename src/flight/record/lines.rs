@@ -231,7 +231,7 @@ impl ThreatLine {
         )
     }
 
-    /// The threat that came up so many seconds after T0.
+    /// The threat, come up at a time in seconds after T0.
     ///
     /// # Errors
     /// Its place is none on earth, its radius or time cannot be, in words.

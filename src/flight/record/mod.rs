@@ -1,5 +1,6 @@
 //! What was flown.
 
+pub(super) mod fix;
 pub(super) mod invalid_line;
 pub(super) mod journal;
 pub(super) mod lines;
@@ -7,26 +8,10 @@ pub(super) mod read;
 pub(super) mod tlog;
 pub(super) mod underway;
 
-use super::conformance::reference::Reference;
-use crate::geodesy::{Amsl, LatLon};
-use crate::spec::Threat;
+pub use fix::Fix;
 
-/// Where a vehicle was at one time, by its own word.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fix {
-    /// Seconds after T0.
-    pub t_s: f64,
-    /// Where.
-    pub place: LatLon,
-    /// How high.
-    pub amsl: Amsl,
-    /// Ground speed, m/s.
-    pub speed_mps: f64,
-    /// Row of the `.waypoints` file that it was flying to; home is 0.
-    pub item: usize,
-    /// Items on board without home, by its own word; 0 where it does not tell.
-    pub items: usize,
-}
+use super::conformance::reference::Reference;
+use crate::spec::Threat;
 
 /// The flight of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,11 +28,11 @@ pub struct Flown {
     pub end: super::End,
 }
 
-/// A plan, and what tells that a vehicle flies it.
+/// A plan, and its mark in what a vehicle reports.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Items of its mission without home. A new plan has another number than the one
-    /// before it, so that the vehicle's own word tells them apart.
+    /// before it, which identifies it in what the vehicle reports.
     pub items: usize,
     /// What is flown is held against this.
     pub reference: Reference,

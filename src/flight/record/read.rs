@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
 
 use super::invalid_line;
-use super::lines::{Line, place};
+use super::lines::{FixLine, Line, place};
 use super::{Fix, Flight, Record};
 use crate::flight::session::end::End;
 use crate::geodesy::{Amsl, LocalFrame};
@@ -27,8 +27,8 @@ pub struct Broken {
 /// Reads a record; `frame` is that of the spec.
 ///
 /// # Errors
-/// [`Broken`], with the first line that is none of a record: also what can only be once and
-/// is told again, and what comes after the end of a vehicle's flight. A last line that was cut
+/// [`Broken`], with the first line that is none of a record: also a second line of what
+/// can stand once, and a line after the end of a vehicle's flight. A last line that was cut
 /// off is left out: so does a flight end whose computer stopped.
 pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
     let mut reading = Reading {
@@ -120,6 +120,42 @@ impl Reading {
         Ok(())
     }
 
+    fn header(&mut self, speedup: f64, vehicles: Vec<String>) -> Result<(), String> {
+        if !SPEEDUP.contains(&speedup) {
+            let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
+            return Err(format!("`speedup` {speedup} (allowed: {least} to {most})"));
+        }
+        self.record.speedup = speedup;
+        for vehicle in &vehicles {
+            self.of(vehicle);
+        }
+        let count = vehicles.len();
+        let fleet: BTreeSet<String> = vehicles.into_iter().collect();
+        if fleet.len() < count {
+            return Err("a vehicle is in the header twice".to_owned());
+        }
+        self.fleet = Some(fleet);
+        Ok(())
+    }
+
+    fn fix(&mut self, line: &FixLine) -> Result<(), String> {
+        let fix = Fix {
+            t_s: line.t_s,
+            place: place(line.lat_deg, line.lon_deg)?,
+            amsl: Amsl(line.amsl_m),
+            speed_mps: line.speed_mps,
+            item: line.item,
+            items: line.items,
+        };
+        let fixes = &mut self.of(&line.vehicle).flown.fixes;
+        if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
+            return Err(format!("{} is not later than the line before", line.t_s));
+        }
+        fixes.push(fix);
+        self.latest_s = self.latest_s.max(fix.t_s);
+        Ok(())
+    }
+
     fn take(&mut self, line: Line) -> Result<(), String> {
         match line {
             Line::Head {
@@ -129,21 +165,8 @@ impl Reading {
                 ..
             } => {
                 self.once("the header".to_owned())?;
-                if !SPEEDUP.contains(&speedup) {
-                    let (least, most) = (SPEEDUP.start(), SPEEDUP.end());
-                    return Err(format!("`speedup` {speedup} (allowed: {least} to {most})"));
-                }
                 self.record.spec_sha256 = spec_sha256;
-                self.record.speedup = speedup;
-                for vehicle in &vehicles {
-                    self.of(vehicle);
-                }
-                let count = vehicles.len();
-                let fleet: BTreeSet<String> = vehicles.into_iter().collect();
-                if fleet.len() < count {
-                    return Err("a vehicle is in the header twice".to_owned());
-                }
-                self.fleet = Some(fleet);
+                self.header(speedup, vehicles)?;
             }
             Line::Start { t0_unix_s } => {
                 self.once("T0".to_owned())?;
@@ -164,20 +187,7 @@ impl Reading {
             }
             Line::Fix(line) => {
                 self.check(line.t_s, &line.vehicle)?;
-                let fix = Fix {
-                    t_s: line.t_s,
-                    place: place(line.lat_deg, line.lon_deg)?,
-                    amsl: Amsl(line.amsl_m),
-                    speed_mps: line.speed_mps,
-                    item: line.item,
-                    items: line.items,
-                };
-                let fixes = &mut self.of(&line.vehicle).flown.fixes;
-                if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
-                    return Err(format!("{} is not later than the line before", line.t_s));
-                }
-                fixes.push(fix);
-                self.latest_s = self.latest_s.max(fix.t_s);
+                self.fix(&line)?;
             }
             Line::Reached {
                 t_s,

@@ -141,7 +141,7 @@ impl Reading {
     }
 
     fn row(&self, seq: u16) -> usize {
-        usize::from(seq) + usize::from(self.capture.autopilot == Autopilot::Px4)
+        usize::from(seq) + usize::from(self.capture.autopilot.first_row())
     }
 
     /// Takes in a message, some milliseconds after T0.

@@ -86,7 +86,11 @@ fn begin<'a>(
         let others = fleet.iter().map(|vehicle| vehicle.sysid);
         let others = others.filter(|id| *id != this.sysid).collect();
         let vehicle = (observed.address, observed.beat);
-        let diversion = Diversion::new(onward, vehicle, others, links.us(), clock.now());
+        let mut diversion = Diversion::new(onward, vehicle, others, links.us(), clock.now());
+        // A transfer may be over before the next position comes.
+        let position = FlightMessage::Position(observed.position);
+        let message = Message::Flight(position);
+        diversion.handle(clock.now(), observed.address, &message);
         diversions.insert(new.vehicle, diversion);
     }
     diversions

@@ -7,7 +7,6 @@ use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
-use crate::spec::Autopilot;
 use crate::verify::Track;
 use crate::world::Departure;
 
@@ -113,7 +112,7 @@ impl VehicleState {
         if held.items.iter().any(returns) {
             return Err("flies a NAV_RETURN_TO_LAUNCH, on a path of its own".to_owned());
         }
-        let first = usize::from(planned.autopilot == Autopilot::Px4);
+        let first = usize::from(planned.autopilot.first_row());
         let row = (usize::from(observed.seq) + first).max(1);
         let here = point(plan, &observed.position);
         let no_times = Track {
@@ -121,21 +120,7 @@ impl VehicleState {
             moments: Vec::new(),
         };
         let reference = Reference::new(&held, &no_times, &plan.world);
-        let waypoints = reference.waypoints;
-        let ahead_from = waypoints.iter().position(|w| w.item >= row);
-        let ahead_from = ahead_from.unwrap_or(waypoints.len());
-        let in_air = waypoints.len() - usize::from(reference.lands).min(waypoints.len());
-        let indexed = |w: &Waypoint| (w.item - 1, w.point);
-        let mut ahead: Vec<(usize, PlanPoint)> = waypoints
-            .get(ahead_from.max(1)..in_air)
-            .unwrap_or_default()
-            .iter()
-            .map(indexed)
-            .collect();
-        let before = ahead_from.saturating_sub(1);
-        // A mission that was given in the air does not begin at home.
-        let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
-        let origin = origin.map_or(here, |w| w.point);
+        let (origin, mut ahead) = split_path(&reference, row);
         let stands = observed.position.above_home_m() < AIRBORNE_M;
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some((_, top))) = (rising, ahead.first_mut()) {
@@ -161,7 +146,7 @@ impl VehicleState {
             takes_off: rising,
             flown: threat_time.flown_track(plan, observed),
             in_mission: modes::is_mission(planned, observed.beat.custom_mode),
-            origin: if rising { here } else { origin },
+            origin: origin.filter(|_| !rising).unwrap_or(here),
             ahead,
             lands: reference.lands,
             stands,
@@ -287,6 +272,21 @@ impl VehicleState {
         };
         last.map_or_else(none, |(index, _)| index + 1)
     }
+}
+
+/// Where the leg to the item of a row begins, unless at home; and the waypoints ahead in the air,
+/// each with the index of its item.
+fn split_path(reference: &Reference, row: usize) -> (Option<PlanPoint>, Vec<(usize, PlanPoint)>) {
+    let waypoints = &reference.waypoints;
+    let first = waypoints.iter().position(|w| w.item >= row);
+    let first = first.unwrap_or(waypoints.len());
+    let in_air = waypoints.len() - usize::from(reference.lands).min(waypoints.len());
+    let ahead = waypoints.get(first.max(1)..in_air).unwrap_or_default();
+    let ahead = ahead.iter().map(|w: &Waypoint| (w.item - 1, w.point));
+    let before = first.saturating_sub(1);
+    // A mission that was given in the air does not begin at home.
+    let origin = waypoints.get(before.max(1)).filter(|_| before > 0);
+    (origin.map(|w| w.point), ahead.collect())
 }
 
 /// A position in planning coordinates.

@@ -15,8 +15,8 @@ pub(crate) const ARRIVED_M: f64 = 5.0;
 const RUNS_OUT_M: f64 = 150.0;
 /// Slower than this a vehicle stays where it is, m/s.
 pub(crate) const STILL_MPS: f64 = 0.5;
-/// So far a wing has turned on its circle that stays there, radians: whoever watches it live and
-/// sees it turn a whole time does not see every position.
+/// A wing that stays on its circle has turned this far, radians: live monitoring of a whole orbit
+/// does not see every position.
 pub(crate) const TURNED_RAD: f64 = 0.95 * TAU;
 
 /// A copter that holds is compared with where it was this long before, seconds.

@@ -6,7 +6,7 @@ const WINDOW_MS: f64 = 10_000.0;
 /// Where a vehicle's time since boot lies on the fleet's clock.
 ///
 /// A position is stamped when it is measured and arrives later. The quickest of the
-/// last messages tells the difference best: the others were only late.
+/// last messages shows the difference best: the others were only late.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Offset {
     /// Least differences of this window and of the one before it.

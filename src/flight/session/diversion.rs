@@ -90,7 +90,7 @@ impl<'a> Diversion<'a> {
         }
     }
 
-    /// Takes in a message, whoever sent it.
+    /// Takes in a message from any sender.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         self.session.handle(now, from, message);
         if from != self.vehicle {

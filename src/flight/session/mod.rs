@@ -144,7 +144,7 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    /// Takes in a message that came over a link, whoever sent it.
+    /// Takes in a message that came over a link, from any sender.
     pub fn handle(&mut self, now: Time, (link, from): (usize, Address), message: &Message) {
         let clock = (now, self.flight_ms(now), self.t0_ms());
         for vehicle in self.vehicles.iter_mut().filter(|c| c.of.link == link) {
@@ -234,7 +234,7 @@ impl<'a> Fleet<'a> {
         self.t0_ms().map(|t0| (self.flight_ms(now) - t0) / 1000.0)
     }
 
-    /// Tells every vehicle in flight.
+    /// Passes an intervention to every vehicle in flight.
     pub fn intervene(&mut self, now: Time, what: Intervention) {
         let instruction = match what {
             Intervention::Hold => Instruction::Hold,

@@ -20,7 +20,7 @@ pub(crate) struct Orbit {
 }
 
 impl Orbit {
-    /// Takes in where it is, and tells whether it has turned once around.
+    /// Takes in where it is, and returns whether it has turned once around.
     pub(crate) fn is_whole_with(&mut self, at: EastNorth) -> bool {
         self.take(at);
         self.most_rad() >= TAU

@@ -61,7 +61,7 @@ impl PendingCommand {
         }
     }
 
-    /// What is to be sent now.
+    /// The message that is due, if any.
     pub(crate) fn poll(&mut self, now: Time) -> Option<Message> {
         if self.result.is_some() || self.sent >= MOST || now < self.due {
             return None;

@@ -37,7 +37,7 @@ impl Setting {
         self.is_there |= self.sent > 0 && total == self.total && seq >= self.seq;
     }
 
-    /// What is to be sent now.
+    /// The message that is due, if any.
     pub(crate) fn poll(&mut self, now: Time) -> Option<Message> {
         if self.is_there || self.sent >= MOST || now < self.due {
             return None;

@@ -1,4 +1,4 @@
-//! Where every vehicle of a fleet in flight is, for whoever watches.
+//! Where every vehicle of a fleet in flight is, for the screen.
 
 use super::end::End;
 use super::vehicle::{FlightVehicle, Instruction, Stage};

@@ -14,6 +14,7 @@ use super::end::End;
 use super::modes;
 use super::orbit::Orbit;
 use super::pending_command::{Answer, PendingCommand, is_for};
+use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
@@ -22,7 +23,6 @@ use crate::link::{
     Position, Reading, Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
-use crate::spec::Autopilot;
 pub(super) use arming::ARMING_MS;
 use arming::{Arming, Disarming};
 use hold::HoldWatch;
@@ -98,6 +98,8 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) heard: Time,
     beat_at: Time,
     pub(crate) home: Option<Home>,
+    /// The version of its firmware.
+    version: Option<Version>,
     settings: Option<SettingsCheck<'a>>,
     problems: Vec<String>,
     /// What it said while it was to be armed.
@@ -138,6 +140,24 @@ pub(crate) struct FlightVehicle<'a> {
     force: bool,
 }
 
+impl<'a> Stage<'a> {
+    /// The transfer of its mission, or its reading.
+    fn begin(of: &Assignment<'a>, others: Vec<u8>, us: Address, now: Time) -> Self {
+        if of.upload {
+            let order = Order {
+                vehicle: of.vehicle,
+                sysid: of.sysid,
+                mission: of.mission,
+                force: false,
+                others,
+            };
+            Self::Sending(Box::new(Session::new(order, us, now)))
+        } else {
+            Self::Reading(Box::new(Reading::new(Some(of.sysid), us, now)))
+        }
+    }
+}
+
 impl<'a> FlightVehicle<'a> {
     pub(crate) fn new(
         of: Assignment<'a>,
@@ -146,18 +166,7 @@ impl<'a> FlightVehicle<'a> {
         (set_params, force): (bool, bool),
         now: Time,
     ) -> Self {
-        let stage = if of.upload {
-            let order = Order {
-                vehicle: of.vehicle,
-                sysid: of.sysid,
-                mission: of.mission,
-                force: false,
-                others,
-            };
-            Stage::Sending(Box::new(Session::new(order, us, now)))
-        } else {
-            Stage::Reading(Box::new(Reading::new(Some(of.sysid), us, now)))
-        };
+        let stage = Stage::begin(&of, others, us, now);
         Self {
             of,
             us,
@@ -167,6 +176,7 @@ impl<'a> FlightVehicle<'a> {
             heard: now,
             beat_at: now,
             home: None,
+            version: None,
             settings: None,
             problems: Vec::new(),
             warnings: Vec::new(),
@@ -235,6 +245,14 @@ impl<'a> FlightVehicle<'a> {
             return;
         }
         self.heard = now;
+        self.autopilot_message((now, flight_ms, t0_ms), message);
+    }
+
+    fn autopilot_message(
+        &mut self,
+        (now, flight_ms, t0_ms): (Time, f64, Option<f64>),
+        message: &Message,
+    ) {
         let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
         match message {
             Message::Heartbeat(beat) => {
@@ -251,6 +269,9 @@ impl<'a> FlightVehicle<'a> {
                 let (x, y) = (*x, *y);
                 self.home = Some(Home { x, y, amsl_m });
             }
+            Message::AutopilotVersion {
+                flight_software, ..
+            } => self.version = Version::of_flight_software(*flight_software).or(self.version),
             Message::MissionCurrent { seq, total, .. } => {
                 (self.item, self.item_at) = (self.row(*seq), Some(now));
                 let is_known = (1..u16::MAX).contains(total);
@@ -308,13 +329,9 @@ impl<'a> FlightVehicle<'a> {
         }
     }
 
-    /// The row of a sequence number: PX4 has no home row.
+    /// The row of a sequence number.
     fn row(&self, seq: u16) -> usize {
-        let first = match self.autopilot() {
-            Autopilot::ArduPilot => 0,
-            Autopilot::Px4 => 1,
-        };
-        usize::from(seq) + first
+        usize::from(seq) + usize::from(self.autopilot().first_row())
     }
 
     fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {

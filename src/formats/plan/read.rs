@@ -336,7 +336,7 @@ fn check_altitude(
         Some(altitude_mode::CALCULATED) if item.z.is_finite() => return Ok(()),
         Some(altitude_mode::CALCULATED) => {
             let z = node.get("params");
-            return Err(z.bad("an altitude: it never was computed from the terrain"));
+            return Err(z.bad("an altitude: it never was computed from terrain"));
         }
         Some(_) => return Err(mode.bad("0 to 4")),
     };

@@ -256,10 +256,9 @@ impl Reader {
 
 #[cfg(test)]
 mod tests {
-    use crate::geodesy::LatLon;
-
     use super::read;
     use crate::formats::SourceLocation;
+    use crate::geodesy::LatLon;
     use proptest::prelude::*;
 
     #[test]

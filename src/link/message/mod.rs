@@ -94,12 +94,8 @@ pub struct Heartbeat {
 pub const TYPE_GCS: u8 = 6;
 /// `MAV_AUTOPILOT_GENERIC`: an autopilot that does not say which.
 pub const AUTOPILOT_GENERIC: u8 = 0;
-/// `MAV_AUTOPILOT_ARDUPILOTMEGA`.
-pub const AUTOPILOT_ARDUPILOT: u8 = 3;
 /// `MAV_AUTOPILOT_INVALID`: a component that is no autopilot.
 pub const AUTOPILOT_INVALID: u8 = 8;
-/// `MAV_AUTOPILOT_PX4`.
-pub const AUTOPILOT_PX4: u8 = 12;
 /// `MAV_STATE_STANDBY`.
 pub const STATE_STANDBY: u8 = 3;
 /// `MAV_STATE_ACTIVE`.

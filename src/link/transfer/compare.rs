@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::link::message::List;
-use crate::link::stored_form::kept as stored_form;
+use crate::link::stored_form::stored_form;
 use crate::mission::{Item, frame};
 use crate::spec::{Airframe, Autopilot};
 
@@ -82,6 +82,7 @@ fn fields(
     stored: &Item,
     read: &Item,
 ) -> [(&'static str, bool); 10] {
+    let is_packed = autopilot.conventions().packs_items;
     let either = |same: &dyn Fn(&Item) -> bool| same(sent) || same(stored);
     let param = |n: usize| either(&|item| near(autopilot, item.params[n], read.params[n]));
     // Fences are two-dimensional: neither reference nor altitude means anything.
@@ -90,14 +91,14 @@ fn fields(
     let z = same(sent.z, read.z)
         || same(stored.z, read.z)
         // Altitudes are cut to centimetres: more than one of them is another altitude.
-        || (autopilot == Autopilot::ArduPilot
+        || (is_packed
             && ((sent.z - read.z).abs() < 0.0101 || (stored.z - read.z).abs() < 0.001));
     [
         ("command", sent.command == read.command),
         ("frame", flat || either(&frame)),
         (
             "autocontinue",
-            autopilot == Autopilot::ArduPilot || sent.autocontinue == read.autocontinue,
+            is_packed || sent.autocontinue == read.autocontinue,
         ),
         ("param1", param(0)),
         ("param2", param(1)),
@@ -114,9 +115,10 @@ fn same(a: f32, b: f32) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan()) || (a - b).abs() <= 0.0
 }
 
-/// PX4 stores angles in radians, so they come back with a small error.
+/// Equal within the tolerance of the autopilot: PX4 stores angles in radians, so they come back
+/// with a small error.
 fn near(autopilot: Autopilot, a: f32, b: f32) -> bool {
-    same(a, b) || (autopilot == Autopilot::Px4 && (a - b).abs() <= 1e-4)
+    same(a, b) || (a - b).abs() <= autopilot.conventions().param_tolerance
 }
 
 fn text(item: &Item, field: &str) -> String {

@@ -52,7 +52,7 @@ impl<'a> Expected<'a> {
     }
 
     fn has_home(&self, list: List) -> bool {
-        list == List::Mission && self.autopilot == Autopilot::ArduPilot
+        list == List::Mission && self.autopilot.conventions().counts_home
     }
 
     /// Sequence number 0 of an ArduPilot mission.

@@ -1,10 +1,8 @@
 //! Identification: whether a vehicle is the one of the spec.
 
 use super::report::Refusal;
-use crate::link::message::{
-    AUTOPILOT_ARDUPILOT, AUTOPILOT_GENERIC, AUTOPILOT_INVALID, AUTOPILOT_PX4, Address, Heartbeat,
-};
-use crate::spec::{Airframe, Autopilot};
+use crate::autopilot::{Airframe, Autopilot};
+use crate::link::message::{AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Heartbeat};
 
 /// `MAV_TYPE`s that fly like a multicopter: quadrotor, coaxial, helicopter,
 /// hexarotor, octorotor, tricopter, dodecarotor, decarotor, generic multirotor.
@@ -43,11 +41,11 @@ pub(crate) fn check(
     if heartbeat.is_armed() {
         return Err(Refusal::Armed);
     }
-    if named(heartbeat.autopilot).is_none_or(|found| found != autopilot)
+    if Autopilot::of_mavlink(heartbeat.autopilot).is_none_or(|found| found != autopilot)
         && heartbeat.autopilot != AUTOPILOT_GENERIC
     {
         return Err(Refusal::Autopilot {
-            expected: autopilot_name(autopilot),
+            expected: autopilot.name(),
             found: describe_autopilot(heartbeat.autopilot),
         });
     }
@@ -64,15 +62,6 @@ pub(crate) fn check(
         });
     }
     Ok(())
-}
-
-/// The autopilot of a `MAV_AUTOPILOT`, if it is one that we know.
-pub(crate) fn named(autopilot: u8) -> Option<Autopilot> {
-    match autopilot {
-        AUTOPILOT_ARDUPILOT => Some(Autopilot::ArduPilot),
-        AUTOPILOT_PX4 => Some(Autopilot::Px4),
-        _ => None,
-    }
 }
 
 /// `AUTOPILOT_VERSION.flight_sw_version` in words, such as `4.6.3` or `1.18.0-beta`;
@@ -102,17 +91,10 @@ pub(crate) fn describe(heartbeat: &Heartbeat) -> String {
     )
 }
 
-fn autopilot_name(autopilot: Autopilot) -> &'static str {
-    match autopilot {
-        Autopilot::ArduPilot => "ArduPilot",
-        Autopilot::Px4 => "PX4",
-    }
-}
-
 fn describe_autopilot(autopilot: u8) -> String {
-    match (autopilot, named(autopilot)) {
+    match (autopilot, Autopilot::of_mavlink(autopilot)) {
         (AUTOPILOT_GENERIC, _) => "generic autopilot".to_owned(),
-        (_, Some(known)) => autopilot_name(known).to_owned(),
+        (_, Some(known)) => known.name().to_owned(),
         (number, None) => format!("autopilot {number}"),
     }
 }
@@ -168,12 +150,18 @@ mod tests {
             component,
         };
         assert!(is_autopilot(from(1), &heartbeat(2, AUTOPILOT_GENERIC, 0)));
-        assert!(is_autopilot(from(2), &heartbeat(2, AUTOPILOT_PX4, 0)));
+        assert!(is_autopilot(
+            from(2),
+            &heartbeat(2, Autopilot::Px4.conventions().mav_autopilot, 0)
+        ));
         assert!(!is_autopilot(
             from(191),
             &heartbeat(0, AUTOPILOT_GENERIC, 0)
         ));
-        assert!(!is_autopilot(from(1), &heartbeat(18, AUTOPILOT_PX4, 0)));
+        assert!(!is_autopilot(
+            from(1),
+            &heartbeat(18, Autopilot::Px4.conventions().mav_autopilot, 0)
+        ));
     }
 
     #[test]

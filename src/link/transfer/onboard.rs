@@ -310,13 +310,14 @@ impl Reading {
 
     /// ArduPilot's first row is its home, or zeros as long as it has none.
     fn take_home_row(&mut self) {
-        let ardupilot = self.vehicle.is_some_and(|(_, heartbeat)| {
-            identity::named(heartbeat.autopilot) == Some(Autopilot::ArduPilot)
+        let counts_home = self.vehicle.is_some_and(|(_, heartbeat)| {
+            Autopilot::of_mavlink(heartbeat.autopilot)
+                .is_some_and(|autopilot| autopilot.conventions().counts_home)
         });
         let Some(mission) = self.lists.last_mut().filter(|items| !items.is_empty()) else {
             return;
         };
-        if ardupilot {
+        if counts_home {
             let row = mission.remove(0);
             if (row.x, row.y) != (0, 0) {
                 self.home = Some(Home {
@@ -340,7 +341,7 @@ impl Reading {
         let [fence, rally, mission] = ORDER.map(|_| lists.next().unwrap_or_default());
         self.outcome = Some(Ok(Onboard {
             sysid: vehicle.system,
-            autopilot: identity::named(heartbeat.autopilot),
+            autopilot: Autopilot::of_mavlink(heartbeat.autopilot),
             description: identity::describe(&heartbeat),
             home: self.home,
             mission,

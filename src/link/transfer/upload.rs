@@ -23,6 +23,8 @@ const ACK_MS: u64 = 4000;
 /// Least time between two starts of a list that the vehicle asks for, milliseconds: a
 /// vehicle that cancels each of them must not be answered as fast as it speaks.
 const RESTART_MS: u64 = 250;
+/// Starts without that pause.
+const PROMPT_RUNS: u32 = 3;
 /// First wait after `DENIED`, milliseconds; it doubles up to four times.
 const DENIED_MS: u64 = 2000;
 /// `ERROR`s for the same item before they count as a refusal of that item.
@@ -262,10 +264,10 @@ impl Upload {
         }
     }
 
-    /// Starts a new run because of an answer, at once or after a pause.
+    /// Starts a new run because of an answer: the first ones at once, later ones after a pause.
     fn restart(&mut self, now: Time, cancel: bool) {
         let until = self.started + RESTART_MS;
-        if now < until {
+        if now < until && self.runs > PROMPT_RUNS {
             // An acceptance from now on is of the run before.
             self.sent.fill(false);
             self.phase = Phase::Paused { until };

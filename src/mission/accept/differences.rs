@@ -1,22 +1,23 @@
-//! What both autopilots take and each reads in its own way.
+//! Parameters that both autopilots accept and interpret differently.
 //!
-//! What one of them refuses is told by [`crate::mission::problems`]. Sources: ArduPilot
+//! [`crate::mission::problems`] reports items that one of them rejects. Sources: ArduPilot
 //! `AP_Mission::mavlink_int_to_mission_cmd`; PX4 `mission_block.cpp`.
 
-use crate::mission::item::{Item, VehicleMission, command};
+use crate::autopilot::command;
+use crate::mission::item::{Item, VehicleMission};
 
-/// A parameter that the two read differently.
-struct Reading {
+/// A parameter that the two autopilots interpret differently.
+struct Difference {
     commands: &'static [u16],
     /// From 0; none for the command as a whole.
     param: Option<usize>,
-    /// At which values it matters.
+    /// Whether a value makes a difference.
     matters: fn(f32) -> bool,
     what: &'static str,
 }
 
-static READINGS: &[Reading] = &[
-    Reading {
+static DIFFERENCES: &[Difference] = &[
+    Difference {
         commands: &[
             command::NAV_WAYPOINT,
             command::NAV_LAND,
@@ -26,25 +27,25 @@ static READINGS: &[Reading] = &[
         matters: f32::is_finite,
         what: "param4: PX4 turns to this heading (0 is north), ArduPilot leaves it out",
     },
-    Reading {
+    Difference {
         commands: &[command::NAV_WAYPOINT],
         param: Some(1),
-        matters: says_something,
+        matters: is_set,
         what: "param2: the acceptance radius for PX4, left out by ArduCopter",
     },
-    Reading {
+    Difference {
         commands: &[command::NAV_WAYPOINT],
         param: Some(2),
-        matters: says_something,
+        matters: is_set,
         what: "param3: ArduPlane passes by at this distance, PX4 does not keep it",
     },
-    Reading {
+    Difference {
         commands: &[command::DO_CHANGE_SPEED],
         param: Some(0),
         matters: |kind| kind > 1.0,
         what: "param1: climb or descent speed for ArduPilot, PX4 changes the horizontal speed only",
     },
-    Reading {
+    Difference {
         commands: &[command::NAV_RETURN_TO_LAUNCH],
         param: None,
         matters: |_| true,
@@ -52,28 +53,28 @@ static READINGS: &[Reading] = &[
     },
 ];
 
-/// Neither 0 nor NaN: something is asked for.
-fn says_something(value: f32) -> bool {
+/// Neither 0 nor NaN.
+fn is_set(value: f32) -> bool {
     value.is_finite() && value.abs() > 0.0
 }
 
-impl Reading {
+impl Difference {
     fn concerns(&self, item: &Item) -> bool {
         let value = self.param.map_or(0.0, |index| item.params[index]);
         self.commands.contains(&item.command) && (self.matters)(value)
     }
 }
 
-/// What means one thing to ArduPilot and another to PX4, each with its items (from 1).
+/// The differences that a mission has, each with its items (from 1).
 #[must_use]
 pub fn read_differently(mission: &VehicleMission) -> Vec<(&'static str, Vec<usize>)> {
-    let items = |reading: &Reading| -> Vec<usize> {
+    let items = |difference: &Difference| -> Vec<usize> {
         let numbered = mission.items.iter().zip(1..);
-        let concerned = numbered.filter(|(item, _)| reading.concerns(item));
+        let concerned = numbered.filter(|(item, _)| difference.concerns(item));
         concerned.map(|(_, number)| number).collect()
     };
-    let all = READINGS
+    let all = DIFFERENCES
         .iter()
-        .map(|reading| (reading.what, items(reading)));
+        .map(|difference| (difference.what, items(difference)));
     all.filter(|(_, items)| !items.is_empty()).collect()
 }

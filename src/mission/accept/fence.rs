@@ -1,14 +1,15 @@
-//! What an autopilot takes as a fence and as rally points.
+//! Rules for the fence and the rally points.
 
-use super::{AcceptanceProblem, Limits, List};
-use crate::mission::item::{Item, VehicleMission, command, frame};
+use super::{AcceptanceProblem, List};
+use crate::autopilot::{Capacity, command, frame};
+use crate::mission::item::{Item, VehicleMission};
 
 /// Problems of the fence and the rally points.
-pub(crate) fn problems(mission: &VehicleMission, limits: Limits) -> Vec<AcceptanceProblem> {
+pub(crate) fn problems(mission: &VehicleMission, capacity: Capacity) -> Vec<AcceptanceProblem> {
     let mut found = Vec::new();
     for (list, items, limit) in [
-        (List::Fence, &mission.fence, limits.fence),
-        (List::Rally, &mission.rally, limits.rally),
+        (List::Fence, &mission.fence, capacity.fence),
+        (List::Rally, &mission.rally, capacity.rally),
     ] {
         if items.len() > limit {
             found.push(AcceptanceProblem {
@@ -28,9 +29,9 @@ pub(crate) fn problems(mission: &VehicleMission, limits: Limits) -> Vec<Acceptan
     found
 }
 
-/// A place on earth, in a frame with latitude and longitude.
+/// Checks that the item is at a place on earth, in a frame with latitude and longitude.
 fn place(list: List, number: usize, item: &Item) -> Option<AcceptanceProblem> {
-    let tell = |rule, found: String, allowed: &str| {
+    let problem = |rule, found: String, allowed: &str| {
         Some(AcceptanceProblem {
             list,
             item: number,
@@ -40,28 +41,28 @@ fn place(list: List, number: usize, item: &Item) -> Option<AcceptanceProblem> {
         })
     };
     if ![frame::GLOBAL, frame::GLOBAL_RELATIVE_ALT].contains(&frame::canonical(item.frame)) {
-        return tell("frame", format!("frame {}", item.frame), "frame 0, 3, 5, 6");
+        return problem("frame", format!("frame {}", item.frame), "frame 0, 3, 5, 6");
     }
     if item.place().is_none() || (item.x, item.y) == (0, 0) {
         let (lat_deg, lon_deg) = (f64::from(item.x) / 1e7, f64::from(item.y) / 1e7);
-        return tell(
+        return problem(
             "a real place",
             format!("latitude {lat_deg}, longitude {lon_deg}"),
             "-90 to 90, -180 to 180, not 0, 0",
         );
     }
     if !item.z.is_finite() {
-        return tell("altitude", format!("{} m", item.z), "a number");
+        return problem("altitude", format!("{} m", item.z), "a number");
     }
     None
 }
 
-/// Corners in a row carry the same count, and as many follow; a circle has a radius.
+/// Checks that each polygon has as many corners as its items state, and each circle a radius.
 fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
     let mut found = Vec::new();
     let mut index = 0;
     while let Some(item) = fence.get(index) {
-        let tell = |rule, found: String, allowed: String| AcceptanceProblem {
+        let problem = |rule, found: String, allowed: String| AcceptanceProblem {
             list: List::Fence,
             item: index + 1,
             rule,
@@ -82,7 +83,7 @@ fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
                         .is_ok_and(|count| f32::from(count).to_bits() == item.params[0].to_bits())
                 });
                 if corners.is_none() {
-                    found.push(tell(
+                    found.push(problem(
                         "polygon corners",
                         format!("param1 {} before {run} such corners", item.params[0]),
                         "param1 is the number of corners that follow, at least 3".to_owned(),
@@ -93,7 +94,7 @@ fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
             command::FENCE_CIRCLE_INCLUSION | command::FENCE_CIRCLE_EXCLUSION => {
                 let radius_m = item.params[0];
                 if !(radius_m.is_finite() && radius_m > 0.0) {
-                    found.push(tell(
+                    found.push(problem(
                         "circle radius",
                         format!("{radius_m} m"),
                         "more than 0 m".to_owned(),
@@ -107,7 +108,7 @@ fn polygons(fence: &[Item]) -> Vec<AcceptanceProblem> {
     found
 }
 
-/// Each list holds its own commands only.
+/// Checks that each list has its own commands only.
 fn kinds(mission: &VehicleMission) -> Vec<AcceptanceProblem> {
     let fence = command::FENCE_RETURN_POINT..=command::FENCE_CIRCLE_EXCLUSION;
     let rally = command::RALLY_POINT..=command::RALLY_POINT;

@@ -1,23 +1,29 @@
-//! What an autopilot takes as one item, whatever stands around it.
+//! Rules for one item, whatever the others are.
 
+use super::whole::commands;
 use super::{Finding, Profile};
-use crate::mission::item::{Item, command};
+use crate::autopilot::{command, command_row};
+use crate::mission::item::Item;
 
 pub(crate) fn known_command(profile: &Profile, item: &Item) -> Option<Finding> {
-    profile.rule(item).is_none().then(|| {
-        (
-            format!("command {}", item.command),
-            "the commands this autopilot knows".to_owned(),
-        )
-    })
+    if profile.rule(item).is_some() {
+        return None;
+    }
+    let row = command_row(item.command);
+    let allowed = match row.and_then(|row| row.rule(profile.autopilot)) {
+        Some(rule) => format!("in {} {}", profile.autopilot.name(), rule.versions),
+        None => "the commands this autopilot knows".to_owned(),
+    };
+    Some((format!("command {}", item.command), allowed))
 }
 
 pub(crate) fn allowed_frame(profile: &Profile, item: &Item) -> Option<Finding> {
-    let allowed = if profile.has_place(item) {
-        profile.place_frames
+    let rules = &profile.facts.acceptance;
+    let allowed = if profile.has_location(item) {
+        rules.location_frames
     } else {
         profile.rule(item)?;
-        profile.command_frames?
+        rules.command_frames?
     };
     (!allowed.contains(&item.frame)).then(|| (format!("frame {}", item.frame), list(allowed)))
 }
@@ -26,7 +32,7 @@ pub(crate) fn finite_parameters(profile: &Profile, item: &Item) -> Option<Findin
     let nan_allowed = profile.rule(item).map_or([false; 4], |rule| rule.nan);
     (0..4).find_map(|index| {
         let value = item.params[index];
-        let nan_allowed = profile.any_nan || nan_allowed[index];
+        let nan_allowed = profile.facts.acceptance.any_nan || nan_allowed[index];
         if value.is_finite() || (value.is_nan() && nan_allowed) {
             return None;
         }
@@ -39,20 +45,45 @@ pub(crate) fn finite_parameters(profile: &Profile, item: &Item) -> Option<Findin
     })
 }
 
+/// Values that the row of the command rejects in one of the versions.
+pub(crate) fn parameter_values(profile: &Profile, item: &Item) -> Option<Finding> {
+    let [p1, p2, p3, p4] = item.params;
+    profile.rule(item)?.params.iter().find_map(|rule| {
+        let value = match rule.param {
+            1 => p1,
+            2 => p2,
+            3 => p3,
+            4 => p4,
+            _ => item.z,
+        };
+        let versions = &mut profile.versions.iter();
+        let applies = rule.frame.is_none_or(|frame| frame == item.frame)
+            && versions.any(|version| rule.versions.contains(*version));
+        (applies && rule.rejected.holds(value)).then(|| {
+            let found = format!("param{} is {value}", rule.param);
+            (
+                found,
+                format!("{}: {}", rule.rejected.allowed(), rule.source),
+            )
+        })
+    })
+}
+
 pub(crate) fn latitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.has_place(item) && item.x.unsigned_abs() > 900_000_000)
+    (profile.has_location(item) && item.x.unsigned_abs() > 900_000_000)
         .then(|| (degrees(item.x), "-90 to 90 degrees".to_owned()))
 }
 
 pub(crate) fn longitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.has_place(item) && item.y.unsigned_abs() > 1_800_000_000)
+    (profile.has_location(item) && item.y.unsigned_abs() > 1_800_000_000)
         .then(|| (degrees(item.y), "-180 to 180 degrees".to_owned()))
 }
 
-/// ArduPilot takes 0, 0 for "here"; PX4 flies to the Gulf of Guinea.
+/// ArduPilot reads 0, 0 as the present place; PX4 flies to the Gulf of Guinea.
 pub(crate) fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
-    let goes = profile.has_place(item) && !profile.here.contains(&item.command);
-    (goes && (item.x, item.y) == (0, 0)).then(|| {
+    let means_here = profile.facts.acceptance.here.contains(&item.command);
+    let is_zero = (item.x, item.y) == (0, 0);
+    (is_zero && profile.has_location(item) && !means_here).then(|| {
         (
             "latitude 0, longitude 0".to_owned(),
             "a place on purpose".to_owned(),
@@ -61,32 +92,39 @@ pub(crate) fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
 }
 
 pub(crate) fn altitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    let limit_m = profile.max_altitude_m;
+    let limit_m = profile.facts.acceptance.max_altitude_m;
     let fits = item.z.is_finite() && item.z.abs() < limit_m;
-    (profile.has_place(item) && !fits)
+    (profile.has_location(item) && !fits)
         .then(|| (format!("{} m", item.z), format!("within {limit_m} m")))
 }
 
 pub(crate) fn hold_time(profile: &Profile, item: &Item) -> Option<Finding> {
     let holds = [command::NAV_WAYPOINT, command::NAV_LOITER_TIME].contains(&item.command);
-    let hold_s = item.params[0];
-    (holds && hold_s.is_finite() && !(0.0..=profile.max_hold_s).contains(&hold_s)).then(|| {
-        (
-            format!("{hold_s} s"),
-            format!("0 to {} s", profile.max_hold_s),
-        )
-    })
+    let (hold_s, max_s) = (item.params[0], profile.facts.acceptance.max_hold_s);
+    (holds && hold_s.is_finite() && !(0.0..=max_s).contains(&hold_s))
+        .then(|| (format!("{hold_s} s"), format!("0 to {max_s} s")))
 }
 
-/// A precision landing leaves the place of the item for that of a beacon, after a search for it.
+/// A precision landing goes from the place of the item to that of a beacon, after a search for it.
 pub(crate) fn precision_landing(profile: &Profile, item: &Item) -> Option<Finding> {
     let mode = item.params[1];
-    let looks = item.command == command::NAV_LAND && profile.lands_by_beacon;
-    (looks && mode.is_finite() && mode.abs() > 0.0).then(|| {
+    let searches = item.command == command::NAV_LAND && profile.facts.acceptance.precision_landing;
+    (searches && mode.is_finite() && mode.abs() > 0.0).then(|| {
         (
             format!("param2 is {mode}"),
             "0: a landing at its place".to_owned(),
         )
+    })
+}
+
+/// With another command for landing the vehicle skips the item, or flies it as if it were of
+/// another kind.
+pub(crate) fn kind_of_landing(profile: &Profile, item: &Item) -> Option<Finding> {
+    let landings = profile.facts.acceptance.landings;
+    let lands = [command::NAV_LAND, command::NAV_VTOL_LAND].contains(&item.command);
+    (lands && !landings.contains(&item.command)).then(|| {
+        let allowed = format!("{} for this airframe", commands(landings));
+        (format!("command {}", item.command), allowed)
     })
 }
 

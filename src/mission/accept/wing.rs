@@ -1,21 +1,22 @@
-//! What an autopilot takes of a plane or vtol, and how they land.
+//! Rules for planes and vtol alone.
 
+use super::whole::commands;
 use super::{Finding, Profile};
-use crate::mission::item::{Item, VehicleMission, command, frame};
+use crate::autopilot::{command, frame};
+use crate::mission::item::{Item, VehicleMission};
 use crate::mission::params::STEEPEST_GLIDE;
 
-/// PX4 lets a glide be steeper than its limit by this, for rounding, degrees.
+/// PX4 accepts a glide that is steeper than its limit by this, for rounding, degrees.
 const GLIDE_SLACK_DEG: f64 = 0.1;
-/// ArduPlane keeps the second and third parameter of a waypoint in a byte each.
-const MOST_OF_A_BYTE: f32 = 255.0;
-/// `NAV_LOITER_TO_ALT`, with which an approach may begin too.
-const NAV_LOITER_TO_ALT: u16 = 31;
+/// ArduPlane stores the second and third parameter of a waypoint in a byte each.
+const MAX_BYTE: f32 = 255.0;
 
-/// A QuadPlane climbs by the altitude of its takeoff: above the sea it would be a climb by
-/// the height of the place above the sea.
+/// A QuadPlane climbs by the altitude of its takeoff: with an altitude above the sea it would
+/// climb by the height of the place above the sea as well.
 pub(crate) fn takeoff_frame(profile: &Profile, item: &Item) -> Option<Finding> {
     let is_above_home = frame::canonical(item.frame) == frame::GLOBAL_RELATIVE_ALT;
-    let climbs = profile.wing.takeoff_above_home && item.command == command::NAV_VTOL_TAKEOFF;
+    let climbs =
+        profile.facts.acceptance.takeoff_above_home && item.command == command::NAV_VTOL_TAKEOFF;
     (climbs && !is_above_home).then(|| {
         (
             format!("frame {}, read as a height above home", item.frame),
@@ -24,21 +25,9 @@ pub(crate) fn takeoff_frame(profile: &Profile, item: &Item) -> Option<Finding> {
     })
 }
 
-/// Each airframe lands with one command; the other is skipped, or flown as if the
-/// vehicle were another.
-pub(crate) fn kind_of_landing(profile: &Profile, item: &Item) -> Option<Finding> {
-    let lands = [command::NAV_LAND, command::NAV_VTOL_LAND].contains(&item.command);
-    (lands && item.command != profile.landing).then(|| {
-        (
-            format!("command {}", item.command),
-            format!("command {} for this airframe", profile.landing),
-        )
-    })
-}
-
-/// ArduPlane goes on at once; whoever launches the fleet must wait instead.
+/// ArduPlane continues at once: the start of the mission must be delayed instead.
 pub(crate) fn departure_delay(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.wing.never_waits && item.command == command::NAV_DELAY).then(|| {
+    (profile.facts.acceptance.never_waits && item.command == command::NAV_DELAY).then(|| {
         (
             "NAV_DELAY, which is over at once".to_owned(),
             "a start of the mission at the departure".to_owned(),
@@ -46,57 +35,57 @@ pub(crate) fn departure_delay(profile: &Profile, item: &Item) -> Option<Finding>
     })
 }
 
-/// ArduPlane drops the hold of a waypoint and cuts radii to whole metres.
+/// ArduPlane drops the hold of a waypoint and truncates radii to whole metres.
 pub(crate) fn whole_numbers(profile: &Profile, item: &Item) -> Option<Finding> {
-    if !profile.wing.whole_numbers {
+    if !profile.facts.acceptance.whole_numbers {
         return None;
     }
     let [hold_s, radius_m, pass_m, _] = item.params;
     let is_whole = |value: f32| value.fract().abs() <= 0.0;
-    let in_byte = |value: f32| is_whole(value) && (0.0..=MOST_OF_A_BYTE).contains(&value);
-    let tell = |index: usize, allowed: &str| {
+    let in_byte = |value: f32| is_whole(value) && (0.0..=MAX_BYTE).contains(&value);
+    let finding = |index: usize, allowed: &str| {
         Some((
             format!("param{} is {}", index + 1, item.params[index]),
             allowed.to_owned(),
         ))
     };
     match item.command {
-        command::NAV_WAYPOINT if hold_s.abs() > 0.0 => tell(0, "0: a plane does not hold"),
+        command::NAV_WAYPOINT if hold_s.abs() > 0.0 => finding(0, "0: a plane does not hold"),
         command::NAV_WAYPOINT if radius_m.is_finite() && !in_byte(radius_m) => {
-            tell(1, "a whole number from 0 to 255")
+            finding(1, "a whole number from 0 to 255")
         }
         command::NAV_WAYPOINT if pass_m.is_finite() && !in_byte(pass_m) => {
-            tell(2, "a whole number from 0 to 255")
+            finding(2, "a whole number from 0 to 255")
         }
         command::NAV_LOITER_UNLIM if pass_m.is_finite() && !is_whole(pass_m) => {
-            tell(2, "a whole number")
+            finding(2, "a whole number")
         }
         _ => None,
     }
 }
 
-/// PX4 refuses a fixed-wing landing unless the item before it is a waypoint (or a circle
+/// PX4 rejects a fixed-wing landing unless the item before it is a waypoint (or a circle
 /// to an altitude) above it, no steeper than its parameter allows.
 pub(crate) fn landing_approach(
     profile: &Profile,
     mission: &VehicleMission,
 ) -> Option<(usize, Finding)> {
-    if !profile.wing.needs_approach {
+    if !profile.facts.acceptance.needs_approach {
         return None;
     }
     let is_landing = |item: &Item| item.command == command::NAV_LAND;
     let index = mission.items.iter().position(is_landing)?;
-    let tell = |found: String, allowed: String| Some((index + 1, (found, allowed)));
+    let finding = |found: String, allowed: String| Some((index + 1, (found, allowed)));
     let Some(before) = index.checked_sub(1).map(|before| mission.items[before]) else {
-        return tell(
+        return finding(
             "a landing and nothing before it".to_owned(),
             "a waypoint before it".to_owned(),
         );
     };
-    if ![command::NAV_WAYPOINT, NAV_LOITER_TO_ALT].contains(&before.command) {
-        return tell(
+    if ![command::NAV_WAYPOINT, command::NAV_LOITER_TO_ALT].contains(&before.command) {
+        return finding(
             format!("command {} before the landing", before.command),
-            format!("command {}, {NAV_LOITER_TO_ALT}", command::NAV_WAYPOINT),
+            commands(&[command::NAV_WAYPOINT, command::NAV_LOITER_TO_ALT]),
         );
     }
     let landing = mission.items[index];
@@ -106,18 +95,18 @@ pub(crate) fn landing_approach(
     };
     let height_m = amsl_m(&before) - amsl_m(&landing);
     if height_m <= 0.0 {
-        return tell(
+        return finding(
             format!("an approach from {height_m:.1} m above the landing"),
             "from above".to_owned(),
         );
     }
-    // Where the parameters are not known, nor is what they allow.
+    // Without the parameters the limit is not known.
     let steepest = |name: &str| mission.params.iter().find(|param| param.name == name);
     let steepest_deg = f64::from(steepest(STEEPEST_GLIDE)?.value);
     let length_m = before.place()?.chord_m(landing.place()?);
     let glide_deg = height_m.atan2(length_m).to_degrees();
     if before.command == command::NAV_WAYPOINT && glide_deg > steepest_deg + GLIDE_SLACK_DEG {
-        return tell(
+        return finding(
             format!("a glide of {glide_deg:.1} degrees"),
             format!("at most {steepest_deg:.1} degrees ({STEEPEST_GLIDE})"),
         );

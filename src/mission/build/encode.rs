@@ -5,8 +5,9 @@
 //! truncates: 30.129 comes back as 30.12), so no step on the way to the vehicle
 //! can lower it.
 
+use crate::autopilot::{command, frame};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
-use crate::mission::item::{Home, Item, command, frame};
+use crate::mission::item::{Home, Item};
 use crate::spec::AltitudeReference;
 use crate::world::{NoData, World};
 
@@ -146,7 +147,7 @@ pub(crate) fn quarter_up(height_m: f64) -> f32 {
     up(height_m * 4.0) / 4.0
 }
 
-/// Up to the next whole number, unless it is above one by a hair only.
+/// Up to the next whole number, unless it exceeds one by less than `TOLERANCE`.
 pub(crate) fn up(value: f64) -> f32 {
     #[expect(
         clippy::cast_possible_truncation,

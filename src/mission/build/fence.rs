@@ -1,8 +1,9 @@
 //! The fence and the rally points of a spec as items.
 
 use super::encode::{Encoder, degrees_e7, up};
+use crate::autopilot::{command, frame};
 use crate::geodesy::LatLon;
-use crate::mission::item::{Item, command, frame};
+use crate::mission::item::Item;
 use crate::spec::MissionSpec;
 use crate::world::{NoData, World};
 
@@ -40,7 +41,7 @@ pub fn missing_from_fence(spec: &MissionSpec, fence: &[Item]) -> Vec<String> {
     let held = boundaries(fence);
     pieces(spec)
         .into_iter()
-        .filter(|(_, wanted)| !held.iter().any(|items| holds(items, wanted)))
+        .filter(|(_, required)| !held.iter().any(|items| holds(items, required)))
         .map(|(name, _)| name)
         .collect()
 }
@@ -67,22 +68,23 @@ fn boundaries(mut fence: &[Item]) -> Vec<&[Item]> {
     found
 }
 
-/// Two places of a fence are one within this, 1e-7 degrees: 5 cm.
+/// Two points of a fence are the same within this, 1e-7 degrees: 5 cm.
 const SAME_PLACE_E7: u32 = 5;
 /// A circle may be this much smaller than the threat it keeps out of, metres.
 const RADIUS_M: f32 = 0.01;
 
-/// Whether a boundary is the wanted one: corners from anywhere, either way round; a circle no smaller.
-fn holds(boundary: &[Item], wanted: &[Item]) -> bool {
-    let is = |item: &Item, wanted: &Item| {
-        item.command == wanted.command
-            && item.x.abs_diff(wanted.x) <= SAME_PLACE_E7
-            && item.y.abs_diff(wanted.y) <= SAME_PLACE_E7
-            && item.params[0] >= wanted.params[0] - RADIUS_M
+/// Whether a boundary is the required one: its corners in either direction from any of them, a
+/// circle no smaller.
+fn holds(boundary: &[Item], required: &[Item]) -> bool {
+    let is = |item: &Item, required: &Item| {
+        item.command == required.command
+            && item.x.abs_diff(required.x) <= SAME_PLACE_E7
+            && item.y.abs_diff(required.y) <= SAME_PLACE_E7
+            && item.params[0] >= required.params[0] - RADIUS_M
     };
-    let around = |first: usize| wanted.iter().cycle().skip(first).take(wanted.len());
-    boundary.len() == wanted.len()
-        && (0..wanted.len()).any(|first| {
+    let around = |first: usize| required.iter().cycle().skip(first).take(required.len());
+    boundary.len() == required.len()
+        && (0..required.len()).any(|first| {
             let mut ahead = boundary.iter().zip(around(first));
             let mut back = boundary.iter().rev().zip(around(first));
             ahead.all(|(item, corner)| is(item, corner))

@@ -1,8 +1,25 @@
 //! The fewest legs through a list of points: a dynamic program over legs.
 
+use nalgebra::Vector3;
+
 use super::encode::quarter_up;
-use super::simplify::{Keep, Point, distance_m};
 use crate::geodesy::Amsl;
+use crate::path::VehicleLimits;
+
+/// A point of the path: east, north, height, metres.
+pub(crate) type Point = Vector3<f64>;
+
+/// The limits that waypoints must keep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Keep {
+    /// Furthest from the path, metres, positive.
+    pub tolerance_m: f64,
+    /// Turn radius and slopes.
+    pub limits: VehicleLimits,
+    /// Altitude of height 0; absent when heights are above terrain, whose slopes are not
+    /// those of the flight.
+    pub zero: Option<Amsl>,
+}
 
 /// What a metre of misfit costs, in legs: a tenth of a millimetre weighs as much as one.
 const MISFIT_COST: f64 = 1e4;
@@ -158,6 +175,18 @@ impl Leg {
             heading_rad: along.y.atan2(along.x),
         })
     }
+}
+
+/// Distance of a point from a segment, metres.
+pub(crate) fn distance_m(point: Point, from: Point, to: Point) -> f64 {
+    let along = to - from;
+    let length_sq = along.norm_squared();
+    let at = if length_sq > 0.0 {
+        ((point - from).dot(&along) / length_sq).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (point - from - along * at).norm()
 }
 
 /// How much more a leg rises or falls than the vehicle may over its length, with its

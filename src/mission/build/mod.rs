@@ -6,15 +6,17 @@ pub(super) mod legs;
 pub(super) mod simplify;
 pub(super) mod wing;
 
-use super::accept::{List, limits};
-use super::item::{Item, VehicleMission, command};
+use super::accept::List;
+use super::item::{Item, VehicleMission};
 use super::params::parameters;
+use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
 use crate::path::{TimedPoint, VehicleLimits};
-use crate::spec::{AltitudeReference, Autopilot, Finish, MissionSpec, Vehicle};
+use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::world::{Departure, NoData, Stations, World};
 use encode::{ENCODING_M, Encoder};
-use simplify::{Keep, Point, waypoints};
+use legs::{Keep, Point};
+use simplify::waypoints;
 
 /// Why a path cannot become a mission.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -126,12 +128,8 @@ pub fn build_course(
     let stations = world.stations.get(vehicle).ok_or_else(no_such)?;
     let vehicle = spec.vehicles.get(vehicle).ok_or_else(no_such)?;
     check(spec, vehicle, routes, needed)?;
-    let encoder = Encoder::new(
-        world,
-        spec.mission.altitude,
-        vehicle.home,
-        stations.home.amsl,
-    );
+    let (reference, ground) = (spec.mission.altitude, stations.home.amsl);
+    let encoder = Encoder::new(world, reference, vehicle.home, ground);
     let writer = ItemWriter {
         spec,
         vehicle,
@@ -160,6 +158,7 @@ pub fn build_course(
         !fence.is_empty(),
     );
     let mission = VehicleMission {
+        autopilot_version: vehicle.autopilot_version,
         autopilot: vehicle.autopilot,
         airframe: vehicle.airframe,
         home: encoder.home(),
@@ -202,7 +201,9 @@ fn check(
             });
         }
     }
-    if vehicle.autopilot == Autopilot::Px4 && spec.mission.altitude == AltitudeReference::Terrain {
+    let frames = vehicle.facts().acceptance.location_frames;
+    let has_terrain = frames.contains(&frame::GLOBAL_TERRAIN_ALT);
+    if !has_terrain && spec.mission.altitude == AltitudeReference::Terrain {
         return Err(MissionError::TerrainOnPx4 {
             vehicle: vehicle.id.clone(),
         });
@@ -216,40 +217,23 @@ fn count(
     vehicle: &Vehicle,
     mission: &VehicleMission,
 ) -> Result<(), MissionError> {
-    let allowed = limits(vehicle.autopilot);
+    let allowed = vehicle.facts().capacity;
+    let storage = "the autopilot's storage";
+    let (items, fence, rally) = (&mission.items, &mission.fence, &mission.rally);
+    let max_items = spec.mission.max_items;
     let too_many = [
-        (
-            List::Mission,
-            mission.items.len(),
-            spec.mission.max_items,
-            "mission.max_items",
-        ),
-        (
-            List::Mission,
-            mission.items.len(),
-            allowed.items,
-            "the autopilot's storage",
-        ),
-        (
-            List::Fence,
-            mission.fence.len(),
-            allowed.fence,
-            "the autopilot's storage",
-        ),
-        (
-            List::Rally,
-            mission.rally.len(),
-            allowed.rally,
-            "the autopilot's storage",
-        ),
+        (List::Mission, items, max_items, "mission.max_items"),
+        (List::Mission, items, allowed.items, storage),
+        (List::Fence, fence, allowed.fence, storage),
+        (List::Rally, rally, allowed.rally, storage),
     ]
     .into_iter()
-    .find(|(_, count, limit, _)| count > limit);
+    .find(|(_, items, limit, _)| items.len() > *limit);
     match too_many {
-        Some((list, count, limit, why)) => Err(MissionError::TooManyItems {
+        Some((list, items, limit, why)) => Err(MissionError::TooManyItems {
             vehicle: vehicle.id.clone(),
             list,
-            count,
+            count: items.len(),
             limit,
             why,
         }),
@@ -331,20 +315,23 @@ impl ItemWriter<'_> {
         }
     }
 
-    /// Ground speed. PX4 has it in its parameters: with the item a copter was seen to drift off.
+    /// Sets the speed, where a mission can: over the ground, on a wing through the air.
     fn speed(&self) -> Option<Item> {
-        (self.vehicle.autopilot == Autopilot::ArduPilot).then(|| {
+        let conventions = self.vehicle.autopilot.conventions();
+        conventions.speed_in_mission.then(|| {
+            let kind = if self.vehicle.wing.is_some() {
+                0.0
+            } else {
+                1.0
+            };
             let speed_mps = float(self.vehicle.speed_mps);
-            Item::without_place(command::DO_CHANGE_SPEED, [1.0, speed_mps, -1.0, 0.0])
+            Item::without_place(command::DO_CHANGE_SPEED, [kind, speed_mps, -1.0, 0.0])
         })
     }
 
     /// An item whose `param4` is a heading: PX4 keeps its own with NaN, ArduPilot drops it.
     pub(super) fn at(&self, command: u16, hold_s: f32, point: PlanPoint) -> Result<Item, NoData> {
-        let heading = match self.vehicle.autopilot {
-            Autopilot::ArduPilot => 0.0,
-            Autopilot::Px4 => f32::NAN,
-        };
+        let heading = self.vehicle.autopilot.conventions().no_heading;
         self.encoder
             .item(command, [hold_s, 0.0, 0.0, heading], point)
     }
@@ -352,7 +339,7 @@ impl ItemWriter<'_> {
     /// The samples of a route that become waypoints.
     ///
     /// Between waypoints an autopilot interpolates the altitude in the frame of the
-    /// items, so the tolerance is kept in the reference of the mission.
+    /// items, so the tolerance holds in the reference of the mission.
     pub(super) fn route(&self, route: &[TimedPoint]) -> Result<Vec<PlanPoint>, NoData> {
         let path = route
             .iter()

@@ -9,38 +9,18 @@
 //! Altitudes are encoded in quarters of a metre, which makes a short leg steeper
 //! than the path: legs that come out steeper than the vehicle may climb are avoided.
 
-use nalgebra::Vector3;
+use super::legs::{Keep, Legs, Point, distance_m};
 
-use super::legs::Legs;
-use crate::geodesy::Amsl;
-use crate::path::VehicleLimits;
-
-/// A point of the path: east, north, height, metres.
-pub(crate) type Point = Vector3<f64>;
-
-/// What the waypoints have to keep.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Keep {
-    /// Furthest from the path, metres, positive.
-    pub tolerance_m: f64,
-    /// Turn radius and slopes.
-    pub limits: VehicleLimits,
-    /// Altitude of height 0; absent when heights are above terrain, whose slopes are not
-    /// those of the flight.
-    pub zero: Option<Amsl>,
-}
-
-/// Share of the tolerance spent on thinning the samples to candidates.
-const THINNING: f64 = 0.05;
+/// Share of the tolerance that the choice of candidates among the samples uses.
+const CANDIDATE_SHARE: f64 = 0.05;
 
 /// Indices of the samples that become waypoints, first and last included.
 ///
-/// The fewest, among the samples that remain after thinning, whose legs and arcs keep
-/// the limits; where none do, those that miss them least, for the verdict to refuse.
-/// The ends are flown from and to rest.
+/// The fewest candidates whose legs and arcs keep the limits. Where none do, those that miss them
+/// least, which the verdict rejects. The ends are flown from and to rest.
 pub(crate) fn waypoints(path: &[Point], keep: &Keep) -> Vec<usize> {
-    let slack_m = THINNING * keep.tolerance_m;
-    let candidates = thin(path, slack_m);
+    let slack_m = CANDIDATE_SHARE * keep.tolerance_m;
+    let candidates = douglas_peucker(path, slack_m);
     let points: Vec<Point> = candidates.iter().map(|&index| path[index]).collect();
     Legs::new(&points, slack_m, keep)
         .fewest()
@@ -49,12 +29,12 @@ pub(crate) fn waypoints(path: &[Point], keep: &Keep) -> Vec<usize> {
         .collect()
 }
 
-/// Douglas-Peucker: indices of a subset that no sample leaves by more than `tolerance_m`.
-fn thin(path: &[Point], tolerance_m: f64) -> Vec<usize> {
+/// Indices of a subset of the samples within `tolerance_m` of every sample.
+fn douglas_peucker(path: &[Point], tolerance_m: f64) -> Vec<usize> {
     let Some(last) = path.len().checked_sub(1) else {
         return Vec::new();
     };
-    let mut kept = vec![0, last];
+    let mut chosen = vec![0, last];
     let mut open = vec![(0, last)];
     while let Some((from, to)) = open.pop() {
         let farthest = (from + 1..to)
@@ -63,30 +43,20 @@ fn thin(path: &[Point], tolerance_m: f64) -> Vec<usize> {
         if let Some((index, deviation_m)) = farthest
             && deviation_m > tolerance_m
         {
-            kept.push(index);
+            chosen.push(index);
             open.extend([(from, index), (index, to)]);
         }
     }
-    kept.sort_unstable();
-    kept.dedup();
-    kept
-}
-
-/// Distance of a point from a segment, metres.
-pub(crate) fn distance_m(point: Point, from: Point, to: Point) -> f64 {
-    let along = to - from;
-    let length_sq = along.norm_squared();
-    let at = if length_sq > 0.0 {
-        ((point - from).dot(&along) / length_sq).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    (point - from - along * at).norm()
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geodesy::Amsl;
+    use crate::path::VehicleLimits;
     use crate::spec::Vehicle;
     use crate::spec::fixtures::copter;
     use proptest::prelude::*;
@@ -111,7 +81,7 @@ mod tests {
         }
     }
 
-    fn chosen(path: &[Point]) -> Vec<Point> {
+    fn simplified(path: &[Point]) -> Vec<Point> {
         waypoints(path, &keep())
             .into_iter()
             .map(|index| path[index])
@@ -119,7 +89,7 @@ mod tests {
     }
 
     /// Metres of leg that remain between the arcs, the least over all legs.
-    fn least_room_m(points: &[Point]) -> f64 {
+    fn min_gap_m(points: &[Point]) -> f64 {
         let heading = |a: Point, b: Point| (b.y - a.y).atan2(b.x - a.x);
         let used = |index: usize| {
             if index == 0 || index + 1 == points.len() {
@@ -159,23 +129,27 @@ mod tests {
         let path: Vec<Point> = (0..=100)
             .map(|i| Point::new(f64::from(i) * 10.0, 0.0, 500.0 + f64::from((i - 50).max(0))))
             .collect();
-        let kept = waypoints(&path, &keep());
-        assert_eq!(kept.len(), 3);
-        assert!(kept[1].abs_diff(50) <= 10, "bend at {}", kept[1]);
+        let chosen = waypoints(&path, &keep());
+        assert_eq!(chosen.len(), 3);
+        assert!(chosen[1].abs_diff(50) <= 10, "bend at {}", chosen[1]);
     }
 
     #[test]
     fn an_arc_needs_about_as_many_legs_as_chord_and_cut_allow() {
         // Deviation plus cut is (r + R)(1 - cos(phi/2)) to second order: 5 m at phi = 18.3 degrees.
-        let kept = chosen(&arc(300.0, std::f64::consts::PI, 2000));
-        assert!((11..=13).contains(&kept.len()), "{} waypoints", kept.len());
-        assert!(least_room_m(&kept) >= -1e-9);
+        let chosen = simplified(&arc(300.0, std::f64::consts::PI, 2000));
+        assert!(
+            (11..=13).contains(&chosen.len()),
+            "{} waypoints",
+            chosen.len()
+        );
+        assert!(min_gap_m(&chosen) >= -1e-9);
     }
 
     #[test]
     fn an_arc_hardly_wider_than_the_turn_radius_is_refined_until_it_fits() {
-        let kept = chosen(&arc(92.0, std::f64::consts::PI, 2000));
-        assert!(least_room_m(&kept) >= -1e-6, "room {}", least_room_m(&kept));
+        let chosen = simplified(&arc(92.0, std::f64::consts::PI, 2000));
+        assert!(min_gap_m(&chosen) >= -1e-6, "gap {}", min_gap_m(&chosen));
     }
 
     /// The most that a leg as encoded rises beyond a slope, metres.
@@ -203,12 +177,12 @@ mod tests {
                 let run_m = 300.0 * std::f64::consts::PI * f64::from(step) / 4000.0;
                 point.z = 500.1 + slope * run_m;
             }
-            let kept: Vec<Point> = waypoints(&path, &keep)
+            let chosen: Vec<Point> = waypoints(&path, &keep)
                 .into_iter()
                 .map(|index| path[index])
                 .collect();
-            assert!(least_room_m(&kept) >= -1e-6);
-            let over_m = most_over_m(&kept, 15_f64.to_radians().tan());
+            assert!(min_gap_m(&chosen) >= -1e-6);
+            let over_m = most_over_m(&chosen, 15_f64.to_radians().tan());
             assert!(over_m < 0.02, "{slope}: {over_m} m");
         }
     }
@@ -257,7 +231,7 @@ mod tests {
                 && subset
                     .windows(2)
                     .all(|two| deviation(two[0], two[1]) <= keep().tolerance_m)
-                && least_room_m(&points) >= 0.0
+                && min_gap_m(&points) >= 0.0
         };
         let fewest = (0_u32..1 << 10)
             .map(|bits| {
@@ -269,7 +243,7 @@ mod tests {
             .filter(|subset| fits(subset))
             .map(|subset| subset.len())
             .min();
-        // The thinning takes a twentieth of the tolerance; this path has no choice that close to it.
+        // The choice of candidates takes a twentieth of the tolerance; this path has no choice that close to it.
         assert_eq!(Some(waypoints(&path, &keep()).len()), fewest);
     }
 
@@ -285,9 +259,9 @@ mod tests {
                 let last = path[path.len() - 1];
                 path.push(last + Point::new(length * heading.cos(), length * heading.sin(), climb));
             }
-            let kept = waypoints(&path, &keep());
-            prop_assert_eq!((kept[0], kept[kept.len() - 1]), (0, path.len() - 1));
-            for leg in kept.windows(2) {
+            let chosen = waypoints(&path, &keep());
+            prop_assert_eq!((chosen[0], chosen[chosen.len() - 1]), (0, path.len() - 1));
+            for leg in chosen.windows(2) {
                 for index in leg[0]..=leg[1] {
                     prop_assert!(distance_m(path[index], path[leg[0]], path[leg[1]]) <= keep().tolerance_m);
                 }

@@ -2,8 +2,9 @@
 //! and off them, circles, glides.
 
 use super::{ItemWriter, float};
+use crate::autopilot::command;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
-use crate::mission::item::{Item, command};
+use crate::mission::item::Item;
 use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
 use crate::spec::{Airframe, Autopilot, Finish};
 use crate::world::{Departure, NoData, Stations};
@@ -13,7 +14,7 @@ use crate::world::{Departure, NoData, Stations};
 const OUTSIDE: f64 = 3.0;
 
 /// The way of a mission so far, and the items that make it.
-struct Items {
+struct ItemList {
     items: Vec<Item>,
     at: EastNorth,
     /// Course there, radians clockwise from north; none where any will do.
@@ -27,8 +28,8 @@ impl ItemWriter<'_> {
         stations: &Stations,
         routes: &[Vec<TimedPoint>],
     ) -> Result<Vec<Item>, NoData> {
-        let mut script = self.winged_takeoff(stations)?;
-        script.items.extend(self.airspeed());
+        let mut list = self.winged_takeoff(stations)?;
+        list.items.extend(self.speed());
         let (touchdown, approach) = landing(self.vehicle, stations);
         let radius_m = self.vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
         let circles = self.vehicle.finish == Finish::Loiter;
@@ -45,21 +46,21 @@ impl ItemWriter<'_> {
                 Some(end) if index + 1 == routes.len() => outside(route, end.point.at, left_out_m),
                 _ => route.clone(),
             };
-            self.fly(&mut script, &self.route(&route)?)?;
+            self.fly(&mut list, &self.route(&route)?)?;
         }
         if circles {
             let item = self.at(command::NAV_LOITER_UNLIM, 0.0, stations.goal)?;
-            script.items.push(with(item, 2, float(radius_m.ceil())));
+            list.items.push(with(item, 2, float(radius_m.ceil())));
         } else {
-            self.winged_landing(&mut script, touchdown, approach)?;
+            self.winged_landing(&mut list, touchdown, approach)?;
         }
-        Ok(script.items)
+        Ok(list.items)
     }
 
     /// Up, to where the way to the route begins.
-    fn winged_takeoff(&self, stations: &Stations) -> Result<Items, NoData> {
+    fn winged_takeoff(&self, stations: &Stations) -> Result<ItemList, NoData> {
         if let Departure::Airborne { point, .. } = stations.departure {
-            return Ok(Items {
+            return Ok(ItemList {
                 items: Vec::new(),
                 at: point.at,
                 course_rad: None,
@@ -80,7 +81,7 @@ impl ItemWriter<'_> {
                 Autopilot::ArduPilot => slope.atan().to_degrees().floor().max(1.0),
                 Autopilot::Px4 => 0.0,
             };
-            return Ok(Items {
+            return Ok(ItemList {
                 items: vec![with(item, 0, float(pitch_deg))],
                 at: climb.top.at,
                 course_rad: Some(course_rad),
@@ -90,51 +91,39 @@ impl ItemWriter<'_> {
             at: home.at,
             amsl: start.amsl,
         };
-        let mut items = match self.vehicle.autopilot {
-            Autopilot::ArduPilot => Vec::new(),
-            Autopilot::Px4 => self.departure(),
+        let rules = &self.vehicle.facts().acceptance;
+        let mut items = if rules.never_waits {
+            Vec::new()
+        } else {
+            self.departure()
         };
         let item = self.at(command::NAV_VTOL_TAKEOFF, 0.0, above_home)?;
-        items.push(match self.vehicle.autopilot {
-            Autopilot::ArduPilot => self.encoder.above_home(item, start.amsl),
-            Autopilot::Px4 => item,
+        items.push(if rules.takeoff_above_home {
+            self.encoder.above_home(item, start.amsl)
+        } else {
+            item
         });
-        Ok(Items {
+        Ok(ItemList {
             items,
             at: home.at,
             course_rad,
         })
     }
 
-    /// To ArduPlane speed is airspeed; PX4 has it in its parameters.
-    fn airspeed(&self) -> Option<Item> {
-        (self.vehicle.autopilot == Autopilot::ArduPilot).then(|| {
-            let speed_mps = float(self.vehicle.speed_mps);
-            Item::without_place(command::DO_CHANGE_SPEED, [0.0, speed_mps, -1.0, 0.0])
-        })
-    }
-
     /// Turns onto a route and flies it.
-    fn fly(&self, script: &mut Items, route: &[PlanPoint]) -> Result<(), NoData> {
+    fn fly(&self, list: &mut ItemList, route: &[PlanPoint]) -> Result<(), NoData> {
         let [first, second, ..] = route else {
             return Ok(());
         };
-        self.turn(
-            script,
-            first.at,
-            heading_rad(first.at, second.at),
-            first.amsl,
-        )?;
-        let is_here = script.at.distance_m(first.at) <= 0.0;
+        self.turn(list, first.at, heading_rad(first.at, second.at), first.amsl)?;
+        let is_here = list.at.distance_m(first.at) <= 0.0;
         let onward = if is_here { &route[1..] } else { route };
         for &point in onward {
-            script
-                .items
-                .push(self.at(command::NAV_WAYPOINT, 0.0, point)?);
+            list.items.push(self.at(command::NAV_WAYPOINT, 0.0, point)?);
         }
         if let [.., before, last] = route {
-            script.at = last.at;
-            script.course_rad = Some(heading_rad(before.at, last.at));
+            list.at = last.at;
+            list.course_rad = Some(heading_rad(before.at, last.at));
         }
         Ok(())
     }
@@ -142,16 +131,15 @@ impl ItemWriter<'_> {
     /// Waypoints of the turns that lead to a place on a course, level.
     fn turn(
         &self,
-        script: &mut Items,
+        list: &mut ItemList,
         to: EastNorth,
         course_rad: f64,
         amsl: Amsl,
     ) -> Result<(), NoData> {
-        let from = (script.at, script.course_rad);
+        let from = (list.at, list.course_rad);
         for at in join(self.vehicle, from, (to, Some(course_rad))) {
             let corner = PlanPoint { at, amsl };
-            script
-                .items
+            list.items
                 .push(self.at(command::NAV_WAYPOINT, 0.0, corner)?);
         }
         Ok(())
@@ -159,22 +147,20 @@ impl ItemWriter<'_> {
 
     fn winged_landing(
         &self,
-        script: &mut Items,
+        list: &mut ItemList,
         touchdown: PlanPoint,
         approach: Option<Approach>,
     ) -> Result<(), NoData> {
         if let Some(approach) = approach {
             let entry = approach.entry;
-            self.turn(script, entry.at, approach.heading_rad, entry.amsl)?;
-            script
-                .items
-                .push(self.at(command::NAV_WAYPOINT, 0.0, entry)?);
+            self.turn(list, entry.at, approach.heading_rad, entry.amsl)?;
+            list.items.push(self.at(command::NAV_WAYPOINT, 0.0, entry)?);
         }
         let command = match self.vehicle.airframe {
             Airframe::Vtol => command::NAV_VTOL_LAND,
             Airframe::Plane | Airframe::Copter => command::NAV_LAND,
         };
-        script.items.push(self.at(command, 0.0, touchdown)?);
+        list.items.push(self.at(command, 0.0, touchdown)?);
         Ok(())
     }
 }

@@ -20,18 +20,18 @@ impl Height {
         }
     }
 
-    /// The climb that follows a wanted altitude; on an approach ArduPlane makes good what its
+    /// The climb that follows an altitude demand; on an approach ArduPlane makes good what its
     /// filter delays.
     pub(crate) fn climb_mps(
         &mut self,
-        wanted_m: f64,
+        demand_m: f64,
         here_m: f64,
         on_approach: bool,
         limits: &WingLimits,
         dt_s: f64,
     ) -> f64 {
         let (up_m, down_m) = (limits.climb_mps * dt_s, limits.sink_mps * dt_s);
-        let moved_m = (wanted_m - self.limited_m).clamp(-down_m, up_m);
+        let moved_m = (demand_m - self.limited_m).clamp(-down_m, up_m);
         self.limited_m += moved_m;
         let climb_mps = match limits.follows {
             Follows::Filtered { filter_s, error_s } => {
@@ -65,8 +65,8 @@ mod tests {
         let limits = Settings::of(profile, Airframe::Plane).wing();
         let (mut height, mut here_m, dt_s) = (Height::at(0.0), 0.0, 0.05);
         for step in 1..=1200 {
-            let wanted_m = f64::from(step) * dt_s;
-            here_m += height.climb_mps(wanted_m, here_m, false, &limits, dt_s) * dt_s;
+            let demand_m = f64::from(step) * dt_s;
+            here_m += height.climb_mps(demand_m, here_m, false, &limits, dt_s) * dt_s;
         }
         60.0 - here_m
     }

@@ -20,24 +20,24 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// Goes towards a wanted velocity for a while, as fast as the accelerations allow.
+    /// Goes towards a commanded velocity for a while, as fast as the accelerations allow.
     pub(crate) fn step(
         &mut self,
-        wanted_mps: [f64; 3],
+        demand_mps: [f64; 3],
         limits: &Limits,
         gust: [f64; 2],
         dt_s: f64,
     ) {
         let most = limits.accel_mps2.max(limits.corner_accel_mps2) * dt_s;
         let before = self.velocity_mps;
-        let delta = [wanted_mps[0] - before[0], wanted_mps[1] - before[1]];
+        let delta = [demand_mps[0] - before[0], demand_mps[1] - before[1]];
         let size = delta[0].hypot(delta[1]);
         let share = if size > most { most / size } else { 1.0 };
         for axis in 0..2 {
             self.velocity_mps[axis] += delta[axis] * share + gust[axis] * dt_s;
         }
         let most_z = limits.accel_z_mps2 * dt_s;
-        self.velocity_mps[2] += (wanted_mps[2] - before[2]).clamp(-most_z, most_z);
+        self.velocity_mps[2] += (demand_mps[2] - before[2]).clamp(-most_z, most_z);
         for ((at, old), new) in self.at_m.iter_mut().zip(before).zip(self.velocity_mps) {
             *at += 0.5 * (old + new) * dt_s;
         }

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 use super::steering::Leg;
 use crate::simulator::parameters::WingLimits;
 
-/// So many seconds beyond the end of a leg the way leads back to it.
+/// Beyond the end of a leg the path leads back to it after this time, seconds.
 const BEYOND_S: f64 = 3.0;
 
 /// Where a wing is, and how it moves over the ground: east, north.
@@ -108,14 +108,14 @@ pub(crate) fn wrapped(angle_rad: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::simulator::dynamics::body::Body;
-    use crate::simulator::dynamics::wing::{Wanted, Wing};
+    use crate::simulator::dynamics::wing::{Demand, Wing};
     use crate::simulator::parameters::Settings;
     use crate::simulator::profile::Profile;
     use crate::spec::Airframe;
 
     const STEP_S: f64 = 0.05;
 
-    /// Flies for a while from the origin northward in an air that moves, and tells where to.
+    /// Flies for a while from the origin northward in moving air; returns where it ends.
     fn flown(
         profile: Profile,
         air_mps: [f64; 2],
@@ -134,32 +134,32 @@ mod tests {
                 at_m: [body.at_m[0], body.at_m[1]],
                 velocity_mps: [body.velocity_mps[0], body.velocity_mps[1]],
             };
-            let wanted = Wanted {
+            let demand = Demand {
                 across_mps2: across(&motion, &limits),
                 bank_rad: limits.bank_rad,
                 climb_mps: 0.0,
                 airspeed_mps: 18.0,
             };
-            wing.step(&mut body, &wanted, air_mps, STEP_S);
+            wing.step(&mut body, &demand, air_mps, STEP_S);
             t_s += STEP_S;
         }
         [body.at_m[0], body.at_m[1]]
     }
 
     #[test]
-    fn a_leg_is_found_from_beside_it_and_held_in_a_wind_from_anywhere() {
+    fn a_leg_is_found_from_off_it_and_held_in_a_wind_from_anywhere() {
         for profile in [Profile::ArduPilot, Profile::Px4] {
             for air_mps in [[0.0, 0.0], [6.0, 0.0], [-4.0, 5.0], [0.0, -6.0]] {
-                for beside_m in [-150.0, 40.0, 300.0] {
+                for cross_track_m in [-150.0, 40.0, 300.0] {
                     let leg = Leg {
-                        from_m: [beside_m, -100.0, 0.0],
-                        to_m: [beside_m, 5000.0, 0.0],
+                        from_m: [cross_track_m, -100.0, 0.0],
+                        to_m: [cross_track_m, 5000.0, 0.0],
                     };
                     let at_m = flown(profile, air_mps, 90.0, |motion, limits| {
                         motion.along(&leg, limits)
                     });
                     assert!(
-                        (at_m[0] - beside_m).abs() < 0.5,
+                        (at_m[0] - cross_track_m).abs() < 0.5,
                         "{profile:?} {air_mps:?}: {at_m:?}"
                     );
                 }

@@ -71,7 +71,7 @@ impl Leg {
         self.length_m() < UPRIGHT_M
     }
 
-    /// Direction across, way along it so far, and how far beside it (positive left).
+    /// Direction across, distance along it so far, and cross-track error (positive left).
     fn along(&self, at_m: [f64; 3]) -> ([f64; 2], f64, f64) {
         let length_m = self.length_m();
         let unit = [0, 1].map(|axis| (self.to_m[axis] - self.from_m[axis]) / length_m);
@@ -108,7 +108,7 @@ impl Leg {
         if self.is_upright() {
             return hold_mps(at_m, self.to_m, limits);
         }
-        let (unit, gone_m, beside_m) = self.along(at_m);
+        let (unit, gone_m, cross_track_m) = self.along(at_m);
         let slope = self.slope();
         let vertical_mps = if slope > 0.0 {
             limits.climb_mps
@@ -128,11 +128,12 @@ impl Leg {
                 }
             })
             .fold(speed_mps.min(by_slope), f64::min);
-        let aside = closing_mps(-beside_m, limits.corner_accel_mps2).clamp(-0.9 * most, 0.9 * most);
+        let aside =
+            closing_mps(-cross_track_m, limits.corner_accel_mps2).clamp(-0.9 * most, 0.9 * most);
         let ahead = (most * most - aside * aside).max(0.0).sqrt();
         let ahead = if gone_m > self.length_m() { 0.0 } else { ahead };
-        let wanted_m = self.from_m[2] + slope * gone_m.min(self.length_m());
-        let climb = slope * ahead + closing_mps(wanted_m - at_m[2], limits.accel_z_mps2);
+        let demand_m = self.from_m[2] + slope * gone_m.min(self.length_m());
+        let climb = slope * ahead + closing_mps(demand_m - at_m[2], limits.accel_z_mps2);
         [
             unit[0] * ahead - unit[1] * aside,
             unit[1] * ahead + unit[0] * aside,

@@ -22,7 +22,7 @@ const SLIP_S: f64 = 2.0;
 /// Below this a heading changes no faster than at it, m/s: the rudders have no more hold.
 const SLOW_MPS: f64 = 8.0;
 
-/// The state of a wing beside that of its [`Body`].
+/// The state of a wing, besides that of its [`Body`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Wing {
     /// True airspeed, m/s.
@@ -39,7 +39,7 @@ pub(crate) struct Wing {
 
 /// What the autopilot wants of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Wanted {
+pub(crate) struct Demand {
     /// To the right, m/s^2.
     pub(crate) across_mps2: f64,
     /// The steepest bank, radians.
@@ -69,16 +69,16 @@ impl Wing {
     }
 
     /// Flies for a while.
-    pub(crate) fn step(&mut self, body: &mut Body, wanted: &Wanted, air_mps: [f64; 2], dt_s: f64) {
-        let bank_rad = (wanted.across_mps2 / GRAVITY_MPS2).atan();
-        let bank_rad = bank_rad.clamp(-wanted.bank_rad, wanted.bank_rad);
+    pub(crate) fn step(&mut self, body: &mut Body, demand: &Demand, air_mps: [f64; 2], dt_s: f64) {
+        let bank_rad = (demand.across_mps2 / GRAVITY_MPS2).atan();
+        let bank_rad = bank_rad.clamp(-demand.bank_rad, demand.bank_rad);
         let roll = ((bank_rad - self.bank_rad) / ROLL_S).clamp(-ROLL_RATE, ROLL_RATE);
         self.bank_rad += roll * dt_s;
         let turn = GRAVITY_MPS2 * self.bank_rad.tan() / self.airspeed_mps.max(SLOW_MPS);
         self.heading_rad += turn * dt_s;
-        let faster = (wanted.airspeed_mps - self.airspeed_mps) / SPEED_S;
+        let faster = (demand.airspeed_mps - self.airspeed_mps) / SPEED_S;
         self.airspeed_mps += faster.clamp(-ACCEL_MPS2, ACCEL_MPS2) * dt_s;
-        self.climb_mps += (wanted.climb_mps - self.climb_mps) * (dt_s / CLIMB_S);
+        self.climb_mps += (demand.climb_mps - self.climb_mps) * (dt_s / CLIMB_S);
         let keep = (-dt_s / SLIP_S).exp();
         self.slip_mps = self.slip_mps.map(|slip| keep * slip);
         let (sin, cos) = self.heading_rad.sin_cos();
@@ -128,7 +128,7 @@ mod tests {
                 velocity_mps: [air_mps[0], 18.0 + air_mps[1], 0.0],
             };
             let mut wing = Wing::of(&body, 0.0, air_mps);
-            let wanted = Wanted {
+            let demand = Demand {
                 across_mps2: 100.0,
                 bank_rad: 0.5,
                 climb_mps: 0.0,
@@ -136,7 +136,7 @@ mod tests {
             };
             let dt_s = 0.01;
             for _ in 0..1000 {
-                wing.step(&mut body, &wanted, air_mps, dt_s);
+                wing.step(&mut body, &demand, air_mps, dt_s);
             }
             // From here on, half a turn through the air, and what the wind adds.
             let radius_m = 18.0_f64.powi(2) / (GRAVITY_MPS2 * 0.5_f64.tan());
@@ -144,7 +144,7 @@ mod tests {
             let begin = (body.at_m, wing.heading_rad);
             let mut t_s = 0.0;
             while t_s < half_s {
-                wing.step(&mut body, &wanted, air_mps, dt_s);
+                wing.step(&mut body, &demand, air_mps, dt_s);
                 t_s += dt_s;
             }
             let gone = [0, 1].map(|axis| body.at_m[axis] - begin.0[axis] - air_mps[axis] * t_s);

@@ -3,72 +3,6 @@
 use super::{Limits, Settings};
 use crate::simulator::profile::Profile;
 
-/// Those that shape the flight of an ArduPlane 4.6, with the values that it comes with.
-pub(crate) const ARDUPLANE: &[(&str, f32)] = &[
-    ("AIRSPEED_CRUISE", 12.0),
-    ("AIRSPEED_MIN", 9.0),
-    ("ROLL_LIMIT_DEG", 45.0),
-    ("NAVL1_PERIOD", 17.0),
-    ("NAVL1_DAMPING", 0.75),
-    ("WP_RADIUS", 90.0),
-    ("WP_LOITER_RAD", 60.0),
-    ("GLIDE_SLOPE_MIN", 15.0),
-    ("TECS_CLMB_MAX", 5.0),
-    ("TECS_SINK_MAX", 5.0),
-    ("TECS_HDEM_TCONST", 3.0),
-    ("TECS_TIME_CONST", 5.0),
-    ("TECS_LAND_SINK", 0.25),
-    ("LAND_FLARE_ALT", 3.0),
-    ("LAND_FLARE_SEC", 2.0),
-    ("LAND_DISARMDELAY", 20.0),
-    ("RTL_ALTITUDE", 100.0),
-    ("FENCE_ENABLE", 0.0),
-    ("FENCE_TYPE", 7.0),
-    ("FENCE_ACTION", 0.0),
-];
-
-/// Those that a QuadPlane has besides.
-pub(crate) const QUADPLANE: &[(&str, f32)] = &[
-    ("Q_ASSIST_SPEED", 0.0),
-    ("Q_TRANS_DECEL", 2.0),
-    ("Q_WP_SPEED_UP", 250.0),
-    ("Q_WP_SPEED_DN", 150.0),
-    ("Q_LAND_FINAL_ALT", 6.0),
-    ("Q_LAND_FINAL_SPD", 0.5),
-];
-
-/// The same of a PX4 1.16 with a wing.
-pub(crate) const PX4_WING: &[(&str, f32)] = &[
-    ("FW_AIRSPD_TRIM", 15.0),
-    ("FW_AIRSPD_MIN", 10.0),
-    ("FW_R_LIM", 50.0),
-    ("FW_T_CLMB_MAX", 5.0),
-    ("FW_T_CLMB_R_SP", 3.0),
-    ("FW_T_SINK_MAX", 5.0),
-    ("FW_T_SINK_R_SP", 2.0),
-    ("FW_T_ALT_TC", 5.0),
-    ("FW_T_HRATE_FF", 0.3),
-    ("FW_TKO_PITCH_MIN", 10.0),
-    ("FW_LND_ANG", 5.0),
-    ("FW_LND_FLALT", 0.5),
-    ("FW_LND_FL_TIME", 1.0),
-    ("FW_LND_FL_SINK", 0.25),
-    ("NPFG_PERIOD", 10.0),
-    ("NPFG_DAMPING", 0.7),
-    ("NPFG_SW_DST_MLT", 0.32),
-    ("NAV_ACC_RAD", 10.0),
-    ("NAV_FW_ALT_RAD", 10.0),
-    ("NAV_FW_ALTL_RAD", 5.0),
-    ("NAV_LOITER_RAD", 80.0),
-    ("COM_DISARM_LAND", 2.0),
-    ("COM_DISARM_PRFLT", 10.0),
-    ("RTL_RETURN_ALT", 60.0),
-    ("GF_ACTION", 2.0),
-];
-
-/// Those that a VTOL with PX4 has besides those of a wing and of a copter.
-pub(crate) const PX4_VTOL: &[(&str, f32)] = &[("VT_B_DEC_MSS", 2.0)];
-
 /// How the altitude follows what is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Follows {
@@ -137,7 +71,7 @@ impl Settings {
     fn arduplane(&self) -> WingLimits {
         let airspeed_mps = self.of_name("AIRSPEED_CRUISE").max(5.0);
         let least_airspeed_mps = self.of_name("AIRSPEED_MIN").clamp(3.0, airspeed_mps);
-        // The name since 4.7 stands in a plan beside the older one.
+        // A plan has the name since 4.7 as well.
         let slope_min_m = self.of_name("GLIDE_SLOPE_MIN").trunc();
         WingLimits {
             airspeed_mps,

@@ -71,7 +71,7 @@ impl Pilot {
 
     /// An item that took no time is done.
     pub(crate) fn pass_item(&mut self) {
-        // ArduPilot tells of every item that it has done; PX4 of those that go somewhere.
+        // ArduPilot reports every completed item, PX4 those with a location.
         if self.profile == Profile::ArduPilot {
             self.events.push(Event::Reached(self.at));
         }

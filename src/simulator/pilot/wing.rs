@@ -10,7 +10,7 @@ use crate::mission::Item;
 use crate::simulator::dynamics::guidance::Motion;
 use crate::simulator::dynamics::steering;
 use crate::simulator::dynamics::steering::Leg;
-use crate::simulator::dynamics::wing::{Wanted, Wing};
+use crate::simulator::dynamics::wing::{Demand, Wing};
 use crate::simulator::mode::Mode;
 use crate::simulator::parameters::{Passes, WingLimits};
 use crate::simulator::profile::Profile;
@@ -187,14 +187,14 @@ impl Pilot {
     /// Flies on with an acceleration across and a climb, at an equivalent airspeed.
     fn fly_on(&mut self, across_mps2: f64, climb_mps: f64, airspeed_mps: f64) {
         let Some(mut wing) = self.wing else { return };
-        let wanted = Wanted {
+        let demand = Demand {
             across_mps2,
             bank_rad: self.settings.wing().bank_rad,
             climb_mps,
             airspeed_mps: airspeed_mps * true_airspeed_ratio(Amsl(self.body.at_m[2])),
         };
         let air_mps = self.air_mps();
-        wing.step(&mut self.body, &wanted, air_mps, STEP_S);
+        wing.step(&mut self.body, &demand, air_mps, STEP_S);
         self.wing = Some(wing);
     }
 
@@ -338,7 +338,7 @@ impl Following {
     }
 }
 
-/// The altitude that is wanted on a leg.
+/// The altitude demand on a leg.
 fn altitude_m(following: &Following, at_m: [f64; 3], limits: &WingLimits) -> f64 {
     let leg = &following.leg;
     let (from_m, to_m) = (leg.from_m[2], leg.to_m[2]);

@@ -1,7 +1,7 @@
 //! Items come in: `MISSION_COUNT`, requests, items, `MISSION_ACK`.
 
 use super::{Transfer, Vehicle};
-use crate::link::{Address, Body, List, MissionResult, Time, kept};
+use crate::link::{Address, Body, List, MissionResult, Time, stored_form};
 use crate::mission::Item;
 use crate::simulator::profile::Profile;
 use crate::simulator::rules;
@@ -137,8 +137,8 @@ impl Vehicle {
 
     /// Takes the item that was asked for.
     fn store(&mut self, now: Time, list: List, seq: u16, item: Item) {
-        let item = match self.profile.keeps() {
-            Some(autopilot) => kept(autopilot, self.airframe, list, &item),
+        let item = match self.profile.known() {
+            Some(autopilot) => stored_form(autopilot, self.airframe, list, &item),
             None => item,
         };
         let Transfer::Receiving {

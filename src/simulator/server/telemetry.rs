@@ -132,7 +132,7 @@ impl Vehicle {
         }
     }
 
-    /// Tells what has happened in flight since the last time.
+    /// Reports the events in flight since the last report.
     pub(crate) fn report(&mut self) {
         let events = self.pilot.as_mut().map_or_else(Vec::new, |p| p.events());
         let mut changed = false;

@@ -2,7 +2,7 @@
 
 use geo::{Contains, Intersects, Point, Polygon};
 
-use super::super::raw;
+use super::super::keys;
 use super::super::{Area, Rally, TerrainSource, Threat, Zone};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
@@ -10,7 +10,7 @@ use crate::numeric::digits;
 
 /// Furthest corner of the area from the origin: the local frame is proven to here.
 const MAX_AREA_M: f64 = 300_000.0;
-/// Furthest anything else may be from the origin; what is further is a slip of the pen.
+/// Furthest anything else may be from the origin: beyond it, a number is mistyped.
 const MAX_AWAY_M: f64 = 1_000_000.0;
 
 /// The checked map. Threats, zones and rally points that are broken are left out;
@@ -25,33 +25,32 @@ pub(super) struct Map {
     pub(super) rally: Vec<Rally>,
 }
 
-impl Checker<'_> {
+impl Checker {
     /// Checks everything that does not move; `None` without a usable area.
-    pub(super) fn map(&mut self, raw: &raw::Spec) -> Option<Map> {
-        let terrain = self.terrain(&raw.terrain);
-        let origin = raw.origin.map(|at| self.place("origin", at.lat, at.lon));
-        let area = self.area(&raw.area);
+    pub(super) fn map(&mut self, keys: &keys::Spec) -> Option<Map> {
+        let terrain = self.terrain(&keys.terrain);
+        let origin = keys.origin.map(|at| self.place("origin", at));
+        let area = self.area(&keys.area);
         self.unique(
             "threats",
-            raw.threats.iter().map(|threat| threat.id.as_str()),
+            keys.threats.iter().map(|threat| Some(threat.id.as_str())),
         );
-        self.unique("no_fly", raw.no_fly.iter().map(|zone| zone.id.as_str()));
-        let threats = raw.threats.iter().enumerate();
+        self.unique(
+            "no_fly",
+            keys.no_fly.iter().map(|zone| Some(zone.id.as_str())),
+        );
+        let threats = keys.threats.iter().enumerate();
         let threats: Vec<Threat> = threats
             .filter_map(|(index, threat)| self.threat(&format!("threats[{index}]"), threat))
             .collect();
-        let zones = raw.no_fly.iter().enumerate();
+        let zones = keys.no_fly.iter().enumerate();
         let corners: Vec<Option<Vec<LatLon>>> = zones
             .map(|(index, zone)| self.corners(&format!("no_fly[{index}]"), zone))
             .collect();
-        let rally = raw.rally.iter().enumerate();
-        let rally: Vec<Option<Rally>> = rally
-            .map(|(index, point)| self.rally(&format!("rally[{index}]"), point))
-            .collect();
         let area = area?;
         let frame = LocalFrame::new(origin.unwrap_or_else(|| Some(middle(&area)))?);
-        self.near(raw, &area, frame.origin())?;
-        let no_fly = self.zones(raw, &frame, corners);
+        self.near(keys, &area, frame.origin())?;
+        let no_fly = self.zones(keys, &frame, corners);
         let outline = frame.outline(&area.outline());
         let mut map = Map {
             frame,
@@ -62,34 +61,32 @@ impl Checker<'_> {
             no_fly,
             rally: Vec::new(),
         };
-        for (index, point) in rally.into_iter().enumerate() {
-            let Some(point) = point else { continue };
+        for (index, point) in keys.rally.iter().enumerate() {
+            let Ok(place) = LatLon::new(point.lat, point.lon) else {
+                continue;
+            };
             let Agl(least_m) = map.area.min_agl;
-            if point.agl.0 < least_m {
+            if (0.0..least_m).contains(&point.agl_m) {
                 let allowed = format!("at least area.min_agl_m, {least_m}");
-                let found = digits::plain(point.agl.0);
+                let found = digits::plain(point.agl_m);
                 self.report(&format!("rally[{index}].agl_m"), found, allowed);
             }
-            self.clear(
-                &format!("rally[{index}]"),
-                "the rally point",
-                point.place,
-                &map,
-            );
-            map.rally.push(point);
+            self.clear(&format!("rally[{index}]"), "the rally point", place, &map);
+            let agl = Agl(point.agl_m);
+            map.rally.push(Rally { place, agl });
         }
         Some(map)
     }
 
-    /// The zones of which the corners are good and the edges do not cross.
+    /// The zones whose corners are good and whose edges do not cross.
     fn zones(
         &mut self,
-        raw: &raw::Spec,
+        keys: &keys::Spec,
         frame: &LocalFrame,
         corners: Vec<Option<Vec<LatLon>>>,
     ) -> Vec<Zone> {
         let mut zones = Vec::new();
-        for (index, (zone, corners)) in raw.no_fly.iter().zip(corners).enumerate() {
+        for (index, (zone, corners)) in keys.no_fly.iter().zip(corners).enumerate() {
             let path = format!("no_fly[{index}].polygon");
             let Some(polygon) = corners else { continue };
             if self.polygon(&path, frame, &polygon) {
@@ -100,11 +97,9 @@ impl Checker<'_> {
         zones
     }
 
-    fn area(&mut self, raw: &raw::Area) -> Option<Area> {
-        let south_west = self.place("area.south_west", raw.south_west.lat, raw.south_west.lon);
-        let north_east = self.place("area.north_east", raw.north_east.lat, raw.north_east.lon);
-        let min_agl = self.number("area.min_agl_m", raw.min_agl_m, 0.0..=10_000.0);
-        let max_amsl = self.number("area.max_amsl_m", raw.max_amsl_m, -500.0..=20_000.0);
+    fn area(&mut self, keys: &keys::Area) -> Option<Area> {
+        let south_west = self.place("area.south_west", keys.south_west);
+        let north_east = self.place("area.north_east", keys.north_east);
         let (south_west, north_east) = (south_west?, north_east?);
         let ordered =
             south_west.lat_deg < north_east.lat_deg && south_west.lon_deg < north_east.lon_deg;
@@ -120,20 +115,20 @@ impl Checker<'_> {
         Some(Area {
             south_west,
             north_east,
-            min_agl: Agl(min_agl),
-            max_amsl: Amsl(max_amsl),
+            min_agl: Agl(keys.min_agl_m),
+            max_amsl: Amsl(keys.max_amsl_m),
         })
     }
 
     /// Everything is near the origin; `None` if the area is not.
-    fn near(&mut self, raw: &raw::Spec, area: &Area, origin: LatLon) -> Option<()> {
+    fn near(&mut self, keys: &keys::Spec, area: &Area, origin: LatLon) -> Option<()> {
         let furthest_m = area
             .outline()
             .into_iter()
             .map(|corner| corner.chord_m(origin))
             .fold(0.0, f64::max);
         if furthest_m > MAX_AREA_M {
-            let path = if raw.origin.is_some() {
+            let path = if keys.origin.is_some() {
                 "origin"
             } else {
                 "area"
@@ -145,12 +140,12 @@ impl Checker<'_> {
             self.report(path, found, format!("at most {:.0} km", MAX_AREA_M / 1e3));
             return None;
         }
-        let threats = raw
+        let threats = keys
             .threats
             .iter()
             .enumerate()
             .map(|(i, at)| (format!("threats[{i}]"), at.lat, at.lon));
-        let zones = raw.no_fly.iter().enumerate().flat_map(|(i, zone)| {
+        let zones = keys.no_fly.iter().enumerate().flat_map(|(i, zone)| {
             let corners = zone.polygon.iter().enumerate();
             corners
                 .map(move |(j, corner)| (format!("no_fly[{i}].polygon[{j}]"), corner[0], corner[1]))
@@ -184,7 +179,7 @@ impl Checker<'_> {
                 south_west.lon_deg..=north_east.lon_deg,
                 south_west.lat_deg..=north_east.lat_deg,
             );
-            // Nobody finds what is wrong with a number that is among those allowed.
+            // The range alone does not explain a number that lies in it.
             let on_edge = across.contains(&place.lon_deg) && along.contains(&place.lat_deg);
             let (is, allowed) = if on_edge {
                 (

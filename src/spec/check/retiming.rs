@@ -1,38 +1,40 @@
 //! What the planner may choose: departures and speeds.
 
-use std::ops::RangeInclusive;
-
 use super::Checker;
-use super::fleet::{LATEST_S, SPEED_MPS};
-use crate::spec::raw;
-use crate::spec::{Retiming, Span};
+use crate::spec::keys;
+use crate::spec::{Airframe, Autopilot, Retiming, Span};
 
-impl Checker<'_> {
-    /// Only what a mission file can carry is left open: judged again, a file says what was chosen.
-    pub(super) fn retiming(&mut self, path: &str, raw: &raw::Vehicle) -> Retiming {
-        let is_copter = matches!(raw.airframe, raw::Airframe::Copter);
-        let window = raw.depart_window_s.and_then(|window| {
+impl Checker {
+    /// Only what a mission file can carry is left open: a review of the file reads the choice.
+    pub(super) fn retiming(
+        &mut self,
+        path: &str,
+        keys: &keys::Vehicle,
+        (autopilot, airframe): (Autopilot, Airframe),
+    ) -> Retiming {
+        let is_copter = !airframe.has_wing();
+        let window = keys.depart_window_s.and_then(|window| {
             let path = format!("{path}.depart_window_s");
             if !is_copter {
                 let found = "a window, on a wing: no file of a plane or vtol has its departure";
                 self.report(&path, found, "depart_s");
             }
             let ends = [("from", window.from), ("to", window.to)];
-            self.span(&path, ends, LATEST_S, ("depart_s", raw.depart_s))
+            self.span(&path, ends, ("depart_s", keys.depart_s))
         });
-        let range = raw.speed_range_mps.and_then(|range| {
+        let range = keys.speed_range_mps.and_then(|range| {
             let path = format!("{path}.speed_range_mps");
             if !is_copter {
                 let found =
                     "a range of speeds, on a wing: its turns and circles depend on speed_mps";
                 self.report(&path, found, "speed_mps");
-            } else if matches!(raw.autopilot, raw::Autopilot::Px4) {
+            } else if !autopilot.conventions().speed_in_mission {
                 let found =
                     "a range of speeds, on px4: its speed is a parameter, in no mission file";
                 self.report(&path, found, "speed_mps");
             }
             let ends = [("min", range.min), ("max", range.max)];
-            self.span(&path, ends, SPEED_MPS, ("speed_mps", Some(raw.speed_mps)))
+            self.span(&path, ends, ("speed_mps", keys.speed_mps))
         });
         Retiming {
             depart_s: window,
@@ -40,27 +42,24 @@ impl Checker<'_> {
         }
     }
 
-    /// Two ends in order, with the wanted value between them.
+    /// Two ends in order, with the planned value between them.
     fn span(
         &mut self,
         path: &str,
-        [(low, least), (high, most)]: [(&str, f64); 2],
-        range: RangeInclusive<f64>,
-        (key, wanted): (&str, Option<f64>),
+        [(low, least), (high, most)]: [(&str, Option<f64>); 2],
+        (key, planned): (&str, Option<f64>),
     ) -> Option<Span> {
-        let before = self.issues.len();
-        self.number(&format!("{path}.{low}"), least, range.clone());
-        self.number(&format!("{path}.{high}"), most, range);
+        let least = self.required(path, low, least);
+        let most = self.required(path, high, most);
+        let (least, most) = (least?, most?);
         if least > most {
             let found = format!("{low} {least} after {high} {most}");
             self.report(path, found, format!("{low} at most {high}"));
-        }
-        if self.issues.len() > before {
             return None;
         }
         let span = Span { least, most };
-        if let Some(wanted) = wanted.filter(|wanted| !wanted.is_nan() && span.miss(*wanted) > 0.0) {
-            let found = format!("{least} to {most}, without {key} {wanted}");
+        if let Some(planned) = planned.filter(|planned| span.miss(*planned) > 0.0) {
+            let found = format!("{least} to {most}, without {key} {planned}");
             self.report(path, found, format!("{key} within it"));
         }
         Some(span)

@@ -5,15 +5,15 @@ use std::path::{Component, Path, PathBuf};
 use geo::algorithm::line_intersection::{LineIntersection, line_intersection};
 use geo::{Area as _, Line};
 
-use super::super::raw;
-use super::super::{ELEVATION_ENDINGS, Hill, Rally, THREAT_RADIUS_M, TerrainSource, Threat};
+use super::super::keys;
+use super::super::{ELEVATION_ENDINGS, Hill, THREAT_RADIUS_M, TerrainSource, Threat};
 use super::Checker;
-use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
+use crate::geodesy::{Amsl, LatLon, LocalFrame};
 use crate::numeric::digits;
 
-/// Least area of a zone; what has less is a line.
+/// Least area of a zone: less is a line.
 const MIN_ZONE_M2: f64 = 1.0;
-/// Least width of a zone: what is narrower lies within what rounding makes of a margin.
+/// Least width of a zone: a narrower one lies within the rounding of a margin.
 const MIN_ZONE_WIDTH_M: f64 = 0.01;
 /// Most corners of one zone.
 const MAX_CORNERS: usize = 1000;
@@ -32,41 +32,25 @@ pub(in crate::spec) fn relative(name: &str) -> Option<PathBuf> {
     (inside && !path.as_os_str().is_empty()).then_some(path)
 }
 
-impl Checker<'_> {
-    pub(super) fn terrain(&mut self, raw: &raw::Terrain) -> Option<TerrainSource> {
-        match (&raw.file, &raw.folder, &raw.flat, &raw.analytic) {
+impl Checker {
+    pub(super) fn terrain(&mut self, keys: &keys::Terrain) -> Option<TerrainSource> {
+        match (&keys.file, &keys.folder, &keys.flat, &keys.analytic) {
             (Some(file), None, None, None) => self.terrain_file(file).map(TerrainSource::File),
             (None, Some(folder), None, None) => self
-                .beside("terrain.folder", folder)
+                .relative("terrain.folder", folder)
                 .map(TerrainSource::Folder),
-            (None, None, Some(flat), None) => {
-                let amsl = self.number("terrain.flat.amsl_m", flat.amsl_m, -500.0..=20_000.0);
-                Some(TerrainSource::Flat(Amsl(amsl)))
-            }
+            (None, None, Some(flat), None) => Some(TerrainSource::Flat(Amsl(flat.amsl_m))),
             (None, None, None, Some(analytic)) => {
-                let path = "terrain.analytic";
-                let base = self.number(
-                    &format!("{path}.base_amsl_m"),
-                    analytic.base_amsl_m,
-                    -500.0..=9000.0,
-                );
-                let mut hills = Vec::new();
-                for (index, hill) in analytic.hills.iter().enumerate() {
-                    let path = format!("{path}.hills[{index}]");
-                    let height_m =
-                        self.number(&format!("{path}.height_m"), hill.height_m, -9000.0..=9000.0);
-                    let radius_m =
-                        self.number(&format!("{path}.radius_m"), hill.radius_m, THREAT_RADIUS_M);
-                    let place = self.place(&path, hill.lat, hill.lon);
-                    hills.extend(place.map(|place| Hill {
-                        place,
-                        height_m,
-                        radius_m,
-                    }));
-                }
+                let hills = analytic.hills.iter().filter_map(|hill| {
+                    Some(Hill {
+                        place: LatLon::new(hill.lat, hill.lon).ok()?,
+                        height_m: hill.height_m,
+                        radius_m: hill.radius_m,
+                    })
+                });
                 Some(TerrainSource::Analytic {
-                    base: Amsl(base),
-                    hills,
+                    base: Amsl(analytic.base_amsl_m),
+                    hills: hills.collect(),
                 })
             }
             _ => {
@@ -81,7 +65,7 @@ impl Checker<'_> {
     }
 
     fn terrain_file(&mut self, file: &str) -> Option<PathBuf> {
-        let path = self.beside("terrain.file", file)?;
+        let path = self.relative("terrain.file", file)?;
         let name = file.to_ascii_lowercase();
         let mut endings = ELEVATION_ENDINGS.iter();
         if !endings.any(|ending| name.ends_with(ending)) {
@@ -92,8 +76,8 @@ impl Checker<'_> {
         Some(path)
     }
 
-    /// A path that stays beside the spec wherever both are copied.
-    pub(super) fn beside(&mut self, key: &str, name: &str) -> Option<PathBuf> {
+    /// A path that stays with the spec wherever both are copied.
+    pub(super) fn relative(&mut self, key: &str, name: &str) -> Option<PathBuf> {
         let path = relative(name);
         if path.is_none() {
             let allowed = "a path relative to the spec, with /, without .. and drive letters";
@@ -103,44 +87,37 @@ impl Checker<'_> {
         path
     }
 
-    pub(super) fn threat(&mut self, path: &str, raw: &raw::Threat) -> Option<Threat> {
-        self.label(&format!("{path}.id"), &raw.id);
-        let radius_m = self.number(&format!("{path}.radius_m"), raw.radius_m, THREAT_RADIUS_M);
-        let place = self.place(path, raw.lat, raw.lon)?;
-        let kind = raw.kind.clone().unwrap_or_else(|| "threat".to_owned());
+    pub(super) fn threat(&mut self, path: &str, keys: &keys::Threat) -> Option<Threat> {
+        self.label(&format!("{path}.id"), &keys.id);
+        let place = LatLon::new(keys.lat, keys.lon).ok()?;
+        let kind = keys.kind.clone().unwrap_or_else(|| "threat".to_owned());
         self.label(&format!("{path}.kind"), &kind);
         // A radius that is wrong already must not swallow every start and goal as well.
-        THREAT_RADIUS_M.contains(&radius_m).then(|| Threat {
-            id: raw.id.clone(),
+        THREAT_RADIUS_M.contains(&keys.radius_m).then(|| Threat {
+            id: keys.id.clone(),
             kind,
             place,
-            radius_m,
-        })
-    }
-
-    pub(super) fn rally(&mut self, path: &str, raw: &raw::Rally) -> Option<Rally> {
-        let agl = self.number(&format!("{path}.agl_m"), raw.agl_m, 0.0..=20_000.0);
-        let place = self.place(path, raw.lat, raw.lon)?;
-        Some(Rally {
-            place,
-            agl: Agl(agl),
+            radius_m: keys.radius_m,
         })
     }
 
     /// The corners of a zone, without a last one that only repeats the first.
-    pub(super) fn corners(&mut self, path: &str, raw: &raw::Zone) -> Option<Vec<LatLon>> {
-        self.label(&format!("{path}.id"), &raw.id);
-        self.optional(
-            &format!("{path}.below_amsl_m"),
-            raw.below_amsl_m,
-            -500.0..=20_000.0,
-        );
+    pub(super) fn corners(&mut self, path: &str, keys: &keys::Zone) -> Option<Vec<LatLon>> {
+        self.label(&format!("{path}.id"), &keys.id);
         let path = format!("{path}.polygon");
         let mut corners = Vec::new();
-        for (index, [lat_deg, lon_deg]) in raw.polygon.iter().enumerate() {
+        for (index, [lat_deg, lon_deg]) in keys.polygon.iter().enumerate() {
             let path = format!("{path}[{index}]");
-            self.number(&format!("{path}[0]"), *lat_deg, -90.0..=90.0);
-            self.number(&format!("{path}[1]"), *lon_deg, -180.0..=180.0);
+            for (part, degrees, most) in [(0, lat_deg, 90.0), (1, lon_deg, 180.0)] {
+                if !(-most..=most).contains(degrees) {
+                    let found = digits::plain(*degrees);
+                    self.report(
+                        &format!("{path}[{part}]"),
+                        found,
+                        format!("-{most} to {most}"),
+                    );
+                }
+            }
             corners.push(LatLon::new(*lat_deg, *lon_deg).ok());
         }
         let mut corners = corners.into_iter().collect::<Option<Vec<LatLon>>>()?;

@@ -1,21 +1,20 @@
 //! What only planes and vtol have: takeoff heading, landing, circles.
 
-use super::super::raw;
-use super::super::{Airframe, Landing, Wind, Wing, turn_radius_by_load_m};
+use super::super::keys;
+use super::super::{Airframe, Finish, Landing, Wind, Wing, turn_radius_by_load_m};
 use super::Checker;
 use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::numeric::digits;
 
-/// A plane stands at least this far from its start, metres.
-const LEAST_RUN_M: f64 = 10.0;
+/// Least distance from the home of a plane to its start, metres.
+const MIN_HOME_TO_START_M: f64 = 10.0;
 /// The radius of circling where the spec has none, in turn radii.
-const ROOM: f64 = 1.25;
-/// The autopilots keep whole metres of this range in every item that circles, metres.
-const MOST_LOITER_M: f64 = 10_000.0;
+const DEFAULT_LOITER: f64 = 1.25;
 
 /// How the vehicle flies, as far as it is known when its wing is checked.
 pub(super) struct Flown {
     pub(super) airframe: Airframe,
+    pub(super) finish: Finish,
     pub(super) speed_mps: f64,
     pub(super) load_factor: f64,
     pub(super) descent_mps: f64,
@@ -23,7 +22,7 @@ pub(super) struct Flown {
     /// Of the area.
     pub(super) ceiling: Amsl,
     /// From a home of its own to the start, metres.
-    pub(super) way_to_start_m: Option<f64>,
+    pub(super) home_to_start_m: Option<f64>,
 }
 
 impl Flown {
@@ -37,23 +36,23 @@ impl Flown {
         self.speed_mps * true_airspeed_ratio(self.ceiling)
     }
 
-    /// Speed over the ground on a course; where the wind is too strong for that, the verdict
-    /// says so.
+    /// Speed over the ground on a course. Where the wind is too strong to hold that course, the
+    /// speed through the air; then the verdict fails.
     fn ground_speed_mps(&self, course_rad: f64) -> f64 {
         let carried = |wind: Wind| wind.ground_speed_mps(self.true_mps(), course_rad);
         self.wind.and_then(carried).unwrap_or(self.true_mps())
     }
 }
 
-impl Checker<'_> {
+impl Checker {
     /// Checks the keys of planes and vtol; none of them may stand on a copter.
-    pub(super) fn wing(&mut self, path: &str, raw: &raw::Vehicle, flown: &Flown) -> Option<Wing> {
+    pub(super) fn wing(&mut self, path: &str, keys: &keys::Vehicle, flown: &Flown) -> Option<Wing> {
         let at = |key: &str| format!("{path}.{key}");
         if flown.airframe == Airframe::Copter {
             for (key, is_present) in [
-                ("takeoff_heading_deg", raw.takeoff_heading_deg.is_some()),
-                ("landing", raw.landing.is_some()),
-                ("loiter_radius_m", raw.loiter_radius_m.is_some()),
+                ("takeoff_heading_deg", keys.takeoff_heading_deg.is_some()),
+                ("landing", keys.landing.is_some()),
+                ("loiter_radius_m", keys.loiter_radius_m.is_some()),
             ] {
                 if is_present {
                     self.report(&at(key), "a key of planes, on a copter", "without it");
@@ -61,65 +60,60 @@ impl Checker<'_> {
             }
             return None;
         }
-        if raw.return_amsl_m.is_some() {
+        if keys.return_amsl_m.is_some() {
             let found = "the autopilot's own return, which ends in a circle over home";
             self.report(&at("return_amsl_m"), found, "without it; finish: return");
         }
-        self.runway(path, raw, flown);
-        let heading = self.optional(
-            &at("takeoff_heading_deg"),
-            raw.takeoff_heading_deg,
-            0.0..=360.0,
-        );
+        self.runway(path, keys, flown);
         Some(Wing {
-            takeoff_heading_rad: heading.map(f64::to_radians),
-            landing: self.landing(&at("landing"), raw, flown),
-            loiter_radius_m: self.loiter_radius(&at("loiter_radius_m"), raw, flown),
+            takeoff_heading_rad: keys.takeoff_heading_deg.map(f64::to_radians),
+            landing: self.landing(&at("landing"), keys, flown),
+            loiter_radius_m: self.loiter_radius(&at("loiter_radius_m"), keys, flown),
             wind: flown.wind,
             ceiling: flown.ceiling,
         })
     }
 
-    /// A plane needs a course to take off on, and room between home and start; a vtol that
-    /// has a course needs the room too.
-    fn runway(&mut self, path: &str, raw: &raw::Vehicle, flown: &Flown) {
+    /// A plane needs a course to take off on, and a distance between home and start; so does a
+    /// vtol that has a course.
+    fn runway(&mut self, path: &str, keys: &keys::Vehicle, flown: &Flown) {
         let is_plane = flown.airframe == Airframe::Plane;
-        if is_plane && raw.takeoff_heading_deg.is_none() {
+        if is_plane && keys.takeoff_heading_deg.is_none() {
             let found = "a plane without takeoff_heading_deg";
             self.report(path, found, "takeoff_heading_deg: 0 to 360");
         }
-        let needs_room = is_plane || raw.takeoff_heading_deg.is_some();
-        match flown.way_to_start_m {
-            None if needs_room && raw.home.is_none() => {
-                let found = "a takeoff along a course, and no home: it would stand under its start";
+        let needs_distance = is_plane || keys.takeoff_heading_deg.is_some();
+        match flown.home_to_start_m {
+            None if needs_distance && keys.home.is_none() => {
+                let found =
+                    "a takeoff along a course and no home: the vehicle stands under its start";
                 self.report(path, found, "home: {lat, lon}, away from start");
             }
-            Some(way_m) if needs_room && way_m < LEAST_RUN_M => {
+            Some(apart_m) if needs_distance && apart_m < MIN_HOME_TO_START_M => {
                 let found = format!(
                     "{} m from start",
-                    digits::distinct_from(way_m, LEAST_RUN_M, 1)
+                    digits::distinct_from(apart_m, MIN_HOME_TO_START_M, 1)
                 );
-                let allowed = format!("at least {LEAST_RUN_M} m from start");
+                let allowed = format!("at least {MIN_HOME_TO_START_M} m from start");
                 self.report(&format!("{path}.home"), found, allowed);
             }
             _ => {}
         }
     }
 
-    fn landing(&mut self, path: &str, raw: &raw::Vehicle, flown: &Flown) -> Option<Landing> {
+    fn landing(&mut self, path: &str, keys: &keys::Vehicle, flown: &Flown) -> Option<Landing> {
         let is_plane = flown.airframe == Airframe::Plane;
-        let lands = !matches!(raw.finish, raw::Finish::Loiter);
-        let Some(landing) = raw.landing else {
+        let lands = flown.finish != Finish::Loiter;
+        let Some(landing) = keys.landing else {
             if is_plane && lands {
                 let found = "a plane that lands, without landing";
                 self.report(path, found, "landing: {heading_deg, glide_deg}");
             }
             return None;
         };
-        let heading_path = format!("{path}.heading_deg");
-        let heading_deg = self.number(&heading_path, landing.heading_deg, 0.0..=360.0);
-        let glide_path = format!("{path}.glide_deg");
-        let glide_deg = self.number(&glide_path, landing.glide_deg, 1.0..=30.0);
+        let heading_deg = self.required(path, "heading_deg", landing.heading_deg);
+        let glide_deg = self.required(path, "glide_deg", landing.glide_deg);
+        let (heading_deg, glide_deg) = (heading_deg?, glide_deg?);
         let glide_rad = glide_deg.to_radians();
         let ground_mps = flown.ground_speed_mps(heading_deg.to_radians());
         let sink_mps = ground_mps * glide_rad.tan();
@@ -130,7 +124,7 @@ impl Checker<'_> {
                 "at most {steepest_deg:.1} (descent_mps {})",
                 flown.descent_mps
             );
-            self.report(&glide_path, found, allowed);
+            self.report(&format!("{path}.glide_deg"), found, allowed);
         }
         Some(Landing {
             heading_rad: heading_deg.to_radians(),
@@ -138,13 +132,12 @@ impl Checker<'_> {
         })
     }
 
-    fn loiter_radius(&mut self, path: &str, raw: &raw::Vehicle, flown: &Flown) -> f64 {
+    fn loiter_radius(&mut self, path: &str, keys: &keys::Vehicle, flown: &Flown) -> f64 {
         let least_m = turn_radius_by_load_m(flown.fastest_mps(), flown.load_factor);
-        let Some(radius_m) = raw.loiter_radius_m else {
-            return (ROOM * least_m).ceil();
+        let Some(radius_m) = keys.loiter_radius_m else {
+            return (DEFAULT_LOITER * least_m).ceil();
         };
-        let radius_m = self.number(path, radius_m, 1.0..=MOST_LOITER_M);
-        if radius_m < least_m {
+        if (1.0..least_m).contains(&radius_m) {
             let found = format!("{radius_m} m, tighter than the turn radius");
             let allowed = format!(
                 "at least {:.1} m at {:.1} m/s and a load factor of {}",

@@ -88,6 +88,7 @@ mod tests {
     fn decoded(autopilot: Autopilot, items: Vec<Item>) -> (Vec<usize>, Option<String>) {
         let mission = VehicleMission {
             autopilot,
+            autopilot_version: None,
             airframe: Airframe::Copter,
             home: Home {
                 x: 363_000_000,

@@ -4,7 +4,7 @@ mod ends;
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{VehicleMission, cruise_speed_mps};
-use crate::path::{STOP_LATE_S, heading_rad, leg_late_s};
+use crate::path::{heading_rad, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
@@ -352,7 +352,7 @@ impl Pilot<'_> {
         self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
         self.drift_onto(&knots, &firsts);
         if last_mps <= 0.0 {
-            self.trajectory.late_s += STOP_LATE_S;
+            self.trajectory.late_s += stop_late_s(self.vehicle);
         }
         Ok(())
     }

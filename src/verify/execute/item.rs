@@ -1,8 +1,8 @@
 //! One item as the autopilot reads it.
 
+use crate::autopilot::{Autopilot, Motion, command_row};
 use crate::geodesy::{AboveHome, Agl, Amsl, LatLon};
-use crate::mission::{Item, command, command_name, frame};
-use crate::spec::Autopilot;
+use crate::mission::{Item, command, frame};
 use crate::world::World;
 
 /// An altitude as an item gives it.
@@ -45,41 +45,20 @@ pub(crate) enum Order {
     Nothing,
 }
 
-/// Commands for cameras, servos and marks: they do not change the motion of a copter.
-const WITHOUT_MOTION: &[u16] = &[
-    112, 114, 115, // conditions for the commands that follow
-    181, 182, 183, 184, // relays and servos
-    189, // DO_LAND_START
-    195, 196, 197, 201, // regions of interest
-    200, 202, 203, 204, 205, 206, // cameras, mounts
-    207, // DO_FENCE_ENABLE
-    211, // DO_GRIPPER
-    530, 531, 532, 1000, // camera and gimbal of the camera protocol
-    2000, 2001, 2500, 2501, // images and video
-];
-
-/// Why the motion after some commands is not known.
-const UNKNOWN_MOTION: &[(u16, &str)] = &[
-    (82, "the curve of NAV_SPLINE_WAYPOINT is not known"),
-    (92, "NAV_GUIDED_ENABLE hands over to another computer"),
-    (94, "NAV_PAYLOAD_PLACE descends until it feels the ground"),
-    (179, "DO_SET_HOME moves home, and altitudes above it"),
-    (208, "DO_PARACHUTE may end the flight"),
-];
-
 /// The order of one item to a copter, or why its motion is not known.
 pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
     // PX4 holds at such an item until it gets a command; ArduPilot stores no such flag.
-    if autopilot == Autopilot::Px4 && !item.autocontinue {
+    let conventions = autopilot.conventions();
+    if conventions.waits_without_autocontinue && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
     }
-    let here = autopilot == Autopilot::ArduPilot && item.x == 0 && item.y == 0;
+    let here = conventions.zero_is_unset && item.x == 0 && item.y == 0;
     match item.command {
         command::NAV_TAKEOFF => Ok(Order::Takeoff {
             // ArduCopter climbs where it stands, whatever the place says.
-            at: match autopilot {
-                Autopilot::ArduPilot => None,
-                Autopilot::Px4 => Some(place(item)?),
+            at: match conventions.reads_takeoff_location {
+                false => None,
+                true => Some(place(item)?),
             },
             height: height(item, autopilot, home)?,
         }),
@@ -110,17 +89,12 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
             hold_s: delay_s(item, autopilot)?,
         }),
         command::DO_CHANGE_SPEED => speed(item),
-        other if WITHOUT_MOTION.contains(&other) => Ok(Order::Nothing),
-        other => Err(unknown_motion(other)),
-    }
-}
-
-fn unknown_motion(command: u16) -> String {
-    let known = UNKNOWN_MOTION.iter().find(|(known, _)| *known == command);
-    match (known, command_name(command)) {
-        (Some((_, why)), _) => (*why).to_owned(),
-        (None, Some(name)) => format!("the motion of {name} is not known"),
-        (None, None) => format!("the motion of command {command} is not known"),
+        other => match command_row(other).map(|row| (row.motion, row.name)) {
+            Some((Motion::NoMotion, _)) => Ok(Order::Nothing),
+            Some((Motion::Unknown(why), _)) => Err(why.to_owned()),
+            Some((Motion::Moves, name)) => Err(format!("the motion of {name} is not known")),
+            None => Err(format!("the motion of command {other} is not known")),
+        },
     }
 }
 
@@ -166,9 +140,9 @@ pub(crate) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<He
     if !z_m.is_finite() {
         return Err(format!("the altitude is {z_m}"));
     }
-    let z_m = match autopilot {
-        Autopilot::ArduPilot => (z_m * 100.0).trunc() / 100.0,
-        Autopilot::Px4 => z_m,
+    let z_m = match autopilot.conventions().packs_items {
+        true => (z_m * 100.0).trunc() / 100.0,
+        false => z_m,
     };
     match frame::canonical(item.frame) {
         frame::GLOBAL => Ok(Height::Sea(Amsl(z_m))),
@@ -190,7 +164,7 @@ pub(crate) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<He
 /// present altitude (ArduCopter `ModeAuto::loc_from_cmd`).
 pub(crate) fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
     let height = height(item, autopilot, home)?;
-    if autopilot == Autopilot::ArduPilot && (f64::from(item.z) * 100.0).abs() < 1.0 {
+    if autopilot.conventions().zero_is_unset && (f64::from(item.z) * 100.0).abs() < 1.0 {
         return Err(format!(
             "an altitude of {} m keeps the altitude before it (ArduPilot takes 0 cm for none)",
             item.z
@@ -209,7 +183,7 @@ pub(crate) fn rally(
     world: &World,
 ) -> Result<(LatLon, Amsl, f64), String> {
     let mut stored = *item;
-    if autopilot == Autopilot::ArduPilot {
+    if autopilot.conventions().packs_items {
         stored.z = stored.z.trunc();
     }
     let place = place(&stored)?;

@@ -1,7 +1,6 @@
 //! Jumps in a mission (`DO_JUMP`), as autopilots make them.
 
 use crate::mission::{Item, VehicleMission};
-use crate::spec::Autopilot;
 
 /// How often a jump is still made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +27,7 @@ pub(crate) fn jump(
     if times.to_bits() == (-1.0_f64).to_bits() {
         return Err("a jump (DO_JUMP) that is made for ever".to_owned());
     }
-    let first = match mission.autopilot {
-        Autopilot::ArduPilot => 1.0,
-        Autopilot::Px4 => 0.0,
-    };
+    let first = f64::from(1 - mission.autopilot.first_row());
     let to = whole(target - first)
         .filter(|&to| to < mission.items.len())
         .ok_or_else(|| format!("a jump (DO_JUMP) to item {target}, which there is not"))?;

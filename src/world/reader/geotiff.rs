@@ -17,7 +17,7 @@ const METRE: u16 = 9001;
 /// Least nodes in each direction.
 const MIN_NODES: u32 = 2;
 
-/// A GeoTIFF of which no height was read yet.
+/// A GeoTIFF before its heights are read.
 pub(super) struct GeoTiff {
     file: GeoTiffFile,
     pub(super) lattice: Lattice,
@@ -79,7 +79,7 @@ impl GeoTiff {
     }
 }
 
-/// Equal as far as `f32` samples can tell.
+/// Equal within the precision of `f32` samples.
 fn is_same(sample: f64, no_data: f64) -> bool {
     (sample - no_data).abs() <= no_data.abs() * 1e-6
 }

@@ -28,7 +28,7 @@ pub(super) enum Packing {
     Zip(usize),
 }
 
-/// A tile of which no height was read yet.
+/// A tile before its heights are read.
 #[derive(Debug)]
 pub(super) struct Hgt {
     path: PathBuf,
@@ -128,7 +128,7 @@ fn unpacked_bytes(file: &mut File) -> Result<u64, TerrainError> {
     Ok(u64::from(u32::from_le_bytes(size)))
 }
 
-/// The only tile of an archive and its size. Other files, such as a licence, may lie beside it.
+/// The only tile of an archive and its size. Other files, such as a licence, may be in it too.
 fn tile_within(
     archive: &mut ZipArchive<BufReader<File>>,
     place: LatLon,

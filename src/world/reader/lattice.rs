@@ -85,7 +85,7 @@ impl Lattice {
         }
     }
 
-    /// The grid of a window of which the heights were read, row by row.
+    /// The grid of a window and its heights, row by row.
     pub(super) fn grid(&self, window: Window, heights_m: Vec<f32>) -> TerrainGrid {
         TerrainGrid {
             north_west: self.node(window.first_row, window.first_column),

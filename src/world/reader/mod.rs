@@ -25,7 +25,7 @@ use crate::spec::{Area, ELEVATION_ENDINGS};
 /// lies at -430, Everest at 8849. Anything else in a file is a filler or the sea
 /// floor, and counts as no data.
 const GROUND_M: RangeInclusive<f64> = -500.0..=9000.0;
-/// Most nodes kept in memory (256 MiB).
+/// Most nodes in memory (256 MiB).
 const MAX_NODES: usize = 1 << 26;
 
 /// Why an elevation file cannot be used.
@@ -112,7 +112,7 @@ pub enum TerrainError {
     TooLarge(usize),
 }
 
-/// The part of the earth that is wanted, degrees.
+/// The part of the earth to read, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// South-west corner.
@@ -197,7 +197,7 @@ fn name_of(path: &Path) -> String {
         .unwrap_or_default()
 }
 
-/// One elevation file, of which no height was read yet.
+/// One elevation file before its heights are read.
 enum Source {
     Hgt(Hgt),
     GeoTiff(Box<GeoTiff>),
@@ -254,10 +254,10 @@ fn ground_m(height_m: f64) -> f32 {
         clippy::cast_possible_truncation,
         reason = "heights need no more than f32"
     )]
-    let kept = if GROUND_M.contains(&height_m) {
+    let ground = if GROUND_M.contains(&height_m) {
         height_m as f32
     } else {
         f32::NAN
     };
-    kept
+    ground
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use libfuzzer_sys::fuzz_target;
 use sortie::link::{
-    Address, Body, List, Message, MissionMessage, MissionResult, Order, Session, Time, kept,
+    Address, Body, List, Message, MissionMessage, MissionResult, Order, Session, Time, stored_form,
 };
 use sortie::mission::{Home, Item, VehicleMission, command, frame};
 use sortie::spec::{Airframe, Autopilot};
@@ -58,6 +58,7 @@ fn mission(autopilot: Autopilot, items: u8, lists: u8, from: u8) -> VehicleMissi
         (0..n).map(item).collect()
     };
     VehicleMission {
+        autopilot_version: None,
         autopilot,
         airframe: Airframe::Copter,
         home: HOME,
@@ -78,8 +79,8 @@ fn holds(vehicle: &Vehicle, profile: Profile, mission: &VehicleMission) -> bool 
     ];
     lists.into_iter().all(|(list, items)| {
         let expected = items.iter().map(|item| match profile {
-            Profile::ArduPilot => kept(Autopilot::ArduPilot, Airframe::Copter, list, item),
-            Profile::Px4 => kept(Autopilot::Px4, Airframe::Copter, list, item),
+            Profile::ArduPilot => stored_form(Autopilot::ArduPilot, Airframe::Copter, list, item),
+            Profile::Px4 => stored_form(Autopilot::Px4, Airframe::Copter, list, item),
             _ => *item,
         });
         vehicle.items(list).iter().copied().eq(expected)

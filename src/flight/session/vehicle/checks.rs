@@ -5,7 +5,6 @@ use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
 use crate::link::{Address, Command, FlightMessage, Message, Time};
-use crate::spec::Autopilot;
 
 /// How long position and home are waited for, milliseconds.
 const REPORTING_MS: u64 = 60_000;
@@ -58,7 +57,8 @@ impl FlightVehicle<'_> {
             Stage::Checking { until } => {
                 let until = *until;
                 let outcome = self.settings.as_ref().and_then(SettingsCheck::outcome);
-                let is_known = self.home.is_some() && self.latest.is_some();
+                let is_known =
+                    self.home.is_some() && self.latest.is_some() && !self.lacks_version();
                 if let Some(differences) = outcome
                     && (is_known || now >= until)
                 {
@@ -75,12 +75,17 @@ impl FlightVehicle<'_> {
             self.stage = Stage::Refused(std::mem::take(&mut self.problems));
             return;
         }
-        let bytewise = self.autopilot() == Autopilot::Px4;
+        let bytewise = self.autopilot().conventions().bytewise_parameters;
         let planned = &self.of.mission.params;
         self.settings = Some(SettingsCheck::new(planned, self.set_params, bytewise, now));
         self.stage = Stage::Checking {
             until: now + REPORTING_MS,
         };
+    }
+
+    /// Whether its version matters and is not known yet.
+    fn lacks_version(&self) -> bool {
+        self.of.mission.autopilot_version.is_some() && self.version.is_none()
     }
 
     /// Decides by everything that the vehicle has reported.
@@ -90,6 +95,7 @@ impl FlightVehicle<'_> {
             None => soft.push("it does not say where its home is".to_owned()),
             Some(home) => soft.extend(readiness::home_problem(&self.of.mission.home, home)),
         }
+        soft.extend(readiness::version_problem(self.of.mission, self.version));
         let mut hard = Vec::new();
         match self.latest {
             None => hard.push("it does not say where it is".to_owned()),
@@ -125,12 +131,16 @@ impl FlightVehicle<'_> {
             return;
         }
         self.requested = now;
+        let lacks_version = self.lacks_version();
         let mut ask = |order| {
             self.outbox
                 .push_back(Message::Flight(FlightMessage::Command { target, order }));
         };
         if self.home.is_none() {
             ask(Command::new(Command::REQUEST_MESSAGE, [242.0]));
+        }
+        if lacks_version {
+            ask(Command::request_version());
         }
         let streams = |id| Command::new(Command::SET_MESSAGE_INTERVAL, [id, interval_us]);
         let is_ready = matches!(self.stage, Stage::Ready);

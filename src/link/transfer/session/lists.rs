@@ -6,7 +6,6 @@ use crate::link::time::Time;
 use crate::link::transfer::clear::Clear;
 use crate::link::transfer::download::{Download, DownloadError};
 use crate::link::transfer::expected::Expected;
-use crate::link::transfer::identity;
 use crate::link::transfer::report::{Failure, Verdict};
 use crate::link::transfer::task::{Ended, Task};
 use crate::link::transfer::upload::{Sent, Upload, UploadError};
@@ -30,7 +29,7 @@ impl<'a> Session<'a> {
         let mission = self.order.mission;
         let autopilot = self
             .vehicle
-            .and_then(|(_, heartbeat)| identity::named(heartbeat.autopilot))
+            .and_then(|(_, heartbeat)| Autopilot::of_mavlink(heartbeat.autopilot))
             .unwrap_or(mission.autopilot);
         Expected { mission, autopilot }
     }
@@ -55,8 +54,7 @@ impl<'a> Session<'a> {
             // 500 ms): a longer silence means that it has given up or lost us.
             let (silence_ms, gap_ms) = match (self.expected().autopilot, self.vehicle) {
                 (_, Some((_, beat))) if beat.autopilot == AUTOPILOT_GENERIC => (4000, 800),
-                (Autopilot::ArduPilot, _) => (5000, 0),
-                (Autopilot::Px4, _) => (3000, 0),
+                (autopilot, _) => (autopilot.conventions().silence_ms, 0),
             };
             let rows = self.expected().rows(route.list);
             let upload = Upload::new(route, rows, silence_ms, self.deadline, now);
@@ -186,9 +184,11 @@ impl<'a> Session<'a> {
             self.at += 1;
             self.begin_list(now);
         } else {
-            let listen_ms = match self.expected().autopilot {
-                Autopilot::Px4 => LISTEN_MS,
-                Autopilot::ArduPilot => 0,
+            let conventions = self.expected().autopilot.conventions();
+            let listen_ms = if conventions.rejects_after_ack {
+                LISTEN_MS
+            } else {
+                0
             };
             self.stage = Stage::Listening {
                 until: now + listen_ms,

@@ -61,18 +61,7 @@ impl Pilot {
                 Some(Doing::OnWing(Winged::Following(following)))
             }
             command::NAV_LOITER_UNLIM | command::NAV_LOITER_TIME if self.airborne => {
-                let to_m = self.point_m(item, from_m)?;
-                let own_m = f64::from(item.params[2]);
-                self.carry(Some(to_m));
-                Some(Doing::OnWing(Winged::Circling {
-                    leg: Leg { from_m, to_m },
-                    radius_m: if own_m.is_finite() && own_m.abs() > 0.0 {
-                        own_m
-                    } else {
-                        self.settings.wing().loiter_radius_m
-                    },
-                    lands: false,
-                }))
+                self.circling(item, from_m)
             }
             command::NAV_LAND if self.airborne && !is_vtol => {
                 let to_m = self.point_m(item, from_m)?;
@@ -104,6 +93,22 @@ impl Pilot {
             }
             _ => None,
         }
+    }
+
+    /// Circles around the place of an item, with its radius or that of the parameters.
+    fn circling(&mut self, item: &Item, from_m: [f64; 3]) -> Option<Doing> {
+        let to_m = self.point_m(item, from_m)?;
+        let own_m = f64::from(item.params[2]);
+        self.carry(Some(to_m));
+        Some(Doing::OnWing(Winged::Circling {
+            leg: Leg { from_m, to_m },
+            radius_m: if own_m.is_finite() && own_m.abs() > 0.0 {
+                own_m
+            } else {
+                self.settings.wing().loiter_radius_m
+            },
+            lands: false,
+        }))
     }
 
     /// ArduPlane runs where it points, PX4 towards the place of the item.

@@ -1,9 +1,9 @@
 //! How a flight ends: landed, at home again, or in the air for ever.
 
 use super::Pilot;
+use crate::autopilot::SLOW_LANDING_M;
 use crate::geodesy::{Amsl, LatLon};
 use crate::mission::VehicleMission;
-use crate::path::{SLOW_LANDING_M, slow_landing_mps};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
 use crate::verify::measure::segment::Phase;
@@ -57,7 +57,7 @@ impl Pilot<'_> {
                 .trajectory
                 .ground_m(row, self.world.frame.from_plan(at))?,
         };
-        let slow_mps = slow_landing_mps(self.vehicle.autopilot);
+        let slow_mps = self.vehicle.facts().behaviour.slow_landing_mps;
         let descent_mps = self.vehicle.descent_mps;
         let slow_m = ground_m + SLOW_LANDING_M;
         if self.last().amsl_m > slow_m {

@@ -1,28 +1,20 @@
 //! A QuadPlane is driven off by the wind while it climbs on its rotors.
 
 use crate::geodesy::{EastNorth, PlanPoint};
-use crate::spec::{Airframe, Autopilot};
 
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::legs::Knot;
 use crate::verify::measure::segment::Chord;
 
-/// Share of the wind with which it drifts as it climbs, and for how long it drifts with all of it
-/// until it has turned onto its first leg, seconds: one QuadPlane of ArduPilot's simulator
-/// (ArduPlane 4.7.0-dev of December 2025) in 5 m/s was 41 m downwind after a planned climb of 27 s, and
-/// began its first leg 59 m off it.
-const SHARE: f64 = 0.31;
-const ONTO_LEG_S: f64 = 3.6;
-
 impl Pilot<'_> {
     /// Lays the climb of a QuadPlane downwind too, to be judged in space; remembers how far off
     /// it begins its first leg.
     pub(crate) fn drift_up(&mut self, row: usize, top: PlanPoint) {
-        let wind = match (self.vehicle.autopilot, self.vehicle.airframe) {
-            (Autopilot::ArduPilot, Airframe::Vtol) => self.vehicle.wing.and_then(|wing| wing.wind),
-            _ => None,
-        };
-        let Some(wind) = wind.filter(|wind| wind.speed_mps > 0.0) else {
+        let behaviour = &self.vehicle.facts().behaviour;
+        let version = self.vehicle.autopilot_version;
+        let share = behaviour.drift_share.value(version);
+        let onto_leg_s = behaviour.drift_s.value(version);
+        let Some(wind) = self.vehicle.carried_by().filter(|_| share > 0.0) else {
             return;
         };
         let climb_s = (top.amsl.0 - self.home.amsl.0) / self.vehicle.climb_mps;
@@ -30,7 +22,7 @@ impl Pilot<'_> {
             east_m: -wind.from_rad.sin() * wind.speed_mps * seconds,
             north_m: -wind.from_rad.cos() * wind.speed_mps * seconds,
         };
-        let off = downwind(SHARE * climb_s);
+        let off = downwind(share * climb_s);
         for chord in &mut self.trajectory.chords {
             chord.wide_m = chord.wide_m.max(off.east_m.hypot(off.north_m));
         }
@@ -40,7 +32,7 @@ impl Pilot<'_> {
             grounded: true,
             ..Chord::unflown((row, self.phase), (end_s - climb_s, end_s), column)
         });
-        self.drift = Some(downwind(SHARE * climb_s + ONTO_LEG_S));
+        self.drift = Some(downwind(share * climb_s + onto_leg_s));
     }
 
     /// Lays the first leg from where the wind has driven it, to be judged in space; for the

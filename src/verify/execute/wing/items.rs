@@ -9,7 +9,7 @@ use crate::verify::execute::item::{self, Height, Order, own_height, place};
 /// What one item makes a plane or vtol do.
 pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
     let (autopilot, is_vtol) = (mission.autopilot, mission.airframe == Airframe::Vtol);
-    if autopilot == Autopilot::Px4 && !item.autocontinue {
+    if autopilot.conventions().waits_without_autocontinue && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
     }
     let [first, _, third, _] = item.params.map(f64::from);
@@ -48,7 +48,7 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
             "NAV_RETURN_TO_LAUNCH ends in a circle over home, or a landing of its own".to_owned(),
         ),
         // Over at once: the rules of acceptance refuse it.
-        command::NAV_DELAY if autopilot == Autopilot::ArduPilot => Ok(Order::Nothing),
+        command::NAV_DELAY if mission.facts().acceptance.never_waits => Ok(Order::Nothing),
         command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
             "DO_CHANGE_SPEED of kind {first} does not set the airspeed"
         )),
@@ -58,9 +58,9 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
 
 fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, String> {
     let height = item::height(item, autopilot, home)?;
-    Ok(match autopilot {
+    Ok(match autopilot.conventions().reads_takeoff_location {
         // The place is not read. A QuadPlane climbs by the altitude, whatever the frame.
-        Autopilot::ArduPilot => Order::Takeoff {
+        false => Order::Takeoff {
             at: None,
             height: if item.command == command::NAV_VTOL_TAKEOFF {
                 Height::Sea(AboveHome(f64::from(item.z)).over(home))
@@ -68,7 +68,7 @@ fn takeoff(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, Strin
                 height
             },
         },
-        Autopilot::Px4 => Order::Takeoff {
+        true => Order::Takeoff {
             at: Some(place(item)?),
             height,
         },

@@ -6,21 +6,10 @@ use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, FRAC_PI_2};
 
 use crate::geodesy::{Amsl, EastNorth, true_airspeed_ratio};
 use crate::mission::VehicleMission;
-use crate::spec::{Autopilot, GRAVITY_MPS2, Vehicle};
+use crate::spec::{GRAVITY_MPS2, Vehicle};
 
 use crate::verify::execute::legs::Knot;
 
-/// Share of `g tan(bank)` that turns the wing, and how long an error of bank lasts, seconds:
-/// fitted to the plane of ArduPilot's simulator (ArduPlane 4.7.0-dev of December 2025, still air),
-/// which slips in its turns (14.2 degrees a second at 33.3 degrees of bank and 19.1 m/s, 0.73 of a
-/// coordinated turn) and reaches its bank within a second. With these the overshoot comes out no less
-/// than any measured one, and by no more than 45 % more (the test below).
-const TURNING_SHARE: f64 = 0.70;
-const BANK_LAG_S: f64 = 0.5;
-/// Defaults of the parameters (`AP_L1_Control.cpp`, `ArduPlane/Parameters.cpp`).
-const PERIOD_S: f64 = 17.0;
-const DAMPING: f64 = 0.75;
-const WP_RADIUS_M: f64 = 90.0;
 const INTEGRAL_GAIN: f64 = 0.02;
 /// Most of the integral of the angle, radians, and where it counts.
 const INTEGRAL_RAD: f64 = 0.1;
@@ -36,6 +25,10 @@ pub(crate) struct Guidance {
     /// `WP_RADIUS`, at sea level.
     wp_radius_m: f64,
     bank_rad: f64,
+    /// Share of a coordinated turn that turns the wing.
+    turning_share: f64,
+    /// How long an error of bank lasts, seconds.
+    bank_lag_s: f64,
 }
 
 /// A place on the way, and the leg that it is flown to follow.
@@ -71,19 +64,22 @@ struct Wing {
 impl Guidance {
     /// The guidance of a mission's vehicle; only a wing of ArduPilot has one.
     pub(crate) fn of(vehicle: &Vehicle, mission: &VehicleMission) -> Option<Self> {
-        if mission.autopilot != Autopilot::ArduPilot || !mission.airframe.has_wing() {
-            return None;
-        }
+        let facts = mission.facts();
+        let version = mission.autopilot_version;
+        let turning_share = facts.behaviour.turning_share.of(version)?.value;
         let held = |name: &str| {
             let found = mission.params.iter().find(|param| param.name == name)?;
             Some(f64::from(found.value)).filter(|value| value.is_finite() && *value > 0.0)
         };
+        let value = |name: &str| Some(held(name).unwrap_or(facts.parameter(name)?.default_si()));
         let planned_rad = (1.0 / vehicle.max_load_factor).acos();
         Some(Self {
-            period_s: held("NAVL1_PERIOD").unwrap_or(PERIOD_S),
-            damping: held("NAVL1_DAMPING").unwrap_or(DAMPING),
-            wp_radius_m: held("WP_RADIUS").unwrap_or(WP_RADIUS_M),
+            period_s: value("NAVL1_PERIOD")?,
+            damping: value("NAVL1_DAMPING")?,
+            wp_radius_m: value("WP_RADIUS")?,
             bank_rad: held("ROLL_LIMIT_DEG").map_or(planned_rad, f64::to_radians),
+            turning_share,
+            bank_lag_s: facts.behaviour.bank_lag_s.value(version),
         })
     }
 
@@ -214,8 +210,9 @@ impl Wing {
         let demand_mps2 = gain * speed_mps * speed_mps / ahead_m * angle_rad.sin();
         let demand_rad = (demand_mps2 / GRAVITY_MPS2).atan();
         let demand_rad = demand_rad.clamp(-guidance.bank_rad, guidance.bank_rad);
-        self.bank_rad += (demand_rad - self.bank_rad) * (1.0 - (-STEP_S / BANK_LAG_S).exp());
-        let across_mps2 = TURNING_SHARE * GRAVITY_MPS2 * self.bank_rad.tan();
+        self.bank_rad +=
+            (demand_rad - self.bank_rad) * (1.0 - (-STEP_S / guidance.bank_lag_s).exp());
+        let across_mps2 = guidance.turning_share * GRAVITY_MPS2 * self.bank_rad.tan();
         self.course_rad += across_mps2 / speed_mps * STEP_S;
         let (sin, cos) = self.course_rad.sin_cos();
         self.at[0] += speed_mps * cos * STEP_S;
@@ -226,15 +223,19 @@ impl Wing {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::autopilot::{Airframe, Autopilot, facts};
     use crate::verify::measure::segment::Phase;
     use proptest::prelude::*;
 
     fn guidance(bank_deg: f64, wp_radius_m: f64) -> Guidance {
+        let behaviour = facts(Autopilot::ArduPilot, Airframe::Plane).behaviour;
         Guidance {
-            period_s: PERIOD_S,
-            damping: DAMPING,
+            period_s: 17.0,
+            damping: 0.75,
             wp_radius_m,
             bank_rad: bank_deg.to_radians(),
+            turning_share: behaviour.turning_share.value(None),
+            bank_lag_s: behaviour.bank_lag_s.value(None),
         }
     }
 

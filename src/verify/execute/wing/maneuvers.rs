@@ -5,7 +5,6 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::path::{along, climb_out, heading_rad};
 
-use super::overshoot::{EARLY_SHARE, OVERSHOOT_M};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::{Circle, End, Mark};
@@ -69,10 +68,11 @@ impl Pilot<'_> {
         if self.guidance.is_none() {
             return;
         }
-        let mix = |a: f64, b: f64| a + (b - a) * EARLY_SHARE;
+        let (early_share, overshoot_m) = self.climb_out_figures();
+        let mix = |a: f64, b: f64| a + (b - a) * early_share;
         let over = |at: EastNorth| PlanPoint {
             at,
-            amsl: Amsl(top.amsl_m + OVERSHOOT_M),
+            amsl: Amsl(top.amsl_m + overshoot_m),
         };
         let early = EastNorth {
             east_m: mix(lift_off.at.east_m, top.at.east_m),

@@ -8,12 +8,6 @@ use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::legs::Knot;
 use crate::verify::measure::segment::{Chord, Phase};
 
-/// The plane of ArduPilot's simulator (ArduPlane 4.7.0-dev of December 2025, still air) had the
-/// height of its takeoff, 80 m, 246 m from where it stood, and not 508 m as planned: after this
-/// share of its planned climb from lift-off.
-pub const EARLY_SHARE: f64 = 0.4;
-/// By so much it went over that height before it levelled off, metres.
-pub(crate) const OVERSHOOT_M: f64 = 14.0;
 /// Ways nearer to their legs than this are not looked at, metres.
 const TOLERANCE_M: f64 = 0.5;
 /// Steps of the path from one judged point to the next.
@@ -84,6 +78,17 @@ impl Pilot<'_> {
         Ok(())
     }
 
+    /// Share of the planned climb after which a plane may have its height, and how far it may
+    /// exceed that, metres.
+    pub(crate) fn climb_out_figures(&self) -> (f64, f64) {
+        let behaviour = &self.vehicle.facts().behaviour;
+        let version = self.vehicle.autopilot_version;
+        (
+            behaviour.climb_out_share.value(version),
+            behaviour.climb_out_overshoot_m.value(version),
+        )
+    }
+
     /// A plane that is early at the height of its takeoff goes on from there.
     fn leave_early(&mut self, knots: &[Knot], firsts: &[usize]) {
         let Some(early) = self.early_top.take() else {
@@ -92,6 +97,7 @@ impl Pilot<'_> {
         let Some(next) = knots.iter().find(|knot| knot.phase != Phase::Join) else {
             return;
         };
+        let (early_share, overshoot_m) = self.climb_out_figures();
         let rise_m = early.amsl.0 - knots[0].amsl_m;
         let t_s = self.trajectory.t_s;
         let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
@@ -99,8 +105,7 @@ impl Pilot<'_> {
         let first = firsts.first().copied().unwrap_or_default();
         for chord in &mut self.trajectory.chords[first..] {
             if chord.phase == Phase::Join {
-                let over_m = (1.0 - EARLY_SHARE) * rise_m;
-                chord.wide_m = over_m.max(OVERSHOOT_M);
+                chord.wide_m = ((1.0 - early_share) * rise_m).max(overshoot_m);
             } else if chord.row == next.row {
                 chord.wide_m = aside_m;
             }

@@ -1,0 +1,253 @@
+//! Autopilot parameters that Sortie writes, assumes or simulates: names, defaults, units.
+//!
+//! Names and defaults as in ArduCopter and ArduPlane 4.6 and PX4 1.16 to 1.18. A parameter that a
+//! version renamed has a row for each name.
+
+use super::version::{VersionRange, version};
+
+/// Unit of the number that an autopilot stores.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// A number, a bit field or a choice.
+    Number,
+    /// m.
+    M,
+    /// cm.
+    Cm,
+    /// m/s.
+    Mps,
+    /// cm/s.
+    CmPs,
+    /// m/s^2.
+    Mps2,
+    /// cm/s^2.
+    CmPs2,
+    /// s.
+    S,
+    /// ms.
+    Ms,
+    /// Degrees.
+    Deg,
+}
+
+impl Unit {
+    /// How many of it make one SI unit; degrees stay degrees.
+    #[must_use]
+    pub const fn per_si(self) -> f64 {
+        match self {
+            Self::Cm | Self::CmPs | Self::CmPs2 => 100.0,
+            Self::Ms => 1000.0,
+            Self::Number | Self::M | Self::Mps | Self::Mps2 | Self::S | Self::Deg => 1.0,
+        }
+    }
+}
+
+/// One parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterRow {
+    /// Name in the autopilot.
+    pub name: &'static str,
+    /// The value that a vehicle comes with, in `unit`.
+    pub default: f32,
+    /// Unit of its values.
+    pub unit: Unit,
+    /// Whether PX4 stores it as `int32`.
+    pub is_int32: bool,
+    /// The versions that have it.
+    pub versions: VersionRange,
+}
+
+impl ParameterRow {
+    /// The default in SI units; degrees stay degrees.
+    #[must_use]
+    pub fn default_si(&self) -> f64 {
+        f64::from(self.default) / self.unit.per_si()
+    }
+}
+
+const fn p(name: &'static str, default: f32, unit: Unit) -> ParameterRow {
+    ParameterRow {
+        name,
+        default,
+        unit,
+        is_int32: false,
+        versions: VersionRange::ALL,
+    }
+}
+
+const fn int32(row: ParameterRow) -> ParameterRow {
+    ParameterRow {
+        is_int32: true,
+        ..row
+    }
+}
+
+const fn of(versions: VersionRange, row: ParameterRow) -> ParameterRow {
+    ParameterRow { versions, ..row }
+}
+
+use Unit::{Cm, CmPs, CmPs2, Deg, M, Mps, Mps2, Ms, Number, S};
+
+/// ArduCopter.
+pub(super) const ARDUCOPTER: &[ParameterRow] = &[
+    p("WPNAV_SPEED", 1000.0, CmPs),
+    p("WPNAV_ACCEL", 250.0, CmPs2),
+    // 0: twice WPNAV_ACCEL.
+    p("WPNAV_ACCEL_C", 0.0, CmPs2),
+    p("WPNAV_ACCEL_Z", 100.0, CmPs2),
+    p("WPNAV_SPEED_UP", 250.0, CmPs),
+    p("WPNAV_SPEED_DN", 150.0, CmPs),
+    p("WPNAV_RADIUS", 200.0, Cm),
+    p("LAND_SPEED_HIGH", 0.0, CmPs),
+    p("LAND_ALT_LOW", 1000.0, Cm),
+    p("LAND_SPEED", 50.0, CmPs),
+    p("DISARM_DELAY", 10.0, S),
+    p("RTL_ALT", 1500.0, Cm),
+    p("RTL_CONE_SLOPE", 3.0, Number),
+    p("RTL_CLIMB_MIN", 0.0, Cm),
+    p("RTL_LOIT_TIME", 5000.0, Ms),
+    p("RTL_ALT_FINAL", 0.0, Cm),
+    p("FENCE_ENABLE", 0.0, Number),
+    p("FENCE_TYPE", 7.0, Number),
+    p("FENCE_ACTION", 1.0, Number),
+];
+
+/// ArduPlane (defaults of L1 and slope also in `AP_L1_Control.cpp`, `ArduPlane/Parameters.cpp`).
+pub(super) const ARDUPLANE: &[ParameterRow] = &[
+    p("AIRSPEED_CRUISE", 12.0, Mps),
+    p("AIRSPEED_MIN", 9.0, Mps),
+    p("ROLL_LIMIT_DEG", 45.0, Deg),
+    p("NAVL1_PERIOD", 17.0, S),
+    p("NAVL1_DAMPING", 0.75, Number),
+    p("WP_RADIUS", 90.0, M),
+    p("WP_LOITER_RAD", 60.0, M),
+    // Whole metres; the smallest change of altitude that is spread along a leg.
+    of(
+        VersionRange::before(version(4, 7)),
+        p(SLOPE_MIN[1], 15.0, M),
+    ),
+    of(VersionRange::since(version(4, 7)), p(SLOPE_MIN[0], 15.0, M)),
+    p("TECS_CLMB_MAX", 5.0, Mps),
+    p("TECS_SINK_MAX", 5.0, Mps),
+    p("TECS_HDEM_TCONST", 3.0, S),
+    p("TECS_TIME_CONST", 5.0, S),
+    p("TECS_LAND_SINK", 0.25, Mps),
+    p("LAND_FLARE_ALT", 3.0, M),
+    p("LAND_FLARE_SEC", 2.0, S),
+    p("LAND_DISARMDELAY", 20.0, S),
+    p("RTL_ALTITUDE", 100.0, M),
+    p("FENCE_ENABLE", 0.0, Number),
+    p("FENCE_TYPE", 7.0, Number),
+    p("FENCE_ACTION", 0.0, Number),
+];
+
+/// The smallest change of altitude that ArduPlane spreads along a leg: its name since 4.7, and
+/// before that.
+pub const SLOPE_MIN: [&str; 2] = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"];
+
+/// A QuadPlane, besides those of ArduPlane.
+pub(super) const QUADPLANE: &[ParameterRow] = &[
+    p("Q_ASSIST_SPEED", 0.0, Mps),
+    p("Q_TRANS_DECEL", 2.0, Mps2),
+    p("Q_WP_SPEED_UP", 250.0, CmPs),
+    p("Q_WP_SPEED_DN", 150.0, CmPs),
+    p("Q_LAND_FINAL_ALT", 6.0, M),
+    p("Q_LAND_FINAL_SPD", 0.5, Mps),
+];
+
+/// PX4 on rotors.
+pub(super) const PX4_ROTORS: &[ParameterRow] = &[
+    p("MPC_XY_CRUISE", 5.0, Mps),
+    p("MPC_XY_VEL_MAX", 12.0, Mps),
+    p("MPC_ACC_HOR", 3.0, Mps2),
+    p("MPC_ACC_UP_MAX", 4.0, Mps2),
+    p("MPC_Z_V_AUTO_UP", 3.0, Mps),
+    p("MPC_Z_V_AUTO_DN", 1.5, Mps),
+    p("MPC_Z_VEL_MAX_UP", 3.0, Mps),
+    p("MPC_Z_VEL_MAX_DN", 1.5, Mps),
+    p("MPC_TKO_SPEED", 1.5, Mps),
+    p("MPC_LAND_SPEED", 0.7, Mps),
+    p("MPC_LAND_ALT2", 5.0, M),
+    p("NAV_ACC_RAD", 10.0, M),
+    // A waypoint is reached only within this of its altitude.
+    p("NAV_MC_ALT_RAD", 0.8, M),
+    p("COM_DISARM_PRFLT", 10.0, S),
+    p("RTL_RETURN_ALT", 60.0, M),
+    p("RTL_CONE_ANG", 45.0, Deg),
+    p("RTL_LAND_DELAY", 0.0, S),
+    int32(p("GF_ACTION", 2.0, Number)),
+];
+
+/// PX4 on a wing.
+pub(super) const PX4_WING: &[ParameterRow] = &[
+    p("FW_AIRSPD_TRIM", 15.0, Mps),
+    p("FW_AIRSPD_MIN", 10.0, Mps),
+    p("FW_R_LIM", 50.0, Deg),
+    p("FW_T_CLMB_MAX", 5.0, Mps),
+    p("FW_T_CLMB_R_SP", 3.0, Mps),
+    p("FW_T_SINK_MAX", 5.0, Mps),
+    p("FW_T_SINK_R_SP", 2.0, Mps),
+    p("FW_T_ALT_TC", 5.0, S),
+    p("FW_T_HRATE_FF", 0.3, Number),
+    p("FW_TKO_PITCH_MIN", 10.0, Deg),
+    p("FW_LND_ANG", 5.0, Deg),
+    p("FW_LND_FLALT", 0.5, M),
+    p("FW_LND_FL_TIME", 1.0, S),
+    p("FW_LND_FL_SINK", 0.25, Mps),
+    p("NPFG_PERIOD", 10.0, S),
+    p("NPFG_DAMPING", 0.7, Number),
+    p("NPFG_SW_DST_MLT", 0.32, Number),
+    p("NAV_ACC_RAD", 10.0, M),
+    p("NAV_FW_ALT_RAD", 10.0, M),
+    p("NAV_FW_ALTL_RAD", 5.0, M),
+    p("NAV_LOITER_RAD", 80.0, M),
+    p("COM_DISARM_LAND", 2.0, S),
+    p("COM_DISARM_PRFLT", 10.0, S),
+    p("RTL_RETURN_ALT", 60.0, M),
+    int32(p("GF_ACTION", 2.0, Number)),
+];
+
+/// A VTOL of PX4, besides those of rotors and wing.
+pub(super) const PX4_VTOL: &[ParameterRow] = &[p("VT_B_DEC_MSS", 2.0, Mps2)];
+
+/// The row of a parameter, of whichever autopilot.
+#[must_use]
+pub fn parameter(name: &str) -> Option<&'static ParameterRow> {
+    let tables = [
+        ARDUCOPTER, ARDUPLANE, QUADPLANE, PX4_ROTORS, PX4_WING, PX4_VTOL,
+    ];
+    tables.into_iter().flatten().find(|row| row.name == name)
+}
+
+/// The other name of a parameter that a version renamed.
+#[must_use]
+pub fn other_name(name: &str) -> Option<&'static str> {
+    let [new, old] = SLOPE_MIN;
+    match name {
+        _ if name == new => Some(old),
+        _ if name == old => Some(new),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `parameter` finds the first row of a name: another one must have the same unit and type.
+    #[test]
+    fn a_name_means_the_same_in_every_table() {
+        let tables = [
+            ARDUCOPTER, ARDUPLANE, QUADPLANE, PX4_ROTORS, PX4_WING, PX4_VTOL,
+        ];
+        for row in tables.into_iter().flatten() {
+            let found = parameter(row.name).expect("it is in a table");
+            assert_eq!(
+                (found.unit, found.is_int32),
+                (row.unit, row.is_int32),
+                "{}",
+                row.name
+            );
+        }
+    }
+}

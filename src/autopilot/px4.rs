@@ -1,0 +1,172 @@
+//! PX4: copters, planes and VTOL.
+
+use super::acceptance::{Acceptance, Capacity};
+use super::ardupilot;
+use super::behaviour::{Behaviour, Figure, NONE, measured};
+use super::modes::{Modes, px4_auto};
+use super::version::version;
+use super::{Conventions, Defaults, Facts, command, frame, parameters, stored_form};
+
+/// PX4 on every airframe. Version 1.17 is stable, 1.18 in beta; 1.19 is `main` since July 2026
+/// (November 2026).
+pub(super) static CONVENTIONS: Conventions = Conventions {
+    name: "PX4",
+    key: "px4",
+    mav_autopilot: 12,
+    versions: &[version(1, 17), version(1, 18), version(1, 19)],
+    measured: version(1, 18),
+    counts_home: false,
+    packs_items: false,
+    // Angles are stored in radians.
+    param_tolerance: 1e-4,
+    max_system_id: 250,
+    no_heading: f32::NAN,
+    speed_in_mission: false,
+    waits_without_autocontinue: true,
+    reads_takeoff_location: true,
+    zero_is_unset: false,
+    bytewise_parameters: true,
+    request_ms: 270,
+    give_up_ms: 5000,
+    silence_ms: 3000,
+    rejects_after_ack: true,
+};
+
+const COPTER_ACCEPTANCE: Acceptance = Acceptance {
+    location_frames: &[0, 3, 5, 6],
+    command_frames: Some(&[frame::MISSION]),
+    here: &[],
+    any_nan: true,
+    max_altitude_m: 83_000.0,
+    max_hold_s: 65_535.0,
+    precision_landing: true,
+    takeoffs: &[command::NAV_TAKEOFF],
+    // With `MIS_TKO_LAND_REQ` 0 a copter climbs to its first waypoint by itself.
+    needs_takeoff: false,
+    landings: &[command::NAV_LAND],
+    never_waits: false,
+    whole_numbers: false,
+    takeoff_above_home: false,
+    needs_approach: false,
+};
+
+const MODES: Modes = Modes {
+    initial: px4_auto("AUTO.LOITER", 3),
+    arming: px4_auto("AUTO.LOITER", 3),
+    mission: px4_auto("AUTO.MISSION", 4),
+    hold: px4_auto("AUTO.LOITER", 3),
+    loiter: px4_auto("AUTO.LOITER", 3),
+    land: Some(px4_auto("AUTO.LAND", 6)),
+    return_to_launch: px4_auto("AUTO.RTL", 5),
+};
+
+const COPTER_BEHAVIOUR: Behaviour = Behaviour {
+    // 1.16 alpha of December 2024, its own simulated quadrotor, still air, on the clock of the
+    // vehicle; three at once on flat ground at 7 and 8 m/s, three over the ridge of Jacksboro at 8
+    // and at 12 m/s (there with less drag): 6.0 to 10.1 s late over their homes, up to 12.3 s at
+    // the end of the first leg, which also has its share of `leg_late_s`.
+    takeoff_late_s: Figure(&[measured(
+        (12.0, "s"),
+        version(1, 16),
+        6,
+        "PX4 1.16 alpha, simulated: 6 to 10 s late over their homes",
+    )]),
+    // The same flights. It slows down for corners and changes of slope, by itself and unlike
+    // ArduCopter: at 8 m/s by up to 2.1 s a leg (slopes that change by 14 degrees), 12.5 s more
+    // after twelve legs; at 12 m/s 1.7 s a corner of 20 degrees, 6.0 s after four such legs in a
+    // row, 20.7 s after 23 legs.
+    leg_late_s: Figure(&[measured(
+        (1.5, "s"),
+        version(1, 16),
+        6,
+        "PX4 1.16 alpha, simulated: over a few legs in a row, at 8 and 12 m/s",
+    )]),
+    slow_landing_mps: 0.7,
+    ..ardupilot::COPTER_BEHAVIOUR
+};
+
+const WING_BEHAVIOUR: Behaviour = Behaviour {
+    // Assumed: copters of ArduPilot were measured.
+    takeoff_late_s: ardupilot::TAKEOFF_LATE_S,
+    leg_late_s: NONE,
+    altitude_lag_s: Figure(&[measured(
+        (3.5, "s"),
+        version(1, 18),
+        0,
+        "TECS.cpp: (1 - FW_T_HRATE_FF) * FW_T_ALT_TC with the defaults 0.3 and 5 s",
+    )]),
+    // Assumed: ArduPlane was measured.
+    climb_out_share: ardupilot::CLIMB_OUT_SHARE,
+    climb_out_overshoot_m: ardupilot::CLIMB_OUT_OVERSHOOT_M,
+    ..COPTER_BEHAVIOUR
+};
+
+pub(super) static COPTER: Facts = Facts {
+    firmware: "PX4 (copter)",
+    // `dataman.h` holds 64 fence and 32 rally points.
+    capacity: Capacity {
+        items: 10_000,
+        fence: 64,
+        rally: 32,
+        jumps: 10_000,
+    },
+    acceptance: COPTER_ACCEPTANCE,
+    stored: &[stored_form::PX4],
+    modes: MODES,
+    parameters: &[parameters::PX4_ROTORS],
+    // MPC_Z_V_AUTO_UP, MPC_Z_V_AUTO_DN, MPC_ACC_HOR.
+    defaults: Defaults {
+        cruise_parameter: "MPC_XY_CRUISE",
+        climb_mps: 3.0,
+        descent_mps: 1.5,
+        accel_mps2: 3.0,
+    },
+    behaviour: COPTER_BEHAVIOUR,
+};
+
+pub(super) static PLANE: Facts = Facts {
+    firmware: "PX4 (plane)",
+    acceptance: Acceptance {
+        needs_takeoff: true,
+        // `FeasibilityChecker::checkFixedWindLandApproach`.
+        needs_approach: true,
+        ..COPTER_ACCEPTANCE
+    },
+    parameters: &[parameters::PX4_WING],
+    // FW_T_CLMB_MAX, FW_T_SINK_MAX; no parameter has the acceleration of a takeoff run.
+    defaults: Defaults {
+        cruise_parameter: "FW_AIRSPD_TRIM",
+        climb_mps: 5.0,
+        descent_mps: 5.0,
+        accel_mps2: 3.0,
+    },
+    behaviour: Behaviour {
+        // Assumed: ArduPlane was measured.
+        takeoff_early_s: ardupilot::TAKEOFF_EARLY_S,
+        takeoff_late_s: NONE,
+        ..WING_BEHAVIOUR
+    },
+    ..COPTER
+};
+
+pub(super) static VTOL: Facts = Facts {
+    firmware: "PX4 (VTOL)",
+    acceptance: Acceptance {
+        needs_takeoff: true,
+        // `NAV_FORCE_VT` 1, the default, flies 22 as 84 and 21 as 85.
+        takeoffs: &[command::NAV_VTOL_TAKEOFF, command::NAV_TAKEOFF],
+        landings: &[command::NAV_VTOL_LAND, command::NAV_LAND],
+        ..COPTER_ACCEPTANCE
+    },
+    parameters: &[
+        parameters::PX4_ROTORS,
+        parameters::PX4_WING,
+        parameters::PX4_VTOL,
+    ],
+    defaults: Defaults {
+        cruise_parameter: "FW_AIRSPD_TRIM",
+        ..COPTER.defaults
+    },
+    behaviour: WING_BEHAVIOUR,
+    ..COPTER
+};

@@ -1,0 +1,65 @@
+//! Text from outside of the program, made safe to show on one line.
+
+use std::borrow::Cow;
+
+/// Whether a character moves the cursor, changes the direction of reading or cannot be
+/// seen: controls (C0, DEL, C1), line separators, bidirectional marks and overrides
+/// (UAX #9), and characters without width (`Default_Ignorable_Code_Point`, UAX #44,
+/// variation selectors apart).
+#[must_use]
+pub fn is_hidden(sign: char) -> bool {
+    sign.is_control()
+        || matches!(sign,
+            '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}' | '\u{180e}'
+            | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}'
+            | '\u{3164}' | '\u{feff}' | '\u{ffa0}' | '\u{fff9}'..='\u{fffb}'
+            | '\u{e0000}'..='\u{e0fff}')
+}
+
+/// A text in which each hidden character is written out, such as `\u{1b}` or `\n`: it
+/// stays on one line and commands no terminal.
+#[must_use]
+pub fn escaped(text: &str) -> Cow<'_, str> {
+    escaped_except(text, |_| false)
+}
+
+/// The same, with some characters that stay as they are.
+#[must_use]
+pub fn escaped_except(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
+    let is_unsafe = |sign: char| is_hidden(sign) && !stays(sign);
+    if !text.contains(is_unsafe) {
+        return Cow::Borrowed(text);
+    }
+    let mut safe = String::with_capacity(text.len() + 16);
+    for sign in text.chars() {
+        if is_unsafe(sign) {
+            safe.extend(sign.escape_default());
+        } else {
+            safe.push(sign);
+        }
+    }
+    Cow::Owned(safe)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{escaped, escaped_except};
+
+    #[test]
+    fn characters_that_command_a_terminal_or_hide_are_written_out() {
+        assert_eq!(
+            escaped("\u{1b}[2K\r landed as planned\n"),
+            "\\u{1b}[2K\\r landed as planned\\n"
+        );
+        assert_eq!(escaped("a\u{7f}\u{9b}2J"), "a\\u{7f}\\u{9b}2J");
+        assert_eq!(escaped("\u{202e}nalp\u{2069}"), "\\u{202e}nalp\\u{2069}");
+        assert_eq!(escaped("al\u{200b}pha\u{feff}"), "al\\u{200b}pha\\u{feff}");
+    }
+
+    #[test]
+    fn letters_of_every_script_and_narrow_spaces_stay() {
+        let text = "Übung 12\u{202f}345 m, Север, 東京, −5°\u{2002}\u{fe0f}";
+        assert_eq!(escaped(text), text);
+        assert_eq!(escaped_except("a\nb\tc\r", |c| c == '\n'), "a\nb\\tc\\r");
+    }
+}

@@ -1,0 +1,189 @@
+//! Label placement on the map: inside its frame and, where possible, without overlap.
+
+/// Height of a line, and width of a letter on average, as shares of the size.
+const LINE: f64 = 1.2;
+const LETTER: f64 = 0.58;
+/// Size of a label that finds no free place, as a share of the common size.
+const SMALLER: f64 = 0.8;
+
+/// A rectangle of the picture, y downwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::report) struct Area {
+    pub(in crate::report) left: f64,
+    pub(in crate::report) top: f64,
+    pub(in crate::report) right: f64,
+    pub(in crate::report) bottom: f64,
+}
+
+/// The side of its place that a label takes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::report) enum Side {
+    /// On the place itself.
+    Middle,
+    /// To the left of it.
+    Left,
+    /// To the right of it.
+    Right,
+}
+
+/// The anchor of a label: its middle, and the share of the common size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::report) struct Anchor {
+    pub(in crate::report) x: f64,
+    pub(in crate::report) y: f64,
+    pub(in crate::report) share: f64,
+}
+
+/// Labels, placed one after the other.
+pub(in crate::report) struct Labels {
+    frame: Area,
+    /// Size of the letters.
+    size: f64,
+    taken: Vec<Area>,
+}
+
+impl Area {
+    fn around((x, y): (f64, f64), width: f64, height: f64) -> Self {
+        Self {
+            left: x - width / 2.0,
+            top: y - height / 2.0,
+            right: x + width / 2.0,
+            bottom: y + height / 2.0,
+        }
+    }
+
+    /// The area that two have in common.
+    fn shared(&self, other: &Self) -> f64 {
+        let width = self.right.min(other.right) - self.left.max(other.left);
+        let height = self.bottom.min(other.bottom) - self.top.max(other.top);
+        width.max(0.0) * height.max(0.0)
+    }
+}
+
+impl Labels {
+    pub(in crate::report) fn new(frame: Area, size: f64) -> Self {
+        Self {
+            frame,
+            size,
+            taken: Vec::new(),
+        }
+    }
+
+    /// Keeps labels away from a mark.
+    pub(in crate::report) fn avoid(&mut self, at: (f64, f64), size: f64) {
+        self.taken.push(Area::around(at, size, size));
+    }
+
+    /// The first free anchor around a place, in small letters if necessary; if all
+    /// overlap, the one that covers least.
+    pub(in crate::report) fn place(&mut self, at: (f64, f64), side: Side, text: &str) -> Anchor {
+        let mut best: Option<(f64, Anchor, Area)> = None;
+        for share in [1.0, SMALLER] {
+            for offset in offsets(side) {
+                let (anchor, area) = self.anchor(at, offset, text, share);
+                let covers: f64 = self.taken.iter().map(|taken| taken.shared(&area)).sum();
+                if best.is_none_or(|(least, ..)| covers < least) {
+                    best = Some((covers, anchor, area));
+                }
+            }
+        }
+        let (_, anchor, area) = best.expect("every side has offsets");
+        self.taken.push(area);
+        anchor
+    }
+
+    /// The anchor and area of a label at an offset from its place, pushed into the frame.
+    fn anchor(
+        &self,
+        (x, y): (f64, f64),
+        (aside, dx, dy): (f64, f64, f64),
+        text: &str,
+        share: f64,
+    ) -> (Anchor, Area) {
+        let size = self.size * share;
+        let (width, height) = (width(text) * size, LINE * size);
+        let inside = |value: f64, from: f64, to: f64, length: f64| {
+            value.min(to - length / 2.0).max(from + length / 2.0)
+        };
+        let x = x + dx * self.size + aside * width / 2.0;
+        let anchor = Anchor {
+            x: inside(x, self.frame.left, self.frame.right, width),
+            y: inside(
+                y + dy * self.size,
+                self.frame.top,
+                self.frame.bottom,
+                height,
+            ),
+            share,
+        };
+        (anchor, Area::around((anchor.x, anchor.y), width, height))
+    }
+}
+
+/// Offsets from a place: the side on which the text lies, and the shift in sizes.
+fn offsets(side: Side) -> [(f64, f64, f64); 7] {
+    let (left, right) = ((-1.0, -0.85, 0.0), (1.0, 0.85, 0.0));
+    let (below, above) = ((0.0, 0.0, 1.3), (0.0, 0.0, -1.3));
+    let (far_below, far_above) = ((0.0, 0.0, 2.5), (0.0, 0.0, -2.5));
+    match side {
+        Side::Middle => [
+            (0.0, 0.0, 0.0),
+            below,
+            above,
+            right,
+            left,
+            far_below,
+            far_above,
+        ],
+        Side::Left => [left, right, above, below, far_above, far_below, left],
+        Side::Right => [right, left, above, below, far_above, far_below, right],
+    }
+}
+
+/// Width of a text of size 1: letters beyond ASCII may be wide.
+fn width(text: &str) -> f64 {
+    text.chars()
+        .map(|c| if c.is_ascii() { LETTER } else { 1.0 })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Area, Labels, Side};
+
+    const FRAME: Area = Area {
+        left: 0.0,
+        top: 0.0,
+        right: 1000.0,
+        bottom: 600.0,
+    };
+
+    #[test]
+    fn names_stay_inside_of_the_frame() {
+        let mut labels = Labels::new(FRAME, 15.0);
+        let wide = 0.58 * 15.0 * 20.0;
+        for (at, side) in [
+            ((3.0, 2.0), Side::Middle),
+            ((998.0, 300.0), Side::Right),
+            ((1.0, 599.0), Side::Left),
+        ] {
+            let anchor = labels.place(at, side, "a-name-of-20-letters");
+            assert!(anchor.x - wide / 2.0 >= -1e-9 && anchor.x + wide / 2.0 <= 1000.0 + 1e-9);
+            assert!(anchor.y >= 9.0 - 1e-9 && anchor.y <= 591.0 + 1e-9);
+        }
+    }
+
+    #[test]
+    fn names_of_one_place_are_written_apart() {
+        let mut labels = Labels::new(FRAME, 15.0);
+        let anchors: Vec<_> = (0..5)
+            .map(|_| labels.place((500.0, 300.0), Side::Middle, "watch-post"))
+            .collect();
+        for (number, a) in anchors.iter().enumerate() {
+            for b in &anchors[number + 1..] {
+                let wide = 0.58 * 15.0 * 10.0;
+                assert!((a.x - b.x).abs() >= wide - 1e-9 || (a.y - b.y).abs() >= 18.0 - 1e-9);
+            }
+        }
+    }
+}

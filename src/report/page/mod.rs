@@ -1,0 +1,443 @@
+//! `review.html`: one page that needs nothing else.
+//!
+//! The verdict, the tables and the plan view are written here and are there
+//! without scripts and in print; the scripts move what time moves.
+
+mod tables;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+use crate::report::documents::{finite, rounded, verdict};
+use crate::report::map::plan_view;
+use crate::report::scene::{Ending, FlownFacts, Scene, VehicleShape};
+use crate::report::words::{self, Ranked, escaped};
+use crate::report::{COLOURS, ReviewInput};
+use crate::verify::{Limit, Topic};
+
+/// Rows of the table of margins; the rest is in `review.json`.
+const MAX_ROWS: usize = 600;
+
+/// Closest approaches that are drawn, the worst ones.
+const MAX_APPROACHES: usize = 4000;
+
+/// More vehicles than this are counted instead of named.
+const MAX_NAMED: usize = 5;
+
+const TEMPLATE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("page.css");
+const JAVASCRIPT: [&str; 7] = [
+    include_str!("state.js"),
+    include_str!("solids.js"),
+    include_str!("shaders.js"),
+    include_str!("scene.js"),
+    include_str!("map.js"),
+    include_str!("charts.js"),
+    include_str!("page.js"),
+];
+
+/// The data of the scripts.
+#[derive(Serialize)]
+struct Data<'a> {
+    scene: &'a Scene,
+    /// One for each row of the table, in the order it is written.
+    margins: Vec<Jump>,
+    /// The closest approach of every pair that has one, worst first.
+    approaches: Vec<Approach>,
+    colours: [[&'static str; 2]; COLOURS.len()],
+}
+
+/// The vehicles, place and time that a row of the table selects.
+#[derive(Serialize)]
+struct Jump {
+    /// Indices of the vehicles in the spec.
+    vehicles: Vec<usize>,
+    /// East, north, altitude, time.
+    at: Option<[Option<f64>; 4]>,
+    what: String,
+    /// Whether the profile of the vehicle marks it even where it holds.
+    is_clearance: bool,
+    value: Option<f64>,
+    ok: bool,
+}
+
+/// The closest approach of two vehicles, by their indices in the spec.
+#[derive(Serialize)]
+struct Approach {
+    vehicles: [usize; 2],
+    t_s: Option<f64>,
+    value: Option<f64>,
+    ok: bool,
+}
+
+/// The page: HTML that opens from disk without a network.
+#[must_use]
+pub fn review_html(input: &ReviewInput<'_>) -> String {
+    page(input, Scene::new(input))
+}
+
+/// The page of a flight: the tracks of `input` are flown tracks, and `flown` has their plans.
+#[must_use]
+pub fn flight_html(input: &ReviewInput<'_>, flown: &[FlownFacts]) -> String {
+    let mut scene = Scene::new(input);
+    for facts in flown {
+        scene.lay_under(facts);
+    }
+    page(input, scene)
+}
+
+fn page(input: &ReviewInput<'_>, scene: Scene) -> String {
+    let ranked = words::ranked(input.review);
+    let shown = &ranked[..ranked.len().min(MAX_ROWS)];
+    let data = Data {
+        scene: &scene,
+        margins: shown.iter().map(|entry| jump(entry, input)).collect(),
+        approaches: approaches(&ranked, input),
+        colours: COLOURS,
+    };
+    let passes = input.review.passes();
+    let part = |name: &str| match name {
+        "style" => STYLE.to_owned(),
+        "title" => escaped(&input.spec.name),
+        "verdict" => verdict(passes).to_owned(),
+        "headline" => words::headline(input.review),
+        "facts" => facts(input, &scene),
+        "cards" => cards(shown),
+        "map" => plan_view(input, &scene, true),
+        "legend" => legend(&scene.vehicles),
+        "coarse" => coarse(&scene),
+        "infeasible" => infeasible(input),
+        "rows" => tables::margins(shown),
+        "left-out" => left_out(ranked.len() - shown.len()),
+        "fleet" => tables::fleet(input, &scene),
+        "assumptions" => assumptions(&input.review.assumptions),
+        "notes" => notes(input),
+        "footer" => footer(input),
+        "data" => json_in_html(&data),
+        "script" => JAVASCRIPT.concat(),
+        _ => String::new(),
+    };
+    fill(TEMPLATE, part)
+}
+
+/// Puts the parts in the places `{{name}}` of a template, in one pass: a part
+/// that looks like a place is left alone.
+fn fill(template: &str, part: impl Fn(&str) -> String) -> String {
+    let mut page = String::new();
+    let mut rest = template;
+    while let Some((before, after)) = rest.split_once("{{") {
+        let Some((name, after)) = after.split_once("}}") else {
+            break;
+        };
+        page.push_str(before);
+        page.push_str(&part(name));
+        rest = after;
+    }
+    page.push_str(rest);
+    page
+}
+
+/// JSON that cannot end the script element it stands in.
+fn json_in_html(data: &Data<'_>) -> String {
+    serde_json::to_string(data)
+        .expect("scenes have string keys and no maps")
+        .replace('<', "\\u003c")
+}
+
+fn jump(entry: &Ranked<'_>, input: &ReviewInput<'_>) -> Jump {
+    let margin = entry.margin;
+    let index_of = |id: &String| {
+        let vehicles = &input.spec.vehicles;
+        vehicles.iter().position(|vehicle| vehicle.id == *id)
+    };
+    Jump {
+        vehicles: std::iter::once(&margin.vehicle)
+            .chain(&margin.other)
+            .filter_map(index_of)
+            .collect(),
+        at: margin.at.as_ref().map(|moment| {
+            let at = input.world.frame.to_plan(moment.place);
+            [at.east_m, at.north_m, moment.amsl.0, moment.t_s].map(|value| rounded(value, 100.0))
+        }),
+        what: margin.limit.to_string(),
+        is_clearance: margin.limit.topic() == Topic::Clearance,
+        value: finite(margin.value),
+        ok: margin.ok,
+    }
+}
+
+fn approaches(ranked: &[Ranked<'_>], input: &ReviewInput<'_>) -> Vec<Approach> {
+    let vehicles = input.spec.vehicles.iter().enumerate();
+    let indices: BTreeMap<&str, usize> = vehicles
+        .map(|(index, vehicle)| (vehicle.id.as_str(), index))
+        .collect();
+    ranked
+        .iter()
+        .map(|entry| entry.margin)
+        .filter(|margin| margin.limit == Limit::Separation)
+        .filter_map(|margin| {
+            let index = |id: &str| indices.get(id).copied();
+            Some(Approach {
+                vehicles: [index(&margin.vehicle)?, index(margin.other.as_ref()?)?],
+                t_s: rounded(margin.at.as_ref()?.t_s, 100.0),
+                value: rounded(margin.value, 100.0),
+                ok: margin.ok,
+            })
+        })
+        .take(MAX_APPROACHES)
+        .collect()
+}
+
+fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
+    let spec = input.spec;
+    let fleet = match spec.vehicles.len() {
+        1 => "1 vehicle".to_owned(),
+        many => format!("{many} vehicles"),
+    };
+    let mut facts = vec![
+        fleet,
+        format!(
+            "{} × {} km",
+            words::number(scene.bounds.width_m() / 1000.0, 1),
+            words::number(scene.bounds.height_m() / 1000.0, 1)
+        ),
+    ];
+    // A limit that was not judged is left out.
+    let held = |limit: Limit| {
+        let mut margins = input.review.margins.iter();
+        margins.any(|margin| margin.limit == limit)
+    };
+    let clearance = held(Limit::TerrainClearance).then(|| {
+        let least_m = words::number(spec.area.min_agl.0, 1);
+        format!("{least_m} m or more above ground")
+    });
+    let ceiling = held(Limit::Ceiling)
+        .then(|| format!("up to {} m AMSL", words::number(spec.area.max_amsl.0, 1)));
+    let heights: Vec<String> = clearance.into_iter().chain(ceiling).collect();
+    if !heights.is_empty() {
+        facts.push(heights.join(", "));
+    }
+    if held(Limit::Separation) {
+        let apart = words::number(spec.separation.distance_m, 1);
+        // A flown track has no other departure.
+        let slack_s = spec.separation.time_slack_s;
+        let shifted = if slack_s > 0.0 {
+            format!(", departures ± {} s", words::number(slack_s, 1))
+        } else {
+            String::new()
+        };
+        facts.push(format!("{apart} m apart{shifted}"));
+    }
+    facts.extend(endings(&scene.vehicles));
+    facts
+        .iter()
+        .map(|fact| format!("<li>{}</li>", escaped(fact)))
+        .collect()
+}
+
+/// The time of the last landing, and the vehicles that stay in the air; none without a track.
+fn endings(vehicles: &[VehicleShape]) -> Option<String> {
+    let mut down = Vec::new();
+    let mut aloft = Vec::new();
+    let mut last_s = f64::NEG_INFINITY;
+    for vehicle in vehicles {
+        match vehicle.end {
+            Some(Ending::Down { t_s }) => {
+                down.push(vehicle.id.as_str());
+                last_s = last_s.max(t_s);
+            }
+            Some(Ending::Stays { .. }) => aloft.push(vehicle.id.as_str()),
+            None => {}
+        }
+    }
+    let named = |ids: &[&str]| {
+        if ids.len() == vehicles.len() && ids.len() > 1 {
+            "all".to_owned()
+        } else if ids.len() > MAX_NAMED {
+            format!("{} vehicles", ids.len())
+        } else {
+            ids.join(", ")
+        }
+    };
+    let landed =
+        (!down.is_empty()).then(|| format!("{} down after {}", named(&down), words::clock(last_s)));
+    let stays = if aloft.len() == 1 { "stays" } else { "stay" };
+    let hovering = (!aloft.is_empty()).then(|| format!("{} {stays} in the air", named(&aloft)));
+    let endings: Vec<String> = landed.into_iter().chain(hovering).collect();
+    (!endings.is_empty()).then(|| endings.join("; "))
+}
+
+fn moment(entry: &Ranked<'_>) -> String {
+    entry.margin.at.as_ref().map_or_else(String::new, |at| {
+        format!("{} · item {}", words::clock(at.t_s), at.item)
+    })
+}
+
+/// A value, its unit smaller.
+fn figure(value: &str, known: bool) -> String {
+    match value.split_once(' ').filter(|_| known) {
+        Some((number, unit)) => format!("{} <small>{}</small>", escaped(number), escaped(unit)),
+        None => escaped(value),
+    }
+}
+
+fn cards(shown: &[Ranked<'_>]) -> String {
+    let mut html = String::new();
+    for entry in words::most_important(shown, 4) {
+        let margin = entry.margin;
+        let row = shown
+            .iter()
+            .position(|other| std::ptr::eq(other.margin, margin))
+            .unwrap_or(0);
+        let known = margin.value.is_finite();
+        let _ = write!(
+            html,
+            "<button type=\"button\" class=\"card {}\" data-row=\"{row}\"><span class=\"what\">{}</span>\
+             <span class=\"value\">{}</span><span class=\"limit\">{}{}</span>\
+             <span class=\"who\">{}</span><span class=\"when\">{}</span></button>",
+            if margin.ok { "ok" } else { "bad" },
+            escaped(&margin.limit.to_string()),
+            figure(&words::value(margin), known),
+            if margin.ok || !known { "" } else { "must be " },
+            escaped(&if known {
+                words::limit(margin)
+            } else {
+                margin.note.clone()
+            }),
+            escaped(&words::who(margin)),
+            moment(entry),
+        );
+    }
+    html
+}
+
+fn legend(vehicles: &[VehicleShape]) -> String {
+    vehicles
+        .iter()
+        .enumerate()
+        .map(|(index, vehicle)| {
+            format!(
+                "<button type=\"button\" class=\"chip\" data-vehicle=\"{index}\" aria-pressed=\"false\">\
+                 <i class=\"swatch v{}\"></i>{}</button>",
+                index % COLOURS.len(),
+                escaped(&vehicle.id)
+            )
+        })
+        .collect()
+}
+
+/// A note for a large fleet whose paths are drawn coarsely.
+fn coarse(scene: &Scene) -> String {
+    let worst_m = scene
+        .vehicles
+        .iter()
+        .map(|vehicle| vehicle.drawn_within_m)
+        .fold(0.0, f64::max);
+    if worst_m < 2.0 {
+        return String::new();
+    }
+    format!(
+        "<p class=\"note\">With this many paths, each is drawn to within {} m. The margins are exact.</p>",
+        words::number(worst_m.ceil(), 0)
+    )
+}
+
+/// Why each vehicle without a path has none; empty if the plan passes.
+fn infeasible(input: &ReviewInput<'_>) -> String {
+    let reasons = input.infeasibilities();
+    if reasons.is_empty() {
+        return String::new();
+    }
+    let items: String = reasons
+        .iter()
+        .map(|reason| format!("<li>{}</li>", escaped(&reason.to_string())))
+        .collect();
+    format!(
+        "<section id=\"infeasible\"><h2>Why no path</h2><ul>{items}</ul>\
+         <p class=\"note\">Crosses on the map mark the worst place of each violation.</p></section>"
+    )
+}
+
+fn left_out(count: usize) -> String {
+    if count == 0 {
+        String::new()
+    } else {
+        format!("<p class=\"note\">{count} more limits, wider than these, are in review.json.</p>")
+    }
+}
+
+fn assumptions(assumptions: &[String]) -> String {
+    if assumptions.is_empty() {
+        return "<p class=\"note\">None.</p>".to_owned();
+    }
+    let items: String = assumptions
+        .iter()
+        .map(|assumption| format!("<li>{}</li>", escaped(assumption)))
+        .collect();
+    format!("<ul>{items}</ul>")
+}
+
+/// The notes on missions, each once, with its vehicles.
+fn notes(input: &ReviewInput<'_>) -> String {
+    let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (index, mission) in input.missions {
+        let id = input
+            .spec
+            .vehicles
+            .get(*index)
+            .map_or("–", |vehicle| vehicle.id.as_str());
+        for note in &mission.notes {
+            match notes.iter_mut().find(|(known, _)| known == note) {
+                Some((_, ids)) => ids.push(id),
+                None => notes.push((note, vec![id])),
+            }
+        }
+    }
+    if notes.is_empty() {
+        return String::new();
+    }
+    let items: String = notes
+        .iter()
+        .map(|(note, ids)| {
+            let whose = if ids.len() == input.missions.len() && ids.len() > 1 {
+                "all vehicles".to_owned()
+            } else {
+                ids.join(", ")
+            };
+            format!(
+                "<li>{} <small>{}</small></li>",
+                escaped(note),
+                escaped(&whose)
+            )
+        })
+        .collect();
+    format!("<section><h2>In the spec, but not in the missions</h2><ul>{items}</ul></section>")
+}
+
+fn footer(input: &ReviewInput<'_>) -> String {
+    let seed = input
+        .seed
+        .map_or_else(String::new, |seed| format!("<span>seed {seed}</span>"));
+    format!(
+        "<span>sortie {}</span>{seed}<span>spec sha256 <code>{}</code></span>",
+        escaped(input.version),
+        escaped(input.spec_sha256)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fill;
+
+    #[test]
+    fn a_part_that_looks_like_a_place_is_left_alone() {
+        let page = fill("<{{a}}|{{b}}|{{none}}>", |name| match name {
+            "a" => "{{b}}".to_owned(),
+            "b" => "two".to_owned(),
+            _ => String::new(),
+        });
+        assert_eq!(page, "<{{b}}|two|>");
+    }
+}

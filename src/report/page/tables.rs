@@ -1,0 +1,190 @@
+//! The tables of the page: margins and fleet.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::mission::VehicleMission;
+use crate::plan::VehiclePlan;
+use crate::report::documents::finite;
+use crate::report::scene::{Scene, VehicleShape};
+use crate::report::words::{self, Ranked, escaped};
+use crate::report::{COLOURS, ReviewInput};
+use crate::spec::{Airframe, Vehicle};
+use crate::verify::Moment;
+
+/// Sort key of unknown values, behind all others.
+const LAST: f64 = 1e15;
+
+/// Rows of margins, in the order given.
+pub(in crate::report) fn margins(shown: &[Ranked<'_>]) -> String {
+    shown
+        .iter()
+        .enumerate()
+        .map(|(row, entry)| margin_row(row, entry))
+        .collect()
+}
+
+fn margin_row(row: usize, entry: &Ranked<'_>) -> String {
+    let margin = entry.margin;
+    let tight = if words::measures(margin) {
+        entry.slack
+    } else {
+        LAST
+    };
+    let note = if margin.note.is_empty() {
+        String::new()
+    } else {
+        format!("<small>{}</small>", escaped(&margin.note))
+    };
+    format!(
+        "<tr class=\"{class}\" data-row=\"{row}\" tabindex=\"0\">\
+         <td class=\"mark\" data-sort=\"{row}\"><span>{word}</span></td>\
+         <td class=\"who\">{who}</td><td class=\"what\">{what}{note}</td>\
+         <td class=\"num\" data-sort=\"{value_order:e}\">{value}</td><td class=\"limit\">{limit}</td>\
+         <td class=\"slack\" data-sort=\"{tight:.6e}\">{bar}</td>{at}</tr>\n",
+        class = class(margin.ok),
+        word = word(margin.ok),
+        who = escaped(&words::who(margin)),
+        what = escaped(&margin.limit.to_string()),
+        value_order = finite(margin.value).unwrap_or(-LAST),
+        value = escaped(&words::value(margin)),
+        limit = escaped(&words::limit(margin)),
+        bar = bar(entry.slack),
+        at = when_and_where(margin.at.as_ref()),
+    )
+}
+
+/// The slack to the right of the limit, or how far it is missed to the left.
+fn bar(slack: f64) -> String {
+    // Half a side is one limit's worth; no slack is too large for the bar.
+    let width = (1.0 - 1.0 / (1.0 + slack.abs())) * 50.0;
+    let left = if slack < 0.0 { 50.0 - width } else { 50.0 };
+    format!("<span class=\"bar\"><i style=\"left:{left:.1}%;width:{width:.1}%\"></i></span>")
+}
+
+fn when_and_where(at: Option<&Moment>) -> String {
+    let Some(at) = at else {
+        return format!(
+            "<td class=\"num\" data-sort=\"{LAST}\">–</td><td class=\"num\" data-sort=\"{LAST}\">–</td><td class=\"place\"></td>"
+        );
+    };
+    format!(
+        "<td class=\"num\" data-sort=\"{:.7e}\">{}</td><td class=\"num\" data-sort=\"{}\">{}</td><td class=\"place\">{}</td>",
+        finite(at.t_s).unwrap_or(LAST),
+        words::clock(at.t_s),
+        at.item,
+        at.item,
+        words::place(at.place)
+    )
+}
+
+fn class(ok: bool) -> &'static str {
+    if ok { "ok" } else { "bad" }
+}
+
+fn word(ok: bool) -> &'static str {
+    if ok { "kept" } else { "broken" }
+}
+
+/// Rows of vehicles, in the order of the spec.
+pub(in crate::report) fn fleet(input: &ReviewInput<'_>, scene: &Scene) -> String {
+    let broken: BTreeSet<&str> = input
+        .review
+        .margins
+        .iter()
+        .filter(|margin| !margin.ok)
+        .flat_map(|margin| std::iter::once(&margin.vehicle).chain(&margin.other))
+        .map(String::as_str)
+        .collect();
+    let missions: BTreeMap<usize, &VehicleMission> = input.missions.iter().copied().collect();
+    let planned = |index: usize| input.plan.and_then(|plan| plan.vehicles.get(index));
+    input
+        .spec
+        .vehicles
+        .iter()
+        .zip(&scene.vehicles)
+        .enumerate()
+        .map(|(index, (vehicle, shape))| {
+            format!(
+                "<tr data-vehicle=\"{index}\" tabindex=\"0\" class=\"{class}\"><td><i class=\"swatch v{colour}\"></i>{id}</td>\
+                 <td class=\"mark\"><span>{word}</span></td><td>{autopilot}</td>{cost}{flight}<td class=\"num\">{items}</td></tr>\n",
+                class = class(!broken.contains(vehicle.id.as_str())),
+                word = word(!broken.contains(vehicle.id.as_str())),
+                colour = index % COLOURS.len(),
+                id = escaped(&vehicle.id),
+                autopilot = autopilot(vehicle, planned(index)),
+                cost = cost(planned(index)),
+                flight = flight(departure_s(input, vehicle), shape),
+                items = missions
+                    .get(&index)
+                    .map_or_else(|| "no mission".to_owned(), |mission| mission.items.len().to_string()),
+            )
+        })
+        .collect()
+}
+
+fn cost(planned: Option<&VehiclePlan>) -> String {
+    planned.map_or_else(
+        || "<td class=\"num\">–</td>".to_owned(),
+        |plan| {
+            // The estimate proves nothing: a path may cost less.
+            let above = Some(plan.gap() * 100.0).filter(|percent| *percent >= 0.0);
+            let above = above.map_or_else(String::new, |percent| {
+                let percent = words::number(percent, 2);
+                format!("<small>{percent} % above the estimate</small>")
+            });
+            let total = words::number(plan.terms.total(), 3);
+            format!("<td class=\"num\">{total}{above}</td>")
+        },
+    )
+}
+
+/// The takeoff time of the mission, seconds after T0.
+fn departure_s(input: &ReviewInput<'_>, vehicle: &Vehicle) -> f64 {
+    let mut tracks = input.review.tracks.iter();
+    let track = tracks.find(|track| track.vehicle == vehicle.id);
+    let first = track.and_then(|track| track.moments.first());
+    first.map_or(vehicle.depart_s, |first| first.t_s)
+}
+
+/// Length, departure and duration.
+fn flight(departure_s: f64, shape: &VehicleShape) -> String {
+    let length = if shape.length_m > 0.0 {
+        format!("{} km", words::number(shape.length_m / 1000.0, 2))
+    } else {
+        "–".to_owned()
+    };
+    let duration = shape
+        .duration_s()
+        .map_or_else(|| "–".to_owned(), words::clock);
+    let then = if shape.stays() {
+        "<small>then loiters</small>"
+    } else {
+        ""
+    };
+    format!(
+        "<td class=\"num\">{length}</td><td class=\"num\">{}</td><td class=\"num\">{duration}{then}</td>",
+        words::clock(departure_s)
+    )
+}
+
+fn autopilot(vehicle: &Vehicle, planned: Option<&VehiclePlan>) -> String {
+    let autopilot = vehicle.autopilot.name();
+    let airframe = match vehicle.airframe {
+        Airframe::Copter => "copter",
+        Airframe::Plane => "plane",
+        Airframe::Vtol => "VTOL",
+    };
+    let speed = match (planned, vehicle.retiming.speed_mps) {
+        (Some(plan), _) => words::number(plan.speed_mps, 1),
+        (None, None) => words::number(vehicle.speed_mps, 1),
+        (None, Some(range)) => format!(
+            "{} to {}",
+            words::number(range.least, 1),
+            words::number(range.most, 1)
+        ),
+    };
+    format!(
+        "{autopilot} {airframe}<small>system {}, {speed} m/s</small>",
+        vehicle.sysid
+    )
+}

@@ -1,0 +1,308 @@
+//! The shapes that the views of a report draw, in planning coordinates: rounded and
+//! simplified, so that a page stays small for any fleet.
+
+mod flown;
+mod relief;
+mod simplify;
+mod track;
+
+use serde::Serialize;
+
+use crate::geodesy::{EastNorth, LatLon, PlanPoint};
+use crate::mission::{Item, VehicleMission, command, frame};
+use crate::report::ReviewInput;
+use crate::spec::{Finish, Vehicle};
+use crate::verify::Limit;
+use crate::world::World;
+use flown::FlownShape;
+pub use flown::{FlownError, FlownFacts};
+pub(in crate::report) use relief::{Bounds, Relief, round_step};
+use simplify::simplify;
+pub(in crate::report) use track::{Ending, TrackShape};
+use track::{GroundShape, ending, fixes, ground_under, metres};
+
+/// Fixes of all tracks together, samples of ground, and waypoints: a page of
+/// 1000 vehicles stays under 3 MB.
+const MAX_FIXES: usize = 24_000;
+const MAX_GROUND_SAMPLES: usize = 36_000;
+const MAX_WAYPOINTS: usize = 12_000;
+/// Fixes of one track: the corners of a survey of a day.
+const MAX_FIXES_EACH: usize = 6000;
+/// How far rounding to decimetres moves a point at most, metres.
+const ROUNDING_M: f64 = 0.087;
+
+/// Everything that the views draw.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(in crate::report) struct Scene {
+    pub(in crate::report) bounds: Bounds,
+    pub(in crate::report) relief: Relief,
+    /// Latitude and longitude of the origin, degrees.
+    origin: [f64; 2],
+    min_agl_m: f64,
+    max_amsl_m: f64,
+    separation: SeparationLimit,
+    pub(in crate::report) area: Vec<[f64; 2]>,
+    pub(in crate::report) threats: Vec<ThreatShape>,
+    pub(in crate::report) zones: Vec<ZoneShape>,
+    pub(in crate::report) rally: Vec<[f64; 2]>,
+    /// Where the paths of a failed plan violate a limit most, and which.
+    #[serde(skip)]
+    pub(in crate::report) violations: Vec<([f64; 2], String)>,
+    pub(in crate::report) vehicles: Vec<VehicleShape>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct SeparationLimit {
+    /// None if nothing was held against it.
+    distance_m: Option<f64>,
+    vertical_m: Option<f64>,
+    slack_s: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(in crate::report) struct ThreatShape {
+    pub(in crate::report) id: String,
+    pub(in crate::report) kind: String,
+    pub(in crate::report) at: [f64; 2],
+    pub(in crate::report) radius_m: f64,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(in crate::report) struct ZoneShape {
+    pub(in crate::report) id: String,
+    pub(in crate::report) ring: Vec<[f64; 2]>,
+    pub(in crate::report) below_m: Option<f64>,
+}
+
+/// One vehicle: points are east, north, altitude.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(in crate::report) struct VehicleShape {
+    pub(in crate::report) id: String,
+    pub(in crate::report) home: [f64; 3],
+    pub(in crate::report) start: [f64; 3],
+    pub(in crate::report) goal: [f64; 3],
+    /// Whether it flies a planned path home from the goal.
+    returns: bool,
+    pub(in crate::report) track: TrackShape,
+    /// Ground under the track at equal steps of distance, from its beginning.
+    ground: GroundShape,
+    /// East, north, altitude, and the row of the item.
+    pub(in crate::report) waypoints: Vec<(f64, f64, f64, usize)>,
+    /// The plan under what was flown, on the page of a flight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(in crate::report) flown: Option<FlownShape>,
+    /// How far any point of the trajectory is from the drawn track at most, metres.
+    pub(in crate::report) drawn_within_m: f64,
+    /// How its motion ends; none without a track.
+    #[serde(skip)]
+    pub(in crate::report) end: Option<Ending>,
+    /// Length of the trajectory, metres, not of the drawn track.
+    #[serde(skip)]
+    pub(in crate::report) length_m: f64,
+}
+
+impl Scene {
+    pub(in crate::report) fn new(input: &ReviewInput<'_>) -> Self {
+        let (spec, world) = (input.spec, input.world);
+        let flat = |at: EastNorth| [metres(at.east_m), metres(at.north_m)];
+        let vehicles: Vec<VehicleShape> = spec
+            .vehicles
+            .iter()
+            .enumerate()
+            .map(|(index, vehicle)| vehicle_shape(input, index, vehicle))
+            .collect();
+        let mut margins = input.review.margins.iter();
+        let is_held = margins.any(|margin| margin.limit == Limit::Separation);
+        let bounds = bounds(world, &vehicles);
+        let origin = world.frame.origin();
+        Self {
+            relief: Relief::sample(world, &bounds),
+            bounds,
+            origin: [origin.lat_deg, origin.lon_deg],
+            min_agl_m: metres(world.min_agl.0),
+            max_amsl_m: metres(world.max_amsl.0),
+            separation: SeparationLimit {
+                distance_m: is_held.then_some(spec.separation.distance_m),
+                vertical_m: spec.separation.vertical_m,
+                slack_s: spec.separation.time_slack_s,
+            },
+            area: ring(&world.area),
+            threats: spec
+                .threats
+                .iter()
+                .zip(&world.threats)
+                .map(|(threat, disc)| ThreatShape {
+                    id: threat.id.clone(),
+                    kind: threat.kind.clone(),
+                    at: flat(disc.center),
+                    radius_m: metres(disc.radius_m),
+                })
+                .collect(),
+            zones: spec
+                .no_fly
+                .iter()
+                .zip(&world.zones)
+                .map(|(zone, shape)| ZoneShape {
+                    id: zone.id.clone(),
+                    ring: ring(&shape.outline),
+                    below_m: shape.below.map(|amsl| metres(amsl.0)),
+                })
+                .collect(),
+            rally: spec
+                .rally
+                .iter()
+                .map(|rally| flat(world.frame.to_plan(rally.place)))
+                .collect(),
+            violations: violations(input),
+            vehicles,
+        }
+    }
+
+    /// Adds the plan of a vehicle below its flown track.
+    pub(in crate::report) fn lay_under(&mut self, facts: &FlownFacts) {
+        let mut vehicles = self.vehicles.iter_mut();
+        if let Some(vehicle) = vehicles.find(|vehicle| vehicle.id == facts.vehicle) {
+            vehicle.flown = Some(FlownShape::new(facts));
+        }
+    }
+}
+
+impl VehicleShape {
+    /// Seconds from the first fix to touchdown, or to the place where it stays; none
+    /// without a track.
+    pub(in crate::report) fn duration_s(&self) -> Option<f64> {
+        let end_s = match self.end? {
+            Ending::Down { t_s } => t_s,
+            Ending::Stays { from_s } => from_s,
+        };
+        Some(end_s - self.track.t.first()?)
+    }
+
+    /// Whether it is still in the air when all others are down.
+    pub(in crate::report) fn stays(&self) -> bool {
+        matches!(self.end, Some(Ending::Stays { .. }))
+    }
+}
+
+fn violations(input: &ReviewInput<'_>) -> Vec<([f64; 2], String)> {
+    let mut violations = Vec::new();
+    for of in input.infeasibilities() {
+        for at in &of.violations {
+            let place = [metres(at.at.at.east_m), metres(at.at.at.north_m)];
+            let what = format!("{}: {} ({})", of.vehicle, at.what, at.how);
+            violations.push((place, what));
+        }
+    }
+    violations
+}
+
+/// The area, and what lies or flies around it, as far as a quarter of its size.
+fn bounds(world: &World, vehicles: &[VehicleShape]) -> Bounds {
+    let mut area = Bounds::NONE;
+    for [east_m, north_m] in ring(&world.area) {
+        area.include(EastNorth { east_m, north_m });
+    }
+    let size_m = area.width_m().max(area.height_m());
+    let most = area.padded(0.25 * size_m);
+    let mut bounds = area;
+    for vehicle in vehicles {
+        let corners = [vehicle.home, vehicle.start, vehicle.goal];
+        let stations = corners.map(|[e, n, _]| (e, n));
+        let track = &vehicle.track;
+        let flown = track.e.iter().zip(&track.n).map(|(e, n)| (*e, *n));
+        for (east_m, north_m) in flown.chain(stations) {
+            bounds.include(most.clamp(EastNorth { east_m, north_m }));
+        }
+    }
+    bounds.padded(0.015 * size_m)
+}
+
+fn ring(polygon: &geo::Polygon<f64>) -> Vec<[f64; 2]> {
+    polygon
+        .exterior()
+        .coords()
+        .map(|corner| [metres(corner.x), metres(corner.y)])
+        .collect()
+}
+
+fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> VehicleShape {
+    let world = input.world;
+    let share = |all: usize, least: usize| (all / input.spec.vehicles.len().max(1)).max(least);
+    let point = |point: PlanPoint| {
+        [
+            metres(point.at.east_m),
+            metres(point.at.north_m),
+            metres(point.amsl.0),
+        ]
+    };
+    let whole = fixes(input, index, vehicle);
+    let (simplified, error_m) = simplify(&whole, share(MAX_FIXES, 12).min(MAX_FIXES_EACH));
+    let track = TrackShape::new(&simplified);
+    let mission = input.missions.iter().find(|(of, _)| *of == index);
+    let waypoints = mission.map_or_else(Vec::new, |(_, mission)| waypoints(mission, world));
+    let too_many = waypoints.len() > share(MAX_WAYPOINTS, 0);
+    let stations = world.stations.get(index);
+    let station = |pick: fn(&crate::world::Stations) -> PlanPoint| {
+        stations.map_or([0.0; 3], |stations| point(pick(stations)))
+    };
+    VehicleShape {
+        id: vehicle.id.clone(),
+        home: station(|stations| stations.home),
+        start: station(|stations| stations.start),
+        goal: station(|stations| stations.goal),
+        returns: vehicle.finish == Finish::Return,
+        ground: ground_under(&track, world, share(MAX_GROUND_SAMPLES, 24).min(600)),
+        track,
+        waypoints: if too_many { Vec::new() } else { waypoints },
+        flown: None,
+        drawn_within_m: ((error_m + ROUNDING_M) * 10.0).ceil() / 10.0,
+        end: ending(&whole, world, vehicle),
+        length_m: whole
+            .windows(2)
+            .map(|pair| {
+                (pair[1].east_m - pair[0].east_m)
+                    .hypot(pair[1].north_m - pair[0].north_m)
+                    .hypot(pair[1].amsl_m - pair[0].amsl_m)
+            })
+            .sum(),
+    }
+}
+
+/// Places of the items that name one, with their altitude above the sea.
+fn waypoints(mission: &VehicleMission, world: &World) -> Vec<(f64, f64, f64, usize)> {
+    mission
+        .items
+        .iter()
+        .enumerate()
+        .filter(|(_, item)| {
+            item.command <= command::NAV_TAKEOFF || item.command == 84 || item.command == 85
+        })
+        .filter(|(_, item)| (item.x, item.y) != (0, 0))
+        .filter_map(|(row, item)| {
+            let place = item.place()?;
+            let amsl_m = altitude_m(item, mission, world, place)?;
+            let at = world.frame.to_plan(place);
+            Some((
+                metres(at.east_m),
+                metres(at.north_m),
+                metres(amsl_m),
+                row + 1,
+            ))
+        })
+        .collect()
+}
+
+/// The altitude of an item above the sea; landings are on the ground.
+fn altitude_m(item: &Item, mission: &VehicleMission, world: &World, place: LatLon) -> Option<f64> {
+    let ground_m = || Some(world.terrain.height(place).ok()?.0);
+    if matches!(item.command, command::NAV_LAND | 85) {
+        return ground_m();
+    }
+    let reference_m = match frame::canonical(item.frame) {
+        frame::GLOBAL_RELATIVE_ALT => f64::from(mission.home.amsl_m),
+        frame::GLOBAL_TERRAIN_ALT => ground_m()?,
+        _ => 0.0,
+    };
+    let amsl_m = reference_m + f64::from(item.z);
+    amsl_m.is_finite().then_some(amsl_m)
+}

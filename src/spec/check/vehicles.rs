@@ -1,0 +1,285 @@
+//! The vehicles, each alone and against each other.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::super::keys;
+use super::super::{AltitudeReference, EndPoint, Link, Placement, Separation, Vehicle, Wind};
+use super::Checker;
+use super::map::Map;
+use super::wing::Flown;
+use crate::autopilot::{Autopilot, Version, facts, frame};
+use crate::geodesy::{Agl, Amsl, LatLon};
+use crate::numeric::digits;
+
+/// Load factor of a bank of 30 degrees, the lean limit that copters come with.
+const DEFAULT_LOAD_FACTOR: f64 = 1.15;
+
+/// Least horizontal distance from start to goal, metres.
+const MIN_START_TO_GOAL_M: f64 = 10.0;
+
+/// System ids for vehicles: those above belong to ground stations.
+const SYSTEM_IDS: usize = 240;
+
+/// Where a vehicle stands, and the ends of its planned path; none where broken.
+struct Ends {
+    home: Option<LatLon>,
+    start: Option<EndPoint>,
+    goal: Option<EndPoint>,
+    /// From a home of its own, metres.
+    home_to_start_m: Option<f64>,
+}
+
+impl Checker {
+    /// Checks the fleet; vehicles that are broken are left out, and then there is an issue.
+    pub(super) fn vehicles(
+        &mut self,
+        keys: &keys::Spec,
+        map: Option<&Map>,
+        wind: Option<Wind>,
+    ) -> Vec<Vehicle> {
+        if keys.vehicles.is_empty() && keys.fleet.is_none() {
+            self.report("vehicles", "no vehicle", "at least one, here or by fleet");
+        }
+        let ids = keys.vehicles.iter().map(|vehicle| vehicle.id.as_deref());
+        self.unique("vehicles", ids);
+        self.system_ids(&keys.vehicles);
+        self.altitude_reference(keys);
+        let mut vehicles = Vec::new();
+        for (index, vehicle) in keys.vehicles.iter().enumerate() {
+            let path = format!("vehicles[{index}]");
+            if let Some(checked) = self.vehicle(&path, vehicle, map, wind) {
+                vehicles.push((path, checked));
+            }
+        }
+        self.pads(&vehicles, keys.separation);
+        vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()
+    }
+
+    /// Some autopilots have no terrain altitudes in missions.
+    fn altitude_reference(&mut self, keys: &keys::Spec) {
+        let without_terrain = |vehicle: &keys::Vehicle| {
+            let autopilot = vehicle.autopilot?;
+            let acceptance = facts(autopilot, vehicle.airframe.unwrap_or_default()).acceptance;
+            let frames = acceptance.location_frames;
+            let id = vehicle.id.as_deref().unwrap_or_default().escape_debug();
+            let key = autopilot.conventions().key;
+            (!frames.contains(&frame::GLOBAL_TERRAIN_ALT))
+                .then(|| format!("terrain, and vehicle `{id}` is {key}"))
+        };
+        if keys.mission.altitude == AltitudeReference::Terrain
+            && let Some(found) = keys.vehicles.iter().find_map(without_terrain)
+        {
+            self.report("mission.altitude", found, "amsl or relative");
+        }
+    }
+
+    /// A ground station distinguishes vehicles by system id alone, so each has its own where
+    /// there are enough; in a larger fleet system ids are unique on each link.
+    fn system_ids(&mut self, vehicles: &[keys::Vehicle]) {
+        let is_large = vehicles.len() > SYSTEM_IDS;
+        let mut seen: BTreeMap<(i64, Option<&str>), &str> = BTreeMap::new();
+        for (index, vehicle) in vehicles.iter().enumerate() {
+            let Some(sysid) = vehicle.sysid else { continue };
+            let path = format!("vehicles[{index}].sysid");
+            if let Some(autopilot) = vehicle.autopilot.map(Autopilot::conventions) {
+                let last = i64::from(autopilot.max_system_id);
+                if (last + 1..=255).contains(&sysid) {
+                    let allowed = format!("at most {last} for {}", autopilot.key);
+                    self.report(&path, sysid, allowed);
+                }
+            }
+            let link = vehicle.link.as_deref().filter(|_| is_large);
+            // Every simulated vehicle has a link of its own.
+            if link == Some("sim") {
+                continue;
+            }
+            let id = vehicle.id.as_deref().unwrap_or_default();
+            if let Some(other) = seen.insert((sysid, link), id) {
+                let other = other.escape_debug();
+                let found = format!("{sysid}, already the system id of `{other}`");
+                let allowed = match link {
+                    Some(_) => "one system id for each vehicle on a link",
+                    None => "one system id for each vehicle",
+                };
+                self.report(&path, found, allowed);
+            }
+        }
+    }
+
+    fn vehicle(
+        &mut self,
+        path: &str,
+        keys: &keys::Vehicle,
+        map: Option<&Map>,
+        wind: Option<Wind>,
+    ) -> Option<Vehicle> {
+        let at = |key: &str| format!("{path}.{key}");
+        let id = self.required(path, "id", keys.id.clone());
+        if let Some(id) = &id {
+            self.file_name(&at("id"), id);
+        }
+        let sysid = self.required(path, "sysid", keys.sysid);
+        let autopilot = self.required(path, "autopilot", keys.autopilot);
+        let link = self.required(path, "link", keys.link.as_deref());
+        let link = link.and_then(|link| self.link(&at("link"), link));
+        let finish = self.required(path, "finish", keys.finish);
+        let speed_mps = self.required(path, "speed_mps", keys.speed_mps);
+        let ends = self.ends(path, keys, map);
+        let (autopilot, speed_mps, finish) = (autopilot?, speed_mps?, finish?);
+        let airframe = keys.airframe.unwrap_or_default();
+        let defaults = facts(autopilot, airframe).defaults;
+        let version = keys.autopilot_version.as_deref();
+        let autopilot_version = self.version(&at("autopilot_version"), version, autopilot);
+        let flown = Flown {
+            airframe,
+            finish,
+            speed_mps,
+            load_factor: keys.max_load_factor.unwrap_or(DEFAULT_LOAD_FACTOR),
+            descent_mps: keys.descent_mps.unwrap_or(defaults.descent_mps),
+            wind,
+            ceiling: map.map_or(Amsl(0.0), |map| map.area.max_amsl),
+            home_to_start_m: ends.home_to_start_m,
+        };
+        let wing = self.wing(path, keys, &flown);
+        let retiming = self.retiming(path, keys, (autopilot, airframe));
+        let opens_s = retiming.depart_s.map(|window| window.least);
+        Some(Vehicle {
+            wing,
+            speed_mps,
+            max_load_factor: flown.load_factor,
+            max_climb_rad: keys.max_climb_deg.map(f64::to_radians),
+            max_descent_rad: keys.max_descent_deg.map(f64::to_radians),
+            climb_mps: keys.climb_mps.unwrap_or(defaults.climb_mps),
+            descent_mps: flown.descent_mps,
+            accel_mps2: keys.accel_mps2.unwrap_or(defaults.accel_mps2),
+            depart_s: keys.depart_s.or(opens_s).unwrap_or(0.0),
+            retiming,
+            return_amsl: keys.return_amsl_m.map(Amsl),
+            id: id?,
+            sysid: u8::try_from(sysid?).ok()?,
+            autopilot,
+            autopilot_version,
+            airframe,
+            link: link?,
+            home: ends.home?,
+            start: ends.start?,
+            goal: ends.goal?,
+            finish,
+        })
+    }
+
+    /// A version whose rules are known.
+    fn version(&mut self, path: &str, text: Option<&str>, autopilot: Autopilot) -> Option<Version> {
+        let text = text?;
+        let known = autopilot.conventions().versions;
+        let version = text.parse().ok().filter(|version| known.contains(version));
+        if version.is_none() {
+            let found = format!("`{}`", text.escape_debug());
+            let names: Vec<String> = known.iter().map(Version::to_string).collect();
+            let allowed = format!("{} for {}", names.join(", "), autopilot.conventions().key);
+            self.report(path, found, allowed);
+        }
+        version
+    }
+
+    /// Home, start and goal: apart, and where something may stand.
+    fn ends(&mut self, path: &str, keys: &keys::Vehicle, map: Option<&Map>) -> Ends {
+        let at = |key: &str| format!("{path}.{key}");
+        let start = self.required(path, "start", keys.start);
+        let start = start.and_then(|end| self.end_point(&at("start"), end));
+        let goal = self.required(path, "goal", keys.goal);
+        let goal = goal.and_then(|end| self.end_point(&at("goal"), end));
+        let own_home = keys.home.and_then(|home| self.place(&at("home"), home));
+        let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));
+        self.start_to_goal(&at("goal"), from, to);
+        if let Some(map) = map {
+            for (key, place) in [("start", from), ("goal", to), ("home", own_home)] {
+                if let Some(place) = place {
+                    self.clear(&at(key), key, place, map);
+                }
+            }
+        }
+        Ends {
+            home: own_home.or(from.filter(|_| keys.home.is_none())),
+            start,
+            goal,
+            home_to_start_m: from.zip(own_home).map(|(start, home)| start.chord_m(home)),
+        }
+    }
+
+    /// There must be a path to plan between start and goal.
+    fn start_to_goal(&mut self, path: &str, start: Option<LatLon>, goal: Option<LatLon>) {
+        let (Some(start), Some(goal)) = (start, goal) else {
+            return;
+        };
+        let apart_m = (start.to_ecef(0.0) - goal.to_ecef(0.0)).norm();
+        if apart_m < MIN_START_TO_GOAL_M {
+            let found = format!(
+                "{} m from start",
+                digits::distinct_from(apart_m, MIN_START_TO_GOAL_M, 1)
+            );
+            self.report(
+                path,
+                found,
+                format!("at least {MIN_START_TO_GOAL_M} m from start"),
+            );
+        }
+    }
+
+    fn end_point(&mut self, path: &str, keys: keys::EndPoint) -> Option<EndPoint> {
+        let (lat, lon) = (keys.lat, keys.lon);
+        let place = self.place(path, keys::Place { lat, lon });
+        let altitude = match (keys.agl_m, keys.amsl_m) {
+            (Some(agl), None) => Placement::Agl(Agl(agl)),
+            (None, Some(amsl)) => Placement::Amsl(Amsl(amsl)),
+            (None, None) | (Some(_), Some(_)) => {
+                let found = match keys.agl_m {
+                    Some(_) => "two altitudes",
+                    None => "no altitude",
+                };
+                self.report(path, found, "either agl_m or amsl_m");
+                return None;
+            }
+        };
+        place.map(|place| EndPoint { place, altitude })
+    }
+
+    fn link(&mut self, path: &str, text: &str) -> Option<Link> {
+        let link = Link::parse(text);
+        if link.is_none() {
+            let found = format!("link `{}`", text.escape_debug());
+            self.report(path, found, Link::ALLOWED);
+        }
+        link
+    }
+
+    /// Two vehicles that take off in each other's separation must not do so at the same time.
+    /// The planner chooses among the departures that their windows leave open.
+    fn pads(&mut self, vehicles: &[(String, Vehicle)], separation: Separation) {
+        let pads: Vec<Vector3<f64>> = vehicles
+            .iter()
+            .map(|(_, vehicle)| vehicle.home.to_ecef(0.0))
+            .collect();
+        for (index, (path, vehicle)) in vehicles.iter().enumerate() {
+            for ((_, earlier), pad) in vehicles[..index].iter().zip(&pads) {
+                let apart_m = (pads[index] - pad).norm();
+                let (own, other) = (vehicle.departures(), earlier.departures());
+                let apart_s = (own.most - other.least).max(other.most - own.least);
+                if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
+                    let across_m = digits::distinct_from(apart_m, separation.distance_m, 1);
+                    let found = format!(
+                        "takeoff {across_m} m from `{}` and {apart_s} s apart in time",
+                        earlier.id
+                    );
+                    let allowed = format!(
+                        "at least {} m, or depart_s more than {} s apart",
+                        separation.distance_m, separation.time_slack_s
+                    );
+                    self.report(path, found, allowed);
+                }
+            }
+        }
+    }
+}

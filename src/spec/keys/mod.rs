@@ -1,0 +1,233 @@
+//! The keys of a spec as the file has them: names, units and shapes, unchecked.
+//!
+//! The JSON Schema is made of these structs: their doc comments are its descriptions, their
+//! `range` attributes are the ranges that [`check`](super::check) enforces. A key that must be
+//! given is an `Option` with the attribute `required`; the check reports where it is missing.
+
+mod fleet;
+mod options;
+mod scenario;
+mod vehicle;
+
+pub use fleet::{Fleet, Grid};
+pub use options::{MissionOptions, Planner, Wind};
+pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
+pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
+
+use schemars::{JsonSchema, Schema};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{OnLinkLoss, Separation};
+use crate::geodesy::LatLon;
+
+/// One mission for a fleet of UAVs, for `sortie plan`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(
+    title = "Sortie mission",
+    extend("anyOf" = [{"required": ["vehicles"]}, {"required": ["fleet"]}])
+)]
+pub struct Spec {
+    /// Version of this format: 1.
+    #[schemars(range(min = 1, max = 1))]
+    pub sortie: u32,
+    /// Name of the mission and of its output folder: letters, digits, - and _.
+    #[schemars(length(min = 1, max = 64))]
+    pub name: String,
+    /// Where the local frame touches the earth; absent: the middle of the area.
+    pub origin: Option<Place>,
+    /// Where flying is allowed.
+    pub area: Area,
+    /// Where the ground comes from.
+    pub terrain: Terrain,
+    /// Vertical cylinders of infinite height that must not be entered.
+    #[serde(default)]
+    pub threats: Vec<Threat>,
+    /// Polygons that must not be entered.
+    #[serde(default)]
+    pub no_fly: Vec<Zone>,
+    /// Rally points.
+    #[serde(default)]
+    pub rally: Vec<Rally>,
+    /// The vehicles, in order of priority.
+    #[serde(default)]
+    pub vehicles: Vec<Vehicle>,
+    /// More vehicles, in a compact form.
+    pub fleet: Option<Fleet>,
+    /// How far apart vehicles stay from takeoff to touchdown.
+    #[serde(default)]
+    pub separation: Separation,
+    /// How paths are searched.
+    #[serde(default)]
+    pub planner: Planner,
+    /// How paths become mission items.
+    #[serde(default)]
+    pub mission: MissionOptions,
+    /// A steady wind; absent: none is assumed.
+    pub wind: Option<Wind>,
+    /// What the fleet does when the link to one vehicle is lost; absent: continue.
+    #[serde(default)]
+    pub on_link_loss: OnLinkLoss,
+}
+
+/// A place on the earth, WGS84.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// Latitude, degrees north.
+    #[schemars(required, range(min = -90, max = 90))]
+    pub lat: Option<f64>,
+    /// Longitude, degrees east.
+    #[schemars(required, range(min = -180, max = 180))]
+    pub lon: Option<f64>,
+}
+
+impl From<LatLon> for Place {
+    fn from(place: LatLon) -> Self {
+        Self {
+            lat: Some(place.lat_deg),
+            lon: Some(place.lon_deg),
+        }
+    }
+}
+
+/// A box of latitude, longitude and altitude.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Area {
+    /// South-west corner.
+    pub south_west: Place,
+    /// North-east corner.
+    pub north_east: Place,
+    /// Least height above ground but for the columns of takeoff and landing, metres.
+    #[schemars(range(min = 0, max = 10000))]
+    pub min_agl_m: f64,
+    /// Ceiling, metres above mean sea level.
+    #[schemars(range(min = -500, max = 20000))]
+    pub max_amsl_m: f64,
+}
+
+/// Where the ground comes from: exactly one of the keys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1, "maxProperties" = 1))]
+pub struct Terrain {
+    /// An elevation file, its path relative to this one: SRTM .hgt, .hgt.gz or .hgt.zip, or GeoTIFF in EPSG:4326.
+    pub file: Option<String>,
+    /// A folder of such files, used as one; its path relative to this file.
+    pub folder: Option<String>,
+    /// The same height everywhere.
+    pub flat: Option<Flat>,
+    /// Gaussian hills over a base.
+    pub analytic: Option<Analytic>,
+}
+
+impl Terrain {
+    /// The same height everywhere, metres above mean sea level.
+    #[must_use]
+    pub fn flat(amsl_m: f64) -> Self {
+        Self {
+            flat: Some(Flat { amsl_m }),
+            ..Self::default()
+        }
+    }
+}
+
+/// The same height everywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Flat {
+    /// Metres above mean sea level.
+    #[schemars(range(min = -500, max = 20000))]
+    pub amsl_m: f64,
+}
+
+/// Gaussian hills over a base.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Analytic {
+    /// Height far from every hill, metres above mean sea level.
+    #[schemars(range(min = -500, max = 9000))]
+    pub base_amsl_m: f64,
+    /// The hills.
+    #[serde(default)]
+    pub hills: Vec<Hill>,
+}
+
+/// A hill: height * exp(-(distance / radius)^2).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hill {
+    /// Latitude of the summit, degrees north.
+    #[schemars(range(min = -90, max = 90))]
+    pub lat: f64,
+    /// Longitude of the summit, degrees east.
+    #[schemars(range(min = -180, max = 180))]
+    pub lon: f64,
+    /// Height over the base, metres; negative for a hollow.
+    #[schemars(range(min = -9000, max = 9000))]
+    pub height_m: f64,
+    /// Where the height has fallen to 1/e, metres.
+    #[schemars(range(min = 1, max = 500_000))]
+    pub radius_m: f64,
+}
+
+/// A vertical cylinder of infinite height.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Threat {
+    /// Unique name.
+    pub id: String,
+    /// A label such as radar; without meaning to the planner.
+    pub kind: Option<String>,
+    /// Latitude of the axis, degrees north.
+    #[schemars(range(min = -90, max = 90))]
+    pub lat: f64,
+    /// Longitude of the axis, degrees east.
+    #[schemars(range(min = -180, max = 180))]
+    pub lon: f64,
+    /// Radius, metres.
+    #[schemars(range(min = 1, max = 500_000))]
+    pub radius_m: f64,
+}
+
+/// A polygon that must not be entered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Zone {
+    /// Unique name.
+    pub id: String,
+    /// Corners as [latitude, longitude], degrees, in order around it.
+    #[schemars(length(min = 3, max = 1000))]
+    pub polygon: Vec<[f64; 2]>,
+    /// Closed below this only, metres above mean sea level; absent: at all heights.
+    #[schemars(range(min = -500, max = 20000))]
+    pub below_amsl_m: Option<f64>,
+}
+
+/// A rally point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Rally {
+    /// Latitude, degrees north.
+    #[schemars(range(min = -90, max = 90))]
+    pub lat: f64,
+    /// Longitude, degrees east.
+    #[schemars(range(min = -180, max = 180))]
+    pub lon: f64,
+    /// Height above the ground there, metres.
+    #[schemars(range(min = 0, max = 20000))]
+    pub agl_m: f64,
+}
+
+/// Schema of an enum of words: the words alone, without the description of each.
+pub(super) fn words(schema: &mut Schema) {
+    let word = |value: &Value| value.get("const").cloned();
+    if let Some(Value::Array(variants)) = schema.remove("oneOf") {
+        let words: Vec<Value> = variants.iter().filter_map(word).collect();
+        schema.insert("type".to_owned(), "string".into());
+        schema.insert("enum".to_owned(), words.into());
+        schema.remove("description");
+    }
+}
