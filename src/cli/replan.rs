@@ -11,10 +11,9 @@ use crate::flight::replan::{self, Decision, Outcomes, Replanner};
 use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
-use crate::spec::{Area, Link, MissionSpec, SpecFile, THREAT_RADIUS_M, Threat};
+use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
-    replan::refuse_unsupported(&SpecFile::read(&arguments.spec)?.spec)?;
     let mut plan = fly::read(&arguments.spec, arguments.dir.as_deref())?;
     let folder = runs::folder(&plan.folder);
     let _lock = runs::hold(&folder, "replan").map_err(|busy| {
@@ -43,7 +42,9 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     };
     // Whatever comes of it: the flight is judged against the threat from now on.
     append(underway.as_ref(), &[Line::of_popup(&popup)])?;
-    let led = links(&plan, arguments, &notice).and_then(|links| {
+    let supported = replan::refuse_unsupported(plan.spec()).map_err(Failure::from);
+    let led = supported.and_then(|()| links(&plan, arguments, &notice));
+    let led = led.and_then(|links| {
         let replanner = Replanner::open(&plan, &links, &popups, &notice, threat_ms)
             .map_err(|failed| unreachable_link(&plan, &failed))?;
         lead(&replanner, underway.as_ref(), &notice, arguments.seed)

@@ -54,6 +54,9 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
         running.push(vehicle);
     }
     let (stop, stopped) = mpsc::channel();
+    #[cfg(unix)]
+    stop_at_signals(stop.clone())
+        .map_err(|error| Failure::new(Failure::OUTPUT, format!("no signals: {error}")))?;
     ctrlc::set_handler(move || {
         // The receiver is gone if the command ends already.
         let _ = stop.send(());
@@ -65,6 +68,20 @@ pub(super) fn run(arguments: &args::Vehicles) -> Result<(), Failure> {
         None => drop(stopped.recv()),
     }
     out(&farewell(&running))
+}
+
+/// SIGTERM and SIGHUP end the vehicles as Ctrl-C does.
+#[cfg(unix)]
+fn stop_at_signals(stop: mpsc::Sender<()>) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGHUP, SIGTERM])?;
+    std::thread::spawn(move || {
+        if signals.forever().next().is_some() {
+            // Nobody listens any more when it is ending anyway.
+            let _ = stop.send(());
+        }
+    });
+    Ok(())
 }
 
 impl From<ProfileName> for Profile {

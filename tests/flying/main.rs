@@ -6,6 +6,7 @@ mod support;
 mod flight;
 mod flight_commands;
 mod flight_hold;
+mod flight_hostile;
 mod flight_pace;
 mod flight_record;
 mod flight_trouble;

@@ -168,6 +168,11 @@ pub fn parameters(mission: &VehicleMission) -> Vec<(String, f32)> {
     params.map(|p| (p.name.clone(), p.value)).collect()
 }
 
+/// What becomes of a message to a system: none passes it on, else it is lost and these answer.
+pub type Uplink = Box<dyn FnMut(Time, u8, &Message) -> Option<Vec<(Address, Message)>>>;
+/// What becomes of a message from a vehicle.
+pub type Downlink = Box<dyn FnMut(Time, Address, Message) -> Vec<(Address, Message)>>;
+
 /// Vehicles, each on a link of its own, and the ground station that watches them, under one clock.
 pub struct Sky<'a> {
     pub fleet: Fleet<'a>,
@@ -178,6 +183,9 @@ pub struct Sky<'a> {
     pub events: Vec<Event>,
     /// What was heard, as ground stations capture it.
     pub capture: Vec<u8>,
+    /// Hostile peers on the links.
+    pub up: Option<Uplink>,
+    pub down: Option<Downlink>,
 }
 
 impl<'a> Sky<'a> {
@@ -189,28 +197,51 @@ impl<'a> Sky<'a> {
             cut: Vec::new(),
             events: Vec::new(),
             capture: Vec::new(),
+            up: None,
+            down: None,
         }
+    }
+
+    fn hear(&mut self, link: usize, from: Address, message: &Message) {
+        let stamp = 1000 * self.now.0 + 1_700_000_000_000_000;
+        self.capture.extend(stamp.to_be_bytes());
+        self.capture.extend(Encoder::new(from).encode(message));
+        self.fleet.handle(self.now, (link, from), message);
     }
 
     pub fn step(&mut self) {
         self.now = self.now + 20;
         self.fleet.handle_timeout(self.now);
         while let Some((system, message)) = self.fleet.poll_transmit() {
+            let answers = self
+                .up
+                .as_mut()
+                .and_then(|up| up(self.now, system, &message));
+            if let Some(answers) = answers {
+                for (from, answer) in answers {
+                    self.hear(usize::from(system) - 1, from, &answer);
+                }
+                continue;
+            }
             for vehicle in &mut self.vehicles {
                 if vehicle.address().system == system && !self.cut.contains(&system) {
                     vehicle.handle(self.now, US, &message);
                 }
             }
         }
-        for (link, vehicle) in self.vehicles.iter_mut().enumerate() {
-            vehicle.handle_timeout(self.now);
-            let from = vehicle.address();
-            while let Some(message) = vehicle.poll_transmit() {
-                if !self.cut.contains(&from.system) {
-                    let stamp = 1000 * self.now.0 + 1_700_000_000_000_000;
-                    self.capture.extend(stamp.to_be_bytes());
-                    self.capture.extend(Encoder::new(from).encode(&message));
-                    self.fleet.handle(self.now, (link, from), &message);
+        for link in 0..self.vehicles.len() {
+            self.vehicles[link].handle_timeout(self.now);
+            let from = self.vehicles[link].address();
+            while let Some(message) = self.vehicles[link].poll_transmit() {
+                if self.cut.contains(&from.system) {
+                    continue;
+                }
+                let heard = match &mut self.down {
+                    Some(down) => down(self.now, from, message),
+                    None => vec![(from, message)],
+                };
+                for (from, message) in heard {
+                    self.hear(link, from, &message);
                 }
             }
         }

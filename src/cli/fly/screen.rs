@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, IsTerminal};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 
 use super::show::Show;
@@ -11,10 +11,36 @@ use crate::cli::print::failure::Failure;
 use crate::flight::{Event, Fleet, FlightError, Intervention, Operator};
 use crate::link::Time;
 
+/// Signals besides Ctrl-C that have come.
+#[derive(Default)]
+struct Signals {
+    /// SIGTERM, which counts as Ctrl-C.
+    terminated: Arc<AtomicBool>,
+    /// SIGHUP: the terminal is gone, and the fleet is still in the air.
+    hung_up: Arc<AtomicBool>,
+}
+
+impl Signals {
+    #[cfg(unix)]
+    fn begin() -> std::io::Result<Self> {
+        use signal_hook::consts::{SIGHUP, SIGTERM};
+        let signals = Self::default();
+        signal_hook::flag::register(SIGTERM, Arc::clone(&signals.terminated))?;
+        signal_hook::flag::register(SIGHUP, Arc::clone(&signals.hung_up))?;
+        Ok(signals)
+    }
+
+    #[cfg(not(unix))]
+    fn begin() -> std::io::Result<Self> {
+        Ok(Self::default())
+    }
+}
+
 /// Screen and keyboard of a flight.
 pub(super) struct Screen {
     show: Show,
     interrupts: Arc<AtomicUsize>,
+    signals: Signals,
     /// Interrupts that were answered.
     handled: usize,
     answers: Option<Receiver<String>>,
@@ -30,7 +56,11 @@ impl Screen {
             counted.fetch_add(1, Ordering::Relaxed);
         })
         .map_err(|error| Failure::new(Failure::OUTPUT, format!("Ctrl-C: {error}")))?;
+        let signals = Signals::begin();
+        let signals =
+            signals.map_err(|error| Failure::new(Failure::OUTPUT, format!("signals: {error}")))?;
         Ok(Self {
+            signals,
             show: Show::new(json),
             interrupts,
             handled: 0,
@@ -49,6 +79,12 @@ impl Screen {
     /// Asks at an interrupt. Without a terminal, or at a second interrupt, the vehicles are left
     /// as they are.
     fn interrupted(&mut self) -> Option<Intervention> {
+        if self.signals.hung_up.swap(false, Ordering::Relaxed) {
+            note("the terminal is gone (SIGHUP): the fleet is still monitored and recorded");
+        }
+        if self.signals.terminated.swap(false, Ordering::Relaxed) {
+            self.interrupts.fetch_add(1, Ordering::Relaxed);
+        }
         let count = self.interrupts.load(Ordering::Relaxed);
         if count <= self.handled {
             return None;

@@ -1,7 +1,7 @@
 //! The limits of the spec, held against what was flown.
 
 use super::{FlownTrack, GAP_S};
-use crate::flight::record::{Fix, PopUp};
+use crate::flight::record::{Fix, Record};
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::approach::{Segment, closest_approach, closest_horizontal, least_ratio};
 use crate::numeric::geometry::point_segment_distance;
@@ -29,7 +29,7 @@ impl FlownTrack<'_> {
         &self,
         spec: &MissionSpec,
         world: &World,
-        popups: &[PopUp],
+        record: &Record,
     ) -> Vec<Margin> {
         if self.fixes().is_empty() {
             return vec![Margin::unjudged(
@@ -38,7 +38,7 @@ impl FlownTrack<'_> {
                 "no position was recorded",
             )];
         }
-        let mut margins = self.gaps();
+        let mut margins = self.gaps(&record.stops);
         let clearance = self.on_route().map(|index| {
             let fix = &self.fixes()[index];
             let ground = world.terrain.height(fix.place);
@@ -52,7 +52,7 @@ impl FlownTrack<'_> {
         let all = || self.fixes().iter().zip(self.points.iter().copied());
         let there = spec.threats.iter().zip(&world.threats);
         let there = there.map(|(threat, disc)| (threat, *disc, f64::NEG_INFINITY));
-        let came = popups.iter().map(|popup| {
+        let came = record.popups.iter().map(|popup| {
             let center = world.frame.to_plan(popup.threat.place);
             let radius_m = popup.threat.radius_m;
             (&popup.threat, Disc { center, radius_m }, popup.from_s)
@@ -129,8 +129,9 @@ impl FlownTrack<'_> {
         Some(required.margin(self.id(), value, Some(at)))
     }
 
-    /// Times without a position.
-    fn gaps(&self) -> Vec<Margin> {
+    /// Times of which nothing is known. One that this program was stopped in is not the silence
+    /// of the vehicle, and its note says so.
+    fn gaps(&self, stops: &[(f64, f64)]) -> Vec<Margin> {
         let first = self.fixes().first();
         let before = first.map(|first| (first.t_s - self.since_s(), first));
         let until_s = self.flight.flown.until_s;
@@ -142,10 +143,20 @@ impl FlownTrack<'_> {
             .chain(before)
             .chain(after)
             .max_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((gap_s, fix)) = longest else {
+            return Vec::new();
+        };
+        let (from_s, to_s) = (fix.t_s, fix.t_s + gap_s);
+        let share_s = |&(from, until): &(f64, f64)| until.min(to_s) - from.max(from_s);
+        let stopped_s: f64 = stops.iter().map(share_s).map(|s| s.max(0.0)).sum();
         let required = Requirement::at_most(Limit::Flown(Flown::Gap), GAP_S, "s");
-        self.worst(required, longest.into_iter())
-            .into_iter()
-            .collect()
+        let mut gap = required.margin(self.id(), gap_s, Some(moment(fix)));
+        if stopped_s > 0.0 {
+            gap.note = format!(
+                "(the recording program was stopped for {stopped_s:.0} s of it; the vehicle was not heard)"
+            );
+        }
+        vec![gap]
     }
 
     /// The worst of values; one that is not a number is the worst of all.

@@ -60,7 +60,7 @@ pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport
     let mut margins: Vec<Margin> = tracks
         .iter()
         .flat_map(|track| {
-            let limits = track.margins(spec, world, &record.popups);
+            let limits = track.margins(spec, world, record);
             let proof = track.proof(spec, world, ends_s);
             let paces = track.paces(record.speedup);
             limits.into_iter().chain(proof).chain(paces)

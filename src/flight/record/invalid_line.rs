@@ -17,7 +17,7 @@ enum Kind {
 /// A key that only one kind of line has, what that is, and the keys of it.
 type Sort = (&'static str, &'static str, &'static [(&'static str, Kind)]);
 
-const LINES: [Sort; 8] = [
+const LINES: [Sort; 9] = [
     (
         "sortie",
         "a header",
@@ -44,6 +44,11 @@ const LINES: [Sort; 8] = [
             ("vehicle", Kind::Text),
             ("reached", Kind::Count),
         ],
+    ),
+    (
+        "stopped_s",
+        "a stop",
+        &[("t_s", Kind::Number), ("stopped_s", Kind::Number)],
     ),
     (
         "end",

@@ -59,6 +59,13 @@ pub enum Line {
         /// Row of the `.waypoints` file.
         reached: usize,
     },
+    /// The program that recorded the flight was stopped.
+    Stop {
+        /// Until when, seconds after T0.
+        t_s: f64,
+        /// For how long, seconds.
+        stopped_s: f64,
+    },
     /// How a vehicle's flight ended.
     End {
         /// Id in the spec.

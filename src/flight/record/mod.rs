@@ -71,6 +71,8 @@ pub struct Record {
     pub flights: Vec<Flight>,
     /// Threats that came up on the way.
     pub popups: Vec<PopUp>,
+    /// Times that the recording program was stopped for: from, until, seconds after T0.
+    pub stops: Vec<(f64, f64)>,
 }
 
 impl Flown {

@@ -197,6 +197,12 @@ impl Reading {
                 self.check(t_s, &vehicle)?;
                 self.of(&vehicle).flown.reached.push((reached, t_s));
             }
+            Line::Stop { t_s, stopped_s } => {
+                if t_s < 0.0 || !(0.0..=t_s.max(0.0)).contains(&stopped_s) {
+                    return Err(format!("a stop of {stopped_s} s until {t_s} s cannot be"));
+                }
+                self.record.stops.push((t_s - stopped_s, t_s));
+            }
             Line::End { vehicle, end, t_s } => {
                 self.check(t_s.unwrap_or(0.0), &vehicle)?;
                 self.once(end_of(&vehicle))?;

@@ -71,9 +71,11 @@ pub fn read_tlog(bytes: &[u8], captures: &[Capture]) -> Result<Record, String> {
             let Some(reading) = readings.get_mut(&from.system) else {
                 continue;
             };
-            if let Message::Heartbeat(beat) = &message
-                && from.component == 1
-            {
+            // A companion computer may have positions of its own.
+            if from.component != 1 {
+                continue;
+            }
+            if let Message::Heartbeat(beat) = &message {
                 if beat.is_armed() {
                     t0_us.get_or_insert(at_us);
                 }

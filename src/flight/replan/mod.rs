@@ -89,7 +89,10 @@ pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
             }
             Airframe::Vtol | Airframe::Copter => continue,
         };
-        let message = format!("{} {why}; hold it, or let it fly on", vehicle.id);
+        let message = format!(
+            "{} {why}; nothing was sent, and the flight of every vehicle is judged against the threat",
+            vehicle.id
+        );
         return Err(FlightError::Verdict(message));
     }
     Ok(())

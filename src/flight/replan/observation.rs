@@ -7,8 +7,8 @@ use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::link::{
-    Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message, Onboard, Position,
-    Reading, Time,
+    AUTOPILOT_INVALID, Address, Arrival, Command, FlightMessage, Heartbeat, Links, Message,
+    Onboard, Position, Reading, Time,
 };
 
 /// Vehicles that stay silent for this long are given up, milliseconds.
@@ -195,10 +195,14 @@ impl<'a> Observer<'a> {
             if from.system != system {
                 continue;
             }
+            // Other components of the vehicle may have positions of their own.
+            let is_known = |(autopilot, _)| autopilot == from;
+            let may_be = from.component == 1 || of.beat.is_none_or(is_known);
             match message {
-                Message::Heartbeat(beat) if from.component == 1 || of.beat.is_none() => {
+                Message::Heartbeat(beat) if may_be && beat.autopilot != AUTOPILOT_INVALID => {
                     of.beat = Some((from, *beat));
                 }
+                _ if !of.beat.is_some_and(is_known) => {}
                 Message::MissionCurrent { seq, .. } => of.seq = Some(*seq),
                 Message::Flight(FlightMessage::Position(position)) => {
                     of.position = Some(*position);

@@ -1,6 +1,6 @@
 //! A vehicle in flight is given another mission and goes on with it, without a stop.
 
-use super::pending_command::{Answer, PendingCommand};
+use super::pending_command::{Answer, PendingCommand, is_for};
 use super::set_current::Setting;
 use crate::flight::conformance::leg::leg_at;
 use crate::flight::conformance::proof::CROSS_TRACK_M;
@@ -44,6 +44,7 @@ pub struct Onward<'a> {
 #[derive(Debug)]
 pub struct Diversion<'a> {
     session: Session<'a>,
+    us: Address,
     vehicle: Address,
     onward: Onward<'a>,
     /// Where the vehicle was last heard to be, and how fast it flew to the east and the north, m/s.
@@ -78,6 +79,7 @@ impl<'a> Diversion<'a> {
         session.handle(now, vehicle, &Message::Heartbeat(beat));
         Self {
             session,
+            us,
             vehicle,
             onward,
             here: None,
@@ -91,17 +93,19 @@ impl<'a> Diversion<'a> {
     /// Takes in a message from any sender.
     pub fn handle(&mut self, now: Time, from: Address, message: &Message) {
         self.session.handle(now, from, message);
-        if from.system != self.vehicle.system {
+        if from != self.vehicle {
             return;
         }
         match message {
-            Message::Flight(FlightMessage::Position(position)) => {
+            Message::Flight(FlightMessage::Position(position)) if position.is_known() => {
                 let [north, east, _] = position.velocity_cmps.map(|cmps| f64::from(cmps) / 100.0);
                 self.here = Some((position.place(), (east, north)));
             }
             Message::Flight(FlightMessage::CommandAck {
-                command, result, ..
-            }) => {
+                target,
+                command,
+                result,
+            }) if is_for(self.us, *target) => {
                 if let Some(pending) = &mut self.pending {
                     pending.answered(now, *command, *result);
                 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::end::End;
-use super::{Event, Fleet, Intervention, Outcome};
+use super::{Event, Fleet, Intervention};
 use crate::flight::clock::{Clock, unix_ms};
 use crate::flight::conformance::judge;
 use crate::flight::conformance::reference::Reference;
@@ -23,8 +23,6 @@ use crate::link::{Arrival, Links, Time};
 use crate::mission::VehicleMission;
 use crate::report;
 
-/// How long disarming commands have to go out when nothing was started, milliseconds.
-const PARTING_MS: u64 = 1500;
 /// Between two looks for lines of `replan`, milliseconds.
 const UNDERWAY_MS: u64 = 250;
 /// Messages that are handled before the fleet has its turn again.
@@ -125,7 +123,6 @@ impl<'a> Driver<'a> {
     /// Flies until the flight is over, or was not begun. A line that cannot be written does not
     /// end it: vehicles in the air are monitored to the ground.
     pub fn fly(&mut self, fleet: &mut Fleet<'_>, operator: &mut dyn Operator) {
-        let mut parting: Option<Time> = None;
         loop {
             let now = self.now();
             fleet.handle_timeout(now);
@@ -137,12 +134,8 @@ impl<'a> Driver<'a> {
                 fleet.intervene(now, intervention);
             }
             operator.update(fleet, now);
-            match fleet.outcome() {
-                Some(Outcome::NotStarted(_)) if parting.is_none_or(|end| now < end) => {
-                    parting = parting.or(Some(now + PARTING_MS));
-                }
-                Some(_) => return self.record(fleet, operator),
-                None => {}
+            if fleet.outcome().is_some() {
+                return self.record(fleet, operator);
             }
             self.listen(fleet);
         }
@@ -184,6 +177,10 @@ impl<'a> Driver<'a> {
             lines.push(Line::of_event(&event).text());
             let shown = operator.event(&event);
             self.note_unwritten(fleet, operator, shown);
+        }
+        while let Some((from_s, t_s)) = fleet.poll_stop() {
+            let stopped_s = t_s - from_s;
+            lines.push(Line::Stop { t_s, stopped_s }.text());
         }
         lines.extend(self.journal.fresh(fleet.flown()));
         let now = self.now();

@@ -18,7 +18,7 @@ use super::record::Flown;
 use crate::link::{Address, Heartbeat, Message, Time};
 use crate::spec::OnLinkLoss;
 use end::End;
-use vehicle::{Assignment, FlightVehicle, Instruction, Stage};
+use vehicle::{ARMING_MS, Assignment, FlightVehicle, Instruction, Stage};
 
 /// Between two looks at everything, milliseconds.
 const TICK_MS: u64 = 20;
@@ -27,6 +27,10 @@ const HEARTBEAT_MS: u64 = 1000;
 /// A vehicle that was silent for so long is lost: seconds of flight, and of the wall's clock.
 const LOST_FLIGHT_S: f64 = 5.0;
 const LOST_WALL_MS: f64 = 2500.0;
+/// After the time for arming heartbeats are waited for this long, milliseconds.
+const CONFIRMING_MS: u64 = 10_000;
+/// A longer time between two steps of the driver is a stop of this program, milliseconds.
+const STOPPED_MS: u64 = 2000;
 /// A flight that has not ended this share and this many seconds after its planned end has failed.
 pub(super) const LATE_SHARE: f64 = 0.25;
 pub(super) const LATE_S: f64 = 90.0;
@@ -80,8 +84,14 @@ pub enum Outcome {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     Checking,
-    Arming,
-    Flying { t0_ms: f64 },
+    Arming {
+        until: Time,
+    },
+    /// Nothing is started, and armed vehicles are disarmed.
+    Abandoning,
+    Flying {
+        t0_ms: f64,
+    },
     Ended,
 }
 
@@ -97,7 +107,12 @@ pub struct Fleet<'a> {
     outbox: VecDeque<(u8, Message)>,
     events: VecDeque<Event>,
     outcome: Option<Outcome>,
-    is_lost_handled: bool,
+    /// Why nothing is started.
+    refusals: Vec<(String, String)>,
+    /// When [`Fleet::handle_timeout`] was last called.
+    last: Time,
+    /// The times that this program was stopped for, seconds after T0.
+    stops: VecDeque<(f64, f64)>,
 }
 
 impl<'a> Fleet<'a> {
@@ -123,7 +138,9 @@ impl<'a> Fleet<'a> {
             outbox: VecDeque::new(),
             events: VecDeque::new(),
             outcome: None,
-            is_lost_handled: false,
+            refusals: Vec::new(),
+            last: now,
+            stops: VecDeque::new(),
         }
     }
 
@@ -147,9 +164,9 @@ impl<'a> Fleet<'a> {
                 .map(|c| c.of.vehicle.to_owned()),
             None => None,
         };
-        if matches!(self.phase, Phase::Checking | Phase::Arming) {
+        if matches!(self.phase, Phase::Checking | Phase::Arming { .. }) {
             let who = vehicle.clone().unwrap_or_default();
-            self.abandon(vec![(who, what.to_owned())]);
+            self.abandon(now, vec![(who, what.to_owned())]);
         }
         self.say(now, vehicle, what.to_owned());
     }
@@ -157,6 +174,7 @@ impl<'a> Fleet<'a> {
     /// Does what is due.
     pub fn handle_timeout(&mut self, now: Time) {
         self.due = now + TICK_MS;
+        self.look_for_a_stop(now);
         if now >= self.heartbeat_due {
             self.heartbeat_due = now + HEARTBEAT_MS;
             for vehicle in &self.vehicles {
@@ -174,7 +192,8 @@ impl<'a> Fleet<'a> {
         }
         match self.phase {
             Phase::Checking => self.look_whether_all_are_ready(now),
-            Phase::Arming => self.look_whether_all_are_armed(now),
+            Phase::Arming { until } => self.look_whether_all_are_armed(now, until),
+            Phase::Abandoning => self.look_whether_all_are_disarmed(),
             Phase::Flying { t0_ms } => self.watch(now, t0_ms),
             Phase::Ended => {}
         }
@@ -221,8 +240,12 @@ impl<'a> Fleet<'a> {
             Intervention::Hold => Instruction::Hold,
             Intervention::Land => Instruction::Land,
             Intervention::Leave => {
+                if matches!(self.phase, Phase::Abandoning) {
+                    let vehicles = self.vehicles.iter_mut();
+                    return vehicles.for_each(FlightVehicle::stop_disarming);
+                }
                 if !matches!(self.phase, Phase::Flying { .. }) {
-                    return self.abandon(Vec::new());
+                    return self.abandon(now, Vec::new());
                 }
                 for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
                     if !matches!(vehicle.stage, Stage::Ended) {
@@ -233,8 +256,14 @@ impl<'a> Fleet<'a> {
             }
         };
         if !matches!(self.phase, Phase::Flying { .. }) {
-            return self.abandon(Vec::new());
+            return self.abandon(now, Vec::new());
         }
+        self.instruct_all(now, instruction, true);
+    }
+
+    /// Orders every vehicle in flight to hold or to land. After a lost link those that obey such
+    /// an order already are left alone; an operator overrules it.
+    fn instruct_all(&mut self, now: Time, instruction: Instruction, overrules: bool) {
         let text = match instruction {
             Instruction::Hold => "all hold",
             Instruction::Land => "all land",
@@ -243,9 +272,12 @@ impl<'a> Fleet<'a> {
         for vehicle in &mut self.vehicles {
             // A vehicle that has not taken off stays on the ground.
             if matches!(vehicle.stage, Stage::Armed) {
-                vehicle.disarm();
+                vehicle.disarm(None);
             }
-            vehicle.instruct(instruction);
+            let obeys = [Some(instruction), Some(Instruction::Land)].contains(&vehicle.instruction);
+            if overrules || !obeys {
+                vehicle.instruct(instruction);
+            }
         }
     }
 
@@ -277,6 +309,11 @@ impl<'a> Fleet<'a> {
             if matches!(vehicle.stage, Stage::Ended) {
                 vehicle.flown.until_s = vehicle.flown.until_s.or(t_s);
             }
+            if let Some(text) = vehicle.still_armed.as_ref().filter(|_| !vehicle.is_warned) {
+                vehicle.is_warned = true;
+                let (vehicle, text) = (None, text.clone());
+                self.events.push_back(Event { t_s, vehicle, text });
+            }
             while let Some(text) = vehicle.poll_said() {
                 let vehicle = Some(vehicle.of.vehicle.to_owned());
                 self.events.push_back(Event { t_s, vehicle, text });
@@ -297,13 +334,28 @@ impl<'a> Fleet<'a> {
             .collect()
     }
 
-    /// None is started; who is armed is disarmed.
-    fn abandon(&mut self, why: Vec<(String, String)>) {
-        for vehicle in &mut self.vehicles {
-            if matches!(vehicle.stage, Stage::Armed | Stage::Arming) {
-                vehicle.disarm();
-            }
+    /// None is started; whichever vehicle may be armed is disarmed first.
+    fn abandon(&mut self, now: Time, why: Vec<(String, String)>) {
+        if matches!(self.phase, Phase::Abandoning | Phase::Ended) {
+            return;
         }
+        self.refusals = why;
+        for vehicle in self.vehicles.iter_mut().filter(|c| c.may_be_armed()) {
+            vehicle.disarm(None);
+        }
+        self.phase = Phase::Abandoning;
+        self.gather(now);
+        self.look_whether_all_are_disarmed();
+    }
+
+    fn look_whether_all_are_disarmed(&mut self) {
+        let disarms = |c: &FlightVehicle<'_>| matches!(c.stage, Stage::Disarming(_));
+        if self.vehicles.iter().any(disarms) {
+            return;
+        }
+        let mut why = std::mem::take(&mut self.refusals);
+        let armed = self.vehicles.iter().filter_map(|c| c.still_armed.clone());
+        why.extend(armed.map(|text| (String::new(), text)));
         self.outcome = Some(Outcome::NotStarted(why));
         self.phase = Phase::Ended;
     }
@@ -316,28 +368,34 @@ impl<'a> Fleet<'a> {
         }
         let refusals = self.refusals();
         if !refusals.is_empty() {
-            return self.abandon(refusals);
+            return self.abandon(now, refusals);
         }
         self.say(now, None, "all are ready".to_owned());
         self.vehicles
             .iter_mut()
             .for_each(|vehicle| vehicle.arm(now));
-        self.phase = Phase::Arming;
+        let until = now + ARMING_MS + CONFIRMING_MS;
+        self.phase = Phase::Arming { until };
     }
 
-    fn look_whether_all_are_armed(&mut self, now: Time) {
+    /// T0 is when a fresh heartbeat of every vehicle shows it armed.
+    fn look_whether_all_are_armed(&mut self, now: Time, until: Time) {
         let refusals = self.refusals();
         if !refusals.is_empty() {
-            return self.abandon(refusals);
+            return self.abandon(now, refusals);
         }
-        if self
-            .vehicles
-            .iter()
-            .all(|c| matches!(c.stage, Stage::Armed))
-        {
+        let speedup = self.options.speedup;
+        let waits = |c: &&FlightVehicle<'_>| !c.is_armed_now(now, speedup);
+        let waiting = self.vehicles.iter().filter(waits);
+        let waiting: Vec<String> = waiting.map(|c| c.of.vehicle.to_owned()).collect();
+        if waiting.is_empty() {
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };
             self.say(now, None, "all are armed: T0".to_owned());
+        } else if now >= until {
+            let why = "no fresh heartbeat shows it armed";
+            let refusals = waiting.into_iter().map(|id| (id, why.to_owned()));
+            self.abandon(now, refusals.collect());
         }
     }
 
@@ -348,13 +406,13 @@ impl<'a> Fleet<'a> {
             if matches!(vehicle.stage, Stage::Armed) && t_s >= vehicle.of.start_s {
                 vehicle.start();
             }
-            vehicle.look_whether_it_stays();
+            vehicle.look_whether_it_stays(t_s);
             ends_s = ends_s.max(vehicle.of.reference.end_s);
         }
         self.look_for_the_lost(now);
         if t_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
             for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
-                if !matches!(vehicle.stage, Stage::Ended) {
+                if !matches!(vehicle.stage, Stage::Ended | Stage::Disarming(_)) {
                     let why = format!("has not ended its flight {t_s:.0} s after T0");
                     vehicle.watch_no_more(End::Failed(why), *is_lost);
                 }
@@ -389,14 +447,44 @@ impl<'a> Fleet<'a> {
         for (vehicle, text) in said {
             self.say(now, Some(vehicle), text.to_owned());
         }
-        if anybody && !self.is_lost_handled {
-            self.is_lost_handled = self.options.on_link_loss != OnLinkLoss::Continue;
+        if anybody {
             match self.options.on_link_loss {
                 OnLinkLoss::Continue => {}
-                OnLinkLoss::HoldAll => self.intervene(now, Intervention::Hold),
-                OnLinkLoss::LandAll => self.intervene(now, Intervention::Land),
+                OnLinkLoss::HoldAll => self.instruct_all(now, Instruction::Hold, false),
+                OnLinkLoss::LandAll => self.instruct_all(now, Instruction::Land, false),
             }
         }
+    }
+
+    /// Between two calls this program may be stopped, and hears nobody: no vehicle is silent
+    /// for that.
+    fn look_for_a_stop(&mut self, now: Time) {
+        let stopped_ms = now - self.last;
+        self.last = now;
+        if stopped_ms < STOPPED_MS {
+            return;
+        }
+        if let Phase::Arming { until } = &mut self.phase {
+            *until = *until + stopped_ms;
+        }
+        for vehicle in &mut self.vehicles {
+            vehicle.postpone(now, stopped_ms);
+        }
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+        let stopped_s = stopped_ms as f64 / 1000.0;
+        if let Some(t_s) = self.t_s(now) {
+            let since_s = t_s - stopped_s * self.options.speedup;
+            self.stops.push_back((since_s.max(0.0), t_s));
+        }
+        let text = format!(
+            "this program was stopped for {stopped_s:.0} s: nothing was heard or ordered meanwhile"
+        );
+        self.say(now, None, text);
+    }
+
+    /// The next time that this program was stopped for: from, until, seconds after T0.
+    pub(super) fn poll_stop(&mut self) -> Option<(f64, f64)> {
+        self.stops.pop_front()
     }
 }
 

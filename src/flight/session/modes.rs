@@ -57,7 +57,7 @@ pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
     custom_mode == modes(of).mission.custom_mode
 }
 
-/// Whether a wing in this mode circles as ordered.
-pub(crate) fn is_circling(of: &VehicleMission, custom_mode: u32) -> bool {
-    custom_mode == modes(of).loiter.custom_mode
+/// Whether a vehicle in this mode stays at its place as ordered; a wing circles there.
+pub(crate) fn is_hold(of: &VehicleMission, custom_mode: u32) -> bool {
+    custom_mode == modes(of).hold.custom_mode
 }

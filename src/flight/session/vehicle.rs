@@ -1,8 +1,11 @@
 //! One vehicle of the fleet, from the first heartbeat to the end of its flight.
 
+mod arming;
 mod checks;
 mod ending;
+mod hold;
 mod orders;
+mod texts;
 
 use std::collections::VecDeque;
 
@@ -10,16 +13,20 @@ use super::clock::Offset;
 use super::end::End;
 use super::modes;
 use super::orbit::Orbit;
-use super::pending_command::{Answer, PendingCommand};
+use super::pending_command::{Answer, PendingCommand, is_for};
 use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
 use crate::link::{
-    Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order, Position, Reading,
-    Session, Time,
+    AUTOPILOT_INVALID, Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order,
+    Position, Reading, Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
+pub(super) use arming::ARMING_MS;
+use arming::{Arming, Disarming};
+use hold::HoldWatch;
+use texts::TextLimit;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
@@ -57,10 +64,12 @@ pub(crate) enum Stage<'a> {
     Ready,
     /// It is not; in sentences.
     Refused(Vec<String>),
-    /// Commands until the motors run.
+    /// Commands until the heartbeat shows that the motors run.
     Arming,
     /// The motors run.
     Armed,
+    /// Commands until the heartbeat shows that the motors stand.
+    Disarming(Disarming),
     /// The mission was ordered to start.
     Starting,
     /// The mission is flown.
@@ -79,10 +88,15 @@ pub(crate) enum Instruction {
 #[derive(Debug)]
 pub(crate) struct FlightVehicle<'a> {
     pub(crate) of: Assignment<'a>,
+    us: Address,
+    /// Time of the last call.
+    now: Time,
     pub(crate) stage: Stage<'a>,
+    /// The autopilot: its address and its last heartbeat.
     pub(crate) vehicle: Option<(Address, Heartbeat)>,
-    /// When anything was heard of it.
+    /// When anything was heard of the autopilot, and when its last heartbeat.
     pub(crate) heard: Time,
+    beat_at: Time,
     pub(crate) home: Option<Home>,
     /// The version of its firmware.
     version: Option<Version>,
@@ -92,19 +106,29 @@ pub(crate) struct FlightVehicle<'a> {
     warnings: Vec<String>,
     pending: Option<PendingCommand>,
     orders: VecDeque<Command>,
-    /// Until when arming is tried, and when again.
-    arming: Option<(Time, Time)>,
+    /// Set from the first order to arm on.
+    arming: Option<Arming>,
+    /// Why it may be armed on the ground at the end, as a whole sentence.
+    pub(crate) still_armed: Option<String>,
+    /// Whether that was reported.
+    pub(crate) is_warned: bool,
     requested: Time,
     offset: Offset,
     /// The last position on the fleet's clock, milliseconds of flight time.
     pub(crate) latest: Option<(f64, Fix)>,
     pub(crate) item: usize,
+    /// When it last said which item is its current one.
+    item_at: Option<Time>,
+    /// Positions that are none on earth.
+    invalid_positions: usize,
+    texts: TextLimit,
     /// Items on board without home, as the vehicle says.
     total: Option<usize>,
     airborne: bool,
     pub(crate) instruction: Option<Instruction>,
     /// Whether it is seen to hold as ordered. It is still monitored: somebody may bring it down.
     pub(crate) holds: bool,
+    hold: HoldWatch,
     pub(crate) in_mission: bool,
     /// Whether an event has reported that it left its mission.
     left: bool,
@@ -116,6 +140,24 @@ pub(crate) struct FlightVehicle<'a> {
     force: bool,
 }
 
+impl<'a> Stage<'a> {
+    /// The transfer of its mission, or its reading.
+    fn begin(of: &Assignment<'a>, others: Vec<u8>, us: Address, now: Time) -> Self {
+        if of.upload {
+            let order = Order {
+                vehicle: of.vehicle,
+                sysid: of.sysid,
+                mission: of.mission,
+                force: false,
+                others,
+            };
+            Self::Sending(Box::new(Session::new(order, us, now)))
+        } else {
+            Self::Reading(Box::new(Reading::new(Some(of.sysid), us, now)))
+        }
+    }
+}
+
 impl<'a> FlightVehicle<'a> {
     pub(crate) fn new(
         of: Assignment<'a>,
@@ -124,23 +166,15 @@ impl<'a> FlightVehicle<'a> {
         (set_params, force): (bool, bool),
         now: Time,
     ) -> Self {
-        let stage = if of.upload {
-            let order = Order {
-                vehicle: of.vehicle,
-                sysid: of.sysid,
-                mission: of.mission,
-                force: false,
-                others,
-            };
-            Stage::Sending(Box::new(Session::new(order, us, now)))
-        } else {
-            Stage::Reading(Box::new(Reading::new(Some(of.sysid), us, now)))
-        };
+        let stage = Stage::begin(&of, others, us, now);
         Self {
             of,
+            us,
+            now,
             stage,
             vehicle: None,
             heard: now,
+            beat_at: now,
             home: None,
             version: None,
             settings: None,
@@ -149,14 +183,20 @@ impl<'a> FlightVehicle<'a> {
             pending: None,
             orders: VecDeque::new(),
             arming: None,
+            still_armed: None,
+            is_warned: false,
             requested: Time(0),
             offset: Offset::default(),
             latest: None,
             item: 0,
+            item_at: None,
+            invalid_positions: 0,
+            texts: TextLimit::default(),
             total: None,
             airborne: false,
             instruction: None,
             holds: false,
+            hold: HoldWatch::default(),
             in_mission: false,
             left: false,
             orbit: Orbit::default(),
@@ -187,11 +227,37 @@ impl<'a> FlightVehicle<'a> {
         if from.system != self.of.sysid {
             return;
         }
+        self.now = now;
+        if let Message::Heartbeat(beat) = message
+            && self.is_autopilot(from, *beat)
+        {
+            self.vehicle = Some((from, *beat));
+        }
+        if self.vehicle.is_none_or(|(autopilot, _)| autopilot != from) {
+            if let Message::StatusText { severity, text } = message
+                && t0_ms.is_some()
+            {
+                self.take_text(
+                    *severity,
+                    &format!("component {} says: {text}", from.component),
+                );
+            }
+            return;
+        }
         self.heard = now;
+        self.autopilot_message((now, flight_ms, t0_ms), message);
+    }
+
+    fn autopilot_message(
+        &mut self,
+        (now, flight_ms, t0_ms): (Time, f64, Option<f64>),
+        message: &Message,
+    ) {
         let t_s = (flight_ms - t0_ms.unwrap_or(flight_ms)) / 1000.0;
         match message {
-            Message::Heartbeat(beat) if from.component == 1 || self.vehicle.is_none() => {
-                self.vehicle = Some((from, *beat));
+            Message::Heartbeat(beat) => {
+                self.beat_at = now;
+                self.heed_motors(*beat, t0_ms.is_some());
                 self.heartbeat(*beat);
             }
             Message::HomePosition { x, y, amsl_mm } => {
@@ -207,19 +273,25 @@ impl<'a> FlightVehicle<'a> {
                 flight_software, ..
             } => self.version = Version::of_flight_software(*flight_software).or(self.version),
             Message::MissionCurrent { seq, total, .. } => {
-                self.item = self.row(*seq);
+                (self.item, self.item_at) = (self.row(*seq), Some(now));
                 let is_known = (1..u16::MAX).contains(total);
                 self.total = is_known.then_some(usize::from(*total));
             }
             Message::StatusText { text, .. } if matches!(self.stage, Stage::Arming) => {
                 self.warn(text);
             }
-            Message::StatusText { text, .. } if t0_ms.is_some() => {
-                self.said.push_back(format!("says: {text}"));
+            Message::StatusText { severity, text } if t0_ms.is_some() => {
+                self.take_text(*severity, &format!("says: {text}"));
             }
             Message::Flight(message) => self.flight_message(now, flight_ms, t0_ms, t_s, message),
             _ => {}
         }
+    }
+
+    /// Whether a heartbeat is of the autopilot, and not of another component of the vehicle.
+    fn is_autopilot(&self, from: Address, beat: Heartbeat) -> bool {
+        let is_same = |(autopilot, _)| autopilot == from || from.component == 1;
+        beat.autopilot != AUTOPILOT_INVALID && self.vehicle.is_none_or(is_same)
     }
 
     fn flight_message(
@@ -240,8 +312,10 @@ impl<'a> FlightVehicle<'a> {
                 }
             }
             FlightMessage::CommandAck {
-                command, result, ..
-            } => {
+                target,
+                command,
+                result,
+            } if is_for(self.us, *target) => {
                 if let Some(pending) = &mut self.pending {
                     pending.answered(now, *command, *result);
                 }
@@ -262,7 +336,7 @@ impl<'a> FlightVehicle<'a> {
 
     fn position(&mut self, flight_ms: f64, t0_ms: Option<f64>, position: &Position) {
         if !position.is_known() {
-            return;
+            return self.note_invalid(position);
         }
         let at_ms = self.offset.align(f64::from(position.boot_ms), flight_ms);
         let fix = Fix {
@@ -279,6 +353,9 @@ impl<'a> FlightVehicle<'a> {
         }
         self.latest = Some((at_ms, fix));
         let is_up = position.above_home_m() > AIRBORNE_M;
+        if is_up {
+            self.heed_takeoff();
+        }
         if matches!(self.stage, Stage::Flying | Stage::Starting) {
             if is_up && !self.airborne {
                 self.airborne = true;
@@ -297,9 +374,11 @@ impl<'a> FlightVehicle<'a> {
             Stage::Flying if !beat.is_armed() => {
                 let end = match (self.airborne, self.instruction) {
                     (false, _) => End::Failed("stopped its motors before it took off".to_owned()),
-                    (true, Some(Instruction::Hold)) => End::StoppedAfterHold,
+                    (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => {
+                        End::StoppedAfterHold
+                    }
                     (true, Some(Instruction::Land)) => End::LandedEarly,
-                    (true, None) => self.landing(),
+                    (true, None | Some(Instruction::Hold)) => self.landing(),
                 };
                 self.end(end);
             }
@@ -323,14 +402,11 @@ impl<'a> FlightVehicle<'a> {
 
     /// Does what is due; requests a position every `interval_us` microseconds.
     pub(crate) fn tick(&mut self, now: Time, interval_us: f32) {
+        self.now = now;
         self.work(now);
-        if let (Stage::Arming, Some((until, again))) = (&self.stage, self.arming)
-            && now >= again
-            && self.pending.is_none()
-        {
-            self.arming = Some((until, Time(u64::MAX)));
-            self.command(modes::arm(self.of.mission));
-        }
+        self.order_motors();
+        let dropped = self.texts.poll(now);
+        self.said.extend(dropped);
         if let Some((address, _)) = self.vehicle {
             self.request(now, address, interval_us);
             if let Some(settings) = &mut self.settings {
@@ -354,19 +430,21 @@ impl<'a> FlightVehicle<'a> {
                 }
                 Answer::Result(result) => {
                     let command = pending.command();
-                    // A vehicle that refuses to hold or to land flies on as planned.
-                    (self.instruction, self.holds) = (None, false);
-                    self.disobeyed(now, &format!("refused command {command} with {result}"));
+                    // A vehicle that refuses to land flies on as planned; a hold is ordered again.
+                    self.instruction = self.instruction.filter(|of| *of == Instruction::Hold);
+                    self.holds = false;
+                    self.disobeyed(&format!("refused command {command} with {result}"));
                 }
                 Answer::Silence => {
                     let command = pending.command();
-                    self.disobeyed(now, &format!("did not answer command {command}"));
+                    self.disobeyed(&format!("did not answer command {command}"));
                 }
             }
         }
     }
 
     pub(crate) fn end(&mut self, end: End) {
+        self.say_what_was_dropped();
         self.said.push_back(end.sentence());
         self.flown.end = end;
         self.stage = Stage::Ended;

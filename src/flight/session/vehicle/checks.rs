@@ -10,8 +10,11 @@ use crate::link::{Address, Command, FlightMessage, Message, Time};
 const REPORTING_MS: u64 = 60_000;
 /// Between two requests for what a vehicle does not broadcast, milliseconds.
 const REQUEST_MS: u64 = 1000;
-/// Messages that are asked for: positions, current item.
-const REQUESTED: [f32; 2] = [33.0, 42.0];
+/// Messages that are requested: `GLOBAL_POSITION_INT` and `MISSION_CURRENT`.
+const POSITION: f32 = 33.0;
+const CURRENT_ITEM: f32 = 42.0;
+/// A current item that was not said for this long is requested again, milliseconds.
+const STALE_MS: u64 = 3000;
 
 impl FlightVehicle<'_> {
     /// Goes on with the transfer or the checks.
@@ -139,13 +142,17 @@ impl FlightVehicle<'_> {
         if lacks_version {
             ask(Command::request_version());
         }
-        if self.latest.is_none() || matches!(self.stage, Stage::Ready) {
-            for id in REQUESTED {
-                ask(Command::new(
-                    Command::SET_MESSAGE_INTERVAL,
-                    [id, interval_us],
-                ));
-            }
+        let streams = |id| Command::new(Command::SET_MESSAGE_INTERVAL, [id, interval_us]);
+        let is_ready = matches!(self.stage, Stage::Ready);
+        if self.latest.is_none() || is_ready {
+            ask(streams(POSITION));
+        }
+        // A vehicle may stream positions already, and nothing about its mission.
+        if self.item_at.is_none_or(|at| now - at > STALE_MS) {
+            ask(streams(CURRENT_ITEM));
+            ask(Command::new(Command::REQUEST_MESSAGE, [CURRENT_ITEM]));
+        } else if is_ready {
+            ask(streams(CURRENT_ITEM));
         }
     }
 }

@@ -3,13 +3,9 @@
 use super::{FlightVehicle, Instruction, Stage};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival;
-use crate::flight::session::arrival::STILL_MPS;
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
 use crate::flight::session::orbit::Orbit;
-
-/// Faster than this a copter that was held flies elsewhere: gusts are slower, m/s.
-const MOVES_MPS: f64 = 2.0;
 
 impl FlightVehicle<'_> {
     /// It stopped its motors by itself: where it should, or elsewhere.
@@ -45,13 +41,13 @@ impl FlightVehicle<'_> {
     }
 
     /// Whether it stays at the end of its mission, or where it was ordered to.
-    pub(in crate::flight) fn look_whether_it_stays(&mut self) {
+    pub(in crate::flight) fn look_whether_it_stays(&mut self, t_s: f64) {
         let Some((_, fix)) = self.latest else { return };
         if !matches!(self.stage, Stage::Flying) || !self.airborne {
             return;
         }
         if self.instruction == Some(Instruction::Hold) {
-            return self.look_whether_it_holds(fix);
+            return self.look_whether_it_holds(t_s, fix);
         }
         // Another mission may have been given to it meanwhile.
         let rows = self.total.unwrap_or(self.of.mission.items.len());
@@ -70,37 +66,8 @@ impl FlightVehicle<'_> {
         }
     }
 
-    /// Whether it holds as ordered, and still does: somebody else may take it over.
-    fn look_whether_it_holds(&mut self, fix: Fix) {
-        let wing = self.of.mission.airframe.has_wing();
-        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
-        let circles = mode.is_some_and(|mode| modes::is_circling(self.of.mission, mode));
-        if self.holds {
-            let moves = if wing {
-                !circles
-            } else {
-                fix.speed_mps > MOVES_MPS
-            };
-            if moves {
-                self.holds = false;
-                self.said
-                    .push_back("does not hold any more: somebody else flies it".to_owned());
-            }
-            return;
-        }
-        let obeys = self.pending.is_none();
-        self.holds = if wing {
-            self.has_circled(fix, obeys && circles)
-        } else {
-            obeys && fix.speed_mps <= STILL_MPS
-        };
-        if self.holds {
-            self.said.push_back("holds".to_owned());
-        }
-    }
-
     /// A wing stays where it has flown a whole circle.
-    fn has_circled(&mut self, fix: Fix, circles: bool) -> bool {
+    pub(super) fn has_circled(&mut self, fix: Fix, circles: bool) -> bool {
         if !circles {
             self.orbit = Orbit::default();
             return false;
@@ -111,10 +78,18 @@ impl FlightVehicle<'_> {
 
     /// Ends its monitoring: with a hold if it holds, else with `other`.
     pub(in crate::flight) fn watch_no_more(&mut self, other: End, is_lost: bool) {
+        if matches!(self.stage, Stage::Disarming(_)) {
+            return self.stop_disarming();
+        }
         let end = match (self.holds, is_lost) {
             (true, false) => End::Held,
             (true, true) => End::Failed("held, and was not heard of since".to_owned()),
-            (false, _) => other,
+            (false, _) => match other {
+                End::Failed(why) if self.misses_its_hold() => {
+                    End::Failed(format!("{why}; hold not confirmed"))
+                }
+                other => other,
+            },
         };
         self.end(end);
     }

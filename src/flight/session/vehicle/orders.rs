@@ -3,30 +3,12 @@
 use super::{FlightVehicle, Instruction, Stage};
 use crate::flight::session::end::End;
 use crate::flight::session::modes;
-use crate::link::{Command, Time};
-
-/// How long arming is tried, milliseconds: position estimates settle after a start.
-const ARMING_MS: u64 = 20_000;
-/// Between two tries, milliseconds.
-const AGAIN_MS: u64 = 1000;
-/// Texts that are remembered while it is armed, at most.
-const MOST_WARNINGS: usize = 5;
+use crate::link::Command;
 
 impl FlightVehicle<'_> {
-    pub(in crate::flight) fn arm(&mut self, now: Time) {
-        self.stage = Stage::Arming;
-        self.arming = Some((now + ARMING_MS, Time(u64::MAX)));
-        self.command(modes::arm(self.of.mission));
-    }
-
     pub(in crate::flight) fn start(&mut self) {
         self.stage = Stage::Starting;
         self.command([modes::start(self.of.mission)]);
-    }
-
-    pub(in crate::flight) fn disarm(&mut self) {
-        self.stage = Stage::Ended;
-        self.command([modes::disarm()]);
     }
 
     /// Orders it to hold or to land, if it flies.
@@ -40,7 +22,7 @@ impl FlightVehicle<'_> {
         };
         match order {
             Some(order) => {
-                (self.instruction, self.holds) = (Some(instruction), false);
+                self.begin_instruction(instruction);
                 self.command([order]);
             }
             None => self.land_by_mission(),
@@ -58,37 +40,27 @@ impl FlightVehicle<'_> {
             return;
         }
         match self.stage {
-            Stage::Arming => self.stage = Stage::Armed,
+            Stage::Arming => self.accept_arming(),
             Stage::Starting => self.stage = Stage::Flying,
             _ => {}
         }
     }
 
-    pub(crate) fn disobeyed(&mut self, now: Time, what: &str) {
+    pub(crate) fn disobeyed(&mut self, what: &str) {
         self.pending = None;
         self.orders.clear();
+        let is_armed = self.vehicle.is_some_and(|(_, beat)| beat.is_armed());
         match self.stage {
-            Stage::Arming => match &mut self.arming {
-                Some((until, again)) if now < *until => *again = now + AGAIN_MS,
-                _ => self.refuse_to_arm(what),
-            },
-            Stage::Starting => self.end(End::Failed(what.to_owned())),
+            Stage::Arming => self.retry_arming(what),
+            Stage::Disarming(_) => self.refuse_to_disarm(what),
+            Stage::Starting if self.airborne || (self.in_mission && is_armed) => {
+                self.said
+                    .push_back(format!("{what}, and flies all the same"));
+                self.stage = Stage::Flying;
+            }
+            Stage::Starting => self.disarm(Some(End::Failed(what.to_owned()))),
+            _ if self.instruction == Some(Instruction::Hold) && !self.hold.is_news(what) => {}
             _ => self.said.push_back(what.to_owned()),
         }
-    }
-
-    /// Remembers a text that it sent while it was armed.
-    pub(crate) fn warn(&mut self, text: &str) {
-        let is_known = self.warnings.iter().any(|known| known == text);
-        if !is_known && self.warnings.len() < MOST_WARNINGS {
-            self.warnings.push(text.to_owned());
-        }
-    }
-
-    /// What it says of it stands beside the answer.
-    fn refuse_to_arm(&mut self, what: &str) {
-        let said = std::mem::take(&mut self.warnings);
-        let why = std::iter::once(what.to_owned()).chain(said);
-        self.stage = Stage::Refused(vec![why.collect::<Vec<_>>().join("; ")]);
     }
 }

@@ -1,0 +1,133 @@
+//! Whether a vehicle holds as ordered: by its mode and by its positions.
+
+use super::{FlightVehicle, Instruction};
+use crate::flight::record::Fix;
+use crate::flight::session::arrival::{self, Mean, REST_S};
+use crate::flight::session::modes;
+use crate::link::Time;
+
+/// A hold is ordered again after this time, until the mode shows it, milliseconds.
+const AGAIN_MS: u64 = 2000;
+/// A hold that is not seen for this long is reported, seconds; of a wing that circles already,
+/// because a large circle takes time.
+const CONFIRM_S: f64 = 20.0;
+const CIRCLE_S: f64 = 120.0;
+/// A copter that is farther than this from where it held has left it, metres.
+const LEFT_M: f64 = 10.0;
+
+/// What is known of an ordered hold.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HoldWatch {
+    /// When it was first looked for, seconds after T0.
+    ordered_s: Option<f64>,
+    again: Option<Time>,
+    /// Time of the first position in the mode of the hold, seconds after T0.
+    in_mode_s: Option<f64>,
+    was_in_mode: bool,
+    is_reported: bool,
+    /// Where it held first.
+    anchor: Option<Mean>,
+    /// The last answer that was reported.
+    answer: Option<String>,
+}
+
+impl HoldWatch {
+    /// Whether its heartbeat has shown the mode of the hold.
+    pub(super) fn was_in_mode(&self) -> bool {
+        self.was_in_mode
+    }
+
+    /// Whether an answer is news.
+    pub(super) fn is_news(&mut self, answer: &str) -> bool {
+        let is_news = self.answer.as_deref() != Some(answer);
+        self.answer = Some(answer.to_owned());
+        is_news
+    }
+}
+
+impl FlightVehicle<'_> {
+    /// Whether it holds as ordered, and still does: somebody else may take it over.
+    pub(super) fn look_whether_it_holds(&mut self, t_s: f64, fix: Fix) {
+        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let in_mode = mode.is_some_and(|mode| modes::is_hold(self.of.mission, mode));
+        let since_s = self.hold.in_mode_s.unwrap_or(fix.t_s);
+        self.hold.in_mode_s = in_mode.then_some(since_s);
+        self.hold.was_in_mode |= in_mode;
+        let rest = self.rest(since_s);
+        if self.holds {
+            let moved_m = rest
+                .zip(self.hold.anchor)
+                .map(|(at, anchor)| at.from_m(anchor));
+            let why = match moved_m {
+                _ if !in_mode => "its mode is another one".to_owned(),
+                Some(moved_m) if moved_m > LEFT_M => format!("it has moved {moved_m:.0} m"),
+                _ => return,
+            };
+            self.holds = false;
+            let text = format!("does not hold any more: {why}");
+            return self.said.push_back(text);
+        }
+        self.holds = if self.of.mission.airframe.has_wing() {
+            self.has_circled(fix, in_mode)
+        } else {
+            in_mode && rest.is_some_and(|rest| rest.is_still)
+        };
+        if self.holds {
+            self.hold.anchor = rest;
+            return self.said.push_back("holds".to_owned());
+        }
+        self.order_hold_again(in_mode);
+        self.report_missing_hold(t_s, in_mode);
+    }
+
+    /// The mean of its last positions, once it is in the mode of the hold for long enough.
+    fn rest(&self, since_s: f64) -> Option<Mean> {
+        let last = self.flown.fixes.last()?;
+        let is_long = last.t_s - since_s >= 2.0 * REST_S;
+        let frame = self.of.reference.frame();
+        is_long.then(|| arrival::mean(&frame, &self.flown.fixes))
+    }
+
+    /// A hold that somebody else ended is not ordered again.
+    fn order_hold_again(&mut self, in_mode: bool) {
+        let is_idle = self.pending.is_none() && self.orders.is_empty();
+        if in_mode || self.hold.was_in_mode || !is_idle {
+            return;
+        }
+        let again = *self.hold.again.get_or_insert(self.now + AGAIN_MS);
+        if self.now >= again {
+            self.hold.again = None;
+            self.command([modes::hold(self.of.mission)]);
+        }
+    }
+
+    /// Once, and not of a vehicle that may still do it.
+    fn report_missing_hold(&mut self, t_s: f64, in_mode: bool) {
+        let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
+        let circles = in_mode && self.of.mission.airframe.has_wing();
+        let limit_s = if circles { CIRCLE_S } else { CONFIRM_S };
+        if self.hold.is_reported || since_s < limit_s {
+            return;
+        }
+        self.hold.is_reported = true;
+        let why = if in_mode {
+            "it is in the mode, and does not stay where it is"
+        } else if self.hold.was_in_mode {
+            "it was in the mode, and left it"
+        } else {
+            "its mode is another one; it is ordered again"
+        };
+        self.said.push_back(format!("hold not confirmed: {why}"));
+    }
+
+    /// Whether it was ordered to hold and is not seen to.
+    pub(crate) fn misses_its_hold(&self) -> bool {
+        self.instruction == Some(Instruction::Hold) && !self.holds && self.hold.is_reported
+    }
+
+    /// An order to hold, or to land, begins.
+    pub(super) fn begin_instruction(&mut self, instruction: Instruction) {
+        (self.instruction, self.holds) = (Some(instruction), false);
+        self.hold = HoldWatch::default();
+    }
+}

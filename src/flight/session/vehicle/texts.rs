@@ -1,0 +1,92 @@
+//! Texts and positions of a vehicle that are not recorded: too many, or impossible.
+
+use super::FlightVehicle;
+use crate::link::{Position, Time};
+
+/// Texts of one vehicle that are recorded within a period, of each of two classes.
+const MAX_TEXTS: u32 = 20;
+/// The period, milliseconds.
+const PERIOD_MS: u64 = 10_000;
+/// `MAV_SEVERITY_ERROR`: texts up to this have a quota of their own.
+const ERROR: u8 = 3;
+
+/// A limit on the rate of the texts of one vehicle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TextLimit {
+    since: Time,
+    /// Texts in this period: errors, and others.
+    taken: [u32; 2],
+    dropped: u32,
+}
+
+impl TextLimit {
+    /// Whether a text is within the limit.
+    fn passes(&mut self, severity: u8) -> bool {
+        let taken = &mut self.taken[usize::from(severity > ERROR)];
+        *taken = taken.saturating_add(1);
+        let passes = *taken <= MAX_TEXTS;
+        self.dropped = self.dropped.saturating_add(u32::from(!passes));
+        passes
+    }
+
+    /// A sentence about the texts that were dropped, once at the end of a period.
+    pub(super) fn poll(&mut self, now: Time) -> Option<String> {
+        if now - self.since < PERIOD_MS {
+            return None;
+        }
+        let sentence = self.sentence();
+        *self = Self {
+            since: now,
+            ..Self::default()
+        };
+        sentence
+    }
+
+    fn sentence(&self) -> Option<String> {
+        (self.dropped > 0).then(|| {
+            format!(
+                "{} more texts are not recorded (at most {MAX_TEXTS} in {} s)",
+                self.dropped,
+                PERIOD_MS / 1000
+            )
+        })
+    }
+}
+
+impl FlightVehicle<'_> {
+    pub(super) fn take_text(&mut self, severity: u8, text: &str) {
+        if self.texts.passes(severity) {
+            self.said.push_back(text.to_owned());
+        }
+    }
+
+    /// Counts a position that is none on earth, and reports the first. 0, 0 is what vehicles send
+    /// before they have a position.
+    pub(super) fn note_invalid(&mut self, position: &Position) {
+        if (position.x, position.y) == (0, 0) {
+            return;
+        }
+        self.invalid_positions += 1;
+        if self.invalid_positions == 1 {
+            let place = position.place();
+            self.said.push_back(format!(
+                "sent a position that cannot be: latitude {:.7}, longitude {:.7}, {:.0} m AMSL; it is not used",
+                place.lat_deg,
+                place.lon_deg,
+                position.amsl().0
+            ));
+        }
+    }
+
+    /// At the end of its flight.
+    pub(super) fn say_what_was_dropped(&mut self) {
+        self.said.extend(self.texts.sentence());
+        self.texts.dropped = 0;
+        if self.invalid_positions > 1 {
+            let count = self.invalid_positions;
+            self.said.push_back(format!(
+                "sent {count} positions that cannot be; none was used"
+            ));
+        }
+    }
+}
