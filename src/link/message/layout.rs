@@ -176,6 +176,14 @@ fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) 
             fields.unused(&[0]);
             fields.u8(&mut state.0);
         }
+        FlightMessage::ParamRead { .. }
+        | FlightMessage::ParamSet { .. }
+        | FlightMessage::Param { .. } => param_layout(message, fields),
+    }
+}
+
+fn param_layout(message: &mut FlightMessage, fields: &mut dyn Fields) {
+    match message {
         FlightMessage::ParamRead { target, name } => {
             // Index -1: by name.
             fields.unused(&[255; 2]);
@@ -199,6 +207,7 @@ fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) 
             fields.text(name, 16);
             fields.u8(&mut value.kind);
         }
+        _ => {}
     }
 }
 
