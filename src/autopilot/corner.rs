@@ -129,12 +129,12 @@ impl Cornering {
     /// How much of both legs an arc takes that cuts the corner as far as the vehicle does, metres.
     #[must_use]
     pub fn taken_m(&self, turn: &Turn) -> f64 {
+        let half_rad = turn.half_rad();
+        if half_rad < LEAST_RAD {
+            return 0.0;
+        }
         match self.law {
             CornerLaw::Overlap => {
-                let half_rad = turn.half_rad();
-                if half_rad < LEAST_RAD {
-                    return 0.0;
-                }
                 let before_m = self.distance_m(self.overlap_s(turn));
                 2.0 * before_m * half_rad.sin() / (0.5 * half_rad).tan()
             }
@@ -332,6 +332,14 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn straight_on_takes_nothing_of_the_legs() {
+        for law in [CornerLaw::Overlap, CornerLaw::Circle] {
+            let law = Cornering::new(law, 2.5);
+            assert!(law.taken_m(&turn(0.0, 10.0, 5.0)) <= 0.0);
         }
     }
 

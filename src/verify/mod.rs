@@ -53,6 +53,7 @@
 //! waypoint (`param2`) or else `NAV_ACC_RAD`; of the parameters of the mission, else 2 m and 10 m. `v` is the
 //! slower speed of the two legs, `a` is `accel_mps2`, `h = phi / 2`, again at most 89.9 degrees.
 //!
+//! - Where `h` is below 1e-6 there is no arc.
 //! - PX4 (by its sources): an arc takes `r` of each leg, `T` after scaling, at the speed
 //!   `sqrt(0.5 a T / tan h)`, at most `v`.
 //! - ArduCopter gives each leg a profile from rest to rest with the acceleration `a` and the

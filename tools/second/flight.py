@@ -334,10 +334,10 @@ class Flight:
 
     def takes(self, half, v, radius):
         """What the arc of a corner takes of both legs where they are long."""
-        if not self.ardupilot:
-            return radius
         if half < 1e-6:
             return 0.0
+        if not self.ardupilot:
+            return radius
         overlap, _ = self.profile.overlap(v, half, radius)
         return 2 * self.profile.distance(overlap) * math.sin(half) / math.tan(half / 2)
 
