@@ -54,8 +54,15 @@ const PHRASES: &[&str] = &[
     "the house",
     "room of the house",
 ];
-/// Identifiers in which such a word is the field's own: ArduPlane's TECS and its parameters.
-const REAL: &[&str] = &["tecs", "TECS"];
+/// Identifiers in which such a word is the field's own: ArduPlane's TECS and its parameters,
+/// scripts of Unicode.
+const REAL: &[&str] = &[
+    "tecs",
+    "TECS",
+    "MixedScript",
+    "is_single_script",
+    "one_script",
+];
 
 /// The words of an identifier in snake or camel case, lower case.
 fn words(identifier: &str) -> Vec<String> {

@@ -213,7 +213,7 @@ fn text(problem: &impl Problem, input: impl Read, answers: &Answers) -> Result<(
 fn parse(line: &[u8], dimension: usize, rows: &mut Vec<f64>) -> Result<(), String> {
     let before = rows.len();
     let parsed = numbers(line, rows).and_then(|()| match rows.len() - before {
-        // Whoever counts answers would count one too few.
+        // Skipping it would give one answer fewer than there are lines.
         0 => Err(format!("a blank line (allowed: {dimension} numbers)")),
         found if found == dimension => Ok(()),
         found => Err(format!("{found} numbers (allowed: {dimension})")),

@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn letters_of_every_script_and_narrow_spaces_stay() {
+    fn letters_of_every_alphabet_and_narrow_spaces_stay() {
         let text = "Übung 12\u{202f}345 m, Север, 東京, −5°\u{2002}\u{fe0f}";
         assert_eq!(escaped(text), text);
         assert_eq!(escaped_except("a\nb\tc\r", |c| c == '\n'), "a\nb\\tc\\r");

@@ -2,8 +2,8 @@
 //!
 //! What is left open, and how it is read here:
 //!
-//! - The paper's source of DE is a constrained one (feasibility ranking), of which
-//!   Table 1 has nothing: this is the plain form.
+//! - The paper's source of DE is a constrained one (feasibility ranking), but Table 1
+//!   has no parameter of it: this is the plain form.
 //! - F, "a random value in [0.2, 0.9]", is drawn for each individual.
 //! - a, b and c are distinct and other than the individual; one variable at least is
 //!   taken from the mutant.

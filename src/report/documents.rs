@@ -47,7 +47,7 @@ pub struct PlannedVehicle {
     /// of the spec.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gives_way_to: Vec<String>,
-    /// The earlier vehicles because of which no path was found that keeps every limit.
+    /// The earlier vehicles that kept the search from finding a path within every limit.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub blocked_by: Vec<String>,
     /// The objective.

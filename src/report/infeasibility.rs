@@ -18,14 +18,14 @@ pub struct Infeasibility {
     /// The limits that the best path found violates, with the worst place of each.
     pub violations: Vec<Violation>,
     /// Latitude and longitude of each violation, degrees.
-    places: Vec<(f64, f64)>,
+    positions: Vec<(f64, f64)>,
     /// Whether the best path comes too near to an earlier vehicle.
     conflicts: bool,
     /// Ids of the earlier vehicles without which it would have a path.
     pub blocked_by: Vec<String>,
     /// The barriers that close every way (proven), by name.
     pub blocking_set: Vec<String>,
-    /// Changes of the spec, each of which makes a path possible; none if not looked for.
+    /// Changes of the spec that each make a path possible; none if not looked for.
     pub relaxations: Option<Vec<String>>,
 }
 
@@ -59,7 +59,7 @@ impl Infeasibility {
         let relaxations = plan.relaxations.as_ref();
         Self {
             vehicle: vehicle.id.clone(),
-            places: (violations.iter())
+            positions: (violations.iter())
                 .map(|violation| world.frame.from_plan(violation.at.at))
                 .map(|place| (place.lat_deg, place.lon_deg))
                 .collect(),
@@ -79,7 +79,7 @@ impl Infeasibility {
 
     /// What the best path violates.
     fn violated(&self) -> String {
-        let violations = self.violations.iter().zip(&self.places);
+        let violations = self.violations.iter().zip(&self.positions);
         let separation = self.conflicts.then_some("separation from earlier vehicles");
         let violated: Vec<String> = violations
             .map(|(of, (lat, lon))| {

@@ -213,8 +213,8 @@ fn furthest_rally_m(sorties: &[Sortie<'_>]) -> f64 {
         .filter(|s| s.mission.autopilot == Autopilot::ArduPilot)
         .flat_map(|s| {
             let home = s.home.unwrap_or(s.vehicle.home);
-            let places = s.mission.rally.iter().filter_map(Item::place);
-            places.map(move |place| place.chord_m(home))
+            let points = s.mission.rally.iter().filter_map(Item::place);
+            points.map(move |place| place.chord_m(home))
         })
         .fold(0.0, f64::max)
 }
@@ -270,7 +270,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
             let is_launched = executor::is_launched(s.vehicle, s.mission.autopilot);
             is_launched && s.flight.delay_s.is_none() && s.vehicle.depart_s > 0.0
         },
-        "PX4 vehicles, planes and vtol are started depart_s after T0 by whoever launches them",
+        "PX4 vehicles, planes and vtol are started depart_s after T0 by the station that launches them",
     ),
     (
         |s| s.holds(command::NAV_RETURN_TO_LAUNCH),

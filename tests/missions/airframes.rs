@@ -270,7 +270,7 @@ fn a_wing_departs_when_it_is_launched_and_its_file_has_no_delay() {
             review
                 .assumptions
                 .iter()
-                .any(|text| text.contains("by whoever launches them"))
+                .any(|text| text.contains("by the station that launches them"))
         );
     }
 }

@@ -55,7 +55,7 @@ pub(super) fn write(
     timing: &dyn Fn() -> serde_json::Value,
 ) -> Result<(), Failure> {
     let (spec, review) = (&file.spec, &dispatched.review);
-    let folder = NewFolder::beside(out, in_the_way)?;
+    let folder = NewFolder::next_to(out, in_the_way)?;
     copy_terrain(&folder, file)?;
     if let Some(table) = &file.table {
         folder.write(&table.name.to_string_lossy(), table.text.as_bytes())?;

@@ -27,7 +27,7 @@ pub(crate) struct NewFolder {
 impl NewFolder {
     /// Starts a folder that is to appear as `target`, unless what is there is in the
     /// way. A link is followed, so that it still is one afterwards.
-    pub(crate) fn beside(
+    pub(crate) fn next_to(
         target: &Path,
         in_the_way: impl Fn(&Path) -> Option<String>,
     ) -> Result<Self, OutputError> {
@@ -145,7 +145,7 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let target = home.path().join("out");
         for round in ["one", "two"] {
-            let folder = NewFolder::beside(&target, |_| None).unwrap();
+            let folder = NewFolder::next_to(&target, |_| None).unwrap();
             for name in [&format!("{round}/file"), "spec.yaml", "plan.json"] {
                 folder.write(name, round.as_bytes()).unwrap();
             }
@@ -168,7 +168,7 @@ mod tests {
         for name in ["kept", "spec.yaml", "plan.json"] {
             fs::write(target.join(name), b"").unwrap();
         }
-        drop(NewFolder::beside(&target, |_| None).unwrap());
+        drop(NewFolder::next_to(&target, |_| None).unwrap());
         assert!(target.join("kept").exists());
         assert_eq!(fs::read_dir(home.path()).unwrap().count(), 1);
     }
@@ -185,7 +185,7 @@ mod tests {
         }
         let then = std::time::SystemTime::UNIX_EPOCH;
         fs::File::open(&stale).unwrap().set_modified(then).unwrap();
-        drop(NewFolder::beside(&home.path().join("out"), |_| None).unwrap());
+        drop(NewFolder::next_to(&home.path().join("out"), |_| None).unwrap());
         assert!(!stale.exists() && fresh.exists());
     }
 
@@ -193,7 +193,7 @@ mod tests {
     fn a_folder_that_is_not_an_earlier_plan_is_never_replaced() {
         let home = tempfile::tempdir().unwrap();
         fs::write(home.path().join("thesis.tex"), b"").unwrap();
-        let message = NewFolder::beside(home.path(), in_the_way)
+        let message = NewFolder::next_to(home.path(), in_the_way)
             .err()
             .unwrap()
             .to_string();
@@ -206,7 +206,7 @@ mod tests {
         let home = tempfile::tempdir().unwrap();
         let target = home.path().join("out");
         fs::write(&target, b"").unwrap();
-        let message = NewFolder::beside(&target, in_the_way)
+        let message = NewFolder::next_to(&target, in_the_way)
             .err()
             .unwrap()
             .to_string();

@@ -5,7 +5,7 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use crate::cli::print::failure::Failure;
-use crate::cli::transfer::delivery;
+use crate::flight::unix_ms;
 
 /// The folder of the records of the plan in `out`.
 pub(crate) fn folder(out: &Path) -> PathBuf {
@@ -33,9 +33,13 @@ pub(crate) fn make(runs: &Path) -> Result<(), Failure> {
     })
 }
 
+pub(crate) fn seconds_since_1970() -> u64 {
+    unix_ms() / 1000
+}
+
 /// A file for a new record, named after the time; with a number when that second has one already.
 pub(crate) fn named(runs: &Path, what: &str, ending: &str) -> PathBuf {
-    let seconds = delivery::seconds_since_1970();
+    let seconds = seconds_since_1970();
     let first = runs.join(format!("{what}-{seconds}.{ending}"));
     let more = (2..).map(|n| runs.join(format!("{what}-{seconds}-{n}.{ending}")));
     let mut names = std::iter::once(first.clone()).chain(more);

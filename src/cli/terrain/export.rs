@@ -17,7 +17,7 @@ pub(crate) fn run(arguments: &args::TerrainExport) -> Result<(), Failure> {
     let default = || PathBuf::from("out").join(format!("{}.terrain", file.spec.name));
     let target = arguments.out.clone().unwrap_or_else(default);
     let database = dat::write(&world.terrain, &file.spec.area, arguments.spacing);
-    let folder = NewFolder::beside(&target, in_the_way)?;
+    let folder = NewFolder::next_to(&target, in_the_way)?;
     for file in &database.files {
         folder.write(&file.name, &file.bytes)?;
     }

@@ -9,7 +9,6 @@ use crate::cli::folder::runs;
 use crate::cli::print::console::{Paint, out_lines};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::table::Rows;
-use crate::flight::unix_ms;
 use crate::link::{TransferReport, Verdict};
 use crate::report::json_text;
 
@@ -155,10 +154,6 @@ impl Delivery {
         );
         Err(Failure::new(Failure::TRANSFER, message))
     }
-}
-
-pub(crate) fn seconds_since_1970() -> u64 {
-    unix_ms() / 1000
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use super::delivery::{Delivery, seconds_since_1970};
+use super::delivery::Delivery;
 use crate::cli::args;
 use crate::cli::folder;
 use crate::cli::folder::runs;
@@ -294,7 +294,7 @@ fn distinct_on_links(
 /// A capture in a file, or in a folder under the time of its beginning.
 fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
     let path = if path.is_dir() {
-        path.join(format!("upload-{}.tlog", seconds_since_1970()))
+        path.join(format!("upload-{}.tlog", runs::seconds_since_1970()))
     } else {
         path.to_owned()
     };

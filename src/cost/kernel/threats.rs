@@ -169,7 +169,7 @@ pub(crate) fn clear<S: Simd>(simd: S, exposures: &mut Exposures) {
     }
 }
 
-/// Which threats may reach into the box of which lane: all lanes of the first threat, then
+/// The threats that may reach into the box of each lane: all lanes of the first threat, then
 /// those of the next.
 #[inline(always)]
 fn near<S: Simd>(block: &Block<S>, threats: &[Threat]) -> u64 {

@@ -129,7 +129,7 @@ impl FlownTrack<'_> {
         Some(required.margin(self.id(), value, Some(at)))
     }
 
-    /// Times of which nothing is known. One that this program was stopped in is not the silence
+    /// Times without any position. One that this program was stopped in is not the silence
     /// of the vehicle, and its note says so.
     fn gaps(&self, stops: &[(f64, f64)]) -> Vec<Margin> {
         let first = self.fixes().first();

@@ -14,7 +14,7 @@
 //! solved by a revised dual simplex whose basis inverse is as small as the number of
 //! free control points. The dual simplex starts from any dual feasible basis: that of the
 //! neighbour solved just before, or else always the same one (one sample below each
-//! control point). Whoever solves several says where neighbours begin
+//! control point). A caller that solves several marks where neighbours begin
 //! ([`Workspace::begin_anew`]), so that equal batches give equal bytes on any thread.
 //! Where slopes and floor cannot be met together the slopes are given up: the objective
 //! will tell.

@@ -17,9 +17,9 @@ pub struct Relaxation(pub Vec<Change>);
 /// Something else in the spec.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change {
-    /// So many control points.
+    /// Number of control points.
     ControlPoints(usize),
-    /// So many evaluations.
+    /// Number of evaluations.
     Evaluations(usize),
     /// Waypoints that stay so near to the path, metres.
     Tolerance(f64),

@@ -47,7 +47,7 @@ pub struct Request<'a> {
     /// Parameters in `[0, 1]` at which a vehicle's path is sampled besides the even
     /// ones, because verification failed there; none for vehicles that are not listed.
     pub extra_parameters: Vec<Vec<f64>>,
-    /// Told while the search goes on, from several threads at once.
+    /// Called while the search goes on, from several threads at once.
     pub progress: &'a (dyn Fn(Progress) + Sync),
 }
 
