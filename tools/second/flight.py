@@ -22,7 +22,7 @@ WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, DELAY, SPEED = 16, 17, 19, 20, 21, 
 def read_radius(path, ardupilot):
     """The acceptance radius that the parameters beside a `.waypoints` file set, or the default."""
     name, unit, default = ("WPNAV_RADIUS", 100, 2.0) if ardupilot else ("NAV_ACC_RAD", 1, 10.0)
-    beside = Path(path).with_suffix(".params")
+    beside = Path(path).with_name(Path(path).name.split(".")[0] + ".params")
     for line in beside.read_text().splitlines() if beside.exists() else []:
         fields = line.replace(",", " ").split()
         if name in fields:

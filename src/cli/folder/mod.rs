@@ -5,7 +5,7 @@ pub(super) mod runs;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 use sha2::{Digest, Sha256};
@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use super::print::failure::Failure;
 use crate::dispatch::Dispatched;
 use crate::formats::{self, Document};
-use crate::mission::VehicleMission;
+use crate::mission::{Parameter, VehicleMission};
 use crate::path::TimedPoint;
 use crate::report::{self, PlanDocument, ReviewInput};
 use crate::spec::{SpecFile, TerrainSource};
@@ -178,17 +178,31 @@ pub(super) fn read_document(path: &Path) -> Result<Document, Failure> {
     Ok(document)
 }
 
-/// The mission of one vehicle in a file of any kind.
+/// The parameters of a vehicle that stand in `<id>.params` next to its mission file, so that
+/// every command judges a mission with the same ones; none without that file.
+pub(super) fn read_params(path: &Path, id: &str) -> Result<Vec<Parameter>, Failure> {
+    let params = path.with_file_name(format!("{id}.params"));
+    let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", params.display()));
+    match std::fs::read_to_string(&params) {
+        Ok(text) => formats::params::read(&text).map_err(|error| bad(error.to_string())),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+        Err(error) => Err(bad(error.to_string())),
+    }
+}
+
+/// The mission of one vehicle in a file of any kind, with the parameters next to it.
 pub(super) fn read_mission(
     path: &Path,
     file: &SpecFile,
     vehicle: usize,
 ) -> Result<VehicleMission, Failure> {
     let vehicle = &file.spec.vehicles[vehicle];
-    read_document(path)?
+    let mut mission = read_document(path)?
         .into_mission(vehicle.autopilot, vehicle.airframe)
         .map(|mission| mission.for_version(vehicle.autopilot_version))
-        .map_err(|error| Failure::new(Failure::INPUT, format!("{}: {error}", path.display())))
+        .map_err(|error| Failure::new(Failure::INPUT, format!("{}: {error}", path.display())))?;
+    mission.params = read_params(path, &vehicle.id)?;
+    Ok(mission)
 }
 
 /// Refuses a folder in which something was edited since `plan` wrote it: the spec,

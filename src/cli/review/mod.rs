@@ -132,12 +132,13 @@ fn missions(
         let home = document.home.or_else(|| document.home_on(&world.terrain));
         document.home = Some(home.unwrap_or(NO_HOME));
         let vehicle_of = &file.spec.vehicles[*vehicle];
-        let mission = document
+        let mut mission = document
             .into_mission(vehicle_of.autopilot, vehicle_of.airframe)
             .map(|mission| mission.for_version(vehicle_of.autopilot_version))
             .map_err(|error| {
                 Failure::new(Failure::INPUT, format!("{}: {error}", path.display()))
             })?;
+        mission.params = folder::read_params(path, &vehicle_of.id)?;
         report_repairs(path, &mission.notes);
         missions.push((*vehicle, mission));
     }
