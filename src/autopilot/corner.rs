@@ -270,7 +270,8 @@ mod tests {
 
     /// Flown on `ArduCopter` 4.6.3 with 2.5 m/s^2 and default jerk: change of course, degrees; least speed, m/s,
     /// and closest to the waypoint, metres, at 10 m/s with radius 2 and 5 m; least speed at 5 m/s with 2 m.
-    const FLOWN: [(f64, [(f64, f64); 2], f64); 11] = [
+    type Row = (f64, [(f64, f64); 2], f64);
+    const FLOWN: [Row; 11] = [
         (10.0, [(9.9, 0.9), (9.9, 0.9)], 5.0),
         (20.0, [(9.8, 1.8), (9.9, 1.8)], 4.9),
         (30.0, [(7.7, 1.7), (9.7, 2.6)], 4.8),

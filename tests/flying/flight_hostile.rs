@@ -301,7 +301,7 @@ fn positions_of_other_components_and_impossible_ones_are_not_recorded() {
             ..from
         };
         let mut heard = vec![(companion, at(position.x + 50_000))];
-        if number.get() % 51 == 0 {
+        if number.get().is_multiple_of(51) {
             heard.push((from, at(900_000_001)));
         }
         heard.push((from, message));

@@ -529,9 +529,20 @@ fn the_shipped_plane_plans_and_passes_in_a_wind() {
 
 #[test]
 fn planes_are_not_led_onto_new_paths() {
-    let run = std::process::Command::new(assert_cmd::cargo::cargo_bin("sortie"))
-        .args(["replan", "--threat", "36.3,-84.2,300"])
-        .arg(missions().join("plane-px4.yaml"))
+    let folder = tempfile::tempdir().expect("a folder");
+    let (spec, out) = (missions().join("plane-px4.yaml"), folder.path().join("out"));
+    let sortie = || std::process::Command::new(assert_cmd::cargo::cargo_bin("sortie"));
+    let plan = sortie()
+        .arg("plan")
+        .arg(&spec)
+        .arg("--out")
+        .arg(&out)
+        .output();
+    assert!(plan.expect("sortie runs").status.success());
+    let run = sortie()
+        .args(["replan", "--threat", "36.3,-84.2,300", "--dir"])
+        .arg(&out)
+        .arg(&spec)
         .output()
         .expect("sortie runs");
     let told = String::from_utf8_lossy(&run.stderr);

@@ -36,7 +36,7 @@ pub(crate) struct Mean {
 
 impl Mean {
     /// Distance of two, metres.
-    pub(crate) fn from_m(&self, other: Self) -> f64 {
+    pub(crate) fn distance_m(&self, other: Self) -> f64 {
         distance_m(self.at_m, other.at_m)
     }
 }

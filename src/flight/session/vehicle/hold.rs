@@ -57,7 +57,7 @@ impl FlightVehicle<'_> {
         if self.holds {
             let moved_m = rest
                 .zip(self.hold.anchor)
-                .map(|(at, anchor)| at.from_m(anchor));
+                .map(|(at, anchor)| at.distance_m(anchor));
             let why = match moved_m {
                 _ if !in_mode => "its mode is another one".to_owned(),
                 Some(moved_m) if moved_m > LEFT_M => format!("it has moved {moved_m:.0} m"),
@@ -85,7 +85,7 @@ impl FlightVehicle<'_> {
         let last = self.flown.fixes.last()?;
         let is_long = last.t_s - since_s >= 2.0 * REST_S;
         let frame = self.of.reference.frame();
-        is_long.then(|| arrival::mean(&frame, &self.flown.fixes))
+        is_long.then(|| arrival::mean(frame, &self.flown.fixes))
     }
 
     /// A hold that somebody else ended is not ordered again.
