@@ -16,6 +16,8 @@ pub mod fly {}
 pub mod replan {}
 #[doc = include_str!("terrain.md")]
 pub mod terrain {}
+#[doc = include_str!("airspace.md")]
+pub mod airspace {}
 #[doc = include_str!("study.md")]
 pub mod study {}
 #[doc = include_str!("flight_model.md")]

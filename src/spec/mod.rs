@@ -35,6 +35,7 @@ mod table;
 mod value_sources;
 mod vehicle;
 mod wind;
+mod zone;
 
 pub use crate::autopilot::{Airframe, Autopilot};
 pub use builder::Builder;
@@ -43,7 +44,7 @@ pub use issue::{Issue, SpecError};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,
-    THREAT_RADIUS_M, TerrainSource, Threat, Weights, Zone,
+    THREAT_RADIUS_M, TerrainSource, Threat, Weights,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
@@ -52,3 +53,4 @@ pub use vehicle::{
     Vehicle, Wing, turn_radius_by_load_m,
 };
 pub use wind::Wind;
+pub use zone::Zone;

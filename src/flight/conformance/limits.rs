@@ -73,7 +73,11 @@ impl FlownTrack<'_> {
         }
         let none = |limit: Limit| Requirement::at_most(limit, 0.0, "positions");
         for (zone, shape) in spec.no_fly.iter().zip(&world.zones) {
-            let inside = all().filter(|(_, point)| shape.is_closed_at(*point));
+            let inside = all().filter(|(fix, point)| {
+                let ground = world.terrain.height(fix.place);
+                let ground_m = ground.map_or(f64::NAN, |ground| ground.0);
+                shape.is_closed_at(*point, ground_m, fix.t_s)
+            });
             let zone = none(Limit::Zone(zone.id.clone()));
             margins.push(self.count(zone, inside.map(|(f, _)| f)));
         }
