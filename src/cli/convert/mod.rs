@@ -146,7 +146,7 @@ fn converted(
     let mut assumed = Vec::new();
     let made_for = document.autopilot;
     let made_by = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
-    let airframe_of = document.airframe.map(|of| format!("a {}", name_of(of)));
+    let airframe_of = document.airframe.map(|of| format!("a {}", of.name()));
     let made: Vec<String> = made_by.into_iter().chain(airframe_of).collect();
     let autopilot = autopilot(made_for, arguments.autopilot, &mut assumed);
     let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
@@ -224,7 +224,7 @@ fn autopilot(
     })
 }
 
-/// What flies it: as asked, or as the file says, or a multicopter.
+/// What flies it: as asked, or as the file says, or a copter.
 fn airframe(
     made_for: Option<Airframe>,
     asked: Option<AirframeName>,
@@ -236,25 +236,16 @@ fn airframe(
     {
         assumed.push(format!(
             "the file is for a {}, converted for a {}",
-            name_of(file),
-            name_of(asked)
+            file.name(),
+            asked.name()
         ));
     }
     asked.or(made_for).unwrap_or_else(|| {
         assumed.push(
-            "the file does not say what flies it: taken as for a multicopter (--airframe)"
-                .to_owned(),
+            "the file does not say what flies it: taken as for a copter (--airframe)".to_owned(),
         );
         Airframe::Copter
     })
-}
-
-fn name_of(airframe: Airframe) -> &'static str {
-    match airframe {
-        Airframe::Copter => "multicopter",
-        Airframe::Plane => "plane",
-        Airframe::Vtol => "vtol",
-    }
 }
 
 /// Home as the file has it, or the flag; a `.plan` must have one, a home row may be blank.

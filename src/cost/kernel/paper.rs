@@ -53,7 +53,7 @@ fn group_sums<S: Simd>(
     block: &mut Block<S>,
     scratch: &mut Scratch,
 ) -> PaperSums<V<S>> {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let zero = splat(simd, 0.0);
     let (paper, segments) = (&model.paper, model.path.samples - 1);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     let ground_m = relief.heights_m(first[0], first[1]);
@@ -91,23 +91,26 @@ fn group_sums<S: Simd>(
         }
         for (turn, lane) in block.tight() {
             if turns.push(turn, lane) {
-                turns.flush(
-                    simd,
-                    #[inline(always)]
-                    |into, out| model.too_tight(simd, into, out).select(one, zero),
-                );
+                count_tight(simd, model, &mut turns);
             }
         }
         let danger = model.paper.options.threat_form;
         sums.threat = add_threats(simd, block, &model.hazards, danger, (scratch, sums.threat));
     }
+    count_tight(simd, model, &mut turns);
+    sums.turns = turns.sums(simd);
+    sums
+}
+
+/// Counts the turns that are too tight among those that wait.
+#[inline(always)]
+fn count_tight<S: Simd>(simd: S, model: &CostModel, turns: &mut TightTurns) {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     turns.flush(
         simd,
         #[inline(always)]
         |into, out| model.too_tight(simd, into, out).select(one, zero),
     );
-    sums.turns = turns.sums(simd);
-    sums
 }
 
 /// Terms of a group of lanes from its sums, collisions added.
