@@ -1,6 +1,6 @@
 //! What flying through a zone costs.
 
-use super::hazards::{FORBIDDEN, Piece, plane};
+use super::piece::{FORBIDDEN, Piece, plane};
 use super::relief::Relief;
 use super::{Margins, RouteEnds};
 use crate::geodesy::{Agl, Amsl, PlanPoint};

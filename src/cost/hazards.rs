@@ -3,14 +3,12 @@
 use geo::Polygon;
 
 use super::closed_zone::ClosedZone;
+use super::piece::plane;
+pub(crate) use super::piece::{FORBIDDEN, Piece};
 use super::relief::Relief;
 use super::{Margins, RouteEnds};
-use crate::geodesy::PlanPoint;
 use crate::numeric::geometry::{Point, Ring, disc_chord};
 use crate::world::{Disc, PlanZone, World};
-
-/// Lengths outside the area and inside zones count this often (design, section 4).
-pub(crate) const FORBIDDEN: f64 = 1.1;
 
 /// A threat, widened by its margin.
 #[derive(Clone, Copy, Debug)]
@@ -45,15 +43,6 @@ pub(crate) struct Hazards {
     pub(crate) bounds: Bounds,
     /// What floors and ceilings above ground are measured from.
     pub(crate) relief: Relief,
-}
-
-/// A straight piece of a path: places and altitudes of its ends, metres.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
-    pub(crate) a: Point,
-    pub(crate) b: Point,
-    pub(crate) amsl_a_m: f64,
-    pub(crate) amsl_b_m: f64,
 }
 
 impl Hazards {
@@ -194,8 +183,4 @@ fn crosses_box(a: Point, b: Point, low: Point, high: Point) -> bool {
         }
     }
     enters <= leaves
-}
-
-pub(crate) fn plane(point: PlanPoint) -> Point {
-    [point.at.east_m, point.at.north_m]
 }

@@ -12,6 +12,7 @@ mod kernel;
 mod model;
 mod operational;
 mod paper;
+mod piece;
 mod reference;
 mod relief;
 mod sampling;

@@ -20,6 +20,7 @@
 //! tables, grids and defaults. Do not use untagged or flattened enums: serde loses positions in
 //! them.
 
+mod airspace;
 mod builder;
 mod check;
 mod file;
@@ -35,9 +36,9 @@ mod table;
 mod value_sources;
 mod vehicle;
 mod wind;
-mod zone;
 
 pub use crate::autopilot::{Airframe, Autopilot};
+pub use airspace::Zone;
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
@@ -53,4 +54,3 @@ pub use vehicle::{
     Vehicle, Wing, turn_radius_by_load_m,
 };
 pub use wind::Wind;
-pub use zone::Zone;

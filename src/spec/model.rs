@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
+use super::airspace::Zone;
 use super::keys::words;
 use super::vehicle::Vehicle;
 use super::wind::Wind;
-use super::zone::Zone;
 
 /// One mission for a fleet, checked and in SI units. Positions stay geodetic;
 /// [`MissionSpec::frame`] takes them to planning coordinates.

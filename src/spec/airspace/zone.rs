@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use super::Placement;
 use crate::geodesy::LatLon;
+use crate::spec::Placement;
 
 /// A part of space that must not be entered.
 #[derive(Clone, Debug, Default, PartialEq)]
