@@ -26,3 +26,7 @@ pub mod flight_model {}
 pub mod glossary {}
 #[doc = include_str!("design.md")]
 pub mod design {}
+#[doc = include_str!("decisions.md")]
+pub mod decisions {}
+#[doc = include_str!("troubleshooting.md")]
+pub mod troubleshooting {}
