@@ -4,7 +4,7 @@ use geo::Polygon;
 
 use super::{Margins, RouteEnds};
 use crate::geodesy::PlanPoint;
-use crate::numeric::geometry::{Point, Ring, disc_chord};
+use crate::numeric::geometry::{Offset, Point, Ring, disc_chord};
 use crate::world::{Disc, PlanZone, World};
 
 /// Lengths outside the area and inside zones count this often (design, section 4).
@@ -26,10 +26,10 @@ pub(crate) struct Threat {
     pub(crate) high: Point,
 }
 
-/// A no-fly zone, widened by its margin.
+/// A no-fly zone, widened by its buffer and margin.
 #[derive(Clone, Debug)]
 pub(crate) struct ClosedZone {
-    ring: Ring,
+    closed: Offset,
     below_m: f64,
 }
 
@@ -77,9 +77,14 @@ impl Hazards {
                 .iter()
                 .map(|end| ring.boundary_distance(*end))
                 .fold(f64::INFINITY, f64::min);
-            ClosedZone {
+            let closed = if zone.buffer_m > 0.0 {
+                Offset::new(ring, zone.buffer_m + widest(room_m - zone.buffer_m))
+            } else {
                 // A mitred corner reaches up to twice the margin.
-                ring: ring.outset(widest(0.5 * room_m)),
+                Offset::new(ring.outset(widest(0.5 * room_m)), 0.0)
+            };
+            ClosedZone {
+                closed,
                 below_m: zone
                     .below
                     .map_or(f64::INFINITY, |amsl| amsl.0 + margins.clearance_m),
@@ -135,21 +140,21 @@ impl Threat {
 impl ClosedZone {
     /// What one kilometre of a segment costs for this zone.
     pub(crate) fn exposure(&self, piece: &Piece, crossings: &mut Vec<(f64, i32)>) -> f64 {
-        if self.ring.is_far_from(piece.a, piece.b) {
+        if self.closed.is_far_from(piece.a, piece.b) {
             return 0.0;
         }
-        let Some(closed) = part_below(piece, self.below_m) else {
+        let Some(part) = part_below(piece, self.below_m) else {
             return 0.0;
         };
         FORBIDDEN
             * self
-                .ring
-                .inside_fraction((piece.a, piece.b), closed, crossings)
+                .closed
+                .inside_fraction((piece.a, piece.b), part, crossings)
     }
 
     /// Least and greatest coordinates.
     pub(crate) fn bounds(&self) -> (Point, Point) {
-        self.ring.bounds()
+        self.closed.bounds()
     }
 }
 

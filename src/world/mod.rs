@@ -21,14 +21,15 @@ use std::sync::Arc;
 use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
-use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
+use crate::numeric::geometry::{Offset, Ring};
+use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle, Zone};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     /// Axis.
     pub center: EastNorth,
-    /// Radius, metres.
+    /// Radius, of a threat of the spec with its buffer, metres.
     pub radius_m: f64,
 }
 
@@ -37,7 +38,9 @@ pub struct Disc {
 pub struct PlanZone {
     /// Outline (x east, y north, metres).
     pub outline: Polygon<f64>,
-    /// Closed below this only; at all heights if absent.
+    /// Closed too within this distance of the outline, metres.
+    pub buffer_m: f64,
+    /// Closed below this only, its buffer included; at all heights if absent.
     pub below: Option<Amsl>,
 }
 
@@ -59,7 +62,8 @@ pub struct Stations {
     pub goal_ground: Amsl,
 }
 
-/// Everything that does not move. Threats, zones and stations keep the order of the spec.
+/// Everything that does not move, as a plan has to keep it: every limit with its buffer. The spec
+/// has the limits alone. Threats, zones and stations keep the order of the spec.
 #[derive(Clone, Debug)]
 pub struct World {
     /// Between geodetic and planning coordinates.
@@ -74,11 +78,11 @@ pub struct World {
     pub threats: Vec<Disc>,
     /// No-fly zones.
     pub zones: Vec<PlanZone>,
-    /// The allowed area.
+    /// The allowed area, without its buffer along the edge.
     pub area: Polygon<f64>,
-    /// Minimum height above ground between start and goal.
+    /// Minimum height above ground between start and goal, its buffer included.
     pub min_agl: Agl,
-    /// Ceiling.
+    /// Ceiling, less its buffer.
     pub max_amsl: Amsl,
     /// Home, start and goal of each vehicle.
     pub stations: Vec<Stations>,
@@ -93,10 +97,37 @@ impl Disc {
 }
 
 impl PlanZone {
-    /// Whether a point of the plane lies in the outline; its edge does.
+    /// A zone of a spec with a buffer, metres.
+    #[must_use]
+    pub fn new(frame: &LocalFrame, zone: &Zone, buffer_m: f64) -> Self {
+        Self {
+            outline: frame.outline(&zone.polygon),
+            buffer_m,
+            below: zone.below.map(|below| Amsl(below.0 + buffer_m)),
+        }
+    }
+
+    /// Whether a point of the plane lies in the outline, whose edge belongs to it, or nearer to it
+    /// than the buffer.
     #[must_use]
     pub fn contains(&self, at: EastNorth) -> bool {
-        covers(&self.outline, at)
+        covers(&self.outline, at) || self.buffer_m > 0.0 && self.offset().contains(point(at))
+    }
+
+    /// Whether a point of the plane lies in the outline, or nearer to it than the buffer; where
+    /// there is no buffer, not its edge.
+    #[must_use]
+    pub fn holds(&self, at: EastNorth) -> bool {
+        match self.buffer_m > 0.0 {
+            true => self.offset().contains(point(at)),
+            false => self.outline.contains(&Point::new(at.east_m, at.north_m)),
+        }
+    }
+
+    /// All that the zone closes in the plane.
+    #[must_use]
+    pub fn offset(&self) -> Offset {
+        Offset::new(Ring::around(&self.outline), self.buffer_m)
     }
 
     /// Whether the zone is closed at a point of space.
@@ -118,17 +149,11 @@ impl World {
             .iter()
             .map(|threat| Disc {
                 center: frame.to_plan(threat.place),
-                radius_m: threat.radius_m,
+                radius_m: threat.radius_m + spec.buffers.threats_m,
             })
             .collect();
-        let zones = spec
-            .no_fly
-            .iter()
-            .map(|zone| PlanZone {
-                outline: frame.outline(&zone.polygon),
-                below: zone.below,
-            })
-            .collect();
+        let zones = spec.no_fly.iter();
+        let zones = zones.map(|zone| PlanZone::new(&frame, zone, spec.buffers.zones_m));
         let area = frame.outline(&spec.area.outline());
         let stations = spec
             .vehicles
@@ -150,16 +175,18 @@ impl World {
             })
             .collect::<Result<_, NoData>>()?;
         let ground = Arc::new(Ground::sample(&terrain, &frame, &area));
+        // A start that satisfies the buffer proves that an area is left.
+        let area = inset(area, spec.buffers.area_m);
         Ok(Self {
             frame,
             terrain,
             wider_voids: ground.with_wider_voids().map(Arc::new),
             ground,
             threats,
-            zones,
+            zones: zones.collect(),
             area,
-            min_agl: spec.area.min_agl,
-            max_amsl: spec.area.max_amsl,
+            min_agl: Agl(spec.area.min_agl.0 + spec.buffers.terrain_m),
+            max_amsl: Amsl(spec.area.max_amsl.0 - spec.buffers.ceiling_m),
             stations,
         })
     }
@@ -169,6 +196,22 @@ impl World {
     pub fn in_area(&self, at: EastNorth) -> bool {
         self.area.contains(&Point::new(at.east_m, at.north_m))
     }
+}
+
+fn point(at: EastNorth) -> [f64; 2] {
+    [at.east_m, at.north_m]
+}
+
+/// An area without what is nearer to its edge than a buffer; all of it if nothing would be left.
+fn inset(area: Polygon<f64>, buffer_m: f64) -> Polygon<f64> {
+    if buffer_m <= 0.0 {
+        return area;
+    }
+    let Some(inner) = Ring::around(&area).inset(buffer_m) else {
+        return area;
+    };
+    let corners: Vec<(f64, f64)> = inner.corners().iter().map(|&[x, y]| (x, y)).collect();
+    Polygon::new(corners.into(), Vec::new())
 }
 
 /// Whether a polygon and its edge hold a point.
@@ -233,6 +276,7 @@ mod tests {
         assert!(disc.contains(at(3.0, 4.0)) && !disc.contains(at(3.0, 4.1)));
         let zone = PlanZone {
             outline: square(10.0),
+            buffer_m: 0.0,
             below: None,
         };
         for inside in [at(5.0, 5.0), at(10.0, 5.0), at(0.0, 0.0)] {
@@ -245,6 +289,7 @@ mod tests {
     fn a_zone_with_a_height_is_open_from_that_height_on() {
         let mut zone = PlanZone {
             outline: square(10.0),
+            buffer_m: 0.0,
             below: Some(Amsl(100.0)),
         };
         let over = |amsl_m| PlanPoint::new(5.0, 5.0, Amsl(amsl_m));

@@ -131,6 +131,7 @@ fn made(shape: &Shape, rng: &mut impl Rng) -> (MissionSpec, World) {
         .collect();
     world.zones = (0..shape.zones)
         .map(|_| PlanZone {
+            buffer_m: f64::from(rng.random_range(0_u8..2)) * rng.random_range(1.0..800.0),
             outline: polygon(
                 anywhere(rng),
                 rng.random_range(200.0..6000.0),

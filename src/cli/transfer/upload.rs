@@ -70,6 +70,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         out_json(&delivery.json())?;
     } else {
         delivery.print()?;
+        table::print_no_buffers(&file.spec)?;
     }
     delivery.verdict()
 }
@@ -199,6 +200,7 @@ fn print_dry_run(
         ]);
     }
     rows.print()?;
+    table::print_no_buffers(&file.spec)?;
     out("nothing was sent (--dry-run)")
 }
 

@@ -2,14 +2,14 @@
 //! could not climb or descend fast enough.
 
 use fearless_simd::{Level, dispatch};
-use geo::{BoundingRect, Contains, Point, Polygon, Rect};
 
 use super::Demand;
 use crate::cost::Relief;
-use crate::geodesy::Amsl;
+use crate::geodesy::{Amsl, EastNorth};
+use crate::numeric::geometry::Offset;
 use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
-use crate::world::World;
+use crate::world::{PlanZone, World};
 
 /// What is kept beyond the minimum grows to the full over one part in this many of the path.
 const RAMP: usize = 20;
@@ -39,8 +39,8 @@ impl Slopes {
 
 /// A zone that can be flown over.
 struct LowZone<'a> {
-    rect: Rect<f64>,
-    outline: &'a Polygon<f64>,
+    closed: Offset,
+    zone: &'a PlanZone,
     below_m: f64,
 }
 
@@ -71,10 +71,9 @@ impl<'a> FloorMaker<'a> {
             .iter()
             .filter_map(|zone| {
                 let below_m = zone.below?.0 + over_m;
-                let rect = zone.outline.bounding_rect()?;
-                (below_m <= world.max_amsl.0).then_some(LowZone {
-                    rect,
-                    outline: &zone.outline,
+                (below_m <= world.max_amsl.0).then(|| LowZone {
+                    closed: zone.offset(),
+                    zone,
                     below_m,
                 })
             })
@@ -180,11 +179,21 @@ impl<'a> FloorMaker<'a> {
 }
 
 impl LowZone<'_> {
+    fn holds(&self, at: [f64; 2]) -> bool {
+        match self.zone.buffer_m > 0.0 {
+            true => self.closed.contains(at),
+            false => self.zone.holds(EastNorth {
+                east_m: at[0],
+                north_m: at[1],
+            }),
+        }
+    }
+
     /// A floor, raised to the top of the zone where it is in it.
     fn raised(&self, floor_m: f64, east_m: f64, north_m: f64) -> f64 {
-        let (min, max) = (self.rect.min(), self.rect.max());
-        let near = min.x <= east_m && east_m <= max.x && min.y <= north_m && north_m <= max.y;
-        if near && self.outline.contains(&Point::new(east_m, north_m)) {
+        let (min, max) = self.closed.bounds();
+        let near = min[0] <= east_m && east_m <= max[0] && min[1] <= north_m && north_m <= max[1];
+        if near && self.holds([east_m, north_m]) {
             floor_m.max(self.below_m)
         } else {
             floor_m

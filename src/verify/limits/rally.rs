@@ -64,16 +64,23 @@ impl Space<'_> {
         };
         let threats = self.spec.threats.iter().zip(&self.threats);
         let zones = self.spec.no_fly.iter().zip(&self.zones);
+        let buffers = self.spec.buffers;
+        let threats = threats.map(|(threat, cylinder)| {
+            let margin_m = cylinder.margin_m(&here, Keep::Outside).0;
+            (&threat.id, margin_m, buffers.threats_m)
+        });
+        let zones = zones.map(|(zone, outline)| {
+            let margin_m = outline.margin_m(&here, Keep::Outside).0;
+            (&zone.id, margin_m, buffers.zones_m)
+        });
         let nearest = threats
-            .map(|(threat, cylinder)| (&threat.id, cylinder.margin_m(&here, Keep::Outside).0))
-            .chain(
-                zones.map(|(zone, outline)| (&zone.id, outline.margin_m(&here, Keep::Outside).0)),
-            )
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let clear = nearest.and_then(|(of, margin_m)| {
-            let found = margin(margin_m, 0.0, Limit::RallyObstacles(number))?;
+            .chain(zones)
+            .min_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2)));
+        let clear = nearest.and_then(|(of, margin_m, least_m)| {
+            let found = margin(margin_m, least_m, Limit::RallyObstacles(number))?;
             Some(Margin {
                 note: format!("nearest: {of}"),
+                buffer: least_m,
                 ..found
             })
         });
@@ -82,7 +89,7 @@ impl Space<'_> {
         [
             margin(agl_m, self.world.min_agl.0, Limit::RallyClearance(number)),
             clear,
-            margin(area_m, 0.0, Limit::RallyArea(number)),
+            margin(area_m, buffers.area_m, Limit::RallyArea(number)),
             fenced.and_then(|fence_m| margin(fence_m, 0.0, Limit::RallyFence(number))),
         ]
         .into_iter()

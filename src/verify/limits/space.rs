@@ -80,7 +80,10 @@ impl<'a> Space<'a> {
             for part in &parts {
                 self.judge_zones(chord, part, &mut found.zones);
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
-                found.area.at_least(area_m, 0.0, || moment(chord, part, w));
+                let least_m = self.spec.buffers.area_m;
+                found
+                    .area
+                    .at_least(area_m, least_m, || moment(chord, part, w));
                 if !fence.is_empty() {
                     let (fence_m, w) = fence.margin_m(part, found.fence.room());
                     found
@@ -206,6 +209,7 @@ impl<'a> Space<'a> {
     }
 
     fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {
+        let least_m = self.spec.buffers.threats_m;
         for ((disc, cylinder), worst) in self.world.threats.iter().zip(&self.threats).zip(worst) {
             // Distances in the plane differ from those around the threat by far less than this.
             let around_m = disc.center.distance_m(chord.at(0.5).at)
@@ -215,22 +219,24 @@ impl<'a> Space<'a> {
             }
             for part in parts {
                 let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
-                worst.at_least(margin_m, 0.0, || moment(chord, part, w));
+                worst.at_least(margin_m, least_m, || moment(chord, part, w));
             }
         }
     }
 
     fn judge_zones(&self, chord: &Chord, part: &Stretch, worst: &mut [Worst]) {
+        let least_m = self.spec.buffers.zones_m;
         for ((zone, outline), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
-            if outline.bound_m(part) > worst.room().max(0.0) {
+            if outline.bound_m(part) > (worst.room() + least_m).max(0.0) {
                 continue;
             }
-            let Some(low) = below(chord, part, zone.below) else {
+            let ceiling = zone.below.map(|below| Amsl(below.0 + least_m));
+            let Some(low) = below(chord, part, ceiling) else {
                 continue;
             };
             let (margin_m, w) = outline.margin_m(&low, Keep::Outside);
-            worst.at_least(margin_m, 0.0, || moment(chord, &low, w));
+            worst.at_least(margin_m, least_m, || moment(chord, &low, w));
         }
     }
 }
