@@ -6,6 +6,7 @@ mod convert;
 mod evaluate;
 mod fly;
 mod folder;
+mod migrate;
 mod plan;
 mod print;
 mod replan;
@@ -57,6 +58,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Terrain(command) => terrain::run(command),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
+        Command::Migrate(arguments) => migrate::run(arguments),
         Command::Schema => out_text(&crate::spec::json_schema()),
         Command::Completions { shell } => {
             let mut completions = Vec::new();
