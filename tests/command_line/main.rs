@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod begin;
 mod cli;
 mod migrate;
 mod whole_line;

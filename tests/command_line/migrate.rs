@@ -32,10 +32,19 @@ fn a_spec_becomes_version_2_and_keeps_every_other_byte() {
         let changed: Vec<_> = changed.filter(|((_, a), b)| a != b).collect();
         assert_eq!((shown.len(), changed.len()), (text.len(), 1), "{changed:?}");
         assert_eq!((changed[0].0.1, changed[0].1), ('2', '1'));
-        sortie().arg("migrate").arg(&path).arg("--in-place").assert().success();
+        sortie()
+            .arg("migrate")
+            .arg(&path)
+            .arg("--in-place")
+            .assert()
+            .success();
         assert_eq!(fs::read_to_string(&path).expect("a spec"), shown);
         let again = sortie().arg("migrate").arg(&path).assert().success();
-        assert_eq!(String::from_utf8_lossy(&again.get_output().stdout), shown, "once is enough");
+        assert_eq!(
+            String::from_utf8_lossy(&again.get_output().stdout),
+            shown,
+            "once is enough"
+        );
     }
 }
 
@@ -45,9 +54,19 @@ fn a_spec_that_would_not_check_is_not_migrated_and_every_reason_is_listed() {
     let path = folder.path().join("first.yaml");
     let text = first().replace("agl_m: 40", "agl_m: 35");
     fs::write(&path, &text).expect("written");
-    let refused = sortie().arg("migrate").arg(&path).arg("--in-place").assert().code(3);
+    let refused = sortie()
+        .arg("migrate")
+        .arg(&path)
+        .arg("--in-place")
+        .assert()
+        .code(3);
     let why = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
-    for part in ["vehicles[0].start", "vehicles[0].goal", "at least 40 m", "works here is 5 m"] {
+    for part in [
+        "vehicles[0].start",
+        "vehicles[0].goal",
+        "at least 40 m",
+        "works here is 5 m",
+    ] {
         assert!(why.contains(part), "{why}");
     }
     assert_eq!(fs::read_to_string(&path).expect("a spec"), text);
