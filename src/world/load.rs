@@ -2,12 +2,14 @@
 
 use std::path::PathBuf;
 
-use super::{Bounds, NoData, Terrain, TerrainError, World, read_terrain, terrain_files};
-use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use super::{Bounds, NoData, PlanZone, Terrain, TerrainError, World};
+use super::{read_terrain, terrain_files};
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::numeric::digits;
 use crate::numeric::geometry::Ring;
 use crate::spec::{
     BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
+    Zone,
 };
 
 /// The world of a spec file. Its terrain is read from a path relative to the spec.
@@ -321,59 +323,68 @@ impl Check<'_> {
         self.zones(path, "the rally point", place, amsl);
     }
 
-    /// Zones with a height; those without are checked with the spec alone.
+    /// Zones with a height; those without are checked with the spec alone. Whether a zone is
+    /// active when a vehicle comes there shows only in its plan.
     fn zones(&mut self, path: &str, what: &str, place: LatLon, amsl: Amsl) {
         let spec = &self.file.spec;
         let at = spec.frame.to_plan(place);
-        let closed: Vec<String> = spec
-            .no_fly
-            .iter()
-            .filter_map(|zone| {
-                zone.below
-                    .filter(|below| amsl < *below)
-                    .map(|below| (zone, below))
+        let ground_m = self
+            .terrain
+            .height(place)
+            .map_or(f64::NAN, |ground| ground.0);
+        let has_height = |zone: &&Zone| zone.floor.is_some() || zone.ceiling.is_some();
+        let always = spec.no_fly.iter().filter(|zone| zone.active_s.is_none());
+        let closed: Vec<String> = always
+            .filter(has_height)
+            .filter(|zone| {
+                let shape = PlanZone::new(spec.frame.outline(&zone.outline()), zone, 0.0);
+                shape.is_closed_at(PlanPoint { at, amsl }, ground_m, f64::NAN)
             })
-            .filter(|(zone, _)| super::covers(&spec.frame.outline(&zone.polygon), at))
-            .map(|(zone, below)| {
+            .map(|zone| {
+                let id = &zone.id;
                 format!(
-                    "{what} at {:.1} m is inside no-fly zone `{}`, closed below {} m",
-                    amsl.0, zone.id, below.0
+                    "{what} at {:.1} m is inside no-fly zone `{id}`, closed {zone}",
+                    amsl.0
                 )
             })
             .collect();
         if closed.is_empty() {
-            self.near_zones(path, what, at, amsl);
+            self.near_zones(path, what, PlanPoint { at, amsl }, ground_m);
         }
         for found in closed {
-            self.report(path, found, "outside or above".to_owned());
+            self.report(path, found, "outside, above or below".to_owned());
         }
     }
 
-    /// Zones with a height that a point is outside or above of by less than the buffer.
-    fn near_zones(&mut self, path: &str, what: &str, at: EastNorth, amsl: Amsl) {
+    /// Zones with a height from which a point is away by less than the buffer, in the plane and
+    /// in height.
+    fn near_zones(&mut self, path: &str, what: &str, point: PlanPoint, ground_m: f64) {
         let spec = &self.file.spec;
         let buffer_m = spec.buffers.zones_m;
-        let near = spec.no_fly.iter().filter_map(|zone| {
-            let over_m = amsl.0 - zone.below?.0;
-            let outline = spec.frame.outline(&zone.polygon);
-            let away_m = match super::covers(&outline, at) {
+        let always = spec.no_fly.iter().filter(|zone| zone.active_s.is_none());
+        let with_height = always.filter(|zone| zone.floor.is_some() || zone.ceiling.is_some());
+        let near = with_height.filter_map(|zone| {
+            let outline = spec.frame.outline(&zone.outline());
+            let away_m = match super::covers(&outline, point.at) {
                 true => 0.0,
-                false => Ring::around(&outline).boundary_distance(super::point(at)),
+                false => Ring::around(&outline).boundary_distance(super::point(point.at)),
             };
+            let (from_m, below_m) = PlanZone::new(outline, zone, 0.0).closed_m(ground_m);
+            let past_m = (from_m - point.amsl.0).max(point.amsl.0 - below_m);
             // Either is enough.
-            let value_m = away_m.max(over_m);
+            let value_m = away_m.max(past_m);
             let limit = BufferedLimit {
                 key: "zones",
-                of: "its outline or its height",
+                of: "its outline or height",
                 limit_m: 0.0,
                 buffered_m: buffer_m,
             };
             (value_m < buffer_m).then(|| {
-                let away_m = digits::distinct_from(away_m, buffer_m, 1);
-                let over_m = digits::distinct_from(over_m, buffer_m, 1);
-                let id = &zone.id;
-                let found =
-                    format!("{what} is {away_m} m from no-fly zone `{id}` and {over_m} m over it");
+                let value = digits::distinct_from(value_m, buffer_m, 1);
+                let found = format!(
+                    "{what} is {value} m from no-fly zone `{}`, closed {zone}",
+                    zone.id
+                );
                 (found, limit.allowed(value_m))
             })
         });

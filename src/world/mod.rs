@@ -6,6 +6,7 @@ mod load;
 mod mounds;
 mod reader;
 mod terrain;
+mod zone;
 
 pub use departure::Departure;
 pub use ground::Ground;
@@ -15,14 +16,15 @@ pub use reader::{
     terrain_files,
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
+pub use zone::PlanZone;
 
 use std::sync::Arc;
 
 use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
-use crate::numeric::geometry::{Offset, Ring};
-use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle, Zone};
+use crate::numeric::geometry::Ring;
+use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,17 +33,6 @@ pub struct Disc {
     pub center: EastNorth,
     /// Radius, of a threat of the spec with its buffer, metres.
     pub radius_m: f64,
-}
-
-/// A no-fly zone in planning coordinates.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlanZone {
-    /// Outline (x east, y north, metres).
-    pub outline: Polygon<f64>,
-    /// Closed too within this distance of the outline, metres.
-    pub buffer_m: f64,
-    /// Closed below this only, its buffer included; at all heights if absent.
-    pub below: Option<Amsl>,
 }
 
 /// The fixed positions of one vehicle, altitudes resolved over the terrain.
@@ -96,47 +87,6 @@ impl Disc {
     }
 }
 
-impl PlanZone {
-    /// A zone of a spec with a buffer, metres.
-    #[must_use]
-    pub fn new(frame: &LocalFrame, zone: &Zone, buffer_m: f64) -> Self {
-        Self {
-            outline: frame.outline(&zone.polygon),
-            buffer_m,
-            below: zone.below.map(|below| Amsl(below.0 + buffer_m)),
-        }
-    }
-
-    /// Whether a point of the plane lies in the outline, whose edge belongs to it, or nearer to it
-    /// than the buffer.
-    #[must_use]
-    pub fn contains(&self, at: EastNorth) -> bool {
-        covers(&self.outline, at) || self.buffer_m > 0.0 && self.offset().contains(point(at))
-    }
-
-    /// Whether a point of the plane lies in the outline, or nearer to it than the buffer; where
-    /// there is no buffer, not its edge.
-    #[must_use]
-    pub fn holds(&self, at: EastNorth) -> bool {
-        match self.buffer_m > 0.0 {
-            true => self.offset().contains(point(at)),
-            false => self.outline.contains(&Point::new(at.east_m, at.north_m)),
-        }
-    }
-
-    /// All that the zone closes in the plane.
-    #[must_use]
-    pub fn offset(&self) -> Offset {
-        Offset::new(Ring::around(&self.outline), self.buffer_m)
-    }
-
-    /// Whether the zone is closed at a point of space.
-    #[must_use]
-    pub fn is_closed_at(&self, point: PlanPoint) -> bool {
-        self.below.is_none_or(|below| point.amsl < below) && self.contains(point.at)
-    }
-}
-
 impl World {
     /// The world of a spec over a terrain that was read before.
     ///
@@ -152,8 +102,15 @@ impl World {
                 radius_m: threat.radius_m + spec.buffers.threats_m,
             })
             .collect();
-        let zones = spec.no_fly.iter();
-        let zones = zones.map(|zone| PlanZone::new(&frame, zone, spec.buffers.zones_m));
+        let zones = spec
+            .no_fly
+            .iter()
+            .map(|zone| {
+                let outline = frame.outline(&zone.outline());
+                let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+                closed.buffered(spec.buffers.zones_m)
+            })
+            .collect();
         let area = frame.outline(&spec.area.outline());
         let stations = spec
             .vehicles
@@ -183,7 +140,7 @@ impl World {
             wider_voids: ground.with_wider_voids().map(Arc::new),
             ground,
             threats,
-            zones: zones.collect(),
+            zones,
             area,
             min_agl: Agl(spec.area.min_agl.0 + spec.buffers.terrain_m),
             max_amsl: Amsl(spec.area.max_amsl.0 - spec.buffers.ceiling_m),
@@ -260,42 +217,12 @@ mod tests {
         EastNorth { east_m, north_m }
     }
 
-    fn square(side_m: f64) -> Polygon<f64> {
-        Polygon::new(
-            vec![(0.0, 0.0), (side_m, 0.0), (side_m, side_m), (0.0, side_m)].into(),
-            Vec::new(),
-        )
-    }
-
     #[test]
-    fn the_rim_of_what_is_closed_is_closed() {
+    fn the_rim_of_a_threat_is_closed() {
         let disc = Disc {
             center: at(0.0, 0.0),
             radius_m: 5.0,
         };
         assert!(disc.contains(at(3.0, 4.0)) && !disc.contains(at(3.0, 4.1)));
-        let zone = PlanZone {
-            outline: square(10.0),
-            buffer_m: 0.0,
-            below: None,
-        };
-        for inside in [at(5.0, 5.0), at(10.0, 5.0), at(0.0, 0.0)] {
-            assert!(zone.contains(inside), "{inside:?}");
-        }
-        assert!(!zone.contains(at(10.1, 5.0)));
-    }
-
-    #[test]
-    fn a_zone_with_a_height_is_open_from_that_height_on() {
-        let mut zone = PlanZone {
-            outline: square(10.0),
-            buffer_m: 0.0,
-            below: Some(Amsl(100.0)),
-        };
-        let over = |amsl_m| PlanPoint::new(5.0, 5.0, Amsl(amsl_m));
-        assert!(zone.is_closed_at(over(99.9)) && !zone.is_closed_at(over(100.0)));
-        assert!(!zone.is_closed_at(PlanPoint::new(11.0, 5.0, Amsl(0.0))));
-        zone.below = None;
-        assert!(zone.is_closed_at(over(1e9)));
     }
 }

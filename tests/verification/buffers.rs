@@ -83,15 +83,17 @@ fn the_corner_of_a_zone_is_as_far_as_it_is() {
     // North-west of its south-east corner, which points at the line from 12.1 m: a mitred zone
     // with a buffer of 10 m would reach 14 m.
     let (mut spec, mission) = eastward();
-    let zone = |away_m: f64, below: Option<Amsl>| Zone {
-        id: "yard".to_owned(),
-        polygon: vec![
-            north_of_line(away_m, -84.25),
-            north_of_line(away_m + 200.0, -84.2478),
-            north_of_line(away_m + 400.0, -84.25),
-            north_of_line(away_m + 200.0, -84.2522),
-        ],
-        below,
+    let zone = |away_m: f64, ceiling: Option<Placement>| Zone {
+        ceiling,
+        ..Zone::closed(
+            "yard".to_owned(),
+            vec![
+                north_of_line(away_m, -84.25),
+                north_of_line(away_m + 200.0, -84.2478),
+                north_of_line(away_m + 400.0, -84.25),
+                north_of_line(away_m + 200.0, -84.2522),
+            ],
+        )
     };
     spec.buffers = Buffers::even(10.0);
     spec.no_fly = vec![zone(12.1, None)];
@@ -100,7 +102,7 @@ fn the_corner_of_a_zone_is_as_far_as_it_is() {
     spec.no_fly = vec![zone(5.0, None)];
     fails_by_its_buffer(&spec, &[&mission], &Limit::Zone("yard".to_owned()));
     // Over a zone with a height as well.
-    spec.no_fly = vec![zone(-200.0, Some(Amsl(GROUND_M + 75.0)))];
+    spec.no_fly = vec![zone(-200.0, Some(Placement::Amsl(Amsl(GROUND_M + 75.0))))];
     let mut with = spec.clone();
     with.buffers = Buffers::even(10.0);
     assert!(judged(&spec, &[&mission]).passes());

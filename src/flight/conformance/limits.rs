@@ -26,6 +26,13 @@ pub(crate) fn moment(fix: &Fix) -> Moment {
     }
 }
 
+/// Whether a zone is closed where and when a vehicle was.
+fn is_closed(zone: &PlanZone, world: &World, fix: &Fix, point: PlanPoint) -> bool {
+    let ground = world.terrain.height(fix.place);
+    let ground_m = ground.map_or(f64::NAN, |ground| ground.0);
+    zone.is_closed_at(point, ground_m, fix.t_s)
+}
+
 impl FlownTrack<'_> {
     pub(crate) fn margins(
         &self,
@@ -79,8 +86,9 @@ impl FlownTrack<'_> {
         }
         let none = |limit: Limit| Requirement::at_most(limit, 0.0, "positions");
         for zone in &spec.no_fly {
-            let shape = PlanZone::new(&world.frame, zone, 0.0);
-            let inside = all().filter(|(_, point)| shape.is_closed_at(*point));
+            let outline = world.frame.outline(&zone.outline());
+            let shape = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+            let inside = all().filter(|(fix, point)| is_closed(&shape, world, fix, *point));
             let zone = none(Limit::Zone(zone.id.clone()));
             margins.push(self.count(zone, inside.map(|(f, _)| f)));
         }

@@ -6,6 +6,7 @@
 
 use crate::geodesy::Amsl;
 use crate::mission::VehicleMission;
+use crate::spec::{Placement, Zone};
 
 use super::fence::Fence;
 use super::space::Space;
@@ -63,16 +64,21 @@ impl Space<'_> {
             worst.margin(id, limit, "m")
         };
         let threats = self.spec.threats.iter().zip(&self.threats);
-        let zones = self.spec.no_fly.iter().zip(&self.zones);
+        // The vehicle lands there, from no more than the height of the point.
+        let ground_m = at.amsl.0 - agl_m;
         let buffers = self.spec.buffers;
+        let is_under = |zone: &Zone| match zone.floor {
+            None => false,
+            Some(Placement::Amsl(floor)) => at.amsl.0 < floor.0 - buffers.zones_m,
+            Some(Placement::Agl(floor)) => at.amsl.0 - ground_m < floor.0 - buffers.zones_m,
+        };
+        let zones = self.spec.no_fly.iter().zip(&self.zones);
+        let zones = zones.filter(|(zone, _)| !is_under(zone));
         let threats = threats.map(|(threat, cylinder)| {
             let margin_m = cylinder.margin_m(&here, Keep::Outside).0;
             (&threat.id, margin_m, buffers.threats_m)
         });
-        let zones = zones.map(|(zone, outline)| {
-            let margin_m = outline.margin_m(&here, Keep::Outside).0;
-            (&zone.id, margin_m, buffers.zones_m)
-        });
+        let zones = zones.map(|(zone, shape)| (&zone.id, shape.margin_m(&here).0, buffers.zones_m));
         let nearest = threats
             .chain(zones)
             .min_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2)));
