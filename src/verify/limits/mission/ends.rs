@@ -5,6 +5,7 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{Airframe, Finish};
 use crate::verify::execute::flight::{End, Mark};
 use crate::verify::limits::fence::Fence;
+use crate::verify::measure::segment::Chord;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
 use crate::world::Terrain;
@@ -67,14 +68,14 @@ impl Contract<'_> {
         let home_m = f64::from(self.mission.home.amsl_m);
         let mut worst = Worst::default();
         let chords = self.flight.chords.iter();
-        // Heights above the ground below need no home, and columns begin and end at it.
-        for chord in chords.filter(|chord| !chord.grounded && chord.agl_m.is_none()) {
+        // Columns, climb-outs and glides begin or end at home; heights above the ground need none.
+        let is_route = |chord: &&Chord| {
+            chord.flown && !chord.grounded && chord.agl_m.is_none() && chord.slope_from_m.is_none()
+        };
+        for chord in chords.filter(is_route) {
             for u in [0.0, 1.0] {
                 let above_m = chord.at(u).amsl.0 - home_m;
-                // A slope from or to the ground begins or ends there.
-                if chord.slope_from_m.is_none() || above_m < 0.0 {
-                    worst.at_least(above_m, 0.0, || chord.moment(&self.world.frame, u));
-                }
+                worst.at_least(above_m, 0.0, || chord.moment(&self.world.frame, u));
             }
         }
         let mut margin = worst.margin(self.id(), Limit::AboveHome, "m")?;
