@@ -21,7 +21,8 @@ pub fn distant_from_area(spec: &MissionSpec, missions: &[(usize, &VehicleMission
     let area = (spec.area.south_west, spec.area.north_east);
     let threats = spec.threats.iter();
     let threats = threats.map(|threat| (format!("threat {}", threat.id), vec![threat.place]));
-    let zones = spec.no_fly.iter();
+    // Files of airspace hold what is far away.
+    let zones = spec.no_fly.iter().filter(|zone| zone.source.is_none());
     let zones = zones.map(|zone| (format!("zone {}", zone.id), zone.polygon.clone()));
     let rally = spec.rally.iter().enumerate();
     let rally = rally.map(|(index, point)| (format!("rally {}", index + 1), vec![point.place]));
