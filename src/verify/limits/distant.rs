@@ -6,7 +6,7 @@ use crate::spec::MissionSpec;
 
 /// Geometry further away than this is named, metres.
 const FAR_M: f64 = 20_000.0;
-/// Nearer geometry is named if swapped it were so many times nearer.
+/// Nearer geometry is named if it were nearer by this factor when swapped.
 const MUCH_NEARER: f64 = 20.0;
 /// Geometry nearer than this is never named, metres.
 const NEAR_M: f64 = 2_000.0;
@@ -27,7 +27,7 @@ pub fn distant_from_area(spec: &MissionSpec, missions: &[(usize, &VehicleMission
     let rally = spec.rally.iter().enumerate();
     let rally = rally.map(|(index, point)| (format!("rally {}", index + 1), vec![point.place]));
     let of_spec = threats.chain(zones).chain(rally);
-    let found = of_spec.filter_map(|(what, places)| sentence(&what, &places, area, "the area"));
+    let found = of_spec.filter_map(|(what, points)| sentence(&what, &points, area, "the area"));
     let of_missions = missions.iter().flat_map(|(vehicle, mission)| {
         let id = spec
             .vehicles
@@ -66,23 +66,23 @@ pub fn distant_from_home(spec: &MissionSpec, missions: &[(usize, &VehicleMission
 
 /// The place of a list that lies furthest away; none of 0, 0, which means no place.
 fn furthest(items: &[Item], bounds: Bounds) -> Vec<LatLon> {
-    let places = items.iter().filter(|item| (item.x, item.y) != (0, 0));
-    let places = places.filter_map(Item::place);
+    let points = items.iter().filter(|item| (item.x, item.y) != (0, 0));
+    let points = points.filter_map(Item::place);
     let by_distance = |a: &LatLon, b: &LatLon| away_m(*a, bounds).total_cmp(&away_m(*b, bounds));
-    places.max_by(by_distance).into_iter().collect()
+    points.max_by(by_distance).into_iter().collect()
 }
 
 /// A sentence on geometry whose nearest corner is far away, or would be much nearer swapped.
-fn sentence(what: &str, places: &[LatLon], bounds: Bounds, of: &str) -> Option<String> {
-    let least = |places: &mut dyn Iterator<Item = LatLon>| {
-        let away = places.map(|place| away_m(place, bounds));
+fn sentence(what: &str, points: &[LatLon], bounds: Bounds, of: &str) -> Option<String> {
+    let least = |points: &mut dyn Iterator<Item = LatLon>| {
+        let away = points.map(|place| away_m(place, bounds));
         away.fold(f64::INFINITY, f64::min)
     };
-    let now_m = least(&mut places.iter().copied());
-    let swapped_m = least(&mut places.iter().filter_map(|place| swapped(*place)));
+    let now_m = least(&mut points.iter().copied());
+    let swapped_m = least(&mut points.iter().filter_map(|place| swapped(*place)));
     let size_m = bounds.0.chord_m(bounds.1);
     let is_swapped = now_m > NEAR_M.max(size_m) && swapped_m * MUCH_NEARER < now_m;
-    if places.is_empty() || !(is_swapped || now_m > FAR_M + size_m) {
+    if points.is_empty() || !(is_swapped || now_m > FAR_M + size_m) {
         return None;
     }
     let hint = match is_swapped {
