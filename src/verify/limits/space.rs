@@ -126,12 +126,8 @@ impl<'a> Space<'a> {
             if let Some(part) = parts.first() {
                 self.judge_contact(chord, part, &mut found.contact);
             }
-        } else if let Some((from_m, to_m)) = chord.agl_m {
-            let (least_m, u) = if from_m <= to_m {
-                (from_m, 0.0)
-            } else {
-                (to_m, 1.0)
-            };
+        } else if let Some(ends_m) = chord.agl_m {
+            let (least_m, u) = lower_end(ends_m);
             let at = || chord.moment(&self.world.frame, u);
             found.clearance.at_least(least_m, min_m, at);
         } else if let Some(ground_m) = chord.slope_from_m {
@@ -238,6 +234,15 @@ impl<'a> Space<'a> {
     }
 }
 
+/// The lower of two heights and the fraction of the chord there; NaN is lower than any.
+fn lower_end((from_m, to_m): (f64, f64)) -> (f64, f64) {
+    if from_m <= to_m || from_m.is_nan() {
+        (from_m, 0.0)
+    } else {
+        (to_m, 1.0)
+    }
+}
+
 fn moment(chord: &Chord, part: &Stretch, w: f64) -> Moment {
     let u = part.along(w);
     Moment {
@@ -256,4 +261,17 @@ fn no_data(worst: &mut Worst, limit_m: f64, chord: &Chord, gap: NoData) {
         item: chord.row,
     };
     worst.unknown(limit_m, gap.to_string(), at);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lower_end;
+
+    #[test]
+    fn a_height_that_is_not_a_number_at_either_end_is_the_lower_one() {
+        assert!(lower_end((f64::NAN, 50.0)).0.is_nan());
+        assert!(lower_end((50.0, f64::NAN)).0.is_nan());
+        assert_eq!(lower_end((50.0, 40.0)).1.to_bits(), 1.0_f64.to_bits());
+        assert_eq!(lower_end((40.0, 50.0)).1.to_bits(), 0.0_f64.to_bits());
+    }
 }
