@@ -84,6 +84,14 @@ impl FlownTrack<'_> {
             });
             margins.extend(self.worst(rim, outside));
         }
+        margins.extend(self.closed_space(spec, world));
+        margins
+    }
+
+    /// Positions in zones and outside of the area.
+    fn closed_space(&self, spec: &MissionSpec, world: &World) -> Vec<Margin> {
+        let mut margins = Vec::new();
+        let all = || self.fixes().iter().zip(self.points.iter().copied());
         let none = |limit: Limit| Requirement::at_most(limit, 0.0, "positions");
         for zone in &spec.no_fly {
             let outline = world.frame.outline(&zone.outline());

@@ -84,12 +84,8 @@ impl Checker {
     /// A rally point keeps the least height over ground and its buffer.
     fn rally_height(&mut self, path: &str, agl_m: f64, map: &Map) {
         let Agl(least_m) = map.area.min_agl;
-        let limit = BufferedLimit {
-            key: "terrain",
-            of: "area.min_agl_m",
-            limit_m: least_m,
-            buffered_m: least_m + map.buffers.terrain_m,
-        };
+        let of = ("terrain", "area.min_agl_m");
+        let limit = BufferedLimit::beyond(of, least_m, map.buffers.terrain_m);
         if (0.0..least_m).contains(&agl_m) {
             let allowed = format!("at least area.min_agl_m, {least_m}");
             self.report(path, digits::plain(agl_m), allowed);
@@ -230,12 +226,9 @@ impl Checker {
         let of = Of { path, what, plan };
         let edge_m = Ring::around(&map.outline).boundary_distance([plan.east_m, plan.north_m]);
         let from = "inside of the edge of the area";
-        self.buffered(
-            &of,
-            (edge_m, from),
-            ("area", "the edge", 0.0),
-            map.buffers.area_m,
-        );
+        let buffer_m = map.buffers.area_m;
+        let limit = BufferedLimit::beyond(("area", "the edge"), 0.0, buffer_m);
+        self.buffered(&of, (edge_m, from), &limit);
         for threat in &map.threats {
             self.clear_of_threat(&of, threat, map);
         }
@@ -256,8 +249,9 @@ impl Checker {
             return;
         }
         let from = format!("from the axis of threat `{}`", threat.id);
-        let limit = ("threats", "its radius", threat.radius_m);
-        self.buffered(of, (distance_m, &from), limit, map.buffers.threats_m);
+        let buffer_m = map.buffers.threats_m;
+        let limit = BufferedLimit::beyond(("threats", "its radius"), threat.radius_m, buffer_m);
+        self.buffered(of, (distance_m, &from), &limit);
     }
 
     fn clear_of_zone(&mut self, of: &Of<'_>, zone: &Zone, map: &Map) {
@@ -270,25 +264,12 @@ impl Checker {
         let at = [of.plan.east_m, of.plan.north_m];
         let away_m = Ring::around(&outline).boundary_distance(at);
         let from = format!("from no-fly zone `{}`", zone.id);
-        let limit = ("zones", "its outline", 0.0);
-        self.buffered(of, (away_m, &from), limit, map.buffers.zones_m);
+        let limit = BufferedLimit::beyond(("zones", "its outline"), 0.0, map.buffers.zones_m);
+        self.buffered(of, (away_m, &from), &limit);
     }
 
-    /// Reports a point that keeps a limit and not its buffer: how far it is from what, the key of
-    /// the buffer, what the limit is of, and the limit.
-    fn buffered(
-        &mut self,
-        of: &Of<'_>,
-        (value_m, from): (f64, &str),
-        (key, limit_of, limit_m): (&'static str, &str, f64),
-        buffer_m: f64,
-    ) {
-        let limit = BufferedLimit {
-            key,
-            of: limit_of,
-            limit_m,
-            buffered_m: limit_m + buffer_m,
-        };
+    /// Reports a point that satisfies a limit and not its buffer, with its distance from what.
+    fn buffered(&mut self, of: &Of<'_>, (value_m, from): (f64, &str), limit: &BufferedLimit<'_>) {
         if value_m < limit.buffered_m {
             let value = digits::distinct_from(value_m, limit.buffered_m, 1);
             let found = format!("{} is {value} m {from}", of.what);

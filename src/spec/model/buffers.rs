@@ -56,7 +56,17 @@ pub(crate) struct BufferedLimit<'a> {
     pub(crate) buffered_m: f64,
 }
 
-impl BufferedLimit<'_> {
+impl<'a> BufferedLimit<'a> {
+    /// A least value with a buffer, by the key of the buffer and what the limit is of.
+    pub(crate) fn beyond((key, of): (&'static str, &'a str), limit_m: f64, buffer_m: f64) -> Self {
+        Self {
+            key,
+            of,
+            limit_m,
+            buffered_m: limit_m + buffer_m,
+        }
+    }
+
     /// Which values are allowed: limit, buffer, and the largest buffer that a value allows,
     /// metres.
     pub(crate) fn allowed(&self, value_m: f64) -> String {
