@@ -82,6 +82,7 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         }
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.holds => "holds",
         (Stage::Flying, Some(Instruction::Hold)) => "stops",
+        (Stage::Flying, Some(Instruction::Land)) if vehicle.misses_its_landing() => "not landing",
         (Stage::Flying, Some(Instruction::Land)) => "lands",
         (Stage::Flying, None) if vehicle.in_mission => "flies",
         (Stage::Flying, None) => "off mission",

@@ -377,8 +377,13 @@ impl<'a> FlightVehicle<'a> {
                     (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => {
                         End::StoppedAfterHold
                     }
-                    (true, Some(Instruction::Land)) => End::LandedEarly,
-                    (true, None | Some(Instruction::Hold)) => self.landing(),
+                    (true, Some(Instruction::Land))
+                        if self.hold.was_in_mode()
+                            || modes::is_land(self.of.mission, beat.custom_mode) =>
+                    {
+                        End::LandedEarly
+                    }
+                    (true, _) => self.landing(),
                 };
                 self.end(end);
             }
@@ -430,8 +435,7 @@ impl<'a> FlightVehicle<'a> {
                 }
                 Answer::Result(result) => {
                     let command = pending.command();
-                    // A vehicle that refuses to land flies on as planned; a hold is ordered again.
-                    self.instruction = self.instruction.filter(|of| *of == Instruction::Hold);
+                    // Refused or not, a hold or a landing is ordered again.
                     self.holds = false;
                     self.disobeyed(&format!("refused command {command} with {result}"));
                 }
