@@ -1,6 +1,7 @@
 //! What was flown.
 
 pub(super) mod fix;
+pub(super) mod interrupted;
 pub(super) mod invalid_line;
 pub(super) mod journal;
 pub(super) mod lines;

@@ -44,6 +44,9 @@ pub struct Notice {
     pub speedup: f64,
     /// Milliseconds since 1970 at T0; none before it.
     pub t0_unix_ms: Option<u64>,
+    /// File name of the record; empty where there is none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub record: String,
 }
 
 impl Default for Notice {
@@ -53,6 +56,7 @@ impl Default for Notice {
             links: BTreeMap::new(),
             speedup: 1.0,
             t0_unix_ms: None,
+            record: String::new(),
         }
     }
 }
@@ -97,6 +101,7 @@ impl Underway {
                 links,
                 speedup,
                 t0_unix_ms: None,
+                record: String::new(),
             },
         }
     }
@@ -183,6 +188,13 @@ impl Underway {
                 path.display()
             ))
         })
+    }
+
+    /// Bytes of the first lines for the record, which are in it already.
+    #[must_use]
+    pub(crate) fn length_of(&self, lines: usize) -> usize {
+        let text = read_regular(&self.underway()).unwrap_or_default();
+        text.split_inclusive('\n').take(lines).map(str::len).sum()
     }
 
     /// The threats that came up so far.

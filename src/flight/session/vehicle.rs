@@ -5,6 +5,7 @@ mod checks;
 mod ending;
 mod hold;
 mod orders;
+mod rejoin;
 mod texts;
 
 use std::collections::VecDeque;
@@ -70,6 +71,8 @@ pub(crate) enum Stage<'a> {
     Armed,
     /// Commands until the heartbeat shows that the motors stand.
     Disarming(Disarming),
+    /// Its flight is taken over from a record that has so many positions of it.
+    Rejoining { known: usize },
     /// The mission was ordered to start.
     Starting,
     /// The mission is flown.
@@ -356,7 +359,10 @@ impl<'a> FlightVehicle<'a> {
         if is_up {
             self.heed_takeoff();
         }
-        if matches!(self.stage, Stage::Flying | Stage::Starting) {
+        if matches!(
+            self.stage,
+            Stage::Flying | Stage::Starting | Stage::Rejoining { .. }
+        ) {
             if is_up && !self.airborne {
                 self.airborne = true;
                 self.said.push_back("took off".to_owned());

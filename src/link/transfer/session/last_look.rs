@@ -3,7 +3,9 @@
 
 use super::{ORDER, Session, Stage};
 use crate::link::codec::Version;
-use crate::link::message::{AUTOPILOT_GENERIC, Address, Body, List, MissionMessage, MissionResult};
+use crate::link::message::{
+    AUTOPILOT_GENERIC, Address, Body, Heartbeat, List, MissionMessage, MissionResult, Route,
+};
 use crate::link::time::Time;
 use crate::link::transfer::discovery::Discovery;
 use crate::link::transfer::download::Download;
@@ -84,19 +86,20 @@ impl Session<'_> {
     /// Looks at one list. A vehicle that gives it the id that it had holds the same items; of
     /// others every item is read.
     pub(super) fn look_at_list(&mut self, now: Time) {
-        let (Some(route), Some((_, beat))) = (self.route(), self.vehicle) else {
-            return;
-        };
+        if let Some(route) = self.route() {
+            let id = self.plan_ids[usize::from(route.list.mission_type())];
+            let download = self.download(route, now);
+            self.work(Task::Download(download.unless_id(id)));
+        }
+    }
+
+    /// The reading of a list, several items at once where the autopilot allows it.
+    pub(super) fn download(&self, route: Route, now: Time) -> Download {
         let conventions = self.expected().autopilot.conventions();
-        let is_known = beat.autopilot != AUTOPILOT_GENERIC;
-        let window = if is_known && conventions.gives_any_order {
-            WINDOW
-        } else {
-            1
-        };
-        let id = self.plan_ids[usize::from(route.list.mission_type())];
-        let download = Download::new(route, self.deadline, now);
-        self.work(Task::Download(download.with_window(window).unless_id(id)));
+        let is_known = |(_, beat): (_, Heartbeat)| beat.autopilot != AUTOPILOT_GENERIC;
+        let is_any = self.vehicle.is_some_and(is_known) && conventions.gives_any_order;
+        let window = if is_any { WINDOW } else { 1 };
+        Download::new(route, self.deadline, now).with_window(window)
     }
 
     /// Every list was as sent when it was read, and is so still.

@@ -4,7 +4,7 @@ use super::{ORDER, Session, Stage};
 use crate::link::message::{AUTOPILOT_GENERIC, Address, List, MissionResult, Route};
 use crate::link::time::Time;
 use crate::link::transfer::clear::Clear;
-use crate::link::transfer::download::{Download, DownloadError};
+use crate::link::transfer::download::DownloadError;
 use crate::link::transfer::expected::Expected;
 use crate::link::transfer::report::{Failure, Verdict};
 use crate::link::transfer::task::{Ended, Task};
@@ -48,7 +48,7 @@ impl<'a> Session<'a> {
         let Some(route) = self.route() else { return };
         self.complaint = None;
         if self.expected().items(route.list).is_empty() {
-            self.work(Task::Download(Download::new(route, self.deadline, now)));
+            self.work(Task::Download(self.download(route, now)));
         } else {
             // Several times the re-request period of the vehicle (1 s, 250 ms, MAVSDK
             // 500 ms): a longer silence means that it has given up or lost us.
@@ -103,7 +103,7 @@ impl<'a> Session<'a> {
 
     fn read_back(&mut self, now: Time) {
         if let Some(route) = self.route() {
-            self.work(Task::Download(Download::new(route, self.deadline, now)));
+            self.work(Task::Download(self.download(route, now)));
         }
     }
 
