@@ -134,7 +134,10 @@ mod tests {
     fn a_flood_of_items_reached_is_bounded() {
         let mut flown = Flown::default();
         // A thousand a second, two in turn, for a minute.
-        let said = (0..60_000).map(|n| flown.reach(1 + n % 2, 1e-3 * f64::from(n as u32)));
+        let said = (0..60_000_u32).map(|n| {
+            let item = if n % 2 == 0 { 1 } else { 2 };
+            flown.reach(item, 1e-3 * f64::from(n))
+        });
         assert_eq!(said.filter(|is_new| *is_new).count(), 600);
         assert!(flown.reach(7, 71.0), "an honest one later");
     }
