@@ -46,7 +46,7 @@ struct Client {
     inbox: Vec<u8>,
     outbox: VecDeque<u8>,
     is_gone: bool,
-    /// Whether it was told that it commands.
+    /// Whether it was informed that it commands.
     commands: bool,
 }
 

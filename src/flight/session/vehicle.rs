@@ -71,7 +71,7 @@ pub(crate) enum Stage<'a> {
     Armed,
     /// Commands until the heartbeat shows that the motors stand.
     Disarming(Disarming),
-    /// Its flight is taken over from a record that has so many positions of it.
+    /// Its flight is taken over from a record with this number of its positions.
     Rejoining { known: usize },
     /// The mission was ordered to start.
     Starting,

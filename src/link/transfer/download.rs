@@ -104,7 +104,7 @@ impl Download {
         download
     }
 
-    /// Requests so many items at once, of a vehicle that gives them in any order.
+    /// Requests up to `window` items at once, of a vehicle that gives them in any order.
     #[must_use]
     pub(crate) fn with_window(mut self, window: usize) -> Self {
         self.window = window.max(1);
