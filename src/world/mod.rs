@@ -6,6 +6,7 @@ mod load;
 mod mounds;
 mod reader;
 mod terrain;
+mod zone;
 
 pub use departure::Departure;
 pub use ground::Ground;
@@ -15,12 +16,14 @@ pub use reader::{
     terrain_files,
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
+pub use zone::PlanZone;
 
 use std::sync::Arc;
 
 use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
+use crate::numeric::geometry::Ring;
 use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
@@ -28,17 +31,8 @@ use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
 pub struct Disc {
     /// Axis.
     pub center: EastNorth,
-    /// Radius, metres.
+    /// Radius, of a threat of the spec with its buffer, metres.
     pub radius_m: f64,
-}
-
-/// A no-fly zone in planning coordinates.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlanZone {
-    /// Outline (x east, y north, metres).
-    pub outline: Polygon<f64>,
-    /// Closed below this only; at all heights if absent.
-    pub below: Option<Amsl>,
 }
 
 /// The fixed positions of one vehicle, altitudes resolved over the terrain.
@@ -59,7 +53,8 @@ pub struct Stations {
     pub goal_ground: Amsl,
 }
 
-/// Everything that does not move. Threats, zones and stations keep the order of the spec.
+/// Everything that does not move, as a plan has to keep it: every limit with its buffer. The spec
+/// has the limits alone. Threats, zones and stations keep the order of the spec.
 #[derive(Clone, Debug)]
 pub struct World {
     /// Between geodetic and planning coordinates.
@@ -74,11 +69,11 @@ pub struct World {
     pub threats: Vec<Disc>,
     /// No-fly zones.
     pub zones: Vec<PlanZone>,
-    /// The allowed area.
+    /// The allowed area, without its buffer along the edge.
     pub area: Polygon<f64>,
-    /// Minimum height above ground between start and goal.
+    /// Minimum height above ground between start and goal, its buffer included.
     pub min_agl: Agl,
-    /// Ceiling.
+    /// Ceiling, less its buffer.
     pub max_amsl: Amsl,
     /// Home, start and goal of each vehicle.
     pub stations: Vec<Stations>,
@@ -89,20 +84,6 @@ impl Disc {
     #[must_use]
     pub fn contains(&self, at: EastNorth) -> bool {
         self.center.distance_m(at) <= self.radius_m
-    }
-}
-
-impl PlanZone {
-    /// Whether a point of the plane lies in the outline; its edge does.
-    #[must_use]
-    pub fn contains(&self, at: EastNorth) -> bool {
-        covers(&self.outline, at)
-    }
-
-    /// Whether the zone is closed at a point of space.
-    #[must_use]
-    pub fn is_closed_at(&self, point: PlanPoint) -> bool {
-        self.below.is_none_or(|below| point.amsl < below) && self.contains(point.at)
     }
 }
 
@@ -118,15 +99,16 @@ impl World {
             .iter()
             .map(|threat| Disc {
                 center: frame.to_plan(threat.place),
-                radius_m: threat.radius_m,
+                radius_m: threat.radius_m + spec.buffers.threats_m,
             })
             .collect();
         let zones = spec
             .no_fly
             .iter()
-            .map(|zone| PlanZone {
-                outline: frame.outline(&zone.polygon),
-                below: zone.below,
+            .map(|zone| {
+                let outline = frame.outline(&zone.outline());
+                let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+                closed.buffered(spec.buffers.zones_m)
             })
             .collect();
         let area = frame.outline(&spec.area.outline());
@@ -150,6 +132,8 @@ impl World {
             })
             .collect::<Result<_, NoData>>()?;
         let ground = Arc::new(Ground::sample(&terrain, &frame, &area));
+        // A start that satisfies the buffer proves that an area is left.
+        let area = inset(area, spec.buffers.area_m);
         Ok(Self {
             frame,
             terrain,
@@ -158,8 +142,8 @@ impl World {
             threats,
             zones,
             area,
-            min_agl: spec.area.min_agl,
-            max_amsl: spec.area.max_amsl,
+            min_agl: Agl(spec.area.min_agl.0 + spec.buffers.terrain_m),
+            max_amsl: Amsl(spec.area.max_amsl.0 - spec.buffers.ceiling_m),
             stations,
         })
     }
@@ -169,6 +153,22 @@ impl World {
     pub fn in_area(&self, at: EastNorth) -> bool {
         self.area.contains(&Point::new(at.east_m, at.north_m))
     }
+}
+
+fn point(at: EastNorth) -> [f64; 2] {
+    [at.east_m, at.north_m]
+}
+
+/// An area without what is nearer to its edge than a buffer; all of it if nothing would be left.
+fn inset(area: Polygon<f64>, buffer_m: f64) -> Polygon<f64> {
+    if buffer_m <= 0.0 {
+        return area;
+    }
+    let Some(inner) = Ring::around(&area).inset(buffer_m) else {
+        return area;
+    };
+    let corners: Vec<(f64, f64)> = inner.corners().iter().map(|&[x, y]| (x, y)).collect();
+    Polygon::new(corners.into(), Vec::new())
 }
 
 /// Whether a polygon and its edge hold a point.
@@ -217,40 +217,12 @@ mod tests {
         EastNorth { east_m, north_m }
     }
 
-    fn square(side_m: f64) -> Polygon<f64> {
-        Polygon::new(
-            vec![(0.0, 0.0), (side_m, 0.0), (side_m, side_m), (0.0, side_m)].into(),
-            Vec::new(),
-        )
-    }
-
     #[test]
-    fn the_rim_of_what_is_closed_is_closed() {
+    fn the_rim_of_a_threat_is_closed() {
         let disc = Disc {
             center: at(0.0, 0.0),
             radius_m: 5.0,
         };
         assert!(disc.contains(at(3.0, 4.0)) && !disc.contains(at(3.0, 4.1)));
-        let zone = PlanZone {
-            outline: square(10.0),
-            below: None,
-        };
-        for inside in [at(5.0, 5.0), at(10.0, 5.0), at(0.0, 0.0)] {
-            assert!(zone.contains(inside), "{inside:?}");
-        }
-        assert!(!zone.contains(at(10.1, 5.0)));
-    }
-
-    #[test]
-    fn a_zone_with_a_height_is_open_from_that_height_on() {
-        let mut zone = PlanZone {
-            outline: square(10.0),
-            below: Some(Amsl(100.0)),
-        };
-        let over = |amsl_m| PlanPoint::new(5.0, 5.0, Amsl(amsl_m));
-        assert!(zone.is_closed_at(over(99.9)) && !zone.is_closed_at(over(100.0)));
-        assert!(!zone.is_closed_at(PlanPoint::new(11.0, 5.0, Amsl(0.0))));
-        zone.below = None;
-        assert!(zone.is_closed_at(over(1e9)));
     }
 }

@@ -1,11 +1,13 @@
 //! What is wrong with a spec is said at once, each problem with its place.
 
+mod buffers;
 mod fleets;
 mod ground;
 mod meaning;
 mod ranges;
 mod structure;
 mod wings;
+mod zones;
 
 use std::fs;
 use std::path::Path;

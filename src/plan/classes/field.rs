@@ -3,8 +3,6 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use geo::{Contains, Point, Polygon};
-
 use super::grid::Grid;
 use super::narrow_zones::crossed_nodes;
 use crate::geodesy::EastNorth;
@@ -67,7 +65,8 @@ impl Relief {
         if reading == Reading::Conservative {
             for zone in &world.zones {
                 for node in crossed_nodes(&grid, zone) {
-                    floors[node] = floors[node].and_then(|floor_m| over(zone, floor_m, world));
+                    let at = grid.at(node);
+                    floors[node] = floors[node].and_then(|floor_m| past(zone, at, floor_m, world));
                 }
             }
         }
@@ -183,19 +182,21 @@ impl Relief {
 pub(crate) fn floor_at(world: &World, at: EastNorth) -> Option<f64> {
     let mut floor_m = world.ground.height_m(at) + world.min_agl.0;
     for zone in &world.zones {
-        if inside(&zone.outline, at) {
-            floor_m = over(zone, floor_m, world)?;
+        if zone.is_near(at) && zone.holds(at) {
+            floor_m = past(zone, at, floor_m, world)?;
         }
     }
     (floor_m <= world.max_amsl.0).then_some(floor_m)
 }
 
-/// The lowest altitude allowed from a floor up where a zone is; `None` if there is none.
-fn over(zone: &PlanZone, floor_m: f64, world: &World) -> Option<f64> {
-    let floor_m = floor_m.max(zone.below?.0);
+/// The least altitude allowed from a floor up where a zone is: below the zone if there is room,
+/// or else above it; `None` if there is none.
+fn past(zone: &PlanZone, at: EastNorth, floor_m: f64, world: &World) -> Option<f64> {
+    let (from_m, below_m) = zone.closed_m(world.ground.height_m(at));
+    let floor_m = if floor_m < from_m {
+        floor_m
+    } else {
+        floor_m.max(below_m)
+    };
     (floor_m <= world.max_amsl.0).then_some(floor_m)
-}
-
-fn inside(outline: &Polygon<f64>, at: EastNorth) -> bool {
-    outline.contains(&Point::new(at.east_m, at.north_m))
 }

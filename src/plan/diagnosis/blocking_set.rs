@@ -5,7 +5,7 @@ use geo::Polygon;
 use crate::geodesy::EastNorth;
 use crate::numeric::chains::{Capsule, Chains};
 use crate::numeric::geometry::Point;
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Placement};
 use crate::world::{Ground, PlanZone, World};
 
 /// An obstacle that no vehicle may fly through, at any height.
@@ -27,6 +27,7 @@ impl BlockingElement {
     /// What it is called: a threat or zone by its id.
     #[must_use]
     pub fn name(self, spec: &MissionSpec) -> String {
+        let buffers = &spec.buffers;
         let named = |kind: &str, id: Option<&String>| match id {
             Some(id) => format!("{kind} {id}"),
             None => kind.to_owned(),
@@ -37,7 +38,7 @@ impl BlockingElement {
             Self::Edge => "the edge of the area".to_owned(),
             Self::Ground => format!(
                 "ground less than {} m under the ceiling",
-                spec.area.min_agl.0
+                spec.area.min_agl.0 + buffers.terrain_m + buffers.ceiling_m
             ),
             Self::Void => "ground of unknown height".to_owned(),
         }
@@ -64,14 +65,22 @@ impl BlockingSets {
             let piece = Capsule::disc(point(disc.center), disc.radius_m);
             pieces.push((BlockingElement::Threat(index), piece));
         }
-        let reaches_up = |zone: &PlanZone| zone.below.is_none_or(|below| below > world.max_amsl);
+        // What may be open at some time, or over or under which there may be a way, proves nothing.
+        let reaches_up = |zone: &PlanZone| {
+            let is_high = match zone.ceiling {
+                None => true,
+                Some(Placement::Amsl(top)) => top > world.max_amsl,
+                Some(Placement::Agl(_)) => false,
+            };
+            is_high && zone.floor.is_none() && zone.active_s.is_none()
+        };
         for (index, zone) in world.zones.iter().enumerate() {
             if reaches_up(zone) {
-                pieces
-                    .extend(edges(&zone.outline).map(|edge| (BlockingElement::Zone(index), edge)));
+                let edges = edges(&zone.outline, zone.buffer_m);
+                pieces.extend(edges.map(|edge| (BlockingElement::Zone(index), edge)));
             }
         }
-        pieces.extend(edges(&world.area).map(|edge| (BlockingElement::Edge, edge)));
+        pieces.extend(edges(&world.area, 0.0).map(|edge| (BlockingElement::Edge, edge)));
         // What a coarse grid makes of the ground proves nothing.
         if world.ground.shows(&world.terrain) {
             let highest_m = world.max_amsl.0 - world.min_agl.0;
@@ -103,11 +112,14 @@ fn point(at: EastNorth) -> Point {
     [at.east_m, at.north_m]
 }
 
-/// The edges of an outline.
-fn edges(outline: &Polygon<f64>) -> impl Iterator<Item = Capsule> + '_ {
-    outline.exterior().lines().map(|line| {
+/// The edges of an outline, with what is within a radius of them, metres.
+fn edges(outline: &Polygon<f64>, radius: f64) -> impl Iterator<Item = Capsule> + '_ {
+    outline.exterior().lines().map(move |line| {
         let ends = (line.start.x_y().into(), line.end.x_y().into());
-        Capsule::segment(ends)
+        Capsule {
+            radius,
+            ..Capsule::segment(ends)
+        }
     })
 }
 

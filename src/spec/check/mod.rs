@@ -1,6 +1,7 @@
 //! From the keys of a file to a checked spec: reports every problem that shows without the
 //! ground, all at once.
 
+mod buffers;
 mod fleet;
 mod map;
 mod name;
@@ -10,6 +11,7 @@ mod scenario;
 mod shapes;
 mod vehicles;
 mod wing;
+mod zones;
 
 pub(super) use scenario::scenario;
 pub(super) use shapes::relative;
@@ -78,7 +80,8 @@ impl Checker {
 
     fn spec(&mut self, keys: &keys::Spec) -> Option<MissionSpec> {
         self.file_name("name", &keys.name);
-        let map = self.map(keys);
+        let buffers = self.buffers(keys);
+        let map = self.map(keys, buffers);
         let wind = keys.wind.map(|wind| Wind {
             from_rad: wind.from_deg.to_radians(),
             speed_mps: wind.speed_mps,
@@ -87,6 +90,7 @@ impl Checker {
         let planner = self.planner(&keys.planner);
         let map = map?;
         Some(MissionSpec {
+            version: keys.sortie,
             name: keys.name.clone(),
             frame: map.frame,
             area: map.area,
@@ -96,6 +100,7 @@ impl Checker {
             rally: map.rally,
             vehicles,
             separation: keys.separation,
+            buffers,
             planner,
             mission: MissionOptions {
                 altitude: keys.mission.altitude,

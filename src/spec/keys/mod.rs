@@ -8,11 +8,13 @@ mod fleet;
 mod options;
 mod scenario;
 mod vehicle;
+mod zones;
 
 pub use fleet::{Fleet, Grid};
-pub use options::{MissionOptions, Planner, Wind};
+pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
+pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
 
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -29,8 +31,8 @@ use crate::geodesy::LatLon;
     extend("anyOf" = [{"required": ["vehicles"]}, {"required": ["fleet"]}])
 )]
 pub struct Spec {
-    /// Version of this format: 1.
-    #[schemars(range(min = 1, max = 1))]
+    /// Version of this format: 2, or 1, which has no buffers.
+    #[schemars(range(min = 1, max = 2))]
     pub sortie: u32,
     /// Name of the mission and of its output folder: letters, digits, - and _.
     #[schemars(length(min = 1, max = 64))]
@@ -47,6 +49,13 @@ pub struct Spec {
     /// Polygons that must not be entered.
     #[serde(default)]
     pub no_fly: Vec<Zone>,
+    /// The wider form of no_fly: circles, holes, floors, ceilings, times, and zones to stay in.
+    #[serde(default)]
+    pub zones: Vec<ShapedZone>,
+    /// The air pressure that is possible on the day; needed where a zone has a flight level.
+    pub qnh_hpa: Option<Qnh>,
+    /// The real time of T0, with an offset from UTC (RFC 3339); absent: zones are always active.
+    pub t0: Option<String>,
     /// Rally points.
     #[serde(default)]
     pub rally: Vec<Rally>,
@@ -58,6 +67,9 @@ pub struct Spec {
     /// How far apart vehicles stay from takeoff to touchdown.
     #[serde(default)]
     pub separation: Separation,
+    /// What plan and verdict keep beyond each limit, for errors of position and control; absent:
+    /// the default of the autopilots and airframes, at least 10 m. Version 1 has none.
+    pub buffer_m: Option<Buffers>,
     /// How paths are searched.
     #[serde(default)]
     pub planner: Planner,
