@@ -156,10 +156,29 @@ impl Level {
 /// The part in which what goes straight from `a` to `b` is below 0; all of it where that is not
 /// a number.
 fn part_below((a, b): Part) -> Option<Part> {
+    if a.is_nan() || b.is_nan() {
+        return Some((0.0, 1.0));
+    }
     match (a >= 0.0, b >= 0.0) {
         (true, true) => None,
         (true, false) => Some((a / (a - b), 1.0)),
         (false, true) => Some((0.0, a / (a - b))),
         (false, false) => Some((0.0, 1.0)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::part_below;
+
+    #[test]
+    fn an_altitude_that_is_not_a_number_is_below_everything() {
+        for ends in [(f64::NAN, 5.0), (5.0, f64::NAN), (f64::NAN, f64::NAN)] {
+            let part = part_below(ends).expect("a part");
+            assert!(part.0 <= 0.0 && part.1 >= 1.0, "{part:?}");
+        }
+        assert!(part_below((1.0, 2.0)).is_none());
+        let (from, to) = part_below((1.0, -1.0)).expect("a part");
+        assert!((from - 0.5).abs() < 1e-12 && to >= 1.0);
     }
 }
