@@ -87,7 +87,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
     }
     let (file, files, folder) = upload::from_folder(&[folder], false)?;
     flight::refuse_shared_sysids(&file.spec)?;
-    if file.text != named.text || file.table != named.table {
+    if file.text != named.text || file.table != named.table || file.attached != named.attached {
         let message = format!(
             "{} was planned from another spec than {}; nothing was started",
             folder.display(),

@@ -37,7 +37,8 @@ impl ClosedZone {
         let room_m = ends
             .iter()
             .map(|end| ring.boundary_distance(*end))
-            .fold(f64::INFINITY, f64::min);
+            .fold(f64::INFINITY, f64::min)
+            - zone.buffer_m;
         // A mitred corner reaches up to twice the margin.
         let wider_m = margins.threat_m.min(0.5 * room_m).max(0.0);
         let under_m = |end: PlanPoint| {
@@ -50,7 +51,7 @@ impl ClosedZone {
         let under_m = under_m(route.from).min(under_m(route.to));
         let lower_m = margins.clearance_m.min(under_m);
         Self {
-            ring: ring.outset(wider_m),
+            ring: ring.outset(wider_m.max(0.0) + zone.buffer_m),
             from: zone.floor.map_or(GROUND, |floor| raised(floor, -lower_m)),
             below: zone
                 .ceiling

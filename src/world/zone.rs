@@ -17,6 +17,8 @@ pub struct PlanZone {
     pub ceiling: Option<Placement>,
     /// Closed only from and to these times, seconds after T0; always if absent.
     pub active_s: Option<(f64, f64)>,
+    /// Distance kept from it, metres.
+    pub buffer_m: f64,
     bounds: Option<Rect<f64>>,
 }
 
@@ -26,6 +28,7 @@ impl PlanZone {
     #[must_use]
     pub fn new(outline: Polygon<f64>, zone: &Zone, slack_s: f64) -> Self {
         Self {
+            buffer_m: zone.buffer_m,
             floor: zone.floor,
             ceiling: zone.ceiling,
             active_s: zone
@@ -44,6 +47,7 @@ impl PlanZone {
             floor: None,
             ceiling: None,
             active_s: None,
+            buffer_m: 0.0,
         }
     }
 

@@ -2,11 +2,13 @@
 
 use geo::{Contains, Intersects, Point, Polygon};
 
+use super::super::airspace::{AttachedFile, Survey};
 use super::super::keys;
 use super::super::{Area, Placement, Rally, TerrainSource, Threat, Zone};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 use crate::numeric::digits;
+use crate::numeric::geometry::Ring;
 
 /// Furthest corner of the area from the origin: the local frame is proven to here.
 const MAX_AREA_M: f64 = 300_000.0;
@@ -23,11 +25,13 @@ pub(super) struct Map {
     pub(super) threats: Vec<Threat>,
     pub(super) no_fly: Vec<Zone>,
     pub(super) rally: Vec<Rally>,
+    /// What became of the shapes of each file.
+    pub(super) surveys: Vec<Survey>,
 }
 
 impl Checker {
     /// Checks everything that does not move; `None` without a usable area.
-    pub(super) fn map(&mut self, keys: &keys::Spec) -> Option<Map> {
+    pub(super) fn map(&mut self, keys: &keys::Spec, attached: &[AttachedFile]) -> Option<Map> {
         let terrain = self.terrain(&keys.terrain);
         let origin = keys.origin.map(|at| self.place("origin", at));
         let area = self.area(&keys.area);
@@ -65,7 +69,9 @@ impl Checker {
             threats,
             no_fly,
             rally: Vec::new(),
+            surveys: Vec::new(),
         };
+        self.add_files(keys, attached, references, &mut map);
         for (index, point) in keys.rally.iter().enumerate() {
             let Ok(place) = LatLon::new(point.lat, point.lon) else {
                 continue;
@@ -224,7 +230,8 @@ impl Checker {
             }
         }
         for zone in map.no_fly.iter().filter(|zone| zone.is_closed_throughout()) {
-            if map.frame.outline(&zone.outline()).intersects(&point) {
+            let outline = map.frame.outline(&zone.outline());
+            if outline.intersects(&point) || is_within(&outline, &point, zone.buffer_m) {
                 self.report(
                     path,
                     format!("{what} is inside no-fly zone `{}`", zone.id),
@@ -233,6 +240,12 @@ impl Checker {
             }
         }
     }
+}
+
+/// Whether a point is nearer to an outline than a buffer that is more than nothing.
+fn is_within(outline: &Polygon<f64>, point: &Point<f64>, buffer_m: f64) -> bool {
+    let at = [point.x(), point.y()];
+    buffer_m > 0.0 && Ring::around(outline).boundary_distance(at) < buffer_m
 }
 
 fn middle(area: &Area) -> LatLon {

@@ -97,7 +97,16 @@ impl<'a> Space<'a> {
             let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
             (!flight.chords.is_empty()).then(unjudged)
         });
-        let obstacles = threats.zip(found.threats).chain(zones.zip(found.zones));
+        let sources = self.spec.no_fly.iter().map(|zone| zone.source.clone());
+        let cited = |(source, margin): (Option<String>, Option<Margin>)| {
+            let mut margin = margin?;
+            if margin.note.is_empty() {
+                margin.note = source.unwrap_or_default();
+            }
+            Some(margin)
+        };
+        let zones = zones.zip(found.zones);
+        let zones = sources.zip(zones.map(|(limit, worst)| margin(worst, limit)));
         [
             clearance,
             margin(found.slope, Limit::TakeoffLandingClearance),
@@ -105,7 +114,8 @@ impl<'a> Space<'a> {
             margin(found.ceiling, Limit::Ceiling),
         ]
         .into_iter()
-        .chain(obstacles.map(|(limit, worst)| margin(worst, limit)))
+        .chain((threats.zip(found.threats)).map(|(limit, worst)| margin(worst, limit)))
+        .chain(zones.map(cited))
         .chain([
             margin(found.area, Limit::Area),
             margin(found.fence, Limit::Fence),
@@ -221,13 +231,13 @@ impl<'a> Space<'a> {
         let slack_s = self.spec.separation.time_slack_s;
         for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
-            if shape.bound_m(part) > worst.room().max(0.0) {
+            if shape.bound_m(part) - zone.buffer_m > worst.room().max(0.0) {
                 continue;
             }
             let closed = Closed::new(zone, &self.surface, slack_s);
             for part in closed.parts(chord, part) {
                 let (margin_m, w) = shape.margin_m(&part);
-                worst.at_least(margin_m, 0.0, || moment(chord, &part, w));
+                worst.at_least(margin_m, zone.buffer_m, || moment(chord, &part, w));
             }
         }
     }
