@@ -246,9 +246,10 @@ fn outlines(
                 .collect()
         }
         GeometryValue::LineString { coordinates } => Ok(vec![line(coordinates)?]),
-        GeometryValue::MultiLineString { coordinates } => {
-            coordinates.iter().map(|places| line(places)).collect()
-        }
+        GeometryValue::MultiLineString { coordinates } => coordinates
+            .iter()
+            .map(|positions| line(positions))
+            .collect(),
         GeometryValue::GeometryCollection { .. } => Err("a collection in a collection".to_owned()),
     }
 }
@@ -263,11 +264,11 @@ fn polygon(rings: &[Vec<Position>]) -> Result<Geometry, String> {
     })
 }
 
-fn line(places: &[Position]) -> Result<Geometry, String> {
-    let places: Vec<LatLon> = places.iter().map(position).collect::<Result<_, _>>()?;
-    match places.len() {
-        0 | 1 => Err("a line of less than two places".to_owned()),
-        _ => Ok(Geometry::Line(places)),
+fn line(positions: &[Position]) -> Result<Geometry, String> {
+    let positions: Vec<LatLon> = positions.iter().map(position).collect::<Result<_, _>>()?;
+    match positions.len() {
+        0 | 1 => Err("a line of less than two positions".to_owned()),
+        _ => Ok(Geometry::Line(positions)),
     }
 }
 

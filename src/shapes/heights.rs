@@ -51,8 +51,8 @@ pub(super) fn height(
 }
 
 fn above_ellipsoid(metres: f64, side: Side, over: &Geometry) -> Height {
-    let places = over.places().into_iter();
-    let levels = places.map(|place| Ellipsoid(metres).above_sea(Geoid::egm96(), place).0);
+    let positions = over.positions().into_iter();
+    let levels = positions.map(|place| Ellipsoid(metres).above_sea(Geoid::egm96(), place).0);
     Height::Amsl(match side {
         Side::Floor => levels.fold(f64::INFINITY, f64::min),
         Side::Ceiling => levels.fold(f64::NEG_INFINITY, f64::max),

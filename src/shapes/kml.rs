@@ -124,8 +124,8 @@ fn shape(name: &str, geometry: &KmlGeometry) -> Result<Shape, String> {
             None,
         ),
         KmlGeometry::LineString(line) => {
-            let places = line.coords.iter().map(position);
-            (Geometry::Line(places.collect::<Result<_, _>>()?), None)
+            let positions = line.coords.iter().map(position);
+            (Geometry::Line(positions.collect::<Result<_, _>>()?), None)
         }
         KmlGeometry::Point(point) => (Geometry::Point(position(&point.coord)?), None),
         _ => return Err("a geometry that is no polygon, line or point".to_owned()),

@@ -62,7 +62,7 @@ pub enum Geometry {
         /// Radius, metres.
         radius_m: f64,
     },
-    /// At least two places in a row.
+    /// At least two positions in a row.
     Line(Vec<LatLon>),
     /// One place.
     Point(LatLon),
@@ -197,7 +197,7 @@ fn circle(center: LatLon, radius_m: f64) -> Result<Geometry, String> {
 impl Geometry {
     /// Its corners, its ends, or its centre.
     #[must_use]
-    pub fn places(&self) -> Vec<LatLon> {
+    pub fn positions(&self) -> Vec<LatLon> {
         match self {
             Self::Polygon { outer, .. } => outer.clone(),
             Self::Circle { center, .. } => vec![*center],

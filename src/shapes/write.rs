@@ -76,8 +76,8 @@ fn geometry(of: &Geometry) -> GeometryValue {
         Geometry::Circle { center: at, .. } | Geometry::Point(at) => GeometryValue::Point {
             coordinates: position(at),
         },
-        Geometry::Line(places) => GeometryValue::LineString {
-            coordinates: places.iter().map(position).collect(),
+        Geometry::Line(positions) => GeometryValue::LineString {
+            coordinates: positions.iter().map(position).collect(),
         },
     }
 }

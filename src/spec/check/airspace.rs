@@ -63,24 +63,12 @@ impl Checker {
                 return self.report(&path, error, allowed);
             }
         };
-        let is_skipped = |name: &str| keys.skip.iter().any(|skip| skip == name);
-        let is_asked = |shape: &Shape| match &keys.only {
-            None => true,
-            Some(only) => {
-                let mut asked = only.class.iter();
-                asked.any(|class| {
-                    shape
-                        .classes
-                        .iter()
-                        .any(|of| of.eq_ignore_ascii_case(class))
-                })
-            }
-        };
         let mut survey = Survey {
             file: keys.file.clone(),
             open: collection.open,
             ..Survey::default()
         };
+        let is_skipped = |name: &str| keys.skip.iter().any(|skip| skip == name);
         let mut refused: Vec<(String, String)> = Vec::new();
         for of in collection.refused {
             match is_skipped(&of.name) {
@@ -89,19 +77,16 @@ impl Checker {
             }
         }
         for shape in collection.shapes {
-            if is_skipped(&shape.name) || !is_asked(&shape) {
+            if is_skipped(&shape.name) || !is_asked(keys, &shape) {
                 survey.left_out += 1;
                 continue;
             }
             let zone = zone(&shape, references, map);
             match zone.and_then(|zone| self.simple(zone, map)) {
-                Ok(zone) => {
-                    let zone = Zone {
-                        id: free_id(&shape.name, map),
-                        buffer_m: keys.buffer_m.unwrap_or(0.0),
-                        source: Some(source(&keys.file, &shape)),
-                        ..zone
-                    };
+                Ok(mut zone) => {
+                    zone.id = free_id(&shape.name, map);
+                    zone.buffer_m = keys.buffer_m.unwrap_or(0.0);
+                    zone.source = Some(source(&keys.file, &shape));
                     survey.zones.push(zone.id.clone());
                     map.no_fly.push(zone);
                 }
@@ -176,6 +161,17 @@ impl Checker {
         }
         map.surveys.push(survey);
     }
+}
+
+/// Whether a shape has a class that a file is read for.
+fn is_asked(keys: &keys::AirspaceFile, shape: &Shape) -> bool {
+    keys.only.as_ref().is_none_or(|only| {
+        let mut asked = only.class.iter();
+        asked.any(|class| {
+            let mut classes = shape.classes.iter();
+            classes.any(|of| of.eq_ignore_ascii_case(class))
+        })
+    })
 }
 
 /// The zone of a shape, without its id.

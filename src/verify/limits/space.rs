@@ -88,8 +88,6 @@ impl<'a> Space<'a> {
         }
         let threats = self.spec.threats.iter();
         let threats = threats.map(|threat| Limit::Threat(threat.id.clone()));
-        let zones = self.spec.no_fly.iter();
-        let zones = zones.map(|zone| Limit::Zone(zone.id.clone()));
         let margin = |worst: Worst, limit: Limit| worst.margin(id, limit, "m");
         // Nothing but a column up and down is no mission whose height is known to be good.
         let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
@@ -97,16 +95,6 @@ impl<'a> Space<'a> {
             let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
             (!flight.chords.is_empty()).then(unjudged)
         });
-        let sources = self.spec.no_fly.iter().map(|zone| zone.source.clone());
-        let cited = |(source, margin): (Option<String>, Option<Margin>)| {
-            let mut margin = margin?;
-            if margin.note.is_empty() {
-                margin.note = source.unwrap_or_default();
-            }
-            Some(margin)
-        };
-        let zones = zones.zip(found.zones);
-        let zones = sources.zip(zones.map(|(limit, worst)| margin(worst, limit)));
         [
             clearance,
             margin(found.slope, Limit::TakeoffLandingClearance),
@@ -115,13 +103,26 @@ impl<'a> Space<'a> {
         ]
         .into_iter()
         .chain((threats.zip(found.threats)).map(|(limit, worst)| margin(worst, limit)))
-        .chain(zones.map(cited))
+        .chain(self.zone_margins(id, found.zones))
         .chain([
             margin(found.area, Limit::Area),
             margin(found.fence, Limit::Fence),
         ])
         .flatten()
         .collect()
+    }
+
+    /// The margins of zones; those from files cite file and item.
+    fn zone_margins(&self, id: &str, found: Vec<Worst>) -> Vec<Option<Margin>> {
+        let zones = self.spec.no_fly.iter().zip(found);
+        let margins = zones.map(|(zone, worst)| {
+            let mut margin = worst.margin(id, Limit::Zone(zone.id.clone()), "m")?;
+            if margin.note.is_empty() {
+                margin.note = zone.source.clone().unwrap_or_default();
+            }
+            Some(margin)
+        });
+        margins.collect()
     }
 
     /// Height above ground. On the route it must be the minimum. The column of a takeoff or
