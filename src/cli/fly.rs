@@ -95,6 +95,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
         );
         return Err(Failure::new(Failure::VERDICT, message));
     }
+    refuse_times(&file)?;
     let world = world::load(&file)?;
     let missions = review::read(&file, &files)?;
     let plan = FlightPlan::verify(file, folder, world, missions);
@@ -102,6 +103,20 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
         note_lines(&table::failures(review, Paint::for_stdout()));
     }
     Ok(plan?)
+}
+
+/// Refuses zones with times: they hold for the T0 of the spec alone, and a launch is when its
+/// vehicles are ready.
+fn refuse_times(file: &SpecFile) -> Result<(), Failure> {
+    let mut zones = file.spec.no_fly.iter();
+    let Some(zone) = zones.find(|zone| zone.active_s.is_some()) else {
+        return Ok(());
+    };
+    let message = format!(
+        "zone {} is closed {zone} only, and the launch cannot keep to t0; plan without t0, so that zones are always active",
+        zone.id
+    );
+    Err(Failure::new(Failure::INPUT, message))
 }
 
 /// Prints the verdict on what was flown.

@@ -217,3 +217,39 @@ fn obstacles_stand_on_the_ground() {
         "{error:?}"
     );
 }
+
+#[test]
+fn what_lies_outside_of_all_zones_to_stay_in_is_closed() {
+    let pieces = "
+zones:
+  - {id: west, keep_in: true, polygon: [[36.22, -84.38], [36.22, -84.20], [36.30, -84.20], [36.30, -84.38]]}
+  - {id: east, keep_in: true, polygon: [[36.22, -84.25], [36.22, -84.12], [36.38, -84.12], [36.38, -84.25]]}
+";
+    let zones = read(pieces).expect("good");
+    let [zone] = &zones[..] else {
+        panic!("{zones:?}")
+    };
+    assert_eq!(
+        (zone.id.as_str(), zone.holes.len()),
+        ("outside west and 1 more", 1)
+    );
+    // The union of two boxes that overlap has eight corners.
+    assert_eq!(zone.holes[0].len(), 8, "{:?}", zone.holes);
+    // A start outside of both is an error, and so are heights.
+    let one = "zones: [{id: west, keep_in: true, polygon: [[36.22, -84.38], [36.22, -84.30], [36.30, -84.30]]}]";
+    let errors = read(one).expect_err("the goal is outside");
+    assert!(
+        errors
+            .iter()
+            .any(|of| of.contains("vehicles[0].goal") && of.contains("`outside west`")),
+        "{errors:?}"
+    );
+    let high = pieces.replace("{id: west,", "{id: west, ceiling: {agl_m: 90},");
+    let errors = read(&high).expect_err("a height");
+    assert!(
+        errors
+            .iter()
+            .any(|of| of.contains("zones[0]") && of.contains("to stay in")),
+        "{errors:?}"
+    );
+}

@@ -57,9 +57,7 @@ impl Checker {
         let frame = LocalFrame::new(origin.unwrap_or_else(|| Some(middle(&area)))?);
         self.near(keys, &area, frame.origin())?;
         let mut no_fly = self.zones(keys, &frame, corners);
-        for of in keys.zones.iter().enumerate() {
-            no_fly.extend(self.shaped_zone(of, &frame, references));
-        }
+        no_fly.extend(self.shaped_zones(keys, &frame, (&area, references)));
         let outline = frame.outline(&area.outline());
         let mut map = Map {
             frame,

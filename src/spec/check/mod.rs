@@ -3,6 +3,7 @@
 
 mod airspace;
 mod fleet;
+mod keep_in;
 mod map;
 mod name;
 mod ranges;
