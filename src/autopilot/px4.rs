@@ -132,6 +132,7 @@ pub(super) static COPTER: Facts = Facts {
     corners: Some(CornerLaw::Circle),
     stops: Stops::NONE,
     behaviour: COPTER_BEHAVIOUR,
+    buffer_m: ardupilot::COPTER_BUFFER_M,
 };
 
 pub(super) static PLANE: Facts = Facts {
@@ -162,6 +163,7 @@ pub(super) static PLANE: Facts = Facts {
         takeoff_late_s: NONE,
         ..WING_BEHAVIOUR
     },
+    buffer_m: ardupilot::WING_BUFFER_M,
     ..COPTER
 };
 
@@ -189,5 +191,6 @@ pub(super) static VTOL: Facts = Facts {
     },
     corners: None,
     behaviour: WING_BEHAVIOUR,
+    buffer_m: ardupilot::WING_BUFFER_M,
     ..COPTER
 };

@@ -1,9 +1,10 @@
 //! `sortie check`: the spec alone.
 
 use super::args;
-use super::print::console::out;
+use super::print::console::{note, out};
 use super::print::failure::Failure;
 use crate::spec::{Document, Survey};
+use crate::verify;
 use crate::world;
 
 /// Zones of one file that are listed.
@@ -15,6 +16,9 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         Document::Mission(file) => {
             world::load(&file)?;
             let spec = &file.spec;
+            for text in verify::distant_from_area(spec, &[]) {
+                note(&format!("warning: {text}"));
+            }
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
             surveys.clone_from(&file.surveys);
             ("", vehicles, threats, spec.no_fly.len())

@@ -39,6 +39,9 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let missions = review::read(&file, &files)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
+    for text in verify::distant_from_area(&file.spec, &judged) {
+        note(&format!("warning: {text}"));
+    }
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {
@@ -70,6 +73,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         out_json(&delivery.json())?;
     } else {
         delivery.print()?;
+        table::print_no_buffers(&file.spec)?;
     }
     delivery.verdict()
 }
@@ -199,6 +203,7 @@ fn print_dry_run(
         ]);
     }
     rows.print()?;
+    table::print_no_buffers(&file.spec)?;
     out("nothing was sent (--dry-run)")
 }
 

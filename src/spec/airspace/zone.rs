@@ -24,7 +24,7 @@ pub struct Zone {
     /// Closed only from and to these times, seconds after T0, either of them possibly infinite;
     /// always if absent.
     pub active_s: Option<(f64, f64)>,
-    /// Distance kept from it, metres.
+    /// Distance kept from it, metres, if that of `buffer_m` is not more.
     pub buffer_m: f64,
     /// Where the zone comes from, if not from the spec itself: file and item.
     pub source: Option<String>,

@@ -2,6 +2,7 @@
 //! ground, all at once.
 
 mod airspace;
+mod buffers;
 mod fleet;
 mod keep_in;
 mod map;
@@ -89,7 +90,8 @@ impl Checker {
 
     fn spec(&mut self, keys: &keys::Spec, attached: &[AttachedFile]) -> Option<Checked> {
         self.file_name("name", &keys.name);
-        let map = self.map(keys, attached);
+        let buffers = self.buffers(keys);
+        let map = self.map(keys, buffers, attached);
         let wind = keys.wind.map(|wind| Wind {
             from_rad: wind.from_deg.to_radians(),
             speed_mps: wind.speed_mps,
@@ -99,6 +101,7 @@ impl Checker {
         let map = map?;
         let surveys = map.surveys;
         let spec = MissionSpec {
+            version: keys.sortie,
             name: keys.name.clone(),
             frame: map.frame,
             area: map.area,
@@ -108,6 +111,7 @@ impl Checker {
             rally: map.rally,
             vehicles,
             separation: keys.separation,
+            buffers,
             planner,
             mission: MissionOptions {
                 altitude: keys.mission.altitude,
