@@ -157,7 +157,10 @@ fn openair_has_miles_feet_and_arcs_and_a_broken_airspace_spoils_no_other() {
     let sector = named(&found, "LS-R1");
     assert_eq!(
         (sector.floor, sector.ceiling),
-        (Some(Height::Agl(457.2)), Some(Height::FlightLevel(120.0)))
+        (
+            Some(Height::Agl(1500.0 * 0.3048)),
+            Some(Height::FlightLevel(120.0))
+        )
     );
     let Geometry::Polygon { outer, .. } = &sector.geometry else {
         panic!("{sector:?}")
