@@ -76,7 +76,8 @@ fn a_zone_that_can_be_flown_over_closes_nothing() {
     let zone = |below: Option<Amsl>| Zone {
         id: "town".to_owned(),
         polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
-        below,
+        ceiling: below.map(Placement::Amsl),
+        ..Zone::default()
     };
     let mut bound = |below| {
         spec.no_fly = vec![zone(below)];

@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 use super::print::failure::Failure;
 use crate::dispatch::Dispatched;
 use crate::formats::{self, Document};
+use crate::library::mission_files;
 use crate::mission::{Parameter, VehicleMission};
 use crate::path::TimedPoint;
 use crate::report::{self, PlanDocument, ReviewInput};
@@ -54,7 +55,6 @@ pub(super) fn write(
     dispatched: &Dispatched,
     timing: &dyn Fn() -> serde_json::Value,
 ) -> Result<(), Failure> {
-    let (spec, review) = (&file.spec, &dispatched.review);
     let folder = NewFolder::next_to(out, in_the_way)?;
     copy_terrain(&folder, file)?;
     if let Some(table) = &file.table {
@@ -62,9 +62,23 @@ pub(super) fn write(
     }
     folder.write("spec.yaml", file.text.as_bytes())?;
     for (vehicle, mission) in &dispatched.missions {
-        let id = &spec.vehicles[*vehicle].id;
-        write_mission(&folder, id, mission, review.accepts(id))?;
+        let id = &file.spec.vehicles[*vehicle].id;
+        write_mission(&folder, id, mission, dispatched.review.accepts(id))?;
     }
+    write_documents(&folder, file, world, dispatched)?;
+    folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
+    folder.publish()?;
+    Ok(())
+}
+
+/// Writes maps, plan, review and page: the documents of the whole fleet.
+fn write_documents(
+    folder: &NewFolder,
+    file: &SpecFile,
+    world: &World,
+    dispatched: &Dispatched,
+) -> Result<(), Failure> {
+    let (spec, review) = (&file.spec, &dispatched.review);
     let paths: Vec<(&str, Vec<TimedPoint>)> = spec
         .vehicles
         .iter()
@@ -107,8 +121,6 @@ pub(super) fn write(
         report::json_text(&report::review_json(review)).as_bytes(),
     )?;
     folder.write("review.html", page.as_bytes())?;
-    folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
-    folder.publish()?;
     Ok(())
 }
 
@@ -119,15 +131,7 @@ fn write_mission(
     mission: &VehicleMission,
     is_accepted: bool,
 ) -> Result<(), Failure> {
-    let tag = if is_accepted { "" } else { REJECTED };
-    for (name, text) in [
-        (
-            format!("{id}{tag}.waypoints"),
-            formats::waypoints::write(mission),
-        ),
-        (format!("{id}{tag}.plan"), formats::plan::write(mission)),
-        (format!("{id}.params"), formats::params::write(mission)),
-    ] {
+    for (name, text) in mission_files(id, mission, is_accepted) {
         folder.write(&name, text.as_bytes())?;
     }
     Ok(())
@@ -145,7 +149,7 @@ fn copy_terrain(folder: &NewFolder, file: &SpecFile) -> Result<(), Failure> {
 }
 
 /// Marks the name of a mission that fails verification.
-pub(super) const REJECTED: &str = ".REJECTED";
+pub(super) use crate::library::REJECTED;
 
 /// Largest mission file: a thousand times the largest mission of any autopilot.
 const MAX_BYTES: u64 = 64 << 20;

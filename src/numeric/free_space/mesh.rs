@@ -13,7 +13,7 @@ use crate::numeric::geometry::{Point, doubled_area};
 /// No triangle: the edge is the border of the free space.
 pub const NONE: usize = usize::MAX;
 
-/// Triangles that cover all of the free space that some places are joined to.
+/// Triangles that cover all of the free space that some sites are joined to.
 #[derive(Clone, Debug)]
 pub struct FreeSpace {
     /// Corners.
@@ -23,7 +23,7 @@ pub struct FreeSpace {
     /// The triangle beyond the edge from each corner to the next, or [`NONE`].
     pub beyond: Vec<[usize; 3]>,
     /// The node at each place; none at a place that is not free.
-    pub places: Vec<Option<usize>>,
+    pub sites: Vec<Option<usize>>,
 }
 
 /// Positive where `c` is left of the line from `a` to `b`, exactly.
@@ -34,13 +34,13 @@ pub(super) fn left_of(a: Point, b: Point, c: Point) -> f64 {
 
 impl FreeSpace {
     /// The part of `area` that no ring of `closed` covers, as far as it is joined to one of
-    /// `places`, with nodes at them.
+    /// `sites`, with nodes at them.
     ///
     /// Rings are closed polygons, counter-clockwise; a clockwise ring within one of them is a
     /// hole of it. Corners may move by a hundred-millionth of the extent of all rings. `None`
     /// where numbers are not finite.
     #[must_use]
-    pub fn new(area: &[Point], closed: &[Vec<Point>], places: &[Point]) -> Option<Self> {
+    pub fn new(area: &[Point], closed: &[Vec<Point>], sites: &[Point]) -> Option<Self> {
         let mut outer = area.to_vec();
         if doubled_area(&outer) < 0.0 {
             outer.reverse();
@@ -48,7 +48,7 @@ impl FreeSpace {
         let closed = closed.to_vec();
         let shapes = vec![outer].overlay(&closed, OverlayRule::Difference, FillRule::NonZero);
         let mut corners = Corners::default();
-        let places = places
+        let sites = sites
             .iter()
             .map(|&at| {
                 let is_free = shapes.iter().any(|rings| covers(rings, at));
@@ -59,13 +59,13 @@ impl FreeSpace {
             .iter()
             .flat_map(|rings| corners.edges(rings))
             .collect();
-        Self::triangulated(corners.nodes, edges, places)
+        Self::triangulated(corners.nodes, edges, sites)
     }
 
     fn triangulated(
         nodes: Vec<Point>,
         edges: Vec<[usize; 2]>,
-        places: Vec<Option<usize>>,
+        sites: Vec<Option<usize>>,
     ) -> Option<Self> {
         let points = nodes.iter().map(|at| Point2::new(at[0], at[1])).collect();
         // An edge that is left out opens a gap: paths only get shorter.
@@ -91,7 +91,7 @@ impl FreeSpace {
             nodes,
             triangles,
             beyond,
-            places,
+            sites,
         };
         space.keep_joined();
         Some(space)
@@ -100,31 +100,34 @@ impl FreeSpace {
     /// Keeps only the triangles that are joined to a place.
     fn keep_joined(&mut self) {
         let mut is_place = vec![false; self.nodes.len()];
-        for &node in self.places.iter().flatten() {
+        for &node in self.sites.iter().flatten() {
             is_place[node] = true;
         }
         let mut number = vec![NONE; self.triangles.len()];
-        let mut kept: Vec<usize> = (0..self.triangles.len())
+        let mut joined: Vec<usize> = (0..self.triangles.len())
             .filter(|&at| self.triangles[at].iter().any(|&node| is_place[node]))
             .collect();
-        for (rank, &at) in kept.iter().enumerate() {
+        for (rank, &at) in joined.iter().enumerate() {
             number[at] = rank;
         }
         let mut next = 0;
-        while let Some(&at) = kept.get(next) {
+        while let Some(&at) = joined.get(next) {
             for side in self.beyond[at] {
                 if side != NONE && number[side] == NONE {
-                    number[side] = kept.len();
-                    kept.push(side);
+                    number[side] = joined.len();
+                    joined.push(side);
                 }
             }
             next += 1;
         }
         let old = std::mem::take(&mut self.triangles);
-        self.triangles = kept.iter().map(|&at| old[at]).collect();
+        self.triangles = joined.iter().map(|&at| old[at]).collect();
         let beyond = std::mem::take(&mut self.beyond);
         let renumbered = |side: usize| if side == NONE { NONE } else { number[side] };
-        self.beyond = kept.iter().map(|&at| beyond[at].map(renumbered)).collect();
+        self.beyond = joined
+            .iter()
+            .map(|&at| beyond[at].map(renumbered))
+            .collect();
     }
 }
 

@@ -10,7 +10,7 @@ use crate::numeric::geometry::{Point, distance};
 /// Paths to a corner that are longer than the shortest by this are dropped, metres.
 const TOLERANCE_M: f64 = 1e-9;
 
-/// The shortest path between two places of a free space.
+/// The shortest path between two sites of a free space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shortest {
     /// Length in the plane, metres; at most that of any path, but for rounding.
@@ -102,7 +102,7 @@ impl Sights {
     /// without a path.
     #[must_use]
     pub fn shortest(&self, from: usize, to: usize, most: usize) -> Option<Shortest> {
-        let place = |index: usize| self.space.places.get(index).copied().flatten();
+        let place = |index: usize| self.space.sites.get(index).copied().flatten();
         let (start, goal) = (place(from)?, place(to)?);
         let mut search = Search {
             space: &self.space,

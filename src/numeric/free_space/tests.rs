@@ -25,6 +25,8 @@ fn shortest_m(closed: &[Vec<Point>]) -> Option<f64> {
 /// Dijkstra over all pairs of corners that see each other.
 fn by_all_pairs_m(closed: &[Vec<Point>]) -> Option<f64> {
     let rings: Vec<Ring> = closed.iter().map(|ring| Ring::new(ring)).collect();
+    // Along an edge is free: the inside is not.
+    let shrunk: Vec<Ring> = closed.iter().map(|ring| Ring::new(&shrunk(ring))).collect();
     let mut corners = ENDS.to_vec();
     corners.extend(closed.iter().flatten());
     // Where edges cross there are corners as well.
@@ -43,7 +45,7 @@ fn by_all_pairs_m(closed: &[Vec<Point>]) -> Option<f64> {
             .flatten()
             .all(|value| (0.0..=100.0).contains(value));
         in_area
-            && rings.iter().all(|ring| {
+            && shrunk.iter().all(|ring| {
                 ring.inside_fraction((a, b), (0.0, 1.0), &mut scratch) * distance(a, b) < 1e-6
             })
     };
@@ -64,6 +66,14 @@ fn by_all_pairs_m(closed: &[Vec<Point>]) -> Option<f64> {
         }
     }
     to_m[1].is_finite().then_some(to_m[1])
+}
+
+/// A convex polygon, a little smaller.
+fn shrunk(ring: &[Point]) -> Vec<Point> {
+    let count = f64::from(u32::try_from(ring.len()).expect("few corners"));
+    let middle = [0, 1].map(|axis| ring.iter().map(|at| at[axis]).sum::<f64>() / count);
+    let toward = |at: &Point| [0, 1].map(|axis| at[axis] + 1e-8 * (middle[axis] - at[axis]));
+    ring.iter().map(toward).collect()
 }
 
 fn crossing(a: Point, b: Point, c: Point, d: Point) -> Option<Point> {

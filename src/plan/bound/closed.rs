@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 
 use super::closed_ground::closed_ground;
 use crate::numeric::geometry::{Point, Ring};
-use crate::world::{Disc, World};
+use crate::spec::{MissionSpec, Placement};
+use crate::world::{Disc, PlanZone, World};
 
 /// Corners of the polygon inside of a disc.
 const CORNERS: u32 = 64;
@@ -14,15 +15,38 @@ const ROUNDING_M: f64 = 0.01;
 const EARTH_RADIUS_M: f64 = 6_300_000.0;
 
 /// Closed polygons, counter-clockwise, holes in them clockwise.
-pub(super) fn closed_rings(world: &World) -> Vec<Vec<Point>> {
+pub(super) fn closed_rings(spec: &MissionSpec, world: &World) -> Vec<Vec<Point>> {
     let mut rings: Vec<Vec<Point>> = world.threats.iter().filter_map(inscribed).collect();
-    for zone in &world.zones {
-        if zone.below.is_none_or(|below| below > world.max_amsl) {
-            rings.push(Ring::around(&zone.outline).corners().to_vec());
+    for (zone, given) in world.zones.iter().zip(&spec.no_fly) {
+        if !is_closed_throughout(zone, world) {
+            continue;
+        }
+        // The outline of a circle reaches beyond it.
+        match given.circle {
+            Some((center, radius_m)) => rings.extend(inscribed(&Disc {
+                center: world.frame.to_plan(center),
+                radius_m,
+            })),
+            None => rings.push(Ring::around(&zone.outline).corners().to_vec()),
         }
     }
     rings.extend(closed_ground(world));
     rings
+}
+
+/// Whether a zone is closed at every time and every altitude that a path may have in it.
+fn is_closed_throughout(zone: &PlanZone, world: &World) -> bool {
+    let from_below = match zone.floor {
+        None => true,
+        Some(Placement::Agl(floor)) => floor <= world.min_agl,
+        Some(Placement::Amsl(_)) => false,
+    };
+    let to_above = match zone.ceiling {
+        None => true,
+        Some(Placement::Amsl(ceiling)) => ceiling > world.max_amsl,
+        Some(Placement::Agl(_)) => false,
+    };
+    zone.active_s.is_none() && from_below && to_above
 }
 
 /// A polygon inside of a disc, on the plane and on the earth.

@@ -69,12 +69,12 @@ struct Part {
 
 impl Part {
     fn under(world: &World, grid: &TerrainGrid) -> Option<Self> {
-        let places = world.area.exterior().coords().map(|corner| {
+        let sites = world.area.exterior().coords().map(|corner| {
             let (east_m, north_m) = corner.x_y();
             world.frame.from_plan(EastNorth { east_m, north_m })
         });
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for place in places {
+        for place in sites {
             let (row, column) = grid.row_column(place);
             for (axis, at) in [row, column].into_iter().enumerate() {
                 low[axis] = low[axis].min(at);

@@ -76,13 +76,13 @@ impl LevelGrid<'_> {
         } else {
             (after, before)
         };
-        let beside = [
+        let neighbours = [
             (south, Some(column)),
             (Some(row), Some(column + 1)),
             (north, Some(column)),
             (Some(row), column.checked_sub(1)),
         ];
-        for (side, (row, column)) in beside.into_iter().enumerate() {
+        for (side, (row, column)) in neighbours.into_iter().enumerate() {
             if !self.is_full(row, column) {
                 let (from, to) = (corners[side], corners[(side + 1) % 4]);
                 edges.insert(((from, from), (to, to)));
@@ -216,12 +216,12 @@ mod tests {
         #[test]
         fn the_rings_lie_where_the_surface_is_positive(
             values in prop::collection::vec(-1.0..1.0_f64, SIDE * SIDE),
-            places in prop::collection::vec((0.001..4.999_f64, 0.001..4.999_f64), 40),
+            sites in prop::collection::vec((0.001..4.999_f64, 0.001..4.999_f64), 40),
         ) {
             let grid = |rises_north| LevelGrid { columns: SIDE, rows: SIDE, values: &values, rises_north };
             let up = grid(true).rings(|row, column| [column, row]);
             let down = grid(false).rings(|row, column| [column, -row]);
-            for (x, y) in places {
+            for (x, y) in sites {
                 let (around, mirrored) = (winding(&up, [x, y]), winding(&down, [x, -y]));
                 prop_assert!((0..=1).contains(&around), "{around}");
                 prop_assert!((0..=1).contains(&mirrored), "{mirrored}");

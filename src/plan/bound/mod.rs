@@ -16,7 +16,6 @@ mod level_set;
 
 pub(super) use estimate::estimate;
 
-use super::fleet::vehicle::route_ends;
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::free_space::{FreeSpace, Sights};
 use crate::numeric::geometry::{Point, Ring};
@@ -29,15 +28,14 @@ const MAX_STEPS: usize = 2_000_000;
 /// samples: a share, and metres.
 const TOLERANCE: (f64, f64) = (1e-6, 0.1);
 
-/// Proven for each vehicle: no path that keeps its limits costs less.
-pub(super) fn proven(spec: &MissionSpec, world: &World) -> Vec<f64> {
-    let ends = spec.vehicles.iter().zip(&world.stations);
-    let routes: Vec<Vec<(PlanPoint, PlanPoint)>> = ends
-        .map(|(vehicle, stations)| route_ends(vehicle, stations))
-        .collect();
+/// Start and goal of each route of a vehicle.
+pub(super) type RouteEnds = Vec<(PlanPoint, PlanPoint)>;
+
+/// Proven for each vehicle by the ends of its routes: no path that keeps its limits costs less.
+pub(super) fn proven(spec: &MissionSpec, world: &World, routes: &[RouteEnds]) -> Vec<f64> {
     // The paper's objective reads threats at a few samples alone: its paths may cut them.
     let sights = match spec.planner.objective {
-        Objective::Operational => sights(world, &routes),
+        Objective::Operational => sights(spec, world, routes),
         Objective::Paper => None,
     };
     let mut place = 0;
@@ -59,15 +57,15 @@ pub(super) fn proven(spec: &MissionSpec, world: &World) -> Vec<f64> {
 }
 
 /// Sights past all that is closed, with a place at each end of each route.
-fn sights(world: &World, routes: &[Vec<(PlanPoint, PlanPoint)>]) -> Option<Sights> {
+fn sights(spec: &MissionSpec, world: &World, routes: &[RouteEnds]) -> Option<Sights> {
     let ends = routes
         .iter()
         .flatten()
         .flat_map(|&(from, to)| [from.at, to.at]);
-    let places: Vec<Point> = ends.map(point).collect();
+    let sites: Vec<Point> = ends.map(point).collect();
     let area = Ring::around(&world.area);
-    let closed = closed::closed_rings(world);
-    FreeSpace::new(area.corners(), &closed, &places).map(Sights::new)
+    let closed = closed::closed_rings(spec, world);
+    FreeSpace::new(area.corners(), &closed, &sites).map(Sights::new)
 }
 
 fn point(at: EastNorth) -> Point {

@@ -38,6 +38,7 @@ use crate::path::{Flight, flight};
 use crate::spec::MissionSpec;
 use crate::world::World;
 use prioritised::Fleet;
+use vehicle::route_ends;
 
 /// What to plan besides the spec.
 pub struct Request<'a> {
@@ -213,7 +214,11 @@ fn with_bounds(
     world: &World,
     plan: impl FnOnce() -> FleetPlan + Send,
 ) -> FleetPlan {
-    let (mut plan, bounds) = rayon::join(plan, || proven(spec, world));
+    let ends = spec.vehicles.iter().zip(&world.stations);
+    let routes: Vec<_> = ends
+        .map(|(vehicle, stations)| route_ends(vehicle, stations))
+        .collect();
+    let (mut plan, bounds) = rayon::join(plan, || proven(spec, world, &routes));
     for (vehicle, bound) in plan.vehicles.iter_mut().zip(bounds) {
         vehicle.set_bound(bound);
     }

@@ -17,10 +17,7 @@ use crate::world::Stations;
 const PATH_POINTS: usize = 1001;
 
 /// Where the routes of a vehicle begin and end.
-pub(in crate::plan) fn route_ends(
-    vehicle: &Vehicle,
-    stations: &Stations,
-) -> Vec<(PlanPoint, PlanPoint)> {
+pub(super) fn route_ends(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
     let out = (stations.start, stations.goal);
     match vehicle.finish {
         Finish::Land | Finish::Loiter => vec![out],
