@@ -29,10 +29,10 @@ const MAX_STEPS: usize = 2_000_000;
 const TOLERANCE: (f64, f64) = (1e-6, 0.1);
 
 /// Start and goal of each route of a vehicle.
-pub(super) type RouteEnds = Vec<(PlanPoint, PlanPoint)>;
+pub(super) type VehicleRoutes = Vec<(PlanPoint, PlanPoint)>;
 
 /// Proven for each vehicle by the ends of its routes: no path that keeps its limits costs less.
-pub(super) fn proven(spec: &MissionSpec, world: &World, routes: &[RouteEnds]) -> Vec<f64> {
+pub(super) fn proven(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]) -> Vec<f64> {
     // The paper's objective reads threats at a few samples alone: its paths may cut them.
     let sights = match spec.planner.objective {
         Objective::Operational => sights(spec, world, routes),
@@ -57,7 +57,7 @@ pub(super) fn proven(spec: &MissionSpec, world: &World, routes: &[RouteEnds]) ->
 }
 
 /// Sights past all that is closed, with a place at each end of each route.
-fn sights(spec: &MissionSpec, world: &World, routes: &[RouteEnds]) -> Option<Sights> {
+fn sights(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]) -> Option<Sights> {
     let ends = routes
         .iter()
         .flatten()
