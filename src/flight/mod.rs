@@ -4,6 +4,7 @@
 //! driver hands in messages and the time, sends what `poll_transmit` gives, and comes
 //! back at `poll_timeout`. [`Driver`] is that driver for real links.
 
+pub mod alarms;
 mod clock;
 mod conformance;
 mod document;

@@ -69,6 +69,7 @@ impl MissionSpec {
             mission: keys::MissionOptions::default(),
             wind: None,
             on_link_loss: super::OnLinkLoss::default(),
+            on_alarm: super::OnAlarm::default(),
         };
         Builder { keys }
     }

@@ -40,6 +40,7 @@ pub use crate::autopilot::{Airframe, Autopilot};
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
+pub use keys::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,

@@ -31,13 +31,13 @@ const FASTER: f64 = 2.0;
 
 /// How far from its way a vehicle may be, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Tube {
-    across_m: f64,
-    up_m: f64,
+pub(crate) struct Tube {
+    pub(crate) across_m: f64,
+    pub(crate) up_m: f64,
 }
 
 impl Tube {
-    fn of(vehicle: &Vehicle) -> Self {
+    pub(crate) fn of(vehicle: &Vehicle) -> Self {
         if !vehicle.airframe.has_wing() {
             return Self {
                 across_m: CROSS_TRACK_M,

@@ -1,6 +1,6 @@
 //! Commands that change what a vehicle does.
 
-use crate::autopilot::{Airframe, Autopilot, Mode, Modes, facts};
+use crate::autopilot::{Airframe, Autopilot, Mode, Modes, facts, mode_name};
 use crate::link::Command;
 use crate::mission::VehicleMission;
 
@@ -60,4 +60,10 @@ pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
 /// Whether a vehicle in this mode stays at its place as ordered; a wing circles there.
 pub(crate) fn is_hold(of: &VehicleMission, custom_mode: u32) -> bool {
     custom_mode == modes(of).hold.custom_mode
+}
+
+/// The name of a mode; its number where it is not known.
+pub(crate) fn name(of: &VehicleMission, custom_mode: u32) -> String {
+    mode_name(of.autopilot, of.airframe, custom_mode)
+        .map_or_else(|| format!("mode {custom_mode}"), str::to_owned)
 }

@@ -5,11 +5,13 @@
 //! given is an `Option` with the attribute `required`; the check reports where it is missing.
 
 mod fleet;
+mod on_alarm;
 mod options;
 mod scenario;
 mod vehicle;
 
 pub use fleet::{Fleet, Grid};
+pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use options::{MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
@@ -69,6 +71,9 @@ pub struct Spec {
     /// What the fleet does when the link to one vehicle is lost; absent: continue.
     #[serde(default)]
     pub on_link_loss: OnLinkLoss,
+    /// What is done at alarms in flight.
+    #[serde(default)]
+    pub on_alarm: OnAlarm,
 }
 
 /// A place on the earth, WGS84.
