@@ -82,6 +82,8 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
         6,
         "PX4 1.16 alpha, simulated: over a few legs in a row, at 8 and 12 m/s",
     )]),
+    // Its lean limit was not measured.
+    lean_speed_mps: NONE,
     // Each leg may be late already.
     corner_late_s: NONE,
     slow_landing_mps: 0.7,

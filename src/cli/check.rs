@@ -1,8 +1,9 @@
 //! `sortie check`: the spec alone.
 
 use super::args;
-use super::print::console::out;
+use super::print::console::{note, out};
 use super::print::failure::Failure;
+use crate::path::lean_problem;
 use crate::spec::Document;
 use crate::world;
 
@@ -11,6 +12,12 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         Document::Mission(file) => {
             world::load(&file)?;
             let spec = &file.spec;
+            for vehicle in &spec.vehicles {
+                let problem = lean_problem(vehicle, vehicle.speeds().most, spec.wind);
+                problem
+                    .iter()
+                    .for_each(|text| note(&format!("warning: {text}")));
+            }
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
             ("", vehicles, threats, spec.no_fly.len())
         }

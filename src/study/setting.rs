@@ -11,8 +11,8 @@ use crate::numeric::bspline::uniform_parameters;
 use crate::path::{Flight, time_route};
 use crate::spec::AltitudeReference;
 use crate::spec::{
-    Airframe, Area, Autopilot, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
-    OnAlarm, OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
+    Airframe, Area, Autopilot, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover, OnAlarm,
+    OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
 };
 use crate::world::{Departure, Disc, Ground, Stations, Terrain, World};
 

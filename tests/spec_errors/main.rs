@@ -3,6 +3,7 @@
 mod fleets;
 mod ground;
 mod meaning;
+mod on_alarm;
 mod ranges;
 mod structure;
 mod wings;

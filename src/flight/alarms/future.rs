@@ -21,8 +21,8 @@ const SLOW_MPS: f64 = 1.5;
 const SHIFT_ERROR_S: f64 = 3.0;
 
 /// Where a vehicle will be.
-struct Future {
-    segments: Vec<Segment>,
+pub(super) struct Future {
+    pub(super) segments: Vec<Segment>,
     /// How late it is; none for one that is not on its plan.
     late_s: Option<f64>,
 }
@@ -89,7 +89,7 @@ impl Alarms<'_> {
     }
 
     /// Where a vehicle will be: on its plan as late as it is now, or straight on.
-    fn future(&self, t_s: f64, index: usize) -> Option<Future> {
+    pub(super) fn future(&self, t_s: f64, index: usize) -> Option<Future> {
         let of = &self.vehicles[index];
         if of.duty.is_over {
             return None;
@@ -180,7 +180,11 @@ impl Alarms<'_> {
 fn straight_on((t_s, at_m): (f64, [f64; 3]), velocity_mps: [f64; 3]) -> Future {
     let [east, north, up] = velocity_mps;
     let is_slow = east.hypot(north).hypot(up) < SLOW_MPS;
-    let (for_s, speed) = if is_slow { (STAYS_S, 0.0) } else { (AHEAD_S, 1.0) };
+    let (for_s, speed) = if is_slow {
+        (STAYS_S, 0.0)
+    } else {
+        (AHEAD_S, 1.0)
+    };
     let gone = |axis: usize| at_m[axis] + speed * velocity_mps[axis] * for_s;
     let to = (t_s + for_s, [gone(0), gone(1), gone(2)]);
     Future {
@@ -191,10 +195,12 @@ fn straight_on((t_s, at_m): (f64, [f64; 3]), velocity_mps: [f64; 3]) -> Future {
 
 /// The least distance of two at the same time, and when; with a vertical limit that of where
 /// they are nearest by both.
-fn nearest(a: &[Segment], b: &[Segment], limit: &Separation) -> Option<(f64, f64)> {
+pub(super) fn nearest(a: &[Segment], b: &[Segment], limit: &Separation) -> Option<(f64, f64)> {
     let mut best: Option<(f64, f64)> = None;
     for one in a {
-        let together = b.iter().filter(|two| two.t0_s <= one.t1_s && two.t1_s >= one.t0_s);
+        let together = b
+            .iter()
+            .filter(|two| two.t0_s <= one.t1_s && two.t1_s >= one.t0_s);
         for two in together {
             let found = match limit.vertical_m {
                 None => closest_approach(one, two, 0.0).map(|near| (near.value, near.t_s)),

@@ -3,7 +3,6 @@
 use std::collections::VecDeque;
 
 use crate::link::{FlightMessage, Health, Message, SystemStatus};
-use crate::spec::Vehicle;
 
 /// `MAV_SEVERITY_CRITICAL`: texts up to this are alarms.
 const CRITICAL: u8 = 2;
@@ -48,7 +47,7 @@ pub(super) struct HealthState {
 }
 
 impl HealthState {
-    pub(super) fn handle(&mut self, t_s: f64, message: &Message, _vehicle: &Vehicle) {
+    pub(super) fn handle(&mut self, t_s: f64, message: &Message) {
         match message {
             Message::StatusText { severity, text } if *severity <= CRITICAL => {
                 while self.texts_s.front().is_some_and(|at| t_s - at > TEXTS_S) {
@@ -126,7 +125,7 @@ impl HealthState {
         self.fix
     }
 
-    pub(super) fn battery(&self, _vehicle: &Vehicle) -> Option<String> {
+    pub(super) fn battery(&self) -> Option<String> {
         let reserve = 100.0 * RESERVE;
         let low = self.remaining().filter(|left| f64::from(*left) < reserve);
         let low = low.map(|left| format!("{left} % left, reserve {reserve:.0} %"));
@@ -159,7 +158,7 @@ impl HealthState {
     }
 
     /// The next critical text.
-    pub(super) fn take_text(&mut self, _t_s: f64) -> Option<String> {
+    pub(super) fn take_text(&mut self) -> Option<String> {
         self.texts.pop_front()
     }
 }

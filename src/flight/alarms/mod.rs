@@ -5,6 +5,7 @@
 //! ([`Alarms::note`]), and the time ([`Alarms::look`]). It raises an [`Alarm`] once, and ends it
 //! when its cause has been gone for some seconds.
 
+mod clear;
 mod future;
 mod health;
 mod motion;
@@ -18,8 +19,8 @@ use super::record::{Fix, Plan};
 use crate::geodesy::PlanPoint;
 use crate::link::{Address, Message, Position};
 use crate::mission::VehicleMission;
-use crate::spec::{AlarmKind, MissionSpec, Vehicle};
-use crate::world::World;
+use crate::spec::{AlarmKind, MissionSpec, Threat, Vehicle};
+use crate::world::{Disc, World};
 use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
@@ -127,6 +128,7 @@ pub struct Alarms<'a> {
     speedup: f64,
     vehicles: Vec<Watched<'a>>,
     standing: BTreeMap<Key, Standing>,
+    popups: Vec<(Disc, String)>,
     out: VecDeque<Alarm>,
     /// When [`Alarms::look`] was last called, and looked into the future.
     looked_s: Option<f64>,
@@ -163,6 +165,7 @@ impl<'a> Alarms<'a> {
             speedup,
             vehicles: fleet.into_iter().map(watched).collect(),
             standing: BTreeMap::new(),
+            popups: Vec::new(),
             out: VecDeque::new(),
             looked_s: None,
             future_s: f64::NEG_INFINITY,
@@ -197,13 +200,13 @@ impl<'a> Alarms<'a> {
             return;
         };
         let (us, mission) = (self.us, of.mission);
-        of.health.handle(t_s, message, of.vehicle);
-        of.onboard.handle(t_s, message, us, mission);
+        of.health.handle(t_s, message);
+        of.onboard.handle(t_s, message, us, mission, of.duty.flies);
         if let Some(plan) = of.onboard.taken_up() {
             of.tube = TubeWatch::new(of.vehicle, &plan.reference);
             of.plan = plan.reference;
         }
-        if let Some(text) = of.health.take_text(t_s).filter(|_| of.duty.flies) {
+        if let Some(text) = of.health.take_text().filter(|_| of.duty.flies) {
             self.out.push_back(Alarm {
                 t_s,
                 vehicle,
@@ -239,8 +242,16 @@ impl<'a> Alarms<'a> {
         let moves = is_due && of.is_on_plan() && of.tube.should_move(&of.plan, &here);
         let (frozen, jumped) = of.motion.take(&here, position, moves);
         let (frozen, jumped) = (frozen.filter(|_| is_due), jumped.filter(|_| is_due));
-        self.set(fix.t_s, (AlarmKind::Position, vehicle, None, "frozen"), frozen);
-        self.set(fix.t_s, (AlarmKind::Position, vehicle, None, "jump"), jumped);
+        self.set(
+            fix.t_s,
+            (AlarmKind::Position, vehicle, None, "frozen"),
+            frozen,
+        );
+        self.set(
+            fix.t_s,
+            (AlarmKind::Position, vehicle, None, "jump"),
+            jumped,
+        );
         self.look_at_tube(vehicle, &here);
         self.look_at_distances(vehicle, &here);
     }
@@ -268,17 +279,41 @@ impl<'a> Alarms<'a> {
         }
     }
 
-    /// The link to a vehicle is lost or is back.
-    pub fn link(&mut self, t_s: f64, vehicle: usize, silent_s: Option<f64>) {
-        let key = (AlarmKind::Link, vehicle, None, "");
-        let text = silent_s.map(|silent_s| format!("link lost: nothing heard for {silent_s:.1} s"));
-        if text.is_none() && self.standing.remove(&key).is_some() {
-            let text = "link is back".to_owned();
-            self.push(t_s, key, false, text);
-        }
-        if text.is_some() {
-            self.set(t_s, key, text);
-        }
+    /// The alarms of a vehicle that stand.
+    #[must_use]
+    pub fn standing_of(&self, vehicle: usize) -> Vec<AlarmKind> {
+        let is_its = |key: &&Key| key.1 == vehicle || key.2 == Some(vehicle);
+        let standing = self.standing.keys().filter(is_its);
+        let mut kinds: Vec<AlarmKind> = standing.map(|key| key.0).collect();
+        kinds.dedup();
+        kinds
+    }
+
+    /// Percent of its battery left and `GPS_FIX_TYPE` of a vehicle, as far as it says so.
+    #[must_use]
+    pub fn reported(&self, vehicle: usize) -> (Option<i8>, Option<u8>) {
+        let of = self.vehicles.get(vehicle);
+        let health = of.map(|of| &of.health);
+        (
+            health.and_then(HealthState::remaining),
+            health.and_then(HealthState::fix),
+        )
+    }
+
+    /// The threats of the world, with their ids.
+    fn threats(&self) -> impl Iterator<Item = (Disc, &str)> {
+        let ids = self.spec.threats.iter().map(|threat| threat.id.as_str());
+        let popups = self.popups.iter();
+        let known = self.world.threats.iter().copied().zip(ids);
+        known.chain(popups.map(|(disc, id)| (*disc, id.as_str())))
+    }
+
+    /// Takes in a threat that has come up.
+    pub fn threat(&mut self, threat: &Threat) {
+        let center = self.world.frame.to_plan(threat.place);
+        let radius_m = threat.radius_m;
+        let disc = Disc { center, radius_m };
+        self.popups.push((disc, threat.id.clone()));
     }
 
     fn look_at_health(&mut self, t_s: f64, index: usize) {
@@ -286,7 +321,7 @@ impl<'a> Alarms<'a> {
         let (flies, is_up) = (of.duty.flies, of.duty.flies && of.duty.is_up);
         let is_ordered = of.duty.is_ordered;
         let health = &of.health;
-        let battery = health.battery(of.vehicle).filter(|_| flies);
+        let battery = health.battery().filter(|_| flies);
         let estimate = health.estimate().filter(|_| is_up);
         let fence = health.fence().filter(|_| is_up);
         let gps = health.gps().filter(|_| is_up);
@@ -325,7 +360,12 @@ impl<'a> Alarms<'a> {
                 } else {
                     format!(" ({})", key.3)
                 };
-                self.push(t_s, key, false, format!("over after {lasted_s:.0} s{cause}"));
+                self.push(
+                    t_s,
+                    key,
+                    false,
+                    format!("over after {lasted_s:.0} s{cause}"),
+                );
             }
             _ => {}
         }

@@ -40,8 +40,9 @@ impl Motion {
         self.still = Some((sent, since_s));
         let (still_s, speed_mps) = (t_s - since_s, here.fix.speed_mps);
         let is_frozen = still_s >= FROZEN_S && (speed_mps > MOVES_MPS || moves);
-        let frozen = is_frozen
-            .then(|| format!("position frozen for {still_s:.1} s at a speed of {speed_mps:.1} m/s"));
+        let frozen = is_frozen.then(|| {
+            format!("position frozen for {still_s:.1} s at a speed of {speed_mps:.1} m/s")
+        });
         let jumped = self.last.and_then(|last| jump(&last, here));
         self.last = Some(*here);
         (frozen, jumped)

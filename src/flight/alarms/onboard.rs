@@ -67,7 +67,12 @@ impl Onboard {
         message: &Message,
         us: Address,
         mission: &VehicleMission,
+        flies: bool,
     ) {
+        if !flies {
+            // What it holds before its flight was compared item by item.
+            (self.total, self.id, self.differs) = (None, None, None);
+        }
         match message {
             Message::Heartbeat(beat) => self.beat(t_s, *beat, mission),
             Message::MissionCurrent {
@@ -126,7 +131,9 @@ impl Onboard {
             (true, _) if total == 0 => Some("the mission on board was cleared".to_owned()),
             (true, _) => {
                 let items = self.items;
-                Some(format!("the mission on board has {total} items, the plan {items}"))
+                Some(format!(
+                    "the mission on board has {total} items, the plan {items}"
+                ))
             }
             (_, true) => Some("the mission on board is another one (its id changed)".to_owned()),
             _ => None,

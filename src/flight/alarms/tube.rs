@@ -111,7 +111,10 @@ impl TubeWatch {
         let Some(next) = plan.waypoints.iter().position(|of| of.item >= item) else {
             return false;
         };
-        let (Some(from), Some(to)) = (plan.waypoints.get(next.wrapping_sub(1)), plan.waypoints.get(next)) else {
+        let (Some(from), Some(to)) = (
+            plan.waypoints.get(next.wrapping_sub(1)),
+            plan.waypoints.get(next),
+        ) else {
             return false;
         };
         let far = |of: &crate::flight::Waypoint| of.point.at.distance_m(here.point.at) > STOPS_M;
@@ -146,7 +149,8 @@ impl Alarms<'_> {
         let least_m = min_agl_m - error_m(min_agl_m);
         let is_low = is_due && here.agl_m < least_m;
         let agl_m = here.agl_m;
-        let low = is_low.then(|| format!("{agl_m:.0} m over the ground (at least {min_agl_m:.0} m)"));
+        let low =
+            is_low.then(|| format!("{agl_m:.0} m over the ground (at least {min_agl_m:.0} m)"));
         let t_s = here.fix.t_s;
         self.set(t_s, (AlarmKind::Corridor, vehicle, None, ""), corridor);
         self.set(t_s, (AlarmKind::Clearance, vehicle, None, ""), low);

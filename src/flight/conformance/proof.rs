@@ -108,7 +108,13 @@ impl FlownTrack<'_> {
         let mut margins: Vec<Margin> = self.beginning(vehicle, world).into_iter().collect();
         margins.extend(self.leaps(vehicle));
         // A vehicle that is ordered to hold or to land leaves its path, and does not end as planned.
-        if !matches!(end, End::Held | End::StoppedAfterHold | End::LandedEarly) {
+        let left = [
+            End::Held,
+            End::StoppedAfterHold,
+            End::LandedEarly,
+            End::Returned,
+        ];
+        if !left.contains(end) {
             margins.extend(self.off_the_way(spec, tube));
         }
         if matches!(end, End::Landed | End::Loitering) {

@@ -11,7 +11,7 @@ pub(super) mod underway;
 pub use fix::Fix;
 
 use super::conformance::reference::Reference;
-use crate::spec::Threat;
+use crate::spec::{AlarmKind, Threat};
 
 /// The flight of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -73,6 +73,53 @@ pub struct Record {
     pub popups: Vec<PopUp>,
     /// Times that the recording program was stopped for: from, until, seconds after T0.
     pub stops: Vec<(f64, f64)>,
+    /// Alarms, in order of time.
+    pub alarms: Vec<RaisedAlarm>,
+}
+
+/// An alarm as it was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RaisedAlarm {
+    /// When it was raised, seconds after T0.
+    pub t_s: f64,
+    /// When it was over, seconds after T0; none for one that was not.
+    pub until_s: Option<f64>,
+    /// Id in the spec.
+    pub vehicle: String,
+    /// The other vehicle of a separation.
+    pub other: Option<String>,
+    /// What it is about.
+    pub kind: AlarmKind,
+    /// In words.
+    pub text: String,
+}
+
+impl Record {
+    /// Takes down an alarm that was raised or is over; the latter ends the first that stands.
+    pub(super) fn take_alarm(
+        &mut self,
+        t_s: f64,
+        (vehicle, other): (String, Option<String>),
+        kind: AlarmKind,
+        (is_raised, text): (bool, String),
+    ) {
+        if is_raised {
+            return self.alarms.push(RaisedAlarm {
+                t_s,
+                until_s: None,
+                vehicle,
+                other,
+                kind,
+                text,
+            });
+        }
+        let stands = |of: &&mut RaisedAlarm| {
+            of.until_s.is_none() && of.kind == kind && of.vehicle == vehicle && of.other == other
+        };
+        if let Some(alarm) = self.alarms.iter_mut().find(stands) {
+            alarm.until_s = Some(t_s);
+        }
+    }
 }
 
 impl Flown {

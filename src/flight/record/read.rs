@@ -146,6 +146,7 @@ impl Reading {
             speed_mps: line.speed_mps,
             item: line.item,
             items: line.items,
+            boot_ms: line.boot_ms,
         };
         let fixes = &mut self.of(&line.vehicle).flown.fixes;
         if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
@@ -208,6 +209,18 @@ impl Reading {
                 self.once(end_of(&vehicle))?;
                 let flown = &mut self.of(&vehicle).flown;
                 (flown.end, flown.until_s) = (End::of_words(&end), t_s);
+            }
+            Line::Alarm {
+                t_s,
+                vehicle,
+                other,
+                alarm,
+                raised,
+                event,
+            } => {
+                let vehicles = (vehicle, other);
+                self.record
+                    .take_alarm(t_s, vehicles, alarm, (raised, event));
             }
             Line::Event { .. } => {}
         }

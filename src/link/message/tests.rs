@@ -3,8 +3,8 @@
 use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MavlinkReader, Message as _};
 
-use super::health::{Health, SystemStatus};
 use super::flight::{Command, CommandResult, FlightMessage, LandedState, ParamValue, Position};
+use super::health::{Health, SystemStatus};
 use crate::link::codec::{Decoder, Encoder, Version};
 use crate::link::message::{Address, Message};
 
@@ -158,7 +158,11 @@ fn the_fields_are_where_the_dialect_has_them() {
             ],
             "GPS_RAW_INT" => &["FIX_3D_FIX", "satellites_visible: 11"],
             "BATTERY_STATUS" => &["id: 1", "battery_remaining: 45"],
-            "FENCE_STATUS" => &["breach_count: 2", "breach_status: 1", "FENCE_BREACH_BOUNDARY"],
+            "FENCE_STATUS" => &[
+                "breach_count: 2",
+                "breach_status: 1",
+                "FENCE_BREACH_BOUNDARY",
+            ],
             "EKF_STATUS_REPORT" => &[
                 "velocity_variance: 0.25",
                 "pos_horiz_variance: 0.5",

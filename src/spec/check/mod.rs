@@ -21,8 +21,8 @@ use super::positions::Positions;
 use super::table::Table;
 use super::value_sources::{ValueSources, in_order};
 use super::{
-    Action, Algorithm, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner,
-    Vehicle, Wind,
+    Action, Algorithm, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Vehicle,
+    Wind,
 };
 use crate::geodesy::LatLon;
 

@@ -120,6 +120,56 @@ impl FlightVehicle<'_> {
         self.said.push_back(format!("hold not confirmed: {why}"));
     }
 
+    /// Whether it lands, or returns, as ordered: by its mode. It is ordered again until it shows.
+    pub(super) fn look_whether_it_obeys(&mut self, t_s: f64) {
+        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let (mission, instruction) = (self.of.mission, self.instruction);
+        let (order, verb) = match instruction {
+            Some(Instruction::Land) => (modes::land(mission), "land"),
+            Some(Instruction::Return) => (Some(modes::return_to_launch(mission)), "return"),
+            Some(Instruction::Hold) | None => return,
+        };
+        let in_mode = mode.is_some_and(|mode| match instruction {
+            Some(Instruction::Land) => modes::is_land(mission, mode),
+            // At the end of a return an autopilot may change to its landing.
+            _ => modes::is_return(mission, mode) || modes::is_land(mission, mode),
+        });
+        if in_mode && !self.hold.was_in_mode {
+            self.hold.was_in_mode = true;
+            self.said.push_back(format!("{verb}s"));
+        }
+        let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
+        if in_mode || self.hold.was_in_mode {
+            return;
+        }
+        if !self.hold.is_reported && since_s >= CONFIRM_S {
+            self.hold.is_reported = true;
+            self.said.push_back(format!(
+                "{verb} not confirmed: its mode is another one; it is ordered again"
+            ));
+        }
+        let is_idle = self.pending.is_none() && self.orders.is_empty();
+        let again = *self.hold.again.get_or_insert(self.now + AGAIN_MS);
+        if is_idle && self.now >= again {
+            self.hold.again = None;
+            self.command(order);
+        }
+    }
+
+    /// Whether it was ordered to land or to return and is not seen to.
+    pub(crate) fn misses_its_order(&self) -> bool {
+        self.hold.is_reported && !self.hold.was_in_mode
+    }
+
+    /// Whether somebody has sent it on its mission again, after it obeyed an order to leave it.
+    pub(super) fn is_taken_back(&self) -> bool {
+        match self.instruction {
+            Some(Instruction::Hold) => true,
+            Some(Instruction::Land | Instruction::Return) => self.hold.was_in_mode,
+            None => false,
+        }
+    }
+
     /// Whether it was ordered to hold and is not seen to.
     pub(crate) fn misses_its_hold(&self) -> bool {
         self.instruction == Some(Instruction::Hold) && !self.holds && self.hold.is_reported
