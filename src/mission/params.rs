@@ -97,8 +97,7 @@ pub fn corner_cut_m(options: &MissionOptions) -> f64 {
 /// How far off the altitude of a waypoint a PX4 copter accepts it, metres: `NAV_MC_ALT_RAD`. One
 /// of 1.18 that came 2.7 m too high at 8 m/s never accepted it with the default of 0.8 m; with 5 m
 /// all items advanced.
-#[must_use]
-pub fn altitude_acceptance_m(options: &MissionOptions) -> f64 {
+fn altitude_acceptance_m(options: &MissionOptions) -> f64 {
     corner_cut_m(options).max(5.0)
 }
 

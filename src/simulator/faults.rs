@@ -7,7 +7,7 @@ use crate::spec::Wind;
 /// One thing that goes wrong from now on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fault {
-    /// The battery loses so many percent a second.
+    /// The battery drains.
     BatteryDrain {
         /// Percent a second.
         percent_s: f64,

@@ -171,9 +171,9 @@ impl Pilot {
     }
 
     /// The speed that it can make along a leg, m/s.
-    pub(crate) fn reachable_mps(&self, leg: Leg, wanted_mps: f64) -> f64 {
+    pub(crate) fn reachable_mps(&self, leg: Leg, planned_mps: f64) -> f64 {
         let Some(([east, north], airspeed_mps)) = self.gale else {
-            return wanted_mps;
+            return planned_mps;
         };
         let along = [leg.to_m[0] - leg.from_m[0], leg.to_m[1] - leg.from_m[1]];
         let length_m = along[0].hypot(along[1]).max(1e-6);
@@ -183,7 +183,7 @@ impl Pilot {
             .max(0.0)
             .sqrt()
             + tail;
-        wanted_mps.min(made.max(0.2))
+        planned_mps.min(made.max(0.2))
     }
 
     /// What it does in its mode.

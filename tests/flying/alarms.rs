@@ -51,7 +51,7 @@ fn alarms(sky: &Sky<'_>, kind: AlarmKind) -> Vec<(f64, String, String)> {
     sky.events.iter().filter_map(of).collect()
 }
 
-fn raised(sky: &Sky<'_>) -> Vec<&Event> {
+fn raised<'s>(sky: &'s Sky<'_>) -> Vec<&'s Event> {
     let is_raised = |event: &&Event| event.alarm.as_ref().is_some_and(|alarm| alarm.is_raised);
     sky.events.iter().filter(is_raised).collect()
 }
@@ -239,7 +239,7 @@ fn a_vehicle_that_is_held_up_is_late_and_the_conflict_that_follows_is_foretold()
     };
     sky.vehicles[0].fail(Fault::Wind {
         wind,
-        airspeed_mps: 14.0,
+        airspeed_mps: 17.4,
     });
     sky.fly_out();
     let late = alarms(&sky, AlarmKind::Late);

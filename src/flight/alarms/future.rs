@@ -17,7 +17,7 @@ const AHEAD_S: f64 = 15.0;
 const STAYS_S: f64 = 600.0;
 /// Slower than this it stays, m/s.
 const SLOW_MPS: f64 = 1.5;
-/// Shifts against each other are known to so many seconds.
+/// Error of a shift of one vehicle against another, seconds.
 const SHIFT_ERROR_S: f64 = 3.0;
 
 /// Where a vehicle will be.

@@ -371,7 +371,8 @@ impl<'a> Alarms<'a> {
         }
     }
 
-    fn push(&mut self, t_s: f64, (kind, vehicle, other, _): Key, is_raised: bool, text: String) {
+    fn push(&mut self, t_s: f64, key: Key, is_raised: bool, text: String) {
+        let (kind, vehicle, other, _) = key;
         self.out.push_back(Alarm {
             t_s,
             vehicle,

@@ -10,7 +10,7 @@ use crate::mission::VehicleMission;
 use crate::path::{corner_late_s, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, AlarmKind, Vehicle};
 
-/// Lateness is known to so many seconds: positions are off, and plans linear between waypoints.
+/// Error of lateness, seconds: positions are off, and plans linear between waypoints.
 const LATE_ERROR_S: f64 = 3.0;
 /// Legs this much farther than the nearest may be the one that is flown, metres.
 const ALIKE_M: f64 = 10.0;

@@ -96,28 +96,18 @@ pub struct RaisedAlarm {
 
 impl Record {
     /// Takes down an alarm that was raised or is over; the latter ends the first that stands.
-    pub(super) fn take_alarm(
-        &mut self,
-        t_s: f64,
-        (vehicle, other): (String, Option<String>),
-        kind: AlarmKind,
-        (is_raised, text): (bool, String),
-    ) {
+    pub(super) fn take_alarm(&mut self, alarm: RaisedAlarm, is_raised: bool) {
         if is_raised {
-            return self.alarms.push(RaisedAlarm {
-                t_s,
-                until_s: None,
-                vehicle,
-                other,
-                kind,
-                text,
-            });
+            return self.alarms.push(alarm);
         }
-        let stands = |of: &&mut RaisedAlarm| {
-            of.until_s.is_none() && of.kind == kind && of.vehicle == vehicle && of.other == other
+        let is_it = |of: &&mut RaisedAlarm| {
+            of.until_s.is_none()
+                && of.kind == alarm.kind
+                && of.vehicle == alarm.vehicle
+                && of.other == alarm.other
         };
-        if let Some(alarm) = self.alarms.iter_mut().find(stands) {
-            alarm.until_s = Some(t_s);
+        if let Some(standing) = self.alarms.iter_mut().find(is_it) {
+            standing.until_s = Some(alarm.t_s);
         }
     }
 }

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::invalid_line;
 use super::lines::{FixLine, Line, place};
-use super::{Fix, Flight, Record};
+use super::{Fix, Flight, RaisedAlarm, Record};
 use crate::flight::session::end::End;
 use crate::geodesy::{Amsl, LocalFrame};
 
@@ -218,9 +218,15 @@ impl Reading {
                 raised,
                 event,
             } => {
-                let vehicles = (vehicle, other);
-                self.record
-                    .take_alarm(t_s, vehicles, alarm, (raised, event));
+                let of = RaisedAlarm {
+                    t_s,
+                    until_s: None,
+                    vehicle,
+                    other,
+                    kind: alarm,
+                    text: event,
+                };
+                self.record.take_alarm(of, raised);
             }
             Line::Event { .. } => {}
         }
