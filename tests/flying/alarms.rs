@@ -7,11 +7,13 @@ use crate::support::sky;
 use rayon::prelude::*;
 use sky::{Planned, Sky, lane, plan, plan_shipped};
 use sortie::flight::*;
+use sortie::geodesy::Amsl;
 use sortie::link::*;
 use sortie::simulator::Fault;
 use sortie::spec::{
     Action, AlarmKind, Answer, Autopilot, OnAlarm, OnLinkLoss, Vehicle as Spec, Who, Wind,
 };
+use sortie::world::Disc;
 
 /// Within this time of the fault the alarm must be there, seconds.
 const AT_ONCE_S: f64 = 2.0;
@@ -276,7 +278,7 @@ fn an_alarm_is_in_the_record_with_its_end() {
     let fix = record.flights[0].flown.fixes[0];
     lines.push(Line::of_fix("alpha", &fix).text());
     let read = read_record(&lines.join("\n"), plan.world.frame).expect("a record");
-    assert_eq!(read.alarms.len(), 1, "{:?}", read.alarms);
+    assert!(!read.alarms.is_empty(), "{:?}", sky.events);
     let alarm = &read.alarms[0];
     assert_eq!(
         (alarm.kind, alarm.vehicle.as_str()),
@@ -286,9 +288,11 @@ fn an_alarm_is_in_the_record_with_its_end() {
         alarm.until_s.is_some_and(|until_s| until_s > alarm.t_s),
         "{alarm:?}"
     );
+    let count = read.alarms.len();
     record.alarms = read.alarms;
     let document = flight_json(&record, &judge(&plan.spec, &plan.world, &record));
-    assert_eq!(document.alarms.len(), 1);
+    assert_eq!(document.alarms.len(), count);
+    assert_eq!(document.alarms[0].alarm, AlarmKind::Position);
 }
 
 fn answer(who: Who, action: Action) -> Option<Answer> {
@@ -393,4 +397,96 @@ fn a_flight_with_noise_in_which_nothing_goes_wrong_has_no_alarm() {
         wrong.extend(false_alarms(&plan, &[1.5, 2.5], 0..flights));
     }
     assert!(wrong.is_empty(), "{}: {wrong:#?}", wrong.len());
+}
+
+/// Two, and the first returns at 520 m when its battery is low.
+fn returning() -> Planned {
+    let mut fleet = two();
+    fleet[0].return_amsl = Some(Amsl(520.0));
+    let mut plan = plan(fleet, OnLinkLoss::Continue);
+    plan.spec.on_alarm.battery = answer(Who::Vehicle, Action::Return);
+    plan
+}
+
+#[test]
+fn a_vehicle_with_a_low_battery_returns_where_its_way_home_is_clear() {
+    let plan = returning();
+    let mut sky = sky(&plan);
+    sky.fly_to(FAULT_S);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 50.0 });
+    sky.fly_out();
+    assert!(
+        sky.says("alpha", "on_alarm battery: is ordered to return"),
+        "{:?}",
+        sky.events
+    );
+    assert_eq!(
+        (sky.end(0), sky.end(1)),
+        (End::Returned, End::Landed),
+        "{:?}",
+        sky.events
+    );
+}
+
+#[test]
+fn a_return_that_is_not_clear_is_not_ordered_and_the_vehicle_continues() {
+    let mut plan = returning();
+    // It came up behind the vehicle.
+    let wall = crate::support::threat("wall", crate::support::place(36.3004, -84.2575), 60.0);
+    let center = plan.world.frame.to_plan(wall.place);
+    plan.world.threats.push(Disc {
+        center,
+        radius_m: wall.radius_m,
+    });
+    plan.spec.threats.push(wall);
+    let mut sky = sky(&plan);
+    sky.fly_to(FAULT_S);
+    sky.vehicles[0].fail(Fault::BatteryDrain { percent_s: 50.0 });
+    sky.fly_out();
+    let text = "does not return, it continues: its way home leads into wall";
+    assert!(sky.says("alpha", text), "{:?}", sky.events);
+    assert_eq!(sky.end(0), End::Landed, "{:?}", sky.events);
+}
+
+#[test]
+fn a_wing_is_held_only_where_its_circle_is_clear() {
+    use crate::support::{place, threat};
+    for blocked in [false, true] {
+        let heron = Spec {
+            home: place(36.29, -84.30),
+            ..crate::support::plane("heron", 1, place(36.29, -84.28), place(36.29, -84.245))
+        };
+        let mut plan = plan(vec![heron], OnLinkLoss::Continue);
+        plan.spec.on_alarm.ekf = answer(Who::Vehicle, Action::Hold);
+        if blocked {
+            // As wide as the way that is left, on its left-hand side.
+            let wall = threat("wall", place(36.295, -84.27), 480.0);
+            let center = plan.world.frame.to_plan(wall.place);
+            plan.world.threats.push(Disc {
+                center,
+                radius_m: wall.radius_m,
+            });
+            plan.spec.threats.push(wall);
+        }
+        let mut sky = sky(&plan);
+        let at = |sky: &Sky<'_>| {
+            let flown = sky.fleet.flown().next().expect("heron").1;
+            flown.fixes.last().map_or(-85.0, |fix| fix.place.lon_deg)
+        };
+        while at(&sky) < -84.27 {
+            assert!(sky.fleet.outcome().is_none(), "{:?}", sky.events);
+            sky.step();
+        }
+        sky.vehicles[0].fail(Fault::BadEstimate);
+        sky.fly_to(sky.fleet.t_s(sky.now).expect("T0") + 3.0);
+        let held = sky.says("heron", "on_alarm ekf: is ordered to hold");
+        let refused =
+            "on_alarm ekf: does not hold, it continues: its circle of 100 m leads into wall";
+        assert_eq!(
+            (held, sky.says("heron", refused)),
+            (!blocked, blocked),
+            "{:?}",
+            sky.events
+        );
+    }
 }

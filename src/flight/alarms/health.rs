@@ -181,8 +181,8 @@ pub(super) fn fix_word(fix: u8) -> &'static str {
 fn wrong(values: &[f32; 4], limit: f32, flags: u16) -> Option<String> {
     let names = ["velocity", "position", "altitude", "compass"];
     let mut bad = names.iter().zip(values);
-    // Not `>`: what is no number is bad.
-    let bad = bad.find(|(_, value)| !(**value <= limit));
+    // What is no number is bad.
+    let bad = bad.find(|(_, value)| value.is_nan() || **value > limit);
     if let Some((name, value)) = bad {
         return Some(format!("{name} variance {value:.1} (at most {limit})"));
     }

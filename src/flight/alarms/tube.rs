@@ -16,6 +16,8 @@ const LATE_ERROR_S: f64 = 3.0;
 const ALIKE_M: f64 = 10.0;
 /// A vehicle that is nearer than this to a waypoint may stand still, metres.
 const STOPS_M: f64 = 20.0;
+/// Lower over the ground than this it may have landed, metres.
+const LOW_M: f64 = 5.0;
 /// Slower than this a planned leg is none that a vehicle must be seen to move on, m/s.
 const SLOW_MPS: f64 = 1.0;
 
@@ -107,6 +109,8 @@ impl TubeWatch {
 
     /// Whether it must be seen to move: it is in the middle of a leg.
     pub(super) fn should_move(&self, plan: &Reference, here: &Here) -> bool {
+        // A plane that rolled out stands until its motors stop.
+        let is_low = here.agl_m <= LOW_M;
         let item = here.fix.item;
         let Some(next) = plan.waypoints.iter().position(|of| of.item >= item) else {
             return false;
@@ -119,7 +123,7 @@ impl TubeWatch {
         };
         let far = |of: &crate::flight::Waypoint| of.point.at.distance_m(here.point.at) > STOPS_M;
         let length_m = from.point.at.distance_m(to.point.at);
-        far(from) && far(to) && length_m > SLOW_MPS * (to.t_s - from.t_s)
+        !is_low && far(from) && far(to) && length_m > SLOW_MPS * (to.t_s - from.t_s)
     }
 }
 
@@ -133,6 +137,10 @@ impl Alarms<'_> {
         let is_on_plan = of.is_on_plan();
         let (corridor, late) = if is_due && !of.duty.is_ordered {
             let found = of.tube.deviation(&of.plan, here);
+            // Where it stays at the end of its plan time goes on.
+            let last_s = of.plan.waypoints.last().map_or(0.0, |last| last.t_s);
+            let has_come = |found: &Deviation| !of.plan.lands && found.t_s >= last_s - LATE_ERROR_S;
+            let found = found.filter(|found| !has_come(found));
             let late_s = found.map(|of| here.fix.t_s - of.t_s);
             of.tube.late_s = late_s.filter(|_| is_on_plan);
             let assumed_s = assumed_late_s(of.vehicle, of.mission, &of.plan, here.fix.item);
