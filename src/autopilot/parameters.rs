@@ -173,7 +173,7 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("NAV_MC_ALT_RAD", 0.8, M),
     p("COM_DISARM_PRFLT", 10.0, S),
     p("RTL_RETURN_ALT", 60.0, M),
-    p("RTL_CONE_ANG", 45.0, Deg),
+    int32(p("RTL_CONE_ANG", 45.0, Deg)),
     p("RTL_LAND_DELAY", 0.0, S),
     int32(p("GF_ACTION", 2.0, Number)),
 ];

@@ -5,6 +5,7 @@ use super::print::console::{note, out};
 use super::print::failure::Failure;
 use crate::path::lean_problem;
 use crate::spec::Document;
+use crate::verify;
 use crate::world;
 
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
@@ -17,6 +18,9 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
                 problem
                     .iter()
                     .for_each(|text| note(&format!("warning: {text}")));
+            }
+            for text in verify::distant_from_area(spec, &[]) {
+                note(&format!("warning: {text}"));
             }
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
             ("", vehicles, threats, spec.no_fly.len())

@@ -29,6 +29,8 @@ pub enum Limit {
     TakeoffLandingClearance,
     /// Height above the ground in the column of a vertical takeoff or landing.
     GroundContact,
+    /// Least altitude above home on the route, where the ground is not known.
+    AboveHome,
     /// Greatest altitude.
     Ceiling,
     /// Distance to the threat with this id.
@@ -276,6 +278,7 @@ impl Limit {
             Self::TakeoffLandingClearance
             | Self::LandingHeading
             | Self::GlideAngle
+            | Self::AboveHome
             | Self::HomeFence
             | Self::Wind
             | Self::AcceptanceRadius
@@ -306,6 +309,7 @@ impl fmt::Display for Limit {
             Self::TerrainClearance => "terrain clearance",
             Self::TakeoffLandingClearance => "takeoff and landing clearance",
             Self::GroundContact => "ground contact",
+            Self::AboveHome => "altitude above home",
             Self::Ceiling => "ceiling",
             Self::Separation => "separation",
             Self::Area => "area",

@@ -148,6 +148,7 @@ mod measure;
 mod review;
 
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
+pub use limits::distant::{distant_from_area, distant_from_home};
 pub use review::review;
 
 use crate::geodesy::{Amsl, LatLon};

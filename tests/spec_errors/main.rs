@@ -7,6 +7,7 @@ mod on_alarm;
 mod ranges;
 mod structure;
 mod wings;
+mod zones;
 
 use std::fs;
 use std::path::Path;

@@ -83,7 +83,8 @@ fn with_spec(
     let world = world::load(&file)?;
     let missions = missions(&file, &world, files, named)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
-    let review = verify::review(&file.spec, &world, &judged);
+    let mut review = verify::review(&file.spec, &world, &judged);
+    warn(&mut review, verify::distant_from_area(&file.spec, &judged));
     deliver(
         &ReviewInput {
             spec: &file.spec,
@@ -98,6 +99,14 @@ fn with_spec(
         &[],
         arguments,
     )
+}
+
+/// Prints what lies far away, and keeps it with the review.
+fn warn(review: &mut verify::Review, distant: Vec<String>) {
+    for text in &distant {
+        note(&format!("warning: {text}"));
+    }
+    review.assumptions.extend(distant);
 }
 
 /// The missions of the vehicles of a spec, from the files that hold them.
@@ -179,6 +188,7 @@ fn without_spec(
     for text in &made.assumed {
         note(&format!("note: {text}"));
     }
+    warn(&mut review, verify::distant_from_home(&made.spec, &judged));
     deliver(
         &ReviewInput {
             spec: &made.spec,

@@ -39,6 +39,9 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let missions = review::read(&file, &files)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
+    for text in verify::distant_from_area(&file.spec, &judged) {
+        note(&format!("warning: {text}"));
+    }
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {

@@ -43,7 +43,7 @@ impl Alarms<'_> {
                     north_m: here.point.at.north_m + radius_m * cos,
                 };
                 let amsl = here.point.amsl;
-                if let Some(why) = self.place_problem(PlanPoint { at, amsl }) {
+                if let Some(why) = self.place_problem(PlanPoint { at, amsl }, t_s) {
                     return Some(format!("{circle} {why}"));
                 }
             }
@@ -92,7 +92,7 @@ impl Alarms<'_> {
             };
             // Over its home it comes down.
             if at.distance_m(to) > COLUMN_M
-                && let Some(why) = self.place_problem(PlanPoint { at, amsl })
+                && let Some(why) = self.place_problem(PlanPoint { at, amsl }, t_s)
             {
                 return Some(format!("its way home {why}"));
             }
@@ -110,7 +110,7 @@ impl Alarms<'_> {
     }
 
     /// What is wrong with a place on the route.
-    fn place_problem(&self, point: PlanPoint) -> Option<String> {
+    fn place_problem(&self, point: PlanPoint, t_s: f64) -> Option<String> {
         let place = self.world.frame.from_plan(point.at);
         let Ok(ground) = self.world.terrain.height(place) else {
             return Some("has no elevation data".to_owned());
@@ -126,7 +126,11 @@ impl Alarms<'_> {
             return Some("leaves the area".to_owned());
         }
         let mut zones = self.spec.no_fly.iter().zip(&self.world.zones);
-        let closed = zones.find(|(_, shape)| shape.is_closed_at(point));
+        // It may come up while the vehicle is there.
+        let closed = zones.find(|(_, shape)| {
+            let is_closed = |at_s: f64| shape.is_closed_at(point, ground.0, at_s);
+            is_closed(t_s) || is_closed(t_s + AHEAD_S)
+        });
         closed.map(|(zone, _)| format!("leads into {}", zone.id))
     }
 

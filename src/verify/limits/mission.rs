@@ -40,6 +40,7 @@ impl Contract<'_> {
         margins.push(self.item_count());
         margins.extend(self.acceptance());
         margins.extend(self.home(home, fence));
+        margins.extend(self.above_home());
         margins.extend(self.route());
         margins.extend(self.finish());
         margins.extend(self.departure());
