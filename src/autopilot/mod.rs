@@ -165,6 +165,9 @@ pub struct Facts {
     pub stops: Stops,
     /// How it deviates from straight legs flown on time.
     pub behaviour: Behaviour,
+    /// Buffer to every limit unless the spec says otherwise, metres: for errors of position and
+    /// control that the verdict does not model.
+    pub buffer_m: f64,
 }
 
 /// The table of one autopilot on one airframe.

@@ -140,6 +140,7 @@ pub(super) static COPTER: Facts = Facts {
     corners: Some(CornerLaw::Circle),
     stops: Stops::NONE,
     behaviour: COPTER_BEHAVIOUR,
+    buffer_m: ardupilot::COPTER_BUFFER_M,
 };
 
 pub(super) static PLANE: Facts = Facts {
@@ -170,6 +171,7 @@ pub(super) static PLANE: Facts = Facts {
         takeoff_late_s: NONE,
         ..WING_BEHAVIOUR
     },
+    buffer_m: ardupilot::WING_BUFFER_M,
     ..COPTER
 };
 
@@ -197,5 +199,6 @@ pub(super) static VTOL: Facts = Facts {
     },
     corners: None,
     behaviour: WING_BEHAVIOUR,
+    buffer_m: ardupilot::WING_BUFFER_M,
     ..COPTER
 };

@@ -7,6 +7,7 @@ mod evaluate;
 mod fly;
 mod folder;
 mod man;
+mod migrate;
 mod new;
 mod plan;
 mod print;
@@ -59,6 +60,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Terrain(command) => terrain::run(command),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
+        Command::Migrate(arguments) => migrate::run(arguments),
         Command::New(arguments) => new::run(arguments),
         Command::Man { folder } => man::run(folder),
         Command::Schema => out_text(&crate::spec::json_schema()),

@@ -68,6 +68,7 @@ impl MissionSpec {
             vehicles: Vec::new(),
             fleet: None,
             separation: super::Separation::default(),
+            buffer_m: None,
             planner: keys::Planner::default(),
             mission: keys::MissionOptions::default(),
             wind: None,

@@ -92,6 +92,38 @@ impl SpecFile {
         })
     }
 
+    /// The text of a spec of version 1 with 2 in place of its version; all else stays.
+    ///
+    /// # Errors
+    /// A version that is not written as the digit 1 where it stands, such as an alias.
+    pub fn in_version_2(&self) -> Result<String, SpecError> {
+        let unclear = || {
+            let found = "a version that is not written as 1 here".to_owned();
+            self.error(vec![self.issue("sortie", found, "sortie: 1".to_owned())])
+        };
+        let place = self.issue("sortie", String::new(), String::new());
+        let at = place.position.and_then(|(line, column)| {
+            // Positions are those of the text after a byte order mark.
+            let yaml = self.text.strip_prefix('\u{feff}').unwrap_or(&self.text);
+            let mark = self.text.len() - yaml.len();
+            let before = yaml
+                .split_inclusive('\n')
+                .take(line - 1)
+                .map(str::len)
+                .sum::<usize>();
+            let (within, _) = yaml.get(before..)?.char_indices().nth(column - 1)?;
+            Some(mark + before + within)
+        });
+        let at = at.ok_or_else(unclear)?;
+        let (head, tail) = self.text.split_at_checked(at).ok_or_else(unclear)?;
+        let rest = tail.strip_prefix('1').ok_or_else(unclear)?;
+        let ends = |next: char| next.is_whitespace() || ",}#".contains(next);
+        match rest.chars().next().is_none_or(ends) {
+            true => Ok(format!("{head}2{rest}")),
+            false => Err(unclear()),
+        }
+    }
+
     /// A problem at a path of this file, with its line and column.
     #[must_use]
     pub fn issue(&self, path: &str, found: String, allowed: String) -> Issue {

@@ -71,6 +71,8 @@ pub(super) enum Command {
     /// Run the paper's experiment and other studies
     #[command(subcommand)]
     Study(Study),
+    /// Rewrite a spec of version 1 as version 2, which has buffers; comments stay
+    Migrate(Migrate),
     /// Print the JSON Schema of the spec
     Schema,
     /// Write the manual pages of all commands
@@ -164,6 +166,18 @@ fn samples(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|samples| (2..=100_000).contains(samples))
         .ok_or_else(|| "not a whole number from 2 to 100000".to_owned())
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Migrate {
+    /// The mission spec (YAML)
+    pub(super) spec: PathBuf,
+    /// Write to this file instead of printing
+    #[arg(short, long, value_name = "FILE", conflicts_with = "in_place")]
+    pub(super) output: Option<PathBuf>,
+    /// Replace the spec itself
+    #[arg(long)]
+    pub(super) in_place: bool,
 }
 
 #[derive(Debug, clap::Args)]

@@ -98,6 +98,7 @@ fn with_spec(
         },
         &[],
         arguments,
+        true,
     )
 }
 
@@ -202,6 +203,7 @@ fn without_spec(
         },
         &not_judged,
         arguments,
+        false,
     )
 }
 
@@ -266,6 +268,7 @@ fn deliver(
     input: &ReviewInput<'_>,
     not_judged: &[String],
     arguments: &args::Review,
+    has_spec: bool,
 ) -> Result<(), Failure> {
     let review = input.review;
     if let Some(target) = &arguments.html {
@@ -278,6 +281,9 @@ fn deliver(
         out_json(&report::review_json(review))?;
     } else {
         print(&input.spec.name, review, not_judged)?;
+        if has_spec {
+            table::print_no_buffers(input.spec)?;
+        }
     }
     if review.passes() {
         Ok(())

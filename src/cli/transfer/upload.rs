@@ -73,6 +73,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         out_json(&delivery.json())?;
     } else {
         delivery.print()?;
+        table::print_no_buffers(&file.spec)?;
     }
     delivery.verdict()
 }
@@ -202,6 +203,7 @@ fn print_dry_run(
         ]);
     }
     rows.print()?;
+    table::print_no_buffers(&file.spec)?;
     out("nothing was sent (--dry-run)")
 }
 

@@ -227,10 +227,10 @@ fn refuse_edited_params(
     missions: &[(usize, VehicleMission)],
 ) -> Result<(), FlightError> {
     for (index, mission) in missions {
-        let has_fence = !mission.fence.is_empty();
+        let fence_margin_m = (!mission.fence.is_empty()).then(|| spec.fence_margin_m());
         let vehicle = &spec.vehicles[*index];
         let home_amsl_m = f64::from(mission.home.amsl_m);
-        let planned = mission::parameters(vehicle, &spec.mission, home_amsl_m, has_fence);
+        let planned = mission::parameters(vehicle, &spec.mission, home_amsl_m, fence_margin_m);
         if let Some(problem) = first_difference(&mission.params, &planned) {
             let path = params_path(folder, vehicle);
             let message = format!("{}: {problem}; nothing was started", path.display());

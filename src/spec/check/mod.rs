@@ -1,6 +1,7 @@
 //! From the keys of a file to a checked spec: reports every problem that shows without the
 //! ground, all at once.
 
+mod buffers;
 mod fleet;
 mod map;
 mod name;
@@ -82,7 +83,8 @@ impl Checker {
 
     fn spec(&mut self, keys: &keys::Spec) -> Option<MissionSpec> {
         self.file_name("name", &keys.name);
-        let map = self.map(keys);
+        let buffers = self.buffers(keys);
+        let map = self.map(keys, buffers);
         let wind = keys.wind.map(|wind| Wind {
             from_rad: wind.from_deg.to_radians(),
             speed_mps: wind.speed_mps,
@@ -92,6 +94,7 @@ impl Checker {
         self.on_alarm(keys, &vehicles);
         let map = map?;
         Some(MissionSpec {
+            version: keys.sortie,
             name: keys.name.clone(),
             frame: map.frame,
             area: map.area,
@@ -101,6 +104,7 @@ impl Checker {
             rally: map.rally,
             vehicles,
             separation: keys.separation,
+            buffers,
             planner,
             mission: MissionOptions {
                 altitude: keys.mission.altitude,

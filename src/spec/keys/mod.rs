@@ -13,7 +13,7 @@ mod zones;
 
 pub use fleet::{Fleet, Grid};
 pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
-pub use options::{MissionOptions, Planner, Wind};
+pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
 pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
@@ -33,8 +33,8 @@ use crate::geodesy::LatLon;
     extend("anyOf" = [{"required": ["vehicles"]}, {"required": ["fleet"]}])
 )]
 pub struct Spec {
-    /// Version of this format: 1.
-    #[schemars(range(min = 1, max = 1))]
+    /// Version of this format: 2, or 1, which has no buffers.
+    #[schemars(range(min = 1, max = 2))]
     pub sortie: u32,
     /// Name of the mission and of its output folder: letters, digits, - and _.
     #[schemars(length(min = 1, max = 64))]
@@ -69,6 +69,9 @@ pub struct Spec {
     /// How far apart vehicles stay from takeoff to touchdown.
     #[serde(default)]
     pub separation: Separation,
+    /// What plan and verdict keep beyond each limit, for errors of position and control; absent:
+    /// the default of the autopilots and airframes, at least 10 m. Version 1 has none.
+    pub buffer_m: Option<Buffers>,
     /// How paths are searched.
     #[serde(default)]
     pub planner: Planner,

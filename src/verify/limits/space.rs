@@ -77,7 +77,10 @@ impl<'a> Space<'a> {
             for part in &parts {
                 self.judge_zones(chord, part, &mut found.zones);
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
-                found.area.at_least(area_m, 0.0, || moment(chord, part, w));
+                let least_m = self.spec.buffers.area_m;
+                found
+                    .area
+                    .at_least(area_m, least_m, || moment(chord, part, w));
                 if !fence.is_empty() {
                     let (fence_m, w) = fence.margin_m(part, found.fence.room());
                     found
@@ -199,6 +202,7 @@ impl<'a> Space<'a> {
     }
 
     fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {
+        let least_m = self.spec.buffers.threats_m;
         for ((disc, cylinder), worst) in self.world.threats.iter().zip(&self.threats).zip(worst) {
             // Distances in the plane differ from those around the threat by far less than this.
             let around_m = disc.center.distance_m(chord.at(0.5).at)
@@ -208,22 +212,23 @@ impl<'a> Space<'a> {
             }
             for part in parts {
                 let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
-                worst.at_least(margin_m, 0.0, || moment(chord, part, w));
+                worst.at_least(margin_m, least_m, || moment(chord, part, w));
             }
         }
     }
 
     fn judge_zones(&self, chord: &Chord, part: &Stretch, worst: &mut [Worst]) {
         let slack_s = self.spec.separation.time_slack_s;
+        let least_m = self.spec.buffers.zones_m;
         for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
-            if shape.bound_m(part) > worst.room().max(0.0) {
+            if shape.bound_m(part) > (worst.room() + least_m).max(0.0) {
                 continue;
             }
-            let closed = Closed::new(zone, &self.surface, slack_s);
+            let closed = Closed::new(zone, &self.surface, slack_s).widened(least_m);
             for part in closed.parts(chord, part) {
                 let (margin_m, w) = shape.margin_m(&part);
-                worst.at_least(margin_m, 0.0, || moment(chord, &part, w));
+                worst.at_least(margin_m, least_m, || moment(chord, &part, w));
             }
         }
     }
