@@ -157,6 +157,29 @@ impl Reading {
         Ok(())
     }
 
+    fn alarm(&mut self, line: Line) {
+        if let Line::Alarm {
+            t_s,
+            vehicle,
+            other,
+            alarm: kind,
+            raised,
+            event: text,
+        } = line
+        {
+            let until_s = None;
+            let of = RaisedAlarm {
+                t_s,
+                until_s,
+                vehicle,
+                other,
+                kind,
+                text,
+            };
+            self.record.take_alarm(of, raised);
+        }
+    }
+
     fn take(&mut self, line: Line) -> Result<(), String> {
         match line {
             Line::Head {
@@ -210,24 +233,7 @@ impl Reading {
                 let flown = &mut self.of(&vehicle).flown;
                 (flown.end, flown.until_s) = (End::of_words(&end), t_s);
             }
-            Line::Alarm {
-                t_s,
-                vehicle,
-                other,
-                alarm,
-                raised,
-                event,
-            } => {
-                let of = RaisedAlarm {
-                    t_s,
-                    until_s: None,
-                    vehicle,
-                    other,
-                    kind: alarm,
-                    text: event,
-                };
-                self.record.take_alarm(of, raised);
-            }
+            Line::Alarm { .. } => self.alarm(line),
             Line::Event { .. } => {}
         }
         Ok(())
