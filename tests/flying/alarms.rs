@@ -490,3 +490,34 @@ fn a_wing_is_held_only_where_its_circle_is_clear() {
         );
     }
 }
+
+#[test]
+fn a_px4_copter_that_accepts_waypoints_at_their_altitude_alone_is_not_flown() {
+    let plan = plan(two(), OnLinkLoss::Continue);
+    let (_, mission) = &plan.dispatched.missions[1];
+    let mut params = mission.params.iter();
+    let accepts = params
+        .find(|param| param.name == "NAV_MC_ALT_RAD")
+        .expect("written");
+    // Real ones passed waypoints 2.7 m too high, and never went on with 0.8 m.
+    assert!(accepts.value >= 5.0, "{accepts:?}");
+    let mut vehicles = plan.vehicles();
+    let target = vehicles[1].address();
+    let (name, value) = ("NAV_MC_ALT_RAD".to_owned(), ParamValue::float(0.8));
+    let set = FlightMessage::ParamSet {
+        target,
+        name,
+        value,
+    };
+    vehicles[1].handle(Time(0), sky::US, &Message::Flight(set));
+    let mut sky = Sky::new(plan.fleet(false, true), vehicles);
+    let Outcome::NotStarted(why) = sky.fly_out() else {
+        panic!("it was flown with the parameter as it comes");
+    };
+    assert!(
+        why[0]
+            .1
+            .contains("NAV_MC_ALT_RAD is 0.8, the verdict assumes 5"),
+        "{why:?}"
+    );
+}
