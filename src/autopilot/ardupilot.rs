@@ -25,6 +25,7 @@ pub(super) static CONVENTIONS: Conventions = Conventions {
     reads_takeoff_location: false,
     zero_is_unset: true,
     bytewise_parameters: false,
+    gives_any_order: true,
     request_ms: 1000,
     give_up_ms: 8000,
     silence_ms: 5000,

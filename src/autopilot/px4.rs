@@ -28,6 +28,7 @@ pub(super) static CONVENTIONS: Conventions = Conventions {
     reads_takeoff_location: true,
     zero_is_unset: false,
     bytewise_parameters: true,
+    gives_any_order: false,
     request_ms: 270,
     give_up_ms: 5000,
     silence_ms: 3000,

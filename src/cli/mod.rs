@@ -18,6 +18,7 @@ mod terrain;
 mod transfer;
 mod usage;
 mod vehicles;
+mod watch;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -53,6 +54,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Review(arguments) => review::run(arguments),
         Command::Upload(arguments) => transfer::upload::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
+        Command::Watch(arguments) => watch::run(arguments),
         Command::Replan(arguments) => replan::run(arguments),
         Command::Download(arguments) => transfer::download::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),

@@ -1,6 +1,5 @@
 //! A spec file: read, parsed and checked, with its text for messages and copies.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +10,7 @@ use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::digits;
+use crate::numeric::text::open_regular;
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
 const MAX_BYTES: u64 = 8 << 20;
@@ -199,7 +199,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
         }],
     };
     let mut bytes = Vec::new();
-    File::open(path)
+    open_regular(path)
         .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
         .map_err(|error| whole(format!("cannot be read: {error}"), ""))?;
     if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-pub(super) use flight::{Fly, Replan};
+pub(super) use flight::{Fly, Replan, Watch};
 pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study, StudyFolder};
 
 use crate::spec::Airframe;
@@ -53,6 +53,8 @@ pub(super) enum Command {
     Upload(Upload),
     /// Launch the fleet, monitor and record the flight, and judge it
     Fly(Fly),
+    /// Attach to a flight that goes on, or take it over in the air after a crash
+    Watch(Watch),
     /// Plan new paths around a threat for vehicles in flight, and upload them
     Replan(Replan),
     /// Read mission, fence and rally points from a vehicle into a file

@@ -121,6 +121,7 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         (Stage::Arming, _) => "arms",
         (Stage::Armed, _) => "armed",
         (Stage::Disarming(_), _) => "disarms",
+        (Stage::Rejoining { .. }, _) => "is awaited",
         (Stage::Starting, _) => "starts",
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.misses_its_hold() => "no hold yet",
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.of.mission.airframe.has_wing() => {
@@ -128,7 +129,8 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         }
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.holds => "holds",
         (Stage::Flying, Some(Instruction::Hold)) => "stops",
-        (Stage::Flying, Some(_)) if vehicle.misses_its_order() => "no answer yet",
+        (Stage::Flying, Some(Instruction::Land)) if vehicle.misses_its_landing() => "not landing",
+        (Stage::Flying, Some(Instruction::Return)) if vehicle.misses_its_order() => "no return yet",
         (Stage::Flying, Some(Instruction::Land)) => "lands",
         (Stage::Flying, Some(Instruction::Return)) => "returns",
         (Stage::Flying, None) if vehicle.in_mission => "flies",

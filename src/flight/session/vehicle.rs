@@ -5,6 +5,7 @@ mod checks;
 mod ending;
 mod hold;
 mod orders;
+mod rejoin;
 mod texts;
 
 use std::collections::VecDeque;
@@ -70,6 +71,8 @@ pub(crate) enum Stage<'a> {
     Armed,
     /// Commands until the heartbeat shows that the motors stand.
     Disarming(Disarming),
+    /// Its flight is taken over from a record with this number of its positions.
+    Rejoining { known: usize },
     /// The mission was ordered to start.
     Starting,
     /// The mission is flown.
@@ -388,7 +391,10 @@ impl<'a> FlightVehicle<'a> {
         if is_up {
             self.heed_takeoff();
         }
-        if matches!(self.stage, Stage::Flying | Stage::Starting) {
+        if matches!(
+            self.stage,
+            Stage::Flying | Stage::Starting | Stage::Rejoining { .. }
+        ) {
             if is_up && !self.airborne {
                 self.airborne = true;
                 self.said.push_back("took off".to_owned());
@@ -409,7 +415,12 @@ impl<'a> FlightVehicle<'a> {
                     (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => {
                         End::StoppedAfterHold
                     }
-                    (true, Some(Instruction::Land)) if self.hold.was_in_mode() => End::LandedEarly,
+                    (true, Some(Instruction::Land))
+                        if self.hold.was_in_mode()
+                            || modes::is_land(self.of.mission, beat.custom_mode) =>
+                    {
+                        End::LandedEarly
+                    }
                     (true, Some(Instruction::Return)) if self.hold.was_in_mode() => self.returned(),
                     (true, _) => self.landing(),
                 };
@@ -462,6 +473,7 @@ impl<'a> FlightVehicle<'a> {
                 }
                 Answer::Result(result) => {
                     let command = pending.command();
+                    // Refused or not, a hold or a landing is ordered again.
                     self.holds = false;
                     self.disobeyed(&format!("refused command {command} with {result}"));
                 }
