@@ -38,7 +38,7 @@ mod vehicle;
 mod wind;
 
 pub use crate::autopilot::{Airframe, Autopilot};
-pub use airspace::Zone;
+pub use airspace::{AttachedFile, Survey, Zone};
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};

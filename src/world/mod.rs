@@ -108,7 +108,7 @@ impl World {
             .map(|zone| {
                 let outline = frame.outline(&zone.outline());
                 let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
-                closed.buffered(spec.buffers.zones_m)
+                closed.buffered(spec.buffers.zones_m.max(zone.buffer_m))
             })
             .collect();
         let area = frame.outline(&spec.area.outline());
