@@ -11,7 +11,7 @@ use crate::flight::replan::{self, Decision, Outcomes, Replanner};
 use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
-use crate::spec::{Area, MissionSpec, THREAT_RADIUS_M, Threat};
+use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let mut plan = fly::read(&arguments.spec, arguments.dir.as_deref())?;
