@@ -3,6 +3,7 @@
 use super::args;
 use super::print::console::{note, out};
 use super::print::failure::Failure;
+use crate::path::lean_problem;
 use crate::spec::{Document, Survey};
 use crate::verify;
 use crate::world;
@@ -16,6 +17,12 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         Document::Mission(file) => {
             world::load(&file)?;
             let spec = &file.spec;
+            for vehicle in &spec.vehicles {
+                let problem = lean_problem(vehicle, vehicle.speeds().most, spec.wind);
+                problem
+                    .iter()
+                    .for_each(|text| note(&format!("warning: {text}")));
+            }
             for text in verify::distant_from_area(spec, &[]) {
                 note(&format!("warning: {text}"));
             }
