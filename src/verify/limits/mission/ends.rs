@@ -165,6 +165,9 @@ impl Contract<'_> {
             (End::Landed(_), false) => {
                 return unjudged("the mission lands, the spec says loiter");
             }
+            (End::Repeats, _) => {
+                return unjudged("the mission repeats for ever, the spec ends it");
+            }
             (End::Stays(_), true) => {
                 return unjudged("the mission ends in the air, the spec says land");
             }
