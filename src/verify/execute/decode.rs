@@ -56,6 +56,8 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
     let steps = &mut orders.steps;
     let mut jumps = vec![Jumps::NotMet; mission.items.len()];
     let mut next = 0;
+    // Each jump that is made for ever, and the first step after it.
+    let mut begins = Vec::new();
     // Whether commands wait for a condition while the vehicle flies on.
     let mut waiting = false;
     for _ in 0..MAX_ORDERS {
@@ -66,10 +68,13 @@ fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unk
             match jump(item, next, mission, &mut jumps[next]) {
                 Ok(Next::Item(index)) => next = index,
                 Ok(Next::Again(index)) => {
-                    orders.repeats = Some((row, steps.len()));
+                    begins.push((row, steps.len()));
                     next = index;
                 }
-                Ok(Next::Repeats) => return None,
+                Ok(Next::Repeats) => {
+                    orders.repeats = begins.into_iter().find(|(jump, _)| *jump == row);
+                    return None;
+                }
                 Err(why) => return unknown(why),
             }
             continue;
@@ -172,6 +177,13 @@ mod tests {
         let items = vec![delay(), delay(), delay(), command(177, 2.0, -1.0), delay()];
         let (rows, unread) = decoded(Autopilot::ArduPilot, items);
         assert_eq!((rows, unread), (vec![1, 2, 3, 2, 3], None));
+    }
+
+    #[test]
+    fn a_jump_forward_without_end_is_met_once_and_repeats_nothing() {
+        let items = vec![delay(), command(177, 4.0, -1.0), delay(), delay()];
+        let (rows, unread) = decoded(Autopilot::ArduPilot, items);
+        assert_eq!((rows, unread), (vec![1, 4], None));
     }
 
     #[test]
