@@ -145,7 +145,7 @@ impl Pilot<'_> {
         ) else {
             return Unknown::err(
                 row,
-                "a return on a wing, and no RTL_ALTITUDE and WP_LOITER_RAD",
+                "a return ends in a circle over home, and RTL_ALTITUDE and WP_LOITER_RAD are not known",
             );
         };
         if above_m < 0.0 {
