@@ -110,6 +110,7 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("FENCE_ENABLE", 0.0, Number),
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 1.0, Number),
+    p("FENCE_MARGIN", 2.0, M),
 ];
 
 /// ArduPlane (defaults of L1 and slope also in `AP_L1_Control.cpp`, `ArduPlane/Parameters.cpp`).
@@ -139,6 +140,7 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     p("FENCE_ENABLE", 0.0, Number),
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 0.0, Number),
+    p("FENCE_MARGIN", 2.0, M),
 ];
 
 /// The smallest change of altitude that ArduPlane spreads along a leg: its name since 4.7, and

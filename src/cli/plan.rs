@@ -259,7 +259,7 @@ fn print_fleet(
             shown.len()
         ))?;
     }
-    Ok(())
+    table::print_no_buffers(spec)
 }
 
 /// Whether the table of the fleet has a column for a topic.

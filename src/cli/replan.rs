@@ -40,11 +40,14 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         from_s: notice.t_s(threat_ms),
         threat: threat.clone(),
     };
+    let supported = replan::refuse_unsupported(plan.spec()).map_err(Failure::from);
+    let linked = supported.and_then(|()| upload::links_under_way(&plan, &arguments.link, &notice));
+    if let Ok(links) = &linked {
+        refuse_taken_ports(&plan, links)?;
+    }
     // Whatever comes of it: the flight is judged against the threat from now on.
     append(underway.as_ref(), &[Line::of_popup(&popup)])?;
-    let supported = replan::refuse_unsupported(plan.spec()).map_err(Failure::from);
-    let led = supported.and_then(|()| links(&plan, arguments, &notice));
-    let led = led.and_then(|links| {
+    let led = linked.and_then(|links| {
         let replanner = Replanner::open(&plan, &links, &popups, &notice, threat_ms)
             .map_err(|failed| unreachable_link(&plan, &failed))?;
         lead(&replanner, underway.as_ref(), &notice, arguments.seed)
@@ -89,6 +92,24 @@ fn append(underway: Option<&Underway>, lines: &[Line]) -> Result<(), FlightError
     underway.map_or(Ok(()), |underway| underway.append(lines))
 }
 
+/// Refuses to begin where the port of a vehicle is taken: `fly` holds those that it listens at, and
+/// nothing could be sent. The threat is not recorded then.
+fn refuse_taken_ports(plan: &FlightPlan, links: &[(usize, Link)]) -> Result<(), Failure> {
+    for (index, link) in links {
+        let Link::UdpIn(address) = link else { continue };
+        let taken = std::net::UdpSocket::bind(address.as_str()).err();
+        if let Some(error) = taken.filter(|of| of.kind() == std::io::ErrorKind::AddrInUse) {
+            let id = &plan.vehicle(*index).id;
+            let message = format!(
+                "{link}: {error}: `sortie fly` or another program listens there. Reach {id} over another of its links, \
+                 with --link {id}=ADDRESS; the threat was not recorded, and nothing was sent"
+            );
+            return Err(failed(message));
+        }
+    }
+    Ok(())
+}
+
 fn unreachable_link(plan: &FlightPlan, (link, error): &(String, std::io::Error)) -> Failure {
     // Only one process can listen at a port.
     let is_taken = error.kind() == std::io::ErrorKind::AddrInUse;
@@ -102,33 +123,6 @@ fn unreachable_link(plan: &FlightPlan, (link, error): &(String, std::io::Error))
 
 fn failed(message: impl Into<String>) -> Failure {
     Failure::new(Failure::TRANSFER, message)
-}
-
-/// The addresses of the vehicles: from the command line, else from the running `fly`, else from
-/// the spec.
-fn links(
-    plan: &FlightPlan,
-    arguments: &args::Replan,
-    notice: &Notice,
-) -> Result<Vec<(usize, Link)>, Failure> {
-    let given = upload::links(&plan.file, &arguments.link)?;
-    let mut links = Vec::new();
-    for (index, _) in &plan.missions {
-        let id = &plan.vehicle(*index).id;
-        let announced = notice.links.get(id).and_then(|link| Link::parse(link));
-        let is_given = given.iter().any(|(of, _)| of == index);
-        let link = match announced {
-            Some(link) if !is_given => link,
-            _ => upload::link_of(&plan.file, *index, &given).clone(),
-        };
-        if link == Link::Sim {
-            return Err(failed(format!(
-                "{id}: its simulated vehicle does not run (`sortie fly` starts it, or `sortie vehicles` with --link)"
-            )));
-        }
-        links.push((*index, link));
-    }
-    Ok(links)
 }
 
 /// `LAT,LON,RADIUS` as a threat with an id of its own.

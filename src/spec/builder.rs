@@ -62,16 +62,20 @@ impl MissionSpec {
             threats: Vec::new(),
             no_fly: Vec::new(),
             zones: Vec::new(),
+            airspace: Vec::new(),
+            obstacles: Vec::new(),
             qnh_hpa: None,
             t0: None,
             rally: Vec::new(),
             vehicles: Vec::new(),
             fleet: None,
             separation: super::Separation::default(),
+            buffer_m: None,
             planner: keys::Planner::default(),
             mission: keys::MissionOptions::default(),
             wind: None,
             on_link_loss: super::OnLinkLoss::default(),
+            on_alarm: super::OnAlarm::default(),
         };
         Builder { keys }
     }

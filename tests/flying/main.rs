@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod alarms;
 mod flight;
 mod flight_commands;
 mod flight_hold;
@@ -11,6 +12,7 @@ mod flight_pace;
 mod flight_record;
 mod flight_trouble;
 mod flight_vehicle;
+mod flight_watch;
 mod flight_wings;
 mod replan_trouble;
 mod replan_wings;

@@ -1,8 +1,10 @@
 //! What is wrong with a spec is said at once, each problem with its place.
 
+mod buffers;
 mod fleets;
 mod ground;
 mod meaning;
+mod on_alarm;
 mod ranges;
 mod structure;
 mod wings;

@@ -100,6 +100,7 @@ fn with_spec(
         },
         &[],
         arguments,
+        true,
     )
 }
 
@@ -226,6 +227,7 @@ fn without_spec(
         },
         &not_judged,
         arguments,
+        false,
     )
 }
 
@@ -290,6 +292,7 @@ fn deliver(
     input: &ReviewInput<'_>,
     not_judged: &[String],
     arguments: &args::Review,
+    has_spec: bool,
 ) -> Result<(), Failure> {
     let review = input.review;
     if let Some(target) = &arguments.html {
@@ -302,6 +305,9 @@ fn deliver(
         out_json(&report::review_json(review))?;
     } else {
         print(&input.spec.name, review, not_judged)?;
+        if has_spec {
+            table::print_no_buffers(input.spec)?;
+        }
     }
     if review.passes() {
         Ok(())

@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::invalid_line;
 use super::lines::{FixLine, Line, place};
-use super::{Fix, Flight, Record};
+use super::{Fix, Flight, RaisedAlarm, Record};
 use crate::flight::session::end::End;
 use crate::geodesy::{Amsl, LocalFrame};
 
@@ -29,7 +29,8 @@ pub struct Broken {
 /// # Errors
 /// [`Broken`], with the first line that is none of a record: also a second line of what
 /// can stand once, and a line after the end of a vehicle's flight. A last line that was cut
-/// off is left out: so does a flight end whose computer stopped.
+/// off is left out: so does a flight end whose computer stopped. A position that is none on
+/// earth counts for nothing.
 pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
     let mut reading = Reading {
         frame,
@@ -138,14 +139,19 @@ impl Reading {
         Ok(())
     }
 
+    /// A position that is none on earth says nothing, and is a gap: vehicles send such.
     fn fix(&mut self, line: &FixLine) -> Result<(), String> {
+        let Ok(place) = place(line.lat_deg, line.lon_deg) else {
+            return Ok(());
+        };
         let fix = Fix {
             t_s: line.t_s,
-            place: place(line.lat_deg, line.lon_deg)?,
+            place,
             amsl: Amsl(line.amsl_m),
             speed_mps: line.speed_mps,
             item: line.item,
             items: line.items,
+            boot_ms: line.boot_ms,
         };
         let fixes = &mut self.of(&line.vehicle).flown.fixes;
         if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
@@ -154,6 +160,29 @@ impl Reading {
         fixes.push(fix);
         self.latest_s = self.latest_s.max(fix.t_s);
         Ok(())
+    }
+
+    fn alarm(&mut self, line: Line) {
+        if let Line::Alarm {
+            t_s,
+            vehicle,
+            other,
+            alarm: kind,
+            raised,
+            event: text,
+        } = line
+        {
+            let until_s = None;
+            let of = RaisedAlarm {
+                t_s,
+                until_s,
+                vehicle,
+                other,
+                kind,
+                text,
+            };
+            self.record.take_alarm(of, raised);
+        }
     }
 
     fn take(&mut self, line: Line) -> Result<(), String> {
@@ -209,6 +238,7 @@ impl Reading {
                 let flown = &mut self.of(&vehicle).flown;
                 (flown.end, flown.until_s) = (End::of_words(&end), t_s);
             }
+            Line::Alarm { .. } => self.alarm(line),
             Line::Event { .. } => {}
         }
         Ok(())

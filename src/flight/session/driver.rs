@@ -14,6 +14,7 @@ use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::page::flight_page;
 use crate::flight::record::Plan;
+use crate::flight::record::interrupted::Interrupted;
 use crate::flight::record::journal::Journal;
 use crate::flight::record::lines::Line;
 use crate::flight::record::read::read_record;
@@ -79,6 +80,14 @@ impl<'a> Driver<'a> {
             unwritten: Vec::new(),
             read: (0, Time(0)),
         }
+    }
+
+    /// Goes on with the record of a flight that is taken over, after the lines of `replan` that it
+    /// has already.
+    #[must_use]
+    pub fn resuming(mut self, flight: &Interrupted) -> Self {
+        self.read.0 = self.underway.length_of(flight.replan_lines());
+        self
     }
 
     /// Time since the driver was made.
@@ -187,7 +196,7 @@ impl<'a> Driver<'a> {
         if now >= self.read.1 || fleet.outcome().is_some() {
             let (fresh, read) = self.underway.lines_after(self.read.0);
             for line in fresh {
-                lines.extend(replan_lines(line, fleet.t_s(now), operator));
+                lines.extend(replan_lines(line, fleet, now, operator));
             }
             self.read = (read, now + UNDERWAY_MS);
         }
@@ -298,7 +307,13 @@ impl Fleet<'_> {
 
 /// The lines of the record for a line of `replan`. A threat counts from now on at the latest,
 /// whatever time it was given.
-fn replan_lines(line: String, t_s: Option<f64>, operator: &mut dyn Operator) -> Vec<String> {
+fn replan_lines(
+    line: String,
+    fleet: &mut Fleet<'_>,
+    now: Time,
+    operator: &mut dyn Operator,
+) -> Vec<String> {
+    let t_s = fleet.t_s(now);
     let (line, vehicle, text) = match serde_json::from_str(&line) {
         Ok(Line::Threat {
             t_s: given_s,
@@ -306,15 +321,22 @@ fn replan_lines(line: String, t_s: Option<f64>, operator: &mut dyn Operator) -> 
         }) => {
             let t_s = t_s.map_or(given_s, |now_s| given_s.min(now_s));
             let text = format!("replan reports a threat, {}", threat.words());
+            fleet.heed_threat(threat.clone(), t_s);
             (Line::Threat { t_s, threat }.text(), None, text)
         }
-        Ok(Line::Plan { vehicle, .. }) => {
+        Ok(Line::Plan { vehicle, plan, .. }) => {
+            fleet.heed_plan(&vehicle, plan);
             let text = "is sent another plan by replan".to_owned();
             (line, Some(vehicle), text)
         }
         _ => return vec![line],
     };
-    let event = Event { t_s, vehicle, text };
+    let event = Event {
+        t_s,
+        vehicle,
+        text,
+        alarm: None,
+    };
     // A screen that takes nothing is reported with the next event.
     let _ = operator.event(&event);
     vec![line, Line::of_event(&event).text()]

@@ -78,7 +78,10 @@ impl<'a> Space<'a> {
             for part in &parts {
                 self.judge_zones(chord, part, &mut found.zones);
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
-                found.area.at_least(area_m, 0.0, || moment(chord, part, w));
+                let least_m = self.spec.buffers.area_m;
+                found
+                    .area
+                    .at_least(area_m, least_m, || moment(chord, part, w));
                 if !fence.is_empty() {
                     let (fence_m, w) = fence.margin_m(part, found.fence.room());
                     found
@@ -89,8 +92,6 @@ impl<'a> Space<'a> {
         }
         let threats = self.spec.threats.iter();
         let threats = threats.map(|threat| Limit::Threat(threat.id.clone()));
-        let zones = self.spec.no_fly.iter();
-        let zones = zones.map(|zone| Limit::Zone(zone.id.clone()));
         let margin = |worst: Worst, limit: Limit| worst.margin(id, limit, "m");
         // Nothing but a column up and down is no mission whose height is known to be good.
         let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
@@ -98,7 +99,6 @@ impl<'a> Space<'a> {
             let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
             (!flight.chords.is_empty()).then(unjudged)
         });
-        let obstacles = threats.zip(found.threats).chain(zones.zip(found.zones));
         [
             clearance,
             margin(found.slope, Limit::TakeoffLandingClearance),
@@ -106,13 +106,27 @@ impl<'a> Space<'a> {
             margin(found.ceiling, Limit::Ceiling),
         ]
         .into_iter()
-        .chain(obstacles.map(|(limit, worst)| margin(worst, limit)))
+        .chain((threats.zip(found.threats)).map(|(limit, worst)| margin(worst, limit)))
+        .chain(self.zone_margins(id, found.zones))
         .chain([
             margin(found.area, Limit::Area),
             margin(found.fence, Limit::Fence),
         ])
         .flatten()
         .collect()
+    }
+
+    /// The margins of zones; those from files cite file and item.
+    fn zone_margins(&self, id: &str, found: Vec<Worst>) -> Vec<Option<Margin>> {
+        let zones = self.spec.no_fly.iter().zip(found);
+        let margins = zones.map(|(zone, worst)| {
+            let mut margin = worst.margin(id, Limit::Zone(zone.id.clone()), "m")?;
+            if margin.note.is_empty() {
+                margin.note = zone.source.clone().unwrap_or_default();
+            }
+            Some(margin)
+        });
+        margins.collect()
     }
 
     /// Height above ground. On the route it must be the minimum. The column of a takeoff or
@@ -200,6 +214,7 @@ impl<'a> Space<'a> {
     }
 
     fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {
+        let least_m = self.spec.buffers.threats_m;
         for ((disc, cylinder), worst) in self.world.threats.iter().zip(&self.threats).zip(worst) {
             // Distances in the plane differ from those around the threat by far less than this.
             let around_m = disc.center.distance_m(chord.at(0.5).at)
@@ -209,22 +224,24 @@ impl<'a> Space<'a> {
             }
             for part in parts {
                 let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
-                worst.at_least(margin_m, 0.0, || moment(chord, part, w));
+                worst.at_least(margin_m, least_m, || moment(chord, part, w));
             }
         }
     }
 
     fn judge_zones(&self, chord: &Chord, part: &Stretch, worst: &mut [Worst]) {
         let slack_s = self.spec.separation.time_slack_s;
+        let least_m = self.spec.buffers.zones_m;
         for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
-            if shape.bound_m(part) > worst.room().max(0.0) {
+            let least_m = least_m.max(zone.buffer_m);
+            if shape.bound_m(part) > (worst.room() + least_m).max(0.0) {
                 continue;
             }
-            let closed = Closed::new(zone, &self.surface, slack_s);
+            let closed = Closed::new(zone, &self.surface, slack_s).widened(least_m);
             for part in closed.parts(chord, part) {
                 let (margin_m, w) = shape.margin_m(&part);
-                worst.at_least(margin_m, 0.0, || moment(chord, &part, w));
+                worst.at_least(margin_m, least_m, || moment(chord, &part, w));
             }
         }
     }

@@ -19,6 +19,7 @@ impl FlightVehicle<'_> {
         let order = match instruction {
             Instruction::Hold => Some(modes::hold(self.of.mission)),
             Instruction::Land => modes::land(self.of.mission),
+            Instruction::Return => Some(modes::return_to_launch(self.of.mission)),
         };
         match order {
             Some(order) => {
@@ -59,7 +60,7 @@ impl FlightVehicle<'_> {
                 self.stage = Stage::Flying;
             }
             Stage::Starting => self.disarm(Some(End::Failed(what.to_owned()))),
-            _ if self.instruction == Some(Instruction::Hold) && !self.hold.is_news(what) => {}
+            _ if self.instruction.is_some() && !self.hold.is_news(what) => {}
             _ => self.said.push_back(what.to_owned()),
         }
     }
