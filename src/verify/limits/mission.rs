@@ -113,10 +113,14 @@ impl Contract<'_> {
         let at = chord.map(|chord| chord.moment(&self.world.frame, 0.0));
         let required = Requirement::at_least(Limit::ItemsJudged, total, "items");
         let stays = matches!(self.flight.end, Some(End::Stays(_)));
+        let how = match stays {
+            true => " (NAV_LOITER_UNLIM) for ever",
+            false => "",
+        };
         let note = match is_harmless {
             true => format!("the vehicle {why} item {row}: those after it are never flown"),
             false => format!(
-                "the vehicle {why} item {row}: item {} and all after it are never flown",
+                "the vehicle {why} item {row}{how}: item {} and all after it are never flown",
                 row + 1
             ),
         };
