@@ -5,6 +5,7 @@ use super::print::console::{note, out};
 use super::print::failure::Failure;
 use crate::autopilot::facts;
 use crate::mission;
+use crate::path::lean_problem;
 use crate::spec::{Document, MissionSpec, Survey};
 use crate::verify;
 use crate::world;
@@ -18,6 +19,12 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         Document::Mission(file) => {
             world::load(&file)?;
             let spec = &file.spec;
+            for vehicle in &spec.vehicles {
+                let problem = lean_problem(vehicle, vehicle.speeds().most, spec.wind);
+                problem
+                    .iter()
+                    .for_each(|text| note(&format!("warning: {text}")));
+            }
             for text in verify::distant_from_area(spec, &[]) {
                 note(&format!("warning: {text}"));
             }
