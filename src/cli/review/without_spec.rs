@@ -57,10 +57,8 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         return Err(Failure::new(Failure::USAGE, message));
     }
     let mut assumed = Vec::new();
-    let positions: Vec<LatLon> = subjects
-        .iter()
-        .flat_map(|subject| positions(&subject.document))
-        .collect();
+    let documents = subjects.iter().map(|subject| &subject.document);
+    let positions: Vec<LatLon> = documents.flat_map(positions).collect();
     // Without any position there is nothing to fly, and the verdict fails anywhere.
     let middle = positions.first().copied().unwrap_or(LatLon {
         lat_deg: 0.0,
@@ -99,12 +97,11 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     spec.vehicles = vehicles;
     "review".clone_into(&mut spec.name);
     let mut world = world(&spec, &missions, limits)?;
-    let mut failed = Vec::new();
-    for (index, mission) in &missions {
+    let mut begin = |(index, mission): &(usize, VehicleMission)| {
         let vehicle = (*index, &spec.vehicles[*index]);
-        let margin = assumed::begin_in_air(vehicle, mission, &mut world, limits, &mut assumed);
-        failed.extend(margin);
-    }
+        assumed::begin_in_air(vehicle, mission, &mut world, limits, &mut assumed)
+    };
+    let failed = missions.iter().filter_map(&mut begin).collect();
     Ok(WithoutSpec {
         failed,
         spec,

@@ -102,12 +102,17 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
             hold_s: delay_s(item, autopilot)?,
         }),
         command::DO_CHANGE_SPEED => speed(item),
-        other => match command_row(other).map(|row| (row.motion, row.name)) {
-            Some((Motion::NoMotion, _)) => Ok(Order::Nothing),
-            Some((Motion::Unknown(why), _)) => Err(why.to_owned()),
-            Some((Motion::Moves, name)) => Err(format!("the motion of {name} is not known")),
-            None => Err(format!("the motion of command {other} is not known")),
-        },
+        other => without_order(other),
+    }
+}
+
+/// What a command without an order of its own does, if that is nothing.
+fn without_order(command: u16) -> Result<Order, String> {
+    match command_row(command).map(|row| (row.motion, row.name)) {
+        Some((Motion::NoMotion, _)) => Ok(Order::Nothing),
+        Some((Motion::Unknown(why), _)) => Err(why.to_owned()),
+        Some((Motion::Moves, name)) => Err(format!("the motion of {name} is not known")),
+        None => Err(format!("the motion of command {command} is not known")),
     }
 }
 
