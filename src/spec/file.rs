@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::airspace::{self, AttachedFile, Survey};
 use super::check;
 use super::keys;
 use super::positions::Positions;
@@ -26,6 +27,10 @@ pub struct SpecFile {
     pub path: PathBuf,
     /// The table of vehicles that it names, if any.
     pub table: Option<TableFile>,
+    /// The files of airspace and obstacles that it names.
+    pub attached: Vec<AttachedFile>,
+    /// What became of the shapes of each of them.
+    pub surveys: Vec<Survey>,
     sources: ValueSources,
 }
 
@@ -81,13 +86,16 @@ impl SpecFile {
         let csv = keys.fleet.as_ref().and_then(|fleet| fleet.csv.as_deref());
         let table = csv.map(|name| read_table(path, name, &positions));
         let (file, table) = table.transpose().map_err(all)?.unzip();
-        let (spec, sources) =
-            check::check(keys, positions, table.unwrap_or_default()).map_err(all)?;
+        let attached = airspace::read(path, &keys, &positions).map_err(all)?;
+        let (checked, sources) =
+            check::check(keys, positions, table.unwrap_or_default(), &attached).map_err(all)?;
         Ok(Self {
-            spec,
+            spec: checked.spec,
             text,
             path: path.to_owned(),
             table: file,
+            attached,
+            surveys: checked.surveys,
             sources,
         })
     }

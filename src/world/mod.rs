@@ -127,18 +127,26 @@ impl World {
             max_amsl: spec.area.max_amsl,
             stations,
         };
-        Ok(world.with_limits(spec, &spec.buffers))
+        Ok(world.with_limits(spec, true))
     }
 
     /// The same world with the limits of a spec alone, as a flight is judged.
     #[must_use]
     pub fn without_buffers(&self, spec: &MissionSpec) -> Self {
-        self.clone().with_limits(spec, &Buffers::NONE)
+        self.clone().with_limits(spec, false)
     }
 
-    /// The limits of a spec with some buffers.
-    fn with_limits(self, spec: &MissionSpec, buffers: &Buffers) -> Self {
+    /// The limits of a spec with or without their buffers.
+    fn with_limits(self, spec: &MissionSpec, is_buffered: bool) -> Self {
         let frame = self.frame;
+        let buffers = match is_buffered {
+            true => spec.buffers,
+            false => Buffers::NONE,
+        };
+        let zone_buffer_m = |zone: &Zone| match is_buffered {
+            true => buffers.zones_m.max(zone.buffer_m),
+            false => 0.0,
+        };
         let disc = |threat: &Threat| Disc {
             center: frame.to_plan(threat.place),
             radius_m: threat.radius_m + buffers.threats_m,
@@ -146,7 +154,7 @@ impl World {
         let closed = |zone: &Zone| {
             let outline = frame.outline(&zone.outline());
             let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
-            closed.buffered(buffers.zones_m)
+            closed.buffered(zone_buffer_m(zone))
         };
         Self {
             threats: spec.threats.iter().map(disc).collect(),

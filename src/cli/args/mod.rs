@@ -383,7 +383,7 @@ const CONVERT: &str = "Numbers are kept as they go over the wire: 1e-7 degrees, 
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Convert {
-    /// The file to read: QGC WPL, .plan, a fence or a rally list, recognised by its content
+    /// The file to read: QGC WPL, .plan, a fence or a rally list, recognised by its content, or zones: .geojson, .json, .kml, .kmz, OpenAir
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// The file to write: .waypoints, .txt, .plan, .kml or .geojson
