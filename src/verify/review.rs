@@ -77,7 +77,11 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         .collect();
     margins.extend(separation::margins(&timelines, &separation, &world.frame));
     for margin in &mut margins {
-        margin.buffer += margin.limit.buffer_of(&spec.buffers, margin.unit);
+        margin.buffer += match margin.limit {
+            // Zones of files may have buffers of their own, and all of the bound is one.
+            Limit::Zone(_) if margin.bound.is_finite() => margin.bound,
+            _ => margin.limit.buffer_of(&spec.buffers, margin.unit),
+        };
     }
     Review {
         margins,
