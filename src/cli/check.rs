@@ -3,19 +3,36 @@
 use super::args;
 use super::print::console::{note, out};
 use super::print::failure::Failure;
-use crate::spec::Document;
+use crate::autopilot::facts;
+use crate::mission;
+use crate::path::lean_problem;
+use crate::spec::{Document, MissionSpec, Survey};
 use crate::verify;
 use crate::world;
 
+/// Zones of one file that are listed.
+const MAX_LISTED: usize = 20;
+
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
+    let mut surveys = Vec::new();
     let (kind, vehicles, threats, zones) = match Document::read(&arguments.spec)? {
         Document::Mission(file) => {
             world::load(&file)?;
             let spec = &file.spec;
+            for vehicle in &spec.vehicles {
+                let problem = lean_problem(vehicle, vehicle.speeds().most, spec.wind);
+                problem
+                    .iter()
+                    .for_each(|text| note(&format!("warning: {text}")));
+            }
             for text in verify::distant_from_area(spec, &[]) {
                 note(&format!("warning: {text}"));
             }
+            for text in full_fences(spec) {
+                note(&format!("warning: {text}"));
+            }
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
+            surveys.clone_from(&file.surveys);
             ("", vehicles, threats, spec.no_fly.len())
         }
         Document::Scenario(scenario) => {
@@ -37,5 +54,49 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         count(threats, "threat", "threats"),
         count(zones, "no-fly zone", "no-fly zones"),
     ))?;
-    Ok(())
+    surveys
+        .iter()
+        .try_for_each(|survey| out(&described(survey)))
+}
+
+/// The vehicles whose autopilot does not keep the fence of a spec: their missions would be
+/// rejected after planning.
+fn full_fences(spec: &MissionSpec) -> Vec<String> {
+    let needs = mission::fence_needs(spec);
+    let vehicles = spec.vehicles.iter().filter_map(|vehicle| {
+        let keeps = facts(vehicle.autopilot, vehicle.airframe).capacity.fence;
+        (needs > keeps).then(|| {
+            format!(
+                "the fence needs {needs} items and {} keeps {keeps}: leave zones out (only, skip), or set mission.fence: false",
+                vehicle.id
+            )
+        })
+    });
+    vehicles.collect()
+}
+
+/// What became of the shapes of a file.
+fn described(survey: &Survey) -> String {
+    let parts = [
+        (survey.zones.len(), "zones"),
+        (survey.out_of_reach, "out of reach"),
+        (survey.left_out, "left out by only or skip"),
+        (survey.open, "that forbid nothing"),
+        (survey.without_area, "lines and points"),
+    ];
+    let parts = parts.iter().filter(|(number, _)| *number > 0);
+    let parts: Vec<String> = parts
+        .map(|(number, what)| format!("{number} {what}"))
+        .collect();
+    let mut text = format!("  {}: {}", survey.file, parts.join(", "));
+    for id in survey.zones.iter().take(MAX_LISTED) {
+        text.push_str(&format!("\n    {id}"));
+    }
+    if survey.zones.len() > MAX_LISTED {
+        text.push_str(&format!(
+            "\n    and {} more",
+            survey.zones.len() - MAX_LISTED
+        ));
+    }
+    text
 }

@@ -79,11 +79,12 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         speedup: arguments.speedup,
         set_params: arguments.set_params,
         force: arguments.force,
-        on_link_loss: plan.spec().on_link_loss,
+        on_alarm: plan.spec().answers(),
         position_s: POSITION_S,
     };
     let assignments = plan.assignments(&references, &open, is_uploaded);
-    let mut fleet = Fleet::new(assignments, options, open.us(), driver.now());
+    let fleet = Fleet::new(assignments, options, open.us(), driver.now());
+    let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.record_plans(&plan, &references)?;
     underway.announce(None)?;
     driver.fly(&mut fleet, &mut screen);
@@ -120,7 +121,10 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
         return Err(Failure::new(Failure::INPUT, message));
     }
     let plan = read_folder(folder)?;
-    if plan.file.text != named.text || plan.file.table != named.table {
+    let is_same = plan.file.text == named.text
+        && plan.file.table == named.table
+        && plan.file.attached == named.attached;
+    if !is_same {
         let message = format!(
             "{} was planned from another spec than {}; nothing was started",
             plan.folder.display(),
@@ -135,6 +139,7 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
 pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
     let (file, files, folder) = upload::from_folder(&[folder], false)?;
     flight::refuse_shared_sysids(&file.spec)?;
+    refuse_times(&file)?;
     let world = world::load(&file)?;
     let missions = review::read(&file, &files)?;
     let plan = FlightPlan::verify(file, folder, world, missions);
@@ -142,6 +147,20 @@ pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
         note_lines(&table::failures(review, Paint::for_stdout()));
     }
     Ok(plan?)
+}
+
+/// Refuses zones with times: they hold for the T0 of the spec alone, and a launch is when its
+/// vehicles are ready.
+fn refuse_times(file: &SpecFile) -> Result<(), Failure> {
+    let mut zones = file.spec.no_fly.iter();
+    let Some(zone) = zones.find(|zone| zone.active_s.is_some()) else {
+        return Ok(());
+    };
+    let message = format!(
+        "zone {} is closed {zone} only, and the launch cannot keep to t0; plan without t0, so that zones are always active",
+        zone.id
+    );
+    Err(Failure::new(Failure::INPUT, message))
 }
 
 /// Prints the verdict on what was flown.

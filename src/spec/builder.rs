@@ -62,6 +62,8 @@ impl MissionSpec {
             threats: Vec::new(),
             no_fly: Vec::new(),
             zones: Vec::new(),
+            airspace: Vec::new(),
+            obstacles: Vec::new(),
             qnh_hpa: None,
             t0: None,
             rally: Vec::new(),
@@ -73,6 +75,7 @@ impl MissionSpec {
             mission: keys::MissionOptions::default(),
             wind: None,
             on_link_loss: super::OnLinkLoss::default(),
+            on_alarm: super::OnAlarm::default(),
         };
         Builder { keys }
     }

@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::airspace::{self, AttachedFile, Survey};
 use super::check;
 use super::keys;
 use super::positions::Positions;
@@ -26,6 +27,10 @@ pub struct SpecFile {
     pub path: PathBuf,
     /// The table of vehicles that it names, if any.
     pub table: Option<TableFile>,
+    /// The files of airspace and obstacles that it names.
+    pub attached: Vec<AttachedFile>,
+    /// What became of the shapes of each of them.
+    pub surveys: Vec<Survey>,
     sources: ValueSources,
 }
 
@@ -81,13 +86,16 @@ impl SpecFile {
         let csv = keys.fleet.as_ref().and_then(|fleet| fleet.csv.as_deref());
         let table = csv.map(|name| read_table(path, name, &positions));
         let (file, table) = table.transpose().map_err(all)?.unzip();
-        let (spec, sources) =
-            check::check(keys, positions, table.unwrap_or_default()).map_err(all)?;
+        let attached = airspace::read(path, &keys, &positions).map_err(all)?;
+        let (checked, sources) =
+            check::check(keys, positions, table.unwrap_or_default(), &attached).map_err(all)?;
         Ok(Self {
-            spec,
+            spec: checked.spec,
             text,
             path: path.to_owned(),
             table: file,
+            attached,
+            surveys: checked.surveys,
             sources,
         })
     }
@@ -241,10 +249,13 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
         Some((key, _)) => format!("{path}.{key}"),
         None => path,
     };
-    let (found, allowed) = match message.split_once(", expected ") {
+    let (mut found, allowed) = match message.split_once(", expected ") {
         Some((found, allowed)) => explained(found, plain(allowed)),
-        None => (message, String::new()),
+        None => (message.clone(), String::new()),
     };
+    if let Some(meant) = key.and_then(|(key, rest)| meant(key, rest)) {
+        found = format!("{found}: did you mean `{meant}`?");
+    }
     Issue {
         path,
         table: None,
@@ -252,6 +263,17 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
         found,
         allowed,
     }
+}
+
+/// The known key that is most like an unknown one, if any is; `rest` lists them in backticks.
+fn meant<'a>(key: &str, rest: &'a str) -> Option<&'a str> {
+    // Two of three letters are the same at least.
+    const LIKE: f64 = 0.67;
+    let known = rest.split('`').skip(1).step_by(2);
+    let like = |known: &&str| strsim::normalized_damerau_levenshtein(key, known);
+    known
+        .filter(|known| like(known) >= LIKE)
+        .max_by(|a, b| like(a).total_cmp(&like(b)))
 }
 
 /// What the parser found and expected of a number, in the words of the file.

@@ -360,10 +360,10 @@ impl Check<'_> {
     /// in height.
     fn near_zones(&mut self, path: &str, what: &str, point: PlanPoint, ground_m: f64) {
         let spec = &self.file.spec;
-        let buffer_m = spec.buffers.zones_m;
         let always = spec.no_fly.iter().filter(|zone| zone.active_s.is_none());
         let with_height = always.filter(|zone| zone.floor.is_some() || zone.ceiling.is_some());
         let near = with_height.filter_map(|zone| {
+            let buffer_m = spec.buffers.zones_m.max(zone.buffer_m);
             let outline = spec.frame.outline(&zone.outline());
             let away_m = match super::covers(&outline, point.at) {
                 true => 0.0,

@@ -20,6 +20,8 @@ pub struct PlanZone {
     pub active_s: Option<(f64, f64)>,
     /// Closed too within this distance of the outline, metres.
     pub buffer_m: f64,
+    /// Whether it has no holes: then every edge of the outline is one of the zone.
+    pub is_whole: bool,
     bounds: Option<Rect<f64>>,
 }
 
@@ -29,6 +31,7 @@ impl PlanZone {
     #[must_use]
     pub fn new(outline: Polygon<f64>, zone: &Zone, slack_s: f64) -> Self {
         Self {
+            is_whole: zone.holes.is_empty(),
             floor: zone.floor,
             ceiling: zone.ceiling,
             active_s: zone
@@ -48,6 +51,7 @@ impl PlanZone {
             ceiling: None,
             active_s: None,
             buffer_m: 0.0,
+            is_whole: true,
         }
     }
 

@@ -242,7 +242,11 @@ pub(super) struct Limits {
     /// Airframe of the vehicles [default: as the file says, else copter]
     #[arg(long, value_enum, value_name = "AIRFRAME")]
     pub(super) airframe: Option<AirframeName>,
+    /// Missions without a takeoff begin in the air, at their first place
+    #[arg(long)]
+    pub(super) airborne: bool,
     /// Takeoff course of a plane, degrees from north; missions of ArduPilot do not hold it
+    /// [default: towards the first waypoint]
     #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) takeoff_heading: Option<f64>,
     /// Ground speed where the mission says none, m/s [default: the autopilot's]
@@ -383,7 +387,7 @@ const CONVERT: &str = "Numbers are kept as they go over the wire: 1e-7 degrees, 
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Convert {
-    /// The file to read: QGC WPL, .plan, a fence or a rally list, recognised by its content
+    /// The file to read: QGC WPL, .plan, a fence or a rally list, recognised by its content, or zones: .geojson, .json, .kml, .kmz, OpenAir
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// The file to write: .waypoints, .txt, .plan, .kml or .geojson

@@ -61,6 +61,9 @@ pub(super) fn write(
     if let Some(table) = &file.table {
         folder.write(&table.name.to_string_lossy(), table.text.as_bytes())?;
     }
+    for attached in &file.attached {
+        folder.write(&attached.name.to_string_lossy(), &attached.bytes)?;
+    }
     folder.write("spec.yaml", file.text.as_bytes())?;
     for (vehicle, mission) in &dispatched.missions {
         let id = &file.spec.vehicles[*vehicle].id;
@@ -342,7 +345,9 @@ fn copied(file: &SpecFile) -> Vec<String> {
         let part = parts.find(|part| matches!(part, Component::Normal(_)))?;
         Some(part.as_os_str().to_string_lossy().into_owned())
     };
-    terrain.into_iter().chain(table).filter_map(first).collect()
+    let attached = file.attached.iter().map(|attached| &attached.name);
+    let named = terrain.into_iter().chain(table).chain(attached);
+    named.filter_map(first).collect()
 }
 
 /// The name of a mission file without its ending, and without the mark of a rejected one.

@@ -45,6 +45,7 @@ impl<'a> Fleet<'a> {
             text: format!(
                 "the flight is taken over: nothing was recorded from {from_s:.1} to {t_s:.1} s"
             ),
+            alarm: None,
         });
         fleet
     }

@@ -72,7 +72,7 @@ impl BlockingSets {
                 Some(Placement::Amsl(top)) => top > world.max_amsl,
                 Some(Placement::Agl(_)) => false,
             };
-            is_high && zone.floor.is_none() && zone.active_s.is_none()
+            is_high && zone.is_whole && zone.floor.is_none() && zone.active_s.is_none()
         };
         for (index, zone) in world.zones.iter().enumerate() {
             if reaches_up(zone) {

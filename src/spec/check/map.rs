@@ -2,6 +2,7 @@
 
 use geo::{Contains, Intersects, Point, Polygon};
 
+use super::super::airspace::{AttachedFile, Survey};
 use super::super::keys;
 use super::super::{Area, BufferedLimit, Buffers, Placement, Rally, TerrainSource, Threat, Zone};
 use super::Checker;
@@ -25,11 +26,18 @@ pub(super) struct Map {
     pub(super) threats: Vec<Threat>,
     pub(super) no_fly: Vec<Zone>,
     pub(super) rally: Vec<Rally>,
+    /// What became of the shapes of each file.
+    pub(super) surveys: Vec<Survey>,
 }
 
 impl Checker {
     /// Checks everything that does not move; `None` without a usable area.
-    pub(super) fn map(&mut self, keys: &keys::Spec, buffers: Buffers) -> Option<Map> {
+    pub(super) fn map(
+        &mut self,
+        keys: &keys::Spec,
+        buffers: Buffers,
+        attached: &[AttachedFile],
+    ) -> Option<Map> {
         let terrain = self.terrain(&keys.terrain);
         let origin = keys.origin.map(|at| self.place("origin", at));
         let area = self.area(&keys.area);
@@ -55,9 +63,7 @@ impl Checker {
         let frame = LocalFrame::new(origin.unwrap_or_else(|| Some(middle(&area)))?);
         self.near(keys, &area, frame.origin())?;
         let mut no_fly = self.zones(keys, &frame, corners);
-        for of in keys.zones.iter().enumerate() {
-            no_fly.extend(self.shaped_zone(of, &frame, references));
-        }
+        no_fly.extend(self.shaped_zones(keys, &frame, (&area, references)));
         let outline = frame.outline(&area.outline());
         let mut map = Map {
             frame,
@@ -68,7 +74,9 @@ impl Checker {
             threats,
             no_fly,
             rally: Vec::new(),
+            surveys: Vec::new(),
         };
+        self.add_files(keys, attached, references, &mut map);
         for (index, point) in keys.rally.iter().enumerate() {
             let Ok(place) = LatLon::new(point.lat, point.lon) else {
                 continue;
@@ -264,7 +272,8 @@ impl Checker {
         let at = [of.plan.east_m, of.plan.north_m];
         let away_m = Ring::around(&outline).boundary_distance(at);
         let from = format!("from no-fly zone `{}`", zone.id);
-        let limit = BufferedLimit::beyond(("zones", "its outline"), 0.0, map.buffers.zones_m);
+        let buffer_m = map.buffers.zones_m.max(zone.buffer_m);
+        let limit = BufferedLimit::beyond(("zones", "its outline"), 0.0, buffer_m);
         self.buffered(of, (away_m, &from), &limit);
     }
 

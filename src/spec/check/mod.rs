@@ -1,8 +1,10 @@
 //! From the keys of a file to a checked spec: reports every problem that shows without the
 //! ground, all at once.
 
+mod airspace;
 mod buffers;
 mod fleet;
+mod keep_in;
 mod map;
 mod name;
 mod ranges;
@@ -18,11 +20,15 @@ pub(super) use shapes::relative;
 
 use std::fmt::Display;
 
+use super::airspace::{AttachedFile, Survey};
 use super::keys;
 use super::positions::Positions;
 use super::table::Table;
 use super::value_sources::{ValueSources, in_order};
-use super::{Algorithm, Issue, MissionOptions, MissionSpec, Objective, Planner, Wind};
+use super::{
+    Action, Algorithm, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Vehicle,
+    Wind,
+};
 use crate::geodesy::LatLon;
 
 /// Checks a whole spec and its table.
@@ -33,18 +39,25 @@ pub(super) fn check(
     mut keys: keys::Spec,
     positions: Positions,
     table: Table,
-) -> Result<(MissionSpec, ValueSources), Vec<Issue>> {
+    attached: &[AttachedFile],
+) -> Result<(Checked, ValueSources), Vec<Issue>> {
     let mut checker = Checker {
         sources: ValueSources::new(positions, keys.vehicles.len()),
         issues: Vec::new(),
     };
     checker.ranges([(String::new(), &keys)]);
     checker.add_fleet(&mut keys, table);
-    let spec = checker.spec(&keys);
+    let spec = checker.spec(&keys, attached);
     match spec {
         Some(spec) if checker.issues.is_empty() => Ok((spec, checker.sources)),
         _ => Err(in_order(checker.issues)),
     }
+}
+
+/// A spec that passed, and what became of the shapes of its files.
+pub(super) struct Checked {
+    pub(super) spec: MissionSpec,
+    pub(super) surveys: Vec<Survey>,
 }
 
 /// Collects problems. Its methods return what they checked, or `None` where a
@@ -78,18 +91,20 @@ impl Checker {
         LatLon::new(lat_deg?, lon_deg?).ok()
     }
 
-    fn spec(&mut self, keys: &keys::Spec) -> Option<MissionSpec> {
+    fn spec(&mut self, keys: &keys::Spec, attached: &[AttachedFile]) -> Option<Checked> {
         self.file_name("name", &keys.name);
         let buffers = self.buffers(keys);
-        let map = self.map(keys, buffers);
+        let map = self.map(keys, buffers, attached);
         let wind = keys.wind.map(|wind| Wind {
             from_rad: wind.from_deg.to_radians(),
             speed_mps: wind.speed_mps,
         });
         let vehicles = self.vehicles(keys, map.as_ref(), wind);
         let planner = self.planner(&keys.planner);
+        self.on_alarm(keys, &vehicles);
         let map = map?;
-        Some(MissionSpec {
+        let surveys = map.surveys;
+        let spec = MissionSpec {
             version: keys.sortie,
             name: keys.name.clone(),
             frame: map.frame,
@@ -110,7 +125,28 @@ impl Checker {
             },
             wind,
             on_link_loss: keys.on_link_loss,
-        })
+            on_alarm: keys.on_alarm,
+        };
+        Some(Checked { spec, surveys })
+    }
+
+    /// Two words for one thing, and what a vehicle cannot do.
+    fn on_alarm(&mut self, keys: &keys::Spec, fleet: &[Vehicle]) {
+        if keys.on_alarm.link.is_some() && keys.on_link_loss != OnLinkLoss::Continue {
+            let allowed = "one of on_link_loss and on_alarm.link: they are the same";
+            self.report("on_link_loss", "both", allowed);
+        }
+        for (kind, answer) in keys.on_alarm.answers() {
+            let mut fleet = fleet.iter();
+            let cannot = fleet.find(|vehicle| vehicle.return_amsl.is_none());
+            if let (Action::Return, Some(vehicle)) = (answer.action, cannot) {
+                let id = &vehicle.id;
+                let allowed = format!(
+                    "continue, hold or land, or return_amsl_m for {id}: a return is flown at that altitude"
+                );
+                self.report(&format!("on_alarm.{kind}.do"), "return", allowed);
+            }
+        }
     }
 
     fn planner(&mut self, keys: &keys::Planner) -> Planner {

@@ -4,13 +4,17 @@
 //! `range` attributes are the ranges that [`check`](super::check) enforces. A key that must be
 //! given is an `Option` with the attribute `required`; the check reports where it is missing.
 
+mod airspace;
 mod fleet;
+mod on_alarm;
 mod options;
 mod scenario;
 mod vehicle;
 mod zones;
 
+pub use airspace::{AirspaceFile, ObstacleFile, Only};
 pub use fleet::{Fleet, Grid};
+pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
@@ -52,6 +56,12 @@ pub struct Spec {
     /// The wider form of no_fly: circles, holes, floors, ceilings, times, and zones to stay in.
     #[serde(default)]
     pub zones: Vec<ShapedZone>,
+    /// Files of airspace, whose zones count like those of zones.
+    #[serde(default)]
+    pub airspace: Vec<AirspaceFile>,
+    /// Files of obstacles that stand on the terrain.
+    #[serde(default)]
+    pub obstacles: Vec<ObstacleFile>,
     /// The air pressure that is possible on the day; needed where a zone has a flight level.
     pub qnh_hpa: Option<Qnh>,
     /// The real time of T0, with an offset from UTC (RFC 3339); absent: zones are always active.
@@ -81,6 +91,9 @@ pub struct Spec {
     /// What the fleet does when the link to one vehicle is lost; absent: continue.
     #[serde(default)]
     pub on_link_loss: OnLinkLoss,
+    /// What is done at alarms in flight.
+    #[serde(default)]
+    pub on_alarm: OnAlarm,
 }
 
 /// A place on the earth, WGS84.

@@ -64,7 +64,8 @@ impl<'a> Space<'a> {
             ..Found::default()
         };
         let mut last: Option<(EastNorth, LatLon)> = None;
-        for chord in &flight.chords {
+        let chords = flight.chords.iter().enumerate();
+        for (_, chord) in chords.filter(|(index, _)| Some(*index) != flight.repetition) {
             // Most chords begin where the one before ends.
             let from = last
                 .filter(|(at, _)| *at == chord.from.at)
@@ -91,8 +92,6 @@ impl<'a> Space<'a> {
         }
         let threats = self.spec.threats.iter();
         let threats = threats.map(|threat| Limit::Threat(threat.id.clone()));
-        let zones = self.spec.no_fly.iter();
-        let zones = zones.map(|zone| Limit::Zone(zone.id.clone()));
         let margin = |worst: Worst, limit: Limit| worst.margin(id, limit, "m");
         // Nothing but a column up and down is no mission whose height is known to be good.
         let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
@@ -100,7 +99,6 @@ impl<'a> Space<'a> {
             let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
             (!flight.chords.is_empty()).then(unjudged)
         });
-        let obstacles = threats.zip(found.threats).chain(zones.zip(found.zones));
         [
             clearance,
             margin(found.slope, Limit::TakeoffLandingClearance),
@@ -108,13 +106,27 @@ impl<'a> Space<'a> {
             margin(found.ceiling, Limit::Ceiling),
         ]
         .into_iter()
-        .chain(obstacles.map(|(limit, worst)| margin(worst, limit)))
+        .chain((threats.zip(found.threats)).map(|(limit, worst)| margin(worst, limit)))
+        .chain(self.zone_margins(id, found.zones))
         .chain([
             margin(found.area, Limit::Area),
             margin(found.fence, Limit::Fence),
         ])
         .flatten()
         .collect()
+    }
+
+    /// The margins of zones; those from files cite file and item.
+    fn zone_margins(&self, id: &str, found: Vec<Worst>) -> Vec<Option<Margin>> {
+        let zones = self.spec.no_fly.iter().zip(found);
+        let margins = zones.map(|(zone, worst)| {
+            let mut margin = worst.margin(id, Limit::Zone(zone.id.clone()), "m")?;
+            if margin.note.is_empty() {
+                margin.note = zone.source.clone().unwrap_or_default();
+            }
+            Some(margin)
+        });
+        margins.collect()
     }
 
     /// Height above ground. On the route it must be the minimum. The column of a takeoff or
@@ -222,6 +234,7 @@ impl<'a> Space<'a> {
         let least_m = self.spec.buffers.zones_m;
         for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
+            let least_m = least_m.max(zone.buffer_m);
             if shape.bound_m(part) > (worst.room() + least_m).max(0.0) {
                 continue;
             }
