@@ -3,8 +3,10 @@
 use super::args;
 use super::print::console::{note, out};
 use super::print::failure::Failure;
+use crate::autopilot::facts;
+use crate::mission;
 use crate::path::lean_problem;
-use crate::spec::{Document, Survey};
+use crate::spec::{Document, MissionSpec, Survey};
 use crate::verify;
 use crate::world;
 
@@ -24,6 +26,9 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
                     .for_each(|text| note(&format!("warning: {text}")));
             }
             for text in verify::distant_from_area(spec, &[]) {
+                note(&format!("warning: {text}"));
+            }
+            for text in full_fences(spec) {
                 note(&format!("warning: {text}"));
             }
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
@@ -52,6 +57,22 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     surveys
         .iter()
         .try_for_each(|survey| out(&described(survey)))
+}
+
+/// The vehicles whose autopilot does not keep the fence of a spec: their missions would be
+/// rejected after planning.
+fn full_fences(spec: &MissionSpec) -> Vec<String> {
+    let needs = mission::fence_needs(spec);
+    let vehicles = spec.vehicles.iter().filter_map(|vehicle| {
+        let keeps = facts(vehicle.autopilot, vehicle.airframe).capacity.fence;
+        (needs > keeps).then(|| {
+            format!(
+                "the fence needs {needs} items and {} keeps {keeps}: leave zones out (only, skip), or set mission.fence: false",
+                vehicle.id
+            )
+        })
+    });
+    vehicles.collect()
 }
 
 /// What became of the shapes of a file.
