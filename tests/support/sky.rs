@@ -105,7 +105,6 @@ impl Planned {
                         .wing
                         .and_then(|wing| wing.takeoff_heading_rad)
                         .unwrap_or(0.0),
-                    ..Surroundings::default()
                 };
                 let profile = this.autopilot.into();
                 Vehicle::within(

@@ -189,9 +189,10 @@ fn converted(
         repairs,
         assumed,
         lost,
-        read_differently: is_foreign
-            .then(|| read_differently(&mission))
-            .unwrap_or_default(),
+        read_differently: match is_foreign {
+            true => read_differently(&mission),
+            false => Vec::new(),
+        },
         refused: texts(refused.iter().filter(|problem| is_judged(problem.list))),
     };
     Ok((text, report))

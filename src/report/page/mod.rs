@@ -214,7 +214,7 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         format!("{least_m} m or more above ground")
     });
     let ceiling = held(Limit::Ceiling)
-        .then(|| spec.area.max_amsl.0 - spec.buffers.ceiling_m)
+        .then_some(spec.area.max_amsl.0 - spec.buffers.ceiling_m)
         .map(|most_m| format!("up to {} m AMSL", words::number(most_m, 1)));
     let heights: Vec<String> = clearance.into_iter().chain(ceiling).collect();
     if !heights.is_empty() {
