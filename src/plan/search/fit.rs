@@ -6,6 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::geodesy::EastNorth;
+use crate::numeric::geometry::turn_angle;
 use crate::plan::altitude::Row;
 
 /// Weight that keeps each control point near its own place on the polyline.
@@ -43,11 +44,25 @@ impl Line {
         self.lengths_m.last().copied().unwrap_or(0.0)
     }
 
-    /// Shares of the length at which it bends, where it is further than `off_m` off the straight
-    /// (Douglas and Peucker 1973).
-    pub(crate) fn corners(&self, off_m: f64) -> Vec<f64> {
+    /// The points that are left where those that are no further than `off_m` off the straight are
+    /// dropped (Douglas and Peucker 1973), by their index.
+    fn simplified(&self, off_m: f64) -> Vec<usize> {
         let positions = self.points.iter().map(|at| (at.east_m, at.north_m));
-        let left = LineString::from_iter(positions).simplify_idx(off_m);
+        LineString::from_iter(positions).simplify_idx(off_m)
+    }
+
+    /// Sum of the angles by which it turns, radians, simplified as [`Line::corners`].
+    pub(crate) fn turned_rad(&self, off_m: f64) -> f64 {
+        let left = self.simplified(off_m);
+        let plane = |index: usize| [self.points[index].east_m, self.points[index].north_m];
+        left.windows(3)
+            .map(|three| turn_angle(plane(three[0]), plane(three[1]), plane(three[2])))
+            .sum()
+    }
+
+    /// Shares of the length at which it bends, where it is further than `off_m` off the straight.
+    pub(crate) fn corners(&self, off_m: f64) -> Vec<f64> {
+        let left = self.simplified(off_m);
         let inner = left.get(1..left.len().saturating_sub(1)).unwrap_or(&[]);
         let share = |&point: &usize| self.lengths_m[point] / self.length_m().max(1e-9);
         inner.iter().map(share).collect()
