@@ -55,3 +55,13 @@ write("two_bands.tif", np.stack([HEIGHTS, HEIGHTS]))
 write("complex.tif", HEIGHTS, "complex64")
 with rasterio.open(FOLDER / "no_place.tif", "w", driver="GTiff", dtype="int16", crs="EPSG:4326", count=1, height=6, width=8) as file:
     file.write(HEIGHTS.astype("int16")[None])
+with rasterio.open(FOLDER / "scaled.tif", "w", driver="GTiff", dtype="int16", crs="EPSG:4326", transform=EDGES, nodata=-32768, count=1, height=6, width=8) as file:
+    file.write(((HEIGHTS - 300) * 10).astype("int16")[None])
+    file.scales, file.offsets, file.units = [0.1], [300.0], ["m"]
+    file.set_band_description(1, "height")
+    file.update_tags(STATISTICS_MEAN="1")
+with rasterio.Env(GDAL_TIFF_INTERNAL_MASK=True), rasterio.open(FOLDER / "masked.tif", "w", driver="GTiff", dtype="int16", crs="EPSG:4326", transform=EDGES, count=1, height=6, width=8) as file:
+    file.write(HEIGHTS.astype("int16")[None])
+    mask = np.full((6, 8), 255, "uint8")
+    mask[2, 3] = 0
+    file.write_mask(mask)

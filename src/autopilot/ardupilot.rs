@@ -4,6 +4,7 @@ use super::acceptance::{Acceptance, Capacity};
 use super::behaviour::{Behaviour, Figure, NONE, measured};
 use super::corner::{CornerLaw, Stops};
 use super::modes::{Modes, mode};
+use super::support::{Evidence, Support};
 use super::version::version;
 use super::{Conventions, Defaults, Facts, Version, command, parameters, stored_form};
 
@@ -159,6 +160,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
 
 pub(super) static ARDUCOPTER: Facts = Facts {
     firmware: "ArduCopter",
+    support: Support::all(Evidence::Measured("4.6.3")),
     // 650 with home; read from the vehicle where `FENCE_TOTAL` and SD storage allow more. Boards
     // under 500 kB of memory store 15 DO_JUMPs, others 100.
     capacity: Capacity {
@@ -194,6 +196,10 @@ pub(super) static ARDUCOPTER: Facts = Facts {
 
 pub(super) static ARDUPLANE: Facts = Facts {
     firmware: "ArduPlane",
+    support: Support {
+        replan: Evidence::No,
+        ..ARDUCOPTER.support
+    },
     // 655 with home.
     capacity: Capacity {
         items: 654,
@@ -232,6 +238,7 @@ pub(super) static ARDUPLANE: Facts = Facts {
 
 pub(super) static QUADPLANE: Facts = Facts {
     firmware: "ArduPlane (QuadPlane)",
+    support: ARDUCOPTER.support,
     acceptance: Acceptance {
         takeoffs: &[command::NAV_VTOL_TAKEOFF],
         landings: &[command::NAV_VTOL_LAND],

@@ -11,6 +11,7 @@
 //! | Which parameters and defaults? | `parameters.rs` ([`ParameterRow`]) |
 //! | Which mode numbers? | [`Modes`] |
 //! | Which versions? | [`Conventions::versions`] |
+//! | What is supported, on which evidence? | [`Support`], [`support_table`] |
 //!
 //! [`facts`] returns the table of one autopilot on one airframe. The verdict and the simulated
 //! vehicle fly with separate code, and read the same table.
@@ -25,6 +26,7 @@ mod modes;
 mod parameters;
 mod px4;
 mod stored_form;
+mod support;
 mod version;
 
 use serde::{Deserialize, Serialize};
@@ -40,6 +42,7 @@ pub use mavlink::{command, frame};
 pub use modes::{Mode, Modes};
 pub use parameters::{ParameterRow, SLOPE_MIN, Unit, other_name, parameter};
 pub use stored_form::{Stored, StoredRow};
+pub use support::{Evidence, Support, behaviour_table, support_table};
 pub use version::{InvalidVersion, Version, VersionRange};
 
 /// Which autopilot reads the mission.
@@ -142,6 +145,8 @@ impl Defaults {
 pub struct Facts {
     /// The firmware, for people.
     pub firmware: &'static str,
+    /// What is supported, and on which evidence.
+    pub support: Support,
     /// How many items it stores.
     pub capacity: Capacity,
     /// Which items it accepts, besides the rules of [`COMMANDS`].
@@ -237,6 +242,16 @@ impl Autopilot {
 impl Airframe {
     /// All of them, in the order of documents.
     pub const ALL: [Self; 3] = [Self::Copter, Self::Plane, Self::Vtol];
+
+    /// Its name, for people.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Copter => "copter",
+            Self::Plane => "plane",
+            Self::Vtol => "VTOL",
+        }
+    }
 
     /// Whether it flies on a wing between takeoff and landing: it cannot stop, and circles where
     /// a copter hovers.

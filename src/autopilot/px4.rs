@@ -5,6 +5,7 @@ use super::ardupilot;
 use super::behaviour::{Behaviour, Figure, NONE, measured};
 use super::corner::{CornerLaw, Stops};
 use super::modes::{Modes, px4_auto};
+use super::support::{Evidence, Support};
 use super::version::version;
 use super::{Conventions, Defaults, Facts, command, frame, parameters, stored_form};
 
@@ -106,6 +107,10 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
 
 pub(super) static COPTER: Facts = Facts {
     firmware: "PX4 (copter)",
+    support: Support {
+        replan: Evidence::Sources,
+        ..Support::all(Evidence::Measured("1.18"))
+    },
     // `dataman.h` holds 64 fence and 32 rally points.
     capacity: Capacity {
         items: 10_000,
@@ -131,6 +136,11 @@ pub(super) static COPTER: Facts = Facts {
 
 pub(super) static PLANE: Facts = Facts {
     firmware: "PX4 (plane)",
+    support: Support {
+        plan: Evidence::Sources,
+        replan: Evidence::No,
+        ..Support::all(Evidence::Measured("1.16"))
+    },
     acceptance: Acceptance {
         needs_takeoff: true,
         // `FeasibilityChecker::checkFixedWindLandApproach`.
@@ -157,6 +167,10 @@ pub(super) static PLANE: Facts = Facts {
 
 pub(super) static VTOL: Facts = Facts {
     firmware: "PX4 (VTOL)",
+    support: Support {
+        fly: Evidence::No,
+        ..Support::all(Evidence::Sources)
+    },
     acceptance: Acceptance {
         needs_takeoff: true,
         // `NAV_FORCE_VT` 1, the default, flies 22 as 84 and 21 as 85.

@@ -6,6 +6,8 @@ mod convert;
 mod evaluate;
 mod fly;
 mod folder;
+mod man;
+mod new;
 mod plan;
 mod print;
 mod replan;
@@ -57,6 +59,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Terrain(command) => terrain::run(command),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
+        Command::New(arguments) => new::run(arguments),
+        Command::Man { folder } => man::run(folder),
         Command::Schema => out_text(&crate::spec::json_schema()),
         Command::Completions { shell } => {
             let mut completions = Vec::new();

@@ -123,6 +123,22 @@ pub(super) struct PaperSums<T = f64> {
     pub(super) collision: T,
 }
 
+impl<T: Copy> PaperSums<T> {
+    /// Every sum at one value.
+    #[inline(always)]
+    pub(super) fn all(value: T) -> Self {
+        Self {
+            length_km: value,
+            altitude: value,
+            threat: value,
+            terrain: value,
+            turns: value,
+            climb: value,
+            collision: value,
+        }
+    }
+}
+
 impl Paper {
     pub(super) fn new(options: PaperOptions, ends: &RouteEnds, earlier: &[Flight]) -> Self {
         let mut all: Vec<Other> = earlier.iter().flat_map(others).collect();

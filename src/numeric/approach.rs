@@ -146,31 +146,21 @@ pub fn least_ratio(
     vertical_m: f64,
 ) -> Option<Approach> {
     let pair = Pair::new(a, b, slack_s)?;
-    let value = |at: [f64; 2]| {
-        let gap = pair.gap.at(at);
-        (gap[0].hypot(gap[1]) / horizontal_m).max(gap[2].abs() / vertical_m)
-    };
     // The ratios each alone could have: the value is at least these.
     let (level_m, at) = pair.least(&pair.region, 2, f64::INFINITY);
     let mut low = (level_m / horizontal_m).max(pair.least_height() / vertical_m);
-    let mut best = (value(at), at);
-    let excess_at = |level: f64, best: &mut (f64, [f64; 2])| {
-        let strip = pair.strip(level * vertical_m);
-        if strip.is_empty() {
-            return f64::INFINITY;
-        }
-        let (level_m, at) = pair.least(&strip, 2, level * vertical_m);
-        let found = value(at);
-        if found < best.0 {
-            *best = (found, at);
-        }
-        level_m / horizontal_m - level
+    let mut levels = Levels {
+        pair: &pair,
+        horizontal_m,
+        vertical_m,
+        best: (f64::INFINITY, at),
     };
-    let mut low_excess = excess_at(low, &mut best);
-    let mut high = best.0;
-    let mut high_excess = excess_at(high, &mut best);
+    levels.best.0 = levels.value(at);
+    let mut low_excess = levels.excess(low);
+    let mut high = levels.best.0;
+    let mut high_excess = levels.excess(high);
     let mut last_was_low = None;
-    while low_excess > 0.0 && best.0 - low > 1e-12 * high.max(1.0) {
+    while low_excess > 0.0 && levels.best.0 - low > 1e-12 * high.max(1.0) {
         let secant = (low * high_excess - high * low_excess) / (high_excess - low_excess);
         let is_inside = secant > low && secant < high;
         let level = if is_inside {
@@ -181,7 +171,7 @@ pub fn least_ratio(
         if level <= low || level >= high {
             break;
         }
-        let excess = excess_at(level, &mut best);
+        let excess = levels.excess(level);
         let is_low = excess > 0.0;
         // An end that stays twice counts half.
         let weight = if last_was_low == Some(is_low) {
@@ -198,7 +188,39 @@ pub fn least_ratio(
             (high, high_excess, low_excess) = (level, excess, weight * low_excess);
         }
     }
-    Some(pair.absolute(best))
+    Some(pair.absolute(levels.best))
+}
+
+/// Levels that [`least_ratio`] tries, and the best that it met: ratio and times.
+struct Levels<'a> {
+    pair: &'a Pair,
+    horizontal_m: f64,
+    vertical_m: f64,
+    best: (f64, [f64; 2]),
+}
+
+impl Levels<'_> {
+    /// The greater of both ratios at two times.
+    fn value(&self, at: [f64; 2]) -> f64 {
+        let gap = self.pair.gap.at(at);
+        (gap[0].hypot(gap[1]) / self.horizontal_m).max(gap[2].abs() / self.vertical_m)
+    }
+
+    /// How far the least horizontal ratio exceeds a level where heights differ by no more than
+    /// the level allows; infinite where they always differ by more.
+    fn excess(&mut self, level: f64) -> f64 {
+        let height_m = level * self.vertical_m;
+        let strip = self.pair.strip(height_m);
+        if strip.is_empty() {
+            return f64::INFINITY;
+        }
+        let (level_m, at) = self.pair.least(&strip, 2, height_m);
+        let found = self.value(at);
+        if found < self.best.0 {
+            self.best = (found, at);
+        }
+        level_m / self.horizontal_m - level
+    }
 }
 
 #[cfg(test)]

@@ -163,39 +163,59 @@ impl Adapted {
     /// first in each order, and so on, as many as half the draws.
     pub(super) fn learn(&mut self, draws: &[&Draw], orders: &[Vec<usize>]) {
         let n = self.mean.len();
-        let rates = &self.rates;
         let size = n / orders.len();
         let step = |rank: usize| {
             DVector::from_fn(n, |variable, _| {
                 draws[orders[variable / size][rank]].step[variable]
             })
         };
-        let steps: Vec<DVector<f64>> = (0..rates.weights.len()).map(step).collect();
-        let mut draw_mean = DVector::zeros(n);
+        let steps: Vec<DVector<f64>> = (0..self.rates.weights.len()).map(step).collect();
         let mut step_mean = DVector::zeros(n);
-        for (step, &weight) in steps.iter().zip(&rates.weights) {
+        for (step, &weight) in steps.iter().zip(&self.rates.weights) {
             step_mean.axpy(weight, step, 1.0);
         }
-        match orders {
-            [order] => {
-                for (&draw, &weight) in order.iter().zip(&rates.weights) {
-                    draw_mean.axpy(weight, &draws[draw].normal, 1.0);
-                }
-            }
-            // The factor has no zeros on its diagonal.
-            _ => {
-                let solved = self.factor.solve_lower_triangular(&step_mean);
-                draw_mean = solved.unwrap_or(draw_mean);
-            }
-        }
+        let draw_mean = self.draw_mean(draws, orders, &step_mean);
         self.mean += step_mean.component_mul(&self.scale) * self.sigma;
         self.mean.apply(|x| *x = x.clamp(0.0, 1.0));
         self.generations += 1;
+        self.adapt(&steps, &step_mean, &draw_mean);
+    }
 
+    /// Mean of the standard normal draws behind the mean step.
+    fn draw_mean(
+        &self,
+        draws: &[&Draw],
+        orders: &[Vec<usize>],
+        step_mean: &DVector<f64>,
+    ) -> DVector<f64> {
+        let mut draw_mean = DVector::zeros(step_mean.len());
+        match orders {
+            [order] => {
+                for (&draw, &weight) in order.iter().zip(&self.rates.weights) {
+                    draw_mean.axpy(weight, &draws[draw].normal, 1.0);
+                }
+                draw_mean
+            }
+            // The factor has no zeros on its diagonal.
+            _ => {
+                let solved = self.factor.solve_lower_triangular(step_mean);
+                solved.unwrap_or(draw_mean)
+            }
+        }
+    }
+
+    /// Adapts paths, covariance, its factor and the step size to the chosen steps.
+    fn adapt(
+        &mut self,
+        steps: &[DVector<f64>],
+        step_mean: &DVector<f64>,
+        draw_mean: &DVector<f64>,
+    ) {
+        let (n, rates) = (self.mean.len(), &self.rates);
         let keep = 1.0 - rates.step;
         self.step_path.axpy(
             (rates.step * (2.0 - rates.step) * rates.mu_eff).sqrt(),
-            &draw_mean,
+            draw_mean,
             keep,
         );
         let length = self.step_path.norm();
@@ -204,7 +224,7 @@ impl Adapted {
         let gain = if stalled { 0.0 } else { 1.0 };
         self.path.axpy(
             gain * (rates.path * (2.0 - rates.path) * rates.mu_eff).sqrt(),
-            &step_mean,
+            step_mean,
             1.0 - rates.path,
         );
         let old = 1.0 - rates.rank_one - rates.rank_mu

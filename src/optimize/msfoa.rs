@@ -87,17 +87,8 @@ pub(super) fn search<P: Problem + ?Sized>(
     seeds: SearchSeeds<'_>,
     rng: &mut ChaCha8Rng,
 ) -> Vec<Candidate> {
-    let parameters = MsfoaParameters {
-        swarms: parameters.swarms.max(1),
-        flies: parameters.flies.max(4),
-        group: parameters.group.max(1),
-        ..*parameters
-    };
-    let redraw = seeds.redraw;
-    let mut given = seeds.given.to_vec();
-    while given.len() < parameters.swarms {
-        given.push(random_seed(evaluator.dimension(), rng));
-    }
+    let parameters = usable(parameters);
+    let given = enough_seeds(seeds.given, evaluator.dimension(), parameters.swarms, rng);
     let mut unused = given.iter();
     let mut swarms: Vec<Swarm> = unused
         .by_ref()
@@ -114,20 +105,18 @@ pub(super) fn search<P: Problem + ?Sized>(
         while evaluator.spent() < round_end {
             generation(evaluator, &mut swarms, &parameters, rng);
             for swarm in &mut swarms {
-                if parameters.restarts && swarm.is_tired(parameters.flies) {
-                    left_behind.push(swarm.best.clone());
-                    match unused.next().filter(|_| round < FRESH_ROUNDS) {
-                        Some(seed) => {
-                            let fresh = Swarm::new(seed, &parameters);
-                            resting.push(std::mem::replace(swarm, fresh));
-                        }
-                        None => {
-                            begin_again(evaluator, swarm, redraw, &parameters, rng);
-                            if is_relaxed && round >= RELAXED_ROUNDS {
-                                wander(evaluator, swarm, &parameters, rng);
-                            }
-                        }
-                    }
+                if !(parameters.restarts && swarm.is_tired(parameters.flies)) {
+                    continue;
+                }
+                left_behind.push(swarm.best.clone());
+                if let Some(seed) = unused.next().filter(|_| round < FRESH_ROUNDS) {
+                    let fresh = Swarm::new(seed, &parameters);
+                    resting.push(std::mem::replace(swarm, fresh));
+                    continue;
+                }
+                begin_again(evaluator, swarm, seeds.redraw, &parameters, rng);
+                if is_relaxed && round >= RELAXED_ROUNDS {
+                    wander(evaluator, swarm, &parameters, rng);
                 }
             }
         }
@@ -146,14 +135,34 @@ pub(super) fn search<P: Problem + ?Sized>(
             left_behind.extend(drop_the_slow(&mut swarms, keep));
         }
     }
-    left_behind.extend(
-        swarms
-            .into_iter()
-            .chain(resting)
-            .flat_map(|swarm| [swarm.best, swarm.elite]),
-    );
+    let running = swarms.into_iter().chain(resting);
+    left_behind.extend(running.flat_map(|swarm| [swarm.best, swarm.elite]));
     left_behind.retain(|candidate| candidate.cost.is_finite());
     left_behind
+}
+
+/// The parameters, raised to the least counts that the search works with.
+fn usable(parameters: &MsfoaParameters) -> MsfoaParameters {
+    MsfoaParameters {
+        swarms: parameters.swarms.max(1),
+        flies: parameters.flies.max(4),
+        group: parameters.group.max(1),
+        ..*parameters
+    }
+}
+
+/// The given seeds, and random ones up to a count.
+fn enough_seeds(
+    given: &[SearchSeed],
+    dimension: usize,
+    count: usize,
+    rng: &mut ChaCha8Rng,
+) -> Vec<SearchSeed> {
+    let mut seeds = given.to_vec();
+    while seeds.len() < count {
+        seeds.push(random_seed(dimension, rng));
+    }
+    seeds
 }
 
 /// What swarms found in the relaxed problem is judged by the problem itself, with the mean that

@@ -139,53 +139,11 @@ pub(super) fn search<P: Problem + ?Sized>(
             break;
         }
         let radius = local_step(parameters.step, iteration, iterations);
-        let old: Vec<Fly> = swarms
-            .iter()
-            .flat_map(|swarm| std::iter::repeat_n(swarm, flies_each))
-            .map(|swarm| {
-                if swarm.smell > parameters.threshold {
-                    swarm.location.olfactory(big_step, rng)
-                } else {
-                    swarm.location.olfactory(|u| radius * u, rng)
-                }
-            })
-            .collect();
-        let old_smells = smells(evaluator, &old, parameters.mapping);
-        let best_of = |swarm: usize, smells: &[f64]| {
-            swarm * flies_each + keenest(&smells[swarm * flies_each..][..flies_each])
-        };
-        let best: Vec<usize> = (0..count).map(|g| best_of(g, &old_smells)).collect();
-        let new: Vec<Fly> = old
-            .iter()
-            .filter(|_| parameters.offspring)
-            .map(|fly| {
-                let mut draw = || &old[best[rng.random_range(0..count)]];
-                match parameters.parents {
-                    Parents::EachPair => fly.offspring(draw),
-                    Parents::EachFly => {
-                        let parent = draw();
-                        fly.offspring(|| parent)
-                    }
-                }
-            })
-            .collect();
-        let new_smells = smells(evaluator, &new, parameters.mapping);
-        for (g, swarm) in swarms.iter_mut().enumerate() {
-            let a = best[g];
-            let (mut fly, mut smell) = (&old[a], old_smells[a]);
-            if parameters.offspring {
-                let b = best_of(g, &new_smells);
-                if new_smells[b] < smell {
-                    (fly, smell) = (&new[b], new_smells[b]);
-                }
-            }
-            if smell < swarm.smell {
-                *swarm = Swarm {
-                    location: fly.clone(),
-                    smell,
-                };
-            }
-        }
+        let old = olfactory(&swarms, parameters, (flies_each, radius), rng);
+        let old = Generation::new(evaluator, old, flies_each, parameters.mapping);
+        let new = offspring(&old, parameters, count, rng);
+        let new = Generation::new(evaluator, new, flies_each, parameters.mapping);
+        visual(&mut swarms, &old, parameters.offspring.then_some(&new));
     }
     swarms
         .iter()
@@ -195,6 +153,100 @@ pub(super) fn search<P: Problem + ?Sized>(
             cost: swarm.smell,
         })
         .collect()
+}
+
+/// Flies of all swarms, one swarm after another, with their smells.
+struct Generation {
+    flies: Vec<Fly>,
+    smells: Vec<f64>,
+    flies_each: usize,
+}
+
+impl Generation {
+    fn new<P: Problem + ?Sized>(
+        evaluator: &mut Evaluator<'_, P>,
+        flies: Vec<Fly>,
+        flies_each: usize,
+        mapping: Mapping,
+    ) -> Self {
+        let smells = smells(evaluator, &flies, mapping);
+        Self {
+            flies,
+            smells,
+            flies_each,
+        }
+    }
+
+    /// The keenest fly of a swarm: its index.
+    fn best_of(&self, swarm: usize) -> usize {
+        let first = swarm * self.flies_each;
+        first + keenest(&self.smells[first..][..self.flies_each])
+    }
+}
+
+/// Osphresis: flies around each swarm's location, far from it where it smells too much.
+fn olfactory(
+    swarms: &[Swarm],
+    parameters: &PublishedParameters,
+    (flies_each, radius): (usize, f64),
+    rng: &mut ChaCha8Rng,
+) -> Vec<Fly> {
+    swarms
+        .iter()
+        .flat_map(|swarm| std::iter::repeat_n(swarm, flies_each))
+        .map(|swarm| {
+            if swarm.smell > parameters.threshold {
+                swarm.location.olfactory(big_step, rng)
+            } else {
+                swarm.location.olfactory(|u| radius * u, rng)
+            }
+        })
+        .collect()
+}
+
+/// Offspring of every fly with the best flies of swarms drawn at random; none without the
+/// option.
+fn offspring(
+    old: &Generation,
+    parameters: &PublishedParameters,
+    swarms: usize,
+    rng: &mut ChaCha8Rng,
+) -> Vec<Fly> {
+    if !parameters.offspring {
+        return Vec::new();
+    }
+    let best: Vec<usize> = (0..swarms).map(|swarm| old.best_of(swarm)).collect();
+    let mut draw = || &old.flies[best[rng.random_range(0..swarms)]];
+    old.flies
+        .iter()
+        .map(|fly| match parameters.parents {
+            Parents::EachPair => fly.offspring(&mut draw),
+            Parents::EachFly => {
+                let parent = draw();
+                fly.offspring(|| parent)
+            }
+        })
+        .collect()
+}
+
+/// Vision: each swarm moves to its keenest fly where that smells less than its location.
+fn visual(swarms: &mut [Swarm], old: &Generation, new: Option<&Generation>) {
+    for (g, swarm) in swarms.iter_mut().enumerate() {
+        let a = old.best_of(g);
+        let (mut fly, mut smell) = (&old.flies[a], old.smells[a]);
+        if let Some(new) = new {
+            let b = new.best_of(g);
+            if new.smells[b] < smell {
+                (fly, smell) = (&new.flies[b], new.smells[b]);
+            }
+        }
+        if smell < swarm.smell {
+            *swarm = Swarm {
+                location: fly.clone(),
+                smell,
+            };
+        }
+    }
 }
 
 /// R in an iteration, counted from 0.

@@ -3,5 +3,6 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod begin;
 mod cli;
 mod whole_line;

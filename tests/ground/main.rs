@@ -4,6 +4,7 @@
 mod support;
 
 mod geodesy_truth;
+mod geotiff_tags;
 mod terrain;
 mod terrain_commands;
 mod terrain_folder;

@@ -143,3 +143,21 @@ impl<const N: usize> Sorted for [&str; N] {
         self.map(str::to_owned).to_vec()
     }
 }
+
+#[test]
+fn the_tables_of_readme_and_guide_are_those_of_the_autopilot_module() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    for (file, table) in [
+        ("README.md", sortie::autopilot::support_table()),
+        (
+            "src/guide/flight_model.md",
+            sortie::autopilot::behaviour_table(),
+        ),
+    ] {
+        let text = std::fs::read_to_string(root.join(file)).unwrap();
+        assert!(
+            text.contains(&table),
+            "{file} must contain this table:\n{table}"
+        );
+    }
+}

@@ -25,12 +25,12 @@ pub(super) struct Arguments {
 pub(super) fn next_step(error: ErrorKind, text: &str) -> Option<&'static str> {
     match error {
         ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => Some(
-            "To begin: `sortie study scenario --seed 1 --difficulty 1 -o mission.yaml` writes a spec, \
-             `sortie check mission.yaml` checks it, `sortie plan mission.yaml` plans it.",
+            "To begin: `sortie new mission --at LAT,LON` writes a spec, `sortie check mission.yaml` checks it, \
+             `sortie plan mission.yaml` plans it.",
         ),
         ErrorKind::MissingRequiredArgument if text.contains("<SPEC>") => Some(
             "A spec is a YAML file such as missions/first.yaml; \
-             `sortie study scenario --seed 1 --difficulty 1 -o mission.yaml` writes one, `sortie schema` describes its keys.",
+             `sortie new mission --at LAT,LON` writes one, `sortie schema` describes its keys.",
         ),
         _ => None,
     }
@@ -43,6 +43,8 @@ const EXIT_CODES: &str = "Exit codes: 0 done and verified; 1 internal, or output
 pub(super) enum Command {
     /// Plan, verify and write everything; with --upload also transfer it
     Plan(Plan),
+    /// Write a commented spec for a place, to begin with
+    New(New),
     /// Check a spec without planning
     Check(Check),
     /// Judge mission files, against a spec or against limits given as flags
@@ -71,11 +73,45 @@ pub(super) enum Command {
     Study(Study),
     /// Print the JSON Schema of the spec
     Schema,
+    /// Write the manual pages of all commands
+    Man {
+        /// Folder to write to, created where it is missing
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Print a completion script
     Completions {
         /// Which shell
         shell: clap_complete::Shell,
     },
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct New {
+    /// Name of the mission; the file is NAME.yaml
+    pub(super) name: String,
+    /// Middle of the area, degrees
+    #[arg(long, value_name = "LAT,LON", value_parser = latitude_longitude, allow_hyphen_values = true)]
+    pub(super) at: (f64, f64),
+    /// Elevation file, relative to the spec: .tif, .hgt [default: flat ground, altitudes above home]
+    #[arg(long, value_name = "FILE")]
+    pub(super) terrain: Option<PathBuf>,
+    /// Write to this file instead; existing files are not replaced
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) output: Option<PathBuf>,
+}
+
+fn latitude_longitude(text: &str) -> Result<(f64, f64), String> {
+    let numbers: Result<Vec<f64>, String> =
+        text.split(',').map(|part| finite(part.trim())).collect();
+    match numbers?[..] {
+        [lat_deg, lon_deg] if lat_deg.abs() < 85.0 && lon_deg.abs() <= 180.0 => {
+            Ok((lat_deg, lon_deg))
+        }
+        _ => Err(
+            "not LAT,LON in degrees, north to 85 and east to 180, such as 47.39,8.54".to_owned(),
+        ),
+    }
 }
 
 #[derive(Debug, clap::Args)]

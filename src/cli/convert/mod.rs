@@ -146,12 +146,12 @@ fn converted(
     let mut assumed = Vec::new();
     let made_for = document.autopilot;
     let made_by = made_for.map(|autopilot| table::autopilot(autopilot).to_owned());
-    let airframe_of = document.airframe.map(|of| format!("a {}", name_of(of)));
+    let airframe_of = document.airframe.map(|of| format!("a {}", of.name()));
     let made: Vec<String> = made_by.into_iter().chain(airframe_of).collect();
     let autopilot = autopilot(made_for, arguments.autopilot, &mut assumed);
     let airframe = airframe(document.airframe, arguments.airframe, &mut assumed);
     let is_list = document.is_list();
-    let repairs: Vec<String> = document.repairs.iter().map(ToString::to_string).collect();
+    let repairs = texts(&document.repairs);
     let mut lost = document.dropped.clone();
     let home = home(&document, target, arguments, &mut assumed)?;
     let document = Document {
@@ -173,6 +173,8 @@ fn converted(
         Target::Rows(list) if of != list => 0,
         _ => items.len(),
     };
+    let refused = mission::problems(&mission);
+    let is_judged = |list| !(is_list && list == mission::List::Mission);
     let report = Report {
         input: arguments.input.display().to_string(),
         output: arguments.output.display().to_string(),
@@ -183,18 +185,24 @@ fn converted(
         repairs,
         assumed,
         lost,
-        read_differently: (is_foreign.then(|| mission::read_differently(&mission)))
-            .into_iter()
-            .flatten()
-            .map(|(what, items)| format!("{}: {what}", ranges("item", &items)))
-            .collect(),
-        refused: mission::problems(&mission)
-            .iter()
-            .filter(|problem| !(is_list && problem.list == mission::List::Mission))
-            .map(ToString::to_string)
-            .collect(),
+        read_differently: is_foreign
+            .then(|| read_differently(&mission))
+            .unwrap_or_default(),
+        refused: texts(refused.iter().filter(|problem| is_judged(problem.list))),
     };
     Ok((text, report))
+}
+
+fn texts<T: ToString>(of: impl IntoIterator<Item = T>) -> Vec<String> {
+    of.into_iter().map(|one| one.to_string()).collect()
+}
+
+/// What this autopilot reads otherwise than the one for which the file was made.
+fn read_differently(mission: &VehicleMission) -> Vec<String> {
+    mission::read_differently(mission)
+        .into_iter()
+        .map(|(what, items)| format!("{}: {what}", ranges("item", &items)))
+        .collect()
 }
 
 /// Who is to read it: as asked, or as the file says, or ArduPilot.
@@ -216,7 +224,7 @@ fn autopilot(
     })
 }
 
-/// What flies it: as asked, or as the file says, or a multicopter.
+/// What flies it: as asked, or as the file says, or a copter.
 fn airframe(
     made_for: Option<Airframe>,
     asked: Option<AirframeName>,
@@ -228,25 +236,16 @@ fn airframe(
     {
         assumed.push(format!(
             "the file is for a {}, converted for a {}",
-            name_of(file),
-            name_of(asked)
+            file.name(),
+            asked.name()
         ));
     }
     asked.or(made_for).unwrap_or_else(|| {
         assumed.push(
-            "the file does not say what flies it: taken as for a multicopter (--airframe)"
-                .to_owned(),
+            "the file does not say what flies it: taken as for a copter (--airframe)".to_owned(),
         );
         Airframe::Copter
     })
-}
-
-fn name_of(airframe: Airframe) -> &'static str {
-    match airframe {
-        Airframe::Copter => "multicopter",
-        Airframe::Plane => "plane",
-        Airframe::Vtol => "vtol",
-    }
 }
 
 /// Home as the file has it, or the flag; a `.plan` must have one, a home row may be blank.

@@ -54,7 +54,6 @@ pub(super) fn write(
     dispatched: &Dispatched,
     timing: &dyn Fn() -> serde_json::Value,
 ) -> Result<(), Failure> {
-    let (spec, review) = (&file.spec, &dispatched.review);
     let folder = NewFolder::next_to(out, in_the_way)?;
     copy_terrain(&folder, file)?;
     if let Some(table) = &file.table {
@@ -62,9 +61,23 @@ pub(super) fn write(
     }
     folder.write("spec.yaml", file.text.as_bytes())?;
     for (vehicle, mission) in &dispatched.missions {
-        let id = &spec.vehicles[*vehicle].id;
-        write_mission(&folder, id, mission, review.accepts(id))?;
+        let id = &file.spec.vehicles[*vehicle].id;
+        write_mission(&folder, id, mission, dispatched.review.accepts(id))?;
     }
+    write_documents(&folder, file, world, dispatched)?;
+    folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
+    folder.publish()?;
+    Ok(())
+}
+
+/// Writes maps, plan, review and page: the documents of the whole fleet.
+fn write_documents(
+    folder: &NewFolder,
+    file: &SpecFile,
+    world: &World,
+    dispatched: &Dispatched,
+) -> Result<(), Failure> {
+    let (spec, review) = (&file.spec, &dispatched.review);
     let paths: Vec<(&str, Vec<TimedPoint>)> = spec
         .vehicles
         .iter()
@@ -107,8 +120,6 @@ pub(super) fn write(
         report::json_text(&report::review_json(review)).as_bytes(),
     )?;
     folder.write("review.html", page.as_bytes())?;
-    folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
-    folder.publish()?;
     Ok(())
 }
 

@@ -25,41 +25,43 @@ pub(crate) fn terms<S: Simd>(
     scratch: &mut Scratch,
     out: &mut [CostTerms],
 ) {
-    let (relief, limits) = (
-        model.relief.lanes(simd),
-        LimitLanes::new(simd, model, false),
-    );
+    let ground = Ground {
+        relief: model.relief.lanes(simd),
+        limits: LimitLanes::new(simd, model, false),
+    };
     let mut block = Block::new(simd, 1);
     let lanes = V::<S>::LEN;
     for (group, out) in out.chunks_mut(lanes).enumerate() {
         scratch.load::<S>(batch, group * lanes, out.len());
-        group_terms(simd, model, (&relief, &limits), &mut block, scratch, out);
+        let sums = group_sums(simd, model, &ground, &mut block, scratch);
+        weigh(simd, model, &sums, scratch, out);
     }
 }
 
-/// Terms of the candidates in the lanes of `scratch`.
+/// What all groups of lanes share.
+struct Ground<'a, S: Simd> {
+    relief: ReliefLanes<'a, S>,
+    limits: LimitLanes<S>,
+}
+
+/// Sums of the candidates in the lanes of `scratch`, collisions apart.
 #[inline(always)]
-fn group_terms<S: Simd>(
+fn group_sums<S: Simd>(
     simd: S,
     model: &CostModel,
-    (relief, limits): (&ReliefLanes<'_, S>, &LimitLanes<S>),
+    Ground { relief, limits }: &Ground<'_, S>,
     block: &mut Block<S>,
     scratch: &mut Scratch,
-    out: &mut [CostTerms],
-) {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+) -> PaperSums<V<S>> {
+    let zero = splat(simd, 0.0);
     let (paper, segments) = (&model.paper, model.path.samples - 1);
     let first = point(simd, &model.path.rows[0], &scratch.controls);
     let ground_m = relief.heights_m(first[0], first[1]);
     let (altitude, terrain) = paper.height_lanes::<S>(ground_m, model, first[2], 0);
     let mut sums = PaperSums {
-        length_km: zero,
         altitude,
-        threat: zero,
         terrain,
-        turns: zero,
-        climb: zero,
-        collision: zero,
+        ..PaperSums::all(zero)
     };
     let mut turns = TightTurns::none();
     block.begin(simd, first);
@@ -89,22 +91,38 @@ fn group_terms<S: Simd>(
         }
         for (turn, lane) in block.tight() {
             if turns.push(turn, lane) {
-                turns.flush(
-                    simd,
-                    #[inline(always)]
-                    |into, out| model.too_tight(simd, into, out).select(one, zero),
-                );
+                count_tight(simd, model, &mut turns);
             }
         }
         let danger = model.paper.options.threat_form;
         sums.threat = add_threats(simd, block, &model.hazards, danger, (scratch, sums.threat));
     }
+    count_tight(simd, model, &mut turns);
+    sums.turns = turns.sums(simd);
+    sums
+}
+
+/// Counts the turns that are too tight among those that wait.
+#[inline(always)]
+fn count_tight<S: Simd>(simd: S, model: &CostModel, turns: &mut TightTurns) {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     turns.flush(
         simd,
         #[inline(always)]
         |into, out| model.too_tight(simd, into, out).select(one, zero),
     );
-    sums.turns = turns.sums(simd);
+}
+
+/// Terms of a group of lanes from its sums, collisions added.
+#[inline(always)]
+fn weigh<S: Simd>(
+    simd: S,
+    model: &CostModel,
+    sums: &PaperSums<V<S>>,
+    scratch: &mut Scratch,
+    out: &mut [CostTerms],
+) {
+    let paper = &model.paper;
     let mut wide = PaperSums::<Wide>::default();
     for (value, to) in [
         (sums.length_km, &mut wide.length_km),

@@ -8,7 +8,7 @@
 use super::fields::Fields;
 use super::flight::{Command, FlightMessage, Position};
 use super::{Address, Body, Message, MissionMessage, id};
-use crate::mission::{Item, frame};
+use crate::mission::frame;
 
 /// Moves the fields of a message between it and a payload.
 pub(super) fn layout(id: u32, message: &mut Message, fields: &mut dyn Fields) {
@@ -86,41 +86,27 @@ fn mission_layout(mission: &mut MissionMessage, fields: &mut dyn Fields) {
             fields.address(target);
             fields.u8(mission_type);
         }
-        Body::Item { seq, current, item } => {
-            let Item { frame, x, y, .. } = *item;
-            let mut place = [x, y].map(|value| to_float(frame, value).to_le_bytes());
-            item_layout(
-                (target, mission_type),
-                (seq, current, item),
-                &mut place,
-                fields,
-            );
-            let place = place.map(|bytes| from_float(item.frame, f32::from_le_bytes(bytes)));
-            [item.x, item.y] = place;
-        }
-        Body::ItemInt { seq, current, item } => {
-            let mut place = [item.x, item.y].map(i32::to_le_bytes);
-            item_layout(
-                (target, mission_type),
-                (seq, current, item),
-                &mut place,
-                fields,
-            );
-            [item.x, item.y] = place.map(i32::from_le_bytes);
-        }
+        Body::Item { .. } | Body::ItemInt { .. } => item_layout(mission, fields),
     }
 }
 
 /// `MISSION_ITEM` and `MISSION_ITEM_INT` differ only in the type of x and y.
-fn item_layout(
-    (target, mission_type): (&mut Address, &mut u8),
-    (seq, current, item): (&mut u16, &mut u8, &mut Item),
-    [x, y]: &mut [[u8; 4]; 2],
-    fields: &mut dyn Fields,
-) {
+fn item_layout(mission: &mut MissionMessage, fields: &mut dyn Fields) {
+    let MissionMessage {
+        target,
+        mission_type,
+        body,
+    } = mission;
+    let has_integers = matches!(body, Body::ItemInt { .. });
+    let (Body::Item { seq, current, item } | Body::ItemInt { seq, current, item }) = body else {
+        return;
+    };
+    let mut place = [item.x, item.y].map(|value| match has_integers {
+        true => value.to_le_bytes(),
+        false => to_float(item.frame, value).to_le_bytes(),
+    });
     item.params.iter_mut().for_each(|param| fields.f32(param));
-    fields.bytes(x);
-    fields.bytes(y);
+    place.iter_mut().for_each(|bytes| fields.bytes(bytes));
     fields.f32(&mut item.z);
     fields.u16(seq);
     fields.u16(&mut item.command);
@@ -131,6 +117,10 @@ fn item_layout(
     fields.u8(&mut autocontinue);
     item.autocontinue = autocontinue != 0;
     fields.u8(mission_type);
+    [item.x, item.y] = place.map(|bytes| match has_integers {
+        true => i32::from_le_bytes(bytes),
+        false => from_float(item.frame, f32::from_le_bytes(bytes)),
+    });
 }
 
 fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) {

@@ -380,8 +380,8 @@ impl AltitudeLp {
         let Some(leaving) = Basis::leaving(simd, row, &work.dual) else {
             return false;
         };
-        let z = &mut work.z[1..last];
-        basis.exchange(simd, leaving, (entering, violation), row, &mut work.dual, z);
+        basis.exchange(simd, leaving, entering, row, &mut work.dual);
+        basis.shift(leaving, violation, &mut work.z[1..last]);
         true
     }
 

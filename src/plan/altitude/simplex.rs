@@ -93,10 +93,9 @@ impl Basis {
         &mut self,
         simd: S,
         leaving: usize,
-        (entering, violation): (Constraint, f64),
+        entering: Constraint,
         row: &mut [f64],
         dual: &mut [f64],
-        z: &mut [f64],
     ) {
         let (stride, lanes) = (self.stride(), S::f64s::LEN);
         let divisor = row[leaving];
@@ -108,9 +107,8 @@ impl Basis {
         }
         dual[leaving] = ratio;
         row[leaving] = 0.0;
-        for (inverse, z) in self.inverse.chunks_exact_mut(stride).zip(z) {
+        for inverse in self.inverse.chunks_exact_mut(stride) {
             let entry = inverse[leaving] / divisor;
-            *z += violation * entry;
             let shares = row.chunks_exact(lanes);
             for (m, share) in inverse.chunks_exact_mut(lanes).zip(shares) {
                 let less = load(simd, m) - load(simd, share) * entry;
@@ -119,6 +117,14 @@ impl Basis {
             inverse[leaving] = entry;
         }
         self.active[leaving] = entering;
+    }
+
+    /// Moves the free control points along the column of a constraint that has just entered, by
+    /// how far it was violated.
+    pub(crate) fn shift(&self, entered: usize, violation: f64, z: &mut [f64]) {
+        for (inverse, z) in self.inverse.chunks_exact(self.stride()).zip(z) {
+            *z += violation * inverse[entered];
+        }
     }
 }
 

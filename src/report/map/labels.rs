@@ -93,23 +93,17 @@ impl Labels {
     }
 
     /// The anchor and area of a label at an offset from its place, pushed into the frame.
-    fn anchor(
-        &self,
-        (x, y): (f64, f64),
-        (aside, dx, dy): (f64, f64, f64),
-        text: &str,
-        share: f64,
-    ) -> (Anchor, Area) {
+    fn anchor(&self, (x, y): (f64, f64), offset: Offset, text: &str, share: f64) -> (Anchor, Area) {
         let size = self.size * share;
         let (width, height) = (width(text) * size, LINE * size);
         let inside = |value: f64, from: f64, to: f64, length: f64| {
             value.min(to - length / 2.0).max(from + length / 2.0)
         };
-        let x = x + dx * self.size + aside * width / 2.0;
+        let x = x + offset.dx * self.size + offset.aside * width / 2.0;
         let anchor = Anchor {
             x: inside(x, self.frame.left, self.frame.right, width),
             y: inside(
-                y + dy * self.size,
+                y + offset.dy * self.size,
                 self.frame.top,
                 self.frame.bottom,
                 height,
@@ -120,14 +114,38 @@ impl Labels {
     }
 }
 
-/// Offsets from a place: the side on which the text lies, and the shift in sizes.
-fn offsets(side: Side) -> [(f64, f64, f64); 7] {
-    let (left, right) = ((-1.0, -0.85, 0.0), (1.0, 0.85, 0.0));
-    let (below, above) = ((0.0, 0.0, 1.3), (0.0, 0.0, -1.3));
-    let (far_below, far_above) = ((0.0, 0.0, 2.5), (0.0, 0.0, -2.5));
+/// Offset of a label from its place.
+#[derive(Clone, Copy)]
+struct Offset {
+    /// Side on which the text lies: -1 left, 0 centred, 1 right.
+    aside: f64,
+    /// Shift in sizes of the text, to the right.
+    dx: f64,
+    /// Shift in sizes of the text, down.
+    dy: f64,
+}
+
+impl Offset {
+    const LEFT: Self = Self::new(-1.0, -0.85, 0.0);
+    const RIGHT: Self = Self::new(1.0, 0.85, 0.0);
+
+    const fn new(aside: f64, dx: f64, dy: f64) -> Self {
+        Self { aside, dx, dy }
+    }
+
+    const fn centred(dy: f64) -> Self {
+        Self::new(0.0, 0.0, dy)
+    }
+}
+
+/// Offsets from a place, the preferred first.
+fn offsets(side: Side) -> [Offset; 7] {
+    let (left, right) = (Offset::LEFT, Offset::RIGHT);
+    let (below, above) = (Offset::centred(1.3), Offset::centred(-1.3));
+    let (far_below, far_above) = (Offset::centred(2.5), Offset::centred(-2.5));
     match side {
         Side::Middle => [
-            (0.0, 0.0, 0.0),
+            Offset::centred(0.0),
             below,
             above,
             right,

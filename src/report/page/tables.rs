@@ -8,7 +8,7 @@ use crate::report::documents::finite;
 use crate::report::scene::{Scene, VehicleShape};
 use crate::report::words::{self, Ranked, escaped};
 use crate::report::{COLOURS, ReviewInput};
-use crate::spec::{Airframe, Vehicle};
+use crate::spec::Vehicle;
 use crate::verify::Moment;
 
 /// Sort key of unknown values, behind all others.
@@ -169,11 +169,7 @@ fn flight(departure_s: f64, shape: &VehicleShape) -> String {
 
 fn autopilot(vehicle: &Vehicle, planned: Option<&VehiclePlan>) -> String {
     let autopilot = vehicle.autopilot.name();
-    let airframe = match vehicle.airframe {
-        Airframe::Copter => "copter",
-        Airframe::Plane => "plane",
-        Airframe::Vtol => "VTOL",
-    };
+    let airframe = vehicle.airframe.name();
     let speed = match (planned, vehicle.retiming.speed_mps) {
         (Some(plan), _) => words::number(plan.speed_mps, 1),
         (None, None) => words::number(vehicle.speed_mps, 1),

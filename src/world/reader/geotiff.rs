@@ -1,10 +1,16 @@
 //! GeoTIFF in degrees of WGS84.
 
+mod meaning;
+mod vertical;
+
 use std::path::Path;
 
 use geotiff_reader::GeoTiffFile;
-use geotiff_reader::crs::{CrsInfo, ModelType, VerticalCrs};
+use geotiff_reader::crs::{CrsInfo, ModelType};
 use geotiff_reader::geokeys;
+
+use meaning::SampleMeaning;
+use vertical::check_heights;
 
 use super::{Lattice, TerrainError, Window, ground_m};
 use crate::geodesy::LatLon;
@@ -12,8 +18,6 @@ use crate::geodesy::LatLon;
 const EPSG_WGS84: u16 = 4326;
 /// `GeogAngularUnitsGeoKey`: degree.
 const DEGREE: u16 = 9102;
-/// `VerticalUnitsGeoKey`: metre.
-const METRE: u16 = 9001;
 /// Least nodes in each direction.
 const MIN_NODES: u32 = 2;
 
@@ -22,6 +26,7 @@ pub(super) struct GeoTiff {
     file: GeoTiffFile,
     pub(super) lattice: Lattice,
     no_data: Option<f64>,
+    meaning: SampleMeaning,
 }
 
 impl GeoTiff {
@@ -44,6 +49,7 @@ impl GeoTiff {
         };
         Ok(Self {
             lattice: lattice(&file)?,
+            meaning: SampleMeaning::read(&file, path)?,
             file,
             no_data,
         })
@@ -54,7 +60,7 @@ impl GeoTiff {
         samples(&self.file, window, |sample| {
             match self.no_data.filter(|no_data| is_same(sample, *no_data)) {
                 Some(_) => f32::NAN,
-                None => ground_m(sample),
+                None => ground_m(self.meaning.height_m(sample)),
             }
         })
     }
@@ -115,20 +121,6 @@ fn check_coordinates(file: &GeoTiffFile) -> Result<(), TerrainError> {
     match file.geokeys().get_short(geokeys::GEOG_ANGULAR_UNITS) {
         None | Some(DEGREE) => Ok(()),
         Some(unit) => Err(TerrainError::Crs(format!("angular unit EPSG:{unit}"))),
-    }
-}
-
-/// Refuses feet, and heights over the ellipsoid: `VerticalGeoKey` 5001 to 5033 of
-/// GeoTIFF 1.0, 4979 (three-dimensional WGS84).
-fn check_heights(vertical: &VerticalCrs) -> Result<(), TerrainError> {
-    if let Some(unit) = vertical.units.filter(|unit| *unit != METRE) {
-        return Err(TerrainError::Heights(format!("unit EPSG:{unit}")));
-    }
-    match vertical.epsg {
-        Some(code @ (5001..=5033 | 4979)) => Err(TerrainError::Heights(format!(
-            "metres above an ellipsoid (EPSG:{code})"
-        ))),
-        _ => Ok(()),
     }
 }
 

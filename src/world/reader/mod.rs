@@ -87,6 +87,9 @@ pub enum TerrainError {
     /// The heights are not metres above the sea.
     #[error("heights in {0} (allowed: metres above mean sea level)")]
     Heights(String),
+    /// A tag or a file next to it changes what its samples mean.
+    #[error("{0} (allowed: heights in metres, with at most a scale and an offset that GDAL wrote)")]
+    Meaning(String),
     /// Rows do not go south or columns do not go east in even steps.
     #[error("{0} (allowed: rows from north to south, columns from west to east)")]
     Layout(String),

@@ -1,0 +1,196 @@
+//! The first steps: a new spec, manual pages, and commands as README and guide write them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use crate::support::command::{sortie, text};
+
+#[test]
+fn a_new_spec_plans_wherever_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, at) in [
+        ("field", "47.39,8.54"),
+        ("south", "-35.3633,149.1600"),
+        ("far-north", "78.2,15.6"),
+        ("near_the_line", "0.3,-179.5"),
+    ] {
+        let made = sortie(folder.path(), &["new", name, "--at", at]);
+        assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+        assert!(text(&made.stdout).contains(&format!("sortie plan {name}.yaml")));
+        assert!(text(&made.stderr).contains("taken as flat"));
+        let planned = sortie(folder.path(), &["plan", &format!("{name}.yaml")]);
+        assert_eq!(planned.status.code(), Some(0), "{}", text(&planned.stderr));
+    }
+}
+
+#[test]
+fn a_new_spec_over_elevation_has_a_ceiling_above_its_highest_ground() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/terrain/jacksboro.tif");
+    fs::copy(source, folder.path().join("ground.tif")).unwrap();
+    let arguments = [
+        "new",
+        "ridge",
+        "--at",
+        "36.30,-84.25",
+        "--terrain",
+        "ground.tif",
+    ];
+    let made = sortie(folder.path(), &arguments);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    let spec = fs::read_to_string(folder.path().join("ridge.yaml")).unwrap();
+    let ceiling = spec
+        .lines()
+        .find_map(|line| line.trim().strip_prefix("max_amsl_m: "));
+    let ceiling: f64 = ceiling
+        .and_then(|rest| rest.split(' ').next())
+        .and_then(|number| number.parse().ok())
+        .expect("a ceiling");
+    assert!((400.0..1100.0).contains(&ceiling), "{ceiling}");
+    assert!(spec.contains("altitude: amsl"));
+    // A file that is not there, or does not reach as far.
+    let arguments = ["new", "x", "--at", "36.30,-84.25", "--terrain", "none.tif"];
+    assert_eq!(sortie(folder.path(), &arguments).status.code(), Some(3));
+    let arguments = ["new", "x", "--at", "47,8", "--terrain", "ground.tif"];
+    assert_eq!(sortie(folder.path(), &arguments).status.code(), Some(3));
+    assert!(!folder.path().join("x.yaml").exists());
+}
+
+#[test]
+fn a_new_spec_replaces_no_file_and_needs_a_place_and_a_name() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("mine.yaml"), "precious").unwrap();
+    let again = sortie(folder.path(), &["new", "mine", "--at", "47,8"]);
+    assert_eq!(again.status.code(), Some(1));
+    let left = fs::read_to_string(folder.path().join("mine.yaml")).unwrap();
+    assert_eq!(left, "precious");
+    for (arguments, code) in [
+        (["new", "a", "--at", "91,8"], 2),
+        (["new", "a", "--at", "47;8"], 2),
+        (["new", "a/b", "--at", "47,8"], 3),
+        (["new", "..", "--at", "47,8"], 3),
+        (["new", "", "--at", "47,8"], 3),
+    ] {
+        let refused = sortie(folder.path(), &arguments);
+        assert_eq!(refused.status.code(), Some(code), "{arguments:?}");
+    }
+    assert_eq!(sortie(folder.path(), &["new", "a"]).status.code(), Some(2));
+}
+
+#[test]
+fn every_command_has_a_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = sortie(folder.path(), &["man", "pages"]);
+    assert_eq!(made.status.code(), Some(0), "{}", text(&made.stderr));
+    for command in commands(&[]) {
+        let page = folder.path().join(format!("pages/sortie-{command}.1"));
+        let page = fs::read_to_string(page).unwrap_or_else(|_| panic!("no page of {command}"));
+        assert!(page.contains(".SH NAME"), "{command}");
+    }
+}
+
+/// The commands that a help page lists.
+fn commands(of: &[&str]) -> Vec<String> {
+    let help = sortie(Path::new("."), &[of, &["--help"]].concat());
+    assert_eq!(help.status.code(), Some(0), "{of:?}");
+    text(&help.stdout)
+        .lines()
+        .skip_while(|line| *line != "Commands:")
+        .skip(1)
+        .take_while(|line| !line.is_empty())
+        .filter(|line| line.starts_with("  ") && !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next())
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+/// Documents with command lines, by name.
+fn documents() -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let guide = fs::read_dir(root.join("src/guide")).unwrap();
+    let pages = guide.map(|entry| entry.unwrap().path());
+    let pages = pages.filter(|path| path.extension().is_some_and(|is| is == "md"));
+    [root.join("README.md")]
+        .into_iter()
+        .chain(pages)
+        .map(|path| {
+            (
+                path.display().to_string(),
+                fs::read_to_string(path).unwrap(),
+            )
+        })
+        .collect()
+}
+
+/// Command lines in a document: lines of code blocks and spans in backticks.
+fn command_lines(document: &str) -> BTreeSet<String> {
+    let lines = document.lines().filter(|line| line.starts_with("sortie "));
+    let spans = document
+        .split('`')
+        .filter(|span| span.starts_with("sortie "));
+    lines
+        .chain(spans)
+        .map(|line| line.split(" #").next().unwrap_or(line))
+        .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect()
+}
+
+#[test]
+fn commands_and_flags_of_readme_and_guide_exist() {
+    let top: BTreeSet<String> = commands(&[]).into_iter().collect();
+    let mut nested = BTreeMap::new();
+    for group in ["study", "terrain"] {
+        nested.insert(
+            group,
+            commands(&[group]).into_iter().collect::<BTreeSet<_>>(),
+        );
+    }
+    let mut checked = 0;
+    for (name, document) in documents() {
+        for line in command_lines(&document) {
+            let words: Vec<&str> = line.split(' ').skip(1).collect();
+            let Some(command) = words.first().map(|word| word.trim_matches(',')) else {
+                continue;
+            };
+            if !top.contains(command) {
+                assert!(
+                    command.starts_with('-'),
+                    "{name}: `{line}`: no such command"
+                );
+                continue;
+            }
+            let mut path = vec![command];
+            let below = nested.get(command).zip(words.get(1));
+            if let Some((names, second)) = below.filter(|(names, second)| names.contains(**second))
+            {
+                path.push(names.get(*second).unwrap());
+            }
+            let help = sortie(Path::new("."), &[&path[..], &["--help"]].concat());
+            let help = text(&help.stdout);
+            for flag in words.iter().filter(|word| word.starts_with("--")) {
+                let flag = flag.trim_matches(|c: char| !c.is_ascii_alphanumeric() && c != '-');
+                let flag = flag.split('=').next().unwrap_or(flag);
+                assert!(
+                    help.contains(flag),
+                    "{name}: `{line}`: {path:?} has no {flag}"
+                );
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked > 10, "{checked}");
+}
+
+#[test]
+fn the_readme_names_every_command_and_stays_short() {
+    let documents = documents();
+    let (_, readme) = &documents[0];
+    assert!(readme.lines().count() <= 150);
+    for command in commands(&[]) {
+        let named = readme.contains(&format!("`sortie {command}"))
+            || readme.contains(&format!("`{command}`"));
+        assert!(named, "{command}");
+    }
+}
