@@ -81,8 +81,9 @@ impl Hazards {
                 // A mitred corner reaches up to twice the margin.
                 ring: ring.outset(widest(0.5 * room_m)),
                 below_m: zone
-                    .below
-                    .map_or(f64::INFINITY, |amsl| amsl.0 + margins.clearance_m),
+                    .crossed_from_m(margins.clearance_m, world.max_amsl)
+                    .or(zone.below.map(|below| below.0 + margins.clearance_m))
+                    .unwrap_or(f64::INFINITY),
             }
         };
         Self {

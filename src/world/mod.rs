@@ -99,6 +99,15 @@ impl PlanZone {
         covers(&self.outline, at)
     }
 
+    /// The altitude from which a path may cross the zone with `over_m` to spare, metres; under a
+    /// ceiling that leaves less, halfway up to it. `None` where the zone is closed up to there.
+    pub(crate) fn crossed_from_m(&self, over_m: f64, ceiling: Amsl) -> Option<f64> {
+        let below = self.below.filter(|below| *below <= ceiling)?;
+        let spare_m = 0.5 * (ceiling.0 - below.0);
+        let is_enough = over_m <= 2.0 * spare_m;
+        Some(below.0 + if is_enough { over_m } else { spare_m })
+    }
+
     /// Whether the zone is closed at a point of space.
     #[must_use]
     pub fn is_closed_at(&self, point: PlanPoint) -> bool {

@@ -70,9 +70,9 @@ impl<'a> FloorMaker<'a> {
             .zones
             .iter()
             .filter_map(|zone| {
-                let below_m = zone.below?.0 + over_m;
+                let below_m = zone.crossed_from_m(over_m, world.max_amsl)?;
                 let rect = zone.outline.bounding_rect()?;
-                (below_m <= world.max_amsl.0).then_some(LowZone {
+                Some(LowZone {
                     rect,
                     outline: &zone.outline,
                     below_m,

@@ -1,5 +1,5 @@
-//! Corridors: homotopy classes through free space alone, for routes of which the soft fields find
-//! no path.
+//! Corridors: homotopy classes through free space alone, for routes where the soft fields find no
+//! path.
 
 use rayon::prelude::*;
 

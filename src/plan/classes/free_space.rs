@@ -18,7 +18,7 @@ use crate::world::PlanZone;
 const CLOSED: f64 = 1e6;
 /// Length beside a wall costs more by this share: paths keep away from walls where they can, so
 /// that a spline has space to bend.
-const BESIDE_A_WALL: f64 = 1.0;
+const AT_WALL_SHARE: f64 = 1.0;
 /// Nodes this near to an end are open, in cells: an end may lie within a margin.
 const AT_ENDS_CELLS: f64 = 1.5;
 
@@ -158,7 +158,7 @@ impl FreeSpace {
         let closed = self.clearance_m.iter().map(|&clearance_m| {
             let near = (1.0 - clearance_m / berth_m).clamp(0.0, 1.0);
             match clearance_m > 0.0 {
-                true => prices.length * BESIDE_A_WALL * near * near,
+                true => prices.length * AT_WALL_SHARE * near * near,
                 false => CLOSED,
             }
         });

@@ -15,7 +15,7 @@ use crate::world::Stations;
 
 /// Points of a planned path, spread evenly over the spline's parameter.
 const PATH_POINTS: usize = 1001;
-/// Points for each control point, where there are so many that these are more.
+/// Points for each control point, where that makes more.
 const POINTS_PER_CONTROL: usize = 24;
 
 /// Where the routes of a vehicle begin and end.

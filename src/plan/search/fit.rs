@@ -6,7 +6,6 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::geodesy::EastNorth;
-use crate::numeric::geometry::turn_angle;
 use crate::plan::altitude::Row;
 
 /// Weight that keeps each control point near its own place on the polyline.
@@ -44,25 +43,11 @@ impl Line {
         self.lengths_m.last().copied().unwrap_or(0.0)
     }
 
-    /// The points that are left where those that are no further than `off_m` off the straight are
-    /// dropped (Douglas and Peucker 1973), by their index.
-    fn simplified(&self, off_m: f64) -> Vec<usize> {
-        let positions = self.points.iter().map(|at| (at.east_m, at.north_m));
-        LineString::from_iter(positions).simplify_idx(off_m)
-    }
-
-    /// Sum of the angles by which it turns, radians, simplified as [`Line::corners`].
-    pub(crate) fn turned_rad(&self, off_m: f64) -> f64 {
-        let left = self.simplified(off_m);
-        let plane = |index: usize| [self.points[index].east_m, self.points[index].north_m];
-        left.windows(3)
-            .map(|three| turn_angle(plane(three[0]), plane(three[1]), plane(three[2])))
-            .sum()
-    }
-
-    /// Shares of the length at which it bends, where it is further than `off_m` off the straight.
+    /// Shares of the length at which it bends, where it is further than `off_m` off the straight
+    /// (Douglas and Peucker 1973).
     pub(crate) fn corners(&self, off_m: f64) -> Vec<f64> {
-        let left = self.simplified(off_m);
+        let positions = self.points.iter().map(|at| (at.east_m, at.north_m));
+        let left = LineString::from_iter(positions).simplify_idx(off_m);
         let inner = left.get(1..left.len().saturating_sub(1)).unwrap_or(&[]);
         let share = |&point: &usize| self.lengths_m[point] / self.length_m().max(1e-9);
         inner.iter().map(share).collect()
@@ -95,7 +80,7 @@ impl Line {
 /// runs fast.
 #[derive(Clone, Debug)]
 pub(crate) struct Warp {
-    /// Share of the length at each of [`WARP_STEPS`] + 1 even parameters.
+    /// Share of the length at even parameters, of [`WARP_STEPS`] + 1 of them mostly.
     shares: Vec<f64>,
 }
 
@@ -178,19 +163,48 @@ impl Warp {
     }
 
     fn of(density: impl Fn(f64) -> f64) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
-        let share = |step: usize| step as f64 / WARP_STEPS as f64;
+        Self::of_steps(WARP_STEPS, density)
+    }
+
+    /// Control points gather around `corners`, shares of the length, within `width` of each: so
+    /// many of them that a corner has `each` more than a straight piece as long, of `controls`
+    /// in all.
+    pub(crate) fn at_corners(corners: &[f64], width: f64, (each, controls): (f64, usize)) -> Self {
+        /// Steps over the width of a corner.
+        const STEPS: f64 = 8.0;
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred")]
+        let (controls, count) = (controls as f64, corners.len() as f64);
+        // A bump of height 1 has the area of its width times the root of pi.
+        let spread = (controls - each * count).max(0.25 * controls);
+        let height = each / spread / (width * std::f64::consts::PI.sqrt());
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to thousands"
+        )]
+        let steps = (STEPS / width).clamp(256.0, 8192.0) as usize;
+        Self::of_steps(steps, |share| {
+            corners.iter().fold(1.0, |sum, corner| {
+                let away = (share - corner) / width;
+                sum + height * (-away * away).exp()
+            })
+        })
+    }
+
+    fn of_steps(steps: usize, density: impl Fn(f64) -> f64) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "thousands of steps")]
+        let share = |step: usize| step as f64 / steps as f64;
         let mut parameters = vec![0.0];
         let mut sum = 0.0;
-        for step in 0..WARP_STEPS {
+        for step in 0..steps {
             sum += 0.5 * (density(share(step)) + density(share(step + 1)));
             parameters.push(sum);
         }
         let mut after = 1;
-        let shares = (0..=WARP_STEPS)
+        let shares = (0..=steps)
             .map(|step| {
                 let target = share(step) * sum;
-                while after < WARP_STEPS && parameters[after] < target {
+                while after < steps && parameters[after] < target {
                     after += 1;
                 }
                 let (low, high) = (parameters[after - 1], parameters[after]);
@@ -203,15 +217,16 @@ impl Warp {
 
     /// Share of the length at a parameter of [0, 1].
     fn share(&self, parameter: f64) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
-        let at = parameter.clamp(0.0, 1.0) * WARP_STEPS as f64;
+        let steps = self.shares.len() - 1;
+        #[expect(clippy::cast_precision_loss, reason = "thousands of steps")]
+        let at = parameter.clamp(0.0, 1.0) * steps as f64;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "within WARP_STEPS"
+            reason = "within the steps"
         )]
-        let step = (at.floor() as usize).min(WARP_STEPS - 1);
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
+        let step = (at.floor() as usize).min(steps - 1);
+        #[expect(clippy::cast_precision_loss, reason = "thousands of steps")]
         let part = at - step as f64;
         self.shares[step] + part * (self.shares[step + 1] - self.shares[step])
     }

@@ -111,13 +111,16 @@ fn search_classes(context: &RouteContext<'_>, run: Run<'_>) -> Found {
 /// The search of one route, judged on another context.
 fn found(judged_on: &RouteContext<'_>, context: &RouteContext<'_>, run: Run<'_>) -> Found {
     let (splines, evaluations) = match context.spec.planner.algorithm {
-        spec::Algorithm::Msfoa => swarms(context, run, &homotopy_classes(context, run.budget)),
+        spec::Algorithm::Msfoa => {
+            let homotopy = homotopy_classes(context, run.budget);
+            swarms(context, run, &homotopy, Vec::new())
+        }
         algorithm => published(context, algorithm, run),
     };
     found_among(judged_on, splines, evaluations)
 }
 
-/// The best of some splines, after so many evaluations.
+/// The best of some splines, and the number of evaluations that were spent on them.
 fn found_among(context: &RouteContext<'_>, splines: Vec<Spline>, evaluations: usize) -> Found {
     Found {
         evaluations,
@@ -130,6 +133,7 @@ fn swarms(
     context: &RouteContext<'_>,
     run: Run<'_>,
     homotopy: &HomotopyClasses,
+    given: Vec<SearchSeed>,
 ) -> (Vec<Spline>, usize) {
     let (planner, options) = (&context.spec.planner, &context.options);
     let parameters = context.parameters(context.samples());
@@ -151,7 +155,8 @@ fn swarms(
         homotopy,
         swarms: planner.swarms.unwrap_or(default_swarms(run.budget)),
     };
-    let mut seeds = twice_fitted(&seeder, &mut among, alone.as_mut(), &mut rng);
+    let mut seeds = given;
+    seeds.extend(twice_fitted(&seeder, &mut among, alone.as_mut(), &mut rng));
     let fitted = among.spent() + alone.map_or(0, |alone| alone.spent());
     if let Some(step) = planner.step {
         for seed in &mut seeds {
