@@ -6,7 +6,8 @@
 //!      -> re-verified from the encoded integers -> .waypoints / .plan files, review, upload over MAVLink
 //! ```
 //!
-//! The [`guide`] explains specs, planning, review, upload and flight; its glossary has the terms.
+//! A [`Mission`] is read or built, [`plan`](fn@plan)ned, [`verify`](fn@verify)ed and
+//! [`upload`]ed. The [`guide`] explains specs, planning, review, upload and flight; its glossary has the terms.
 //!
 //! # Layers
 //!
@@ -19,7 +20,6 @@
 //! | 1 | [`autopilot`] | facts by autopilot, airframe and version: acceptance, capacities, modes, parameters, measured behaviour |
 //! | 1 | [`geodesy`] | WGS84, ECEF, local ENU frame, EGM96 geoid, altitude references |
 //! | 1 | [`optimize`] | the trait `Problem`, evaluation budgets, one file per algorithm |
-//! | 1 | [`autopilot`] | what autopilots do, as data: acceptance, stored form, modes, parameters, measured behaviour |
 //! | 2 | [`spec`] | YAML as typed, then checked: an immutable [`spec::MissionSpec`] |
 //! | 3 | [`world`] | terrain and its readers, threats, zones, area |
 //! | 4 | [`path`] | control points to a sampled, timed trajectory; turn and climb limits |
@@ -75,6 +75,10 @@ pub mod flight;
 pub mod study;
 
 pub mod cli;
+
+mod library;
+
+pub use library::{Mission, files, plan, upload, verify};
 
 /// The examples of the README.
 #[cfg(doctest)]

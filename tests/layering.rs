@@ -33,6 +33,8 @@ const LAYERS: &[(&str, u32, &[&str])] = &[
     ("flight", 11, &[]),
     ("study", 11, &["link"]),
     ("studio", 12, &[]),
+    // Not a folder: the functions that lib.rs shows first.
+    ("library", 12, &[]),
     ("cli", 13, &[]),
 ];
 /// Most files flat in a folder beside its `mod.rs`.

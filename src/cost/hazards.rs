@@ -2,13 +2,13 @@
 
 use geo::Polygon;
 
+use super::closed_zone::ClosedZone;
+use super::piece::plane;
+pub(crate) use super::piece::{FORBIDDEN, Piece};
+use super::relief::Relief;
 use super::{Margins, RouteEnds};
-use crate::geodesy::PlanPoint;
 use crate::numeric::geometry::{Point, Ring, disc_chord};
 use crate::world::{Disc, PlanZone, World};
-
-/// Lengths outside the area and inside zones count this often (design, section 4).
-pub(crate) const FORBIDDEN: f64 = 1.1;
 
 /// A threat, widened by its margin.
 #[derive(Clone, Copy, Debug)]
@@ -26,13 +26,6 @@ pub(crate) struct Threat {
     pub(crate) high: Point,
 }
 
-/// A no-fly zone, widened by its margin.
-#[derive(Clone, Debug)]
-pub(crate) struct ClosedZone {
-    ring: Ring,
-    below_m: f64,
-}
-
 /// The allowed area.
 #[derive(Clone, Debug)]
 pub(crate) struct Bounds {
@@ -48,20 +41,17 @@ pub(crate) struct Hazards {
     pub(crate) threats: Vec<Threat>,
     pub(crate) zones: Vec<ClosedZone>,
     pub(crate) bounds: Bounds,
-}
-
-/// A straight piece of a path: places and altitudes of its ends, metres.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Piece {
-    pub(crate) a: Point,
-    pub(crate) b: Point,
-    pub(crate) amsl_a_m: f64,
-    pub(crate) amsl_b_m: f64,
+    /// What floors and ceilings above ground are measured from.
+    pub(crate) relief: Relief,
 }
 
 impl Hazards {
-    pub(crate) fn new(world: &World, ends: &RouteEnds, margins: &Margins) -> Self {
-        let ends = [plane(ends.from), plane(ends.to)];
+    pub(crate) fn new(
+        (world, relief): (&World, &Relief),
+        route: &RouteEnds,
+        margins: &Margins,
+    ) -> Self {
+        let ends = [plane(route.from), plane(route.to)];
         let widest = |room_m: f64| margins.threat_m.min(room_m).max(0.0);
         let threat = |disc: &Disc| {
             let center = [disc.center.east_m, disc.center.north_m];
@@ -71,25 +61,12 @@ impl Hazards {
                 .fold(f64::INFINITY, f64::min);
             Threat::new(center, disc.radius_m + widest(room_m))
         };
-        let zone = |zone: &PlanZone| {
-            let ring = Ring::around(&zone.outline);
-            let room_m = ends
-                .iter()
-                .map(|end| ring.boundary_distance(*end))
-                .fold(f64::INFINITY, f64::min);
-            ClosedZone {
-                // A mitred corner reaches up to twice the margin.
-                ring: ring.outset(widest(0.5 * room_m)),
-                below_m: zone
-                    .crossed_from_m(margins.clearance_m, world.max_amsl)
-                    .or(zone.below.map(|below| below.0 + margins.clearance_m))
-                    .unwrap_or(f64::INFINITY),
-            }
-        };
+        let zone = |zone: &PlanZone| ClosedZone::new(zone, (world, route), margins);
         Self {
             threats: world.threats.iter().map(threat).collect(),
             zones: world.zones.iter().map(zone).collect(),
             bounds: Bounds::new(&world.area),
+            relief: relief.clone(),
         }
     }
 }
@@ -103,7 +80,7 @@ impl Hazards {
         crossings: &mut Vec<(f64, i32)>,
     ) -> f64 {
         for zone in &self.zones {
-            exposure += zone.exposure(piece, crossings);
+            exposure += zone.exposure(piece, &self.relief, crossings);
         }
         exposure + self.bounds.exposure(piece, crossings)
     }
@@ -133,27 +110,6 @@ impl Threat {
     }
 }
 
-impl ClosedZone {
-    /// What one kilometre of a segment costs for this zone.
-    pub(crate) fn exposure(&self, piece: &Piece, crossings: &mut Vec<(f64, i32)>) -> f64 {
-        if self.ring.is_far_from(piece.a, piece.b) {
-            return 0.0;
-        }
-        let Some(closed) = part_below(piece, self.below_m) else {
-            return 0.0;
-        };
-        FORBIDDEN
-            * self
-                .ring
-                .inside_fraction((piece.a, piece.b), closed, crossings)
-    }
-
-    /// Least and greatest coordinates.
-    pub(crate) fn bounds(&self) -> (Point, Point) {
-        self.ring.bounds()
-    }
-}
-
 impl Bounds {
     fn new(area: &Polygon<f64>) -> Self {
         let ring = Ring::around(area);
@@ -180,17 +136,6 @@ impl Bounds {
         }
         let inside = self.ring.inside_fraction((a, b), (0.0, 1.0), crossings);
         FORBIDDEN * (1.0 - inside).max(0.0)
-    }
-}
-
-/// The part of a segment below an altitude, as fractions from and to.
-fn part_below(piece: &Piece, below_m: f64) -> Option<(f64, f64)> {
-    let (a, b) = (piece.amsl_a_m, piece.amsl_b_m);
-    match (a < below_m, b < below_m) {
-        (true, true) => Some((0.0, 1.0)),
-        (true, false) => Some((0.0, (below_m - a) / (b - a))),
-        (false, true) => Some(((a - below_m) / (a - b), 1.0)),
-        (false, false) => None,
     }
 }
 
@@ -238,8 +183,4 @@ fn crosses_box(a: Point, b: Point, low: Point, high: Point) -> bool {
         }
     }
     enters <= leaves
-}
-
-fn plane(point: PlanPoint) -> Point {
-    [point.at.east_m, point.at.north_m]
 }

@@ -5,12 +5,14 @@
 //! form: many candidates side by side, with the same operations in the same order, so
 //! that both agree to the bit whatever the processor ([`Dispatch`]).
 
+mod closed_zone;
 mod evaluate;
 mod hazards;
 mod kernel;
 mod model;
 mod operational;
 mod paper;
+mod piece;
 mod reference;
 mod relief;
 mod sampling;

@@ -82,7 +82,7 @@ impl CostModel {
         Self {
             objective: spec.planner.objective,
             weights: spec.planner.weights,
-            hazards: Hazards::new(world, &ends, &margins),
+            hazards: Hazards::new((world, &relief), &ends, &margins),
             traffic: Traffic::new(&spec.separation, &margins, earlier),
             timing: Timing::new(world, spec, vehicle, &ends),
             paper: Paper::new(PaperOptions::default(), &ends, earlier),

@@ -41,6 +41,11 @@ impl Relief {
         }
     }
 
+    /// Nodes in a metre.
+    pub(crate) fn per_metre(&self) -> f64 {
+        self.per_metre
+    }
+
     /// Heights above mean sea level at many places, metres: as [`Ground::height_m`] but
     /// for voids.
     pub fn read(&self, east_m: &[f64], north_m: &[f64], heights_m: &mut Vec<f64>) {

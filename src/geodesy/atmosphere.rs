@@ -10,9 +10,19 @@ pub fn true_airspeed_ratio(at: Amsl) -> f64 {
     (1.0 - 2.255_77e-5 * at.0.min(TROPOPAUSE_M)).powf(-2.127_94)
 }
 
+/// The altitude of a flight level (hundreds of feet of pressure altitude) in the standard
+/// atmosphere above a pressure at sea level, hectopascal: its altitude on a standard day less
+/// the pressure altitude of the sea, `44 330.8 m (1 - (QNH / 1013.25)^0.190263)`.
+#[must_use]
+pub fn flight_level(level: f64, qnh_hpa: f64) -> Amsl {
+    const FEET_M: f64 = 0.3048;
+    let sea_m = 44_330.8 * (1.0 - (qnh_hpa / 1013.25).powf(0.190_263));
+    Amsl(100.0 * FEET_M * level - sea_m)
+}
+
 #[cfg(test)]
 mod tests {
-    use super::true_airspeed_ratio;
+    use super::{flight_level, true_airspeed_ratio};
     use crate::geodesy::Amsl;
 
     #[test]
@@ -30,6 +40,18 @@ mod tests {
             assert!(
                 (ratio / expected - 1.0).abs() < 3e-4,
                 "{ratio} at {amsl_m} m, not {expected}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_flight_level_moves_with_the_pressure_as_the_manual_of_the_standard_atmosphere_says() {
+        // ICAO Doc 7488/3: pressures at geopotential altitudes of the standard atmosphere.
+        for (qnh_hpa, altitude_m) in [(1013.25, 0.0), (954.61, 500.0), (898.74, 1000.0)] {
+            let Amsl(amsl_m) = flight_level(100.0, qnh_hpa);
+            assert!(
+                (amsl_m - (3048.0 - altitude_m)).abs() < 0.5,
+                "{amsl_m} at {qnh_hpa}"
             );
         }
     }

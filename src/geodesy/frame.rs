@@ -242,6 +242,22 @@ impl LocalFrame {
         }
     }
 
+    /// The polygon circumscribed about a circle around the origin, counter-clockwise.
+    #[must_use]
+    pub fn circumscribed(&self, radius_m: f64) -> Vec<LatLon> {
+        const CORNERS: u32 = 72;
+        let step_rad = std::f64::consts::TAU / f64::from(CORNERS);
+        let reach_m = radius_m / (0.5 * step_rad).cos();
+        let corner = |corner: u32| {
+            let (sin, cos) = (f64::from(corner) * step_rad).sin_cos();
+            self.from_plan(EastNorth {
+                east_m: reach_m * cos,
+                north_m: reach_m * sin,
+            })
+        };
+        (0..CORNERS).map(corner).collect()
+    }
+
     /// The polygon of these corners in planning coordinates (x east, y north, metres).
     ///
     /// Edges are straight in latitude and longitude, as autopilots test fences. In

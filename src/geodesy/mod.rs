@@ -6,6 +6,6 @@ mod frame;
 mod geoid;
 
 pub use altitude::{AboveHome, Agl, Amsl, Ellipsoid};
-pub use atmosphere::true_airspeed_ratio;
+pub use atmosphere::{flight_level, true_airspeed_ratio};
 pub use frame::{EastNorth, GeodesyError, LatLon, LocalFrame, PlanPoint};
 pub use geoid::Geoid;

@@ -16,6 +16,8 @@ pub mod fly {}
 pub mod replan {}
 #[doc = include_str!("terrain.md")]
 pub mod terrain {}
+#[doc = include_str!("airspace.md")]
+pub mod airspace {}
 #[doc = include_str!("study.md")]
 pub mod study {}
 #[doc = include_str!("flight_model.md")]
@@ -24,3 +26,7 @@ pub mod flight_model {}
 pub mod glossary {}
 #[doc = include_str!("design.md")]
 pub mod design {}
+#[doc = include_str!("decisions.md")]
+pub mod decisions {}
+#[doc = include_str!("troubleshooting.md")]
+pub mod troubleshooting {}

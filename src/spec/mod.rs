@@ -20,6 +20,7 @@
 //! tables, grids and defaults. Do not use untagged or flattened enums: serde loses positions in
 //! them.
 
+mod airspace;
 mod builder;
 mod check;
 mod file;
@@ -37,13 +38,14 @@ mod vehicle;
 mod wind;
 
 pub use crate::autopilot::{Airframe, Autopilot};
+pub use airspace::Zone;
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
 pub use model::{
     Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,
-    THREAT_RADIUS_M, TerrainSource, Threat, Weights, Zone,
+    THREAT_RADIUS_M, TerrainSource, Threat, Weights,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
+use super::airspace::Zone;
 use super::keys::words;
 use super::vehicle::Vehicle;
 use super::wind::Wind;
@@ -26,7 +27,7 @@ pub struct MissionSpec {
     pub terrain: TerrainSource,
     /// Cylinders of infinite height that must not be entered.
     pub threats: Vec<Threat>,
-    /// Polygons that must not be entered.
+    /// What must not be entered: `no_fly`, then `zones`, those of files, and obstacles.
     pub no_fly: Vec<Zone>,
     /// Rally points.
     pub rally: Vec<Rally>,
@@ -120,17 +121,6 @@ pub struct Threat {
     pub place: LatLon,
     /// Radius, metres.
     pub radius_m: f64,
-}
-
-/// A polygon that must not be entered.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Zone {
-    /// Unique name.
-    pub id: String,
-    /// At least three corners, not closed (the last is not the first).
-    pub polygon: Vec<LatLon>,
-    /// Closed below this altitude only; closed at every height if absent.
-    pub below: Option<Amsl>,
 }
 
 /// A rally point.

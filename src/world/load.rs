@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use super::{Bounds, NoData, Terrain, TerrainError, World, read_terrain, terrain_files};
+use super::{Bounds, NoData, PlanZone, Terrain, TerrainError, World};
+use super::{read_terrain, terrain_files};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::numeric::digits;
 use crate::spec::{
-    EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
+    EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle, Zone,
 };
 
 /// The world of a spec file. Its terrain is read from a path relative to the spec.
@@ -266,28 +267,33 @@ impl Check<'_> {
         self.zones(path, "the rally point", place, amsl);
     }
 
-    /// Zones with a height; those without are checked with the spec alone.
+    /// Zones with a height; those without are checked with the spec alone. Whether a zone is
+    /// active when a vehicle comes there shows only in its plan.
     fn zones(&mut self, path: &str, what: &str, place: LatLon, amsl: Amsl) {
         let spec = &self.file.spec;
         let at = spec.frame.to_plan(place);
-        let closed: Vec<String> = spec
-            .no_fly
-            .iter()
-            .filter_map(|zone| {
-                zone.below
-                    .filter(|below| amsl < *below)
-                    .map(|below| (zone, below))
+        let ground_m = self
+            .terrain
+            .height(place)
+            .map_or(f64::NAN, |ground| ground.0);
+        let has_height = |zone: &&Zone| zone.floor.is_some() || zone.ceiling.is_some();
+        let always = spec.no_fly.iter().filter(|zone| zone.active_s.is_none());
+        let closed: Vec<String> = always
+            .filter(has_height)
+            .filter(|zone| {
+                let shape = PlanZone::new(spec.frame.outline(&zone.outline()), zone, 0.0);
+                shape.is_closed_at(PlanPoint { at, amsl }, ground_m, f64::NAN)
             })
-            .filter(|(zone, _)| super::covers(&spec.frame.outline(&zone.polygon), at))
-            .map(|(zone, below)| {
+            .map(|zone| {
+                let id = &zone.id;
                 format!(
-                    "{what} at {:.1} m is inside no-fly zone `{}`, closed below {} m",
-                    amsl.0, zone.id, below.0
+                    "{what} at {:.1} m is inside no-fly zone `{id}`, closed {zone}",
+                    amsl.0
                 )
             })
             .collect();
         for found in closed {
-            self.report(path, found, "outside or above".to_owned());
+            self.report(path, found, "outside, above or below".to_owned());
         }
     }
 

@@ -6,6 +6,7 @@ mod load;
 mod mounds;
 mod reader;
 mod terrain;
+mod zone;
 
 pub use departure::Departure;
 pub use ground::Ground;
@@ -15,6 +16,7 @@ pub use reader::{
     terrain_files,
 };
 pub use terrain::{NoData, Terrain, TerrainGrid};
+pub use zone::PlanZone;
 
 use std::sync::Arc;
 
@@ -30,15 +32,6 @@ pub struct Disc {
     pub center: EastNorth,
     /// Radius, metres.
     pub radius_m: f64,
-}
-
-/// A no-fly zone in planning coordinates.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlanZone {
-    /// Outline (x east, y north, metres).
-    pub outline: Polygon<f64>,
-    /// Closed below this only; at all heights if absent.
-    pub below: Option<Amsl>,
 }
 
 /// The fixed positions of one vehicle, altitudes resolved over the terrain.
@@ -92,29 +85,6 @@ impl Disc {
     }
 }
 
-impl PlanZone {
-    /// Whether a point of the plane lies in the outline; its edge does.
-    #[must_use]
-    pub fn contains(&self, at: EastNorth) -> bool {
-        covers(&self.outline, at)
-    }
-
-    /// The altitude from which a path may cross the zone with `over_m` to spare, metres; under a
-    /// ceiling that leaves less, halfway up to it. `None` where the zone is closed up to there.
-    pub(crate) fn crossed_from_m(&self, over_m: f64, ceiling: Amsl) -> Option<f64> {
-        let below = self.below.filter(|below| *below <= ceiling)?;
-        let spare_m = 0.5 * (ceiling.0 - below.0);
-        let is_enough = over_m <= 2.0 * spare_m;
-        Some(below.0 + if is_enough { over_m } else { spare_m })
-    }
-
-    /// Whether the zone is closed at a point of space.
-    #[must_use]
-    pub fn is_closed_at(&self, point: PlanPoint) -> bool {
-        self.below.is_none_or(|below| point.amsl < below) && self.contains(point.at)
-    }
-}
-
 impl World {
     /// The world of a spec over a terrain that was read before.
     ///
@@ -133,9 +103,9 @@ impl World {
         let zones = spec
             .no_fly
             .iter()
-            .map(|zone| PlanZone {
-                outline: frame.outline(&zone.polygon),
-                below: zone.below,
+            .map(|zone| {
+                let outline = frame.outline(&zone.outline());
+                PlanZone::new(outline, zone, spec.separation.time_slack_s)
             })
             .collect();
         let area = frame.outline(&spec.area.outline());
@@ -226,40 +196,12 @@ mod tests {
         EastNorth { east_m, north_m }
     }
 
-    fn square(side_m: f64) -> Polygon<f64> {
-        Polygon::new(
-            vec![(0.0, 0.0), (side_m, 0.0), (side_m, side_m), (0.0, side_m)].into(),
-            Vec::new(),
-        )
-    }
-
     #[test]
-    fn the_rim_of_what_is_closed_is_closed() {
+    fn the_rim_of_a_threat_is_closed() {
         let disc = Disc {
             center: at(0.0, 0.0),
             radius_m: 5.0,
         };
         assert!(disc.contains(at(3.0, 4.0)) && !disc.contains(at(3.0, 4.1)));
-        let zone = PlanZone {
-            outline: square(10.0),
-            below: None,
-        };
-        for inside in [at(5.0, 5.0), at(10.0, 5.0), at(0.0, 0.0)] {
-            assert!(zone.contains(inside), "{inside:?}");
-        }
-        assert!(!zone.contains(at(10.1, 5.0)));
-    }
-
-    #[test]
-    fn a_zone_with_a_height_is_open_from_that_height_on() {
-        let mut zone = PlanZone {
-            outline: square(10.0),
-            below: Some(Amsl(100.0)),
-        };
-        let over = |amsl_m| PlanPoint::new(5.0, 5.0, Amsl(amsl_m));
-        assert!(zone.is_closed_at(over(99.9)) && !zone.is_closed_at(over(100.0)));
-        assert!(!zone.is_closed_at(PlanPoint::new(11.0, 5.0, Amsl(0.0))));
-        zone.below = None;
-        assert!(zone.is_closed_at(over(1e9)));
     }
 }

@@ -194,3 +194,32 @@ fn the_readme_names_every_command_and_stays_short() {
         assert!(named, "{command}");
     }
 }
+
+#[test]
+fn the_messages_of_the_troubleshooting_page_are_in_the_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let page = fs::read_to_string(root.join("guide/troubleshooting.md")).unwrap();
+    let mut source = String::new();
+    let mut folders = vec![root];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|is| is == "rs") {
+                source += &fs::read_to_string(path).unwrap();
+            }
+        }
+    }
+    // The two forms of one message are made from `{are} in its way`.
+    let source = source.replace("{are}", "is") + &source.replace("{are}", "are");
+    let rows = page.lines().filter(|line| line.starts_with("| `"));
+    let cells = rows.filter_map(|row| row.split('|').nth(1));
+    let messages: Vec<&str> = cells
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+        .collect();
+    assert!(messages.len() > 10);
+    for message in messages {
+        assert!(source.contains(message), "{message}");
+    }
+}

@@ -31,7 +31,8 @@ fn fleet() -> (MissionSpec, World, Vec<TimedPoint>) {
     spec.no_fly = vec![Zone {
         id: "town".to_owned(),
         polygon: triangle,
-        below: Some(Amsl(700.0)),
+        ceiling: Some(sortie::spec::Placement::Amsl(Amsl(700.0))),
+        ..Zone::default()
     }];
     let world = world(&spec);
     let (start, goal) = (world.stations[0].start, world.stations[0].goal);

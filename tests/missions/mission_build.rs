@@ -269,10 +269,11 @@ fn the_fence_holds_the_area_the_threats_and_zones_without_a_height() {
             place: place(36.35, -84.32),
             radius_m: 900.0,
         }];
-        let zone = |id: &str, below| Zone {
+        let zone = |id: &str, below: Option<Amsl>| Zone {
             id: id.to_owned(),
             polygon: triangle.clone(),
-            below,
+            ceiling: below.map(sortie::spec::Placement::Amsl),
+            ..Zone::default()
         };
         spec.no_fly = vec![zone("all", None), zone("low", Some(Amsl(450.0)))];
         spec.rally = vec![Rally {

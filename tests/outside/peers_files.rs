@@ -41,7 +41,7 @@ fn example(autopilot: Autopilot, altitude: AltitudeReference) -> VehicleMission 
     spec.no_fly = vec![Zone {
         id: "town".to_owned(),
         polygon: triangle,
-        below: None,
+        ..Zone::default()
     }];
     spec.rally = vec![Rally {
         place: place(36.26, -84.30),

@@ -171,10 +171,11 @@ fn rough_spec() -> MissionSpec {
             threat
         })
         .collect();
-    let zone = |id: &str, below, corners: &[(f64, f64)]| Zone {
+    let zone = |id: &str, below: Option<Amsl>, corners: &[(f64, f64)]| Zone {
         id: id.to_owned(),
         polygon: corners.iter().map(|(lat, lon)| place(*lat, *lon)).collect(),
-        below,
+        ceiling: below.map(sortie::spec::Placement::Amsl),
+        ..Zone::default()
     };
     spec.no_fly = vec![
         zone(
@@ -496,7 +497,8 @@ fn a_zone_with_a_height_is_closed_below_it_only_and_the_ceiling_counts_as_terrai
             place(36.32, -84.24),
             place(36.28, -84.24),
         ],
-        below: Some(Amsl(700.0)),
+        ceiling: Some(sortie::spec::Placement::Amsl(Amsl(700.0))),
+        ..Zone::default()
     }];
     let world = world(&spec);
     let (model, leg) = model(&spec, &world, &[], 201);
@@ -609,4 +611,53 @@ fn a_copter_turns_no_tighter_than_its_load_factor_and_its_acceleration_allow() {
     assert!((radius_m(&vehicle) - 90.0).abs() < 1e-9);
     vehicle.accel_mps2 = 10.0;
     assert!((radius_m(&vehicle) - 34.59).abs() < 0.01);
+}
+
+#[test]
+fn a_zone_with_a_floor_is_flown_under_and_one_above_ground_follows_the_hills() {
+    let square = || {
+        vec![
+            place(36.28, -84.26),
+            place(36.32, -84.26),
+            place(36.32, -84.24),
+            place(36.28, -84.24),
+        ]
+    };
+    // 0.02 degrees of longitude at 36.3 N are 1.797 km.
+    let through = 100.0 * 1.1 * 1.797;
+    let threat = |floor, ceiling, by_m: f64| {
+        let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+        let base = Amsl(400.0);
+        let hill = Hill {
+            place: place(36.30, -84.25),
+            height_m: 300.0,
+            radius_m: 400.0,
+        };
+        spec.terrain = TerrainSource::Analytic {
+            base,
+            hills: vec![hill],
+        };
+        spec.no_fly = vec![Zone {
+            floor,
+            ceiling,
+            ..Zone::closed("tma".to_owned(), square())
+        }];
+        let world = world(&spec);
+        let (model, leg) = model(&spec, &world, &[], 401);
+        model
+            .terms(&Path::moved(&leg, &[[0.0, 0.0, by_m]; 8]).controls())
+            .threat
+    };
+    let amsl = |amsl_m| Some(Placement::Amsl(Amsl(amsl_m)));
+    let agl = |agl_m| Some(Placement::Agl(Agl(agl_m)));
+    assert!(threat(amsl(900.0), None, 0.0) <= 0.0);
+    assert!((threat(amsl(600.0), None, 300.0) - through).abs() < 0.3);
+    assert!(threat(amsl(600.0), amsl(700.0), 300.0) <= 0.0);
+    // Over the plain 480 m are 80 m above ground, over the hill far below its summit: the part
+    // of the way where the ground is above 400 m + 20 m is in the zone up to 60 m above ground.
+    let near = threat(None, agl(60.0), 0.0);
+    let wide_km = 2.0 * 0.4 * (300.0_f64 / 20.0).ln().sqrt();
+    assert!((near - 100.0 * 1.1 * wide_km).abs() < 3.0, "{near}");
+    let away = threat(agl(60.0), None, 0.0);
+    assert!((away + near - through).abs() < 0.6, "{away}");
 }

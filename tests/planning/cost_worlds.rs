@@ -15,7 +15,7 @@ use sortie::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
 use sortie::numeric::bspline::uniform_parameters;
 use sortie::numeric::{Basis, Seed};
 use sortie::path::{Flight, time_route};
-use sortie::spec::{Finish, MissionSpec, Objective, Weights};
+use sortie::spec::{Finish, MissionSpec, Objective, Placement, Weights};
 use sortie::world::{Disc, Ground, PlanZone, World};
 use support::{EAST, WEST, copter, empty_spec, world};
 
@@ -130,16 +130,20 @@ fn made(shape: &Shape, rng: &mut impl Rng) -> (MissionSpec, World) {
         })
         .collect();
     world.zones = (0..shape.zones)
-        .map(|_| PlanZone {
-            outline: polygon(
+        .map(|_| {
+            let mut zone = PlanZone::closed(polygon(
                 anywhere(rng),
                 rng.random_range(200.0..6000.0),
                 shape.corners,
                 rng,
-            ),
-            below: rng
-                .random_bool(0.5)
-                .then(|| Amsl(rng.random_range(0.0..1500.0))),
+            ));
+            let mut height = || match rng.random_range(0..3) {
+                0 => None,
+                1 => Some(Placement::Amsl(Amsl(rng.random_range(0.0..1500.0)))),
+                _ => Some(Placement::Agl(Agl(rng.random_range(0.0..400.0)))),
+            };
+            (zone.floor, zone.ceiling) = (height(), height());
+            zone
         })
         .collect();
     world.area = polygon([0.0, 0.0], 1.6 * HALF_M, shape.corners + 1, rng);

@@ -106,10 +106,11 @@ fn a_no_fly_zone_is_passed_or_flown_over_whatever_is_cheaper() {
         place(36.33, -84.23),
         place(36.33, -84.27),
     ];
-    let zone = |below| Zone {
+    let zone = |below: Option<Amsl>| Zone {
         id: "town".to_owned(),
         polygon: corners.clone(),
-        below,
+        ceiling: below.map(sortie::spec::Placement::Amsl),
+        ..Zone::default()
     };
     let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
     spec.no_fly = vec![zone(None)];

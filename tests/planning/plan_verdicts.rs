@@ -82,10 +82,13 @@ fn a_closed_wall_is_proven_to_cut_a_goal_off_and_one_with_a_gap_is_not() {
     zoned.no_fly.push(Zone {
         id: "gap".to_owned(),
         polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
-        below: Some(Amsl(zoned.area.max_amsl.0 - 1.0)),
+        ceiling: Some(sortie::spec::Placement::Amsl(Amsl(
+            zoned.area.max_amsl.0 - 1.0,
+        ))),
+        ..Zone::default()
     });
     assert!(!is_blocked(&world(&zoned), 0));
-    zoned.no_fly[0].below = None;
+    zoned.no_fly[0].ceiling = None;
     assert!(is_blocked(&world(&zoned), 0));
 }
 
@@ -175,7 +178,7 @@ fn wall(id: &str, lon_deg: f64, (south_deg, north_deg): (f64, f64), width_m: f64
             place(north_deg, east),
             place(south_deg, east),
         ],
-        below: None,
+        ..Zone::default()
     }
 }
 

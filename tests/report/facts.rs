@@ -131,12 +131,13 @@ pub(crate) fn hilly_spec(ids: [&str; 3]) -> MissionSpec {
         Zone {
             id: "town".to_owned(),
             polygon: corners(town),
-            below: Some(Amsl(700.0)),
+            ceiling: Some(sortie::spec::Placement::Amsl(Amsl(700.0))),
+            ..Zone::default()
         },
         Zone {
             id: "range".to_owned(),
             polygon: corners(range),
-            below: None,
+            ..Zone::default()
         },
     ];
     spec.rally = vec![Rally {

@@ -6,6 +6,7 @@ mod meaning;
 mod ranges;
 mod structure;
 mod wings;
+mod zones;
 
 use std::fs;
 use std::path::Path;

@@ -15,7 +15,10 @@ fn every_key_arrives_in_si_units() {
     assert!(
         matches!(&spec.terrain, TerrainSource::Analytic { base: Amsl(base), hills } if *base > 299.0 && hills.len() == 1)
     );
-    assert_eq!(spec.no_fly[0].below, Some(Amsl(900.0)));
+    assert_eq!(
+        spec.no_fly[0].ceiling,
+        Some(sortie::spec::Placement::Amsl(Amsl(900.0)))
+    );
     let alpha = &spec.vehicles[0];
     assert_eq!(
         (alpha.autopilot, alpha.airframe, alpha.finish),

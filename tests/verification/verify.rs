@@ -642,7 +642,7 @@ fn a_fence_that_lost_a_part_fails_where_the_file_could_hold_it() {
     spec.no_fly.push(Zone {
         id: "town".to_owned(),
         polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
-        below: None,
+        ..Zone::default()
     });
     let world = world(&spec);
     let routes = [timed(&world, west(), east(), GROUND_M + 80.0)];
@@ -853,7 +853,7 @@ fn climbs_descents_and_turns_are_held_against_their_limits() {
 #[test]
 fn zones_count_below_their_ceiling_only() {
     let (mut spec, mission) = one();
-    let zone = |below| Zone {
+    let zone = |below: Option<Amsl>| Zone {
         id: "town".to_owned(),
         polygon: vec![
             place(36.29, -84.28),
@@ -861,7 +861,8 @@ fn zones_count_below_their_ceiling_only() {
             place(36.31, -84.27),
             place(36.31, -84.28),
         ],
-        below,
+        ceiling: below.map(sortie::spec::Placement::Amsl),
+        ..Zone::default()
     };
     for (below, ok) in [
         (None, false),
@@ -1015,7 +1016,8 @@ fn a_rally_point_is_clear_of_the_ground_threats_and_zones_and_inside_the_area() 
             place(36.28, -84.27),
             place(36.29, -84.27),
         ],
-        below: Some(Amsl(420.0)),
+        ceiling: Some(sortie::spec::Placement::Amsl(Amsl(420.0))),
+        ..Zone::default()
     });
     let mut rally = |at_place, z| {
         mission.rally = vec![at(
@@ -1116,4 +1118,118 @@ fn long_legs_and_followed_terrain_say_how_far_the_autopilot_may_differ() {
         "{:?}",
         review.assumptions
     );
+}
+
+#[test]
+fn zones_count_between_floor_and_ceiling_at_their_times_and_outside_of_their_holes() {
+    let (mut spec, mission) = one();
+    // The mission flies at 480 m, 80 m above ground.
+    let square = |south: f64, west: f64, side: f64| {
+        vec![
+            place(south, west),
+            place(south, west + side),
+            place(south + side, west + side),
+            place(south + side, west),
+        ]
+    };
+    let amsl = |amsl_m| Some(Placement::Amsl(Amsl(amsl_m)));
+    let agl = |agl_m| Some(Placement::Agl(Agl(agl_m)));
+    let town = || Zone::closed("town".to_owned(), square(36.29, -84.28, 0.02));
+    let whole = square(36.20, -84.41, 0.25);
+    let hole = square(36.201, -84.409, 0.248);
+    let cases = [
+        (
+            Zone {
+                floor: amsl(481.0),
+                ..town()
+            },
+            true,
+        ),
+        (
+            Zone {
+                floor: amsl(479.0),
+                ..town()
+            },
+            false,
+        ),
+        (
+            Zone {
+                floor: agl(81.0),
+                ..town()
+            },
+            true,
+        ),
+        (
+            Zone {
+                floor: agl(79.0),
+                ceiling: agl(81.0),
+                ..town()
+            },
+            false,
+        ),
+        (
+            Zone {
+                ceiling: agl(79.0),
+                ..town()
+            },
+            true,
+        ),
+        (
+            Zone {
+                active_s: Some((f64::NEG_INFINITY, 0.0)),
+                ..town()
+            },
+            true,
+        ),
+        (
+            Zone {
+                active_s: Some((1e5, f64::INFINITY)),
+                ..town()
+            },
+            true,
+        ),
+        (
+            Zone {
+                active_s: Some((0.0, 1e5)),
+                ..town()
+            },
+            false,
+        ),
+        (
+            Zone {
+                holes: vec![hole],
+                ..Zone::closed("town".to_owned(), whole)
+            },
+            true,
+        ),
+        (
+            Zone {
+                circle: Some((place(36.30, -84.27), 500.0)),
+                ..town()
+            },
+            false,
+        ),
+    ];
+    for (zone, ok) in cases {
+        spec.no_fly = vec![zone.clone()];
+        let review = judge(&spec, &[&mission]);
+        assert_eq!(review.passes(), ok, "{zone:?}: {:#?}", failures(&review));
+    }
+    // It is in the zone from about 139 s to 259 s, and departures may be shifted by 5 s.
+    for ((from_s, to_s), ok) in [
+        ((0.0, 120.0), true),
+        ((0.0, 138.0), false),
+        ((250.0, 1e5), false),
+        ((300.0, 1e5), true),
+    ] {
+        let active_s = Some((from_s, to_s));
+        spec.no_fly = vec![Zone { active_s, ..town() }];
+        let review = judge(&spec, &[&mission]);
+        assert_eq!(
+            review.passes(),
+            ok,
+            "{active_s:?}: {:#?}",
+            failures(&review)
+        );
+    }
 }

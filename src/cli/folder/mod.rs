@@ -13,6 +13,7 @@ use sha2::{Digest, Sha256};
 use super::print::failure::Failure;
 use crate::dispatch::Dispatched;
 use crate::formats::{self, Document};
+use crate::library::mission_files;
 use crate::mission::{Parameter, VehicleMission};
 use crate::path::TimedPoint;
 use crate::report::{self, PlanDocument, ReviewInput};
@@ -130,15 +131,7 @@ fn write_mission(
     mission: &VehicleMission,
     is_accepted: bool,
 ) -> Result<(), Failure> {
-    let tag = if is_accepted { "" } else { REJECTED };
-    for (name, text) in [
-        (
-            format!("{id}{tag}.waypoints"),
-            formats::waypoints::write(mission),
-        ),
-        (format!("{id}{tag}.plan"), formats::plan::write(mission)),
-        (format!("{id}.params"), formats::params::write(mission)),
-    ] {
+    for (name, text) in mission_files(id, mission, is_accepted) {
         folder.write(&name, text.as_bytes())?;
     }
     Ok(())
@@ -156,7 +149,7 @@ fn copy_terrain(folder: &NewFolder, file: &SpecFile) -> Result<(), Failure> {
 }
 
 /// Marks the name of a mission that fails verification.
-pub(super) const REJECTED: &str = ".REJECTED";
+pub(super) use crate::library::REJECTED;
 
 /// Largest mission file: a thousand times the largest mission of any autopilot.
 const MAX_BYTES: u64 = 64 << 20;

@@ -107,7 +107,7 @@ fn threat(model: &CostModel, curve: &Curve, steps: &[Step]) -> f64 {
             exposure += threat.exposure(&piece);
         }
         for zone in &hazards.zones {
-            exposure += zone.exposure(&piece, &mut crossings);
+            exposure += zone.exposure(&piece, &hazards.relief, &mut crossings);
         }
         exposure += hazards.bounds.exposure(&piece, &mut crossings);
         sum += exposure * step.length_km;

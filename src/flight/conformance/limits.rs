@@ -7,7 +7,7 @@ use crate::numeric::approach::{Segment, closest_approach, closest_horizontal, le
 use crate::numeric::geometry::point_segment_distance;
 use crate::spec::{Airframe, MissionSpec, Separation};
 use crate::verify::{Flown, Limit, Margin, Moment, Requirement, Sense};
-use crate::world::{Disc, World};
+use crate::world::{Disc, PlanZone, World};
 
 /// On a climb-out or glide the ground must stay this share of the height above the runway below
 /// the vehicle, as in the verdict on the plan.
@@ -22,6 +22,13 @@ pub(crate) fn moment(fix: &Fix) -> Moment {
         t_s: fix.t_s,
         item: fix.item,
     }
+}
+
+/// Whether a zone is closed where and when a vehicle was.
+fn is_closed(zone: &PlanZone, world: &World, fix: &Fix, point: PlanPoint) -> bool {
+    let ground = world.terrain.height(fix.place);
+    let ground_m = ground.map_or(f64::NAN, |ground| ground.0);
+    zone.is_closed_at(point, ground_m, fix.t_s)
 }
 
 impl FlownTrack<'_> {
@@ -73,7 +80,7 @@ impl FlownTrack<'_> {
         }
         let none = |limit: Limit| Requirement::at_most(limit, 0.0, "positions");
         for (zone, shape) in spec.no_fly.iter().zip(&world.zones) {
-            let inside = all().filter(|(_, point)| shape.is_closed_at(*point));
+            let inside = all().filter(|(fix, point)| is_closed(shape, world, fix, *point));
             let zone = none(Limit::Zone(zone.id.clone()));
             margins.push(self.count(zone, inside.map(|(f, _)| f)));
         }

@@ -12,7 +12,7 @@ use super::outline::{circle, ring, rounded};
 use crate::geodesy::{Geoid, LatLon, PlanPoint};
 use crate::mission::command_name;
 use crate::path::TimedPoint;
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Placement, Zone};
 use crate::world::World;
 
 /// The fleet as GeoJSON text; `paths` are vehicle ids with their paths.
@@ -34,12 +34,7 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         ));
     }
     for zone in &spec.no_fly {
-        features.push(feature(
-            polygon(ring(zone.polygon.clone())),
-            &json!({
-                "kind": "no_fly", "id": zone.id, "below_amsl_m": zone.below.map(|amsl| amsl.0),
-            }),
-        ));
+        features.push(feature(polygon(ring(zone.outline())), &heights(zone)));
     }
     for (vehicle, stations) in spec.vehicles.iter().zip(&world.stations) {
         for (kind, station) in [
@@ -65,6 +60,35 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         ));
     }
     collection(features)
+}
+
+/// Properties of a zone: its heights as the spec has them.
+fn heights(zone: &Zone) -> Value {
+    let mut all = json!({
+        "kind": "no_fly", "id": zone.id,
+        "below_amsl_m": match zone.ceiling {
+            Some(Placement::Amsl(top)) => Some(top.0),
+            _ => None,
+        },
+    });
+    let of = |height: Placement| match height {
+        Placement::Amsl(amsl) => ("amsl_m", amsl.0),
+        Placement::Agl(agl) => ("agl_m", agl.0),
+    };
+    if let Some((reference, metres)) = zone.floor.map(of) {
+        all[format!("from_{reference}")] = metres.into();
+    }
+    if let Some(("agl_m", metres)) = zone.ceiling.map(of) {
+        all["below_agl_m"] = metres.into();
+    }
+    if let Some((from_s, to_s)) = zone.active_s {
+        let end = |t_s: f64| t_s.is_finite().then_some(t_s);
+        all["active_s"] = json!([end(from_s), end(to_s)]);
+    }
+    if let Some(source) = &zone.source {
+        all["source"] = source.as_str().into();
+    }
+    all
 }
 
 /// One mission as GeoJSON text: every item that has a place with all its numbers, the

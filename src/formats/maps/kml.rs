@@ -8,7 +8,7 @@ use super::drawing::{Drawing, DrawnItem, MapPoint};
 use super::outline::{circle, ring};
 use crate::geodesy::{Amsl, LatLon};
 use crate::path::TimedPoint;
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Placement};
 use crate::world::World;
 
 /// Line colours of the vehicles in turn (`aabbggrr`), distinct for colour-blind eyes too.
@@ -30,8 +30,12 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         kml.polygon(&name, "threat", &circle(world, disc), Some(ceiling));
     }
     for zone in &spec.no_fly {
-        let top = zone.below.unwrap_or(ceiling);
-        kml.polygon(&zone.id, "zone", &ring(zone.polygon.clone()), Some(top));
+        // KML has one reference for all corners: a ceiling above ground is drawn as none.
+        let top = match zone.ceiling {
+            Some(Placement::Amsl(top)) => top,
+            _ => ceiling,
+        };
+        kml.polygon(&zone.id, "zone", &ring(zone.outline()), Some(top));
     }
     kml.close("Folder");
     for (index, (vehicle, stations)) in spec.vehicles.iter().zip(&world.stations).enumerate() {

@@ -4,7 +4,7 @@ use super::encode::{Encoder, degrees_e7, up};
 use crate::autopilot::{command, frame};
 use crate::geodesy::LatLon;
 use crate::mission::item::Item;
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Zone};
 use crate::world::{NoData, World};
 
 /// Fence items: the area, zones without a height, threats. In the order in which
@@ -18,20 +18,38 @@ pub(crate) fn fence(spec: &MissionSpec) -> Vec<Item> {
 fn pieces(spec: &MissionSpec) -> Vec<(String, Vec<Item>)> {
     let area = polygon(command::FENCE_POLYGON_INCLUSION, &spec.area.outline());
     let mut pieces = vec![("area".to_owned(), area)];
-    for zone in spec.no_fly.iter().filter(|zone| zone.below.is_none()) {
-        let corners = polygon(command::FENCE_POLYGON_EXCLUSION, &zone.polygon);
-        pieces.push((format!("zone {}", zone.id), corners));
+    let mut circles = Vec::new();
+    for zone in spec.no_fly.iter().filter(|zone| is_encoded(zone)) {
+        let name = format!("zone {}", zone.id);
+        match zone.circle {
+            Some((center, radius_m)) => circles.push((name, vec![circle(center, radius_m)])),
+            None => {
+                let corners = polygon(command::FENCE_POLYGON_EXCLUSION, &zone.polygon);
+                pieces.push((name, corners));
+            }
+        }
     }
+    pieces.append(&mut circles);
     for threat in &spec.threats {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "a radius is float32 on the wire"
-        )]
-        let radius_m = threat.radius_m as f32;
-        let circle = corner(command::FENCE_CIRCLE_EXCLUSION, radius_m, threat.place);
+        let circle = circle(threat.place, threat.radius_m);
         pieces.push((format!("threat {}", threat.id), vec![circle]));
     }
     pieces
+}
+
+/// Whether a zone can be in a fence, which has no height, no time and no holes.
+fn is_encoded(zone: &Zone) -> bool {
+    zone.is_closed_throughout() && zone.holes.is_empty()
+}
+
+/// An exclusion circle.
+fn circle(center: LatLon, radius_m: f64) -> Item {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a radius is float32 on the wire"
+    )]
+    let radius_m = radius_m as f32;
+    corner(command::FENCE_CIRCLE_EXCLUSION, radius_m, center)
 }
 
 /// Names of what the spec wants in a fence (its area, zones without a height,
@@ -96,12 +114,16 @@ fn holds(boundary: &[Item], required: &[Item]) -> bool {
 pub(crate) fn not_encoded(spec: &MissionSpec) -> Vec<String> {
     spec.no_fly
         .iter()
-        .filter_map(|zone| {
-            let below = zone.below?;
-            Some(format!(
-                "zone {} is closed below {} m only; a fence has no height, so it is not in the fence",
-                zone.id, below.0
-            ))
+        .filter(|zone| !is_encoded(zone))
+        .map(|zone| match zone.is_closed_throughout() {
+            true => format!(
+                "zone {} has holes; a fence has none, so it is not in the fence",
+                zone.id
+            ),
+            false => format!(
+                "zone {} is closed {zone} only; a fence has no height and no time, so it is not in the fence",
+                zone.id
+            ),
         })
         .collect()
 }

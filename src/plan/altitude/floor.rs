@@ -2,14 +2,15 @@
 //! could not climb or descend fast enough.
 
 use fearless_simd::{Level, dispatch};
-use geo::{BoundingRect, Contains, Point, Polygon, Rect};
+use geo::{BoundingRect, Contains, Point, Rect};
 
 use super::Demand;
 use crate::cost::Relief;
 use crate::geodesy::Amsl;
 use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
-use crate::world::World;
+use crate::spec::Placement;
+use crate::world::{PlanZone, World};
 
 /// What is kept beyond the minimum grows to the full over one part in this many of the path.
 const RAMP: usize = 20;
@@ -37,11 +38,13 @@ impl Slopes {
     }
 }
 
-/// A zone that can be flown over.
+/// A zone that can be flown over or under.
 struct LowZone<'a> {
     rect: Rect<f64>,
-    outline: &'a Polygon<f64>,
-    below_m: f64,
+    zone: &'a PlanZone,
+    /// Kept above it, and below it, metres.
+    over_m: f64,
+    under_m: f64,
 }
 
 /// Samples of a path in the plane, and the altitudes of its ends, metres.
@@ -70,12 +73,19 @@ impl<'a> FloorMaker<'a> {
             .zones
             .iter()
             .filter_map(|zone| {
-                let below_m = zone.crossed_from_m(over_m, world.max_amsl)?;
                 let rect = zone.outline.bounding_rect()?;
-                Some(LowZone {
+                let under_m = over_m;
+                let over_m = zone.kept_over_m(over_m, world.max_amsl);
+                let has_room = match (zone.floor, zone.ceiling) {
+                    (None, None) => false,
+                    (None, Some(Placement::Amsl(top))) => top.0 + over_m <= world.max_amsl.0,
+                    _ => true,
+                };
+                has_room.then_some(LowZone {
                     rect,
-                    outline: &zone.outline,
-                    below_m,
+                    zone,
+                    over_m,
+                    under_m,
                 })
             })
             .collect();
@@ -112,8 +122,9 @@ impl<'a> FloorMaker<'a> {
         } = line;
         self.over_ground(ends_m, demand);
         for zone in &self.zones {
-            for (floor_m, at) in demand.floor_m.iter_mut().zip(east_m.iter().zip(north_m)) {
-                *floor_m = zone.raised(*floor_m, *at.0, *at.1);
+            let floors_m = demand.floor_m.iter_mut().zip(&demand.ground_m);
+            for ((floor_m, ground_m), at) in floors_m.zip(east_m.iter().zip(north_m)) {
+                *floor_m = zone.raised(*floor_m, *ground_m, (*at.0, *at.1), self.world);
             }
         }
         // Over a void the objective judges; the floor just goes on.
@@ -180,14 +191,19 @@ impl<'a> FloorMaker<'a> {
 }
 
 impl LowZone<'_> {
-    /// A floor, raised to the top of the zone where it is in it.
-    fn raised(&self, floor_m: f64, east_m: f64, north_m: f64) -> f64 {
+    /// A floor, raised to the top of the zone where it is in it; left alone where it is below the
+    /// zone, and where the zone reaches up to the ceiling.
+    fn raised(&self, floor_m: f64, ground_m: f64, at: (f64, f64), world: &World) -> f64 {
         let (min, max) = (self.rect.min(), self.rect.max());
-        let near = min.x <= east_m && east_m <= max.x && min.y <= north_m && north_m <= max.y;
-        if near && self.outline.contains(&Point::new(east_m, north_m)) {
-            floor_m.max(self.below_m)
-        } else {
-            floor_m
+        let near = min.x <= at.0 && at.0 <= max.x && min.y <= at.1 && at.1 <= max.y;
+        if !near || !self.zone.outline.contains(&Point::new(at.0, at.1)) {
+            return floor_m;
+        }
+        let (from_m, below_m) = self.zone.closed_m(ground_m);
+        let top_m = below_m + self.over_m;
+        match floor_m > from_m - self.under_m && top_m <= world.max_amsl.0 {
+            true => floor_m.max(top_m),
+            false => floor_m,
         }
     }
 }

@@ -67,7 +67,8 @@ impl Relief {
         if reading == Reading::Conservative {
             for zone in &world.zones {
                 for node in crossed_nodes(&grid, zone) {
-                    floors[node] = floors[node].and_then(|floor_m| over(zone, floor_m, world));
+                    let at = grid.at(node);
+                    floors[node] = floors[node].and_then(|floor_m| past(zone, at, floor_m, world));
                 }
             }
         }
@@ -199,16 +200,22 @@ pub(crate) fn dilate(grid: &Grid, slope: f64, values: &mut [f64]) {
 pub(crate) fn floor_at(world: &World, at: EastNorth) -> Option<f64> {
     let mut floor_m = world.ground.height_m(at) + world.min_agl.0;
     for zone in &world.zones {
-        if inside(&zone.outline, at) {
-            floor_m = over(zone, floor_m, world)?;
+        if zone.is_near(at) && inside(&zone.outline, at) {
+            floor_m = past(zone, at, floor_m, world)?;
         }
     }
     (floor_m <= world.max_amsl.0).then_some(floor_m)
 }
 
-/// The lowest altitude allowed from a floor up where a zone is; `None` if there is none.
-fn over(zone: &PlanZone, floor_m: f64, world: &World) -> Option<f64> {
-    let floor_m = floor_m.max(zone.below?.0);
+/// The least altitude allowed from a floor up where a zone is: below the zone if there is room,
+/// or else above it; `None` if there is none.
+fn past(zone: &PlanZone, at: EastNorth, floor_m: f64, world: &World) -> Option<f64> {
+    let (from_m, below_m) = zone.closed_m(world.ground.height_m(at));
+    let floor_m = if floor_m < from_m {
+        floor_m
+    } else {
+        floor_m.max(below_m)
+    };
     (floor_m <= world.max_amsl.0).then_some(floor_m)
 }
 

@@ -48,9 +48,10 @@ impl FreeSpace {
         };
         space.close_threats(context);
         for zone in &world.zones {
-            match zone.below.filter(|below| *below <= world.max_amsl) {
-                Some(below) => space.raise_over(zone, below.0),
-                None => space.close_zone(context, zone),
+            if zone.is_open_below(world.max_amsl) {
+                space.raise_past(context, zone);
+            } else {
+                space.close_zone(context, zone);
             }
         }
         space.close_ground(world.max_amsl.0);
@@ -103,12 +104,14 @@ impl FreeSpace {
         }
     }
 
-    /// A zone that may be flown over raises the floor.
-    fn raise_over(&mut self, zone: &PlanZone, below_m: f64) {
+    /// A zone that may be flown over or under raises the floor where there is no space under it.
+    fn raise_past(&mut self, context: &RouteContext<'_>, zone: &PlanZone) {
         let ring = Ring::around(&zone.outline);
         let (low, high) = ring.bounds();
         for node in self.nodes_around(low, high, 0.0) {
-            if ring.contains(plane(self.grid.at(node))) {
+            let at = self.grid.at(node);
+            let (from_m, below_m) = zone.closed_m(context.world.ground.height_m(at));
+            if ring.contains(plane(at)) && self.floor_m[node] >= from_m {
                 self.floor_m[node] = self.floor_m[node].max(below_m);
             }
         }

@@ -96,26 +96,44 @@ pub(crate) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
         .map(|zone| Ring::around(&zone.outline))
         .collect();
     let mut narrowest_m = f64::INFINITY;
-    let mut found = |gap_m: f64| {
+    let found = |gap_m: f64, narrowest_m: &mut f64| {
         if gap_m > least_m {
-            narrowest_m = narrowest_m.min(gap_m);
+            *narrowest_m = narrowest_m.min(gap_m);
         }
     };
     for (index, one) in rings.iter().enumerate() {
         for other in &rings[..index] {
-            found(distance_m(one, other));
+            // Boxes that are further apart hold no narrower gap.
+            if apart_m(one, other) < narrowest_m {
+                found(distance_m(one, other), &mut narrowest_m);
+            }
         }
         for threat in &world.threats {
             let center = [threat.center.east_m, threat.center.north_m];
-            found(one.boundary_distance(center) - threat.radius_m);
+            let gap_m = one.boundary_distance(center) - threat.radius_m;
+            found(gap_m, &mut narrowest_m);
         }
     }
     narrowest_m
 }
 
-/// The zones that nobody may fly over.
+/// Distance between the boxes around two rings, metres.
+fn apart_m(one: &Ring, other: &Ring) -> f64 {
+    let ((low, high), (other_low, other_high)) = (one.bounds(), other.bounds());
+    let gap = |axis: usize| {
+        (other_low[axis] - high[axis])
+            .max(low[axis] - other_high[axis])
+            .max(0.0)
+    };
+    gap(0).hypot(gap(1))
+}
+
+/// The zones that nobody may fly over or under, at any time.
 fn closed(world: &World) -> impl Iterator<Item = &PlanZone> {
-    world.zones.iter().filter(|zone| zone.below.is_none())
+    world
+        .zones
+        .iter()
+        .filter(|zone| zone.is_closed_throughout())
 }
 
 /// The least breadth of a closed zone, metres; infinite if there are none.
@@ -171,10 +189,7 @@ mod tests {
             corner(to, -1.0),
             corner(to, 1.0),
         ];
-        PlanZone {
-            outline: Polygon::new(LineString::from(corners), vec![]),
-            below: None,
-        }
+        PlanZone::closed(Polygon::new(LineString::from(corners), vec![]))
     }
 
     /// Nodes that moves lead to from one, past what the zones close.

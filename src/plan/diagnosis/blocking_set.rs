@@ -5,7 +5,7 @@ use geo::Polygon;
 use crate::geodesy::EastNorth;
 use crate::numeric::chains::{Capsule, Chains};
 use crate::numeric::geometry::Point;
-use crate::spec::MissionSpec;
+use crate::spec::{MissionSpec, Placement};
 use crate::world::{Ground, PlanZone, World};
 
 /// An obstacle that no vehicle may fly through, at any height.
@@ -64,7 +64,15 @@ impl BlockingSets {
             let piece = Capsule::disc(point(disc.center), disc.radius_m);
             pieces.push((BlockingElement::Threat(index), piece));
         }
-        let reaches_up = |zone: &PlanZone| zone.below.is_none_or(|below| below > world.max_amsl);
+        // What may be open at some time, or over or under which there may be a way, proves nothing.
+        let reaches_up = |zone: &PlanZone| {
+            let is_high = match zone.ceiling {
+                None => true,
+                Some(Placement::Amsl(top)) => top > world.max_amsl,
+                Some(Placement::Agl(_)) => false,
+            };
+            is_high && zone.floor.is_none() && zone.active_s.is_none()
+        };
         for (index, zone) in world.zones.iter().enumerate() {
             if reaches_up(zone) {
                 pieces

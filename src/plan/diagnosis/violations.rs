@@ -129,8 +129,11 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
     }
     for (named, zone) in spec.no_fly.iter().zip(&world.zones) {
         let ring = Ring::around(&zone.outline);
-        let below_m = zone.below.map_or(f64::INFINITY, |below| below.0);
-        let lengths = pieces(routes).map(|piece| (piece.0, within_m(&ring, below_m, piece)));
+        let lengths = pieces(routes).map(|piece| {
+            let (from_m, below_m) = zone.closed_m(world.ground.height_m(piece.0.at));
+            let inside_m = within_m(&ring, below_m, piece) - within_m(&ring, from_m, piece);
+            (piece.0, inside_m)
+        });
         found.extend(lengthy(lengths).map(|(at, length_m)| Violation {
             what: format!("zone {}", named.id),
             how: format!("{} of the path inside", metres(length_m)),

@@ -10,7 +10,8 @@ use crate::plan::altitude::floor::{FloorMaker, SampledLine};
 use crate::plan::altitude::{AltitudeLp, Demand, Row, Workspace};
 use crate::plan::route_context::RouteContext;
 use crate::plan::spline::{Frame, Spline};
-use crate::spec::Objective;
+use crate::spec::{Objective, Placement};
+use crate::world::PlanZone;
 
 /// Altitude over the floor that keeps the path clear between samples, metres.
 const BETWEEN_SAMPLES_M: f64 = 3.0;
@@ -169,8 +170,9 @@ const NEAR_CEILING_M: f64 = 10.0;
 fn ceiling_m(context: &RouteContext<'_>) -> f64 {
     let top_m = context.world.max_amsl.0;
     let near = top_m - NEAR_CEILING_M..=top_m;
-    let lids = context.world.zones.iter().filter_map(|zone| zone.below);
-    if !lids.into_iter().any(|below| near.contains(&below.0)) {
+    let mut zones = context.world.zones.iter();
+    let is_near = |zone: &PlanZone| matches!(zone.ceiling, Some(Placement::Amsl(lid)) if near.contains(&lid.0));
+    if !zones.any(is_near) {
         return f64::INFINITY;
     }
     let ends_m = context.ends.from.amsl.0.max(context.ends.to.amsl.0);

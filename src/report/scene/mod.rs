@@ -13,7 +13,7 @@ use crate::mission::{Item, VehicleMission, command, frame};
 use crate::report::ReviewInput;
 use crate::spec::{Finish, Vehicle};
 use crate::verify::Limit;
-use crate::world::World;
+use crate::world::{PlanZone, World};
 use flown::FlownShape;
 pub use flown::{FlownError, FlownFacts};
 pub(in crate::report) use relief::{Bounds, Relief, round_step};
@@ -145,7 +145,7 @@ impl Scene {
                 .map(|(zone, shape)| ZoneShape {
                     id: zone.id.clone(),
                     ring: ring(&shape.outline),
-                    below_m: shape.below.map(|amsl| metres(amsl.0)),
+                    below_m: top_m(world, shape),
                 })
                 .collect(),
             rally: spec
@@ -194,6 +194,21 @@ fn violations(input: &ReviewInput<'_>) -> Vec<([f64; 2], String)> {
         }
     }
     violations
+}
+
+/// The altitude up to which a zone is drawn: its ceiling, over the highest ground at its corners
+/// where that is measured from the ground; none if there is no ceiling.
+fn top_m(world: &World, zone: &PlanZone) -> Option<f64> {
+    let corners = zone.outline.exterior().coords();
+    let tops = corners.map(|corner| {
+        let at = EastNorth {
+            east_m: corner.x,
+            north_m: corner.y,
+        };
+        zone.closed_m(world.ground.height_m(at)).1
+    });
+    let top_m = tops.fold(f64::NEG_INFINITY, f64::max);
+    top_m.is_finite().then(|| metres(top_m))
 }
 
 /// The area, and what lies or flies around it, as far as a quarter of its size.

@@ -3,7 +3,7 @@
 use geo::{Contains, Intersects, Point, Polygon};
 
 use super::super::keys;
-use super::super::{Area, Rally, TerrainSource, Threat, Zone};
+use super::super::{Area, Placement, Rally, TerrainSource, Threat, Zone};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 use crate::numeric::digits;
@@ -37,8 +37,10 @@ impl Checker {
         );
         self.unique(
             "no_fly",
-            keys.no_fly.iter().map(|zone| Some(zone.id.as_str())),
+            (keys.no_fly.iter()).map(|zone| Some(zone.id.as_str())),
         );
+        self.unique_zones(keys);
+        let references = self.references(keys);
         let threats = keys.threats.iter().enumerate();
         let threats: Vec<Threat> = threats
             .filter_map(|(index, threat)| self.threat(&format!("threats[{index}]"), threat))
@@ -50,7 +52,10 @@ impl Checker {
         let area = area?;
         let frame = LocalFrame::new(origin.unwrap_or_else(|| Some(middle(&area)))?);
         self.near(keys, &area, frame.origin())?;
-        let no_fly = self.zones(keys, &frame, corners);
+        let mut no_fly = self.zones(keys, &frame, corners);
+        for of in keys.zones.iter().enumerate() {
+            no_fly.extend(self.shaped_zone(of, &frame, references));
+        }
         let outline = frame.outline(&area.outline());
         let mut map = Map {
             frame,
@@ -90,8 +95,13 @@ impl Checker {
             let path = format!("no_fly[{index}].polygon");
             let Some(polygon) = corners else { continue };
             if self.polygon(&path, frame, &polygon) {
-                let (id, below) = (zone.id.clone(), zone.below_amsl_m.map(Amsl));
-                zones.push(Zone { id, polygon, below });
+                let ceiling = zone
+                    .below_amsl_m
+                    .map(|amsl_m| Placement::Amsl(Amsl(amsl_m)));
+                zones.push(Zone {
+                    ceiling,
+                    ..Zone::closed(zone.id.clone(), polygon)
+                });
             }
         }
         zones
@@ -150,7 +160,16 @@ impl Checker {
             corners
                 .map(move |(j, corner)| (format!("no_fly[{i}].polygon[{j}]"), corner[0], corner[1]))
         });
-        for (path, lat_deg, lon_deg) in threats.chain(zones) {
+        let shaped = keys.zones.iter().enumerate().flat_map(|(i, zone)| {
+            let center = zone
+                .circle
+                .map(|at| (format!("zones[{i}].circle"), at.lat, at.lon));
+            let corners = zone.polygon.iter().flatten().enumerate();
+            let corners =
+                corners.map(move |(j, at)| (format!("zones[{i}].polygon[{j}]"), at[0], at[1]));
+            center.into_iter().chain(corners)
+        });
+        for (path, lat_deg, lon_deg) in threats.chain(zones).chain(shaped) {
             let Ok(place) = LatLon::new(lat_deg, lon_deg) else {
                 continue;
             };
@@ -204,8 +223,8 @@ impl Checker {
                 self.report(path, found, format!("more than {} m", threat.radius_m));
             }
         }
-        for zone in map.no_fly.iter().filter(|zone| zone.below.is_none()) {
-            if map.frame.outline(&zone.polygon).intersects(&point) {
+        for zone in map.no_fly.iter().filter(|zone| zone.is_closed_throughout()) {
+            if map.frame.outline(&zone.outline()).intersects(&point) {
                 self.report(
                     path,
                     format!("{what} is inside no-fly zone `{}`", zone.id),

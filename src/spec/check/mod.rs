@@ -10,6 +10,7 @@ mod scenario;
 mod shapes;
 mod vehicles;
 mod wing;
+mod zones;
 
 pub(super) use scenario::scenario;
 pub(super) use shapes::relative;

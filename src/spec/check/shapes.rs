@@ -104,9 +104,13 @@ impl Checker {
     /// The corners of a zone, without a last one that only repeats the first.
     pub(super) fn corners(&mut self, path: &str, keys: &keys::Zone) -> Option<Vec<LatLon>> {
         self.label(&format!("{path}.id"), &keys.id);
-        let path = format!("{path}.polygon");
+        self.ring_corners(&format!("{path}.polygon"), &keys.polygon)
+    }
+
+    /// The corners of a ring, without a last one that only repeats the first.
+    pub(super) fn ring_corners(&mut self, path: &str, keys: &[[f64; 2]]) -> Option<Vec<LatLon>> {
         let mut corners = Vec::new();
-        for (index, [lat_deg, lon_deg]) in keys.polygon.iter().enumerate() {
+        for (index, [lat_deg, lon_deg]) in keys.iter().enumerate() {
             let path = format!("{path}[{index}]");
             for (part, degrees, most) in [(0, lat_deg, 90.0), (1, lon_deg, 180.0)] {
                 if !(-most..=most).contains(degrees) {
@@ -126,7 +130,7 @@ impl Checker {
         }
         if !(3..=MAX_CORNERS).contains(&corners.len()) {
             self.report(
-                &path,
+                path,
                 format!("{} corners", corners.len()),
                 format!("3 to {MAX_CORNERS}"),
             );

@@ -8,11 +8,13 @@ mod fleet;
 mod options;
 mod scenario;
 mod vehicle;
+mod zones;
 
 pub use fleet::{Fleet, Grid};
 pub use options::{MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
+pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
 
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
@@ -47,6 +49,13 @@ pub struct Spec {
     /// Polygons that must not be entered.
     #[serde(default)]
     pub no_fly: Vec<Zone>,
+    /// The wider form of no_fly: circles, holes, floors, ceilings, times, and zones to stay in.
+    #[serde(default)]
+    pub zones: Vec<ShapedZone>,
+    /// The air pressure that is possible on the day; needed where a zone has a flight level.
+    pub qnh_hpa: Option<Qnh>,
+    /// The real time of T0, with an offset from UTC (RFC 3339); absent: zones are always active.
+    pub t0: Option<String>,
     /// Rally points.
     #[serde(default)]
     pub rally: Vec<Rally>,

@@ -1,6 +1,7 @@
 //! The limits that a trajectory is judged against, one file for each kind.
 
 pub(super) mod assumptions;
+mod closed;
 pub(super) mod fence;
 pub(super) mod mission;
 pub(super) mod rally;

@@ -6,6 +6,7 @@
 
 use crate::geodesy::Amsl;
 use crate::mission::VehicleMission;
+use crate::spec::{Placement, Zone};
 
 use super::fence::Fence;
 use super::space::Space;
@@ -63,12 +64,18 @@ impl Space<'_> {
             worst.margin(id, limit, "m")
         };
         let threats = self.spec.threats.iter().zip(&self.threats);
+        // The vehicle lands there, from no more than the height of the point.
+        let ground_m = at.amsl.0 - agl_m;
+        let is_under = |zone: &Zone| match zone.floor {
+            None => false,
+            Some(Placement::Amsl(floor)) => at.amsl < floor,
+            Some(Placement::Agl(floor)) => at.amsl.0 - ground_m < floor.0,
+        };
         let zones = self.spec.no_fly.iter().zip(&self.zones);
+        let zones = zones.filter(|(zone, _)| !is_under(zone));
         let nearest = threats
             .map(|(threat, cylinder)| (&threat.id, cylinder.margin_m(&here, Keep::Outside).0))
-            .chain(
-                zones.map(|(zone, outline)| (&zone.id, outline.margin_m(&here, Keep::Outside).0)),
-            )
+            .chain(zones.map(|(zone, shape)| (&zone.id, shape.margin_m(&here).0)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let clear = nearest.and_then(|(of, margin_m)| {
             let found = margin(margin_m, 0.0, Limit::RallyObstacles(number))?;

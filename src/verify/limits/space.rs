@@ -1,12 +1,13 @@
 //! Limits on where a flight goes: ground, ceiling, threats, zones, area, fence.
 
-use crate::geodesy::{Amsl, EastNorth, LatLon};
+use crate::geodesy::{EastNorth, LatLon};
 use crate::spec::MissionSpec;
 use crate::world::{NoData, World};
 
+use super::closed::Closed;
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
-use crate::verify::measure::outline::{Cylinder, Keep, Outline};
+use crate::verify::measure::outline::{Cylinder, Keep, Outline, ZoneShape};
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
 use crate::verify::measure::worst::Worst;
@@ -22,7 +23,7 @@ pub(crate) struct Space<'a> {
     pub(crate) world: &'a World,
     surface: Surface<'a>,
     pub(crate) threats: Vec<Cylinder>,
-    pub(crate) zones: Vec<Outline>,
+    pub(crate) zones: Vec<ZoneShape>,
     pub(crate) area: Outline,
 }
 
@@ -50,11 +51,7 @@ impl<'a> Space<'a> {
                 .iter()
                 .map(|threat| Cylinder::new(threat.place, threat.radius_m))
                 .collect(),
-            zones: spec
-                .no_fly
-                .iter()
-                .map(|zone| Outline::new(zone.polygon.clone()))
-                .collect(),
+            zones: spec.no_fly.iter().map(ZoneShape::new).collect(),
             area: Outline::new(spec.area.outline()),
         }
     }
@@ -221,41 +218,19 @@ impl<'a> Space<'a> {
     }
 
     fn judge_zones(&self, chord: &Chord, part: &Stretch, worst: &mut [Worst]) {
-        for ((zone, outline), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
+        let slack_s = self.spec.separation.time_slack_s;
+        for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
-            if outline.bound_m(part) > worst.room().max(0.0) {
+            if shape.bound_m(part) > worst.room().max(0.0) {
                 continue;
             }
-            let Some(low) = below(chord, part, zone.below) else {
-                continue;
-            };
-            let (margin_m, w) = outline.margin_m(&low, Keep::Outside);
-            worst.at_least(margin_m, 0.0, || moment(chord, &low, w));
+            let closed = Closed::new(zone, &self.surface, slack_s);
+            for part in closed.parts(chord, part) {
+                let (margin_m, w) = shape.margin_m(&part);
+                worst.at_least(margin_m, 0.0, || moment(chord, &part, w));
+            }
         }
     }
-}
-
-/// The part of a stretch that is below an altitude.
-fn below(chord: &Chord, part: &Stretch, ceiling: Option<Amsl>) -> Option<Stretch> {
-    let Some(Amsl(ceiling_m)) = ceiling else {
-        return Some(*part);
-    };
-    let over_m = |w: f64| chord.at(part.along(w)).amsl.0 - ceiling_m - chord.error_m;
-    let (from_m, to_m) = (over_m(0.0), over_m(1.0));
-    if from_m >= 0.0 && to_m >= 0.0 {
-        return None;
-    }
-    let crossing = from_m / (from_m - to_m);
-    let (w0, w1) = match (from_m > 0.0, to_m > 0.0) {
-        (true, _) => (crossing, 1.0),
-        (_, true) => (0.0, crossing),
-        _ => (0.0, 1.0),
-    };
-    Some(Stretch {
-        u: (part.along(w0), part.along(w1)),
-        from: part.place(w0),
-        to: part.place(w1),
-    })
 }
 
 fn moment(chord: &Chord, part: &Stretch, w: f64) -> Moment {

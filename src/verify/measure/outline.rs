@@ -6,6 +6,7 @@
 //! scale of the latitude where the flight is.
 
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
+use crate::spec::Zone;
 
 use super::segment::Stretch;
 
@@ -29,6 +30,41 @@ pub(crate) enum Keep {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Outline {
     corners: Vec<LatLon>,
+    /// Least and greatest latitude and longitude, degrees.
+    low: LatLon,
+    high: LatLon,
+}
+
+/// The shape of a zone: a circle is measured as one.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ZoneShape {
+    outline: Outline,
+    circle: Option<Cylinder>,
+}
+
+impl ZoneShape {
+    pub(crate) fn new(zone: &Zone) -> Self {
+        Self {
+            outline: Outline::new(zone.outline()),
+            circle: zone
+                .circle
+                .map(|(center, radius_m)| Cylinder::new(center, radius_m)),
+        }
+    }
+
+    /// At least so far is the stretch from the zone, metres: a cheap bound by boxes.
+    pub(crate) fn bound_m(&self, stretch: &Stretch) -> f64 {
+        self.outline.bound_m(stretch)
+    }
+
+    /// The least distance of a stretch outside, negative inside, metres; and the fraction of
+    /// the stretch where that is.
+    pub(crate) fn margin_m(&self, stretch: &Stretch) -> (f64, f64) {
+        match &self.circle {
+            Some(circle) => circle.margin_m(stretch, Keep::Outside),
+            None => self.outline.margin_m(stretch, Keep::Outside),
+        }
+    }
 }
 
 /// A vertical cylinder, measured in the frame of its own axis.
@@ -73,33 +109,36 @@ impl Cylinder {
 
 impl Outline {
     pub(crate) fn new(corners: Vec<LatLon>) -> Self {
-        Self { corners }
+        let of = |pick: fn(f64, f64) -> f64, start: f64| {
+            let corners = corners.iter();
+            corners.fold(
+                LatLon {
+                    lat_deg: start,
+                    lon_deg: start,
+                },
+                |known, corner| LatLon {
+                    lat_deg: pick(known.lat_deg, corner.lat_deg),
+                    lon_deg: pick(known.lon_deg, corner.lon_deg),
+                },
+            )
+        };
+        Self {
+            low: of(f64::min, f64::INFINITY),
+            high: of(f64::max, f64::NEG_INFINITY),
+            corners,
+        }
     }
 
     /// At least so far is the stretch from the polygon, metres: a cheap bound by boxes.
     pub(crate) fn bound_m(&self, stretch: &Stretch) -> f64 {
         let (north, east) = metres_per_degree(stretch.from.lat_deg);
-        let gap = |of: fn(&LatLon) -> f64, low: f64, high: f64| {
-            let (least, most) = self
-                .corners
-                .iter()
-                .map(of)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
-                    (a.min(x), b.max(x))
-                });
-            (least - high).max(low - most).max(0.0)
+        let gap = |of: fn(LatLon) -> f64| {
+            let (from, to) = (of(stretch.from), of(stretch.to));
+            (of(self.low) - from.max(to))
+                .max(from.min(to) - of(self.high))
+                .max(0.0)
         };
-        let (a, b) = (stretch.from, stretch.to);
-        let lat = gap(
-            |p| p.lat_deg,
-            a.lat_deg.min(b.lat_deg),
-            a.lat_deg.max(b.lat_deg),
-        );
-        let lon = gap(
-            |p| p.lon_deg,
-            a.lon_deg.min(b.lon_deg),
-            a.lon_deg.max(b.lon_deg),
-        );
+        let (lat, lon) = (gap(|at| at.lat_deg), gap(|at| at.lon_deg));
         (lat * north).hypot(lon * east)
     }
 

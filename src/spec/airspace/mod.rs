@@ -1,0 +1,5 @@
+//! What vehicles stay out of.
+
+mod zone;
+
+pub use zone::Zone;

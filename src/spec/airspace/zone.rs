@@ -1,0 +1,117 @@
+//! Zones of the checked spec.
+
+use std::fmt;
+
+use crate::geodesy::LatLon;
+use crate::spec::Placement;
+
+/// A part of space that must not be entered.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Zone {
+    /// Unique name.
+    pub id: String,
+    /// At least three corners, not closed (the last is not the first); of a circle, the polygon
+    /// circumscribed about it.
+    pub polygon: Vec<LatLon>,
+    /// Parts of the polygon that do not belong to the zone, in the same form.
+    pub holes: Vec<Vec<LatLon>>,
+    /// Centre and radius in metres, if the zone is a circle: exact, where the polygon is wider.
+    pub circle: Option<(LatLon, f64)>,
+    /// Open below this; closed from the ground if absent.
+    pub floor: Option<Placement>,
+    /// Open from this up; closed at every height if absent.
+    pub ceiling: Option<Placement>,
+    /// Closed only from and to these times, seconds after T0, either of them possibly infinite;
+    /// always if absent.
+    pub active_s: Option<(f64, f64)>,
+    /// Where the zone comes from, if not from the spec itself: file and item.
+    pub source: Option<String>,
+}
+
+impl Zone {
+    /// A zone closed at every height and time.
+    #[must_use]
+    pub fn closed(id: String, polygon: Vec<LatLon>) -> Self {
+        Self {
+            id,
+            polygon,
+            ..Self::default()
+        }
+    }
+
+    /// Whether it is closed at every height, at all times.
+    #[must_use]
+    pub fn is_closed_throughout(&self) -> bool {
+        self.floor.is_none() && self.ceiling.is_none() && self.active_s.is_none()
+    }
+
+    /// The corners with those of the holes, as one ring: it goes to each hole and back on the
+    /// same line, so that the rules of winding number and of even and odd still hold.
+    #[must_use]
+    pub fn outline(&self) -> Vec<LatLon> {
+        let mut ring = self.polygon.clone();
+        for hole in &self.holes {
+            bridge(&mut ring, hole);
+        }
+        ring
+    }
+}
+
+/// Heights and times at which it is closed, as a message has them: empty if always and everywhere.
+impl fmt::Display for Zone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut parts = Vec::new();
+        if let Some(floor) = self.floor {
+            parts.push(format!("from {}", height(floor)));
+        }
+        if let Some(ceiling) = self.ceiling {
+            parts.push(format!("below {}", height(ceiling)));
+        }
+        if let Some((from_s, to_s)) = self.active_s {
+            if from_s.is_finite() {
+                parts.push(format!("from T0 {from_s:+.0} s"));
+            }
+            if to_s.is_finite() {
+                parts.push(format!("until T0 {to_s:+.0} s"));
+            }
+        }
+        f.write_str(&parts.join(", "))
+    }
+}
+
+/// An altitude with its reference.
+fn height(of: Placement) -> String {
+    match of {
+        Placement::Amsl(amsl) => format!("{} m", crate::numeric::digits::plain(amsl.0)),
+        Placement::Agl(agl) => {
+            format!("{} m above ground", crate::numeric::digits::plain(agl.0))
+        }
+    }
+}
+
+/// Joins a hole to a ring between their corners that are nearest to each other.
+fn bridge(ring: &mut Vec<LatLon>, hole: &[LatLon]) {
+    let pairs = (0..ring.len()).flat_map(|r| (0..hole.len()).map(move |h| (r, h)));
+    let apart = |&(r, h): &(usize, usize)| {
+        let (a, b) = (ring[r], hole[h]);
+        (a.lat_deg - b.lat_deg).hypot((a.lon_deg - b.lon_deg) * a.lat_deg.to_radians().cos())
+    };
+    let nearest = pairs.min_by(|a, b| apart(a).total_cmp(&apart(b)));
+    let Some((at, first)) = nearest else { return };
+    let around = hole.iter().cycle().skip(first).take(hole.len() + 1);
+    let mut detour: Vec<LatLon> = around.copied().collect();
+    if (doubled_area(ring) > 0.0) == (doubled_area(hole) > 0.0) {
+        detour.reverse();
+    }
+    detour.push(ring[at]);
+    ring.splice(at + 1..at + 1, detour);
+}
+
+/// Positive counter-clockwise, seen with north up.
+fn doubled_area(corners: &[LatLon]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    let pairs = corners.iter().zip(next);
+    pairs
+        .map(|(a, b)| a.lon_deg * b.lat_deg - b.lon_deg * a.lat_deg)
+        .sum()
+}

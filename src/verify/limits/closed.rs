@@ -1,0 +1,153 @@
+//! Where and when a flight is in the heights and times at which a zone is closed.
+
+use crate::spec::{Placement, Zone};
+use crate::verify::measure::segment::{Chord, Stretch};
+use crate::verify::measure::surface::Surface;
+
+/// Heights and times of a zone over the ground.
+pub(crate) struct Closed<'a> {
+    zone: &'a Zone,
+    surface: &'a Surface<'a>,
+    slack_s: f64,
+}
+
+/// Fractions of a stretch, from and to.
+type Part = (f64, f64);
+
+impl<'a> Closed<'a> {
+    /// Of a zone; departures may be shifted by `slack_s`.
+    pub(crate) fn new(zone: &'a Zone, surface: &'a Surface<'a>, slack_s: f64) -> Self {
+        Self {
+            zone,
+            surface,
+            slack_s,
+        }
+    }
+
+    /// The parts of a stretch at whose heights and times the zone is closed.
+    pub(crate) fn parts(&self, chord: &Chord, part: &Stretch) -> Vec<Stretch> {
+        if self.zone.is_closed_throughout() {
+            return vec![*part];
+        }
+        let Some(active) = self.active(chord, part) else {
+            return Vec::new();
+        };
+        let heights = match (self.zone.floor, self.zone.ceiling) {
+            (Some(Placement::Agl(_)), _) | (_, Some(Placement::Agl(_))) => {
+                self.over_ground(chord, part)
+            }
+            _ => self
+                .between(chord, part, (0.0, 1.0), &Level::SEA)
+                .into_iter()
+                .collect(),
+        };
+        let common = |(from, to): Part| (from.max(active.0), to.min(active.1));
+        let parts = heights.into_iter().map(common);
+        parts
+            .filter(|(from, to)| from <= to)
+            .map(|(from, to)| Stretch {
+                u: (part.along(from), part.along(to)),
+                from: part.place(from),
+                to: part.place(to),
+            })
+            .collect()
+    }
+
+    /// The part that is flown while the zone is active, if any.
+    fn active(&self, chord: &Chord, part: &Stretch) -> Option<Part> {
+        let Some((from_s, to_s)) = self.zone.active_s else {
+            return Some((0.0, 1.0));
+        };
+        // What is not flown stands for what is flown somewhere in its time.
+        let vague_s = match chord.flown {
+            true => 0.0,
+            false => chord.to_s - chord.from_s,
+        };
+        let slack_s = self.slack_s + vague_s;
+        let (from_s, to_s) = (from_s - slack_s - chord.late_s, to_s + slack_s);
+        let lasts_s = chord.to_s - chord.from_s;
+        if !lasts_s.is_finite() {
+            // It stays for ever.
+            return (chord.from_s <= to_s).then_some((0.0, 1.0));
+        }
+        let at_s = |w: f64| chord.time_s(part.along(w));
+        let line = (at_s(0.0), at_s(1.0));
+        let after = part_below((from_s - line.0, from_s - line.1))?;
+        let before = part_below((line.0 - to_s, line.1 - to_s))?;
+        Some((after.0.max(before.0), after.1.min(before.1)))
+    }
+
+    /// The parts between floor and ceiling where one of them is above the ground.
+    fn over_ground(&self, chord: &Chord, part: &Stretch) -> Vec<Part> {
+        let Ok(patches) = self.surface.under(part.from, part.to) else {
+            // Over unknown ground the zone may be anywhere.
+            return vec![(0.0, 1.0)];
+        };
+        let level = |patch: &crate::verify::measure::patch::Patch| Level {
+            ground_m: patch.height_m,
+            // The ground is this near to the straight line between the ends of the patch.
+            error_m: patch.bulge_m.abs() + patch.error_m,
+        };
+        patches
+            .iter()
+            .filter_map(|patch| self.between(chord, part, patch.w, &level(patch)))
+            .collect()
+    }
+
+    /// The part of `[w0, w1]` between floor and ceiling.
+    fn between(
+        &self,
+        chord: &Chord,
+        part: &Stretch,
+        (w0, w1): Part,
+        level: &Level,
+    ) -> Option<Part> {
+        let amsl_m = |w: f64| chord.at(part.along(w)).amsl.0;
+        let of = |limit: Placement| match limit {
+            Placement::Amsl(amsl) => (amsl_m(w0) - amsl.0, amsl_m(w1) - amsl.0, chord.error_m),
+            Placement::Agl(agl) => (
+                amsl_m(w0) - level.ground_m.0 - agl.0,
+                amsl_m(w1) - level.ground_m.1 - agl.0,
+                chord.error_m + level.error_m,
+            ),
+        };
+        let mut part = (0.0, 1.0);
+        if let Some(ceiling) = self.zone.ceiling {
+            let (from_m, to_m, error_m) = of(ceiling);
+            let below = part_below((from_m - error_m, to_m - error_m))?;
+            part = (below.0.max(part.0), below.1.min(part.1));
+        }
+        if let Some(floor) = self.zone.floor {
+            let (from_m, to_m, error_m) = of(floor);
+            let above = part_below((-from_m - error_m, -to_m - error_m))?;
+            part = (above.0.max(part.0), above.1.min(part.1));
+        }
+        let along = |v: f64| w0 + (w1 - w0) * v;
+        (part.0 <= part.1).then(|| (along(part.0), along(part.1)))
+    }
+}
+
+/// The ground under part of a stretch: heights at its ends, metres, straight between them.
+struct Level {
+    ground_m: Part,
+    error_m: f64,
+}
+
+impl Level {
+    /// What needs no ground.
+    const SEA: Self = Self {
+        ground_m: (0.0, 0.0),
+        error_m: 0.0,
+    };
+}
+
+/// The part in which what goes straight from `a` to `b` is below 0; all of it where that is not
+/// a number.
+fn part_below((a, b): Part) -> Option<Part> {
+    match (a >= 0.0, b >= 0.0) {
+        (true, true) => None,
+        (true, false) => Some((a / (a - b), 1.0)),
+        (false, true) => Some((0.0, a / (a - b))),
+        (false, false) => Some((0.0, 1.0)),
+    }
+}

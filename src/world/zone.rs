@@ -1,0 +1,176 @@
+//! Zones in planning coordinates.
+
+use geo::{BoundingRect, Polygon, Rect};
+
+use super::covers;
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::spec::{Placement, Zone};
+
+/// A zone in planning coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanZone {
+    /// Outline (x east, y north, metres), holes joined to it: see [`Zone::outline`].
+    pub outline: Polygon<f64>,
+    /// Open below this.
+    pub floor: Option<Placement>,
+    /// Open from this up.
+    pub ceiling: Option<Placement>,
+    /// Closed only from and to these times, seconds after T0; always if absent.
+    pub active_s: Option<(f64, f64)>,
+    bounds: Option<Rect<f64>>,
+}
+
+impl PlanZone {
+    /// The zone of an outline with the heights and times of a zone of the spec, `slack_s`
+    /// longer on both sides.
+    #[must_use]
+    pub fn new(outline: Polygon<f64>, zone: &Zone, slack_s: f64) -> Self {
+        Self {
+            floor: zone.floor,
+            ceiling: zone.ceiling,
+            active_s: zone
+                .active_s
+                .map(|(from_s, to_s)| (from_s - slack_s, to_s + slack_s)),
+            ..Self::closed(outline)
+        }
+    }
+
+    /// A zone closed at every height and time.
+    #[must_use]
+    pub fn closed(outline: Polygon<f64>) -> Self {
+        Self {
+            bounds: outline.bounding_rect(),
+            outline,
+            floor: None,
+            ceiling: None,
+            active_s: None,
+        }
+    }
+
+    /// Whether a point of the plane lies in the outline; its edge does.
+    #[must_use]
+    pub fn contains(&self, at: EastNorth) -> bool {
+        self.is_near(at) && covers(&self.outline, at)
+    }
+
+    /// Whether a point of the plane lies in the box around the outline.
+    #[must_use]
+    pub fn is_near(&self, at: EastNorth) -> bool {
+        self.bounds.is_some_and(|bounds| {
+            let (low, high) = (bounds.min(), bounds.max());
+            (low.x..=high.x).contains(&at.east_m) && (low.y..=high.y).contains(&at.north_m)
+        })
+    }
+
+    /// Whether it is closed at every height, at all times.
+    #[must_use]
+    pub fn is_closed_throughout(&self) -> bool {
+        self.floor.is_none() && self.ceiling.is_none() && self.active_s.is_none()
+    }
+
+    /// Whether it may be open somewhere below an altitude: under it, or over it.
+    pub(crate) fn is_open_below(&self, max_amsl: Amsl) -> bool {
+        let is_under_it = |ceiling: Placement| match ceiling {
+            Placement::Amsl(top) => top <= max_amsl,
+            Placement::Agl(_) => true,
+        };
+        self.floor.is_some() || self.ceiling.is_some_and(is_under_it)
+    }
+
+    /// Whether its floor or ceiling is measured from the ground.
+    #[must_use]
+    pub fn follows_ground(&self) -> bool {
+        let is_agl = |of: Option<Placement>| matches!(of, Some(Placement::Agl(_)));
+        is_agl(self.floor) || is_agl(self.ceiling)
+    }
+
+    /// What a path over the zone can keep of a distance above it, metres: half of what is left
+    /// below `max_amsl`, where the zone ends so near below that.
+    pub(crate) fn kept_over_m(&self, over_m: f64, max_amsl: Amsl) -> f64 {
+        match self.ceiling {
+            Some(Placement::Amsl(top)) if top <= max_amsl => {
+                let left_m = max_amsl.0 - top.0;
+                if over_m <= left_m {
+                    over_m
+                } else {
+                    0.5 * left_m
+                }
+            }
+            _ => over_m,
+        }
+    }
+
+    /// The altitudes from which and below which it is closed over ground of a height, metres;
+    /// over ground of unknown height (NaN) the widest.
+    #[must_use]
+    pub fn closed_m(&self, ground_m: f64) -> (f64, f64) {
+        let altitude_m = |of: Option<Placement>, open_m: f64| match of {
+            None => open_m,
+            Some(Placement::Amsl(amsl)) => amsl.0,
+            Some(Placement::Agl(agl)) if ground_m.is_finite() => ground_m + agl.0,
+            Some(Placement::Agl(_)) => open_m,
+        };
+        (
+            altitude_m(self.floor, f64::NEG_INFINITY),
+            altitude_m(self.ceiling, f64::INFINITY),
+        )
+    }
+
+    /// Whether the zone is closed at a point of space over ground of a height, at a time
+    /// (seconds after T0; NaN where it is not known).
+    #[must_use]
+    pub fn is_closed_at(&self, point: PlanPoint, ground_m: f64, t_s: f64) -> bool {
+        let Amsl(amsl_m) = point.amsl;
+        let (from_m, below_m) = self.closed_m(ground_m);
+        let is_active = self
+            .active_s
+            .is_none_or(|(from_s, to_s)| t_s.is_nan() || (from_s <= t_s && t_s <= to_s));
+        is_active && from_m <= amsl_m && amsl_m < below_m && self.contains(point.at)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesy::Agl;
+
+    fn square(side_m: f64) -> PlanZone {
+        let corners = vec![(0.0, 0.0), (side_m, 0.0), (side_m, side_m), (0.0, side_m)];
+        PlanZone::closed(Polygon::new(corners.into(), Vec::new()))
+    }
+
+    #[test]
+    fn the_rim_of_a_zone_is_closed() {
+        let at = |east_m, north_m| EastNorth { east_m, north_m };
+        let zone = square(10.0);
+        for inside in [at(5.0, 5.0), at(10.0, 5.0), at(0.0, 0.0)] {
+            assert!(zone.contains(inside), "{inside:?}");
+        }
+        assert!(!zone.contains(at(10.1, 5.0)));
+    }
+
+    #[test]
+    fn a_zone_is_open_below_its_floor_and_from_its_ceiling_on() {
+        let over = |amsl_m| PlanPoint::new(5.0, 5.0, Amsl(amsl_m));
+        let mut zone = square(10.0);
+        let closed = |zone: &PlanZone, amsl_m| zone.is_closed_at(over(amsl_m), 50.0, 0.0);
+        assert!(closed(&zone, 1e9));
+        zone.ceiling = Some(Placement::Amsl(Amsl(100.0)));
+        assert!(closed(&zone, 99.9) && !closed(&zone, 100.0));
+        assert!(!zone.is_closed_at(PlanPoint::new(11.0, 5.0, Amsl(0.0)), 50.0, 0.0));
+        zone.floor = Some(Placement::Agl(Agl(20.0)));
+        assert!(closed(&zone, 70.0) && !closed(&zone, 69.9));
+        // Where the ground is unknown a zone may reach down to anywhere.
+        assert!(zone.is_closed_at(over(0.0), f64::NAN, 0.0));
+    }
+
+    #[test]
+    fn a_zone_is_open_outside_of_its_time() {
+        let mut zone = square(10.0);
+        zone.active_s = Some((10.0, 20.0));
+        let at = PlanPoint::new(5.0, 5.0, Amsl(0.0));
+        let closed = |t_s| zone.is_closed_at(at, 0.0, t_s);
+        assert!(closed(10.0) && closed(20.0) && closed(f64::NAN));
+        assert!(!closed(9.9) && !closed(20.1));
+    }
+}
