@@ -49,7 +49,7 @@ impl ClosedZone {
         };
         let under_m = under_m(route.from).min(under_m(route.to));
         let lower_m = margins.clearance_m.min(under_m);
-        let higher_m = zone.kept_over_m(margins.clearance_m, world.max_amsl);
+        let higher_m = zone.margin_over_m(margins.clearance_m, world.max_amsl);
         Self {
             ring: ring.outset(wider_m),
             from: zone.floor.map_or(GROUND, |floor| raised(floor, -lower_m)),

@@ -86,7 +86,7 @@ impl PlanZone {
 
     /// What a path over the zone can keep of a distance above it, metres: half of what is left
     /// below `max_amsl`, where the zone ends so near below that.
-    pub(crate) fn kept_over_m(&self, over_m: f64, max_amsl: Amsl) -> f64 {
+    pub(crate) fn margin_over_m(&self, over_m: f64, max_amsl: Amsl) -> f64 {
         match self.ceiling {
             Some(Placement::Amsl(top)) if top <= max_amsl => {
                 let left_m = max_amsl.0 - top.0;

@@ -75,7 +75,7 @@ impl<'a> FloorMaker<'a> {
             .filter_map(|zone| {
                 let rect = zone.outline.bounding_rect()?;
                 let under_m = over_m;
-                let over_m = zone.kept_over_m(over_m, world.max_amsl);
+                let over_m = zone.margin_over_m(over_m, world.max_amsl);
                 let has_room = match (zone.floor, zone.ceiling) {
                     (None, None) => false,
                     (None, Some(Placement::Amsl(top))) => top.0 + over_m <= world.max_amsl.0,
