@@ -20,6 +20,7 @@
 //! | 1 | [`autopilot`] | facts by autopilot, airframe and version: acceptance, capacities, modes, parameters, measured behaviour |
 //! | 1 | [`geodesy`] | WGS84, ECEF, local ENU frame, EGM96 geoid, altitude references |
 //! | 1 | [`optimize`] | the trait `Problem`, evaluation budgets, one file per algorithm |
+//! | 1 | [`shapes`] | bytes of airspace files to polygons, circles, lines with floors, ceilings, times |
 //! | 2 | [`spec`] | YAML as typed, then checked: an immutable [`spec::MissionSpec`] |
 //! | 3 | [`world`] | terrain and its readers, threats, zones, area |
 //! | 4 | [`path`] | control points to a sampled, timed trajectory; turn and climb limits |
@@ -49,6 +50,7 @@ pub mod numeric;
 pub mod autopilot;
 pub mod geodesy;
 pub mod optimize;
+pub mod shapes;
 
 pub mod spec;
 

@@ -37,6 +37,8 @@ const LAYERS: &[(&str, u32, &[&str])] = &[
     ("library", 12, &[]),
     ("cli", 13, &[]),
 ];
+/// Folders of one layer of which the first stands on the second.
+const WITHIN_LAYER: &[(&str, &str)] = &[("shapes", "geodesy")];
 /// Most files flat in a folder beside its `mod.rs`.
 const MAX_FILES: usize = 12;
 /// Most lines of a function, signature and braces included.
@@ -190,7 +192,8 @@ fn each_folder_imports_only_what_lies_below_it() {
             let Some((name, below, _)) = target.first().and_then(|name| row(name)) else {
                 continue;
             };
-            if name != folder && (below >= layer || forbidden.contains(name)) {
+            let is_above = below >= layer && !WITHIN_LAYER.contains(&(folder, name));
+            if name != folder && (is_above || forbidden.contains(name)) {
                 broken.push(format!(
                     "{}:{line}: {folder} (layer {layer}) must not import {name} (layer {below})",
                     module.join("/")

@@ -18,16 +18,24 @@ pub mod command {
     pub const NAV_TAKEOFF: u16 = 22;
     /// Circle down or up to an altitude.
     pub const NAV_LOITER_TO_ALT: u16 = 31;
+    /// Fly a spline through a place.
+    pub const NAV_SPLINE_WAYPOINT: u16 = 82;
     /// Climb vertically, then fly on the wing.
     pub const NAV_VTOL_TAKEOFF: u16 = 84;
     /// Stop flying on the wing, and land vertically.
     pub const NAV_VTOL_LAND: u16 = 85;
     /// Wait, on the ground or in the air.
     pub const NAV_DELAY: u16 = 93;
+    /// Descend until the payload stands, and release it.
+    pub const NAV_PAYLOAD_PLACE: u16 = 94;
     /// Jump to another item.
     pub const DO_JUMP: u16 = 177;
     /// Change the speed.
     pub const DO_CHANGE_SPEED: u16 = 178;
+    /// Where a landing sequence begins.
+    pub const DO_LAND_START: u16 = 189;
+    /// Change between rotors and wing.
+    pub const DO_VTOL_TRANSITION: u16 = 3000;
     /// Fence: where to return to.
     pub const FENCE_RETURN_POINT: u16 = 5000;
     /// Fence: a corner of a polygon to stay in.

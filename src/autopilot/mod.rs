@@ -108,6 +108,8 @@ pub struct Conventions {
     pub zero_is_unset: bool,
     /// Whether parameters of whole numbers travel as the bytes of an `int32` (`PARAM_VALUE`).
     pub bytewise_parameters: bool,
+    /// Whether items are given in any order: several may be requested at once.
+    pub gives_any_order: bool,
     /// Time between two requests for the same item, milliseconds.
     pub request_ms: u64,
     /// Time without the item until the vehicle gives up a transfer, milliseconds.
@@ -165,6 +167,9 @@ pub struct Facts {
     pub stops: Stops,
     /// How it deviates from straight legs flown on time.
     pub behaviour: Behaviour,
+    /// Buffer to every limit unless the spec says otherwise, metres: for errors of position and
+    /// control that the verdict does not model.
+    pub buffer_m: f64,
 }
 
 /// The table of one autopilot on one airframe.

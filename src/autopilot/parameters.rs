@@ -110,6 +110,7 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("FENCE_ENABLE", 0.0, Number),
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 1.0, Number),
+    p("FENCE_MARGIN", 2.0, M),
 ];
 
 /// ArduPlane (defaults of L1 and slope also in `AP_L1_Control.cpp`, `ArduPlane/Parameters.cpp`).
@@ -139,6 +140,7 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
     p("FENCE_ENABLE", 0.0, Number),
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 0.0, Number),
+    p("FENCE_MARGIN", 2.0, M),
 ];
 
 /// The smallest change of altitude that ArduPlane spreads along a leg: its name since 4.7, and
@@ -173,7 +175,7 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("NAV_MC_ALT_RAD", 0.8, M),
     p("COM_DISARM_PRFLT", 10.0, S),
     p("RTL_RETURN_ALT", 60.0, M),
-    p("RTL_CONE_ANG", 45.0, Deg),
+    int32(p("RTL_CONE_ANG", 45.0, Deg)),
     p("RTL_LAND_DELAY", 0.0, S),
     int32(p("GF_ACTION", 2.0, Number)),
 ];

@@ -28,6 +28,7 @@ pub(super) static CONVENTIONS: Conventions = Conventions {
     reads_takeoff_location: true,
     zero_is_unset: false,
     bytewise_parameters: true,
+    gives_any_order: false,
     request_ms: 270,
     give_up_ms: 5000,
     silence_ms: 3000,
@@ -132,6 +133,7 @@ pub(super) static COPTER: Facts = Facts {
     corners: Some(CornerLaw::Circle),
     stops: Stops::NONE,
     behaviour: COPTER_BEHAVIOUR,
+    buffer_m: ardupilot::COPTER_BUFFER_M,
 };
 
 pub(super) static PLANE: Facts = Facts {
@@ -162,6 +164,7 @@ pub(super) static PLANE: Facts = Facts {
         takeoff_late_s: NONE,
         ..WING_BEHAVIOUR
     },
+    buffer_m: ardupilot::WING_BUFFER_M,
     ..COPTER
 };
 
@@ -189,5 +192,6 @@ pub(super) static VTOL: Facts = Facts {
     },
     corners: None,
     behaviour: WING_BEHAVIOUR,
+    buffer_m: ardupilot::WING_BUFFER_M,
     ..COPTER
 };

@@ -1,17 +1,26 @@
 //! `sortie check`: the spec alone.
 
 use super::args;
-use super::print::console::out;
+use super::print::console::{note, out};
 use super::print::failure::Failure;
-use crate::spec::Document;
+use crate::spec::{Document, Survey};
+use crate::verify;
 use crate::world;
 
+/// Zones of one file that are listed.
+const MAX_LISTED: usize = 20;
+
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
+    let mut surveys = Vec::new();
     let (kind, vehicles, threats, zones) = match Document::read(&arguments.spec)? {
         Document::Mission(file) => {
             world::load(&file)?;
             let spec = &file.spec;
+            for text in verify::distant_from_area(spec, &[]) {
+                note(&format!("warning: {text}"));
+            }
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
+            surveys.clone_from(&file.surveys);
             ("", vehicles, threats, spec.no_fly.len())
         }
         Document::Scenario(scenario) => {
@@ -33,5 +42,33 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         count(threats, "threat", "threats"),
         count(zones, "no-fly zone", "no-fly zones"),
     ))?;
-    Ok(())
+    surveys
+        .iter()
+        .try_for_each(|survey| out(&described(survey)))
+}
+
+/// What became of the shapes of a file.
+fn described(survey: &Survey) -> String {
+    let parts = [
+        (survey.zones.len(), "zones"),
+        (survey.out_of_reach, "out of reach"),
+        (survey.left_out, "left out by only or skip"),
+        (survey.open, "that forbid nothing"),
+        (survey.without_area, "lines and points"),
+    ];
+    let parts = parts.iter().filter(|(number, _)| *number > 0);
+    let parts: Vec<String> = parts
+        .map(|(number, what)| format!("{number} {what}"))
+        .collect();
+    let mut text = format!("  {}: {}", survey.file, parts.join(", "));
+    for id in survey.zones.iter().take(MAX_LISTED) {
+        text.push_str(&format!("\n    {id}"));
+    }
+    if survey.zones.len() > MAX_LISTED {
+        text.push_str(&format!(
+            "\n    and {} more",
+            survey.zones.len() - MAX_LISTED
+        ));
+    }
+    text
 }

@@ -1,9 +1,16 @@
 //! `sortie fly`: launch the fleet, monitor it, judge what it flew.
 
+#[cfg(unix)]
+mod attach;
+#[cfg(not(unix))]
+mod no_session;
+mod resume;
 mod screen;
 mod show;
+#[cfg(unix)]
+mod socket;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::args;
 use super::folder::{self, runs};
@@ -19,14 +26,26 @@ use crate::link::Links;
 use crate::spec::{Link, SpecFile};
 use crate::world;
 
+#[cfg(unix)]
+pub(super) use attach::attach;
+#[cfg(not(unix))]
+use no_session::Socket;
+#[cfg(not(unix))]
+pub(super) use no_session::attach;
+pub(super) use resume::take_over;
 use screen::Screen;
 pub(super) use show::report;
+#[cfg(unix)]
+use socket::Socket;
 
 /// Between two positions of a vehicle, seconds of its own time.
 const POSITION_S: f64 = 0.2;
 
 pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let plan = read(&arguments.spec, arguments.dir.as_deref())?;
+    if arguments.resume {
+        return take_over(&plan, &arguments.link, arguments.json);
+    }
     let folder = runs::folder(&plan.folder);
     let _lock = runs::hold(&folder, "fly")?;
     let given = upload::links(&plan.file, &arguments.link)?;
@@ -41,15 +60,18 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
     let addresses = links.iter().map(ToString::to_string);
     let addresses = vehicles.clone().map(|v| v.id.clone()).zip(addresses);
-    let underway = Underway::new(folder.clone(), addresses.collect(), arguments.speedup);
+    let mut underway = Underway::new(folder.clone(), addresses.collect(), arguments.speedup);
+    let record = runs::named(&folder, "flight", "jsonl");
+    let name = record.file_name().unwrap_or_default();
+    underway.notice.record = name.to_string_lossy().into_owned();
     let header = Line::Head {
         sortie: env!("CARGO_PKG_VERSION").to_owned(),
         spec_sha256: folder::sha256(&plan.file.text),
         speedup: arguments.speedup,
         vehicles: vehicles.map(|vehicle| vehicle.id.clone()).collect(),
     };
-    let journal = Journal::begin(runs::named(&folder, "flight", "jsonl"), &header)?;
-    let mut screen = Screen::begin(arguments.json, !simulated.is_empty())?;
+    let journal = Journal::begin(record, &header)?;
+    let mut screen = Screen::begin(arguments.json, !simulated.is_empty(), &folder)?;
     let mut driver = Driver::new(&open, &underway, journal);
     let references = plan.references();
     let is_uploaded = |index| arguments.upload || simulated.contains_key(&index);
@@ -66,8 +88,20 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     underway.announce(None)?;
     driver.fly(&mut fleet, &mut screen);
     underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
-    drop(screen);
-    end(driver, &fleet, &plan, arguments, !simulated.is_empty())
+    let session = screen.into_session();
+    let ended = end(driver, &fleet, &plan, arguments.json, !simulated.is_empty());
+    finish(session, ended)
+}
+
+/// Other terminals get the outcome of the flight, too.
+fn finish(session: Option<Socket>, ended: Result<(), Failure>) -> Result<(), Failure> {
+    if let Some(session) = session {
+        match &ended {
+            Ok(()) => session.finish(0, "the flight kept its limits and ended as planned"),
+            Err(failure) => session.finish(failure.code.number(), &failure.message),
+        }
+    }
+    ended
 }
 
 /// The plan in its folder, of the spec that was named, verified again.
@@ -85,16 +119,26 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    let (file, files, folder) = upload::from_folder(&[folder], false)?;
-    flight::refuse_shared_sysids(&file.spec)?;
-    if file.text != named.text || file.table != named.table {
+    let plan = read_folder(folder)?;
+    let is_same = plan.file.text == named.text
+        && plan.file.table == named.table
+        && plan.file.attached == named.attached;
+    if !is_same {
         let message = format!(
             "{} was planned from another spec than {}; nothing was started",
-            folder.display(),
+            plan.folder.display(),
             spec.display()
         );
         return Err(Failure::new(Failure::VERDICT, message));
     }
+    Ok(plan)
+}
+
+/// The plan in a folder, verified again.
+pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
+    let (file, files, folder) = upload::from_folder(&[folder], false)?;
+    flight::refuse_shared_sysids(&file.spec)?;
+    refuse_times(&file)?;
     let world = world::load(&file)?;
     let missions = review::read(&file, &files)?;
     let plan = FlightPlan::verify(file, folder, world, missions);
@@ -104,12 +148,26 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
     Ok(plan?)
 }
 
+/// Refuses zones with times: they hold for the T0 of the spec alone, and a launch is when its
+/// vehicles are ready.
+fn refuse_times(file: &SpecFile) -> Result<(), Failure> {
+    let mut zones = file.spec.no_fly.iter();
+    let Some(zone) = zones.find(|zone| zone.active_s.is_some()) else {
+        return Ok(());
+    };
+    let message = format!(
+        "zone {} is closed {zone} only, and the launch cannot keep to t0; plan without t0, so that zones are always active",
+        zone.id
+    );
+    Err(Failure::new(Failure::INPUT, message))
+}
+
 /// Prints the verdict on what was flown.
 fn end(
     mut driver: Driver<'_>,
     fleet: &Fleet<'_>,
     plan: &FlightPlan,
-    arguments: &args::Fly,
+    json: bool,
     has_simulated: bool,
 ) -> Result<(), Failure> {
     if let Some(Outcome::NotStarted(why)) = fleet.outcome() {
@@ -126,7 +184,7 @@ fn end(
     recorded?;
     let judged = driver.judge(plan)?;
     // The operator sees the verdict whether or not its documents could be written.
-    if arguments.json {
+    if json {
         out_json_text(&judged.json)?;
     } else {
         show::report(&judged.report)?;

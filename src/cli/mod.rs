@@ -7,6 +7,7 @@ mod evaluate;
 mod fly;
 mod folder;
 mod man;
+mod migrate;
 mod new;
 mod plan;
 mod print;
@@ -17,6 +18,7 @@ mod terrain;
 mod transfer;
 mod usage;
 mod vehicles;
+mod watch;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -52,6 +54,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Review(arguments) => review::run(arguments),
         Command::Upload(arguments) => transfer::upload::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
+        Command::Watch(arguments) => watch::run(arguments),
         Command::Replan(arguments) => replan::run(arguments),
         Command::Download(arguments) => transfer::download::run(arguments),
         Command::Convert(arguments) => convert::run(arguments),
@@ -59,6 +62,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Terrain(command) => terrain::run(command),
         Command::Evaluate(arguments) => evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
+        Command::Migrate(arguments) => migrate::run(arguments),
         Command::New(arguments) => new::run(arguments),
         Command::Man { folder } => man::run(folder),
         Command::Schema => out_text(&crate::spec::json_schema()),

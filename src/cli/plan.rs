@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::args;
 use super::folder;
 use super::folder::runs;
-use super::print::console::{Paint, out, out_json, out_lines};
+use super::print::console::{Paint, note, out, out_json, out_lines};
 use super::print::failure::Failure;
 use super::print::progress::Progress;
 use super::print::table;
@@ -23,7 +23,7 @@ use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::report::{infeasibilities, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
-use crate::verify::{Margin, Review, Topic};
+use crate::verify::{self, Margin, Review, Topic};
 use crate::world::{self, World};
 
 /// Vehicles that the table lists: of a larger fleet, those with the tightest margins.
@@ -82,6 +82,9 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         return Err(Failure::new(Failure::OUTPUT, message));
     }
     let world = world::load(&file)?;
+    for text in verify::distant_from_area(&file.spec, &[]) {
+        note(&format!("warning: {text}"));
+    }
     watch.split("read_s");
     let seed = arguments.seed.unwrap_or(file.spec.planner.seed);
     let dispatched = plan(&file, &world, seed);
@@ -256,7 +259,7 @@ fn print_fleet(
             shown.len()
         ))?;
     }
-    Ok(())
+    table::print_no_buffers(spec)
 }
 
 /// Whether the table of the fleet has a column for a topic.

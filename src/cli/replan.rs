@@ -11,7 +11,7 @@ use crate::flight::replan::{self, Decision, Outcomes, Replanner};
 use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
-use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
+use crate::spec::{Area, MissionSpec, THREAT_RADIUS_M, Threat};
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let mut plan = fly::read(&arguments.spec, arguments.dir.as_deref())?;
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     // Whatever comes of it: the flight is judged against the threat from now on.
     append(underway.as_ref(), &[Line::of_popup(&popup)])?;
     let supported = replan::refuse_unsupported(plan.spec()).map_err(Failure::from);
-    let led = supported.and_then(|()| links(&plan, arguments, &notice));
+    let led = supported.and_then(|()| upload::links_under_way(&plan, &arguments.link, &notice));
     let led = led.and_then(|links| {
         let replanner = Replanner::open(&plan, &links, &popups, &notice, threat_ms)
             .map_err(|failed| unreachable_link(&plan, &failed))?;
@@ -102,33 +102,6 @@ fn unreachable_link(plan: &FlightPlan, (link, error): &(String, std::io::Error))
 
 fn failed(message: impl Into<String>) -> Failure {
     Failure::new(Failure::TRANSFER, message)
-}
-
-/// The addresses of the vehicles: from the command line, else from the running `fly`, else from
-/// the spec.
-fn links(
-    plan: &FlightPlan,
-    arguments: &args::Replan,
-    notice: &Notice,
-) -> Result<Vec<(usize, Link)>, Failure> {
-    let given = upload::links(&plan.file, &arguments.link)?;
-    let mut links = Vec::new();
-    for (index, _) in &plan.missions {
-        let id = &plan.vehicle(*index).id;
-        let announced = notice.links.get(id).and_then(|link| Link::parse(link));
-        let is_given = given.iter().any(|(of, _)| of == index);
-        let link = match announced {
-            Some(link) if !is_given => link,
-            _ => upload::link_of(&plan.file, *index, &given).clone(),
-        };
-        if link == Link::Sim {
-            return Err(failed(format!(
-                "{id}: its simulated vehicle does not run (`sortie fly` starts it, or `sortie vehicles` with --link)"
-            )));
-        }
-        links.push((*index, link));
-    }
-    Ok(links)
 }
 
 /// `LAT,LON,RADIUS` as a threat with an id of its own.

@@ -4,14 +4,14 @@ use super::piece::{FORBIDDEN, Piece, plane};
 use super::relief::Relief;
 use super::{Margins, RouteEnds};
 use crate::geodesy::{Agl, Amsl, PlanPoint};
-use crate::numeric::geometry::{Point, Ring};
+use crate::numeric::geometry::{Offset, Point, Ring};
 use crate::spec::Placement;
 use crate::world::{PlanZone, World};
 
 /// A zone, widened by its margin.
 #[derive(Clone, Debug)]
 pub(crate) struct ClosedZone {
-    ring: Ring,
+    outline: Offset,
     /// Closed from this up.
     from: Placement,
     /// Closed below this.
@@ -38,8 +38,13 @@ impl ClosedZone {
             .iter()
             .map(|end| ring.boundary_distance(*end))
             .fold(f64::INFINITY, f64::min);
-        // A mitred corner reaches up to twice the margin.
-        let wider_m = margins.threat_m.min(0.5 * room_m).max(0.0);
+        let wider_m = |room_m: f64| margins.threat_m.min(room_m).max(0.0);
+        let outline = if zone.buffer_m > 0.0 {
+            Offset::new(ring, zone.buffer_m + wider_m(room_m - zone.buffer_m))
+        } else {
+            // A mitred corner reaches up to twice the margin.
+            Offset::new(ring.outset(wider_m(0.5 * room_m)), 0.0)
+        };
         let under_m = |end: PlanPoint| {
             let (floor_m, _) = zone.closed_m(world.ground.height_m(end.at));
             match zone.contains(end.at) {
@@ -51,7 +56,7 @@ impl ClosedZone {
         let lower_m = margins.clearance_m.min(under_m);
         let higher_m = zone.margin_over_m(margins.clearance_m, world.max_amsl);
         Self {
-            ring: ring.outset(wider_m),
+            outline,
             from: zone.floor.map_or(GROUND, |floor| raised(floor, -lower_m)),
             below: zone
                 .ceiling
@@ -66,7 +71,7 @@ impl ClosedZone {
         relief: &Relief,
         crossings: &mut Vec<(f64, i32)>,
     ) -> f64 {
-        if self.ring.is_far_from(piece.a, piece.b) {
+        if self.outline.is_far_from(piece.a, piece.b) {
             return 0.0;
         }
         let ends = (piece.a, piece.b);
@@ -75,7 +80,7 @@ impl ClosedZone {
             // No ground is needed.
             let closed = self.part_closed((amsl_a_m, 0.0), (amsl_b_m, 0.0));
             return closed.map_or(0.0, |closed| {
-                FORBIDDEN * self.ring.inside_fraction(ends, closed, crossings)
+                FORBIDDEN * self.outline.inside_fraction(ends, closed, crossings)
             });
         }
         let count = readings(piece, relief);
@@ -92,7 +97,7 @@ impl ClosedZone {
             if let Some((from, to)) = self.part_closed(before.1, next.1) {
                 let along = |part: f64| before.0 + part * (next.0 - before.0);
                 let closed = (along(from), along(to));
-                inside += self.ring.inside_fraction(ends, closed, crossings);
+                inside += self.outline.inside_fraction(ends, closed, crossings);
             }
             before = next;
         }
@@ -115,7 +120,7 @@ impl ClosedZone {
 
     /// Least and greatest coordinates.
     pub(crate) fn bounds(&self) -> (Point, Point) {
-        self.ring.bounds()
+        self.outline.bounds()
     }
 }
 

@@ -83,7 +83,7 @@ impl CostModel {
             objective: spec.planner.objective,
             weights: spec.planner.weights,
             hazards: Hazards::new((world, &relief), &ends, &margins),
-            traffic: Traffic::new(&spec.separation, &margins, earlier),
+            traffic: Traffic::new(&spec.buffered_separation(), &margins, earlier),
             timing: Timing::new(world, spec, vehicle, &ends),
             paper: Paper::new(PaperOptions::default(), &ends, earlier),
             per_turn_radius: 1.0 / (limits.turn_radius_m * (1.0 + margins.turn_fraction)),

@@ -48,7 +48,7 @@ impl Timing {
             speed_mps: way_speed_mps(vehicle, ends.from, ends.to),
             accel_mps2: vehicle.accel_mps2,
             after,
-            after_km: spec.separation.distance_m / 1000.0,
+            after_km: spec.buffered_separation().distance_m / 1000.0,
         }
     }
 

@@ -22,6 +22,7 @@ pub use document::{FlightDocument, flight_json};
 pub use error::FlightError;
 pub use launch::plan::{FlightPlan, refuse_shared_sysids};
 pub use page::flight_page;
+pub use record::interrupted::Interrupted;
 pub use record::journal::Journal;
 pub use record::lines::Line;
 pub use record::read::{Broken, SPEEDUP, read_record};

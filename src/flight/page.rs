@@ -5,7 +5,7 @@ use super::conformance::report::FlightReport;
 use super::record::{Flight, Record};
 use crate::mission::VehicleMission;
 use crate::report::{self, FlownError, FlownFacts, ReviewInput};
-use crate::spec::MissionSpec;
+use crate::spec::{Buffers, MissionSpec};
 use crate::verify::{Flown, Limit, Margin, Moment, Review, Track};
 use crate::world::{Disc, World};
 
@@ -26,8 +26,9 @@ pub fn flight_page(
         world.threats.push(Disc { center, radius_m });
         spec.threats.push(popup.threat.clone());
     }
-    // What was flown has no other departures.
+    // What was flown has no other departures, and is judged by the limits alone.
     spec.separation.time_slack_s = 0.0;
+    spec.buffers = Buffers::NONE;
     let ended = judged.vehicles.iter().filter(|v| !v.ended_as_planned);
     let ended = ended.map(|v| {
         let limit = Limit::Flown(Flown::End);

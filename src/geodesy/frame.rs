@@ -195,6 +195,9 @@ impl PlanPoint {
     }
 }
 
+/// Corners of the polygons about and in a circle.
+const CIRCLE_CORNERS: u32 = 72;
+
 impl LocalFrame {
     /// The frame tangent to the ellipsoid at `origin`.
     #[must_use]
@@ -245,17 +248,22 @@ impl LocalFrame {
     /// The polygon circumscribed about a circle around the origin, counter-clockwise.
     #[must_use]
     pub fn circumscribed(&self, radius_m: f64) -> Vec<LatLon> {
-        const CORNERS: u32 = 72;
-        let step_rad = std::f64::consts::TAU / f64::from(CORNERS);
-        let reach_m = radius_m / (0.5 * step_rad).cos();
+        let half_step_rad = std::f64::consts::PI / f64::from(CIRCLE_CORNERS);
+        self.inscribed(radius_m / half_step_rad.cos())
+    }
+
+    /// The polygon inscribed in a circle around the origin, counter-clockwise.
+    #[must_use]
+    pub fn inscribed(&self, radius_m: f64) -> Vec<LatLon> {
+        let step_rad = std::f64::consts::TAU / f64::from(CIRCLE_CORNERS);
         let corner = |corner: u32| {
             let (sin, cos) = (f64::from(corner) * step_rad).sin_cos();
             self.from_plan(EastNorth {
-                east_m: reach_m * cos,
-                north_m: reach_m * sin,
+                east_m: radius_m * cos,
+                north_m: radius_m * sin,
             })
         };
-        (0..CORNERS).map(corner).collect()
+        (0..CIRCLE_CORNERS).map(corner).collect()
     }
 
     /// The polygon of these corners in planning coordinates (x east, y north, metres).

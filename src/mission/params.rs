@@ -15,13 +15,14 @@ pub fn turn_radius_m(vehicle: &Vehicle) -> f64 {
     VehicleLimits::of(vehicle).turn_radius_m
 }
 
-/// The parameters for one vehicle, by the altitude of its home above the sea (metres).
+/// The parameters for one vehicle, by the altitude of its home above the sea (metres). With a fence
+/// there is its margin, metres: 0 where the plan keeps none.
 #[must_use]
 pub fn parameters(
     vehicle: &Vehicle,
     options: &MissionOptions,
     home_amsl_m: f64,
-    has_fence: bool,
+    fence_margin_m: Option<f64>,
 ) -> Vec<Parameter> {
     let mut list = List {
         vehicle,
@@ -33,8 +34,8 @@ pub fn parameters(
         (Autopilot::ArduPilot, Some(wing)) => list.arduplane(&wing),
         (Autopilot::Px4, Some(wing)) => list.px4_wing(&wing, options),
     }
-    if has_fence {
-        list.fence();
+    if let Some(margin_m) = fence_margin_m {
+        list.fence(margin_m);
     }
     list.parameters
 }
@@ -86,6 +87,9 @@ const ANY_HEIGHT_M: f64 = 200.0;
 
 /// PX4's steepest glide, degrees; it rejects a landing on a steeper one.
 pub(super) const STEEPEST_GLIDE: &str = "FW_LND_ANG";
+
+/// The upper end of the range that ArduPilot documents for `FENCE_MARGIN`, metres.
+const WIDEST_FENCE_MARGIN_M: f64 = 10.0;
 
 /// How far a corner may be cut: the tolerance, within the range of both autopilots, metres.
 /// `WPNAV_RADIUS` and `NAV_ACC_RAD` are set to it.
@@ -302,7 +306,7 @@ impl List<'_> {
     }
 
     /// The fence reports or stops the vehicle: a return would fly a leg nobody judged.
-    fn fence(&mut self) {
+    fn fence(&mut self, margin_m: f64) {
         let returns = "a return would fly a leg nobody judged";
         if self.vehicle.autopilot == Autopilot::Px4 {
             self.set("GF_ACTION", 2.0, &format!("hold at the fence: {returns}"));
@@ -319,6 +323,13 @@ impl List<'_> {
             "polygons and circles; altitudes are judged beforehand",
         );
         self.set("FENCE_ACTION", action, &format!("{does}: {returns}"));
+        if margin_m > 0.0 {
+            self.set(
+                "FENCE_MARGIN",
+                margin_m.min(WIDEST_FENCE_MARGIN_M),
+                "distance that the plan keeps from the fence, m: buffer_m, at most what the parameter holds",
+            );
+        }
     }
 
     /// Bank at which the planned load factor is reached, degrees.

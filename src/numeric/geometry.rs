@@ -1,5 +1,9 @@
 //! Geometry in the plane: segments, discs, polygons. Points are `[x, y]`.
 
+mod offset;
+
+pub use offset::Offset;
+
 /// A point of the plane.
 pub type Point = [f64; 2];
 
@@ -254,6 +258,15 @@ impl Ring {
             return if self.contains(a) { to - from } else { 0.0 };
         }
         crossings.clear();
+        self.cross_line((a, b), crossings);
+        Self::positive_fraction((from, to), crossings)
+    }
+
+    /// Adds where the line through `a` and `b` crosses the boundary, as fractions of the way
+    /// from `a`, and by how much the winding number grows there.
+    fn cross_line(&self, (a, b): (Point, Point), crossings: &mut Vec<(f64, i32)>) {
+        let along = minus(b, a);
+        let square = dot(along, along);
         for (p, q) in self.edges() {
             let (side_p, side_q) = (cross(along, minus(p, a)), cross(along, minus(q, a)));
             if (side_p >= 0.0) == (side_q >= 0.0) {
@@ -265,6 +278,10 @@ impl Ring {
             let turn = if side_p >= 0.0 { 1 } else { -1 };
             crossings.push((dot(minus(at, a), along) / square, turn));
         }
+    }
+
+    /// How much between two fractions has a positive sum of the turns before it.
+    fn positive_fraction((from, to): (f64, f64), crossings: &mut [(f64, i32)]) -> f64 {
         crossings.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
         let (mut inside, mut winding, mut entered) = (0.0, 0, 0.0);
         for &(at, turn) in crossings.iter() {
@@ -279,6 +296,53 @@ impl Ring {
         inside
     }
 
+    /// The polygon with every edge moved inward by `distance`; `None` where nothing is left of a
+    /// convex one, or where so much is cut off that edges vanish.
+    #[must_use]
+    pub fn inset(&self, distance: f64) -> Option<Self> {
+        if distance <= 0.0 {
+            return Some(self.clone());
+        }
+        let inner = Self {
+            corners: self.mitred(-distance),
+            ..self.clone()
+        };
+        let inner_edges = inner.edges();
+        let keeps_course = |((a, b), (p, q)): ((Point, Point), (Point, Point))| {
+            dot(minus(b, a), minus(q, p)) > 0.0
+        };
+        let is_whole = self.edges().zip(inner_edges).all(keeps_course);
+        is_whole.then(|| Self::new(&inner.corners))
+    }
+
+    /// The corners with every edge moved outward by `distance` (inward if negative): none of
+    /// them may turn back.
+    fn mitred(&self, distance: f64) -> Vec<Point> {
+        let normals = self.normals();
+        let before = normals.iter().cycle().skip(normals.len().saturating_sub(1));
+        let pairs = before.zip(&normals).zip(&self.corners);
+        pairs
+            .map(|((into, out), corner)| {
+                let by = distance / (1.0 + dot(*into, *out));
+                [
+                    corner[0] + by * (into[0] + out[0]),
+                    corner[1] + by * (into[1] + out[1]),
+                ]
+            })
+            .collect()
+    }
+
+    /// The outward unit normals of the edges.
+    fn normals(&self) -> Vec<Point> {
+        self.edges()
+            .map(|(a, b)| {
+                let along = minus(b, a);
+                let length = dot(along, along).sqrt();
+                [along[1] / length, -along[0] / length]
+            })
+            .collect()
+    }
+
     /// The polygon with every edge moved outward by `distance`, corners mitred
     /// to at most twice that. Where the moved edges cross, the winding number
     /// of what is turned inside out is not positive, so it does not count as inside.
@@ -287,14 +351,7 @@ impl Ring {
         if distance <= 0.0 || self.corners.len() < 3 {
             return self.clone();
         }
-        let normals: Vec<Point> = self
-            .edges()
-            .map(|(a, b)| {
-                let along = minus(b, a);
-                let length = dot(along, along).sqrt();
-                [along[1] / length, -along[0] / length]
-            })
-            .collect();
+        let normals = self.normals();
         let before = normals.iter().cycle().skip(normals.len() - 1);
         let mut moved = Vec::with_capacity(2 * self.corners.len());
         for ((corner, into), out) in self.corners.iter().zip(before).zip(&normals) {
@@ -333,10 +390,10 @@ mod tests {
     use super::{Point, Ring, disc_chord, point_segment_distance, turn_angle};
     use proptest::prelude::*;
 
-    const STEPS: u32 = 4000;
+    pub(super) const STEPS: u32 = 4000;
 
     /// Midpoints of many equal parts of a segment.
-    fn along(a: Point, b: Point) -> impl Iterator<Item = Point> {
+    pub(super) fn along(a: Point, b: Point) -> impl Iterator<Item = Point> {
         (0..STEPS).map(move |i| {
             let share = (f64::from(i) + 0.5) / f64::from(STEPS);
             [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])]
@@ -347,16 +404,16 @@ mod tests {
         (a[0] - b[0]).hypot(a[1] - b[1])
     }
 
-    fn share(count: usize) -> f64 {
+    pub(super) fn share(count: usize) -> f64 {
         f64::from(u32::try_from(count).unwrap()) / f64::from(STEPS)
     }
 
-    fn point() -> impl Strategy<Value = Point> {
+    pub(super) fn point() -> impl Strategy<Value = Point> {
         [-10.0..10.0_f64, -10.0..10.0_f64]
     }
 
     /// A star-shaped polygon around the origin: simple, mostly concave.
-    fn star() -> impl Strategy<Value = Vec<Point>> {
+    pub(super) fn star() -> impl Strategy<Value = Vec<Point>> {
         prop::collection::vec(2.0..9.0_f64, 3..12).prop_map(|reaches| {
             let count = f64::from(u32::try_from(reaches.len()).unwrap());
             (0_u32..)
@@ -415,6 +472,17 @@ mod tests {
                 prop_assert!(near < 2.001 * distance, "{p:?} is {near} away");
             }
         }
+    }
+
+    #[test]
+    fn an_inset_square_keeps_the_distance_and_a_small_one_has_none() {
+        let square = Ring::new(&[[0.0, 0.0], [8.0, 0.0], [8.0, 3.0], [8.0, 6.0], [0.0, 6.0]]);
+        let inset = square.inset(1.0).expect("large enough");
+        assert_eq!(inset.bounds(), ([1.0, 1.0], [7.0, 5.0]));
+        for corner in inset.corners() {
+            assert!((square.boundary_distance(*corner) - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(square.inset(3.1), None);
     }
 
     #[test]

@@ -1,6 +1,9 @@
 //! Text from outside of the program, made safe to show on one line.
 
 use std::borrow::Cow;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
 
 /// Whether a character moves the cursor, changes the direction of reading or cannot be
 /// seen: controls (C0, DEL, C1), line separators, bidirectional marks and overrides
@@ -39,6 +42,29 @@ pub fn escaped_except(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> 
         }
     }
     Cow::Owned(safe)
+}
+
+/// Opens a regular file to read it. A pipe would be waited for as long as nobody writes to it.
+///
+/// # Errors
+/// It is something else than a regular file, or it cannot be opened.
+pub fn open_regular(path: &Path) -> io::Result<File> {
+    let data = std::fs::metadata(path)?;
+    if !data.is_file() && !data.is_dir() {
+        let what = "it is a pipe, a socket or a device (allowed: a regular file)";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+    }
+    File::open(path)
+}
+
+/// Reads a regular file as text.
+///
+/// # Errors
+/// As [`open_regular`]; also a file that is not UTF-8.
+pub fn read_regular(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    open_regular(path)?.read_to_string(&mut text)?;
+    Ok(text)
 }
 
 #[cfg(test)]

@@ -153,6 +153,9 @@ pub struct MarginEntry {
     pub value: Option<f64>,
     /// The limit of the value.
     pub limit: Option<f64>,
+    /// What of the limit is the buffer of the spec; absent where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buffer: Option<f64>,
     /// Unit of both.
     pub unit: &'static str,
     /// Where and when, or null.
@@ -348,6 +351,7 @@ fn margin_entry(margin: &Margin) -> MarginEntry {
         what: margin.limit.to_string(),
         value: rounded_against(margin.value, margin.bound),
         limit: rounded(margin.bound, 1e9),
+        buffer: finite(margin.buffer).filter(|buffer| *buffer > 0.0),
         unit: margin.unit,
         at: margin.at.as_ref().map(place),
         ok: margin.ok,

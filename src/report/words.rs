@@ -256,6 +256,7 @@ mod tests {
             limit,
             value,
             bound,
+            buffer: 0.0,
             sense: if (value >= bound) == ok {
                 Sense::AtLeast
             } else {

@@ -1,9 +1,9 @@
 //! A spec file: read, parsed and checked, with its text for messages and copies.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::airspace::{self, AttachedFile, Survey};
 use super::check;
 use super::keys;
 use super::positions::Positions;
@@ -11,6 +11,7 @@ use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::digits;
+use crate::numeric::text::open_regular;
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
 const MAX_BYTES: u64 = 8 << 20;
@@ -26,6 +27,10 @@ pub struct SpecFile {
     pub path: PathBuf,
     /// The table of vehicles that it names, if any.
     pub table: Option<TableFile>,
+    /// The files of airspace and obstacles that it names.
+    pub attached: Vec<AttachedFile>,
+    /// What became of the shapes of each of them.
+    pub surveys: Vec<Survey>,
     sources: ValueSources,
 }
 
@@ -81,15 +86,50 @@ impl SpecFile {
         let csv = keys.fleet.as_ref().and_then(|fleet| fleet.csv.as_deref());
         let table = csv.map(|name| read_table(path, name, &positions));
         let (file, table) = table.transpose().map_err(all)?.unzip();
-        let (spec, sources) =
-            check::check(keys, positions, table.unwrap_or_default()).map_err(all)?;
+        let attached = airspace::read(path, &keys, &positions).map_err(all)?;
+        let (checked, sources) =
+            check::check(keys, positions, table.unwrap_or_default(), &attached).map_err(all)?;
         Ok(Self {
-            spec,
+            spec: checked.spec,
             text,
             path: path.to_owned(),
             table: file,
+            attached,
+            surveys: checked.surveys,
             sources,
         })
+    }
+
+    /// The text of a spec of version 1 with 2 in place of its version; all else stays.
+    ///
+    /// # Errors
+    /// A version that is not written as the digit 1 where it stands, such as an alias.
+    pub fn in_version_2(&self) -> Result<String, SpecError> {
+        let unclear = || {
+            let found = "a version that is not written as 1 here".to_owned();
+            self.error(vec![self.issue("sortie", found, "sortie: 1".to_owned())])
+        };
+        let place = self.issue("sortie", String::new(), String::new());
+        let at = place.position.and_then(|(line, column)| {
+            // Positions are those of the text after a byte order mark.
+            let yaml = self.text.strip_prefix('\u{feff}').unwrap_or(&self.text);
+            let mark = self.text.len() - yaml.len();
+            let before = yaml
+                .split_inclusive('\n')
+                .take(line - 1)
+                .map(str::len)
+                .sum::<usize>();
+            let (within, _) = yaml.get(before..)?.char_indices().nth(column - 1)?;
+            Some(mark + before + within)
+        });
+        let at = at.ok_or_else(unclear)?;
+        let (head, tail) = self.text.split_at_checked(at).ok_or_else(unclear)?;
+        let rest = tail.strip_prefix('1').ok_or_else(unclear)?;
+        let ends = |next: char| next.is_whitespace() || ",}#".contains(next);
+        match rest.chars().next().is_none_or(ends) {
+            true => Ok(format!("{head}2{rest}")),
+            false => Err(unclear()),
+        }
     }
 
     /// A problem at a path of this file, with its line and column.
@@ -167,7 +207,7 @@ pub(super) fn read_text(path: &Path) -> Result<String, SpecError> {
         }],
     };
     let mut bytes = Vec::new();
-    File::open(path)
+    open_regular(path)
         .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
         .map_err(|error| whole(format!("cannot be read: {error}"), ""))?;
     if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {

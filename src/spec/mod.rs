@@ -38,12 +38,13 @@ mod vehicle;
 mod wind;
 
 pub use crate::autopilot::{Airframe, Autopilot};
-pub use airspace::Zone;
+pub use airspace::{AttachedFile, Survey, Zone};
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
+pub(crate) use model::BufferedLimit;
 pub use model::{
-    Algorithm, AltitudeReference, Area, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
+    Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
     MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,
     THREAT_RADIUS_M, TerrainSource, Threat, Weights,
 };

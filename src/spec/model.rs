@@ -1,5 +1,10 @@
 //! The checked spec. A [`MissionSpec`] holds values that passed every check without the ground.
 
+mod buffers;
+
+pub(crate) use buffers::BufferedLimit;
+pub use buffers::Buffers;
+
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -17,6 +22,8 @@ use super::wind::Wind;
 /// [`MissionSpec::frame`] takes them to planning coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MissionSpec {
+    /// Version of the format: 1, which has no buffers, or 2.
+    pub version: u32,
     /// Name of the mission, and of its output folder.
     pub name: String,
     /// The local frame at `origin` (default: the middle of the area).
@@ -33,8 +40,10 @@ pub struct MissionSpec {
     pub rally: Vec<Rally>,
     /// The fleet, in order of priority.
     pub vehicles: Vec<Vehicle>,
-    /// How far apart vehicles must stay.
+    /// How far apart vehicles must stay; [`MissionSpec::buffered_separation`] has the buffer.
     pub separation: Separation,
+    /// What a plan keeps beyond threats, zones, area, ground, ceiling and separation.
+    pub buffers: Buffers,
     /// How paths are searched.
     pub planner: Planner,
     /// How paths become mission items.
@@ -43,6 +52,40 @@ pub struct MissionSpec {
     pub wind: Option<Wind>,
     /// What the fleet does when the link to one vehicle is lost.
     pub on_link_loss: OnLinkLoss,
+}
+
+impl MissionSpec {
+    /// The separation that a plan satisfies: the limit and its buffer.
+    #[must_use]
+    pub fn buffered_separation(&self) -> Separation {
+        let buffer_m = self.buffers.separation_m;
+        Separation {
+            distance_m: self.separation.distance_m + buffer_m,
+            vertical_m: self.separation.vertical_m.map(|limit_m| limit_m + buffer_m),
+            ..self.separation
+        }
+    }
+
+    /// The least distance that a plan keeps from what a fence encloses: its margin, metres.
+    #[must_use]
+    pub fn fence_margin_m(&self) -> f64 {
+        let buffers = &self.buffers;
+        let of_threats = (!self.threats.is_empty()).then_some(buffers.threats_m);
+        let of_zones = (!self.no_fly.is_empty()).then_some(buffers.zones_m);
+        let others = of_threats.into_iter().chain(of_zones);
+        others.fold(buffers.area_m, f64::min)
+    }
+
+    /// Why the plan has no buffers, for the tables; `None` where a limit has one.
+    #[must_use]
+    pub fn why_no_buffers(&self) -> Option<&'static str> {
+        match (self.buffers.is_none(), self.version, self.planner.objective) {
+            (false, ..) => None,
+            (true, 1, _) => Some("no buffers: sortie: 1"),
+            (true, _, Objective::Paper) => Some("no buffers: planner.objective: paper"),
+            (true, _, Objective::Operational) => Some("no buffers: buffer_m: {all: 0}"),
+        }
+    }
 }
 
 /// The allowed box of latitude, longitude and altitude.

@@ -11,7 +11,7 @@ use crate::numeric::bspline::uniform_parameters;
 use crate::path::{Flight, time_route};
 use crate::spec::AltitudeReference;
 use crate::spec::{
-    Airframe, Area, Autopilot, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
+    Airframe, Area, Autopilot, Buffers, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
     OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
 };
 use crate::world::{Departure, Disc, Ground, Stations, Terrain, World};
@@ -215,6 +215,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
 
 fn mission(scenario: &Scenario, frame: &LocalFrame) -> MissionSpec {
     MissionSpec {
+        version: 1,
         name: scenario.name.clone(),
         frame: *frame,
         area: Area {
@@ -238,6 +239,7 @@ fn mission(scenario: &Scenario, frame: &LocalFrame) -> MissionSpec {
             time_slack_s: 0.0,
             vertical_m: None,
         },
+        buffers: Buffers::NONE,
         planner: scenario.planner.clone(),
         mission: MissionOptions {
             altitude: AltitudeReference::Amsl,

@@ -16,6 +16,7 @@
 //!    `src/verify/mod.rs`.
 //! 4. Read its key in `src/spec/`, and let planning respect it by a term in `src/cost/`.
 
+use crate::spec::Buffers;
 use std::fmt;
 use std::mem::discriminant;
 
@@ -29,6 +30,8 @@ pub enum Limit {
     TakeoffLandingClearance,
     /// Height above the ground in the column of a vertical takeoff or landing.
     GroundContact,
+    /// Least altitude above home on the route, where the ground is not known.
+    AboveHome,
     /// Greatest altitude.
     Ceiling,
     /// Distance to the threat with this id.
@@ -87,6 +90,8 @@ pub enum Limit {
     LoiterRadius,
     /// Whether the wind of the spec is the one that the model of a wing has.
     Wind,
+    /// Within how far of a waypoint a copter may cut the corner, against the margin of its fence.
+    FenceMargin,
     /// Acceptance radius of waypoints on PX4.
     AcceptanceRadius,
     /// Whether the autopilot accepts and understands the mission.
@@ -228,6 +233,21 @@ impl Limit {
         self.class().2
     }
 
+    /// What of its bound, in `unit`, is a buffer.
+    pub(crate) fn buffer_of(&self, buffers: &Buffers, unit: &str) -> f64 {
+        match self {
+            Self::Threat(_) => buffers.threats_m,
+            Self::Zone(_) => buffers.zones_m,
+            Self::Area | Self::RallyArea(_) => buffers.area_m,
+            Self::TerrainClearance | Self::RallyClearance(_) => buffers.terrain_m,
+            Self::Ceiling => buffers.ceiling_m,
+            // In seconds where two are never in the air together.
+            Self::Separation if unit == "m" => buffers.separation_m,
+            // A rally point has that of the nearest obstacle already.
+            _ => 0.0,
+        }
+    }
+
     /// Whether two limits differ in their ids at most.
     #[must_use]
     pub fn is_like(&self, other: &Self) -> bool {
@@ -271,11 +291,13 @@ impl Limit {
             | Self::TakeoffHeading
             | Self::LoiterRadius
             | Self::ItemCount
+            | Self::FenceMargin
             | Self::FenceComplete
             | Self::RallyArea(_) => (Other, None, Basis::Spec),
             Self::TakeoffLandingClearance
             | Self::LandingHeading
             | Self::GlideAngle
+            | Self::AboveHome
             | Self::HomeFence
             | Self::Wind
             | Self::AcceptanceRadius
@@ -306,11 +328,13 @@ impl fmt::Display for Limit {
             Self::TerrainClearance => "terrain clearance",
             Self::TakeoffLandingClearance => "takeoff and landing clearance",
             Self::GroundContact => "ground contact",
+            Self::AboveHome => "altitude above home",
             Self::Ceiling => "ceiling",
             Self::Separation => "separation",
             Self::Area => "area",
             Self::Fence => "fence",
             Self::FenceComplete => "fence complete",
+            Self::FenceMargin => "waypoint radius in the fence margin",
             Self::HomePosition => "home position",
             Self::HomeAltitude => "home altitude",
             Self::HomeFence => "home in the fence",

@@ -132,6 +132,13 @@
 //! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
 //! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. `src/path/lateness.rs` says what was measured.
 //!
+//! **Buffers.** A spec of version 2 has a buffer to each limit in space. The verdict adds it: to the
+//! distance from threats, zones (over one with a height as much altitude) and the edge of the area,
+//! to the least height above ground, to the separation, and takes it off the ceiling. Takeoff and
+//! landing have no buffer to the ground, and the fence of the mission none besides that of what it
+//! encloses. Where vehicles keep a buffer, no copter may cut corners further (`WPNAV_RADIUS`,
+//! `NAV_ACC_RAD`) than the margin of its fence, `FENCE_MARGIN` or else the buffer.
+//!
 //! **Margins.** Clearance is taken along whole legs as far as their corners, and along
 //! the arcs, the columns of takeoff and landing aside; threats everywhere, as the
 //! horizontal distance to the axis less the radius. Separation is the distance, by
@@ -148,6 +155,7 @@ mod measure;
 mod review;
 
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
+pub use limits::distant::{distant_from_area, distant_from_home};
 pub use review::review;
 
 use crate::geodesy::{Amsl, LatLon};
@@ -177,6 +185,8 @@ pub struct Margin {
     pub value: f64,
     /// What the value must be at least or at most; NaN where the limit has no such value.
     pub bound: f64,
+    /// What of `bound` is the buffer of the spec, in the same unit; 0 where the limit has none.
+    pub buffer: f64,
     /// Which side of the limit is good.
     pub sense: Sense,
     /// Unit of both, such as `m`, `deg`, `items`.
@@ -281,6 +291,7 @@ impl Requirement {
             limit: self.limit,
             value,
             bound: self.bound,
+            buffer: 0.0,
             sense: self.sense,
             unit: self.unit,
             at,

@@ -41,6 +41,7 @@ struct Sortie<'a> {
 #[must_use]
 pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMission)]) -> Review {
     let mut margins = roll_call(spec, missions);
+    let separation = spec.buffered_separation();
     let mut sorties: Vec<Sortie<'_>> = missions
         .par_iter()
         .filter_map(|&(index, mission)| {
@@ -61,7 +62,7 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         // Long enough that every shift still meets it.
         sortie
             .flight
-            .stay_until(last_s + spec.separation.time_slack_s + late_s + 1.0);
+            .stay_until(last_s + separation.time_slack_s + late_s + 1.0);
     }
     let space = Space::new(spec, world);
     let own: Vec<Vec<Margin>> = sorties
@@ -74,11 +75,10 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         .filter(|sortie| !sortie.flight.chords.is_empty())
         .map(|sortie| Timeline::new(sortie.vehicle, &sortie.flight.chords))
         .collect();
-    margins.extend(separation::margins(
-        &timelines,
-        &spec.separation,
-        &world.frame,
-    ));
+    margins.extend(separation::margins(&timelines, &separation, &world.frame));
+    for margin in &mut margins {
+        margin.buffer += margin.limit.buffer_of(&spec.buffers, margin.unit);
+    }
     Review {
         margins,
         tracks: sorties.iter().map(|sortie| sortie.track(world)).collect(),
@@ -410,7 +410,10 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
         world,
     ));
     list.extend(assumptions::rally_limit(furthest_rally_m(sorties)));
-    list.extend(separation::assumption(sorties.len(), &spec.separation));
+    list.extend(separation::assumption(
+        sorties.len(),
+        &spec.buffered_separation(),
+    ));
     list
 }
 

@@ -6,8 +6,10 @@ use super::{Bounds, NoData, PlanZone, Terrain, TerrainError, World};
 use super::{read_terrain, terrain_files};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::numeric::digits;
+use crate::numeric::geometry::Ring;
 use crate::spec::{
-    EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle, Zone,
+    BufferedLimit, EndPoint, Finish, Issue, Placement, SpecError, SpecFile, TerrainSource, Vehicle,
+    Zone,
 };
 
 /// The world of a spec file. Its terrain is read from a path relative to the spec.
@@ -82,6 +84,14 @@ pub fn files(file: &SpecFile) -> Result<Vec<PathBuf>, TerrainError> {
 /// Tolerance of legs by default, metres.
 const USUAL_TOLERANCE_M: f64 = 5.0;
 
+/// That a buffer is part of a distance, if there is one.
+fn within(buffer_m: f64) -> String {
+    match buffer_m > 0.0 {
+        true => format!(" with its buffer of {} m", digits::plain(buffer_m)),
+        false => String::new(),
+    }
+}
+
 struct Check<'a> {
     file: &'a SpecFile,
     terrain: &'a Terrain,
@@ -123,14 +133,16 @@ impl Check<'_> {
             self.zones(&goal, "landing", vehicle.goal.place, ground);
         }
         self.approach(&format!("{path}.landing"), vehicle);
-        let ceiling = self.file.spec.area.max_amsl;
-        if let Some(amsl) = vehicle.return_amsl.filter(|amsl| *amsl > ceiling) {
-            let found = format!("{} m, above the ceiling", digits::plain(amsl.0));
-            self.report(
-                &format!("{path}.return_amsl_m"),
-                found,
-                format!("at most {} m", ceiling.0),
-            );
+        let ceiling = self.ceiling();
+        if let Some(amsl) = vehicle.return_amsl {
+            let path = format!("{path}.return_amsl_m");
+            if amsl.0 > ceiling.limit_m {
+                let found = format!("{} m, above the ceiling", digits::plain(amsl.0));
+                self.report(&path, found, format!("at most {} m", ceiling.limit_m));
+            } else if amsl.0 > ceiling.buffered_m {
+                let found = format!("{} m", digits::plain(amsl.0));
+                self.report(&path, found, ceiling.allowed(amsl.0));
+            }
         }
     }
 
@@ -138,12 +150,13 @@ impl Check<'_> {
     /// cut corners, and must stay under the ceiling.
     fn tolerance(&mut self, vehicle: &Vehicle) {
         let path = "mission.tolerance_m";
-        let (area, tolerance_m) = (self.file.spec.area, self.file.spec.mission.tolerance_m);
+        let tolerance_m = self.file.spec.mission.tolerance_m;
         // Without ground there that is reported already.
         let Ok(ground) = self.terrain.height(vehicle.start.place) else {
             return;
         };
-        let layer_m = area.max_amsl.above_ground(ground).0 - area.min_agl.0;
+        let layer_m =
+            Amsl(self.ceiling().buffered_m).above_ground(ground).0 - self.least_agl().buffered_m;
         // A narrow layer may be meant, a wide tolerance in it not. Reported once for the fleet.
         let is_wide = tolerance_m > USUAL_TOLERANCE_M && tolerance_m > layer_m;
         if !is_wide || self.issues.iter().any(|issue| issue.path == path) {
@@ -190,6 +203,11 @@ impl Check<'_> {
                 found,
                 format!("at least {} m (area.min_agl_m)", area.min_agl.0),
             );
+        } else if agl_m < self.least_agl().buffered_m {
+            let least = self.least_agl();
+            let above_m = digits::distinct_from(agl_m, least.buffered_m, 1);
+            let found = format!("{what} is {above_m} m above {over}");
+            self.report(path, found, least.allowed(agl_m));
         }
         if amsl > area.max_amsl {
             let at_m = digits::distinct_from(amsl.0, area.max_amsl.0, 1);
@@ -199,8 +217,35 @@ impl Check<'_> {
                 found,
                 format!("at most {} m (area.max_amsl_m)", area.max_amsl.0),
             );
+        } else if amsl.0 > self.ceiling().buffered_m {
+            let ceiling = self.ceiling();
+            let at_m = digits::distinct_from(amsl.0, ceiling.buffered_m, 1);
+            let found = format!("{what} is at {at_m} m, over {over}");
+            self.report(path, found, ceiling.allowed(amsl.0));
         }
         self.zones(path, what, end.place, amsl);
+    }
+
+    /// The least height over ground, with its buffer.
+    fn least_agl(&self) -> BufferedLimit<'static> {
+        let spec = &self.file.spec;
+        BufferedLimit {
+            key: "terrain",
+            of: "area.min_agl_m",
+            limit_m: spec.area.min_agl.0,
+            buffered_m: spec.area.min_agl.0 + spec.buffers.terrain_m,
+        }
+    }
+
+    /// The ceiling, with its buffer.
+    fn ceiling(&self) -> BufferedLimit<'static> {
+        let spec = &self.file.spec;
+        BufferedLimit {
+            key: "ceiling",
+            of: "area.max_amsl_m",
+            limit_m: spec.area.max_amsl.0,
+            buffered_m: spec.area.max_amsl.0 - spec.buffers.ceiling_m,
+        }
     }
 
     /// The planned path of a wing ends at the beginning of its approach. Glide, height and radius
@@ -229,18 +274,28 @@ impl Check<'_> {
         let away_m = gate.at.distance_m(over.at);
         let what = format!("the approach, which begins {away_m:.0} m before the touchdown,");
         let place = spec.frame.from_plan(gate.at);
-        if !super::covers(&spec.frame.outline(&spec.area.outline()), gate.at) {
-            let found = format!("{what} begins outside the area");
-            let allowed = "inside: by heading_deg, glide_deg, loiter_radius_m or the height";
-            return self.report(path, found, allowed.to_owned());
+        let outline = spec.frame.outline(&spec.area.outline());
+        let edge_m = Ring::around(&outline).boundary_distance(super::point(gate.at));
+        let by = "heading_deg, glide_deg, loiter_radius_m or the height";
+        if !super::covers(&outline, gate.at) || edge_m < spec.buffers.area_m {
+            let found = format!(
+                "{what} begins outside the area{}",
+                within(spec.buffers.area_m)
+            );
+            return self.report(path, found, format!("inside: by {by}"));
         }
-        let threat = spec
-            .threats
-            .iter()
-            .find(|threat| spec.frame.to_plan(threat.place).distance_m(gate.at) <= threat.radius_m);
+        let buffer_m = spec.buffers.threats_m;
+        let threat = spec.threats.iter().find(|threat| {
+            let away_m = spec.frame.to_plan(threat.place).distance_m(gate.at);
+            away_m <= threat.radius_m || away_m < threat.radius_m + buffer_m
+        });
         if let Some(threat) = threat {
-            let found = format!("{what} begins inside threat `{}`", threat.id);
-            self.report(path, found, "outside".to_owned());
+            let found = format!(
+                "{what} begins inside threat `{}`{}",
+                threat.id,
+                within(buffer_m)
+            );
+            self.report(path, found, format!("outside: by {by}"));
         }
         let end = EndPoint {
             place,
@@ -250,19 +305,20 @@ impl Check<'_> {
     }
 
     fn rally(&mut self, path: &str, place: LatLon, agl_m: f64) {
-        let ceiling = self.file.spec.area.max_amsl;
+        let ceiling = self.ceiling();
         let Some(ground) = self.ground(path, place) else {
             return;
         };
         let amsl = Amsl(ground.0 + agl_m);
-        if amsl > ceiling {
-            let at_m = digits::distinct_from(amsl.0, ceiling.0, 1);
+        if amsl.0 > ceiling.limit_m {
+            let at_m = digits::distinct_from(amsl.0, ceiling.limit_m, 1);
             let found = format!("the rally point is at {at_m} m");
-            self.report(
-                path,
-                found,
-                format!("at most {} m (area.max_amsl_m)", ceiling.0),
-            );
+            let allowed = format!("at most {} m (area.max_amsl_m)", ceiling.limit_m);
+            self.report(path, found, allowed);
+        } else if amsl.0 > ceiling.buffered_m {
+            let at_m = digits::distinct_from(amsl.0, ceiling.buffered_m, 1);
+            let found = format!("the rally point is at {at_m} m");
+            self.report(path, found, ceiling.allowed(amsl.0));
         }
         self.zones(path, "the rally point", place, amsl);
     }
@@ -292,8 +348,49 @@ impl Check<'_> {
                 )
             })
             .collect();
+        if closed.is_empty() {
+            self.near_zones(path, what, PlanPoint { at, amsl }, ground_m);
+        }
         for found in closed {
             self.report(path, found, "outside, above or below".to_owned());
+        }
+    }
+
+    /// Zones with a height from which a point is away by less than the buffer, in the plane and
+    /// in height.
+    fn near_zones(&mut self, path: &str, what: &str, point: PlanPoint, ground_m: f64) {
+        let spec = &self.file.spec;
+        let always = spec.no_fly.iter().filter(|zone| zone.active_s.is_none());
+        let with_height = always.filter(|zone| zone.floor.is_some() || zone.ceiling.is_some());
+        let near = with_height.filter_map(|zone| {
+            let buffer_m = spec.buffers.zones_m.max(zone.buffer_m);
+            let outline = spec.frame.outline(&zone.outline());
+            let away_m = match super::covers(&outline, point.at) {
+                true => 0.0,
+                false => Ring::around(&outline).boundary_distance(super::point(point.at)),
+            };
+            let (from_m, below_m) = PlanZone::new(outline, zone, 0.0).closed_m(ground_m);
+            let past_m = (from_m - point.amsl.0).max(point.amsl.0 - below_m);
+            // Either is enough.
+            let value_m = away_m.max(past_m);
+            let limit = BufferedLimit {
+                key: "zones",
+                of: "its outline or height",
+                limit_m: 0.0,
+                buffered_m: buffer_m,
+            };
+            (value_m < buffer_m).then(|| {
+                let value = digits::distinct_from(value_m, buffer_m, 1);
+                let found = format!(
+                    "{what} is {value} m from no-fly zone `{}`, closed {zone}",
+                    zone.id
+                );
+                (found, limit.allowed(value_m))
+            })
+        });
+        let near: Vec<(String, String)> = near.collect();
+        for (found, allowed) in near {
+            self.report(path, found, allowed);
         }
     }
 
@@ -310,13 +407,14 @@ impl Check<'_> {
                 Some((index, goal.ok()?))
             })
             .collect();
-        let limit = spec.separation;
+        let limit = spec.buffered_separation();
         let allowed = match limit.vertical_m {
             Some(vertical_m) => {
                 format!("{} m across or {vertical_m} m in height", limit.distance_m)
             }
             None => format!("at least {} m", limit.distance_m),
         };
+        let allowed = format!("{allowed}{}", within(spec.buffers.separation_m));
         for (position, (later, place)) in stays.iter().enumerate() {
             for (earlier, other) in &stays[..position] {
                 let radius_m = |index: usize| {

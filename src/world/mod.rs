@@ -23,6 +23,7 @@ use std::sync::Arc;
 use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
+use crate::numeric::geometry::Ring;
 use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
@@ -30,7 +31,7 @@ use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
 pub struct Disc {
     /// Axis.
     pub center: EastNorth,
-    /// Radius, metres.
+    /// Radius, of a threat of the spec with its buffer, metres.
     pub radius_m: f64,
 }
 
@@ -52,7 +53,8 @@ pub struct Stations {
     pub goal_ground: Amsl,
 }
 
-/// Everything that does not move. Threats, zones and stations keep the order of the spec.
+/// Everything that does not move, as a plan has to keep it: every limit with its buffer. The spec
+/// has the limits alone. Threats, zones and stations keep the order of the spec.
 #[derive(Clone, Debug)]
 pub struct World {
     /// Between geodetic and planning coordinates.
@@ -67,11 +69,11 @@ pub struct World {
     pub threats: Vec<Disc>,
     /// No-fly zones.
     pub zones: Vec<PlanZone>,
-    /// The allowed area.
+    /// The allowed area, without its buffer along the edge.
     pub area: Polygon<f64>,
-    /// Minimum height above ground between start and goal.
+    /// Minimum height above ground between start and goal, its buffer included.
     pub min_agl: Agl,
-    /// Ceiling.
+    /// Ceiling, less its buffer.
     pub max_amsl: Amsl,
     /// Home, start and goal of each vehicle.
     pub stations: Vec<Stations>,
@@ -97,7 +99,7 @@ impl World {
             .iter()
             .map(|threat| Disc {
                 center: frame.to_plan(threat.place),
-                radius_m: threat.radius_m,
+                radius_m: threat.radius_m + spec.buffers.threats_m,
             })
             .collect();
         let zones = spec
@@ -105,7 +107,8 @@ impl World {
             .iter()
             .map(|zone| {
                 let outline = frame.outline(&zone.outline());
-                PlanZone::new(outline, zone, spec.separation.time_slack_s)
+                let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+                closed.buffered(spec.buffers.zones_m.max(zone.buffer_m))
             })
             .collect();
         let area = frame.outline(&spec.area.outline());
@@ -129,6 +132,8 @@ impl World {
             })
             .collect::<Result<_, NoData>>()?;
         let ground = Arc::new(Ground::sample(&terrain, &frame, &area));
+        // A start that satisfies the buffer proves that an area is left.
+        let area = inset(area, spec.buffers.area_m);
         Ok(Self {
             frame,
             terrain,
@@ -137,8 +142,8 @@ impl World {
             threats,
             zones,
             area,
-            min_agl: spec.area.min_agl,
-            max_amsl: spec.area.max_amsl,
+            min_agl: Agl(spec.area.min_agl.0 + spec.buffers.terrain_m),
+            max_amsl: Amsl(spec.area.max_amsl.0 - spec.buffers.ceiling_m),
             stations,
         })
     }
@@ -148,6 +153,22 @@ impl World {
     pub fn in_area(&self, at: EastNorth) -> bool {
         self.area.contains(&Point::new(at.east_m, at.north_m))
     }
+}
+
+fn point(at: EastNorth) -> [f64; 2] {
+    [at.east_m, at.north_m]
+}
+
+/// An area without what is nearer to its edge than a buffer; all of it if nothing would be left.
+fn inset(area: Polygon<f64>, buffer_m: f64) -> Polygon<f64> {
+    if buffer_m <= 0.0 {
+        return area;
+    }
+    let Some(inner) = Ring::around(&area).inset(buffer_m) else {
+        return area;
+    };
+    let corners: Vec<(f64, f64)> = inner.corners().iter().map(|&[x, y]| (x, y)).collect();
+    Polygon::new(corners.into(), Vec::new())
 }
 
 /// Whether a polygon and its edge hold a point.

@@ -1,9 +1,10 @@
 //! Zones in planning coordinates.
 
-use geo::{BoundingRect, Polygon, Rect};
+use geo::{BoundingRect, Contains, Point, Polygon, Rect};
 
 use super::covers;
-use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
+use crate::numeric::geometry::{Offset, Ring};
 use crate::spec::{Placement, Zone};
 
 /// A zone in planning coordinates.
@@ -17,6 +18,10 @@ pub struct PlanZone {
     pub ceiling: Option<Placement>,
     /// Closed only from and to these times, seconds after T0; always if absent.
     pub active_s: Option<(f64, f64)>,
+    /// Closed too within this distance of the outline, metres.
+    pub buffer_m: f64,
+    /// Whether it has no holes: then every edge of the outline is one of the zone.
+    pub is_whole: bool,
     bounds: Option<Rect<f64>>,
 }
 
@@ -26,6 +31,7 @@ impl PlanZone {
     #[must_use]
     pub fn new(outline: Polygon<f64>, zone: &Zone, slack_s: f64) -> Self {
         Self {
+            is_whole: zone.holes.is_empty(),
             floor: zone.floor,
             ceiling: zone.ceiling,
             active_s: zone
@@ -44,13 +50,57 @@ impl PlanZone {
             floor: None,
             ceiling: None,
             active_s: None,
+            buffer_m: 0.0,
+            is_whole: true,
         }
     }
 
-    /// Whether a point of the plane lies in the outline; its edge does.
+    /// The same zone, closed within a distance of it as well, and by as much more above and below
+    /// it, metres.
+    #[must_use]
+    pub fn buffered(self, buffer_m: f64) -> Self {
+        let higher = |of: Placement, by_m: f64| match of {
+            Placement::Amsl(amsl) => Placement::Amsl(Amsl(amsl.0 + by_m)),
+            Placement::Agl(agl) => Placement::Agl(Agl(agl.0 + by_m)),
+        };
+        let wider = |bounds: Rect<f64>| {
+            let (low, high) = (bounds.min(), bounds.max());
+            let (low, high) = (
+                (low.x - buffer_m, low.y - buffer_m),
+                (high.x + buffer_m, high.y + buffer_m),
+            );
+            Rect::new(low, high)
+        };
+        Self {
+            floor: self.floor.map(|floor| higher(floor, -buffer_m)),
+            ceiling: self.ceiling.map(|ceiling| higher(ceiling, buffer_m)),
+            bounds: self.bounds.map(wider),
+            buffer_m,
+            ..self
+        }
+    }
+
+    /// Whether a point of the plane lies in the outline, whose edge belongs to it, or nearer to it
+    /// than the buffer.
     #[must_use]
     pub fn contains(&self, at: EastNorth) -> bool {
-        self.is_near(at) && covers(&self.outline, at)
+        self.is_near(at) && (covers(&self.outline, at) || self.buffer_m > 0.0 && self.holds(at))
+    }
+
+    /// Whether a point of the plane lies in the outline, or nearer to it than the buffer; where
+    /// there is no buffer, not its edge.
+    #[must_use]
+    pub fn holds(&self, at: EastNorth) -> bool {
+        match self.buffer_m > 0.0 {
+            true => self.offset().contains([at.east_m, at.north_m]),
+            false => self.outline.contains(&Point::new(at.east_m, at.north_m)),
+        }
+    }
+
+    /// All that the zone closes in the plane.
+    #[must_use]
+    pub fn offset(&self) -> Offset {
+        Offset::new(Ring::around(&self.outline), self.buffer_m)
     }
 
     /// Whether a point of the plane lies in the box around the outline.
@@ -132,7 +182,6 @@ impl PlanZone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geodesy::Agl;
 
     fn square(side_m: f64) -> PlanZone {
         let corners = vec![(0.0, 0.0), (side_m, 0.0), (side_m, side_m), (0.0, side_m)];

@@ -223,3 +223,35 @@ fn the_messages_of_the_troubleshooting_page_are_in_the_program() {
         assert!(source.contains(message), "{message}");
     }
 }
+
+/// A printed table without rules, spaces and the time that planning took.
+fn cells(printed: &str) -> Vec<String> {
+    let is_rule = |line: &&str| line.chars().all(|c| "─═ ".contains(c));
+    printed
+        .lines()
+        .filter(|line| !is_rule(line) && !line.starts_with("files in"))
+        .map(|line| line.split(" in ").next().unwrap_or(line))
+        .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect()
+}
+
+#[test]
+fn the_mission_of_the_readme_prints_the_table_of_the_readme() {
+    let (_, readme) = &documents()[0];
+    let block = |language: &str| {
+        let after = readme
+            .split_once("## A first mission")
+            .expect("a section")
+            .1;
+        let block = after
+            .split_once(&format!("```{language}\n"))
+            .expect("a block")
+            .1;
+        block.split_once("```").expect("its end").0.to_owned()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("hop.yaml"), block("yaml")).unwrap();
+    let planned = sortie(folder.path(), &["plan", "hop.yaml"]);
+    assert_eq!(planned.status.code(), Some(0), "{}", text(&planned.stderr));
+    assert_eq!(cells(&text(&planned.stdout)), cells(&block("text")));
+}

@@ -563,3 +563,37 @@ fn hills_narrower_than_the_grid_of_the_search_are_planned_around_or_over() {
         assert!(output.status.success(), "{}", text(&output.stderr));
     }
 }
+
+/// A pipe that nobody writes to would be waited for without end.
+#[cfg(unix)]
+#[test]
+fn a_pipe_in_the_place_of_a_file_is_refused_at_once() {
+    let folder = folder_with(SPEC);
+    let pipes = ["p.yaml", "p.plan", "p.waypoints", "p.jsonl", "p.tlog"];
+    let made = Command::new("mkfifo")
+        .current_dir(folder.path())
+        .args(pipes)
+        .status();
+    assert!(made.expect("mkfifo").success());
+    for arguments in [
+        &["check", "p.yaml"][..],
+        &["plan", "p.yaml"],
+        &["review", "p.yaml"],
+        &["review", "hop.yaml", "p.plan"],
+        &["review", "p.waypoints"],
+        &["review", "hop.yaml", "p.jsonl"],
+        &["convert", "p.plan", "x.waypoints"],
+        &["fly", "p.yaml"],
+    ] {
+        let output = Command::new("timeout")
+            .arg("20")
+            .arg(cargo_bin("sortie"))
+            .current_dir(folder.path())
+            .args(arguments)
+            .output()
+            .expect("it runs");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(3), "{arguments:?} {message}");
+        assert!(message.contains("it is a pipe"), "{arguments:?} {message}");
+    }
+}

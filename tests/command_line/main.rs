@@ -5,4 +5,5 @@ mod support;
 
 mod begin;
 mod cli;
+mod migrate;
 mod whole_line;

@@ -91,3 +91,46 @@ fn who_is_held_can_be_told_to_land_and_whoever_leaves_leaves_it_held() {
     assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
     assert_eq!((sky.end(0), sky.end(1)), (End::Held, End::Held));
 }
+
+#[test]
+fn a_landing_that_is_acknowledged_and_not_flown_is_ordered_again_until_the_mode_shows_it() {
+    let plan = two();
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    sky.fly_to(25.0);
+    // The first orders are answered for it, and never reach it; then it refuses some.
+    let mut orders = 0;
+    sky.up = Some(Box::new(move |_, system, message| {
+        let Message::Flight(FlightMessage::Command { target, order }) = message else {
+            return None;
+        };
+        if system != 1 || order.command != Command::SET_MODE {
+            return None;
+        }
+        orders += 1;
+        let result = match orders {
+            0..=9 => CommandResult::ACCEPTED,
+            10..=12 => CommandResult::FAILED,
+            _ => return None,
+        };
+        let command = order.command;
+        let answer = FlightMessage::CommandAck {
+            target: sky::US,
+            command,
+            result,
+        };
+        Some(vec![(*target, Message::Flight(answer))])
+    }));
+    sky.fleet.intervene(sky.now, Intervention::Land);
+    sky.fly_to(46.5);
+    assert!(
+        sky.says("alpha", "landing not confirmed"),
+        "{:?}",
+        sky.events
+    );
+    assert_eq!((stage(&sky, 0), stage(&sky, 1)), ("not landing", "lands"));
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let landed = (End::LandedEarly, End::LandedEarly);
+    assert_eq!((sky.end(0), sky.end(1)), landed, "{:?}", sky.events);
+    let refused = |event: &&Event| event.text.contains("refused command 176");
+    assert_eq!(sky.events.iter().filter(refused).count(), 1);
+}

@@ -310,6 +310,23 @@ fn what_can_be_told_once_and_is_told_again_is_no_record() {
 }
 
 #[test]
+fn a_position_that_is_none_on_earth_does_not_spoil_its_record() {
+    let mut lines = lines();
+    let first = lines.iter().position(|line| line.contains("lat_deg"));
+    let at = 20 + first.expect("positions");
+    let latitude = |line: &str| line.split_once("\"lat_deg\":").map(|of| of.1.to_owned());
+    let tail = latitude(&lines[at]).expect("a position");
+    let number = tail.split(',').next().expect("a number");
+    let honest = read(&lines).expect("a record");
+    lines[at] = lines[at].replace(number, "90.0000001");
+    let spoilt = read(&lines).expect("still a record");
+    let fixes = |record: &Record| record.flights[0].flown.fixes.len();
+    assert_eq!(fixes(&spoilt) + 1, fixes(&honest));
+    let plan = &flown().0;
+    assert!(judge(&plan.spec, &plan.world, &spoilt).passes());
+}
+
+#[test]
 fn what_cannot_be_in_a_record_is_refused_with_its_line() {
     let lines = lines();
     let position = |vehicle: &str, t_s: f64| {

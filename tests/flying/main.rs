@@ -11,6 +11,7 @@ mod flight_pace;
 mod flight_record;
 mod flight_trouble;
 mod flight_vehicle;
+mod flight_watch;
 mod flight_wings;
 mod replan_trouble;
 mod replan_wings;

@@ -10,3 +10,4 @@ mod formats_golden;
 mod formats_maps;
 mod mission_accept;
 mod mission_build;
+mod without_spec;

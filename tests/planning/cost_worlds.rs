@@ -143,7 +143,7 @@ fn made(shape: &Shape, rng: &mut impl Rng) -> (MissionSpec, World) {
                 _ => Some(Placement::Agl(Agl(rng.random_range(0.0..400.0)))),
             };
             (zone.floor, zone.ceiling) = (height(), height());
-            zone
+            zone.buffered(f64::from(rng.random_range(0_u8..2)) * rng.random_range(1.0..800.0))
         })
         .collect();
     world.area = polygon([0.0, 0.0], 1.6 * HALF_M, shape.corners + 1, rng);

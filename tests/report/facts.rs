@@ -340,6 +340,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
         let mut add =
             |limit: Limit, value: f64, bound: f64, unit, ok, at: Option<Moment>, note: &str| {
                 margins.push(Margin {
+                    buffer: 0.0,
                     vehicle: track.vehicle.clone(),
                     other: None,
                     limit,
@@ -429,6 +430,7 @@ fn margins(spec: &MissionSpec, world: &World, tracks: &[Track]) -> Vec<Margin> {
         for other in tracks.iter().take(12).skip(a + 1) {
             let (nearest_m, at) = nearest(world, track, other);
             margins.push(Margin {
+                buffer: 0.0,
                 vehicle: track.vehicle.clone(),
                 other: Some(other.vehicle.clone()),
                 limit: Limit::Separation,

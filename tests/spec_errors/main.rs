@@ -1,5 +1,6 @@
 //! What is wrong with a spec is said at once, each problem with its place.
 
+mod buffers;
 mod fleets;
 mod ground;
 mod meaning;

@@ -24,7 +24,7 @@ fn several_problems_are_reported_at_once_in_file_order() {
         .replace("sysid: 2", "sysid: 1")
         .replace("max_load_factor: 1.2", "max_load_factor: 0.9")
         .replace("samples: 51", "samples: 5")
-        .replace("sortie: 1", "sortie: 2")
+        .replace("sortie: 1", "sortie: 3")
         .replace("autopilot: px4", "autopilot: px4\n    loiter_radius_m: 50");
     let found = issues(&text);
     let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();

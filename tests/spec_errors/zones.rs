@@ -1,5 +1,6 @@
 //! Zones with a shape: what is read, and what is refused with its position.
 
+use std::fs;
 use std::path::Path;
 
 use sortie::geodesy::{Agl, Amsl};
@@ -101,4 +102,154 @@ zones:
         assert!(found, "{path}: {part}: {errors:#?}");
     }
     assert_eq!(errors.len(), 7, "{errors:#?}");
+}
+
+/// Reads a spec beside files.
+fn read_beside(files: &[(&str, &str)], more: &str) -> Result<SpecFile, Vec<String>> {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("writable");
+    }
+    let path = folder.path().join("zones.yaml");
+    fs::write(&path, format!("{HEAD}{more}")).expect("writable");
+    SpecFile::read(&path).map_err(|error| {
+        let issues = error.issues.iter();
+        issues
+            .map(|of| format!("{}: {}", of.path, of.found))
+            .collect()
+    })
+}
+
+const OPENAIR: &str = "AC D
+AN CTR NORTH
+AH 3000ft MSL
+AL GND
+V X=36:20:00 N 084:12:00 W
+DC 1
+
+AC R
+AN HIGH
+AH FL 195
+AL FL 100
+V X=36:18:00 N 084:15:00 W
+DC 1
+
+AC C
+AN FAR
+AH FL 195
+AL GND
+V X=47:18:00 N 008:15:00 E
+DC 1
+";
+
+#[test]
+fn zones_of_files_are_zones_with_a_source_and_what_lies_out_of_reach_is_counted() {
+    let files = [("a.txt", OPENAIR)];
+    let spec = read_beside(
+        &files,
+        "qnh_hpa: {min: 995, max: 1030}\nairspace: [{file: a.txt, buffer_m: 30}]\n",
+    );
+    let file = spec.expect("good");
+    let [zone] = &file.spec.no_fly[..] else {
+        panic!("{:?}", file.spec.no_fly)
+    };
+    assert_eq!((zone.id.as_str(), zone.buffer_m), ("CTR NORTH", 30.0));
+    assert_eq!(zone.source.as_deref(), Some("a.txt, CTR NORTH (D)"));
+    let Some(Placement::Amsl(Amsl(top_m))) = zone.ceiling else {
+        panic!("{zone:?}")
+    };
+    assert!((top_m - 914.4).abs() < 1e-6);
+    // Above the ceiling of the area, and on another continent.
+    let survey = &file.surveys[0];
+    assert_eq!((survey.zones.len(), survey.out_of_reach), (1, 2));
+    assert_eq!(file.attached[0].bytes, OPENAIR.as_bytes());
+}
+
+#[test]
+fn classes_choose_and_what_cannot_be_read_is_an_error_until_it_is_skipped() {
+    let files = [("a.txt", OPENAIR)];
+    let with = |more: &str| read_beside(&files, &format!("airspace: [{{file: a.txt{more}}}]\n"));
+    let errors = with("").expect_err("flight levels need a pressure");
+    assert!(
+        errors[0]
+            .contains("airspace[0].file: `HIGH` cannot be a zone: flight level 100 needs qnh_hpa"),
+        "{errors:?}"
+    );
+    let skipped = with(", skip: [HIGH]").expect("good");
+    assert_eq!(
+        (skipped.surveys[0].left_out, skipped.spec.no_fly.len()),
+        (1, 1)
+    );
+    let only = with(", only: {class: [r]}, skip: [HIGH]").expect("good");
+    assert_eq!((only.surveys[0].left_out, only.spec.no_fly.len()), (3, 0));
+    let missing = read_beside(&[], "airspace: [{file: b.kml}]\n").expect_err("no file");
+    assert!(
+        missing[0].starts_with("airspace[0].file:") && missing[0].contains("cannot be read"),
+        "{missing:?}"
+    );
+    let outside = read_beside(&[], "airspace: [{file: ../b.kml}]\n").expect_err("outside");
+    assert!(outside[0].contains("`../b.kml`"), "{outside:?}");
+}
+
+#[test]
+fn obstacles_stand_on_the_ground() {
+    let files = [
+        (
+            "masts.csv",
+            "id,lat,lon,height_m,radius_m\nmast,36.30,-84.20,90,20\n,36.31,-84.20,40,\nfar,0,0,10,5\n",
+        ),
+        ("bad.csv", "lat,lon,height_m\n36.3,-84.2,high\n"),
+    ];
+    let file = read_beside(&files, "obstacles: [{file: masts.csv}]\n").expect("good");
+    let ceilings: Vec<Option<Placement>> =
+        file.spec.no_fly.iter().map(|zone| zone.ceiling).collect();
+    assert_eq!(
+        ceilings,
+        [
+            Some(Placement::Agl(Agl(90.0))),
+            Some(Placement::Agl(Agl(40.0)))
+        ]
+    );
+    assert_eq!(file.surveys[0].out_of_reach, 1);
+    let error = read_beside(&files, "obstacles: [{file: bad.csv}]\n").expect_err("bad");
+    assert!(
+        error[0].contains("line 2: `high` is no number"),
+        "{error:?}"
+    );
+}
+
+#[test]
+fn what_lies_outside_of_all_zones_to_stay_in_is_closed() {
+    let pieces = "
+zones:
+  - {id: west, keep_in: true, polygon: [[36.22, -84.38], [36.22, -84.20], [36.30, -84.20], [36.30, -84.38]]}
+  - {id: east, keep_in: true, polygon: [[36.22, -84.25], [36.22, -84.12], [36.38, -84.12], [36.38, -84.25]]}
+";
+    let zones = read(pieces).expect("good");
+    let [zone] = &zones[..] else {
+        panic!("{zones:?}")
+    };
+    assert_eq!(
+        (zone.id.as_str(), zone.holes.len()),
+        ("outside west and 1 more", 1)
+    );
+    // The union of two boxes that overlap has eight corners.
+    assert_eq!(zone.holes[0].len(), 8, "{:?}", zone.holes);
+    // A start outside of both is an error, and so are heights.
+    let one = "zones: [{id: west, keep_in: true, polygon: [[36.22, -84.38], [36.22, -84.30], [36.30, -84.30]]}]";
+    let errors = read(one).expect_err("the goal is outside");
+    assert!(
+        errors
+            .iter()
+            .any(|of| of.contains("vehicles[0].goal") && of.contains("`outside west`")),
+        "{errors:?}"
+    );
+    let high = pieces.replace("{id: west,", "{id: west, ceiling: {agl_m: 90},");
+    let errors = read(&high).expect_err("a height");
+    assert!(
+        errors
+            .iter()
+            .any(|of| of.contains("zones[0]") && of.contains("to stay in")),
+        "{errors:?}"
+    );
 }

@@ -121,6 +121,7 @@ pub fn vtol(plane: Vehicle) -> Vehicle {
 /// A 20 km square around 36.30 N 84.25 W over flat ground at 400 m, nothing in it.
 pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
     MissionSpec {
+        version: 1,
         name: "test".to_owned(),
         frame: LocalFrame::new(place(36.30, -84.25)),
         area: Area {
@@ -139,6 +140,7 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
             time_slack_s: 5.0,
             vertical_m: None,
         },
+        buffers: Buffers::NONE,
         planner: Planner {
             algorithm: Algorithm::Msfoa,
             objective: Objective::Operational,

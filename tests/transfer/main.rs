@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod changed_meanwhile;
 mod link_commands;
 mod mission_upload;
 mod simulated_vehicle;

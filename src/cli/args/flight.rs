@@ -1,4 +1,4 @@
-//! Arguments of `fly` and `replan`.
+//! Arguments of `fly`, `watch` and `replan`.
 
 use std::path::PathBuf;
 
@@ -29,6 +29,21 @@ pub(in crate::cli) struct Fly {
     /// Fly even if parameters, home or position differ from the plan
     #[arg(long)]
     pub(in crate::cli) force: bool,
+    /// Take over the flight of this plan in the air after a crash, as `sortie watch` does
+    #[arg(long, conflicts_with_all = ["upload", "set_params", "speedup", "noise", "force"])]
+    pub(in crate::cli) resume: bool,
+    /// Print flight.json instead of the table
+    #[arg(long)]
+    pub(in crate::cli) json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub(in crate::cli) struct Watch {
+    /// The folder that `plan` wrote and that is being flown
+    pub(in crate::cli) dir: PathBuf,
+    /// Link of a vehicle instead of the one that `fly` used: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT
+    #[arg(long, value_name = "ID=ADDR")]
+    pub(in crate::cli) link: Vec<String>,
     /// Print flight.json instead of the table
     #[arg(long)]
     pub(in crate::cli) json: bool,

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
-pub(super) use flight::{Fly, Replan};
+pub(super) use flight::{Fly, Replan, Watch};
 pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study, StudyFolder};
 
 use crate::spec::Airframe;
@@ -53,6 +53,8 @@ pub(super) enum Command {
     Upload(Upload),
     /// Launch the fleet, monitor and record the flight, and judge it
     Fly(Fly),
+    /// Attach to a flight that goes on, or take it over in the air after a crash
+    Watch(Watch),
     /// Plan new paths around a threat for vehicles in flight, and upload them
     Replan(Replan),
     /// Read mission, fence and rally points from a vehicle into a file
@@ -71,6 +73,8 @@ pub(super) enum Command {
     /// Run the paper's experiment and other studies
     #[command(subcommand)]
     Study(Study),
+    /// Rewrite a spec of version 1 as version 2, which has buffers; comments stay
+    Migrate(Migrate),
     /// Print the JSON Schema of the spec
     Schema,
     /// Write the manual pages of all commands
@@ -164,6 +168,18 @@ fn samples(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|samples| (2..=100_000).contains(samples))
         .ok_or_else(|| "not a whole number from 2 to 100000".to_owned())
+}
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Migrate {
+    /// The mission spec (YAML)
+    pub(super) spec: PathBuf,
+    /// Write to this file instead of printing
+    #[arg(short, long, value_name = "FILE", conflicts_with = "in_place")]
+    pub(super) output: Option<PathBuf>,
+    /// Replace the spec itself
+    #[arg(long)]
+    pub(super) in_place: bool,
 }
 
 #[derive(Debug, clap::Args)]
@@ -367,7 +383,7 @@ const CONVERT: &str = "Numbers are kept as they go over the wire: 1e-7 degrees, 
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Convert {
-    /// The file to read: QGC WPL, .plan, a fence or a rally list, recognised by its content
+    /// The file to read: QGC WPL, .plan, a fence or a rally list, recognised by its content, or zones: .geojson, .json, .kml, .kmz, OpenAir
     #[arg(value_name = "IN")]
     pub(super) input: PathBuf,
     /// The file to write: .waypoints, .txt, .plan, .kml or .geojson

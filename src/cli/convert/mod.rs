@@ -1,6 +1,7 @@
 //! `sortie convert`: a mission file in another format, and a report of the losses.
 
 pub(super) mod changes;
+mod zones;
 
 use std::path::Path;
 
@@ -71,6 +72,9 @@ struct Report {
 }
 
 pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
+    if zones::is_shapes(&arguments.input) {
+        return zones::run(arguments);
+    }
     let ending = ending(arguments)?;
     if same_file(&arguments.input, &arguments.output) {
         let message = "the output is the input: give another name";

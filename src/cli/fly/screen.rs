@@ -1,11 +1,13 @@
 //! The operator at the terminal: events and the table of the fleet, Ctrl-C and its answers.
 
 use std::io::{BufRead, IsTerminal};
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 
-use super::show::Show;
+use super::Socket;
+use super::show::{self, Show};
 use crate::cli::print::console::note;
 use crate::cli::print::failure::Failure;
 use crate::flight::{Event, Fleet, FlightError, Intervention, Operator};
@@ -45,11 +47,21 @@ pub(super) struct Screen {
     handled: usize,
     answers: Option<Receiver<String>>,
     has_simulated: bool,
+    /// Other terminals; none where the session could not be opened.
+    socket: Option<Socket>,
+    /// Whether the own terminal is there and commands.
+    has_terminal: bool,
+    /// When other terminals get the table of the fleet again.
+    table_due: Time,
 }
 
+/// Between two tables for other terminals, milliseconds.
+const TABLE_MS: u64 = 1000;
+
 impl Screen {
-    /// Takes over Ctrl-C. `json` says whether stdout belongs to a document.
-    pub(super) fn begin(json: bool, has_simulated: bool) -> Result<Self, Failure> {
+    /// Takes over Ctrl-C, and opens the session in the folder of the records. `json` says whether
+    /// stdout belongs to a document.
+    pub(super) fn begin(json: bool, has_simulated: bool, folder: &Path) -> Result<Self, Failure> {
         let interrupts = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&interrupts);
         ctrlc::set_handler(move || {
@@ -66,7 +78,15 @@ impl Screen {
             handled: 0,
             answers: None,
             has_simulated,
+            socket: open_session(folder),
+            has_terminal: is_terminal(),
+            table_due: Time(0),
         })
+    }
+
+    /// Leaves the screen to others; the session of the flight goes on.
+    pub(super) fn into_session(self) -> Option<Socket> {
+        self.socket
     }
 
     fn leave(&self) -> Intervention {
@@ -81,6 +101,7 @@ impl Screen {
     fn interrupted(&mut self) -> Option<Intervention> {
         if self.signals.hung_up.swap(false, Ordering::Relaxed) {
             note("the terminal is gone (SIGHUP): the fleet is still monitored and recorded");
+            self.has_terminal = false;
         }
         if self.signals.terminated.swap(false, Ordering::Relaxed) {
             self.interrupts.fetch_add(1, Ordering::Relaxed);
@@ -91,8 +112,7 @@ impl Screen {
         }
         let again = self.handled > 0 && self.answers.is_some();
         self.handled = count;
-        let is_terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
-        if again || !is_terminal {
+        if again || !is_terminal() {
             return Some(self.leave());
         }
         note("Ctrl-C: [h]old, [l]and, [q]uit and leave flying, anything else to go on?");
@@ -103,21 +123,36 @@ impl Screen {
 
 impl Operator for Screen {
     fn event(&mut self, event: &Event) -> Result<(), FlightError> {
+        if let Some(socket) = &mut self.socket {
+            socket.show(&show::sentence(event));
+        }
         let shown = self.show.event(event);
         shown.map_err(|failure| FlightError::Record(failure.message))
     }
 
     fn update(&mut self, fleet: &Fleet<'_>, now: Time) {
         self.show.fleet(fleet, now);
+        if let Some(socket) = self.socket.as_mut().filter(|_| now >= self.table_due) {
+            self.table_due = now + TABLE_MS;
+            socket.set_table(fleet.status(now).iter().map(show::line).collect());
+        }
     }
 
     fn warn(&mut self, text: &str) {
+        if let Some(socket) = &mut self.socket {
+            socket.show(text);
+        }
         note(text);
     }
 
     fn intervention(&mut self) -> Option<Intervention> {
         if let Some(leave) = self.interrupted() {
             return Some(leave);
+        }
+        let has_terminal = self.has_terminal;
+        let ordered = self.socket.as_mut();
+        if let Some(order) = ordered.and_then(|socket| socket.poll(has_terminal)) {
+            return Some(order);
         }
         let answer = self.answers.as_ref()?.try_recv().ok()?;
         self.answers = None;
@@ -135,6 +170,22 @@ impl Operator for Screen {
         }
         None
     }
+}
+
+/// Whether an operator sits at this command.
+fn is_terminal() -> bool {
+    std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
+}
+
+/// A flight without a session is flown all the same.
+fn open_session(folder: &Path) -> Option<Socket> {
+    let opened = Socket::open(folder);
+    if let Err(error) = &opened {
+        note(&format!(
+            "no session for other terminals, `sortie watch` cannot attach: {error}"
+        ));
+    }
+    opened.ok()
 }
 
 /// Reads one line while the flight goes on.

@@ -78,7 +78,7 @@ impl Drop for Show {
     }
 }
 
-fn line(status: &Status) -> String {
+pub(super) fn line(status: &Status) -> String {
     let (item, of) = status.item;
     let time = match status.behind_s {
         Some(late) if late >= 0.0 => format!("{late:.0} s behind"),
@@ -197,7 +197,7 @@ fn margin_line(margin: &Margin, paint: Paint) -> String {
 }
 
 /// An event as a line.
-fn sentence(event: &Event) -> String {
+pub(super) fn sentence(event: &Event) -> String {
     let at = event
         .t_s
         .map_or_else(String::new, |t_s| format!("T0+{} ", table::clock(t_s)));

@@ -15,6 +15,7 @@ use crate::dispatch::Dispatched;
 use crate::formats::{self, Document};
 use crate::library::mission_files;
 use crate::mission::{Parameter, VehicleMission};
+use crate::numeric::text::{open_regular, read_regular};
 use crate::path::TimedPoint;
 use crate::report::{self, PlanDocument, ReviewInput};
 use crate::spec::{SpecFile, TerrainSource};
@@ -59,6 +60,9 @@ pub(super) fn write(
     copy_terrain(&folder, file)?;
     if let Some(table) = &file.table {
         folder.write(&table.name.to_string_lossy(), table.text.as_bytes())?;
+    }
+    for attached in &file.attached {
+        folder.write(&attached.name.to_string_lossy(), &attached.bytes)?;
     }
     folder.write("spec.yaml", file.text.as_bytes())?;
     for (vehicle, mission) in &dispatched.missions {
@@ -169,7 +173,7 @@ pub(super) fn is_rejected(path: &Path) -> bool {
 pub(super) fn read_document(path: &Path) -> Result<Document, Failure> {
     let bad = |what: String| Failure::new(Failure::INPUT, format!("{}: {what}", path.display()));
     let mut bytes = Vec::new();
-    fs::File::open(path)
+    open_regular(path)
         .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
         .map_err(|error| bad(format!("cannot be read: {error}")))?;
     if u64::try_from(bytes.len()).is_ok_and(|length| length > MAX_BYTES) {
@@ -187,7 +191,7 @@ pub(super) fn read_document(path: &Path) -> Result<Document, Failure> {
 pub(super) fn read_params(path: &Path, id: &str) -> Result<Vec<Parameter>, Failure> {
     let params = path.with_file_name(format!("{id}.params"));
     let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", params.display()));
-    match std::fs::read_to_string(&params) {
+    match read_regular(&params) {
         Ok(text) => formats::params::read(&text).map_err(|error| bad(error.to_string())),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
         Err(error) => Err(bad(error.to_string())),
@@ -341,7 +345,9 @@ fn copied(file: &SpecFile) -> Vec<String> {
         let part = parts.find(|part| matches!(part, Component::Normal(_)))?;
         Some(part.as_os_str().to_string_lossy().into_owned())
     };
-    terrain.into_iter().chain(table).filter_map(first).collect()
+    let attached = file.attached.iter().map(|attached| &attached.name);
+    let named = terrain.into_iter().chain(table).chain(attached);
+    named.filter_map(first).collect()
 }
 
 /// The name of a mission file without its ending, and without the mark of a rejected one.

@@ -21,6 +21,11 @@ pub(crate) struct Failure {
 pub(crate) struct Code(u8);
 
 impl Code {
+    /// The exit code of another process.
+    pub(crate) fn of(number: u8) -> Self {
+        Self(number)
+    }
+
     /// The number that the process ends with.
     pub(crate) fn number(self) -> i32 {
         self.0.into()

@@ -5,7 +5,7 @@ use comfy_table::{ContentArrangement, LineStyle, Table, presets};
 use super::console::{Paint, out, out_lines, safe};
 use super::failure::Failure;
 use crate::numeric::digits;
-use crate::spec::Autopilot;
+use crate::spec::{Autopilot, MissionSpec};
 use crate::verify::{Limit, Margin, Review, Sense, Topic};
 
 /// With more rows than this, the lines between them are left out.
@@ -85,6 +85,14 @@ impl Rows {
         }
         Ok(())
     }
+}
+
+/// Prints below a table that its limits have no buffers, where they have none.
+pub(crate) fn print_no_buffers(spec: &MissionSpec) -> Result<(), Failure> {
+    let Some(why) = spec.why_no_buffers() else {
+        return Ok(());
+    };
+    out(&Paint::for_stdout().dim(&format!("note: {why}")))
 }
 
 /// A number with at most `decimals` decimals; a huge one with a power of ten.

@@ -1,5 +1,6 @@
 //! `sortie review` of a flight: a record (`flight.jsonl`) or a capture of its links (`.tlog`).
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::cli::args;
@@ -11,6 +12,7 @@ use crate::cli::print::failure::Failure;
 use crate::cli::review;
 use crate::flight::{self, Capture, Fix, Plan, Record, Reference, Waypoint};
 use crate::mission::VehicleMission;
+use crate::numeric::text::{open_regular, read_regular};
 use crate::spec::SpecFile;
 use crate::verify::{self, Track};
 use crate::world::{self, World};
@@ -88,7 +90,7 @@ fn planned(folder: &Path, file: &SpecFile) -> Vec<PathBuf> {
 
 fn recorded(path: &Path, file: &SpecFile, world: &World) -> Result<Record, Failure> {
     let bad = |why: String| Failure::new(Failure::INPUT, format!("{}: {why}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| bad(error.to_string()))?;
+    let text = read_regular(path).map_err(|error| bad(error.to_string()))?;
     let record = flight::read_record(&text, world.frame).map_err(|error| bad(error.to_string()))?;
     if record.spec_sha256.is_empty() {
         return Err(bad("has no header: by which spec was it flown?".to_owned()));
@@ -200,7 +202,10 @@ fn capture(
             }
         })
         .collect();
-    let bytes = std::fs::read(path).map_err(|error| bad(error.to_string()))?;
+    let mut bytes = Vec::new();
+    open_regular(path)
+        .and_then(|mut file| file.read_to_end(&mut bytes))
+        .map_err(|error| bad(error.to_string()))?;
     let record = flight::read_tlog(&bytes, &captures).map_err(bad)?;
     Ok(Record {
         spec_sha256: folder::sha256(&file.text),

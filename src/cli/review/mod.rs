@@ -83,7 +83,8 @@ fn with_spec(
     let world = world::load(&file)?;
     let missions = missions(&file, &world, files, named)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
-    let review = verify::review(&file.spec, &world, &judged);
+    let mut review = verify::review(&file.spec, &world, &judged);
+    warn(&mut review, verify::distant_from_area(&file.spec, &judged));
     deliver(
         &ReviewInput {
             spec: &file.spec,
@@ -97,7 +98,16 @@ fn with_spec(
         },
         &[],
         arguments,
+        true,
     )
+}
+
+/// Prints what lies far away, and keeps it with the review.
+fn warn(review: &mut verify::Review, distant: Vec<String>) {
+    for text in &distant {
+        note(&format!("warning: {text}"));
+    }
+    review.assumptions.extend(distant);
 }
 
 /// The missions of the vehicles of a spec, from the files that hold them.
@@ -179,6 +189,7 @@ fn without_spec(
     for text in &made.assumed {
         note(&format!("note: {text}"));
     }
+    warn(&mut review, verify::distant_from_home(&made.spec, &judged));
     deliver(
         &ReviewInput {
             spec: &made.spec,
@@ -192,6 +203,7 @@ fn without_spec(
         },
         &not_judged,
         arguments,
+        false,
     )
 }
 
@@ -256,6 +268,7 @@ fn deliver(
     input: &ReviewInput<'_>,
     not_judged: &[String],
     arguments: &args::Review,
+    has_spec: bool,
 ) -> Result<(), Failure> {
     let review = input.review;
     if let Some(target) = &arguments.html {
@@ -268,6 +281,9 @@ fn deliver(
         out_json(&report::review_json(review))?;
     } else {
         print(&input.spec.name, review, not_judged)?;
+        if has_spec {
+            table::print_no_buffers(input.spec)?;
+        }
     }
     if review.passes() {
         Ok(())

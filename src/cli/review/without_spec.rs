@@ -1,11 +1,12 @@
 //! Mission files without a spec: one is made in memory from the items and the flags,
 //! so that the same verdict judges them.
 
+mod airframe;
 mod given;
 
 use std::path::{Path, PathBuf};
 
-use crate::cli::args::{AirframeName, AutopilotName, Limits};
+use crate::cli::args::{AutopilotName, Limits};
 use crate::cli::print::failure::Failure;
 use crate::formats::Document;
 use crate::geodesy::{Amsl, LatLon};
@@ -16,6 +17,7 @@ use crate::spec::{
 };
 use crate::world::{Bounds, Terrain, World, read_terrain};
 
+use airframe::airframe;
 pub(crate) use given::keep_given;
 
 /// Positions further than this from the first one are not part of the area, degrees.
@@ -65,10 +67,7 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     let mut missions = Vec::new();
     for (index, subject) in subjects.into_iter().enumerate() {
         let autopilot = autopilot(&subject, limits, &mut assumed);
-        let flag = limits.airframe.map(AirframeName::airframe);
-        let airframe = flag
-            .or(subject.document.airframe)
-            .unwrap_or(Airframe::Copter);
+        let airframe = airframe(&subject, limits, &mut assumed)?;
         let who = (autopilot, airframe);
         let speed_mps = speed_mps(&subject.document, who, limits);
         let prototype = prototype(corners, who, speed_mps, limits);

@@ -15,6 +15,7 @@ use crate::cli::print::progress::Progress;
 use crate::cli::print::table;
 use crate::cli::print::table::Rows;
 use crate::cli::review;
+use crate::flight::{FlightPlan, Notice};
 use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
 use crate::simulator;
@@ -39,6 +40,9 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let missions = review::read(&file, &files)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
+    for text in verify::distant_from_area(&file.spec, &judged) {
+        note(&format!("warning: {text}"));
+    }
     if !review.passes() {
         let failures = table::failures(&review, Paint::for_stdout());
         if arguments.json {
@@ -70,6 +74,7 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
         out_json(&delivery.json())?;
     } else {
         delivery.print()?;
+        table::print_no_buffers(&file.spec)?;
     }
     delivery.verdict()
 }
@@ -181,6 +186,34 @@ pub(crate) fn links(file: &SpecFile, arguments: &[String]) -> Result<Vec<(usize,
         .collect()
 }
 
+/// The addresses of vehicles in flight: from the command line, else from the running `fly`, else
+/// from the spec.
+pub(crate) fn links_under_way(
+    plan: &FlightPlan,
+    arguments: &[String],
+    notice: &Notice,
+) -> Result<Vec<(usize, Link)>, Failure> {
+    let given = links(&plan.file, arguments)?;
+    let mut found = Vec::new();
+    for (index, _) in &plan.missions {
+        let id = &plan.vehicle(*index).id;
+        let announced = notice.links.get(id).and_then(|link| Link::parse(link));
+        let is_given = given.iter().any(|(of, _)| of == index);
+        let link = match announced {
+            Some(link) if !is_given => link,
+            _ => link_of(&plan.file, *index, &given).clone(),
+        };
+        if link == Link::Sim {
+            let message = format!(
+                "{id}: its simulated vehicle does not run (`sortie fly` starts it, or `sortie vehicles` with --link)"
+            );
+            return Err(Failure::new(Failure::TRANSFER, message));
+        }
+        found.push((*index, link));
+    }
+    Ok(found)
+}
+
 fn print_dry_run(
     file: &SpecFile,
     missions: &[(usize, VehicleMission)],
@@ -199,6 +232,7 @@ fn print_dry_run(
         ]);
     }
     rows.print()?;
+    table::print_no_buffers(&file.spec)?;
     out("nothing was sent (--dry-run)")
 }
 

@@ -1,11 +1,13 @@
 //! The limits of the spec, held against what was flown.
 
+use geo::{Contains, Point};
+
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::{Fix, Record};
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::approach::{Segment, closest_approach, closest_horizontal, least_ratio};
 use crate::numeric::geometry::point_segment_distance;
-use crate::spec::{Airframe, MissionSpec, Separation};
+use crate::spec::{Airframe, MissionSpec, Separation, Threat};
 use crate::verify::{Flown, Limit, Margin, Moment, Requirement, Sense};
 use crate::world::{Disc, PlanZone, World};
 
@@ -57,13 +59,17 @@ impl FlownTrack<'_> {
         let ceiling = Requirement::at_most(Limit::Ceiling, spec.area.max_amsl.0, "m AMSL");
         margins.extend(self.worst(ceiling, self.fixes().iter().map(|f| (f.amsl.0, f))));
         let all = || self.fixes().iter().zip(self.points.iter().copied());
-        let there = spec.threats.iter().zip(&world.threats);
-        let there = there.map(|(threat, disc)| (threat, *disc, f64::NEG_INFINITY));
-        let came = record.popups.iter().map(|popup| {
-            let center = world.frame.to_plan(popup.threat.place);
-            let radius_m = popup.threat.radius_m;
-            (&popup.threat, Disc { center, radius_m }, popup.from_s)
-        });
+        // The limits of the spec: the world of the plan has their buffers.
+        let disc = |threat: &Threat| Disc {
+            center: world.frame.to_plan(threat.place),
+            radius_m: threat.radius_m,
+        };
+        let there = spec.threats.iter();
+        let there = there.map(|threat| (threat, disc(threat), f64::NEG_INFINITY));
+        let came = record
+            .popups
+            .iter()
+            .map(|popup| (&popup.threat, disc(&popup.threat), popup.from_s));
         for (threat, disc, from_s) in there.chain(came) {
             let rim = Requirement::at_least(Limit::Threat(threat.id.clone()), 0.0, "m");
             let known = all().skip_while(|(fix, _)| fix.t_s < from_s);
@@ -78,13 +84,25 @@ impl FlownTrack<'_> {
             });
             margins.extend(self.worst(rim, outside));
         }
+        margins.extend(self.closed_space(spec, world));
+        margins
+    }
+
+    /// Positions in zones and outside of the area.
+    fn closed_space(&self, spec: &MissionSpec, world: &World) -> Vec<Margin> {
+        let mut margins = Vec::new();
+        let all = || self.fixes().iter().zip(self.points.iter().copied());
         let none = |limit: Limit| Requirement::at_most(limit, 0.0, "positions");
-        for (zone, shape) in spec.no_fly.iter().zip(&world.zones) {
-            let inside = all().filter(|(fix, point)| is_closed(shape, world, fix, *point));
+        for zone in &spec.no_fly {
+            let outline = world.frame.outline(&zone.outline());
+            let shape = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+            let inside = all().filter(|(fix, point)| is_closed(&shape, world, fix, *point));
             let zone = none(Limit::Zone(zone.id.clone()));
             margins.push(self.count(zone, inside.map(|(f, _)| f)));
         }
-        let outside = all().filter(|(_, point)| !world.in_area(point.at));
+        let outline = world.frame.outline(&spec.area.outline());
+        let in_area = |at: EastNorth| outline.contains(&Point::new(at.east_m, at.north_m));
+        let outside = all().filter(|(_, point)| !in_area(point.at));
         let area = none(Limit::Flown(Flown::OutsideArea));
         margins.push(self.count(area, outside.map(|(f, _)| f)));
         margins

@@ -11,6 +11,7 @@ use crate::flight::session::vehicle::Assignment;
 use crate::formats;
 use crate::link::Links;
 use crate::mission::{self, Parameter, VehicleMission, command, cruise_speed_mps};
+use crate::numeric::text::read_regular;
 use crate::simulator::{self, Running, Simulated, Surroundings};
 use crate::spec::{Link, MissionSpec, Retiming, SpecFile, Vehicle};
 use crate::verify::{self, Review};
@@ -212,7 +213,7 @@ fn params_path(folder: &Path, vehicle: &Vehicle) -> PathBuf {
 
 fn read_params(path: &Path) -> Result<Vec<Parameter>, FlightError> {
     let bad = |why: String| FlightError::Input(format!("{}: {why}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+    let text = read_regular(path).map_err(|error| match error.kind() {
         ErrorKind::NotFound => bad(MISSING.to_owned()),
         _ => bad(error.to_string()),
     })?;
@@ -227,10 +228,10 @@ fn refuse_edited_params(
     missions: &[(usize, VehicleMission)],
 ) -> Result<(), FlightError> {
     for (index, mission) in missions {
-        let has_fence = !mission.fence.is_empty();
+        let fence_margin_m = (!mission.fence.is_empty()).then(|| spec.fence_margin_m());
         let vehicle = &spec.vehicles[*index];
         let home_amsl_m = f64::from(mission.home.amsl_m);
-        let planned = mission::parameters(vehicle, &spec.mission, home_amsl_m, has_fence);
+        let planned = mission::parameters(vehicle, &spec.mission, home_amsl_m, fence_margin_m);
         if let Some(problem) = first_difference(&mission.params, &planned) {
             let path = params_path(folder, vehicle);
             let message = format!("{}: {problem}; nothing was started", path.display());

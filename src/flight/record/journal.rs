@@ -36,6 +36,29 @@ impl Journal {
         Ok(journal)
     }
 
+    /// Goes on with a record that broke off: `written` are the positions and items reached of each
+    /// vehicle in it. A last line that was cut off is removed.
+    ///
+    /// # Errors
+    /// [`FlightError::Record`]: it cannot be written.
+    pub fn resume(path: PathBuf, written: Vec<(usize, usize)>) -> Result<Self, FlightError> {
+        let open = || {
+            let whole = std::fs::read(&path)?;
+            let length = whole.iter().rposition(|byte| *byte == b'\n');
+            let file = std::fs::File::options().append(true).open(&path)?;
+            let length = length.map_or(0, |last| last + 1);
+            file.set_len(u64::try_from(length).unwrap_or(u64::MAX))?;
+            Ok(file)
+        };
+        let file = open().map_err(|error| unwritable(&path, &error))?;
+        Ok(Self {
+            file: BufWriter::new(file),
+            path,
+            written,
+            is_broken: false,
+        })
+    }
+
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }

@@ -1,6 +1,7 @@
 //! What was flown.
 
 pub(super) mod fix;
+pub(super) mod interrupted;
 pub(super) mod invalid_line;
 pub(super) mod journal;
 pub(super) mod lines;
@@ -12,6 +13,11 @@ pub use fix::Fix;
 
 use super::conformance::reference::Reference;
 use crate::spec::Threat;
+
+/// Items reached that are taken down of one vehicle within [`PERIOD_S`].
+const MAX_REACHED: usize = 100;
+/// Seconds of flight.
+const PERIOD_S: f64 = 10.0;
 
 /// The flight of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -77,13 +83,18 @@ pub struct Record {
 
 impl Flown {
     /// Takes down that an item was said to be reached; whether that is news. PX4 says it ten
-    /// times. A plan that it is given on the way begins at the first item again.
+    /// times. A plan that it is given on the way begins at the first item again. A vehicle that
+    /// says it of many items at once is not believed all of it.
     pub(super) fn reach(&mut self, item: usize, t_s: f64) -> bool {
         let is_new = self.reached.last().is_none_or(|(last, _)| *last != item);
-        if is_new {
+        let oldest = self.reached.len().checked_sub(MAX_REACHED);
+        let oldest = oldest.and_then(|index| self.reached.get(index));
+        let is_flood = oldest.is_some_and(|(_, before_s)| t_s - before_s < PERIOD_S);
+        let takes = is_new && !is_flood;
+        if takes {
             self.reached.push((item, t_s));
         }
-        is_new
+        takes
     }
 }
 
@@ -117,5 +128,17 @@ mod tests {
         let items: Vec<usize> = flown.reached.iter().map(|of| of.0).collect();
         assert_eq!(items, [1, 2, 3, 1, 2]);
         assert_eq!(news.iter().filter(|is_new| **is_new).count(), 5);
+    }
+
+    #[test]
+    fn a_flood_of_items_reached_is_bounded() {
+        let mut flown = Flown::default();
+        // A thousand a second, two in turn, for a minute.
+        let said = (0..60_000_u32).map(|n| {
+            let item = if n % 2 == 0 { 1 } else { 2 };
+            flown.reach(item, 1e-3 * f64::from(n))
+        });
+        assert_eq!(said.filter(|is_new| *is_new).count(), 600);
+        assert!(flown.reach(7, 71.0), "an honest one later");
     }
 }

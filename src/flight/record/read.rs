@@ -29,7 +29,8 @@ pub struct Broken {
 /// # Errors
 /// [`Broken`], with the first line that is none of a record: also a second line of what
 /// can stand once, and a line after the end of a vehicle's flight. A last line that was cut
-/// off is left out: so does a flight end whose computer stopped.
+/// off is left out: so does a flight end whose computer stopped. A position that is none on
+/// earth counts for nothing.
 pub fn read_record(text: &str, frame: LocalFrame) -> Result<Record, Broken> {
     let mut reading = Reading {
         frame,
@@ -138,10 +139,14 @@ impl Reading {
         Ok(())
     }
 
+    /// A position that is none on earth says nothing, and is a gap: vehicles send such.
     fn fix(&mut self, line: &FixLine) -> Result<(), String> {
+        let Ok(place) = place(line.lat_deg, line.lon_deg) else {
+            return Ok(());
+        };
         let fix = Fix {
             t_s: line.t_s,
-            place: place(line.lat_deg, line.lon_deg)?,
+            place,
             amsl: Amsl(line.amsl_m),
             speed_mps: line.speed_mps,
             item: line.item,

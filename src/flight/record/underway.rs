@@ -14,6 +14,7 @@ use super::read::SPEEDUP;
 use crate::flight::clock::unix_ms;
 use crate::flight::error::FlightError;
 use crate::formats::write_file;
+use crate::numeric::text::read_regular;
 use crate::report;
 use crate::spec::{Link, Threat};
 
@@ -31,7 +32,7 @@ pub struct Underway {
     /// The content of `links.json`.
     pub notice: Notice,
     /// Both files of an earlier flight that was cut off: its vehicles may still be in the air.
-    earlier: [(&'static str, Option<Vec<u8>>); 2],
+    earlier: [(&'static str, Option<String>); 2],
 }
 
 /// The content of `links.json`.
@@ -43,6 +44,9 @@ pub struct Notice {
     pub speedup: f64,
     /// Milliseconds since 1970 at T0; none before it.
     pub t0_unix_ms: Option<u64>,
+    /// File name of the record; empty where there is none.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub record: String,
 }
 
 impl Default for Notice {
@@ -52,6 +56,7 @@ impl Default for Notice {
             links: BTreeMap::new(),
             speedup: 1.0,
             t0_unix_ms: None,
+            record: String::new(),
         }
     }
 }
@@ -90,12 +95,13 @@ impl Underway {
     #[must_use]
     pub fn new(folder: PathBuf, links: BTreeMap<String, String>, speedup: f64) -> Self {
         Self {
-            earlier: [NOTICE, UNDERWAY].map(|name| (name, std::fs::read(folder.join(name)).ok())),
+            earlier: [NOTICE, UNDERWAY].map(|name| (name, read_regular(&folder.join(name)).ok())),
             folder,
             notice: Notice {
                 links,
                 speedup,
                 t0_unix_ms: None,
+                record: String::new(),
             },
         }
     }
@@ -112,13 +118,13 @@ impl Underway {
                 path.display()
             ))
         };
-        let bytes = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
+        let text = match read_regular(&path) {
+            Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(error) => return Err(unusable(error.to_string())),
         };
         let notice: Notice =
-            serde_json::from_slice(&bytes).map_err(|error| unusable(error.to_string()))?;
+            serde_json::from_str(&text).map_err(|error| unusable(error.to_string()))?;
         if let Some(problem) = notice.problem() {
             return Err(unusable(problem));
         }
@@ -154,7 +160,7 @@ impl Underway {
             let path = self.folder.join(name);
             match earlier.as_ref().filter(|_| !has_begun) {
                 // Files that cannot be given back are lost: there is nobody else to write them.
-                Some(bytes) => drop(write_file(&path, bytes)),
+                Some(text) => drop(write_file(&path, text.as_bytes())),
                 // A file that is gone already is as good.
                 None => drop(std::fs::remove_file(&path)),
             }
@@ -184,6 +190,13 @@ impl Underway {
         })
     }
 
+    /// Bytes of the first lines for the record, which are in it already.
+    #[must_use]
+    pub(crate) fn length_of(&self, lines: usize) -> usize {
+        let text = read_regular(&self.underway()).unwrap_or_default();
+        text.split_inclusive('\n').take(lines).map(str::len).sum()
+    }
+
     /// The threats that came up so far.
     #[must_use]
     pub fn popups(&self) -> Vec<Threat> {
@@ -197,7 +210,7 @@ impl Underway {
 
     /// Whole lines after the first `taken` bytes, and the number of bytes up to their end.
     pub(crate) fn lines_after(&self, taken: usize) -> (Vec<String>, usize) {
-        let text = std::fs::read_to_string(self.underway()).unwrap_or_default();
+        let text = read_regular(&self.underway()).unwrap_or_default();
         let fresh = text.get(taken..).unwrap_or_default();
         let whole = fresh.rfind('\n').map_or("", |end| &fresh[..=end]);
         let lines = whole.lines().map(str::to_owned).collect();

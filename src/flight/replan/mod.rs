@@ -103,7 +103,7 @@ pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
 pub fn add_threats(plan: &mut FlightPlan, popups: &[Threat]) {
     for threat in popups {
         let center = plan.world.frame.to_plan(threat.place);
-        let radius_m = threat.radius_m;
+        let radius_m = threat.radius_m + plan.spec().buffers.threats_m;
         plan.world.threats.push(Disc { center, radius_m });
         plan.file.spec.threats.push(threat.clone());
     }

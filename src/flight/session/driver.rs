@@ -14,6 +14,7 @@ use crate::flight::error::FlightError;
 use crate::flight::launch::plan::FlightPlan;
 use crate::flight::page::flight_page;
 use crate::flight::record::Plan;
+use crate::flight::record::interrupted::Interrupted;
 use crate::flight::record::journal::Journal;
 use crate::flight::record::lines::Line;
 use crate::flight::record::read::read_record;
@@ -79,6 +80,14 @@ impl<'a> Driver<'a> {
             unwritten: Vec::new(),
             read: (0, Time(0)),
         }
+    }
+
+    /// Goes on with the record of a flight that is taken over, after the lines of `replan` that it
+    /// has already.
+    #[must_use]
+    pub fn resuming(mut self, flight: &Interrupted) -> Self {
+        self.read.0 = self.underway.length_of(flight.replan_lines());
+        self
     }
 
     /// Time since the driver was made.

@@ -10,6 +10,7 @@ pub(super) mod orbit;
 pub(super) mod pending_command;
 pub(super) mod set_current;
 pub(super) mod status;
+mod takeover;
 pub(super) mod vehicle;
 
 use std::collections::VecDeque;
@@ -403,6 +404,7 @@ impl<'a> Fleet<'a> {
         let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
         let mut ends_s = 0.0_f64;
         for vehicle in &mut self.vehicles {
+            vehicle.look_whether_it_rejoins();
             if matches!(vehicle.stage, Stage::Armed) && t_s >= vehicle.of.start_s {
                 vehicle.start();
             }

@@ -61,3 +61,9 @@ pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
 pub(crate) fn is_hold(of: &VehicleMission, custom_mode: u32) -> bool {
     custom_mode == modes(of).hold.custom_mode
 }
+
+/// Whether a vehicle in this mode lands at its place as ordered.
+pub(crate) fn is_land(of: &VehicleMission, custom_mode: u32) -> bool {
+    let land = modes(of).land;
+    land.is_some_and(|mode| mode.custom_mode == custom_mode)
+}

@@ -75,6 +75,7 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         (Stage::Arming, _) => "arms",
         (Stage::Armed, _) => "armed",
         (Stage::Disarming(_), _) => "disarms",
+        (Stage::Rejoining { .. }, _) => "is awaited",
         (Stage::Starting, _) => "starts",
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.misses_its_hold() => "no hold yet",
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.of.mission.airframe.has_wing() => {
@@ -82,6 +83,7 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         }
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.holds => "holds",
         (Stage::Flying, Some(Instruction::Hold)) => "stops",
+        (Stage::Flying, Some(Instruction::Land)) if vehicle.misses_its_landing() => "not landing",
         (Stage::Flying, Some(Instruction::Land)) => "lands",
         (Stage::Flying, None) if vehicle.in_mission => "flies",
         (Stage::Flying, None) => "off mission",

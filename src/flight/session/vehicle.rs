@@ -5,6 +5,7 @@ mod checks;
 mod ending;
 mod hold;
 mod orders;
+mod rejoin;
 mod texts;
 
 use std::collections::VecDeque;
@@ -70,6 +71,8 @@ pub(crate) enum Stage<'a> {
     Armed,
     /// Commands until the heartbeat shows that the motors stand.
     Disarming(Disarming),
+    /// Its flight is taken over from a record with this number of its positions.
+    Rejoining { known: usize },
     /// The mission was ordered to start.
     Starting,
     /// The mission is flown.
@@ -356,7 +359,10 @@ impl<'a> FlightVehicle<'a> {
         if is_up {
             self.heed_takeoff();
         }
-        if matches!(self.stage, Stage::Flying | Stage::Starting) {
+        if matches!(
+            self.stage,
+            Stage::Flying | Stage::Starting | Stage::Rejoining { .. }
+        ) {
             if is_up && !self.airborne {
                 self.airborne = true;
                 self.said.push_back("took off".to_owned());
@@ -377,8 +383,13 @@ impl<'a> FlightVehicle<'a> {
                     (true, Some(Instruction::Hold)) if self.hold.was_in_mode() => {
                         End::StoppedAfterHold
                     }
-                    (true, Some(Instruction::Land)) => End::LandedEarly,
-                    (true, None | Some(Instruction::Hold)) => self.landing(),
+                    (true, Some(Instruction::Land))
+                        if self.hold.was_in_mode()
+                            || modes::is_land(self.of.mission, beat.custom_mode) =>
+                    {
+                        End::LandedEarly
+                    }
+                    (true, _) => self.landing(),
                 };
                 self.end(end);
             }
@@ -430,8 +441,7 @@ impl<'a> FlightVehicle<'a> {
                 }
                 Answer::Result(result) => {
                     let command = pending.command();
-                    // A vehicle that refuses to land flies on as planned; a hold is ordered again.
-                    self.instruction = self.instruction.filter(|of| *of == Instruction::Hold);
+                    // Refused or not, a hold or a landing is ordered again.
                     self.holds = false;
                     self.disobeyed(&format!("refused command {command} with {result}"));
                 }

@@ -22,12 +22,12 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         polygon(ring(spec.area.outline())),
         &json!({
             "kind": "area", "id": spec.name,
-            "min_agl_m": world.min_agl.0, "max_amsl_m": world.max_amsl.0,
+            "min_agl_m": spec.area.min_agl.0, "max_amsl_m": spec.area.max_amsl.0,
         }),
     )];
-    for (threat, disc) in spec.threats.iter().zip(&world.threats) {
+    for threat in &spec.threats {
         features.push(feature(
-            polygon(circle(world, disc)),
+            polygon(circle(world, threat)),
             &json!({
                 "kind": "threat", "id": threat.id, "label": threat.kind, "radius_m": threat.radius_m,
             }),

@@ -23,11 +23,11 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
     kml.begin(&spec.name);
     kml.open("Folder");
     kml.leaf("name", "Airspace");
-    let ceiling = world.max_amsl;
+    let ceiling = spec.area.max_amsl;
     kml.polygon("area", "area", &ring(spec.area.outline()), None);
-    for (threat, disc) in spec.threats.iter().zip(&world.threats) {
+    for threat in &spec.threats {
         let name = format!("{} ({})", threat.id, threat.kind);
-        kml.polygon(&name, "threat", &circle(world, disc), Some(ceiling));
+        kml.polygon(&name, "threat", &circle(world, threat), Some(ceiling));
     }
     for zone in &spec.no_fly {
         // KML has one reference for all corners: a ceiling above ground is drawn as none.

@@ -1,14 +1,16 @@
 //! Outlines for maps: closed rings, counter-clockwise.
 
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
-use crate::world::{Disc, World};
+use crate::spec::Threat;
+use crate::world::World;
 
 /// Corners of a circle.
 const CORNERS: u32 = 72;
 
 /// The polygon circumscribed about a threat, so that no map draws it too small.
-pub(crate) fn circle(world: &World, disc: &Disc) -> Vec<LatLon> {
-    circumscribed(&world.frame, disc.center, disc.radius_m)
+pub(crate) fn circle(world: &World, threat: &Threat) -> Vec<LatLon> {
+    let center = world.frame.to_plan(threat.place);
+    circumscribed(&world.frame, center, threat.radius_m)
 }
 
 /// The polygon circumscribed about a circle.

@@ -10,8 +10,9 @@ use crate::link::time::Time;
 /// without a system can always be forgotten.
 const MAX_PEERS: usize = 512;
 /// A system that was silent at one address for so long may speak from another,
-/// milliseconds. Three heartbeats.
-const MOVED_MS: u64 = 3000;
+/// milliseconds. Two live ones are heard in turn each second, and a vehicle that changed its
+/// port is found before it counts as lost.
+const MOVED_MS: u64 = 1500;
 
 /// The peers of one link.
 #[derive(Default)]
@@ -108,8 +109,9 @@ mod tests {
         let both = Some(Some([at(1), at(3)]));
         assert_eq!(peers.route(1, at(1), Time(200)), both);
         // The second one started again and has another port now.
-        assert_eq!(peers.route(2, at(4), Time(3000)), None);
-        assert_eq!(peers.route(2, at(4), Time(3001)), None);
+        assert_eq!(peers.route(2, at(4), Time(1499)), Some(None));
+        assert_eq!(peers.route(2, at(4), Time(1500)), None);
+        assert_eq!(peers.route(2, at(4), Time(1501)), None);
     }
 
     #[test]

@@ -8,6 +8,9 @@ use crate::link::time::Time;
 
 /// Wait for the first heartbeat of the vehicle, milliseconds.
 const NOBODY_MS: u64 = 10_000;
+/// Wait for the autopilot's own component when another one of the vehicle claims to be the
+/// autopilot, milliseconds: two heartbeats, and one that was lost.
+pub(crate) const COMPANION_MS: u64 = 2500;
 /// Wait for a vehicle that is starting, milliseconds.
 const STARTING_MS: u64 = 30_000;
 
@@ -18,6 +21,8 @@ pub(crate) struct Discovery {
     /// The vehicle, once it has been heard and identified.
     vehicle: Option<(Address, Heartbeat)>,
     heard: Vec<(Address, Heartbeat)>,
+    /// When another component of the vehicle was first heard.
+    companion: Option<Time>,
 }
 
 /// Result of a heartbeat or a timeout.
@@ -38,6 +43,7 @@ impl Discovery {
             until: now + NOBODY_MS,
             vehicle: None,
             heard: Vec::new(),
+            companion: None,
         }
     }
 
@@ -47,6 +53,7 @@ impl Discovery {
             until: now + STARTING_MS,
             vehicle: Some(vehicle),
             heard: Vec::new(),
+            companion: None,
         }
     }
 
@@ -76,11 +83,22 @@ impl Discovery {
                 }
                 Discovered::Pending
             }
-            Some(_) => Discovered::Pending,
+            Some((vehicle, _)) => {
+                let is_same = vehicle.system == from.system;
+                if is_same && identity::is_first_choice(from) {
+                    return self.identify(order, now, from, heartbeat);
+                }
+                Discovered::Pending
+            }
             None => {
                 self.heard.retain(|(address, _)| *address != from);
                 self.heard.push((from, heartbeat));
-                if from.system == order.sysid {
+                let is_ours = from.system == order.sysid;
+                let since = match self.companion {
+                    None if is_ours => *self.companion.insert(now),
+                    since => since.unwrap_or(now),
+                };
+                if is_ours && (identity::is_first_choice(from) || now - since >= COMPANION_MS) {
                     return self.identify(order, now, from, heartbeat);
                 }
                 Discovered::Pending
@@ -100,6 +118,7 @@ impl Discovery {
         let strangers: Vec<(Address, Heartbeat)> = self
             .heard
             .iter()
+            .filter(|(address, _)| address.system != expected)
             .filter(|(address, _)| !order.others.contains(&address.system))
             .copied()
             .collect();

@@ -1,7 +1,7 @@
 //! Reads one list from one vehicle (`MISSION_REQUEST_LIST`, one request at a time,
 //! closing `MISSION_ACK`).
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 use crate::link::message::{Address, Body, Message, MissionResult, Route};
 use crate::link::rtt::RttEstimator;
@@ -25,7 +25,16 @@ pub struct Download {
     outbox: VecDeque<Body>,
     phase: Phase,
     items: Vec<Item>,
+    /// Items that came before one with a lower number.
+    early: BTreeMap<u16, Item>,
+    /// The first item that was never requested.
+    next: u16,
+    /// Most items that are requested at once.
+    window: usize,
     opaque_id: u32,
+    /// A list with this id is not read; 0 for none.
+    known_id: u32,
+    is_unchanged: bool,
     rtt: RttEstimator,
     lists: u32,
     complaint: Option<MissionResult>,
@@ -79,7 +88,12 @@ impl Download {
             outbox: VecDeque::new(),
             phase: Phase::Listing { again: now },
             items: Vec::new(),
+            early: BTreeMap::new(),
+            next: 0,
+            window: 1,
             opaque_id: 0,
+            known_id: 0,
+            is_unchanged: false,
             rtt: RttEstimator::default(),
             lists: 0,
             complaint: None,
@@ -88,6 +102,25 @@ impl Download {
         };
         download.list(now);
         download
+    }
+
+    /// Requests up to `window` items at once, of a vehicle that gives them in any order.
+    #[must_use]
+    pub(crate) fn with_window(mut self, window: usize) -> Self {
+        self.window = window.max(1);
+        self
+    }
+
+    /// Ends as unchanged, without an item, if the vehicle gives the list this id; 0 is none.
+    #[must_use]
+    pub(crate) fn unless_id(mut self, known_id: u32) -> Self {
+        self.known_id = known_id;
+        self
+    }
+
+    /// Whether it ended because the list still has the known id.
+    pub(crate) fn is_unchanged(&self) -> bool {
+        self.is_unchanged
     }
 
     /// Takes in a message of any sender.
@@ -131,7 +164,7 @@ impl Download {
             Phase::Reading { heard, .. } if now >= heard + SILENCE_MS => self.list(now),
             Phase::Reading { .. } => {
                 self.repeats += 1;
-                self.request(now);
+                self.request_missing(now);
             }
         }
     }
@@ -171,7 +204,7 @@ impl Download {
     /// Items read so far.
     #[must_use]
     pub fn progress(&self) -> usize {
-        self.items.len()
+        self.items.len() + self.early.len()
     }
 
     /// How many messages were repeated.
@@ -182,7 +215,7 @@ impl Download {
 
     fn list(&mut self, now: Time) {
         self.lists += 1;
-        self.items.clear();
+        self.forget_items();
         self.outbox.push_back(Body::RequestList);
         self.phase = Phase::Listing {
             again: now + LIST_MS,
@@ -197,9 +230,13 @@ impl Download {
             {
                 return;
             }
-            _ => self.items.clear(),
+            _ => self.forget_items(),
         }
         self.opaque_id = opaque_id;
+        if opaque_id != 0 && opaque_id == self.known_id {
+            self.is_unchanged = true;
+            return self.close(MissionResult::OPERATION_CANCELLED);
+        }
         self.lists = 0;
         self.complaint = None;
         self.phase = Phase::Reading {
@@ -212,39 +249,75 @@ impl Download {
     }
 
     fn received(&mut self, now: Time, seq: u16, item: Item) {
+        let is_news = usize::from(seq) >= self.items.len() && !self.early.contains_key(&seq);
+        let is_asked = seq < self.next && is_news;
+        let is_first = self.items.is_empty() && self.early.is_empty();
         let Phase::Reading { asked, heard, .. } = &mut self.phase else {
             return;
         };
-        if usize::from(seq) != self.items.len() {
+        if !is_asked {
             return;
         }
-        self.rtt.sample(now - *asked);
+        // Of several requests only the first answer shows how long one takes.
+        if self.window == 1 || is_first {
+            self.rtt.sample(now - *asked);
+        }
         *asked = now;
         *heard = now;
-        self.items.push(item);
+        self.early.insert(seq, item);
+        while let Some(item) = self.early.remove(&next_of(&self.items)) {
+            self.items.push(item);
+        }
         self.advance(now);
     }
 
-    /// Asks for the next item, or ends when there is none. The closing ACK frees
-    /// the vehicle; PX4 and MAVSDK stay busy for seconds without it.
+    fn forget_items(&mut self) {
+        self.items.clear();
+        self.early.clear();
+        self.next = 0;
+    }
+
+    /// Requests more items, or ends when there is none.
     fn advance(&mut self, now: Time) {
         let Phase::Reading { count, .. } = self.phase else {
             return;
         };
         if self.items.len() < usize::from(count) {
-            self.request(now);
+            self.request(now, count);
         } else {
-            self.outbox.push_back(Body::Ack {
-                result: MissionResult::ACCEPTED,
-                opaque_id: 0,
-            });
-            self.outcome = Some(Ok(std::mem::take(&mut self.items)));
+            self.close(MissionResult::ACCEPTED);
         }
     }
 
-    fn request(&mut self, now: Time) {
-        let seq = u16::try_from(self.items.len()).unwrap_or(u16::MAX);
-        self.outbox.push_back(Body::RequestInt { seq });
+    /// Ends with an ACK that frees the vehicle: PX4 and MAVSDK stay busy for seconds without it.
+    fn close(&mut self, result: MissionResult) {
+        self.outbox.push_back(Body::Ack {
+            result,
+            opaque_id: 0,
+        });
+        self.outcome = Some(Ok(std::mem::take(&mut self.items)));
+    }
+
+    /// Requests items that were never requested, as many as the window allows.
+    fn request(&mut self, now: Time, count: u16) {
+        let received = self.items.len() + self.early.len();
+        while self.next < count && usize::from(self.next) < received + self.window {
+            self.outbox.push_back(Body::RequestInt { seq: self.next });
+            self.next += 1;
+        }
+        self.note_request(now);
+    }
+
+    /// Requests again everything that did not come.
+    fn request_missing(&mut self, now: Time) {
+        let missing = next_of(&self.items)..self.next;
+        let missing = missing.filter(|seq| !self.early.contains_key(seq));
+        let requests = missing.map(|seq| Body::RequestInt { seq });
+        self.outbox.extend(requests);
+        self.note_request(now);
+    }
+
+    fn note_request(&mut self, now: Time) {
         if let Phase::Reading { sent, .. } = &mut self.phase {
             *sent = now;
         }
@@ -270,4 +343,9 @@ impl Download {
             fatal => self.outcome = Some(Err(DownloadError::Refused { result: fatal })),
         }
     }
+}
+
+/// The number of the item after these.
+fn next_of(items: &[Item]) -> u16 {
+    u16::try_from(items.len()).unwrap_or(u16::MAX)
 }

@@ -31,6 +31,12 @@ pub(crate) fn is_autopilot(from: Address, heartbeat: &Heartbeat) -> bool {
         && !is_companion
 }
 
+/// Whether this is the component of an autopilot. Another component that claims to be one may be
+/// a companion computer that repeats what its autopilot says.
+pub(crate) fn is_first_choice(from: Address) -> bool {
+    from.component == AUTOPILOT_COMPONENT
+}
+
 /// Refuses a vehicle that is not the one of the spec, or that is armed.
 /// An autopilot or type 0 (generic) is no mismatch.
 pub(crate) fn check(

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::discovery::is_ready;
+use super::discovery::{COMPANION_MS, is_ready};
 use super::download::{Download, DownloadError};
 use super::identity;
 use super::report::Failure;
@@ -58,6 +58,8 @@ pub struct Reading {
     outbox: VecDeque<Message>,
     stage: Stage,
     heard: Vec<(Address, Heartbeat)>,
+    /// When another component of the vehicle was first heard.
+    companion: Option<Time>,
     vehicle: Option<(Address, Heartbeat)>,
     lists: Vec<Vec<Item>>,
     unknown: Vec<List>,
@@ -92,6 +94,7 @@ impl Reading {
                 until: now + NOBODY_MS,
             },
             heard: Vec::new(),
+            companion: None,
             vehicle: None,
             lists: Vec::new(),
             unknown: Vec::new(),
@@ -196,8 +199,17 @@ impl Reading {
         self.heard.push((from, heartbeat));
         match (self.vehicle, self.sysid) {
             (Some((vehicle, _)), _) if vehicle == from => self.vehicle = Some((from, heartbeat)),
+            (Some((vehicle, _)), _)
+                if vehicle.system == from.system && identity::is_first_choice(from) =>
+            {
+                self.vehicle = Some((from, heartbeat));
+            }
             (Some(_), _) => return,
             (None, Some(sysid)) if sysid == from.system => {
+                let since = *self.companion.get_or_insert(now);
+                if !identity::is_first_choice(from) && now - since < COMPANION_MS {
+                    return;
+                }
                 self.vehicle = Some((from, heartbeat));
                 *until = now + STARTING_MS;
             }
@@ -227,6 +239,9 @@ impl Reading {
         let mut systems: Vec<u8> = self.heard.iter().map(|(from, _)| from.system).collect();
         systems.sort_unstable();
         systems.dedup();
+        // The autopilot before other components of the vehicle.
+        self.heard
+            .sort_by_key(|(from, _)| !identity::is_first_choice(*from));
         match (self.sysid, &self.heard[..], &systems[..]) {
             (None, [(from, heartbeat), ..], [_]) => {
                 let ready = is_ready(heartbeat);

@@ -149,6 +149,27 @@ pub enum Failure {
         /// Its last answer while it took the items.
         complaint: Option<MissionResult>,
     },
+    /// The list changed again and again after it had been read back.
+    #[error(
+        "{list}: changed on board {times} times after it was read back: another station writes to the vehicle; upload again while none does"
+    )]
+    ChangedMeanwhile {
+        /// Which.
+        list: List,
+        /// How often.
+        times: u32,
+    },
+    /// Another station wrote to the vehicle, so its content on board is not certain.
+    #[error(
+        "{}: changed by system {system} during the transfer; upload again while no other station writes to the vehicle",
+        list_text(*.list)
+    )]
+    ChangedBy {
+        /// Which list; none for all of them.
+        list: Option<List>,
+        /// The system id of the other station.
+        system: u8,
+    },
     /// The whole transfer took too long.
     #[error("not finished within {after_s} s")]
     OutOfTime {
@@ -206,6 +227,10 @@ fn heard_text(heard: &[u8]) -> String {
     }
     let names: Vec<String> = heard.iter().map(ToString::to_string).collect();
     format!(" (heard on the link: system {})", names.join(", "))
+}
+
+fn list_text(list: Option<List>) -> String {
+    list.map_or_else(|| "all lists".to_owned(), |list| list.to_string())
 }
 
 fn said(complaint: Option<MissionResult>) -> String {

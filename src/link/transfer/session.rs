@@ -3,11 +3,16 @@
 //!
 //! Fence before mission, because PX4 checks a mission against the fence on board. A list
 //! that must be empty is read first and cleared if it is not, so that no old fence stays.
+//! At the end all lists are looked at once more: another station, or a restart of the
+//! vehicle, may have changed one while the next was transferred.
 
 mod ending;
+mod last_look;
 mod lists;
 
 use std::collections::VecDeque;
+
+use last_look::{Boot, Foreign};
 
 use super::compare::Difference;
 use super::discovery::{Discovered, Discovery, is_ready};
@@ -73,8 +78,12 @@ pub struct Session<'a> {
     held: [Vec<Item>; 3],
     /// The vehicle's own ids of the lists read back, in the order of their numbers.
     plan_ids: [u32; 3],
-    /// Whether the lists were read once more because their ids had changed.
-    reread: bool,
+    /// Whether the lists are looked at for the last time.
+    is_last_look: bool,
+    /// How often the last look found a list that had changed.
+    changes: u32,
+    foreign: Foreign,
+    boot: Boot,
     software: String,
     version_requests: u32,
     differences: Vec<Difference>,
@@ -124,7 +133,10 @@ impl<'a> Session<'a> {
             retries: 0,
             held: [Vec::new(), Vec::new(), Vec::new()],
             plan_ids: [0; 3],
-            reread: false,
+            is_last_look: false,
+            changes: 0,
+            foreign: Foreign::default(),
+            boot: Boot::default(),
             software: String::new(),
             version_requests: 0,
             differences: Vec::new(),
@@ -158,14 +170,17 @@ impl<'a> Session<'a> {
                 self.software = identity::version(*flight_software);
                 self.version_requests = MAX_VERSION_REQUESTS;
             }
-            Message::MissionCurrent { opaque_ids, .. } if self.is_of_autopilot(from) => {
-                self.compare_ids(now, *opaque_ids);
+            Message::Flight(FlightMessage::Position(position)) if self.is_of_autopilot(from) => {
+                if self.boot.is_restart(position.boot_ms) {
+                    self.restarted(now);
+                }
             }
             Message::AutopilotVersion { .. }
             | Message::MissionCurrent { .. }
             | Message::HomePosition { .. }
             | Message::Flight(_) => {}
-            Message::Mission(_) => {
+            Message::Mission(mission) => {
+                self.look_for_foreign(from, mission);
                 if let Stage::Working(task) = &mut self.stage {
                     task.handle(now, from, message);
                 }
@@ -218,13 +233,7 @@ impl<'a> Session<'a> {
                 self.discovered(now, discovered);
             }
             Stage::Pausing { until } if now >= *until => self.begin_list(now),
-            Stage::Listening { until } if now >= *until => {
-                let rejection = self.rejection.take();
-                let verdict = rejection.map_or(Verdict::Verified, |text| {
-                    Verdict::Failed(Failure::WillNotFly { text })
-                });
-                self.end(now, verdict);
-            }
+            Stage::Listening { until } if now >= *until => self.look_again(now),
             Stage::Discovery(_) | Stage::Pausing { .. } | Stage::Listening { .. } => {}
         }
         self.advance(now);
@@ -279,8 +288,9 @@ impl<'a> Session<'a> {
             Stage::Discovery(_) | Stage::Pausing { .. } => ("waiting", 0, 0),
             Stage::Listening { .. } => ("done", 0, 0),
         };
+        let is_last_look = self.is_last_look;
         Progress {
-            lists: self.at,
+            lists: if is_last_look { ORDER.len() } else { self.at },
             stage,
             done,
             total,
@@ -334,8 +344,7 @@ impl<'a> Session<'a> {
         if heartbeat.is_armed() && !self.order.force {
             self.end(now, Verdict::Failed(Failure::ArmedMeanwhile));
         } else if !is_ready(&heartbeat) && !matches!(self.stage, Stage::Discovery(_)) {
-            // It was started again and may have lost what it confirmed.
-            self.stage = Stage::Discovery(Discovery::again((from, heartbeat), now));
+            self.restarted(now);
         }
     }
 
@@ -345,6 +354,7 @@ impl<'a> Session<'a> {
             Discovered::Ready(address, heartbeat) => {
                 self.vehicle = Some((address, heartbeat));
                 (self.at, self.rounds, self.pauses) = (0, 0, 0);
+                self.is_last_look = false;
                 self.request_version();
                 if self.version == Version::One {
                     let (fence, rally) = (
@@ -355,8 +365,8 @@ impl<'a> Session<'a> {
                         let failure = Failure::OnlyMavlink1 { fence, rally };
                         return self.end(now, Verdict::Failed(failure));
                     }
-                    self.at = ORDER.len() - 1;
                 }
+                self.at = self.first_list();
                 self.begin_list(now);
             }
             Discovered::Failed(verdict) => self.end(now, verdict),

@@ -22,6 +22,8 @@ pub(crate) enum Ended {
     Cleared(Result<Cleared, MissionResult>),
     /// With the vehicle's own id of the list.
     Read(Result<Vec<Item>, DownloadError>, u32),
+    /// The vehicle gives the list the known id.
+    Unchanged,
 }
 
 impl Task {
@@ -62,6 +64,7 @@ impl Task {
         match self {
             Self::Upload(upload) => upload.outcome().map(Ended::Sent),
             Self::Clear(clear) => clear.outcome().map(Ended::Cleared),
+            Self::Download(download) if download.is_unchanged() => Some(Ended::Unchanged),
             Self::Download(download) => {
                 let outcome = download.outcome().cloned();
                 outcome.map(|outcome| Ended::Read(outcome, download.opaque_id()))

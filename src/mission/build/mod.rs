@@ -155,7 +155,7 @@ pub fn build_course(
         vehicle,
         &spec.mission,
         encoder.home_amsl().0,
-        !fence.is_empty(),
+        (!fence.is_empty()).then(|| spec.fence_margin_m()),
     );
     let mission = VehicleMission {
         autopilot_version: vehicle.autopilot_version,

@@ -2,11 +2,11 @@
 //! could not climb or descend fast enough.
 
 use fearless_simd::{Level, dispatch};
-use geo::{BoundingRect, Contains, Point, Rect};
 
 use super::Demand;
 use crate::cost::Relief;
-use crate::geodesy::Amsl;
+use crate::geodesy::{Amsl, EastNorth};
+use crate::numeric::geometry::Offset;
 use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
 use crate::spec::Placement;
@@ -40,7 +40,7 @@ impl Slopes {
 
 /// A zone that can be flown over or under.
 struct LowZone<'a> {
-    rect: Rect<f64>,
+    closed: Offset,
     zone: &'a PlanZone,
     /// Kept above it, and below it, metres.
     over_m: f64,
@@ -73,7 +73,6 @@ impl<'a> FloorMaker<'a> {
             .zones
             .iter()
             .filter_map(|zone| {
-                let rect = zone.outline.bounding_rect()?;
                 let under_m = over_m;
                 let over_m = zone.margin_over_m(over_m, world.max_amsl);
                 let has_room = match (zone.floor, zone.ceiling) {
@@ -81,8 +80,8 @@ impl<'a> FloorMaker<'a> {
                     (None, Some(Placement::Amsl(top))) => top.0 + over_m <= world.max_amsl.0,
                     _ => true,
                 };
-                has_room.then_some(LowZone {
-                    rect,
+                has_room.then(|| LowZone {
+                    closed: zone.offset(),
                     zone,
                     over_m,
                     under_m,
@@ -191,12 +190,22 @@ impl<'a> FloorMaker<'a> {
 }
 
 impl LowZone<'_> {
+    fn holds(&self, at: (f64, f64)) -> bool {
+        match self.zone.buffer_m > 0.0 {
+            true => self.closed.contains([at.0, at.1]),
+            false => self.zone.holds(EastNorth {
+                east_m: at.0,
+                north_m: at.1,
+            }),
+        }
+    }
+
     /// A floor, raised to the top of the zone where it is in it; left alone where it is below the
     /// zone, and where the zone reaches up to the ceiling.
     fn raised(&self, floor_m: f64, ground_m: f64, at: (f64, f64), world: &World) -> f64 {
-        let (min, max) = (self.rect.min(), self.rect.max());
-        let near = min.x <= at.0 && at.0 <= max.x && min.y <= at.1 && at.1 <= max.y;
-        if !near || !self.zone.outline.contains(&Point::new(at.0, at.1)) {
+        let (min, max) = self.closed.bounds();
+        let near = min[0] <= at.0 && at.0 <= max[0] && min[1] <= at.1 && at.1 <= max[1];
+        if !near || !self.holds(at) {
             return floor_m;
         }
         let (from_m, below_m) = self.zone.closed_m(ground_m);

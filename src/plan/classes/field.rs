@@ -3,8 +3,6 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use geo::{Contains, Point, Polygon};
-
 use super::grid::Grid;
 use super::narrow_zones::crossed_nodes;
 use crate::geodesy::EastNorth;
@@ -200,7 +198,7 @@ pub(crate) fn dilate(grid: &Grid, slope: f64, values: &mut [f64]) {
 pub(crate) fn floor_at(world: &World, at: EastNorth) -> Option<f64> {
     let mut floor_m = world.ground.height_m(at) + world.min_agl.0;
     for zone in &world.zones {
-        if zone.is_near(at) && inside(&zone.outline, at) {
+        if zone.is_near(at) && zone.holds(at) {
             floor_m = past(zone, at, floor_m, world)?;
         }
     }
@@ -217,8 +215,4 @@ fn past(zone: &PlanZone, at: EastNorth, floor_m: f64, world: &World) -> Option<f
         floor_m.max(below_m)
     };
     (floor_m <= world.max_amsl.0).then_some(floor_m)
-}
-
-fn inside(outline: &Polygon<f64>, at: EastNorth) -> bool {
-    outline.contains(&Point::new(at.east_m, at.north_m))
 }

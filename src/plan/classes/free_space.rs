@@ -88,10 +88,12 @@ impl FreeSpace {
     fn close_zone(&mut self, context: &RouteContext<'_>, zone: &PlanZone) {
         let ring = Ring::around(&zone.outline);
         let (from, to) = context.ends_at();
-        let room_m = |end: EastNorth| 0.5 * ring.boundary_distance(plane(end));
-        let margin_m = context.margins.threat_m.min(room_m(from)).min(room_m(to));
+        let room_m =
+            |end: EastNorth| 0.5 * (ring.boundary_distance(plane(end)) - zone.buffer_m).max(0.0);
+        let least_room_m = room_m(from).min(room_m(to));
+        let margin_m = zone.buffer_m + context.margins.threat_m.min(least_room_m);
         let (low, high) = ring.bounds();
-        let nodes = self.nodes_around(low, high, self.reach_m);
+        let nodes = self.nodes_around(low, high, margin_m + self.reach_m);
         let distances: Vec<f64> = nodes
             .par_iter()
             .map(|&node| signed_distance_m(&ring, self.grid.at(node)) - margin_m)
@@ -108,10 +110,10 @@ impl FreeSpace {
     fn raise_past(&mut self, context: &RouteContext<'_>, zone: &PlanZone) {
         let ring = Ring::around(&zone.outline);
         let (low, high) = ring.bounds();
-        for node in self.nodes_around(low, high, 0.0) {
+        for node in self.nodes_around(low, high, zone.buffer_m) {
             let at = self.grid.at(node);
             let (from_m, below_m) = zone.closed_m(context.world.ground.height_m(at));
-            if ring.contains(plane(at)) && self.floor_m[node] >= from_m {
+            if zone.contains(at) && self.floor_m[node] >= from_m {
                 self.floor_m[node] = self.floor_m[node].max(below_m);
             }
         }

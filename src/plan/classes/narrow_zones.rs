@@ -16,7 +16,7 @@ const SHARP: f64 = 0.7;
 /// wall however thin is closed, and a gap in it or between two is left open. A corner that is
 /// cut does not count.
 pub(crate) fn crossed_nodes(grid: &Grid, zone: &PlanZone) -> Vec<usize> {
-    let ring = Ring::around(&zone.outline);
+    let ring = closed_ring(zone);
     let at = |node: usize| {
         let at = grid.at(node);
         [at.east_m, at.north_m]
@@ -92,9 +92,7 @@ fn nodes_near(grid: &Grid, ring: &Ring) -> impl Iterator<Item = usize> + use<> {
 /// The least distance between two closed zones, or such a zone and a threat, that is wider than
 /// `least_m`; metres.
 pub(crate) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
-    let rings: Vec<Ring> = closed(world)
-        .map(|zone| Ring::around(&zone.outline))
-        .collect();
+    let rings: Vec<Ring> = closed(world).map(closed_ring).collect();
     let mut narrowest_m = f64::INFINITY;
     let found = |gap_m: f64, narrowest_m: &mut f64| {
         if gap_m > least_m {
@@ -115,6 +113,11 @@ pub(crate) fn narrowest_gap_m(world: &World, least_m: f64) -> f64 {
         }
     }
     narrowest_m
+}
+
+/// What a zone closes in the plane, with mitred corners.
+fn closed_ring(zone: &PlanZone) -> Ring {
+    Ring::around(&zone.outline).outset(zone.buffer_m)
 }
 
 /// Distance between the boxes around two rings, metres.
@@ -143,7 +146,7 @@ pub(crate) fn narrowest_zone_m(world: &World) -> f64 {
             .edges()
             .map(|(a, b)| distance(a, b))
             .sum::<f64>();
-        2.0 * zone.outline.unsigned_area() / edges_m.max(1e-9)
+        2.0 * (zone.outline.unsigned_area() / edges_m.max(1e-9) + zone.buffer_m)
     };
     closed(world).map(breadth_m).fold(f64::INFINITY, f64::min)
 }

@@ -27,6 +27,7 @@ impl BlockingElement {
     /// What it is called: a threat or zone by its id.
     #[must_use]
     pub fn name(self, spec: &MissionSpec) -> String {
+        let buffers = &spec.buffers;
         let named = |kind: &str, id: Option<&String>| match id {
             Some(id) => format!("{kind} {id}"),
             None => kind.to_owned(),
@@ -37,7 +38,7 @@ impl BlockingElement {
             Self::Edge => "the edge of the area".to_owned(),
             Self::Ground => format!(
                 "ground less than {} m under the ceiling",
-                spec.area.min_agl.0
+                spec.area.min_agl.0 + buffers.terrain_m + buffers.ceiling_m
             ),
             Self::Void => "ground of unknown height".to_owned(),
         }
@@ -71,15 +72,15 @@ impl BlockingSets {
                 Some(Placement::Amsl(top)) => top > world.max_amsl,
                 Some(Placement::Agl(_)) => false,
             };
-            is_high && zone.floor.is_none() && zone.active_s.is_none()
+            is_high && zone.is_whole && zone.floor.is_none() && zone.active_s.is_none()
         };
         for (index, zone) in world.zones.iter().enumerate() {
             if reaches_up(zone) {
-                pieces
-                    .extend(edges(&zone.outline).map(|edge| (BlockingElement::Zone(index), edge)));
+                let edges = edges(&zone.outline, zone.buffer_m);
+                pieces.extend(edges.map(|edge| (BlockingElement::Zone(index), edge)));
             }
         }
-        pieces.extend(edges(&world.area).map(|edge| (BlockingElement::Edge, edge)));
+        pieces.extend(edges(&world.area, 0.0).map(|edge| (BlockingElement::Edge, edge)));
         // What a coarse grid makes of the ground proves nothing.
         if world.ground.shows(&world.terrain) {
             let highest_m = world.max_amsl.0 - world.min_agl.0;
@@ -111,11 +112,14 @@ fn point(at: EastNorth) -> Point {
     [at.east_m, at.north_m]
 }
 
-/// The edges of an outline.
-fn edges(outline: &Polygon<f64>) -> impl Iterator<Item = Capsule> + '_ {
-    outline.exterior().lines().map(|line| {
+/// The edges of an outline, with what is within a radius of them, metres.
+fn edges(outline: &Polygon<f64>, radius: f64) -> impl Iterator<Item = Capsule> + '_ {
+    outline.exterior().lines().map(move |line| {
         let ends = (line.start.x_y().into(), line.end.x_y().into());
-        Capsule::segment(ends)
+        Capsule {
+            radius,
+            ..Capsule::segment(ends)
+        }
     })
 }
 

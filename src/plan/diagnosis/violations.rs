@@ -2,7 +2,7 @@
 
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::Basis;
-use crate::numeric::geometry::{Point, Ring, point_segment_distance};
+use crate::numeric::geometry::{Offset, Point, Ring, point_segment_distance};
 use crate::path::VehicleLimits;
 use crate::plan::search::JUDGED_SAMPLES;
 use crate::plan::{Route, VehiclePlan};
@@ -128,10 +128,10 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
         }
     }
     for (named, zone) in spec.no_fly.iter().zip(&world.zones) {
-        let ring = Ring::around(&zone.outline);
+        let closed = zone.offset();
         let lengths = pieces(routes).map(|piece| {
             let (from_m, below_m) = zone.closed_m(world.ground.height_m(piece.0.at));
-            let inside_m = within_m(&ring, below_m, piece) - within_m(&ring, from_m, piece);
+            let inside_m = within_m(&closed, below_m, piece) - within_m(&closed, from_m, piece);
             (piece.0, inside_m)
         });
         found.extend(lengthy(lengths).map(|(at, length_m)| Violation {
@@ -140,7 +140,7 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
             at,
         }));
     }
-    let area = Ring::around(&world.area);
+    let area = Offset::new(Ring::around(&world.area), 0.0);
     let outside = pieces(routes).map(|(a, b)| {
         let length_m = a.at.distance_m(b.at);
         (a, length_m - within_m(&area, f64::INFINITY, (a, b)))
@@ -154,7 +154,7 @@ fn entered(spec: &MissionSpec, world: &World, routes: &[Vec<PlanPoint>]) -> Vec<
 }
 
 /// The length of a piece that lies in a ring below an altitude, metres.
-fn within_m(ring: &Ring, below_m: f64, (a, b): (PlanPoint, PlanPoint)) -> f64 {
+fn within_m(ring: &Offset, below_m: f64, (a, b): (PlanPoint, PlanPoint)) -> f64 {
     let (low, high) = (a.amsl.0.min(b.amsl.0), a.amsl.0.max(b.amsl.0));
     if low >= below_m || ring.is_far_from(plane(a), plane(b)) {
         return 0.0;

@@ -27,6 +27,7 @@ impl FleetPlan {
     #[must_use]
     pub fn column_conflicts(&self, spec: &MissionSpec, world: &World) -> Vec<ColumnConflict> {
         let flights = self.flights(spec, world);
+        let separation = spec.buffered_separation();
         let mut conflicts = Vec::new();
         for (vehicle, own) in flights.iter().enumerate() {
             let arrival_s = self.vehicles[vehicle]
@@ -40,7 +41,7 @@ impl FleetPlan {
                 .filter(|segment| segment.t1_s <= departure_s || segment.t0_s >= arrival_s)
                 .collect();
             for (other, flight) in flights[..vehicle].iter().enumerate() {
-                if let Some(worst) = worst(&columns, flight, &spec.separation) {
+                if let Some(worst) = worst(&columns, flight, &separation) {
                     conflicts.push(ColumnConflict {
                         vehicle,
                         other,

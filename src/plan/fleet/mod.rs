@@ -220,7 +220,7 @@ pub(super) fn flight_of(
 
 /// When a flight is too near to an earlier one, as the objective sees it too.
 pub(super) fn nearness(spec: &MissionSpec, margins: Margins) -> Nearness {
-    let separation = margins.beyond(&spec.separation);
+    let separation = margins.beyond(&spec.buffered_separation());
     Nearness {
         distance_m: separation.distance_m,
         vertical_m: separation.vertical_m,

@@ -101,6 +101,6 @@ fn speed_mps(context: &RouteContext<'_>) -> f64 {
 
 /// Way between two that follow each other, metres.
 fn apart_m(context: &RouteContext<'_>) -> f64 {
-    let separation = context.margins.beyond(&context.spec.separation);
+    let separation = context.margins.beyond(&context.spec.buffered_separation());
     separation.distance_m + separation.time_slack_s * speed_mps(context)
 }

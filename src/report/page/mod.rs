@@ -210,17 +210,18 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         margins.any(|margin| margin.limit == limit)
     };
     let clearance = held(Limit::TerrainClearance).then(|| {
-        let least_m = words::number(spec.area.min_agl.0, 1);
+        let least_m = words::number(spec.area.min_agl.0 + spec.buffers.terrain_m, 1);
         format!("{least_m} m or more above ground")
     });
     let ceiling = held(Limit::Ceiling)
-        .then(|| format!("up to {} m AMSL", words::number(spec.area.max_amsl.0, 1)));
+        .then(|| spec.area.max_amsl.0 - spec.buffers.ceiling_m)
+        .map(|most_m| format!("up to {} m AMSL", words::number(most_m, 1)));
     let heights: Vec<String> = clearance.into_iter().chain(ceiling).collect();
     if !heights.is_empty() {
         facts.push(heights.join(", "));
     }
     if held(Limit::Separation) {
-        let apart = words::number(spec.separation.distance_m, 1);
+        let apart = words::number(spec.buffered_separation().distance_m, 1);
         // A flown track has no other departure.
         let slack_s = spec.separation.time_slack_s;
         let shifted = if slack_s > 0.0 {

@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::geodesy::{EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
 use crate::report::ReviewInput;
-use crate::spec::{Finish, Vehicle};
+use crate::spec::{Finish, MissionSpec, Vehicle};
 use crate::verify::Limit;
 use crate::world::{PlanZone, World};
 use flown::FlownShape;
@@ -113,29 +113,31 @@ impl Scene {
             .collect();
         let mut margins = input.review.margins.iter();
         let is_held = margins.any(|margin| margin.limit == Limit::Separation);
-        let bounds = bounds(world, &vehicles);
+        let bounds = bounds(spec, world, &vehicles);
         let origin = world.frame.origin();
+        let separation = spec.buffered_separation();
+        // Zones are drawn without their buffers, those of the world have them.
+        let zone_buffer_m = input.spec.buffers.zones_m;
         Self {
             relief: Relief::sample(world, &bounds),
             bounds,
             origin: [origin.lat_deg, origin.lon_deg],
-            min_agl_m: metres(world.min_agl.0),
-            max_amsl_m: metres(world.max_amsl.0),
+            min_agl_m: metres(spec.area.min_agl.0 + spec.buffers.terrain_m),
+            max_amsl_m: metres(spec.area.max_amsl.0 - spec.buffers.ceiling_m),
             separation: SeparationLimit {
-                distance_m: is_held.then_some(spec.separation.distance_m),
-                vertical_m: spec.separation.vertical_m,
+                distance_m: is_held.then_some(separation.distance_m),
+                vertical_m: separation.vertical_m,
                 slack_s: spec.separation.time_slack_s,
             },
-            area: ring(&world.area),
+            area: ring(&world.frame.outline(&spec.area.outline())),
             threats: spec
                 .threats
                 .iter()
-                .zip(&world.threats)
-                .map(|(threat, disc)| ThreatShape {
+                .map(|threat| ThreatShape {
                     id: threat.id.clone(),
                     kind: threat.kind.clone(),
-                    at: flat(disc.center),
-                    radius_m: metres(disc.radius_m),
+                    at: flat(world.frame.to_plan(threat.place)),
+                    radius_m: metres(threat.radius_m),
                 })
                 .collect(),
             zones: spec
@@ -145,7 +147,7 @@ impl Scene {
                 .map(|(zone, shape)| ZoneShape {
                     id: zone.id.clone(),
                     ring: ring(&shape.outline),
-                    below_m: top_m(world, shape),
+                    below_m: top_m(world, shape, zone_buffer_m),
                 })
                 .collect(),
             rally: spec
@@ -198,7 +200,7 @@ fn violations(input: &ReviewInput<'_>) -> Vec<([f64; 2], String)> {
 
 /// The altitude up to which a zone is drawn: its ceiling, over the highest ground at its corners
 /// where that is measured from the ground; none if there is no ceiling.
-fn top_m(world: &World, zone: &PlanZone) -> Option<f64> {
+fn top_m(world: &World, zone: &PlanZone, buffer_m: f64) -> Option<f64> {
     let corners = zone.outline.exterior().coords();
     let tops = corners.map(|corner| {
         let at = EastNorth {
@@ -208,13 +210,13 @@ fn top_m(world: &World, zone: &PlanZone) -> Option<f64> {
         zone.closed_m(world.ground.height_m(at)).1
     });
     let top_m = tops.fold(f64::NEG_INFINITY, f64::max);
-    top_m.is_finite().then(|| metres(top_m))
+    top_m.is_finite().then(|| metres(top_m - buffer_m))
 }
 
 /// The area, and what lies or flies around it, as far as a quarter of its size.
-fn bounds(world: &World, vehicles: &[VehicleShape]) -> Bounds {
+fn bounds(spec: &MissionSpec, world: &World, vehicles: &[VehicleShape]) -> Bounds {
     let mut area = Bounds::NONE;
-    for [east_m, north_m] in ring(&world.area) {
+    for [east_m, north_m] in ring(&world.frame.outline(&spec.area.outline())) {
         area.include(EastNorth { east_m, north_m });
     }
     let size_m = area.width_m().max(area.height_m());

@@ -24,6 +24,8 @@ pub struct Zone {
     /// Closed only from and to these times, seconds after T0, either of them possibly infinite;
     /// always if absent.
     pub active_s: Option<(f64, f64)>,
+    /// Distance kept from it, metres, if that of `buffer_m` is not more.
+    pub buffer_m: f64,
     /// Where the zone comes from, if not from the spec itself: file and item.
     pub source: Option<String>,
 }
@@ -50,8 +52,10 @@ impl Zone {
     #[must_use]
     pub fn outline(&self) -> Vec<LatLon> {
         let mut ring = self.polygon.clone();
-        for hole in &self.holes {
-            bridge(&mut ring, hole);
+        let mut ahead: Vec<&[LatLon]> = self.holes.iter().map(Vec::as_slice).collect();
+        while let Some((at, first, hole)) = nearest(&ring, &ahead) {
+            join(&mut ring, at, (ahead[hole], first));
+            ahead.remove(hole);
         }
         ring
     }
@@ -89,15 +93,52 @@ fn height(of: Placement) -> String {
     }
 }
 
-/// Joins a hole to a ring between their corners that are nearest to each other.
-fn bridge(ring: &mut Vec<LatLon>, hole: &[LatLon]) {
-    let pairs = (0..ring.len()).flat_map(|r| (0..hole.len()).map(move |h| (r, h)));
-    let apart = |&(r, h): &(usize, usize)| {
-        let (a, b) = (ring[r], hole[h]);
-        (a.lat_deg - b.lat_deg).hypot((a.lon_deg - b.lon_deg) * a.lat_deg.to_radians().cos())
+/// Pairs of corners that are looked at for a line that crosses no edge.
+const MAX_PAIRS: usize = 2000;
+
+/// The corner of a ring, the corner of a hole, and the number of that hole, which are nearest to
+/// each other and between which no edge lies.
+fn nearest(ring: &[LatLon], holes: &[&[LatLon]]) -> Option<(usize, usize, usize)> {
+    let mut pairs = Vec::new();
+    for (number, hole) in holes.iter().enumerate() {
+        for (first, to) in hole.iter().enumerate() {
+            let all = ring.iter().enumerate();
+            let near = all.min_by(|a, b| apart(*a.1, *to).total_cmp(&apart(*b.1, *to)))?;
+            pairs.push((apart(*near.1, *to), (near.0, first, number)));
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let rings = || std::iter::once(ring).chain(holes.iter().copied());
+    let is_free = |&(at, first, hole): &(usize, usize, usize)| {
+        let line = (ring[at], holes[hole][first]);
+        !rings().flat_map(edges).any(|edge| cross(line, edge))
     };
-    let nearest = pairs.min_by(|a, b| apart(a).total_cmp(&apart(b)));
-    let Some((at, first)) = nearest else { return };
+    let mut shortest = pairs.iter().map(|(_, pair)| *pair).take(MAX_PAIRS);
+    shortest
+        .find(is_free)
+        .or(pairs.first().map(|(_, pair)| *pair))
+}
+
+fn apart(a: LatLon, b: LatLon) -> f64 {
+    (a.lat_deg - b.lat_deg).hypot((a.lon_deg - b.lon_deg) * a.lat_deg.to_radians().cos())
+}
+
+fn edges(ring: &[LatLon]) -> impl Iterator<Item = (LatLon, LatLon)> + '_ {
+    let next = ring.iter().cycle().skip(1);
+    ring.iter().copied().zip(next.copied())
+}
+
+/// Whether two segments cross within both.
+fn cross((a, b): (LatLon, LatLon), (c, d): (LatLon, LatLon)) -> bool {
+    let side = |from: LatLon, to: LatLon, at: LatLon| {
+        (to.lon_deg - from.lon_deg) * (at.lat_deg - from.lat_deg)
+            - (to.lat_deg - from.lat_deg) * (at.lon_deg - from.lon_deg)
+    };
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+}
+
+/// Joins a hole, from one of its corners on, to a corner of a ring.
+fn join(ring: &mut Vec<LatLon>, at: usize, (hole, first): (&[LatLon], usize)) {
     let around = hole.iter().cycle().skip(first).take(hole.len() + 1);
     let mut detour: Vec<LatLon> = around.copied().collect();
     if (doubled_area(ring) > 0.0) == (doubled_area(hole) > 0.0) {

@@ -2,11 +2,13 @@
 
 use geo::{Contains, Intersects, Point, Polygon};
 
+use super::super::airspace::{AttachedFile, Survey};
 use super::super::keys;
-use super::super::{Area, Placement, Rally, TerrainSource, Threat, Zone};
+use super::super::{Area, BufferedLimit, Buffers, Placement, Rally, TerrainSource, Threat, Zone};
 use super::Checker;
-use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
+use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, LocalFrame};
 use crate::numeric::digits;
+use crate::numeric::geometry::Ring;
 
 /// Furthest corner of the area from the origin: the local frame is proven to here.
 const MAX_AREA_M: f64 = 300_000.0;
@@ -18,16 +20,24 @@ const MAX_AWAY_M: f64 = 1_000_000.0;
 pub(super) struct Map {
     pub(super) frame: LocalFrame,
     pub(super) area: Area,
+    pub(super) buffers: Buffers,
     pub(super) outline: Polygon<f64>,
     pub(super) terrain: Option<TerrainSource>,
     pub(super) threats: Vec<Threat>,
     pub(super) no_fly: Vec<Zone>,
     pub(super) rally: Vec<Rally>,
+    /// What became of the shapes of each file.
+    pub(super) surveys: Vec<Survey>,
 }
 
 impl Checker {
     /// Checks everything that does not move; `None` without a usable area.
-    pub(super) fn map(&mut self, keys: &keys::Spec) -> Option<Map> {
+    pub(super) fn map(
+        &mut self,
+        keys: &keys::Spec,
+        buffers: Buffers,
+        attached: &[AttachedFile],
+    ) -> Option<Map> {
         let terrain = self.terrain(&keys.terrain);
         let origin = keys.origin.map(|at| self.place("origin", at));
         let area = self.area(&keys.area);
@@ -53,34 +63,43 @@ impl Checker {
         let frame = LocalFrame::new(origin.unwrap_or_else(|| Some(middle(&area)))?);
         self.near(keys, &area, frame.origin())?;
         let mut no_fly = self.zones(keys, &frame, corners);
-        for of in keys.zones.iter().enumerate() {
-            no_fly.extend(self.shaped_zone(of, &frame, references));
-        }
+        no_fly.extend(self.shaped_zones(keys, &frame, (&area, references)));
         let outline = frame.outline(&area.outline());
         let mut map = Map {
             frame,
             area,
+            buffers,
             outline,
             terrain,
             threats,
             no_fly,
             rally: Vec::new(),
+            surveys: Vec::new(),
         };
+        self.add_files(keys, attached, references, &mut map);
         for (index, point) in keys.rally.iter().enumerate() {
             let Ok(place) = LatLon::new(point.lat, point.lon) else {
                 continue;
             };
-            let Agl(least_m) = map.area.min_agl;
-            if (0.0..least_m).contains(&point.agl_m) {
-                let allowed = format!("at least area.min_agl_m, {least_m}");
-                let found = digits::plain(point.agl_m);
-                self.report(&format!("rally[{index}].agl_m"), found, allowed);
-            }
+            self.rally_height(&format!("rally[{index}].agl_m"), point.agl_m, &map);
             self.clear(&format!("rally[{index}]"), "the rally point", place, &map);
             let agl = Agl(point.agl_m);
             map.rally.push(Rally { place, agl });
         }
         Some(map)
+    }
+
+    /// A rally point keeps the least height over ground and its buffer.
+    fn rally_height(&mut self, path: &str, agl_m: f64, map: &Map) {
+        let Agl(least_m) = map.area.min_agl;
+        let of = ("terrain", "area.min_agl_m");
+        let limit = BufferedLimit::beyond(of, least_m, map.buffers.terrain_m);
+        if (0.0..least_m).contains(&agl_m) {
+            let allowed = format!("at least area.min_agl_m, {least_m}");
+            self.report(path, digits::plain(agl_m), allowed);
+        } else if (0.0..limit.buffered_m).contains(&agl_m) {
+            self.report(path, digits::plain(agl_m), limit.allowed(agl_m));
+        }
     }
 
     /// The zones whose corners are good and whose edges do not cross.
@@ -212,27 +231,67 @@ impl Checker {
             self.report(path, found, allowed);
             return;
         }
+        let of = Of { path, what, plan };
+        let edge_m = Ring::around(&map.outline).boundary_distance([plan.east_m, plan.north_m]);
+        let from = "inside of the edge of the area";
+        let buffer_m = map.buffers.area_m;
+        let limit = BufferedLimit::beyond(("area", "the edge"), 0.0, buffer_m);
+        self.buffered(&of, (edge_m, from), &limit);
         for threat in &map.threats {
-            let distance_m = plan.distance_m(map.frame.to_plan(threat.place));
-            if distance_m <= threat.radius_m {
-                let away_m = digits::distinct_from(distance_m, threat.radius_m, 0);
-                let found = format!(
-                    "{what} is inside threat `{}`, {away_m} m from its axis",
-                    threat.id
-                );
-                self.report(path, found, format!("more than {} m", threat.radius_m));
-            }
+            self.clear_of_threat(&of, threat, map);
         }
         for zone in map.no_fly.iter().filter(|zone| zone.is_closed_throughout()) {
-            if map.frame.outline(&zone.outline()).intersects(&point) {
-                self.report(
-                    path,
-                    format!("{what} is inside no-fly zone `{}`", zone.id),
-                    "outside",
-                );
-            }
+            self.clear_of_zone(&of, zone, map);
         }
     }
+
+    fn clear_of_threat(&mut self, of: &Of<'_>, threat: &Threat, map: &Map) {
+        let distance_m = of.plan.distance_m(map.frame.to_plan(threat.place));
+        if distance_m <= threat.radius_m {
+            let away_m = digits::distinct_from(distance_m, threat.radius_m, 0);
+            let found = format!(
+                "{} is inside threat `{}`, {away_m} m from its axis",
+                of.what, threat.id
+            );
+            self.report(of.path, found, format!("more than {} m", threat.radius_m));
+            return;
+        }
+        let from = format!("from the axis of threat `{}`", threat.id);
+        let buffer_m = map.buffers.threats_m;
+        let limit = BufferedLimit::beyond(("threats", "its radius"), threat.radius_m, buffer_m);
+        self.buffered(of, (distance_m, &from), &limit);
+    }
+
+    fn clear_of_zone(&mut self, of: &Of<'_>, zone: &Zone, map: &Map) {
+        let outline = map.frame.outline(&zone.outline());
+        if outline.intersects(&Point::new(of.plan.east_m, of.plan.north_m)) {
+            let found = format!("{} is inside no-fly zone `{}`", of.what, zone.id);
+            self.report(of.path, found, "outside");
+            return;
+        }
+        let at = [of.plan.east_m, of.plan.north_m];
+        let away_m = Ring::around(&outline).boundary_distance(at);
+        let from = format!("from no-fly zone `{}`", zone.id);
+        let buffer_m = map.buffers.zones_m.max(zone.buffer_m);
+        let limit = BufferedLimit::beyond(("zones", "its outline"), 0.0, buffer_m);
+        self.buffered(of, (away_m, &from), &limit);
+    }
+
+    /// Reports a point that satisfies a limit and not its buffer, with its distance from what.
+    fn buffered(&mut self, of: &Of<'_>, (value_m, from): (f64, &str), limit: &BufferedLimit<'_>) {
+        if value_m < limit.buffered_m {
+            let value = digits::distinct_from(value_m, limit.buffered_m, 1);
+            let found = format!("{} is {value} m {from}", of.what);
+            self.report(of.path, found, limit.allowed(value_m));
+        }
+    }
+}
+
+/// A place that must be clear: its path, what stands there, and its planning coordinates.
+struct Of<'a> {
+    path: &'a str,
+    what: &'a str,
+    plan: EastNorth,
 }
 
 fn middle(area: &Area) -> LatLon {

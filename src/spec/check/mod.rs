@@ -1,7 +1,10 @@
 //! From the keys of a file to a checked spec: reports every problem that shows without the
 //! ground, all at once.
 
+mod airspace;
+mod buffers;
 mod fleet;
+mod keep_in;
 mod map;
 mod name;
 mod ranges;
@@ -17,6 +20,7 @@ pub(super) use shapes::relative;
 
 use std::fmt::Display;
 
+use super::airspace::{AttachedFile, Survey};
 use super::keys;
 use super::positions::Positions;
 use super::table::Table;
@@ -32,18 +36,25 @@ pub(super) fn check(
     mut keys: keys::Spec,
     positions: Positions,
     table: Table,
-) -> Result<(MissionSpec, ValueSources), Vec<Issue>> {
+    attached: &[AttachedFile],
+) -> Result<(Checked, ValueSources), Vec<Issue>> {
     let mut checker = Checker {
         sources: ValueSources::new(positions, keys.vehicles.len()),
         issues: Vec::new(),
     };
     checker.ranges([(String::new(), &keys)]);
     checker.add_fleet(&mut keys, table);
-    let spec = checker.spec(&keys);
+    let spec = checker.spec(&keys, attached);
     match spec {
         Some(spec) if checker.issues.is_empty() => Ok((spec, checker.sources)),
         _ => Err(in_order(checker.issues)),
     }
+}
+
+/// A spec that passed, and what became of the shapes of its files.
+pub(super) struct Checked {
+    pub(super) spec: MissionSpec,
+    pub(super) surveys: Vec<Survey>,
 }
 
 /// Collects problems. Its methods return what they checked, or `None` where a
@@ -77,9 +88,10 @@ impl Checker {
         LatLon::new(lat_deg?, lon_deg?).ok()
     }
 
-    fn spec(&mut self, keys: &keys::Spec) -> Option<MissionSpec> {
+    fn spec(&mut self, keys: &keys::Spec, attached: &[AttachedFile]) -> Option<Checked> {
         self.file_name("name", &keys.name);
-        let map = self.map(keys);
+        let buffers = self.buffers(keys);
+        let map = self.map(keys, buffers, attached);
         let wind = keys.wind.map(|wind| Wind {
             from_rad: wind.from_deg.to_radians(),
             speed_mps: wind.speed_mps,
@@ -87,7 +99,9 @@ impl Checker {
         let vehicles = self.vehicles(keys, map.as_ref(), wind);
         let planner = self.planner(&keys.planner);
         let map = map?;
-        Some(MissionSpec {
+        let surveys = map.surveys;
+        let spec = MissionSpec {
+            version: keys.sortie,
             name: keys.name.clone(),
             frame: map.frame,
             area: map.area,
@@ -97,6 +111,7 @@ impl Checker {
             rally: map.rally,
             vehicles,
             separation: keys.separation,
+            buffers,
             planner,
             mission: MissionOptions {
                 altitude: keys.mission.altitude,
@@ -106,7 +121,8 @@ impl Checker {
             },
             wind,
             on_link_loss: keys.on_link_loss,
-        })
+        };
+        Some(Checked { spec, surveys })
     }
 
     fn planner(&mut self, keys: &keys::Planner) -> Planner {

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::super::keys;
-use super::super::{AltitudeReference, EndPoint, Link, Placement, Separation, Vehicle, Wind};
+use super::super::{
+    AltitudeReference, BufferedLimit, EndPoint, Link, Placement, Separation, Vehicle, Wind,
+};
 use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
@@ -53,7 +55,8 @@ impl Checker {
                 vehicles.push((path, checked));
             }
         }
-        self.pads(&vehicles, keys.separation);
+        let buffer_m = map.map_or(0.0, |map| map.buffers.separation_m);
+        self.pads(&vehicles, keys.separation, buffer_m);
         vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()
     }
 
@@ -257,7 +260,8 @@ impl Checker {
 
     /// Two vehicles that take off in each other's separation must not do so at the same time.
     /// The planner chooses among the departures that their windows leave open.
-    fn pads(&mut self, vehicles: &[(String, Vehicle)], separation: Separation) {
+    fn pads(&mut self, vehicles: &[(String, Vehicle)], separation: Separation, buffer_m: f64) {
+        let distance_m = separation.distance_m + buffer_m;
         let pads: Vec<Vector3<f64>> = vehicles
             .iter()
             .map(|(_, vehicle)| vehicle.home.to_ecef(0.0))
@@ -267,16 +271,24 @@ impl Checker {
                 let apart_m = (pads[index] - pad).norm();
                 let (own, other) = (vehicle.departures(), earlier.departures());
                 let apart_s = (own.most - other.least).max(other.most - own.least);
-                if apart_m < separation.distance_m && apart_s <= separation.time_slack_s {
-                    let across_m = digits::distinct_from(apart_m, separation.distance_m, 1);
+                if apart_m < distance_m && apart_s <= separation.time_slack_s {
+                    let across_m = digits::distinct_from(apart_m, distance_m, 1);
                     let found = format!(
                         "takeoff {across_m} m from `{}` and {apart_s} s apart in time",
                         earlier.id
                     );
-                    let allowed = format!(
-                        "at least {} m, or depart_s more than {} s apart",
-                        separation.distance_m, separation.time_slack_s
-                    );
+                    let limit = BufferedLimit {
+                        key: "separation",
+                        of: "separation.distance_m",
+                        limit_m: separation.distance_m,
+                        buffered_m: distance_m,
+                    };
+                    let least = match apart_m < separation.distance_m {
+                        true => format!("at least {distance_m} m"),
+                        false => limit.allowed(apart_m),
+                    };
+                    let slack_s = separation.time_slack_s;
+                    let allowed = format!("{least}, or depart_s more than {slack_s} s apart");
                     self.report(path, found, allowed);
                 }
             }

@@ -4,8 +4,9 @@ use geo::{Contains, LineString, Polygon};
 use jiff::Timestamp;
 
 use super::super::keys;
-use super::super::{Placement, Zone};
+use super::super::{Area, Placement, Zone};
 use super::Checker;
+use super::keep_in::outside;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame, flight_level};
 use crate::numeric::digits;
 
@@ -59,8 +60,29 @@ impl Checker {
         time
     }
 
-    /// A zone whose parts are all good; `None` for one to stay in too, which goes elsewhere.
-    pub(super) fn shaped_zone(
+    /// The zones, and what lies outside of those to stay in.
+    pub(super) fn shaped_zones(
+        &mut self,
+        keys: &keys::Spec,
+        frame: &LocalFrame,
+        (area, references): (&Area, References),
+    ) -> Vec<Zone> {
+        let (mut zones, mut keep_in) = (Vec::new(), Vec::new());
+        for (index, of) in keys.zones.iter().enumerate() {
+            let zone = self.shaped_zone((index, of), frame, references);
+            match (zone, of.keep_in) {
+                (Some(zone), true) => {
+                    keep_in.extend(self.keep_in(&format!("zones[{index}]"), zone));
+                }
+                (zone, _) => zones.extend(zone),
+            }
+        }
+        zones.extend(outside(&keep_in, area));
+        zones
+    }
+
+    /// A zone whose parts are all good.
+    fn shaped_zone(
         &mut self,
         (index, keys): (usize, &keys::ShapedZone),
         frame: &LocalFrame,

@@ -4,14 +4,16 @@
 //! `range` attributes are the ranges that [`check`](super::check) enforces. A key that must be
 //! given is an `Option` with the attribute `required`; the check reports where it is missing.
 
+mod airspace;
 mod fleet;
 mod options;
 mod scenario;
 mod vehicle;
 mod zones;
 
+pub use airspace::{AirspaceFile, ObstacleFile, Only};
 pub use fleet::{Fleet, Grid};
-pub use options::{MissionOptions, Planner, Wind};
+pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
 pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
@@ -31,8 +33,8 @@ use crate::geodesy::LatLon;
     extend("anyOf" = [{"required": ["vehicles"]}, {"required": ["fleet"]}])
 )]
 pub struct Spec {
-    /// Version of this format: 1.
-    #[schemars(range(min = 1, max = 1))]
+    /// Version of this format: 2, or 1, which has no buffers.
+    #[schemars(range(min = 1, max = 2))]
     pub sortie: u32,
     /// Name of the mission and of its output folder: letters, digits, - and _.
     #[schemars(length(min = 1, max = 64))]
@@ -52,6 +54,12 @@ pub struct Spec {
     /// The wider form of no_fly: circles, holes, floors, ceilings, times, and zones to stay in.
     #[serde(default)]
     pub zones: Vec<ShapedZone>,
+    /// Files of airspace, whose zones count like those of zones.
+    #[serde(default)]
+    pub airspace: Vec<AirspaceFile>,
+    /// Files of obstacles that stand on the terrain.
+    #[serde(default)]
+    pub obstacles: Vec<ObstacleFile>,
     /// The air pressure that is possible on the day; needed where a zone has a flight level.
     pub qnh_hpa: Option<Qnh>,
     /// The real time of T0, with an offset from UTC (RFC 3339); absent: zones are always active.
@@ -67,6 +75,9 @@ pub struct Spec {
     /// How far apart vehicles stay from takeoff to touchdown.
     #[serde(default)]
     pub separation: Separation,
+    /// What plan and verdict keep beyond each limit, for errors of position and control; absent:
+    /// the default of the autopilots and airframes, at least 10 m. Version 1 has none.
+    pub buffer_m: Option<Buffers>,
     /// How paths are searched.
     #[serde(default)]
     pub planner: Planner,

@@ -85,6 +85,34 @@ impl Default for MissionOptions {
     }
 }
 
+/// Distances that plan and verdict keep beyond the limits; each absent one is `all`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Buffers {
+    /// Of every limit that has none of its own, metres; absent: the default of the autopilots
+    /// and airframes.
+    #[schemars(range(min = 0, max = 1000))]
+    pub all: Option<f64>,
+    /// Beyond the radius of threats, metres.
+    #[schemars(range(min = 0, max = 1000))]
+    pub threats: Option<f64>,
+    /// Around no-fly zones, and over those with a height, metres.
+    #[schemars(range(min = 0, max = 1000))]
+    pub zones: Option<f64>,
+    /// Inside the edge of the area, metres.
+    #[schemars(range(min = 0, max = 1000))]
+    pub area: Option<f64>,
+    /// Above the least height over ground, metres.
+    #[schemars(range(min = 0, max = 1000))]
+    pub terrain: Option<f64>,
+    /// Below the ceiling, metres.
+    #[schemars(range(min = 0, max = 1000))]
+    pub ceiling: Option<f64>,
+    /// Over the separation of vehicles, horizontal and vertical, metres.
+    #[schemars(range(min = 0, max = 1000))]
+    pub separation: Option<f64>,
+}
+
 /// A steady wind.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -52,7 +52,7 @@ pub fn delivery_ground() -> String {
     format!(
         "{}vehicles:\n  - {{id: a, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 15, finish: land,\n     \
          start: {{lat: 36.375, lon: -84.135, agl_m: 80}}, goal: {{lat: 36.245, lon: -84.345, agl_m: 80}}}}\n",
-        ground("deliveries")
+        ground(1, "deliveries")
     )
 }
 
@@ -76,9 +76,9 @@ pub fn deliveries(world: &World, vehicles: usize, evaluations: usize) -> Deliver
 }
 
 /// The part that all fleets have in common.
-fn ground(name: &str) -> String {
+fn ground(version: u8, name: &str) -> String {
     format!(
-        "sortie: 1\n\
+        "sortie: {version}\n\
          name: {name}\n\
          \n\
          origin: {{lat: 36.30, lon: -84.25}}\n\
@@ -129,7 +129,7 @@ fn spec(name: &str, vehicles: usize, evaluations: usize) -> String {
          # For each plan. Forty times as many make the fleet less than 3 % cheaper.\n\
          planner: {{seed: 1, evaluations: {evaluations}, control_points: 8}}\n\
          mission: {{altitude: amsl, tolerance_m: 5, fence: true}}\n",
-        ground(name)
+        ground(2, name)
     )
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::cost::PaperOptions;
-use crate::spec::{Document, Finish, MissionSpec, Objective, Scenario, SpecError};
+use crate::spec::{Buffers, Document, Finish, MissionSpec, Objective, Scenario, SpecError};
 use crate::study::paper::{ConfigError, MAPS_8, read_text, unreadable};
 use crate::study::scenario::{MAX_DIFFICULTY, scenario};
 use crate::study::setting::Setting;
@@ -106,13 +106,15 @@ impl MissionText {
             .collect()
     }
 
-    /// Loads the mission with the operational objective.
+    /// Loads the mission with the operational objective and without buffers, as the best known
+    /// totals are.
     ///
     /// # Errors
     /// Broken terrain.
     pub(super) fn arena(&self) -> Result<Arena, SpecError> {
         match Document::parse(Path::new(&self.file), self.text.clone())? {
-            Document::Mission(file) => {
+            Document::Mission(mut file) => {
+                file.spec.buffers = Buffers::NONE;
                 let world = world::load(&file)?;
                 let mut spec = file.spec;
                 spec.planner.objective = Objective::Operational;

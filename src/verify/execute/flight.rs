@@ -191,6 +191,9 @@ impl Flight {
             chord.from_s.is_finite()
                 && !chord.to_s.is_nan()
                 && chord.error_m.is_finite()
+                && chord
+                    .agl_m
+                    .is_none_or(|(from_m, to_m)| (from_m + to_m).is_finite())
                 && ends
                     .iter()
                     .all(|end| (end.at.east_m + end.at.north_m + end.amsl.0).is_finite())
@@ -203,5 +206,30 @@ impl Flight {
             self.chords.truncate(first);
         }
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesy::Amsl;
+
+    #[test]
+    fn a_height_above_ground_that_is_not_a_number_ends_what_is_known() {
+        let at = PlanPoint::new(0.0, 0.0, Amsl(500.0));
+        let chord = |agl_m| Chord {
+            agl_m,
+            flown: true,
+            ..Chord::unflown((3, Phase::Route), (0.0, 1.0), (at, at))
+        };
+        for agl_m in [(f64::NAN, 50.0), (50.0, f64::NAN), (f64::INFINITY, 50.0)] {
+            let flight = Flight {
+                chords: vec![chord(Some((50.0, 50.0))), chord(Some(agl_m))],
+                ..Flight::default()
+            };
+            let cut = flight.cut_at_nan();
+            assert_eq!(cut.chords.len(), 1, "{agl_m:?}");
+            assert_eq!(cut.unknown.map(|unknown| unknown.row), Some(3));
+        }
     }
 }

@@ -9,6 +9,8 @@ pub(crate) struct Closed<'a> {
     zone: &'a Zone,
     surface: &'a Surface<'a>,
     slack_s: f64,
+    /// Closed by so much more above and below, metres.
+    buffer_m: f64,
 }
 
 /// Fractions of a stretch, from and to.
@@ -21,7 +23,13 @@ impl<'a> Closed<'a> {
             zone,
             surface,
             slack_s,
+            buffer_m: 0.0,
         }
+    }
+
+    /// The same with a buffer above and below the zone, metres.
+    pub(crate) fn widened(self, buffer_m: f64) -> Self {
+        Self { buffer_m, ..self }
     }
 
     /// The parts of a stretch at whose heights and times the zone is closed.
@@ -104,11 +112,15 @@ impl<'a> Closed<'a> {
     ) -> Option<Part> {
         let amsl_m = |w: f64| chord.at(part.along(w)).amsl.0;
         let of = |limit: Placement| match limit {
-            Placement::Amsl(amsl) => (amsl_m(w0) - amsl.0, amsl_m(w1) - amsl.0, chord.error_m),
+            Placement::Amsl(amsl) => (
+                amsl_m(w0) - amsl.0,
+                amsl_m(w1) - amsl.0,
+                chord.error_m + self.buffer_m,
+            ),
             Placement::Agl(agl) => (
                 amsl_m(w0) - level.ground_m.0 - agl.0,
                 amsl_m(w1) - level.ground_m.1 - agl.0,
-                chord.error_m + level.error_m,
+                chord.error_m + level.error_m + self.buffer_m,
             ),
         };
         let mut part = (0.0, 1.0);

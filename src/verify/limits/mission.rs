@@ -40,6 +40,7 @@ impl Contract<'_> {
         margins.push(self.item_count());
         margins.extend(self.acceptance());
         margins.extend(self.home(home, fence));
+        margins.extend(self.above_home());
         margins.extend(self.route());
         margins.extend(self.finish());
         margins.extend(self.departure());
@@ -48,6 +49,7 @@ impl Contract<'_> {
         margins.extend(self.turns());
         margins.extend(self.wing());
         margins.extend(self.acceptance_radius());
+        margins.extend(self.fence_margin());
         margins.extend(self.fence_complete());
         margins
     }
@@ -283,6 +285,29 @@ impl Contract<'_> {
             worst.at_most(radius_m, limit_m, || chord.moment(&self.world.frame, 1.0));
         }
         worst.margin(self.id(), Limit::AcceptanceRadius, "m")
+    }
+
+    /// How far a copter may be from the places of its waypoints in corners, against the margin
+    /// of its fence. Wings turn before a waypoint, on a way that is judged by itself.
+    fn fence_margin(&self) -> Option<Margin> {
+        let is_wing = self.vehicle.airframe.has_wing();
+        if self.spec.buffers.is_none() || is_wing || self.mission.fence.is_empty() {
+            return None;
+        }
+        let mut params = self.mission.params.iter();
+        let in_file = params.find(|param| param.name == "FENCE_MARGIN");
+        let in_file_m = in_file.map(|param| f64::from(param.value));
+        let margin_m = in_file_m.unwrap_or_else(|| self.spec.fence_margin_m());
+        let mut worst = Worst::default();
+        for (index, item) in self.mission.items.iter().enumerate() {
+            let row = index + 1;
+            let chord = self.flight.chords.iter().rfind(|chord| chord.row == row);
+            if let Some(chord) = chord.filter(|_| item.command == command::NAV_WAYPOINT) {
+                let radius_m = mission::acceptance_m(self.mission, row);
+                worst.at_most(radius_m, margin_m, || chord.moment(&self.world.frame, 1.0));
+            }
+        }
+        worst.margin(self.id(), Limit::FenceMargin, "m")
     }
 
     /// What of the spec's fence the mission's does not hold, where it could hold one.

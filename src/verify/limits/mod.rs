@@ -2,6 +2,7 @@
 
 pub(super) mod assumptions;
 mod closed;
+pub(super) mod distant;
 pub(super) mod fence;
 pub(super) mod mission;
 pub(super) mod rally;

@@ -66,21 +66,27 @@ impl Space<'_> {
         let threats = self.spec.threats.iter().zip(&self.threats);
         // The vehicle lands there, from no more than the height of the point.
         let ground_m = at.amsl.0 - agl_m;
+        let buffers = self.spec.buffers;
         let is_under = |zone: &Zone| match zone.floor {
             None => false,
-            Some(Placement::Amsl(floor)) => at.amsl < floor,
-            Some(Placement::Agl(floor)) => at.amsl.0 - ground_m < floor.0,
+            Some(Placement::Amsl(floor)) => at.amsl.0 < floor.0 - buffers.zones_m,
+            Some(Placement::Agl(floor)) => at.amsl.0 - ground_m < floor.0 - buffers.zones_m,
         };
         let zones = self.spec.no_fly.iter().zip(&self.zones);
         let zones = zones.filter(|(zone, _)| !is_under(zone));
+        let threats = threats.map(|(threat, cylinder)| {
+            let margin_m = cylinder.margin_m(&here, Keep::Outside).0;
+            (&threat.id, margin_m, buffers.threats_m)
+        });
+        let zones = zones.map(|(zone, shape)| (&zone.id, shape.margin_m(&here).0, buffers.zones_m));
         let nearest = threats
-            .map(|(threat, cylinder)| (&threat.id, cylinder.margin_m(&here, Keep::Outside).0))
-            .chain(zones.map(|(zone, shape)| (&zone.id, shape.margin_m(&here).0)))
-            .min_by(|a, b| a.1.total_cmp(&b.1));
-        let clear = nearest.and_then(|(of, margin_m)| {
-            let found = margin(margin_m, 0.0, Limit::RallyObstacles(number))?;
+            .chain(zones)
+            .min_by(|a, b| (a.1 - a.2).total_cmp(&(b.1 - b.2)));
+        let clear = nearest.and_then(|(of, margin_m, least_m)| {
+            let found = margin(margin_m, least_m, Limit::RallyObstacles(number))?;
             Some(Margin {
                 note: format!("nearest: {of}"),
+                buffer: least_m,
                 ..found
             })
         });
@@ -89,7 +95,7 @@ impl Space<'_> {
         [
             margin(agl_m, self.world.min_agl.0, Limit::RallyClearance(number)),
             clear,
-            margin(area_m, 0.0, Limit::RallyArea(number)),
+            margin(area_m, buffers.area_m, Limit::RallyArea(number)),
             fenced.and_then(|fence_m| margin(fence_m, 0.0, Limit::RallyFence(number))),
         ]
         .into_iter()

@@ -77,7 +77,10 @@ impl<'a> Space<'a> {
             for part in &parts {
                 self.judge_zones(chord, part, &mut found.zones);
                 let (area_m, w) = self.area.margin_m(part, Keep::Inside);
-                found.area.at_least(area_m, 0.0, || moment(chord, part, w));
+                let least_m = self.spec.buffers.area_m;
+                found
+                    .area
+                    .at_least(area_m, least_m, || moment(chord, part, w));
                 if !fence.is_empty() {
                     let (fence_m, w) = fence.margin_m(part, found.fence.room());
                     found
@@ -88,8 +91,6 @@ impl<'a> Space<'a> {
         }
         let threats = self.spec.threats.iter();
         let threats = threats.map(|threat| Limit::Threat(threat.id.clone()));
-        let zones = self.spec.no_fly.iter();
-        let zones = zones.map(|zone| Limit::Zone(zone.id.clone()));
         let margin = |worst: Worst, limit: Limit| worst.margin(id, limit, "m");
         // Nothing but a column up and down is no mission whose height is known to be good.
         let clearance = margin(found.clearance, Limit::TerrainClearance).or_else(|| {
@@ -97,7 +98,6 @@ impl<'a> Space<'a> {
             let unjudged = || Margin::unjudged(id, Limit::TerrainClearance, why);
             (!flight.chords.is_empty()).then(unjudged)
         });
-        let obstacles = threats.zip(found.threats).chain(zones.zip(found.zones));
         [
             clearance,
             margin(found.slope, Limit::TakeoffLandingClearance),
@@ -105,13 +105,27 @@ impl<'a> Space<'a> {
             margin(found.ceiling, Limit::Ceiling),
         ]
         .into_iter()
-        .chain(obstacles.map(|(limit, worst)| margin(worst, limit)))
+        .chain((threats.zip(found.threats)).map(|(limit, worst)| margin(worst, limit)))
+        .chain(self.zone_margins(id, found.zones))
         .chain([
             margin(found.area, Limit::Area),
             margin(found.fence, Limit::Fence),
         ])
         .flatten()
         .collect()
+    }
+
+    /// The margins of zones; those from files cite file and item.
+    fn zone_margins(&self, id: &str, found: Vec<Worst>) -> Vec<Option<Margin>> {
+        let zones = self.spec.no_fly.iter().zip(found);
+        let margins = zones.map(|(zone, worst)| {
+            let mut margin = worst.margin(id, Limit::Zone(zone.id.clone()), "m")?;
+            if margin.note.is_empty() {
+                margin.note = zone.source.clone().unwrap_or_default();
+            }
+            Some(margin)
+        });
+        margins.collect()
     }
 
     /// Height above ground. On the route it must be the minimum. The column of a takeoff or
@@ -123,12 +137,8 @@ impl<'a> Space<'a> {
             if let Some(part) = parts.first() {
                 self.judge_contact(chord, part, &mut found.contact);
             }
-        } else if let Some((from_m, to_m)) = chord.agl_m {
-            let (least_m, u) = if from_m <= to_m {
-                (from_m, 0.0)
-            } else {
-                (to_m, 1.0)
-            };
+        } else if let Some(ends_m) = chord.agl_m {
+            let (least_m, u) = lower_end(ends_m);
             let at = || chord.moment(&self.world.frame, u);
             found.clearance.at_least(least_m, min_m, at);
         } else if let Some(ground_m) = chord.slope_from_m {
@@ -203,6 +213,7 @@ impl<'a> Space<'a> {
     }
 
     fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {
+        let least_m = self.spec.buffers.threats_m;
         for ((disc, cylinder), worst) in self.world.threats.iter().zip(&self.threats).zip(worst) {
             // Distances in the plane differ from those around the threat by far less than this.
             let around_m = disc.center.distance_m(chord.at(0.5).at)
@@ -212,24 +223,35 @@ impl<'a> Space<'a> {
             }
             for part in parts {
                 let (margin_m, w) = cylinder.margin_m(part, Keep::Outside);
-                worst.at_least(margin_m, 0.0, || moment(chord, part, w));
+                worst.at_least(margin_m, least_m, || moment(chord, part, w));
             }
         }
     }
 
     fn judge_zones(&self, chord: &Chord, part: &Stretch, worst: &mut [Worst]) {
         let slack_s = self.spec.separation.time_slack_s;
+        let least_m = self.spec.buffers.zones_m;
         for ((zone, shape), worst) in self.spec.no_fly.iter().zip(&self.zones).zip(worst) {
             // Inside the box nothing is known of the margin but that it may be negative.
-            if shape.bound_m(part) > worst.room().max(0.0) {
+            let least_m = least_m.max(zone.buffer_m);
+            if shape.bound_m(part) > (worst.room() + least_m).max(0.0) {
                 continue;
             }
-            let closed = Closed::new(zone, &self.surface, slack_s);
+            let closed = Closed::new(zone, &self.surface, slack_s).widened(least_m);
             for part in closed.parts(chord, part) {
                 let (margin_m, w) = shape.margin_m(&part);
-                worst.at_least(margin_m, 0.0, || moment(chord, &part, w));
+                worst.at_least(margin_m, least_m, || moment(chord, &part, w));
             }
         }
+    }
+}
+
+/// The lower of two heights and the fraction of the chord there; NaN is lower than any.
+fn lower_end((from_m, to_m): (f64, f64)) -> (f64, f64) {
+    if from_m <= to_m || from_m.is_nan() {
+        (from_m, 0.0)
+    } else {
+        (to_m, 1.0)
     }
 }
 
@@ -251,4 +273,17 @@ fn no_data(worst: &mut Worst, limit_m: f64, chord: &Chord, gap: NoData) {
         item: chord.row,
     };
     worst.unknown(limit_m, gap.to_string(), at);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lower_end;
+
+    #[test]
+    fn a_height_that_is_not_a_number_at_either_end_is_the_lower_one() {
+        assert!(lower_end((f64::NAN, 50.0)).0.is_nan());
+        assert!(lower_end((50.0, f64::NAN)).0.is_nan());
+        assert_eq!(lower_end((50.0, 40.0)).1.to_bits(), 1.0_f64.to_bits());
+        assert_eq!(lower_end((40.0, 50.0)).1.to_bits(), 0.0_f64.to_bits());
+    }
 }

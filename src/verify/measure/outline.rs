@@ -26,10 +26,10 @@ pub(crate) enum Keep {
     Outside,
 }
 
-/// A polygon; the last corner joins the first.
+/// A polygon, perhaps with holes; the last corner of each ring joins the first.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Outline {
-    corners: Vec<LatLon>,
+    rings: Vec<Vec<LatLon>>,
     /// Least and greatest latitude and longitude, degrees.
     low: LatLon,
     high: LatLon,
@@ -45,7 +45,7 @@ pub(crate) struct ZoneShape {
 impl ZoneShape {
     pub(crate) fn new(zone: &Zone) -> Self {
         Self {
-            outline: Outline::new(zone.outline()),
+            outline: Outline::with_holes(zone.polygon.clone(), &zone.holes),
             circle: zone
                 .circle
                 .map(|(center, radius_m)| Cylinder::new(center, radius_m)),
@@ -125,8 +125,15 @@ impl Outline {
         Self {
             low: of(f64::min, f64::INFINITY),
             high: of(f64::max, f64::NEG_INFINITY),
-            corners,
+            rings: vec![corners],
         }
+    }
+
+    /// The polygon without what lies in any of its holes.
+    fn with_holes(corners: Vec<LatLon>, holes: &[Vec<LatLon>]) -> Self {
+        let mut outline = Self::new(corners);
+        outline.rings.extend_from_slice(holes);
+        outline
     }
 
     /// At least so far is the stretch from the polygon, metres: a cheap bound by boxes.
@@ -173,7 +180,7 @@ impl Outline {
 
 /// A polygon in metres around the start of a stretch, and the stretch itself.
 struct View {
-    corners: Vec<Flat>,
+    rings: Vec<Vec<Flat>>,
     end: Flat,
 }
 
@@ -187,7 +194,9 @@ impl View {
             (away * east, (place.lat_deg - stretch.from.lat_deg) * north)
         };
         Self {
-            corners: outline.corners.iter().map(flat).collect(),
+            rings: (outline.rings.iter())
+                .map(|ring| ring.iter().map(flat).collect())
+                .collect(),
             end: flat(&stretch.to),
         }
     }
@@ -197,8 +206,10 @@ impl View {
     }
 
     fn edges(&self) -> impl Iterator<Item = (Flat, Flat)> + '_ {
-        let next = self.corners.iter().cycle().skip(1);
-        self.corners.iter().copied().zip(next.copied())
+        self.rings.iter().flat_map(|ring| {
+            let next = ring.iter().cycle().skip(1);
+            ring.iter().copied().zip(next.copied())
+        })
     }
 
     /// 0, 1 and where the stretch crosses edges, in order.

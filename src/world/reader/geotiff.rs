@@ -14,6 +14,7 @@ use vertical::check_heights;
 
 use super::{Lattice, TerrainError, Window, ground_m};
 use crate::geodesy::LatLon;
+use crate::numeric::text::open_regular;
 
 const EPSG_WGS84: u16 = 4326;
 /// `GeogAngularUnitsGeoKey`: degree.
@@ -32,7 +33,7 @@ pub(super) struct GeoTiff {
 impl GeoTiff {
     pub(super) fn open(path: &Path) -> Result<Self, TerrainError> {
         // The reader's own message for a missing file names it twice.
-        std::fs::File::open(path)?;
+        open_regular(path)?;
         let file =
             GeoTiffFile::open(path).map_err(|error| TerrainError::Decode(error.to_string()))?;
         check_coordinates(&file)?;

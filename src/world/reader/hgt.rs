@@ -14,6 +14,7 @@ use zip::ZipArchive;
 
 use super::{Lattice, TerrainError, Window, ground_m};
 use crate::geodesy::LatLon;
+use crate::numeric::text::open_regular;
 
 /// What stands for no data. [`ground_m`] drops it with everything below the lowest land.
 #[cfg(test)]
@@ -47,7 +48,7 @@ impl Hgt {
     pub(super) fn open(path: &Path) -> Result<Self, TerrainError> {
         let name = super::name_of(path);
         let corner = corner(&name).ok_or_else(|| TerrainError::Name(name.clone()))?;
-        let mut file = File::open(path)?;
+        let mut file = open_regular(path)?;
         let ending = name.rsplit('.').next().unwrap_or_default();
         let (packing, bytes) = match ending.to_ascii_lowercase().as_str() {
             "gz" => (Packing::Gzip, unpacked_bytes(&mut file)?),

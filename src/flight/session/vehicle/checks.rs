@@ -144,7 +144,8 @@ impl FlightVehicle<'_> {
         }
         let streams = |id| Command::new(Command::SET_MESSAGE_INTERVAL, [id, interval_us]);
         let is_ready = matches!(self.stage, Stage::Ready);
-        if self.latest.is_none() || is_ready {
+        let rejoins = matches!(self.stage, Stage::Rejoining { .. });
+        if self.latest.is_none() || is_ready || rejoins {
             ask(streams(POSITION));
         }
         // A vehicle may stream positions already, and nothing about its mission.

@@ -49,6 +49,9 @@ impl FlightVehicle<'_> {
         if self.instruction == Some(Instruction::Hold) {
             return self.look_whether_it_holds(t_s, fix);
         }
+        if self.instruction == Some(Instruction::Land) {
+            return self.look_whether_it_lands(t_s);
+        }
         // Another mission may have been given to it meanwhile.
         let rows = self.total.unwrap_or(self.of.mission.items.len());
         if self.of.reference.lands || !self.in_mission || self.item < rows {

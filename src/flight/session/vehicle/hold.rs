@@ -1,21 +1,21 @@
-//! Whether a vehicle holds as ordered: by its mode and by its positions.
+//! Whether a vehicle holds or lands as ordered: by its mode and by its positions.
 
 use super::{FlightVehicle, Instruction};
 use crate::flight::record::Fix;
 use crate::flight::session::arrival::{self, Mean, REST_S};
 use crate::flight::session::modes;
-use crate::link::Time;
+use crate::link::{Command, Time};
 
-/// A hold is ordered again after this time, until the mode shows it, milliseconds.
+/// A hold or a landing is ordered again after this time, until the mode shows it, milliseconds.
 const AGAIN_MS: u64 = 2000;
-/// A hold that is not seen for this long is reported, seconds; of a wing that circles already,
-/// because a large circle takes time.
+/// One that is not seen for this long is reported, seconds; a hold of a wing that circles already,
+/// later, because a large circle takes time.
 const CONFIRM_S: f64 = 20.0;
 const CIRCLE_S: f64 = 120.0;
 /// A copter that is farther than this from where it held has left it, metres.
 const LEFT_M: f64 = 10.0;
 
-/// What is known of an ordered hold.
+/// What is known of an ordered hold, or of a landing: then the mode alone counts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HoldWatch {
     /// When it was first looked for, seconds after T0.
@@ -32,7 +32,7 @@ pub(super) struct HoldWatch {
 }
 
 impl HoldWatch {
-    /// Whether its heartbeat has shown the mode of the hold.
+    /// Whether its heartbeat has shown the mode that was ordered.
     pub(super) fn was_in_mode(&self) -> bool {
         self.was_in_mode
     }
@@ -76,7 +76,7 @@ impl FlightVehicle<'_> {
             self.hold.anchor = rest;
             return self.said.push_back("holds".to_owned());
         }
-        self.order_hold_again(in_mode);
+        self.order_again(in_mode, modes::hold(self.of.mission));
         self.report_missing_hold(t_s, in_mode);
     }
 
@@ -88,8 +88,25 @@ impl FlightVehicle<'_> {
         is_long.then(|| arrival::mean(frame, &self.flown.fixes))
     }
 
-    /// A hold that somebody else ended is not ordered again.
-    fn order_hold_again(&mut self, in_mode: bool) {
+    /// Whether the mode shows that it lands as ordered: until then the order is repeated.
+    pub(super) fn look_whether_it_lands(&mut self, t_s: f64) {
+        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let in_mode = mode.is_some_and(|mode| modes::is_land(self.of.mission, mode));
+        self.hold.was_in_mode |= in_mode;
+        if let Some(order) = modes::land(self.of.mission) {
+            self.order_again(in_mode, order);
+        }
+        let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
+        if self.hold.was_in_mode || self.hold.is_reported || since_s < CONFIRM_S {
+            return;
+        }
+        self.hold.is_reported = true;
+        let text = "landing not confirmed: its mode is another one; it is ordered again";
+        self.said.push_back(text.to_owned());
+    }
+
+    /// A hold or a landing that somebody else ended is not ordered again.
+    fn order_again(&mut self, in_mode: bool, order: Command) {
         let is_idle = self.pending.is_none() && self.orders.is_empty();
         if in_mode || self.hold.was_in_mode || !is_idle {
             return;
@@ -97,7 +114,7 @@ impl FlightVehicle<'_> {
         let again = *self.hold.again.get_or_insert(self.now + AGAIN_MS);
         if self.now >= again {
             self.hold.again = None;
-            self.command([modes::hold(self.of.mission)]);
+            self.command([order]);
         }
     }
 
@@ -123,6 +140,12 @@ impl FlightVehicle<'_> {
     /// Whether it was ordered to hold and is not seen to.
     pub(crate) fn misses_its_hold(&self) -> bool {
         self.instruction == Some(Instruction::Hold) && !self.holds && self.hold.is_reported
+    }
+
+    /// Whether it was ordered to land and its mode does not show it.
+    pub(crate) fn misses_its_landing(&self) -> bool {
+        let is_missed = self.hold.is_reported && !self.hold.was_in_mode;
+        self.instruction == Some(Instruction::Land) && is_missed
     }
 
     /// An order to hold, or to land, begins.

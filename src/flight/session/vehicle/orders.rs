@@ -59,7 +59,7 @@ impl FlightVehicle<'_> {
                 self.stage = Stage::Flying;
             }
             Stage::Starting => self.disarm(Some(End::Failed(what.to_owned()))),
-            _ if self.instruction == Some(Instruction::Hold) && !self.hold.is_news(what) => {}
+            _ if self.instruction.is_some() && !self.hold.is_news(what) => {}
             _ => self.said.push_back(what.to_owned()),
         }
     }

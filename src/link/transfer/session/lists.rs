@@ -4,7 +4,7 @@ use super::{ORDER, Session, Stage};
 use crate::link::message::{AUTOPILOT_GENERIC, Address, List, MissionResult, Route};
 use crate::link::time::Time;
 use crate::link::transfer::clear::Clear;
-use crate::link::transfer::download::{Download, DownloadError};
+use crate::link::transfer::download::DownloadError;
 use crate::link::transfer::expected::Expected;
 use crate::link::transfer::report::{Failure, Verdict};
 use crate::link::transfer::task::{Ended, Task};
@@ -17,7 +17,7 @@ const PAUSE_MS: u64 = 2000;
 /// Confirmed uploads of one list that read back otherwise before it is given up.
 const MAX_ROUNDS: u32 = 3;
 /// Wait for texts of PX4 after the last read-back, milliseconds: it checks a mission after
-/// accepting it, and reports the ids of its lists once a second.
+/// accepting it.
 const LISTEN_MS: u64 = 1200;
 
 /// First words of PX4 on a mission that is not feasible (`FeasibilityChecker`).
@@ -48,7 +48,7 @@ impl<'a> Session<'a> {
         let Some(route) = self.route() else { return };
         self.complaint = None;
         if self.expected().items(route.list).is_empty() {
-            self.work(Task::Download(Download::new(route, self.deadline, now)));
+            self.work(Task::Download(self.download(route, now)));
         } else {
             // Several times the re-request period of the vehicle (1 s, 250 ms, MAVSDK
             // 500 ms): a longer silence means that it has given up or lost us.
@@ -63,7 +63,7 @@ impl<'a> Session<'a> {
         }
     }
 
-    fn work(&mut self, task: Task) {
+    pub(crate) fn work(&mut self, task: Task) {
         self.stage = Stage::Working(task);
     }
 
@@ -86,6 +86,7 @@ impl<'a> Session<'a> {
         let list = ORDER[self.at];
         match ended {
             Ended::Sent(outcome) => self.sent(now, outcome),
+            Ended::Unchanged => self.next_list(now),
             Ended::Read(outcome, opaque_id) => {
                 self.plan_ids[usize::from(list.mission_type())] = opaque_id;
                 self.read(now, outcome);
@@ -102,7 +103,7 @@ impl<'a> Session<'a> {
 
     fn read_back(&mut self, now: Time) {
         if let Some(route) = self.route() {
-            self.work(Task::Download(Download::new(route, self.deadline, now)));
+            self.work(Task::Download(self.download(route, now)));
         }
     }
 
@@ -149,6 +150,11 @@ impl<'a> Session<'a> {
         if found.is_empty() {
             self.held[usize::from(list.mission_type())] = read;
             self.next_list(now);
+        } else if self.is_last_look && self.changes >= MAX_ROUNDS {
+            let times = self.changes;
+            let failure = Failure::ChangedMeanwhile { list, times };
+            self.differences = found;
+            self.end(now, Verdict::Failed(failure));
         } else if self.rounds >= MAX_ROUNDS {
             let count = found.len();
             self.differences = found;
@@ -166,6 +172,8 @@ impl<'a> Session<'a> {
 
     /// The read-back differs: sends or clears the list once more.
     fn again(&mut self, now: Time, must_be_empty: bool) {
+        self.changes += u32::from(self.is_last_look);
+        self.is_last_look = false;
         // Without a confirmation of the vehicle a difference is likely; the deadline bounds that.
         let spoke = self.acknowledged || self.complaint == Some(MissionResult::ERROR);
         self.rounds += u32::from(spoke);
@@ -180,9 +188,16 @@ impl<'a> Session<'a> {
 
     fn next_list(&mut self, now: Time) {
         (self.rounds, self.pauses, self.acknowledged) = (0, 0, false);
-        if self.at + 1 < ORDER.len() {
+        let is_last = self.at + 1 == ORDER.len();
+        if is_last && self.is_last_look {
+            self.conclude(now);
+        } else if !is_last {
             self.at += 1;
-            self.begin_list(now);
+            if self.is_last_look {
+                self.look_at_list(now);
+            } else {
+                self.begin_list(now);
+            }
         } else {
             let conventions = self.expected().autopilot.conventions();
             let listen_ms = if conventions.rejects_after_ack {
@@ -200,28 +215,9 @@ impl<'a> Session<'a> {
     /// fly it. Earlier texts are about the mission that it held before.
     pub(crate) fn look_for_rejection(&mut self, from: Address, text: &str) {
         let is_sent = ORDER.get(self.at) == Some(&List::Mission) && self.acknowledged;
-        let is_held = is_sent || matches!(self.stage, Stage::Listening { .. });
+        let is_held = is_sent || self.is_last_look || matches!(self.stage, Stage::Listening { .. });
         if is_held && self.is_of_autopilot(from) && text.starts_with(REJECTED) {
             self.rejection = Some(text.trim_end().to_owned());
-        }
-    }
-
-    /// Reads a list once more when its id has changed since it was read back, because
-    /// another station may have changed it. The items decide, not the id, which may be old
-    /// or not computed yet.
-    pub(crate) fn compare_ids(&mut self, now: Time, ids: [u32; 3]) {
-        let keeps_ids = self.plan_ids != [0; 3];
-        if !matches!(self.stage, Stage::Listening { .. }) || !keeps_ids || self.reread {
-            return;
-        }
-        let changed = |list: &List| {
-            let at = usize::from(list.mission_type());
-            ids.get(at) != self.plan_ids.get(at)
-        };
-        if let Some(at) = ORDER.iter().position(changed) {
-            self.reread = true;
-            self.at = at;
-            self.read_back(now);
         }
     }
 }

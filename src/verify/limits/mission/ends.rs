@@ -5,8 +5,10 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{Airframe, Finish};
 use crate::verify::execute::flight::{End, Mark};
 use crate::verify::limits::fence::Fence;
+use crate::verify::measure::segment::Chord;
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
+use crate::world::Terrain;
 
 /// Home may be written this far from the ground at most, metres, however wide the tolerance.
 const HOME_M: f64 = 5.0;
@@ -55,6 +57,34 @@ impl Contract<'_> {
         .into_iter()
         .flatten()
         .collect()
+    }
+
+    /// The lowest point of the route against home, where no terrain says more: what is not above
+    /// home is in the ground where home stands, and may be anywhere else.
+    pub(crate) fn above_home(&self) -> Option<Margin> {
+        if self.world.terrain != Terrain::Unknown {
+            return None;
+        }
+        let home_m = f64::from(self.mission.home.amsl_m);
+        let mut worst = Worst::default();
+        let chords = self.flight.chords.iter();
+        // Columns, climb-outs and glides begin or end at home; heights above the ground need none.
+        let is_route = |chord: &&Chord| {
+            chord.flown && !chord.grounded && chord.agl_m.is_none() && chord.slope_from_m.is_none()
+        };
+        for chord in chords.filter(is_route) {
+            for u in [0.0, 1.0] {
+                let above_m = chord.at(u).amsl.0 - home_m;
+                worst.at_least(above_m, 0.0, || chord.moment(&self.world.frame, u));
+            }
+        }
+        let mut margin = worst.margin(self.id(), Limit::AboveHome, "m")?;
+        margin.ok &= margin.value > 0.0;
+        if !margin.ok {
+            "not above home, and the ground is not known: judge it over its terrain (--terrain)"
+                .clone_into(&mut margin.note);
+        }
+        Some(margin)
     }
 
     /// The first position against the start, the last against the goal.

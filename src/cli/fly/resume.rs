@@ -1,0 +1,62 @@
+//! A flight whose ground station crashed is taken over in the air.
+
+use super::{POSITION_S, Screen};
+use crate::cli::folder::{self, runs};
+use crate::cli::print::failure::Failure;
+use crate::cli::transfer::upload;
+use crate::flight::{Driver, Fleet, FlightPlan, Interrupted, Options, Outcome, Underway, unix_ms};
+use crate::link::Links;
+use crate::spec::Link;
+
+/// Takes over the flight of a plan: from its record, and from what its vehicles report.
+pub(in crate::cli) fn take_over(
+    plan: &FlightPlan,
+    links: &[String],
+    json: bool,
+) -> Result<(), Failure> {
+    let folder = runs::folder(&plan.folder);
+    let _lock = runs::hold(&folder, "fly")?;
+    let underway = Underway::find(folder.clone())?.ok_or_else(|| {
+        let message = format!(
+            "{}: no flight of this plan is under way (links.json is missing); nothing was sent",
+            folder.display()
+        );
+        Failure::new(Failure::INPUT, message)
+    })?;
+    let flight = Interrupted::find(&folder, &underway, plan.world.frame)?;
+    if flight.spec_sha256() != folder::sha256(&plan.file.text) {
+        let message = format!(
+            "{} was planned anew since the flight began: its record is of another spec",
+            plan.folder.display()
+        );
+        return Err(Failure::new(Failure::INPUT, message));
+    }
+    let links = upload::links_under_way(plan, links, &underway.notice)?;
+    let systems = links
+        .iter()
+        .map(|(index, link)| (plan.vehicle(*index).sysid, link));
+    let systems: Vec<(u8, &Link)> = systems.collect();
+    let open = Links::open(&systems)
+        .map_err(|(link, error)| Failure::new(Failure::TRANSFER, format!("{link}: {error}")))?;
+    let ids = plan
+        .missions
+        .iter()
+        .map(|(index, _)| plan.vehicle(*index).id.as_str());
+    let journal = flight.journal(ids)?;
+    let mut screen = Screen::begin(json, false, &folder)?;
+    let mut driver = Driver::new(&open, &underway, journal).resuming(&flight);
+    let options = Options {
+        speedup: flight.speedup(),
+        set_params: false,
+        force: false,
+        on_link_loss: plan.spec().on_link_loss,
+        position_s: POSITION_S,
+    };
+    let assignments = plan.assignments(&plan.references(), &open, |_| false);
+    let at = (driver.now(), unix_ms());
+    let mut fleet = Fleet::take_over(assignments, options, open.us(), at, &flight);
+    driver.fly(&mut fleet, &mut screen);
+    underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
+    let session = screen.into_session();
+    super::finish(session, super::end(driver, &fleet, plan, json, false))
+}

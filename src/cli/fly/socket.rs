@@ -1,0 +1,219 @@
+//! The session of a flight: a local socket in the folder of its records, mode 0600, that
+//! terminals attach to with `sortie watch`. One of them commands, the others watch.
+//!
+//! Lines to a terminal begin with a mark: [`LINE`] is shown, [`END`] carries the exit code of the
+//! flight. Lines from a terminal are orders: `hold`, `land`, `leave`.
+
+use std::collections::VecDeque;
+use std::io::{self, ErrorKind, Read, Write};
+use std::os::unix::fs::{DirBuilderExt, PermissionsExt};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+
+use crate::flight::Intervention;
+use crate::numeric::text::escaped;
+
+/// Marks of lines to a terminal.
+pub(super) const LINE: char = '=';
+pub(super) const END: char = '!';
+/// Terminals that are attached at once, at most.
+const MAX_CLIENTS: usize = 16;
+/// Bytes that wait for a terminal, at most: one that does not read is let go of.
+const MAX_WAITING: usize = 256 * 1024;
+/// Longest order, bytes.
+const MAX_ORDER: usize = 256;
+/// Lines that a terminal gets when it attaches, at most.
+const MAX_HISTORY: usize = 200;
+
+/// Where the session of a flight is reached.
+pub(super) fn path(folder: &Path) -> PathBuf {
+    folder.join("session.sock")
+}
+
+/// The session of a flight.
+pub(super) struct Socket {
+    listener: UnixListener,
+    path: PathBuf,
+    clients: Vec<Client>,
+    history: VecDeque<String>,
+    /// The table of the fleet, for a terminal that attaches.
+    table: Vec<String>,
+}
+
+/// An attached terminal.
+struct Client {
+    stream: UnixStream,
+    inbox: Vec<u8>,
+    outbox: VecDeque<u8>,
+    is_gone: bool,
+    /// Whether it was informed that it commands.
+    commands: bool,
+}
+
+impl Socket {
+    /// Opens the session. The caller holds the flight, so that a socket that is there already is
+    /// one that a crash left.
+    pub(super) fn open(folder: &Path) -> io::Result<Self> {
+        let path = path(folder);
+        // Nobody else enters the folder in which it is made, until its mode is set.
+        let closed = folder.join(format!(".session.{}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&closed);
+        std::fs::DirBuilder::new().mode(0o700).create(&closed)?;
+        let made = closed.join("s");
+        let opened = UnixListener::bind(&made).and_then(|listener| {
+            std::fs::set_permissions(&made, std::fs::Permissions::from_mode(0o600))?;
+            listener.set_nonblocking(true)?;
+            std::fs::rename(&made, &path)?;
+            Ok(listener)
+        });
+        let _ = std::fs::remove_dir_all(&closed);
+        Ok(Self {
+            listener: opened?,
+            path,
+            clients: Vec::new(),
+            history: VecDeque::new(),
+            table: Vec::new(),
+        })
+    }
+
+    /// Shows a line to every terminal.
+    pub(super) fn show(&mut self, line: &str) {
+        let line = format!("{LINE}{}\n", escaped(line));
+        for client in &mut self.clients {
+            client.send(&line);
+        }
+        self.history.push_back(line);
+        if self.history.len() > MAX_HISTORY {
+            self.history.pop_front();
+        }
+    }
+
+    /// Sets the table of the fleet.
+    pub(super) fn set_table(&mut self, table: Vec<String>) {
+        self.table = table;
+    }
+
+    /// Admits terminals, and takes the order of the one that commands. While the flight has a
+    /// terminal of its own, that one does.
+    pub(super) fn poll(&mut self, has_terminal: bool) -> Option<Intervention> {
+        self.admit();
+        if let Some(first) = self
+            .clients
+            .first_mut()
+            .filter(|of| !has_terminal && !of.commands)
+        {
+            first.commands = true;
+            first.send(&format!("{LINE}this terminal commands the flight\n"));
+        }
+        let mut order = None;
+        for client in &mut self.clients {
+            client.flush();
+            for line in client.orders() {
+                let wants = match line.as_str() {
+                    "hold" => Intervention::Hold,
+                    "land" => Intervention::Land,
+                    "leave" => Intervention::Leave,
+                    _ => {
+                        client.send(&format!("{LINE}an order is hold, land or leave\n"));
+                        continue;
+                    }
+                };
+                if client.commands {
+                    order = order.or(Some(wants));
+                } else {
+                    client.send(&format!("{LINE}another terminal commands this flight\n"));
+                }
+            }
+        }
+        self.clients.retain(|client| !client.is_gone);
+        order
+    }
+
+    fn admit(&mut self) {
+        while let Ok((stream, _)) = self.listener.accept() {
+            if self.clients.len() >= MAX_CLIENTS || stream.set_nonblocking(true).is_err() {
+                continue;
+            }
+            let mut client = Client {
+                stream,
+                inbox: Vec::new(),
+                outbox: VecDeque::new(),
+                is_gone: false,
+                commands: false,
+            };
+            let table = self.table.iter();
+            let table = table.map(|row| format!("{LINE}{}\n", escaped(row)));
+            for line in self.history.iter().cloned().chain(table) {
+                client.send(&line);
+            }
+            client.send(&format!(
+                "{LINE}attached: Ctrl-C detaches, the flight goes on\n"
+            ));
+            self.clients.push(client);
+        }
+    }
+
+    /// Ends the session with the exit code of the flight.
+    pub(super) fn finish(mut self, code: i32, message: &str) {
+        if !message.is_empty() {
+            self.show(message);
+        }
+        for client in &mut self.clients {
+            client.send(&format!("{END}{code}\n"));
+            // The last lines are waited for, but not without end.
+            let wait = Some(std::time::Duration::from_secs(2));
+            let _ = client.stream.set_nonblocking(false);
+            let _ = client.stream.set_write_timeout(wait);
+            client.flush();
+        }
+    }
+}
+
+impl Drop for Socket {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+impl Client {
+    fn send(&mut self, line: &str) {
+        if self.outbox.len() + line.len() > MAX_WAITING {
+            self.is_gone = true;
+        } else {
+            self.outbox.extend(line.as_bytes());
+            self.flush();
+        }
+    }
+
+    fn flush(&mut self) {
+        while !self.outbox.is_empty() && !self.is_gone {
+            let (front, _) = self.outbox.as_slices();
+            match self.stream.write(front) {
+                Ok(0) => self.is_gone = true,
+                Ok(count) => drop(self.outbox.drain(..count)),
+                Err(error) if error.kind() == ErrorKind::WouldBlock => return,
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(_) => self.is_gone = true,
+            }
+        }
+    }
+
+    /// Whole lines that came in.
+    fn orders(&mut self) -> Vec<String> {
+        let mut buffer = [0; MAX_ORDER];
+        match self.stream.read(&mut buffer) {
+            Ok(0) => self.is_gone = true,
+            Ok(count) => self.inbox.extend(buffer.iter().take(count)),
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {}
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(_) => self.is_gone = true,
+        }
+        let mut orders = Vec::new();
+        while let Some(end) = self.inbox.iter().position(|byte| *byte == b'\n') {
+            let line: Vec<u8> = self.inbox.drain(..=end).collect();
+            orders.push(String::from_utf8_lossy(&line).trim().to_owned());
+        }
+        self.is_gone |= self.inbox.len() > MAX_ORDER;
+        orders
+    }
+}

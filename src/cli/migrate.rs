@@ -1,0 +1,70 @@
+//! `sortie migrate`: a spec of version 1 as one of version 2.
+
+use super::args;
+use super::folder::replace;
+use super::print::console::{note, out_text};
+use super::print::failure::Failure;
+use crate::numeric::digits;
+use crate::spec::{Buffers, SpecFile};
+use crate::world;
+
+pub(super) fn run(arguments: &args::Migrate) -> Result<(), Failure> {
+    let file = SpecFile::read(&arguments.spec)?;
+    let name = arguments.spec.display();
+    let text = if file.spec.version == 1 {
+        let text = file.in_version_2()?;
+        let migrated = SpecFile::parse(&arguments.spec, text)?;
+        // What the buffers forbid shows over the ground as well.
+        world::load(&migrated)?;
+        note(&format!(
+            "{name}: version 1 becomes 2: {}",
+            changes(&migrated)
+        ));
+        migrated.text
+    } else {
+        note(&format!(
+            "{name}: is of version {} already",
+            file.spec.version
+        ));
+        file.text
+    };
+    let target = match arguments.in_place {
+        true => Some(&arguments.spec),
+        false => arguments.output.as_ref(),
+    };
+    match target {
+        Some(path) => Ok(replace::write_file(path, text.as_bytes())?),
+        None => out_text(&text),
+    }
+}
+
+/// What the new version means, in words.
+fn changes(file: &SpecFile) -> String {
+    if let Some(none) = file.spec.why_no_buffers() {
+        return format!("as before, {none}");
+    }
+    let Buffers {
+        threats_m,
+        zones_m,
+        area_m,
+        terrain_m,
+        ceiling_m,
+        separation_m,
+    } = file.spec.buffers;
+    let named = [
+        ("threats", threats_m),
+        ("zones", zones_m),
+        ("area", area_m),
+        ("terrain", terrain_m),
+        ("ceiling", ceiling_m),
+        ("separation", separation_m),
+    ];
+    let all: Vec<String> = named
+        .iter()
+        .map(|(of, buffer_m)| format!("{of} {} m", digits::plain(*buffer_m)))
+        .collect();
+    format!(
+        "plan, review and upload keep the default buffers beyond every limit ({}); buffer_m: changes them",
+        all.join(", ")
+    )
+}

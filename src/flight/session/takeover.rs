@@ -1,0 +1,47 @@
+//! A fleet in the air whose ground station crashed is taken over from its record.
+
+use super::vehicle::Assignment;
+use super::{Event, Fleet, Options, Phase};
+use crate::flight::record::interrupted::Interrupted;
+use crate::link::{Address, Time};
+
+impl<'a> Fleet<'a> {
+    /// Takes over a flight from its record, in the name of `us`, at a time on the clock of the
+    /// driver and in milliseconds since 1970. The plan of each vehicle is the last in its record;
+    /// the time without a record is named as a stop.
+    #[must_use]
+    pub fn take_over(
+        mut assignments: Vec<Assignment<'a>>,
+        options: Options,
+        us: Address,
+        (now, unix_ms): (Time, u64),
+        flight: &Interrupted,
+    ) -> Self {
+        for of in &mut assignments {
+            let plans = flight.flight(of.vehicle).map(|of| &of.plans);
+            if let Some(plan) = plans.and_then(|plans| plans.last()) {
+                of.reference = plan.reference.clone();
+            }
+        }
+        let mut fleet = Self::new(assignments, options, us, now);
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+        let since_ms = unix_ms.saturating_sub(flight.t0_unix_ms()) as f64 * options.speedup;
+        let t0_ms = fleet.flight_ms(now) - since_ms;
+        fleet.phase = Phase::Flying { t0_ms };
+        for vehicle in &mut fleet.vehicles {
+            if let Some(recorded) = flight.flight(vehicle.of.vehicle) {
+                vehicle.take_over(recorded.flown.clone(), t0_ms);
+            }
+        }
+        let (from_s, t_s) = (flight.until_s(), since_ms / 1000.0);
+        fleet.stops.push_back((from_s.min(t_s), t_s));
+        fleet.events.push_back(Event {
+            t_s: Some(t_s),
+            vehicle: None,
+            text: format!(
+                "the flight is taken over: nothing was recorded from {from_s:.1} to {t_s:.1} s"
+            ),
+        });
+        fleet
+    }
+}

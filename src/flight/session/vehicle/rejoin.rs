@@ -1,0 +1,68 @@
+//! A vehicle whose flight is taken over from its record: by its heartbeat and a position of now it
+//! flies on, has landed meanwhile, or never took off.
+
+use super::{AIRBORNE_M, FlightVehicle, Instruction, Stage};
+use crate::flight::record::Flown;
+use crate::flight::session::end::End;
+use crate::flight::session::modes;
+
+impl FlightVehicle<'_> {
+    /// Takes over everything that was recorded of it; `t0_ms` is T0 on the fleet's clock.
+    pub(in crate::flight::session) fn take_over(&mut self, flown: Flown, t0_ms: f64) {
+        let home_m = f64::from(self.of.mission.home.amsl_m);
+        let was_up = |last: &crate::flight::record::Fix| last.amsl.0 - home_m > AIRBORNE_M;
+        self.airborne = flown.fixes.iter().any(was_up);
+        let last = flown.fixes.last();
+        self.latest = last.map(|fix| (t0_ms + 1000.0 * fix.t_s, *fix));
+        self.item = last.map_or(0, |fix| fix.item);
+        let known = flown.fixes.len();
+        self.flown = flown;
+        self.stage = Stage::Rejoining { known };
+    }
+
+    /// Decides where it is on its flight, once it was heard.
+    pub(in crate::flight::session) fn look_whether_it_rejoins(&mut self) {
+        let Stage::Rejoining { known } = self.stage else {
+            return;
+        };
+        let Some((_, beat)) = self.vehicle.filter(|_| self.flown.fixes.len() > known) else {
+            return;
+        };
+        match (beat.is_armed(), self.airborne) {
+            (true, true) => self.rejoin_in_the_air(beat.custom_mode),
+            (true, false) if self.in_mission => self.rejoin_in_the_air(beat.custom_mode),
+            (true, false) => {
+                self.said.push_back("is armed on the ground".to_owned());
+                self.stage = Stage::Armed;
+            }
+            (false, true) => {
+                let end = self.landing();
+                self.said
+                    .push_back("came down while nobody watched".to_owned());
+                self.end(end);
+            }
+            (false, false) => {
+                let why = "has not taken off, and is disarmed";
+                self.end(End::Failed(why.to_owned()));
+            }
+        }
+    }
+
+    /// An order of before is known by its mode.
+    fn rejoin_in_the_air(&mut self, custom_mode: u32) {
+        self.stage = Stage::Flying;
+        let text = if self.in_mission {
+            "flies its mission"
+        } else if modes::is_hold(self.of.mission, custom_mode) {
+            self.begin_instruction(Instruction::Hold);
+            "is in the mode of a hold"
+        } else if modes::is_land(self.of.mission, custom_mode) {
+            self.begin_instruction(Instruction::Land);
+            "lands where it is"
+        } else {
+            self.left = true;
+            "is off its mission"
+        };
+        self.said.push_back(format!("is watched again: it {text}"));
+    }
+}

@@ -1,0 +1,96 @@
+//! Units and references of heights.
+
+use super::{Geometry, Height};
+use crate::geodesy::{Ellipsoid, Geoid};
+
+const FEET_M: f64 = 0.3048;
+
+/// Which limit a height is: one above the ellipsoid becomes the widest that it can be anywhere
+/// over the shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Side {
+    Floor,
+    Ceiling,
+}
+
+/// Metres of a value in a unit.
+///
+/// # Errors
+/// A unit that is none of metres and feet.
+pub(super) fn metres(value: f64, unit: &str) -> Result<f64, String> {
+    match unit.to_lowercase().as_str() {
+        "m" | "meter" | "meters" | "metre" | "metres" => Ok(value),
+        "ft" | "f" | "feet" | "foot" => Ok(value * FEET_M),
+        _ => Err(format!("unknown unit `{}`", unit.escape_debug())),
+    }
+}
+
+/// A height over a shape: `metres` measured from a reference by its name.
+///
+/// # Errors
+/// A reference that is unknown.
+pub(super) fn height(
+    metres: f64,
+    reference: &str,
+    side: Side,
+    over: &Geometry,
+) -> Result<Height, String> {
+    if !metres.is_finite() {
+        return Err(format!("a height of {metres} m"));
+    }
+    match reference.to_uppercase().as_str() {
+        "AMSL" | "MSL" => Ok(Height::Amsl(metres)),
+        "AGL" | "GND" | "SFC" => Ok(Height::Agl(metres)),
+        "WGS84" | "W84" | "HAE" => Ok(above_ellipsoid(metres, side, over)),
+        "STD" | "FL" => Ok(Height::FlightLevel(metres / FEET_M / 100.0)),
+        _ => Err(format!(
+            "unknown reference `{}` of a height",
+            reference.escape_debug()
+        )),
+    }
+}
+
+fn above_ellipsoid(metres: f64, side: Side, over: &Geometry) -> Height {
+    let positions = over.positions().into_iter();
+    let levels = positions.map(|place| Ellipsoid(metres).above_sea(Geoid::egm96(), place).0);
+    Height::Amsl(match side {
+        Side::Floor => levels.fold(f64::INFINITY, f64::min),
+        Side::Ceiling => levels.fold(f64::NEG_INFINITY, f64::max),
+    })
+}
+
+/// A floor that is the ground is none.
+pub(super) fn floor(of: Option<Height>) -> Option<Height> {
+    of.filter(|height| !matches!(height, Height::Agl(metres) if *metres <= 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesy::LatLon;
+
+    #[test]
+    fn heights_keep_their_reference_and_the_ellipsoid_is_converted_by_the_geoid() {
+        // ArduPilot's field at Canberra: EGM96 19.44 m above the ellipsoid.
+        let at = LatLon {
+            lat_deg: -35.363_262,
+            lon_deg: 149.165_237,
+        };
+        let over = Geometry::Point(at);
+        let of = |reference| height(603.44, reference, Side::Ceiling, &over);
+        assert_eq!(of("AMSL"), Ok(Height::Amsl(603.44)));
+        assert_eq!(of("agl"), Ok(Height::Agl(603.44)));
+        let Ok(Height::Amsl(amsl_m)) = of("WGS84") else {
+            panic!("{:?}", of("WGS84"));
+        };
+        assert!((amsl_m - 584.0).abs() < 0.05, "{amsl_m}");
+        assert!(of("QFE").is_err());
+    }
+
+    #[test]
+    fn units_are_metres_or_feet() {
+        assert_eq!(metres(1000.0, "FT"), Ok(304.8));
+        assert_eq!(metres(1000.0, "M"), Ok(1000.0));
+        assert!(metres(1.0, "NM").is_err());
+    }
+}

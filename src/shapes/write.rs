@@ -1,0 +1,87 @@
+//! Shapes as GeoJSON: heights are properties, as a spec has them, so that no file loses any.
+
+use ::geojson::{Feature, FeatureCollection, Geometry as Written, GeometryValue, Position};
+use serde_json::{Value, json};
+
+use super::{Geometry, Height, Shape};
+use crate::geodesy::LatLon;
+
+/// The text of a file; reading it gives the same shapes.
+#[must_use]
+pub fn write(shapes: &[Shape]) -> String {
+    let collection = FeatureCollection {
+        bbox: None,
+        features: shapes.iter().map(feature).collect(),
+        foreign_members: None,
+    };
+    let mut text = ::geojson::GeoJson::from(collection).to_string();
+    text.push('\n');
+    text
+}
+
+fn feature(shape: &Shape) -> Feature {
+    let mut properties = serde_json::Map::new();
+    properties.insert("id".to_owned(), shape.name.as_str().into());
+    let mut classes = shape.classes.iter();
+    for (key, class) in ["class", "type", "restriction"].iter().zip(&mut classes) {
+        properties.insert((*key).to_owned(), class.as_str().into());
+    }
+    for (key, height) in [("floor", shape.floor), ("ceiling", shape.ceiling)] {
+        if let Some(height) = height {
+            properties.insert(key.to_owned(), limit(height));
+        }
+    }
+    if let (None, None) = shape.active {
+    } else {
+        let (from, to) = shape.active;
+        let text = |time: Option<jiff::Timestamp>| time.map(|time| time.to_string());
+        let period = json!([{"startDateTime": text(from), "endDateTime": text(to)}]);
+        properties.insert("applicability".to_owned(), period);
+    }
+    if shape.keep_in {
+        properties.insert("keep_in".to_owned(), true.into());
+    }
+    for (key, number) in &shape.numbers {
+        properties.insert(key.clone(), (*number).into());
+    }
+    if let Geometry::Circle { radius_m, .. } = shape.geometry {
+        properties.insert("radius_m".to_owned(), radius_m.into());
+    }
+    Feature {
+        geometry: Some(Written::new(geometry(&shape.geometry))),
+        properties: Some(properties),
+        ..Feature::default()
+    }
+}
+
+fn limit(of: Height) -> Value {
+    match of {
+        Height::Amsl(metres) => json!({"amsl_m": metres}),
+        Height::Agl(metres) => json!({"agl_m": metres}),
+        Height::FlightLevel(level) => json!({"fl": level}),
+    }
+}
+
+fn geometry(of: &Geometry) -> GeometryValue {
+    let ring = |corners: &[LatLon]| {
+        let closed = corners.iter().chain(corners.first());
+        closed.map(position).collect::<Vec<Position>>()
+    };
+    match of {
+        Geometry::Polygon { outer, holes } => {
+            let mut coordinates = vec![ring(outer)];
+            coordinates.extend(holes.iter().map(|hole| ring(hole)));
+            GeometryValue::Polygon { coordinates }
+        }
+        Geometry::Circle { center: at, .. } | Geometry::Point(at) => GeometryValue::Point {
+            coordinates: position(at),
+        },
+        Geometry::Line(positions) => GeometryValue::LineString {
+            coordinates: positions.iter().map(position).collect(),
+        },
+    }
+}
+
+fn position(of: &LatLon) -> Position {
+    Position::from([of.lon_deg, of.lat_deg])
+}

@@ -1,0 +1,411 @@
+//! Zones and obstacles from files.
+
+use geo::BoundingRect;
+
+use super::super::airspace::{AttachedFile, Survey};
+use super::super::keys;
+use super::super::{Placement, Zone};
+use super::Checker;
+use super::map::Map;
+use super::zones::References;
+use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame, flight_level};
+use crate::numeric::text::is_hidden;
+use crate::shapes::{self, Geometry, Height, Shape};
+
+/// How far beyond the area a zone still counts, metres: tracks and margins stay within.
+const REACH_M: f64 = 1000.0;
+/// Radius of an obstacle that states none, metres.
+const MAST_RADIUS_M: f64 = 5.0;
+/// Most corners of one ring of a file: more than any fence, and than is measured in time.
+const MAX_CORNERS: usize = 5_000;
+/// Longest id, bytes.
+const MAX_ID: usize = 60;
+
+/// Why a shape is not among the zones.
+enum Dropped {
+    Refused(String),
+    OutOfReach,
+    WithoutArea,
+}
+
+impl Checker {
+    /// Adds the zones of all files, and what became of each.
+    pub(super) fn add_files(
+        &mut self,
+        keys: &keys::Spec,
+        files: &[AttachedFile],
+        references: References,
+        map: &mut Map,
+    ) {
+        let (airspace, obstacles) = files.split_at(keys.airspace.len().min(files.len()));
+        for (index, (of, file)) in keys.airspace.iter().zip(airspace).enumerate() {
+            let path = format!("airspace[{index}]");
+            self.add_airspace((&path, of), file, references, map);
+        }
+        for (index, (of, file)) in keys.obstacles.iter().zip(obstacles).enumerate() {
+            let path = format!("obstacles[{index}]");
+            self.add_obstacles((&path, of), file, map);
+        }
+    }
+
+    fn add_airspace(
+        &mut self,
+        (path, keys): (&str, &keys::AirspaceFile),
+        file: &AttachedFile,
+        references: References,
+        map: &mut Map,
+    ) {
+        let path = format!("{path}.file");
+        let collection = match shapes::read(&keys.file, &file.bytes) {
+            Ok(collection) => collection,
+            Err(error) => {
+                let allowed = format!("a file of the kind {}", shapes::ENDINGS.join(", "));
+                return self.report(&path, error, allowed);
+            }
+        };
+        let mut survey = Survey {
+            file: keys.file.clone(),
+            open: collection.open,
+            ..Survey::default()
+        };
+        let is_skipped = |name: &str| keys.skip.iter().any(|skip| skip == name);
+        let mut refused: Vec<(String, String)> = Vec::new();
+        for of in collection.refused {
+            match is_skipped(&of.name) {
+                true => survey.left_out += 1,
+                false => refused.push((of.name, of.why)),
+            }
+        }
+        for shape in collection.shapes {
+            if is_skipped(&shape.name) || !is_asked(keys, &shape) {
+                survey.left_out += 1;
+                continue;
+            }
+            let zone = zone(&shape, references, map);
+            match zone.and_then(|zone| self.simple(zone, map)) {
+                Ok(mut zone) => {
+                    zone.id = free_id(&shape.name, map);
+                    zone.buffer_m = keys.buffer_m.unwrap_or(0.0);
+                    zone.source = Some(source(&keys.file, &shape));
+                    survey.zones.push(zone.id.clone());
+                    map.no_fly.push(zone);
+                }
+                Err(Dropped::OutOfReach) => survey.out_of_reach += 1,
+                Err(Dropped::WithoutArea) => survey.without_area += 1,
+                Err(Dropped::Refused(why)) => refused.push((shape.name, why)),
+            }
+        }
+        for (name, why) in refused {
+            let found = format!("`{}` cannot be a zone: {why}", name.escape_debug());
+            let allowed = "zones that can be read, or its name in skip";
+            self.report(&path, found, allowed);
+        }
+        map.surveys.push(survey);
+    }
+
+    /// A zone whose rings do not cross themselves.
+    fn simple(&mut self, zone: Zone, map: &Map) -> Result<Zone, Dropped> {
+        let before = self.issues.len();
+        for ring in std::iter::once(&zone.polygon).chain(&zone.holes) {
+            if zone.circle.is_none() && !self.polygon("", &map.frame, ring) {
+                let why = self.issues.split_off(before);
+                let why = why.into_iter().next().map(|issue| issue.found);
+                return Err(Dropped::Refused(why.unwrap_or_default()));
+            }
+        }
+        Ok(zone)
+    }
+
+    fn add_obstacles(
+        &mut self,
+        (path, keys): (&str, &keys::ObstacleFile),
+        file: &AttachedFile,
+        map: &mut Map,
+    ) {
+        let path = format!("{path}.file");
+        let found = match keys.file.to_lowercase().ends_with(".csv") {
+            true => rows(&file.bytes),
+            false => points(&keys.file, &file.bytes),
+        };
+        let found = match found {
+            Ok(found) => found,
+            Err(why) => {
+                let allowed = "a .csv with lat, lon, height_m, radius_m, or GeoJSON points";
+                return self.report(&path, why, allowed);
+            }
+        };
+        let mut survey = Survey {
+            file: keys.file.clone(),
+            ..Survey::default()
+        };
+        for Obstacle {
+            name,
+            at,
+            height_m,
+            radius_m,
+        } in found
+        {
+            let polygon = LocalFrame::new(at).circumscribed(radius_m);
+            if is_far(&polygon, map) {
+                survey.out_of_reach += 1;
+                continue;
+            }
+            let zone = Zone {
+                circle: Some((at, radius_m)),
+                ceiling: Some(Placement::Agl(Agl(height_m))),
+                source: Some(format!("{}, {name}", keys.file)),
+                ..Zone::closed(free_id(&name, map), polygon)
+            };
+            survey.zones.push(zone.id.clone());
+            map.no_fly.push(zone);
+        }
+        map.surveys.push(survey);
+    }
+}
+
+/// Whether a shape has a class that a file is read for.
+fn is_asked(keys: &keys::AirspaceFile, shape: &Shape) -> bool {
+    keys.only.as_ref().is_none_or(|only| {
+        let mut asked = only.class.iter();
+        asked.any(|class| {
+            let mut classes = shape.classes.iter();
+            classes.any(|of| of.eq_ignore_ascii_case(class))
+        })
+    })
+}
+
+/// The zone of a shape, without its id.
+fn zone(shape: &Shape, references: References, map: &Map) -> Result<Zone, Dropped> {
+    let (polygon, holes, circle) = match &shape.geometry {
+        Geometry::Polygon { outer, holes } => (outer.clone(), holes.clone(), None),
+        Geometry::Circle { center, radius_m } => {
+            let around = LocalFrame::new(*center).circumscribed(*radius_m);
+            (around, Vec::new(), Some((*center, *radius_m)))
+        }
+        Geometry::Line(_) | Geometry::Point(_) => return Err(Dropped::WithoutArea),
+    };
+    if is_far(&polygon, map) {
+        return Err(Dropped::OutOfReach);
+    }
+    let refused = |why: &str| Err(Dropped::Refused(why.to_owned()));
+    if shape.keep_in {
+        return refused("it is to stay in, not out: an inclusion fence");
+    }
+    if polygon.len() > MAX_CORNERS {
+        return refused("more than 5000 corners");
+    }
+    let floor = placed(shape.floor, references.qnh, |qnh| qnh.min)?;
+    let ceiling = placed(shape.ceiling, references.qnh, |qnh| qnh.max)?;
+    if let Some(Placement::Amsl(floor)) = floor
+        && floor >= map.area.max_amsl
+    {
+        return Err(Dropped::OutOfReach);
+    }
+    match (floor, ceiling) {
+        (Some(Placement::Amsl(low)), Some(Placement::Amsl(high))) if low >= high => {
+            return refused("a ceiling below its floor");
+        }
+        (Some(Placement::Agl(low)), Some(Placement::Agl(high))) if low >= high => {
+            return refused("a ceiling below its floor");
+        }
+        _ => {}
+    }
+    let after_s = |time: Option<jiff::Timestamp>, absent_s: f64| {
+        let time = time.zip(references.t0);
+        time.map_or(absent_s, |(time, t0)| time.duration_since(t0).as_secs_f64())
+    };
+    let (from_s, to_s) = (
+        after_s(shape.active.0, f64::NEG_INFINITY),
+        after_s(shape.active.1, f64::INFINITY),
+    );
+    if from_s > to_s {
+        return refused("a period that ends before it begins");
+    }
+    Ok(Zone {
+        holes,
+        circle,
+        floor,
+        ceiling,
+        active_s: (from_s.is_finite() || to_s.is_finite()).then_some((from_s, to_s)),
+        ..Zone::closed(String::new(), polygon)
+    })
+}
+
+/// A height in metres; a flight level at the pressure that makes the zone largest.
+fn placed(
+    height: Option<Height>,
+    qnh: Option<keys::Qnh>,
+    widest: fn(keys::Qnh) -> f64,
+) -> Result<Option<Placement>, Dropped> {
+    Ok(match height {
+        None => None,
+        Some(Height::Amsl(metres)) => Some(Placement::Amsl(Amsl(metres))),
+        Some(Height::Agl(metres)) => Some(Placement::Agl(Agl(metres))),
+        Some(Height::FlightLevel(level)) => {
+            let Some(qnh) = qnh else {
+                let why = format!("flight level {level} needs qnh_hpa in the spec");
+                return Err(Dropped::Refused(why));
+            };
+            Some(Placement::Amsl(flight_level(level, widest(qnh))))
+        }
+    })
+}
+
+/// Whether the box of a zone lies beside the area.
+fn is_far(polygon: &[LatLon], map: &Map) -> bool {
+    let Some(area) = map.outline.bounding_rect() else {
+        return false;
+    };
+    // Far from the frame its coordinates mean nothing, nearness does.
+    let origin = map.frame.origin();
+    let reach_m = REACH_M + area.width().hypot(area.height());
+    if polygon.len() < 2_000 && polygon.iter().all(|at| at.chord_m(origin) < 500_000.0) {
+        let Some(zone) = map.frame.outline(polygon).bounding_rect() else {
+            return false;
+        };
+        return zone.min().x > area.max().x + REACH_M
+            || zone.max().x < area.min().x - REACH_M
+            || zone.min().y > area.max().y + REACH_M
+            || zone.max().y < area.min().y - REACH_M;
+    }
+    let bounds = |of: fn(&LatLon) -> f64| {
+        let values = polygon.iter().map(of);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| {
+            (a.min(x), b.max(x))
+        })
+    };
+    let (south, north) = bounds(|at| at.lat_deg);
+    let (west, east) = bounds(|at| at.lon_deg);
+    let degrees = reach_m / 100_000.0;
+    let wide = degrees / origin.lat_deg.to_radians().cos().max(0.05);
+    // A zone across the date line spans all longitudes this way, and so is near.
+    origin.lat_deg < south - degrees
+        || origin.lat_deg > north + degrees
+        || origin.lon_deg < west - wide
+        || origin.lon_deg > east + wide
+}
+
+/// A name as an id that no zone has yet.
+fn free_id(name: &str, map: &Map) -> String {
+    let shown: String = name
+        .chars()
+        .map(|sign| if is_hidden(sign) { '_' } else { sign })
+        .collect();
+    let mut id = String::new();
+    for sign in shown.trim().chars() {
+        if id.len() + sign.len_utf8() > MAX_ID {
+            break;
+        }
+        id.push(sign);
+    }
+    if id.is_empty() {
+        id.push_str("zone");
+    }
+    let is_taken = |id: &str| {
+        map.no_fly
+            .iter()
+            .any(|zone| zone.id.eq_ignore_ascii_case(id))
+    };
+    if !is_taken(&id) {
+        return id;
+    }
+    let numbered = (2..).map(|number: u64| format!("{id} {number}"));
+    let mut free = numbered.skip_while(|id| is_taken(id));
+    free.next().unwrap_or(id)
+}
+
+/// File, item, classes.
+fn source(file: &str, shape: &Shape) -> String {
+    let classes = shape.classes.join(", ");
+    match classes.as_str() {
+        "" => format!("{file}, {}", shape.name),
+        _ => format!("{file}, {} ({classes})", shape.name),
+    }
+}
+
+/// A mast, a turbine, a tree.
+struct Obstacle {
+    name: String,
+    at: LatLon,
+    height_m: f64,
+    radius_m: f64,
+}
+
+/// An obstacle of numbers that are possible.
+fn obstacle(
+    name: String,
+    at: LatLon,
+    height_m: Option<f64>,
+    radius_m: Option<f64>,
+) -> Result<Obstacle, String> {
+    let height_m = height_m.ok_or_else(|| format!("{name}: no height_m"))?;
+    let radius_m = radius_m.unwrap_or(MAST_RADIUS_M);
+    if !(0.0..=2000.0).contains(&height_m) || height_m <= 0.0 {
+        return Err(format!("{name}: height_m {height_m}, not above 0 to 2000"));
+    }
+    if !(1.0..=10_000.0).contains(&radius_m) {
+        return Err(format!("{name}: radius_m {radius_m}, not 1 to 10000"));
+    }
+    Ok(Obstacle {
+        name,
+        at,
+        height_m,
+        radius_m,
+    })
+}
+
+/// The rows of a table with the columns lat, lon, height_m, and perhaps radius_m and id.
+fn rows(bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_reader(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
+    let names = reader.headers().map_err(|error| error.to_string())?.clone();
+    let column = |name: &str| names.iter().position(|of| of.eq_ignore_ascii_case(name));
+    let required = |name: &str| column(name).ok_or_else(|| format!("no column {name}"));
+    let (lat, lon, height) = (required("lat")?, required("lon")?, required("height_m")?);
+    let (radius, id) = (column("radius_m"), column("id").or(column("name")));
+    let mut found = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| error.to_string())?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let cell = |column: usize| record.get(column).unwrap_or_default();
+        let number = |column: usize| {
+            let text = cell(column);
+            let number = text.parse::<f64>().ok().filter(|of| of.is_finite());
+            number.ok_or_else(|| format!("line {line}: `{}` is no number", text.escape_debug()))
+        };
+        let at = LatLon::new(number(lat)?, number(lon)?);
+        let at = at.map_err(|error| format!("line {line}: {error}"))?;
+        let radius_m = radius.filter(|column| !cell(*column).is_empty());
+        let radius_m = radius_m.map(number).transpose()?;
+        let name = id.map(cell).filter(|name| !name.is_empty());
+        let name = name.map_or_else(|| format!("line {line}"), str::to_owned);
+        found.push(obstacle(name, at, Some(number(height)?), radius_m)?);
+    }
+    Ok(found)
+}
+
+/// The points and circles of a file of shapes, by their property `height_m`.
+fn points(name: &str, bytes: &[u8]) -> Result<Vec<Obstacle>, String> {
+    let collection = shapes::read(name, bytes).map_err(|error| error.to_string())?;
+    if let Some(refused) = collection.refused.first() {
+        return Err(format!("{}: {}", refused.name, refused.why));
+    }
+    let shapes = collection.shapes.into_iter();
+    let obstacles = shapes.map(|shape| {
+        let number = |key: &str| {
+            let found = shape.numbers.iter().find(|(name, _)| name == key);
+            found.map(|(_, number)| *number)
+        };
+        let (at, radius_m) = match shape.geometry {
+            Geometry::Point(at) => (at, number("radius_m")),
+            Geometry::Circle { center, radius_m } => (center, Some(radius_m)),
+            Geometry::Polygon { .. } | Geometry::Line(_) => {
+                return Err(format!("{}: no point", shape.name));
+            }
+        };
+        obstacle(shape.name.clone(), at, number("height_m"), radius_m)
+    });
+    obstacles.collect()
+}

@@ -1,0 +1,73 @@
+//! `sortie migrate`: version 1 to 2.
+
+use std::fs;
+use std::path::Path;
+
+use assert_cmd::Command;
+
+fn sortie() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_sortie"))
+}
+
+fn first() -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/first.yaml");
+    let text = fs::read_to_string(path).expect("a spec");
+    text.replace("sortie: 2", "sortie: 1")
+}
+
+#[test]
+fn a_spec_becomes_version_2_and_keeps_every_other_byte() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for text in [
+        first(),
+        first().replace('\n', "\r\n"),
+        format!("\u{feff}{}", first()),
+        first().replace("sortie: 1 ", "\"sortie\":    1   # ö "),
+    ] {
+        let path = folder.path().join("first.yaml");
+        fs::write(&path, &text).expect("written");
+        let shown = sortie().arg("migrate").arg(&path).assert().success();
+        let shown = String::from_utf8_lossy(&shown.get_output().stdout).into_owned();
+        let changed = shown.char_indices().zip(text.chars());
+        let changed: Vec<_> = changed.filter(|((_, a), b)| a != b).collect();
+        assert_eq!((shown.len(), changed.len()), (text.len(), 1), "{changed:?}");
+        assert_eq!((changed[0].0.1, changed[0].1), ('2', '1'));
+        sortie()
+            .arg("migrate")
+            .arg(&path)
+            .arg("--in-place")
+            .assert()
+            .success();
+        assert_eq!(fs::read_to_string(&path).expect("a spec"), shown);
+        let again = sortie().arg("migrate").arg(&path).assert().success();
+        assert_eq!(
+            String::from_utf8_lossy(&again.get_output().stdout),
+            shown,
+            "once is enough"
+        );
+    }
+}
+
+#[test]
+fn a_spec_that_would_not_check_is_not_migrated_and_every_reason_is_listed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("first.yaml");
+    let text = first().replace("agl_m: 40", "agl_m: 35");
+    fs::write(&path, &text).expect("written");
+    let refused = sortie()
+        .arg("migrate")
+        .arg(&path)
+        .arg("--in-place")
+        .assert()
+        .code(3);
+    let why = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    for part in [
+        "vehicles[0].start",
+        "vehicles[0].goal",
+        "at least 40 m",
+        "works here is 5 m",
+    ] {
+        assert!(why.contains(part), "{why}");
+    }
+    assert_eq!(fs::read_to_string(&path).expect("a spec"), text);
+}
