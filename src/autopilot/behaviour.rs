@@ -114,6 +114,9 @@ pub struct Behaviour {
     pub turning_share: Figure,
     /// Time constant of the bank under the L1 law, seconds.
     pub bank_lag_s: Figure,
+    /// The greatest speed that a stock copter reaches in still air at its lean limit, m/s: the
+    /// least of what was measured.
+    pub lean_speed_mps: Figure,
     /// Speed below [`super::SLOW_LANDING_M`] in a landing on rotors, m/s. Every plan sets it
     /// (`LAND_SPEED`, `MPC_LAND_SPEED`, `Q_LAND_FINAL_SPD`).
     pub slow_landing_mps: f64,
@@ -122,7 +125,7 @@ pub struct Behaviour {
 impl Behaviour {
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 12] {
+    pub fn figures(&self) -> [(&'static str, Figure); 13] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("takeoff_late_s", self.takeoff_late_s),
@@ -136,6 +139,7 @@ impl Behaviour {
             ("drift_s", self.drift_s),
             ("turning_share", self.turning_share),
             ("bank_lag_s", self.bank_lag_s),
+            ("lean_speed_mps", self.lean_speed_mps),
         ]
     }
 }

@@ -39,7 +39,7 @@ pub use commands::{
 };
 pub use corner::{CornerLaw, Cornering, Stops, Turn};
 pub use mavlink::{command, frame};
-pub use modes::{Mode, Modes};
+pub use modes::{Mode, Modes, mode_name};
 pub use parameters::{ParameterRow, SLOPE_MIN, Unit, other_name, parameter};
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};

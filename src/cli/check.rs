@@ -3,7 +3,10 @@
 use super::args;
 use super::print::console::{note, out};
 use super::print::failure::Failure;
-use crate::spec::{Document, Survey};
+use crate::autopilot::facts;
+use crate::mission;
+use crate::path::lean_problem;
+use crate::spec::{Document, MissionSpec, Survey};
 use crate::verify;
 use crate::world;
 
@@ -16,7 +19,16 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         Document::Mission(file) => {
             world::load(&file)?;
             let spec = &file.spec;
+            for vehicle in &spec.vehicles {
+                let problem = lean_problem(vehicle, vehicle.speeds().most, spec.wind);
+                problem
+                    .iter()
+                    .for_each(|text| note(&format!("warning: {text}")));
+            }
             for text in verify::distant_from_area(spec, &[]) {
+                note(&format!("warning: {text}"));
+            }
+            for text in full_fences(spec) {
                 note(&format!("warning: {text}"));
             }
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
@@ -45,6 +57,22 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     surveys
         .iter()
         .try_for_each(|survey| out(&described(survey)))
+}
+
+/// The vehicles whose autopilot does not keep the fence of a spec: their missions would be
+/// rejected after planning.
+fn full_fences(spec: &MissionSpec) -> Vec<String> {
+    let needs = mission::fence_needs(spec);
+    let vehicles = spec.vehicles.iter().filter_map(|vehicle| {
+        let keeps = facts(vehicle.autopilot, vehicle.airframe).capacity.fence;
+        (needs > keeps).then(|| {
+            format!(
+                "the fence needs {needs} items and {} keeps {keeps}: leave zones out (only, skip), or set mission.fence: false",
+                vehicle.id
+            )
+        })
+    });
+    vehicles.collect()
 }
 
 /// What became of the shapes of a file.

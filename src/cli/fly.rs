@@ -79,11 +79,12 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         speedup: arguments.speedup,
         set_params: arguments.set_params,
         force: arguments.force,
-        on_link_loss: plan.spec().on_link_loss,
+        on_alarm: plan.spec().answers(),
         position_s: POSITION_S,
     };
     let assignments = plan.assignments(&references, &open, is_uploaded);
-    let mut fleet = Fleet::new(assignments, options, open.us(), driver.now());
+    let fleet = Fleet::new(assignments, options, open.us(), driver.now());
+    let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.record_plans(&plan, &references)?;
     underway.announce(None)?;
     driver.fly(&mut fleet, &mut screen);

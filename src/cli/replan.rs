@@ -11,7 +11,7 @@ use crate::flight::replan::{self, Decision, Outcomes, Replanner};
 use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
 use crate::formats::write_file;
 use crate::geodesy::LatLon;
-use crate::spec::{Area, MissionSpec, THREAT_RADIUS_M, Threat};
+use crate::spec::{Area, Link, MissionSpec, THREAT_RADIUS_M, Threat};
 
 pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
     let mut plan = fly::read(&arguments.spec, arguments.dir.as_deref())?;
@@ -40,11 +40,14 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         from_s: notice.t_s(threat_ms),
         threat: threat.clone(),
     };
+    let supported = replan::refuse_unsupported(plan.spec()).map_err(Failure::from);
+    let linked = supported.and_then(|()| upload::links_under_way(&plan, &arguments.link, &notice));
+    if let Ok(links) = &linked {
+        refuse_taken_ports(&plan, links)?;
+    }
     // Whatever comes of it: the flight is judged against the threat from now on.
     append(underway.as_ref(), &[Line::of_popup(&popup)])?;
-    let supported = replan::refuse_unsupported(plan.spec()).map_err(Failure::from);
-    let led = supported.and_then(|()| upload::links_under_way(&plan, &arguments.link, &notice));
-    let led = led.and_then(|links| {
+    let led = linked.and_then(|links| {
         let replanner = Replanner::open(&plan, &links, &popups, &notice, threat_ms)
             .map_err(|failed| unreachable_link(&plan, &failed))?;
         lead(&replanner, underway.as_ref(), &notice, arguments.seed)
@@ -87,6 +90,24 @@ fn lead(
 
 fn append(underway: Option<&Underway>, lines: &[Line]) -> Result<(), FlightError> {
     underway.map_or(Ok(()), |underway| underway.append(lines))
+}
+
+/// Refuses to begin where the port of a vehicle is taken: `fly` holds those that it listens at, and
+/// nothing could be sent. The threat is not recorded then.
+fn refuse_taken_ports(plan: &FlightPlan, links: &[(usize, Link)]) -> Result<(), Failure> {
+    for (index, link) in links {
+        let Link::UdpIn(address) = link else { continue };
+        let taken = std::net::UdpSocket::bind(address.as_str()).err();
+        if let Some(error) = taken.filter(|of| of.kind() == std::io::ErrorKind::AddrInUse) {
+            let id = &plan.vehicle(*index).id;
+            let message = format!(
+                "{link}: {error}: `sortie fly` or another program listens there. Reach {id} over another of its links, \
+                 with --link {id}=ADDRESS; the threat was not recorded, and nothing was sent"
+            );
+            return Err(failed(message));
+        }
+    }
+    Ok(())
 }
 
 fn unreachable_link(plan: &FlightPlan, (link, error): &(String, std::io::Error)) -> Failure {

@@ -3,8 +3,9 @@
 use serde::Serialize;
 
 use super::conformance::report::{FlightReport, Passage, Spread, VehicleReport};
-use super::record::Record;
+use super::record::{RaisedAlarm, Record};
 use crate::report::{MarginEntry, review_json};
+use crate::spec::AlarmKind;
 use crate::verify::Review;
 
 /// How well a flight went: `flight.json`.
@@ -24,6 +25,25 @@ pub struct FlightDocument {
     pub vehicles: Vec<FlownVehicle>,
     /// The limits, as in `review.json`.
     pub margins: Vec<MarginEntry>,
+    /// Alarms in flight, in order of time.
+    pub alarms: Vec<AlarmEntry>,
+}
+
+/// An alarm of `flight.json`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AlarmEntry {
+    /// When it was raised, seconds after T0.
+    pub t_s: f64,
+    /// When it was over; null for one that was not.
+    pub until_s: Option<f64>,
+    /// Id in the spec.
+    pub vehicle: String,
+    /// The other vehicle of a separation; null for other alarms.
+    pub other: Option<String>,
+    /// What it is about, as in `on_alarm`.
+    pub alarm: AlarmKind,
+    /// In words.
+    pub text: String,
 }
 
 /// One vehicle of `flight.json`.
@@ -87,6 +107,18 @@ pub fn flight_json(record: &Record, report: &FlightReport) -> FlightDocument {
         speedup: record.speedup,
         vehicles: report.vehicles.iter().map(vehicle).collect(),
         margins: review_json(&margins).margins,
+        alarms: record.alarms.iter().map(alarm).collect(),
+    }
+}
+
+fn alarm(of: &RaisedAlarm) -> AlarmEntry {
+    AlarmEntry {
+        t_s: rounded(of.t_s),
+        until_s: of.until_s.map(rounded),
+        vehicle: of.vehicle.clone(),
+        other: of.other.clone(),
+        alarm: of.kind,
+        text: of.text.clone(),
     }
 }
 

@@ -4,6 +4,7 @@
 //! driver hands in messages and the time, sends what `poll_transmit` gives, and comes
 //! back at `poll_timeout`. [`Driver`] is that driver for real links.
 
+pub mod alarms;
 mod clock;
 mod conformance;
 mod document;
@@ -28,10 +29,10 @@ pub use record::lines::Line;
 pub use record::read::{Broken, SPEEDUP, read_record};
 pub use record::tlog::{Capture, read_tlog};
 pub use record::underway::{Notice, Underway};
-pub use record::{Fix, Flight, Flown, Plan, PopUp, Record};
+pub use record::{Fix, Flight, Flown, Plan, PopUp, RaisedAlarm, Record};
 pub use session::diversion::{Diversion, Onward};
 pub use session::driver::{Driver, Judged, Operator};
 pub use session::end::End;
 pub use session::status::Status;
 pub use session::vehicle::Assignment;
-pub use session::{Event, Fleet, Intervention, Options, Outcome};
+pub use session::{AlarmMark, Event, Fleet, Intervention, Options, Outcome};

@@ -33,6 +33,7 @@ pub use fleet::{Job, download, upload_fleet, upload_fleet_captured};
 pub use message::flight::{
     Command, CommandResult, FlightMessage, LandedState, ParamValue, Position,
 };
+pub use message::health::{Health, SystemStatus};
 pub use message::{
     AUTOPILOT_GENERIC, AUTOPILOT_INVALID, Address, Body, Heartbeat, List, MISSION_TYPE_ALL,
     MODE_ARMED, Message, MissionMessage, MissionResult, Route, STATE_ACTIVE, STATE_STANDBY,

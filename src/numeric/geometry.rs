@@ -380,7 +380,8 @@ impl Ring {
     }
 }
 
-fn doubled_area(corners: &[Point]) -> f64 {
+/// Twice the area of a polygon, positive if it turns counter-clockwise.
+pub(crate) fn doubled_area(corners: &[Point]) -> f64 {
     let next = corners.iter().cycle().skip(1);
     corners.iter().zip(next).map(|(a, b)| cross(*a, *b)).sum()
 }

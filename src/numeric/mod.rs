@@ -6,6 +6,7 @@ pub mod bspline;
 pub mod cells;
 pub mod chains;
 pub mod digits;
+pub mod free_space;
 pub mod geometry;
 pub mod order;
 mod seed;

@@ -1,7 +1,7 @@
 //! Prioritised planning: paths for a fleet, one vehicle after the other in order of priority.
 //!
 //! `fleet` commits vehicles in order; `classes` finds homotopy classes; `search` searches one
-//! route; `altitude` decodes altitudes; `bound` estimates the best cost; `diagnosis` says why
+//! route; `altitude` decodes altitudes; `bound` proves what no path can cost less than; `diagnosis` says why
 //! there is no path.
 
 mod altitude;
@@ -49,7 +49,7 @@ pub struct VehiclePlan {
     pub routes: Vec<Route>,
     /// The objective, judged finely, summed over the routes.
     pub terms: CostTerms,
-    /// Proven: no path costs less.
+    /// Proven: no path that keeps the limits costs less.
     pub bound: f64,
     /// Estimate of the best cost from the cost field; proves nothing.
     pub estimate: f64,
@@ -126,14 +126,18 @@ impl VehiclePlan {
         (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);
     }
 
-    /// How far the total is above the estimate, as a fraction of the estimate.
+    /// How far the total is above the bound, as a fraction of the bound; none for a plan that
+    /// breaks limits, which the bound does not hold for.
     #[must_use]
-    pub fn gap(&self) -> f64 {
-        if self.estimate > 0.0 {
-            (self.terms.total() - self.estimate) / self.estimate
-        } else {
-            0.0
-        }
+    pub fn gap(&self) -> Option<f64> {
+        let is_bounded = self.bound > 0.0 && self.terms.is_clean();
+        is_bounded.then(|| (self.terms.total() - self.bound) / self.bound)
+    }
+
+    /// Sets the bound; the estimate is never below it.
+    fn set_bound(&mut self, bound: f64) {
+        self.bound = bound;
+        self.estimate = self.estimate.max(bound);
     }
 }
 

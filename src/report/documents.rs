@@ -52,11 +52,11 @@ pub struct PlannedVehicle {
     pub blocked_by: Vec<String>,
     /// The objective.
     pub cost: Cost,
-    /// Proven: no path costs less.
+    /// Proven: no path that keeps the limits costs less.
     pub bound: Option<f64>,
     /// What the relaxed problem suggests; proves nothing.
     pub estimate: Option<f64>,
-    /// How far the total is above the estimate, as a fraction of it.
+    /// How far the total is above the bound, as a fraction of it; null where limits are broken.
     pub gap: Option<f64>,
     /// Objective evaluations spent.
     pub evaluations: usize,
@@ -278,7 +278,7 @@ fn planned_vehicle(
         cost: cost(&planned.terms),
         bound: finite(planned.bound),
         estimate: finite(planned.estimate),
-        gap: finite(planned.gap()),
+        gap: planned.gap().and_then(finite),
         evaluations: planned.evaluations,
         violations: Vec::new(),
         plans: planned.plans,

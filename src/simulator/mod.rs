@@ -3,6 +3,7 @@
 mod air;
 mod dynamics;
 mod environment;
+mod faults;
 mod mode;
 mod parameters;
 mod pilot;
@@ -13,6 +14,7 @@ mod server;
 
 pub use air::Weather;
 pub use environment::Surroundings;
+pub use faults::Fault;
 pub use profile::Profile;
 pub use serve::{Running, Simulated, spawn, spawn_in};
 pub use server::Vehicle;

@@ -18,7 +18,7 @@ use super::profile::Profile;
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame};
 use crate::link::{LandedState, Time};
 use crate::mission::{Home, Item};
-use crate::spec::Airframe;
+use crate::spec::{Airframe, Wind};
 use wing::Winged;
 
 /// One step, milliseconds.
@@ -99,6 +99,9 @@ pub(crate) struct Pilot {
     speed_mps: Option<f64>,
     clock: Time,
     events: Vec<Event>,
+    /// A wind that it cannot hold its speed in, to the east and the north, and its greatest
+    /// airspeed, m/s.
+    gale: Option<([f64; 2], f64)>,
 }
 
 impl Pilot {
@@ -139,6 +142,7 @@ impl Pilot {
             speed_mps: None,
             clock: now,
             events: Vec::new(),
+            gale: None,
         };
         pilot.set_up();
         pilot
@@ -159,6 +163,29 @@ impl Pilot {
         }
     }
 
+    /// A wind comes up that it cannot hold its speed in.
+    pub(crate) fn blow(&mut self, wind: Wind, airspeed_mps: f64) {
+        let (sin, cos) = wind.from_rad.sin_cos();
+        let blows = [-sin * wind.speed_mps, -cos * wind.speed_mps];
+        self.gale = Some((blows, airspeed_mps));
+    }
+
+    /// The speed that it can make along a leg, m/s.
+    pub(crate) fn reachable_mps(&self, leg: Leg, planned_mps: f64) -> f64 {
+        let Some(([east, north], airspeed_mps)) = self.gale else {
+            return planned_mps;
+        };
+        let along = [leg.to_m[0] - leg.from_m[0], leg.to_m[1] - leg.from_m[1]];
+        let length_m = along[0].hypot(along[1]).max(1e-6);
+        let tail = (east * along[0] + north * along[1]) / length_m;
+        let cross = (east * along[1] - north * along[0]) / length_m;
+        let made = (airspeed_mps * airspeed_mps - cross * cross)
+            .max(0.0)
+            .sqrt()
+            + tail;
+        planned_mps.min(made.max(0.2))
+    }
+
     /// What it does in its mode.
     pub(crate) fn mode(&self) -> Mode {
         Mode::of(self.profile, self.airframe, self.custom_mode)
@@ -175,8 +202,10 @@ impl Pilot {
     }
 
     /// Where it thinks it is, how high above the sea, metres, and its velocity east, north, up.
-    pub(crate) fn position(&self) -> (LatLon, f64, [f64; 3]) {
+    /// `off_m` is what a fault of its GPS adds to the east and the north.
+    pub(crate) fn position(&self, off_m: [f64; 2]) -> (LatLon, f64, [f64; 3]) {
         let [east_m, north_m, amsl_m] = self.sensed();
+        let (east_m, north_m) = (east_m + off_m[0], north_m + off_m[1]);
         let place = self.frame.from_plan(EastNorth { east_m, north_m });
         (place, amsl_m, self.body.velocity_mps)
     }

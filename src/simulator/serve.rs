@@ -18,6 +18,8 @@ use crate::spec::Airframe;
 
 /// Longest wait on the socket, so that a stop is noticed.
 const LONGEST_WAIT: Duration = Duration::from_millis(20);
+/// Between two moments of a vehicle, milliseconds of its own time.
+const LIVED_MS: u64 = 100;
 /// Most ground stations that are answered at once; one more takes the place of the
 /// one that was silent for longest.
 const MOST_PARTNERS: usize = 16;
@@ -108,6 +110,7 @@ pub fn spawn_in(
         vehicle: Arc::clone(&vehicle),
         stop: Arc::clone(&stop),
         speedup,
+        lived: Time::default(),
     };
     let thread = std::thread::Builder::new()
         .name(format!("vehicle {}", simulated.sysid))
@@ -171,6 +174,8 @@ struct Server {
     vehicle: Arc<Mutex<Vehicle>>,
     stop: Arc<AtomicBool>,
     speedup: f64,
+    /// Until when the vehicle has lived.
+    lived: Time,
 }
 
 impl Server {
@@ -209,15 +214,28 @@ impl Server {
             while let Some((from, frame)) = self.up.arrived(now()) {
                 self.receive(now(), from, &frame);
             }
-            lock(&self.vehicle).handle_timeout(now());
-            loop {
-                let message = lock(&self.vehicle).poll_transmit();
-                let Some(message) = message else { break };
-                self.send(now(), &mut encoder, &message);
-            }
+            self.live_until(now(), &mut encoder);
             while let Some((to, frame)) = self.down.arrived(now()) {
                 // A partner that is gone does not receive it, as on any radio.
                 let _ = self.socket.send_to(&frame, to);
+            }
+        }
+    }
+
+    /// The vehicle lives all of its time: after a stall of the machine it says what it would have
+    /// said meanwhile.
+    fn live_until(&mut self, now: Time, encoder: &mut Encoder) {
+        loop {
+            self.lived = (self.lived + LIVED_MS).min(now);
+            let lived = self.lived;
+            lock(&self.vehicle).handle_timeout(lived);
+            loop {
+                let message = lock(&self.vehicle).poll_transmit();
+                let Some(message) = message else { break };
+                self.send(now, encoder, &message);
+            }
+            if lived >= now {
+                return;
             }
         }
     }

@@ -8,11 +8,12 @@ mod telemetry;
 use std::collections::{BTreeMap, VecDeque};
 
 use super::environment::Surroundings;
+use super::faults::{Fault, Faults};
 use super::mode::Mode;
 use super::pilot::Pilot;
 use super::profile::Profile;
 use crate::link::{
-    Address, Body, List, MISSION_TYPE_ALL, Message, MissionMessage, MissionResult, Time,
+    Address, Body, List, MISSION_TYPE_ALL, Message, MissionMessage, MissionResult, Position, Time,
 };
 use crate::mission::{Home, Item};
 use crate::spec::Airframe;
@@ -23,6 +24,8 @@ const HEARTBEAT_MS: u64 = 1000;
 const DARK_MS: u64 = 800;
 /// After a start: heartbeats say BOOT, milliseconds.
 const BOOT_MS: u64 = 3000;
+/// Between two reports of its health, milliseconds.
+const HEALTH_MS: u64 = 500;
 /// Between two positions in flight, milliseconds.
 const POSITION_MS: u64 = 250;
 /// `MAV_STATE_BOOT`.
@@ -50,6 +53,12 @@ pub struct Vehicle {
     /// An item that is still being said to be reached, and how often.
     reached: Option<(u16, u8)>,
     armed: bool,
+    faults: Faults,
+    /// The position that it sends for ever.
+    frozen: Option<Position>,
+    /// When its health was last reported, and is next.
+    health_at: Time,
+    health_due: Time,
 }
 
 #[derive(Clone, Debug)]
@@ -116,6 +125,18 @@ impl Vehicle {
             position_ms: POSITION_MS,
             reached: None,
             armed: false,
+            faults: Faults::new(),
+            frozen: None,
+            health_at: now,
+            health_due: now,
+        }
+    }
+
+    /// Something goes wrong with it from now on.
+    pub fn fail(&mut self, fault: Fault) {
+        self.faults.take(fault);
+        if let (Fault::Wind { wind, airspeed_mps }, Some(pilot)) = (fault, &mut self.pilot) {
+            pilot.blow(wind, airspeed_mps);
         }
     }
 
@@ -201,6 +222,9 @@ impl Vehicle {
             self.heartbeat_due = now + HEARTBEAT_MS;
             self.beat(now);
         }
+        if now >= self.health_due && !self.is_dark(now) {
+            self.health_is_due(now);
+        }
         if now >= self.position_due && !self.is_dark(now) {
             self.position_is_due(now);
         }
@@ -240,6 +264,7 @@ impl Vehicle {
         transfer
             .min(self.heartbeat_due)
             .min(self.position_due)
+            .min(self.health_due)
             .min(flight.unwrap_or(self.heartbeat_due))
     }
 

@@ -75,6 +75,7 @@ impl MissionSpec {
             mission: keys::MissionOptions::default(),
             wind: None,
             on_link_loss: super::OnLinkLoss::default(),
+            on_alarm: super::OnAlarm::default(),
         };
         Builder { keys }
     }

@@ -42,6 +42,7 @@ pub use airspace::{AttachedFile, Survey, Zone};
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
+pub use keys::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub(crate) use model::BufferedLimit;
 pub use model::{
     Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
 use super::airspace::Zone;
-use super::keys::words;
+use super::keys::{Action, Answer, OnAlarm, Who, words};
 use super::vehicle::Vehicle;
 use super::wind::Wind;
 
@@ -52,6 +52,25 @@ pub struct MissionSpec {
     pub wind: Option<Wind>,
     /// What the fleet does when the link to one vehicle is lost.
     pub on_link_loss: OnLinkLoss,
+    /// What is done at alarms in flight.
+    pub on_alarm: OnAlarm,
+}
+
+impl MissionSpec {
+    /// What is done at alarms in flight, `on_link_loss` included.
+    #[must_use]
+    pub fn answers(&self) -> OnAlarm {
+        let action = match self.on_link_loss {
+            OnLinkLoss::Continue => return self.on_alarm,
+            OnLinkLoss::HoldAll => Action::Hold,
+            OnLinkLoss::LandAll => Action::Land,
+        };
+        let who = Who::All;
+        OnAlarm {
+            link: self.on_alarm.link.or(Some(Answer { who, action })),
+            ..self.on_alarm
+        }
+    }
 }
 
 impl MissionSpec {

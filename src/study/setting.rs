@@ -12,7 +12,7 @@ use crate::path::{Flight, time_route};
 use crate::spec::AltitudeReference;
 use crate::spec::{
     Airframe, Area, Autopilot, Buffers, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
-    OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
+    OnAlarm, OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
 };
 use crate::world::{Departure, Disc, Ground, Stations, Terrain, World};
 
@@ -249,6 +249,7 @@ fn mission(scenario: &Scenario, frame: &LocalFrame) -> MissionSpec {
         },
         wind: None,
         on_link_loss: OnLinkLoss::Continue,
+        on_alarm: OnAlarm::default(),
     }
 }
 

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod airspace;
 mod begin;
 mod cli;
 mod migrate;

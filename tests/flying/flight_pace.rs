@@ -82,3 +82,31 @@ fn a_wing_flies_no_mission_in_half_the_time() {
         }
     }
 }
+
+#[test]
+fn a_vehicle_whose_clock_slips_behind_that_of_the_fleet_was_not_silent() {
+    // As where the machine stalled for 0.6 s at ten times speed: the vehicle lived on later.
+    let slipped = |has_own_clock: bool| {
+        failed(|record| {
+            let flown = &mut record.flights[0].flown;
+            let half = flown.fixes.len() / 2;
+            for fix in &mut flown.fixes[half..] {
+                fix.t_s += 6.0;
+            }
+            flown.until_s = flown.until_s.map(|t_s| t_s + 6.0);
+            if !has_own_clock {
+                flown.fixes.iter_mut().for_each(|fix| fix.boot_ms = None);
+            }
+        })
+    };
+    let gap = "longest time without a position";
+    assert!(!says(&slipped(true), "alpha", gap));
+    assert!(says(&slipped(false), "alpha", gap));
+    // A hole in the record is one by either clock.
+    let holed = failed(|record| {
+        let flown = &mut record.flights[0].flown;
+        let half = flown.fixes.len() / 2;
+        flown.fixes.drain(half..half + 40);
+    });
+    assert!(says(&holed, "alpha", gap), "{holed:?}");
+}

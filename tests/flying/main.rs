@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod alarms;
 mod flight;
 mod flight_commands;
 mod flight_hold;

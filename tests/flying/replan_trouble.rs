@@ -319,3 +319,27 @@ fn who_passes_a_threat_while_the_command_looks_is_named() {
     }
     assert!(told_of.iter().any(|of| of.2), "none was met");
 }
+
+#[test]
+fn a_port_that_fly_listens_at_is_refused_before_the_threat_is_recorded() {
+    let (folder, runs) = planned("lanes", &lanes("-84.251"));
+    let listening = std::net::UdpSocket::bind("127.0.0.1:0").expect("a port");
+    let link = format!("udpin:{}", listening.local_addr().expect("bound"));
+    std::fs::create_dir_all(&runs).expect("a folder");
+    let notice = serde_json::json!({
+        "links": {"alpha": link, "bravo": "udpout:127.0.0.1:9"},
+        "speedup": 1.0,
+        "t0_unix_ms": null,
+    });
+    std::fs::write(runs.join("links.json"), notice.to_string()).expect("written");
+    let (output, _, errors) = replan(folder.path(), "36.300,-84.258,200");
+    assert_eq!(output.status.code(), Some(5), "{errors}");
+    for part in [
+        "listens there",
+        "--link alpha=",
+        "the threat was not recorded",
+    ] {
+        assert!(errors.contains(part), "{part} in {errors}");
+    }
+    assert!(!runs.join("underway.jsonl").exists());
+}

@@ -190,13 +190,12 @@ fn the_page_of_a_failure_says_why_no_path_was_found() {
 }
 
 #[test]
-fn a_cost_below_the_estimate_is_not_a_negative_gap() {
+fn the_gap_is_to_the_bound_and_only_of_plans_that_it_holds_for() {
     let mut facts = facts(hilly_spec(IDS));
-    assert!(facts.html().contains("1.06 % above the estimate"));
-    facts.plan.vehicles[0].estimate = 21.2;
+    assert!(facts.html().contains("at most 5.63 % above the best"));
+    facts.plan.vehicles[0].terms.threat = 0.1;
     let page = facts.html();
-    assert_eq!(page.matches("% above the estimate").count(), 2, "{page}");
-    assert!(!page.contains("−0.85 %"));
+    assert_eq!(page.matches("% above the best").count(), 2, "{page}");
 }
 
 #[test]

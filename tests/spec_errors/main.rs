@@ -4,6 +4,7 @@ mod buffers;
 mod fleets;
 mod ground;
 mod meaning;
+mod on_alarm;
 mod ranges;
 mod structure;
 mod wings;

@@ -162,6 +162,7 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
         },
         wind: None,
         on_link_loss: OnLinkLoss::Continue,
+        on_alarm: sortie::spec::OnAlarm::default(),
     }
 }
 

@@ -85,6 +85,11 @@ impl Planned {
 
     /// The same in a wind of our own.
     pub fn vehicles_in(&self, wind: Option<Wind>) -> Vec<Vehicle> {
+        self.vehicles_with(wind, (0.0, 0))
+    }
+
+    /// The same with noise of a standard deviation in metres, drawn from a seed.
+    pub fn vehicles_with(&self, wind: Option<Wind>, (noise_m, seed): (f64, u64)) -> Vec<Vehicle> {
         let terrain = Arc::new(self.world.terrain.clone());
         let missions = self.dispatched.missions.iter();
         missions
@@ -94,6 +99,8 @@ impl Planned {
                     terrain: Some(Arc::clone(&terrain)),
                     params: parameters(mission),
                     wind,
+                    noise_m,
+                    seed,
                     heading_rad: this
                         .wing
                         .and_then(|wing| wing.takeoff_heading_rad)
@@ -131,10 +138,10 @@ impl Planned {
             speedup: 1.0,
             set_params,
             force: false,
-            on_link_loss: self.spec.on_link_loss,
+            on_alarm: self.spec.answers(),
             position_s: 0.2,
         };
-        Fleet::new(assignments, options, US, Time(0))
+        Fleet::new(assignments, options, US, Time(0)).watched(&self.spec, &self.world)
     }
 
     pub fn judge(&self, sky: &Sky<'_>) -> FlightReport {

@@ -49,12 +49,13 @@ pub(in crate::cli) fn take_over(
         speedup: flight.speedup(),
         set_params: false,
         force: false,
-        on_link_loss: plan.spec().on_link_loss,
+        on_alarm: plan.spec().answers(),
         position_s: POSITION_S,
     };
     let assignments = plan.assignments(&plan.references(), &open, |_| false);
     let at = (driver.now(), unix_ms());
-    let mut fleet = Fleet::take_over(assignments, options, open.us(), at, &flight);
+    let fleet = Fleet::take_over(assignments, options, open.us(), at, &flight);
+    let mut fleet = fleet.watched(plan.spec(), &plan.world);
     driver.fly(&mut fleet, &mut screen);
     underway.withdraw(fleet.outcome() == Some(&Outcome::Flown));
     let session = screen.into_session();

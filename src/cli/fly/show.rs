@@ -92,12 +92,37 @@ pub(super) fn line(status: &Status) -> String {
     let lost = status
         .lost_s
         .map_or_else(String::new, |s| format!("LINK LOST {s:.0} s"));
+    let alarms: Vec<&str> = status.alarms.iter().map(|kind| kind.key()).collect();
+    let alarms = if alarms.is_empty() {
+        String::new()
+    } else {
+        format!("ALARM {}", alarms.join(", "))
+    };
     format!(
-        "{:>10}  {:<11}  item {item:>3} of {of:<3}  {:>3.0} %  {time:>12}  {closest:<18} {lost}",
+        "{:>10}  {:<11}  {}  item {item:>3} of {of:<3}  {:>3.0} %  {time:>12}  {closest:<18} {lost} {alarms}",
         status.vehicle,
         status.stage,
+        instruments(status),
         100.0 * status.progress,
     )
+}
+
+/// Mode, armed, GPS fix, battery, altitude and age of the position.
+fn instruments(status: &Status) -> String {
+    let or_dash = |value: Option<String>| value.unwrap_or_else(|| "-".to_owned());
+    let mode = status.mode.as_deref().unwrap_or("-");
+    let armed = if status.is_armed { "armed" } else { "safe" };
+    let fix = match status.gps_fix {
+        None => "-",
+        Some(0 | 1) => "NO FIX",
+        Some(2) => "2D",
+        Some(3) => "3D",
+        Some(_) => "3D+",
+    };
+    let battery = or_dash(status.battery_percent.map(|percent| format!("{percent} %")));
+    let amsl = or_dash(status.amsl_m.map(|amsl_m| format!("{amsl_m:.0} m")));
+    let age = or_dash(status.age_s.map(|age_s| format!("{age_s:.1} s")));
+    format!("{mode:<12} {armed:<5} GPS {fix:<6} bat {battery:>5} {amsl:>7} age {age:>5}")
 }
 
 /// Prints the table of a flight that is over, and the limits that were violated.

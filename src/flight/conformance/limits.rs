@@ -164,7 +164,7 @@ impl FlownTrack<'_> {
         let after = after.map(|(last, until_s)| (until_s - last.t_s, last));
         let pairs = self.fixes().windows(2);
         let longest = pairs
-            .map(|pair| (pair[1].t_s - pair[0].t_s, &pair[0]))
+            .map(|pair| (pair[0].until_s(&pair[1]), &pair[0]))
             .chain(before)
             .chain(after)
             .max_by(|a, b| a.0.total_cmp(&b.0));

@@ -20,7 +20,7 @@ use reference::{Deviation, Reference, to_segment};
 use report::{FlightReport, Passage, Spread, VehicleReport};
 
 /// Around home and the place of landing the minimum height does not hold, metres.
-const COLUMN_M: f64 = 25.0;
+pub(super) const COLUMN_M: f64 = 25.0;
 /// Between two positions this far apart in time nothing is known, seconds.
 pub(super) const GAP_S: f64 = 5.0;
 

@@ -31,13 +31,13 @@ const FASTER: f64 = 2.0;
 
 /// How far from its way a vehicle may be, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Tube {
-    across_m: f64,
-    up_m: f64,
+pub(crate) struct Tube {
+    pub(crate) across_m: f64,
+    pub(crate) up_m: f64,
 }
 
 impl Tube {
-    fn of(vehicle: &Vehicle) -> Self {
+    pub(crate) fn of(vehicle: &Vehicle) -> Self {
         if !vehicle.airframe.has_wing() {
             return Self {
                 across_m: CROSS_TRACK_M,
@@ -108,7 +108,13 @@ impl FlownTrack<'_> {
         let mut margins: Vec<Margin> = self.beginning(vehicle, world).into_iter().collect();
         margins.extend(self.leaps(vehicle));
         // A vehicle that is ordered to hold or to land leaves its path, and does not end as planned.
-        if !matches!(end, End::Held | End::StoppedAfterHold | End::LandedEarly) {
+        let left = [
+            End::Held,
+            End::StoppedAfterHold,
+            End::LandedEarly,
+            End::Returned,
+        ];
+        if !left.contains(end) {
             margins.extend(self.off_the_way(spec, tube));
         }
         if matches!(end, End::Landed | End::Loitering) {

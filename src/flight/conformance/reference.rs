@@ -178,15 +178,25 @@ impl Reference {
     /// How far a point is from the way to an item: the nearest of the legs around it.
     #[must_use]
     pub fn deviation(&self, item: usize, point: PlanPoint) -> Option<Deviation> {
+        self.deviations(item, point)
+            .min_by(|a, b| a.distance_m().total_cmp(&b.distance_m()))
+    }
+
+    /// How far a point is from each of the legs around the way to an item.
+    pub(crate) fn deviations(
+        &self,
+        item: usize,
+        point: PlanPoint,
+    ) -> impl Iterator<Item = Deviation> {
         let ahead = self.waypoints.iter().position(|w| w.item >= item);
         let ahead = ahead.unwrap_or(self.waypoints.len().saturating_sub(1));
         let from = ahead.saturating_sub(2);
         let to = (ahead + 2).min(self.waypoints.len());
         self.waypoints
-            .get(from..to)?
+            .get(from..to)
+            .unwrap_or_default()
             .windows(2)
-            .map(|pair| Deviation::of(point, &pair[0], &pair[1]))
-            .min_by(|a, b| a.distance_m().total_cmp(&b.distance_m()))
+            .map(move |pair| Deviation::of(point, &pair[0], &pair[1]))
     }
 }
 
@@ -254,7 +264,7 @@ impl Deviation {
         }
     }
 
-    fn distance_m(&self) -> f64 {
+    pub(crate) fn distance_m(&self) -> f64 {
         self.cross_track_m.hypot(self.above_m)
     }
 }

@@ -17,4 +17,20 @@ pub struct Fix {
     pub item: usize,
     /// Items on board without home, by its own word; 0 where it does not say.
     pub items: usize,
+    /// Since the vehicle was started, milliseconds by its own clock; none where that was not
+    /// recorded.
+    pub boot_ms: Option<u32>,
+}
+
+impl Fix {
+    /// Time until a later position, seconds: by the vehicle's own clock, if that is less. Where a
+    /// machine stalls, a simulated vehicle slips behind the clock of the fleet, and is not silent.
+    #[must_use]
+    pub fn until_s(&self, later: &Self) -> f64 {
+        let by_fleet_s = later.t_s - self.t_s;
+        let own_ms = self.boot_ms.zip(later.boot_ms);
+        // A vehicle that was started again begins at 0.
+        let own_ms = own_ms.and_then(|(from, to)| to.checked_sub(from));
+        own_ms.map_or(by_fleet_s, |ms| by_fleet_s.min(f64::from(ms) / 1000.0))
+    }
 }

@@ -7,7 +7,7 @@ use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::document::rounded;
 use crate::flight::session::Event;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
-use crate::spec::{THREAT_RADIUS_M, Threat};
+use crate::spec::{AlarmKind, THREAT_RADIUS_M, Threat};
 
 /// Times are written rounded, seconds.
 const ROUNDED_S: f64 = 0.01;
@@ -76,6 +76,22 @@ pub enum Line {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         t_s: Option<f64>,
     },
+    /// An alarm that was raised, or is over, as an operator read it.
+    Alarm {
+        /// Seconds after T0.
+        t_s: f64,
+        /// Id in the spec.
+        vehicle: String,
+        /// The other vehicle of a separation.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        other: Option<String>,
+        /// What it is about, as in `on_alarm`.
+        alarm: AlarmKind,
+        /// Whether it begins; else it is over.
+        raised: bool,
+        /// In words.
+        event: String,
+    },
     /// Something that an operator read.
     Event {
         /// Seconds after T0; null before it.
@@ -134,6 +150,9 @@ pub struct FixLine {
     pub(crate) item: usize,
     #[serde(default)]
     pub(crate) items: usize,
+    /// By the vehicle's own clock, milliseconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) boot_ms: Option<u32>,
 }
 
 impl Line {
@@ -156,6 +175,7 @@ impl Line {
             speed_mps: fix.speed_mps,
             item: fix.item,
             items: fix.items,
+            boot_ms: fix.boot_ms,
         })
     }
 
@@ -172,6 +192,16 @@ impl Line {
     /// Something that happened.
     #[must_use]
     pub fn of_event(event: &Event) -> Self {
+        if let (Some(alarm), Some(t_s), Some(vehicle)) = (&event.alarm, event.t_s, &event.vehicle) {
+            return Self::Alarm {
+                t_s: rounded(t_s),
+                vehicle: vehicle.clone(),
+                other: alarm.other.clone(),
+                alarm: alarm.kind,
+                raised: alarm.is_raised,
+                event: event.text.clone(),
+            };
+        }
         Self::Event {
             t_s: event.t_s.map(rounded),
             vehicle: event.vehicle.clone(),

@@ -12,7 +12,7 @@ pub(super) mod underway;
 pub use fix::Fix;
 
 use super::conformance::reference::Reference;
-use crate::spec::Threat;
+use crate::spec::{AlarmKind, Threat};
 
 /// Items reached that are taken down of one vehicle within [`PERIOD_S`].
 const MAX_REACHED: usize = 100;
@@ -79,6 +79,43 @@ pub struct Record {
     pub popups: Vec<PopUp>,
     /// Times that the recording program was stopped for: from, until, seconds after T0.
     pub stops: Vec<(f64, f64)>,
+    /// Alarms, in order of time.
+    pub alarms: Vec<RaisedAlarm>,
+}
+
+/// An alarm as it was recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RaisedAlarm {
+    /// When it was raised, seconds after T0.
+    pub t_s: f64,
+    /// When it was over, seconds after T0; none for one that was not.
+    pub until_s: Option<f64>,
+    /// Id in the spec.
+    pub vehicle: String,
+    /// The other vehicle of a separation.
+    pub other: Option<String>,
+    /// What it is about.
+    pub kind: AlarmKind,
+    /// In words.
+    pub text: String,
+}
+
+impl Record {
+    /// Takes down an alarm that was raised or is over; the latter ends the first that stands.
+    pub(super) fn take_alarm(&mut self, alarm: RaisedAlarm, is_raised: bool) {
+        if is_raised {
+            return self.alarms.push(alarm);
+        }
+        let is_it = |of: &&mut RaisedAlarm| {
+            of.until_s.is_none()
+                && of.kind == alarm.kind
+                && of.vehicle == alarm.vehicle
+                && of.other == alarm.other
+        };
+        if let Some(standing) = self.alarms.iter_mut().find(is_it) {
+            standing.until_s = Some(alarm.t_s);
+        }
+    }
 }
 
 impl Flown {

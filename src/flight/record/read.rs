@@ -5,7 +5,7 @@ use std::ops::RangeInclusive;
 
 use super::invalid_line;
 use super::lines::{FixLine, Line, place};
-use super::{Fix, Flight, Record};
+use super::{Fix, Flight, RaisedAlarm, Record};
 use crate::flight::session::end::End;
 use crate::geodesy::{Amsl, LocalFrame};
 
@@ -151,6 +151,7 @@ impl Reading {
             speed_mps: line.speed_mps,
             item: line.item,
             items: line.items,
+            boot_ms: line.boot_ms,
         };
         let fixes = &mut self.of(&line.vehicle).flown.fixes;
         if fixes.last().is_some_and(|last| last.t_s >= fix.t_s) {
@@ -159,6 +160,29 @@ impl Reading {
         fixes.push(fix);
         self.latest_s = self.latest_s.max(fix.t_s);
         Ok(())
+    }
+
+    fn alarm(&mut self, line: Line) {
+        if let Line::Alarm {
+            t_s,
+            vehicle,
+            other,
+            alarm: kind,
+            raised,
+            event: text,
+        } = line
+        {
+            let until_s = None;
+            let of = RaisedAlarm {
+                t_s,
+                until_s,
+                vehicle,
+                other,
+                kind,
+                text,
+            };
+            self.record.take_alarm(of, raised);
+        }
     }
 
     fn take(&mut self, line: Line) -> Result<(), String> {
@@ -214,6 +238,7 @@ impl Reading {
                 let flown = &mut self.of(&vehicle).flown;
                 (flown.end, flown.until_s) = (End::of_words(&end), t_s);
             }
+            Line::Alarm { .. } => self.alarm(line),
             Line::Event { .. } => {}
         }
         Ok(())

@@ -174,6 +174,7 @@ impl Reading {
             speed_mps: position.ground_speed_mps(),
             item: self.item,
             items: self.items,
+            boot_ms: Some(position.boot_ms),
         };
         let fixes = &mut self.flown.fixes;
         let is_later = fixes.last().is_none_or(|last| fix.t_s > last.t_s);

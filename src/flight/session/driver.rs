@@ -196,7 +196,7 @@ impl<'a> Driver<'a> {
         if now >= self.read.1 || fleet.outcome().is_some() {
             let (fresh, read) = self.underway.lines_after(self.read.0);
             for line in fresh {
-                lines.extend(replan_lines(line, fleet.t_s(now), operator));
+                lines.extend(replan_lines(line, fleet, now, operator));
             }
             self.read = (read, now + UNDERWAY_MS);
         }
@@ -307,7 +307,13 @@ impl Fleet<'_> {
 
 /// The lines of the record for a line of `replan`. A threat counts from now on at the latest,
 /// whatever time it was given.
-fn replan_lines(line: String, t_s: Option<f64>, operator: &mut dyn Operator) -> Vec<String> {
+fn replan_lines(
+    line: String,
+    fleet: &mut Fleet<'_>,
+    now: Time,
+    operator: &mut dyn Operator,
+) -> Vec<String> {
+    let t_s = fleet.t_s(now);
     let (line, vehicle, text) = match serde_json::from_str(&line) {
         Ok(Line::Threat {
             t_s: given_s,
@@ -315,15 +321,22 @@ fn replan_lines(line: String, t_s: Option<f64>, operator: &mut dyn Operator) -> 
         }) => {
             let t_s = t_s.map_or(given_s, |now_s| given_s.min(now_s));
             let text = format!("replan reports a threat, {}", threat.words());
+            fleet.heed_threat(threat.clone(), t_s);
             (Line::Threat { t_s, threat }.text(), None, text)
         }
-        Ok(Line::Plan { vehicle, .. }) => {
+        Ok(Line::Plan { vehicle, plan, .. }) => {
+            fleet.heed_plan(&vehicle, plan);
             let text = "is sent another plan by replan".to_owned();
             (line, Some(vehicle), text)
         }
         _ => return vec![line],
     };
-    let event = Event { t_s, vehicle, text };
+    let event = Event {
+        t_s,
+        vehicle,
+        text,
+        alarm: None,
+    };
     // A screen that takes nothing is reported with the next event.
     let _ = operator.event(&event);
     vec![line, Line::of_event(&event).text()]

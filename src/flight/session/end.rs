@@ -16,6 +16,8 @@ pub enum End {
     StoppedAfterHold,
     /// It was ordered to land, and did.
     LandedEarly,
+    /// It was ordered to return to launch, and landed there.
+    Returned,
     /// It was left flying.
     LeftFlying,
     /// Something else; what, in words.
@@ -33,6 +35,7 @@ impl End {
             Self::Held => "held",
             Self::StoppedAfterHold => "ordered to hold, then stopped its motors",
             Self::LandedEarly => "landed early",
+            Self::Returned => "returned",
             Self::LeftFlying => "left flying",
             Self::Failed(why) => why,
         }
@@ -48,6 +51,7 @@ impl End {
             Self::Held,
             Self::StoppedAfterHold,
             Self::LandedEarly,
+            Self::Returned,
             Self::LeftFlying,
         ];
         let found = known.into_iter().find(|end| end.words() == words);
@@ -62,6 +66,7 @@ impl End {
             Self::Held => "still holds, and is not watched any more",
             Self::StoppedAfterHold => "stopped its motors after it was ordered to hold",
             Self::LandedEarly => "landed as ordered",
+            Self::Returned => "landed at home as ordered",
             Self::LeftFlying => "is left flying",
             Self::NotFlown => "was not flown",
             Self::Failed(why) => why,

@@ -1,5 +1,6 @@
 //! The whole fleet: none starts unless all are ready; then each at its time, watched to the end.
 
+mod answer;
 pub(super) mod arrival;
 pub(super) mod clock;
 pub(super) mod diversion;
@@ -15,9 +16,10 @@ pub(super) mod vehicle;
 
 use std::collections::VecDeque;
 
+use super::alarms::{Alarm, Alarms};
 use super::record::Flown;
 use crate::link::{Address, Heartbeat, Message, Time};
-use crate::spec::OnLinkLoss;
+use crate::spec::{AlarmKind, OnAlarm};
 use end::End;
 use vehicle::{ARMING_MS, Assignment, FlightVehicle, Instruction, Stage};
 
@@ -45,8 +47,8 @@ pub struct Options {
     pub set_params: bool,
     /// Whether it is flown although parameters, home or place differ.
     pub force: bool,
-    /// What the others do when the link to one is lost.
-    pub on_link_loss: OnLinkLoss,
+    /// What is done at alarms.
+    pub on_alarm: OnAlarm,
     /// Between two positions of a vehicle in flight, seconds.
     pub position_s: f64,
 }
@@ -71,6 +73,19 @@ pub struct Event {
     pub vehicle: Option<String>,
     /// What.
     pub text: String,
+    /// Of an alarm, which.
+    pub alarm: Option<AlarmMark>,
+}
+
+/// Which alarm an event is about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AlarmMark {
+    /// What it is about.
+    pub kind: AlarmKind,
+    /// The other vehicle of a separation.
+    pub other: Option<String>,
+    /// Whether it begins; else it is over.
+    pub is_raised: bool,
 }
 
 /// How it came out.
@@ -114,6 +129,10 @@ pub struct Fleet<'a> {
     last: Time,
     /// The times that this program was stopped for, seconds after T0.
     stops: VecDeque<(f64, f64)>,
+    us: Address,
+    alarms: Option<Alarms<'a>>,
+    /// Orders that wait until their way is clear.
+    waiting: Vec<answer::Waiting>,
 }
 
 impl<'a> Fleet<'a> {
@@ -142,14 +161,24 @@ impl<'a> Fleet<'a> {
             refusals: Vec::new(),
             last: now,
             stops: VecDeque::new(),
+            us,
+            alarms: None,
+            waiting: Vec::new(),
         }
     }
 
     /// Takes in a message that came over a link, from any sender.
     pub fn handle(&mut self, now: Time, (link, from): (usize, Address), message: &Message) {
         let clock = (now, self.flight_ms(now), self.t0_ms());
-        for vehicle in self.vehicles.iter_mut().filter(|c| c.of.link == link) {
+        for index in 0..self.vehicles.len() {
+            let vehicle = &mut self.vehicles[index];
+            if vehicle.of.link != link {
+                continue;
+            }
             vehicle.handle(clock, from, message);
+            if vehicle.is_from_autopilot(from) {
+                self.hand_over(now, index, message);
+            }
         }
     }
 
@@ -259,26 +288,23 @@ impl<'a> Fleet<'a> {
         if !matches!(self.phase, Phase::Flying { .. }) {
             return self.abandon(now, Vec::new());
         }
-        self.instruct_all(now, instruction, true);
+        self.waiting.clear();
+        self.instruct_all(now, instruction);
     }
 
-    /// Orders every vehicle in flight to hold or to land. After a lost link those that obey such
-    /// an order already are left alone; an operator overrules it.
-    fn instruct_all(&mut self, now: Time, instruction: Instruction, overrules: bool) {
-        let text = match instruction {
-            Instruction::Hold => "all hold",
-            Instruction::Land => "all land",
-        };
-        self.say(now, None, text.to_owned());
+    /// Orders every vehicle in flight to hold or to land, whatever it was ordered before.
+    fn instruct_all(&mut self, now: Time, instruction: Instruction) {
+        self.say(now, None, format!("all {}", instruction.verb()));
         for vehicle in &mut self.vehicles {
             // A vehicle that has not taken off stays on the ground.
             if matches!(vehicle.stage, Stage::Armed) {
                 vehicle.disarm(None);
             }
-            let obeys = [Some(instruction), Some(Instruction::Land)].contains(&vehicle.instruction);
-            if overrules || !obeys {
-                vehicle.instruct(instruction);
-            }
+            vehicle.instruct(instruction);
+        }
+        for (vehicle, why) in self.circles_not_clear(now, instruction) {
+            let text = format!("is ordered to hold although {why}");
+            self.say(now, Some(vehicle), text);
         }
     }
 
@@ -297,7 +323,7 @@ impl<'a> Fleet<'a> {
 
     fn say(&mut self, now: Time, vehicle: Option<String>, text: String) {
         let t_s = self.t_s(now);
-        self.events.push_back(Event { t_s, vehicle, text });
+        self.events.push_back(event(t_s, vehicle, text));
     }
 
     /// What the vehicles have to send and to say.
@@ -313,11 +339,11 @@ impl<'a> Fleet<'a> {
             if let Some(text) = vehicle.still_armed.as_ref().filter(|_| !vehicle.is_warned) {
                 vehicle.is_warned = true;
                 let (vehicle, text) = (None, text.clone());
-                self.events.push_back(Event { t_s, vehicle, text });
+                self.events.push_back(event(t_s, vehicle, text));
             }
             while let Some(text) = vehicle.poll_said() {
                 let vehicle = Some(vehicle.of.vehicle.to_owned());
-                self.events.push_back(Event { t_s, vehicle, text });
+                self.events.push_back(event(t_s, vehicle, text));
             }
         }
     }
@@ -411,7 +437,8 @@ impl<'a> Fleet<'a> {
             vehicle.look_whether_it_stays(t_s);
             ends_s = ends_s.max(vehicle.of.reference.end_s);
         }
-        self.look_for_the_lost(now);
+        self.look_for_the_lost(now, t_s);
+        self.look_for_alarms(now);
         if t_s > ends_s * (1.0 + LATE_SHARE) + LATE_S {
             for (vehicle, is_lost) in self.vehicles.iter_mut().zip(&self.lost) {
                 if !matches!(vehicle.stage, Stage::Ended | Stage::Disarming(_)) {
@@ -431,30 +458,35 @@ impl<'a> Fleet<'a> {
         }
     }
 
-    /// Who is lost, who is back, and what the others do about it.
-    fn look_for_the_lost(&mut self, now: Time) {
-        let mut said = Vec::new();
-        for (vehicle, lost) in self.vehicles.iter().zip(&mut self.lost) {
+    /// Who is lost, and who is back.
+    fn look_for_the_lost(&mut self, now: Time, t_s: f64) {
+        let speedup = self.options.speedup;
+        let mut changed = Vec::new();
+        let vehicles = self.vehicles.iter().zip(&mut self.lost);
+        for (index, (vehicle, lost)) in vehicles.enumerate() {
             if matches!(vehicle.stage, Stage::Ended) {
                 continue;
             }
-            let is_lost = silence_s(vehicle, now, self.options.speedup).is_some();
-            if is_lost != *lost {
-                *lost = is_lost;
-                let text = if is_lost { "link lost" } else { "link is back" };
-                said.push((vehicle.of.vehicle.to_owned(), text));
+            let silent_s = silence_s(vehicle, now, speedup);
+            if silent_s.is_some() != *lost {
+                *lost = silent_s.is_some();
+                changed.push((index, silent_s));
             }
         }
-        let anybody = said.iter().any(|(_, text)| *text == "link lost");
-        for (vehicle, text) in said {
-            self.say(now, Some(vehicle), text.to_owned());
-        }
-        if anybody {
-            match self.options.on_link_loss {
-                OnLinkLoss::Continue => {}
-                OnLinkLoss::HoldAll => self.instruct_all(now, Instruction::Hold, false),
-                OnLinkLoss::LandAll => self.instruct_all(now, Instruction::Land, false),
-            }
+        for (vehicle, silent_s) in changed {
+            let text = match silent_s {
+                Some(silent_s) => format!("link lost, nothing was heard for {silent_s:.0} s"),
+                None => "link is back".to_owned(),
+            };
+            let alarm = Alarm {
+                t_s,
+                vehicle,
+                other: None,
+                kind: AlarmKind::Link,
+                is_raised: silent_s.is_some(),
+                text,
+            };
+            self.announce(now, &alarm);
         }
     }
 
@@ -487,6 +519,15 @@ impl<'a> Fleet<'a> {
     /// The next time that this program was stopped for: from, until, seconds after T0.
     pub(super) fn poll_stop(&mut self) -> Option<(f64, f64)> {
         self.stops.pop_front()
+    }
+}
+
+fn event(t_s: Option<f64>, vehicle: Option<String>, text: String) -> Event {
+    Event {
+        t_s,
+        vehicle,
+        text,
+        alarm: None,
     }
 }
 

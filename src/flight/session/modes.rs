@@ -1,6 +1,6 @@
 //! Commands that change what a vehicle does.
 
-use crate::autopilot::{Airframe, Autopilot, Mode, Modes, facts};
+use crate::autopilot::{Airframe, Autopilot, Mode, Modes, facts, mode_name};
 use crate::link::Command;
 use crate::mission::VehicleMission;
 
@@ -52,6 +52,22 @@ pub(crate) fn land(of: &VehicleMission) -> Option<Command> {
     land.map(|mode| change(of, mode))
 }
 
+/// Makes it return to launch.
+pub(crate) fn return_to_launch(of: &VehicleMission) -> Command {
+    change(of, modes(of).return_to_launch)
+}
+
+/// Whether a vehicle in this mode returns to launch.
+pub(crate) fn is_return(of: &VehicleMission, custom_mode: u32) -> bool {
+    custom_mode == modes(of).return_to_launch.custom_mode
+}
+
+/// Whether a vehicle in this mode lands at its place.
+pub(crate) fn is_land(of: &VehicleMission, custom_mode: u32) -> bool {
+    let land = modes(of).land;
+    land.is_some_and(|land| land.custom_mode == custom_mode)
+}
+
 /// Whether a vehicle in this mode flies its mission.
 pub(crate) fn is_mission(of: &VehicleMission, custom_mode: u32) -> bool {
     custom_mode == modes(of).mission.custom_mode
@@ -62,8 +78,8 @@ pub(crate) fn is_hold(of: &VehicleMission, custom_mode: u32) -> bool {
     custom_mode == modes(of).hold.custom_mode
 }
 
-/// Whether a vehicle in this mode lands at its place as ordered.
-pub(crate) fn is_land(of: &VehicleMission, custom_mode: u32) -> bool {
-    let land = modes(of).land;
-    land.is_some_and(|mode| mode.custom_mode == custom_mode)
+/// The name of a mode; its number where it is not known.
+pub(crate) fn name(of: &VehicleMission, custom_mode: u32) -> String {
+    mode_name(of.autopilot, of.airframe, custom_mode)
+        .map_or_else(|| format!("mode {custom_mode}"), str::to_owned)
 }

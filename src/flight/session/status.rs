@@ -2,9 +2,10 @@
 
 use super::end::End;
 use super::vehicle::{FlightVehicle, Instruction, Stage};
-use super::{Fleet, silence_s};
+use super::{Fleet, modes, silence_s};
 use crate::flight::record::Fix;
 use crate::link::Time;
+use crate::spec::AlarmKind;
 
 /// Where one vehicle is, for a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,9 +24,53 @@ pub struct Status {
     pub lost_s: Option<f64>,
     /// Share of the planned flight, 0 to 1.
     pub progress: f64,
+    /// The flight mode by its name in the autopilot; none before the first heartbeat.
+    pub mode: Option<String>,
+    /// Whether its heartbeat shows it armed.
+    pub is_armed: bool,
+    /// `GPS_FIX_TYPE`, if it says so.
+    pub gps_fix: Option<u8>,
+    /// Percent of its battery left, if it says so.
+    pub battery_percent: Option<i8>,
+    /// Altitude above mean sea level, metres.
+    pub amsl_m: Option<f64>,
+    /// Age of its position, seconds of flight.
+    pub age_s: Option<f64>,
+    /// The alarms that stand.
+    pub alarms: Vec<AlarmKind>,
 }
 
 impl Fleet<'_> {
+    /// What a vehicle reports of itself; nothing of its plan.
+    fn instruments(&self, index: usize, now: Time) -> Status {
+        let vehicle = &self.vehicles[index];
+        let beat = vehicle.heartbeat_now();
+        let reported = self.alarms.as_ref().map(|alarms| alarms.reported(index));
+        let (battery_percent, gps_fix) = reported.unwrap_or_default();
+        let age_s = vehicle
+            .latest
+            .map(|(at_ms, _)| (self.flight_ms(now) - at_ms) / 1000.0);
+        Status {
+            vehicle: String::new(),
+            stage: "",
+            item: (0, 0),
+            behind_s: None,
+            closest: None,
+            lost_s: None,
+            progress: 0.0,
+            mode: beat.map(|beat| modes::name(vehicle.of.mission, beat.custom_mode)),
+            is_armed: beat.is_some_and(|beat| beat.is_armed()),
+            gps_fix,
+            battery_percent,
+            amsl_m: vehicle.latest.map(|(_, fix)| fix.amsl.0),
+            age_s: age_s.map(|age_s| age_s.max(0.0)),
+            alarms: self
+                .alarms
+                .as_ref()
+                .map_or_else(Vec::new, |a| a.standing_of(index)),
+        }
+    }
+
     /// Where every vehicle is.
     #[must_use]
     pub fn status(&self, now: Time) -> Vec<Status> {
@@ -60,6 +105,7 @@ impl Fleet<'_> {
                 closest: closest.map(|(other, m)| (self.vehicles[other].of.vehicle.to_owned(), m)),
                 lost_s: silence_s(vehicle, now, self.options.speedup).filter(|_| self.lost[index]),
                 progress: (behind_s.unwrap_or(0.0) / reference.end_s.max(1.0)).clamp(0.0, 1.0),
+                ..self.instruments(index, now)
             }
         })
         .collect()
@@ -84,11 +130,13 @@ fn stage_word(vehicle: &FlightVehicle<'_>) -> &'static str {
         (Stage::Flying, Some(Instruction::Hold)) if vehicle.holds => "holds",
         (Stage::Flying, Some(Instruction::Hold)) => "stops",
         (Stage::Flying, Some(Instruction::Land)) if vehicle.misses_its_landing() => "not landing",
+        (Stage::Flying, Some(Instruction::Return)) if vehicle.misses_its_order() => "no return yet",
         (Stage::Flying, Some(Instruction::Land)) => "lands",
+        (Stage::Flying, Some(Instruction::Return)) => "returns",
         (Stage::Flying, None) if vehicle.in_mission => "flies",
         (Stage::Flying, None) => "off mission",
         (Stage::Ended, _) => match vehicle.flown.end {
-            End::Landed | End::LandedEarly => "landed",
+            End::Landed | End::LandedEarly | End::Returned => "landed",
             End::Loitering => "loiters",
             End::Held => "holds",
             End::StoppedAfterHold => "stopped",

@@ -82,10 +82,22 @@ pub(crate) enum Stage<'a> {
 }
 
 /// An order of the fleet to a vehicle in flight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A later one is the stronger.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Instruction {
     Hold,
+    Return,
     Land,
+}
+
+impl Instruction {
+    pub(crate) fn verb(self) -> &'static str {
+        match self {
+            Self::Hold => "hold",
+            Self::Return => "return",
+            Self::Land => "land",
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -119,6 +131,8 @@ pub(crate) struct FlightVehicle<'a> {
     offset: Offset,
     /// The last position on the fleet's clock, milliseconds of flight time.
     pub(crate) latest: Option<(f64, Fix)>,
+    /// Whether it came with the last message.
+    pub(crate) is_fresh: bool,
     pub(crate) item: usize,
     /// When it last said which item is its current one.
     item_at: Option<Time>,
@@ -191,6 +205,7 @@ impl<'a> FlightVehicle<'a> {
             requested: Time(0),
             offset: Offset::default(),
             latest: None,
+            is_fresh: false,
             item: 0,
             item_at: None,
             invalid_positions: 0,
@@ -209,6 +224,21 @@ impl<'a> FlightVehicle<'a> {
             set_params,
             force,
         }
+    }
+
+    /// Whether a message comes from its autopilot.
+    pub(crate) fn is_from_autopilot(&self, from: Address) -> bool {
+        self.vehicle.is_some_and(|(autopilot, _)| autopilot == from)
+    }
+
+    /// The last heartbeat of its autopilot.
+    pub(crate) fn heartbeat_now(&self) -> Option<Heartbeat> {
+        self.vehicle.map(|(_, beat)| beat)
+    }
+
+    /// Whether it took off.
+    pub(crate) fn has_taken_off(&self) -> bool {
+        self.airborne
     }
 
     fn autopilot(&self) -> Autopilot {
@@ -349,12 +379,14 @@ impl<'a> FlightVehicle<'a> {
             speed_mps: position.ground_speed_mps(),
             item: self.item,
             items: self.total.unwrap_or(0),
+            boot_ms: Some(position.boot_ms),
         };
         let is_later = self.latest.is_none_or(|(before, _)| at_ms > before);
         if !is_later {
             return;
         }
         self.latest = Some((at_ms, fix));
+        self.is_fresh = true;
         let is_up = position.above_home_m() > AIRBORNE_M;
         if is_up {
             self.heed_takeoff();
@@ -389,21 +421,21 @@ impl<'a> FlightVehicle<'a> {
                     {
                         End::LandedEarly
                     }
+                    (true, Some(Instruction::Return)) if self.hold.was_in_mode() => self.returned(),
                     (true, _) => self.landing(),
                 };
                 self.end(end);
             }
             Stage::Flying if was && !self.in_mission && self.instruction.is_none() => {
+                // The alarm says by whom.
                 self.left = true;
-                self.said
-                    .push_back("left its mission: somebody else changed the mode".to_owned());
             }
             Stage::Flying
                 if !was && self.in_mission && (self.left || self.instruction.is_some()) =>
             {
                 self.left = false;
                 self.said.push_back("is on its mission again".to_owned());
-                if self.instruction == Some(Instruction::Hold) {
+                if self.is_taken_back() {
                     (self.instruction, self.holds) = (None, false);
                 }
             }

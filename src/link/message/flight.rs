@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::Address;
+use super::health::Health;
 use crate::geodesy::{Amsl, LatLon};
 
 /// A command, its answer, or a report of a vehicle on its flight.
@@ -47,13 +48,8 @@ pub enum FlightMessage {
     },
     /// `GLOBAL_POSITION_INT` (33).
     Position(Position),
-    /// `SYS_STATUS` (1), the battery alone.
-    Battery {
-        /// Millivolts.
-        voltage_mv: u16,
-        /// Percent left; -1 when not known.
-        remaining: i8,
-    },
+    /// What a vehicle says of its own health.
+    Health(Health),
     /// `EXTENDED_SYS_STATE` (245).
     Landed(LandedState),
     /// `PARAM_REQUEST_READ` (20), by name.

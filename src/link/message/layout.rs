@@ -151,17 +151,7 @@ fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) 
         }
         FlightMessage::ItemReached { seq } => fields.u16(seq),
         FlightMessage::Position(position) => position_layout(position, fields),
-        FlightMessage::Battery {
-            voltage_mv,
-            remaining,
-        } => {
-            fields.unused(&[0; 14]);
-            fields.u16(voltage_mv);
-            fields.unused(&[0; 14]);
-            let mut byte = remaining.to_le_bytes();
-            fields.bytes(&mut byte);
-            *remaining = i8::from_le_bytes(byte);
-        }
+        FlightMessage::Health(health) => health.layout(fields),
         FlightMessage::Landed(state) => {
             fields.unused(&[0]);
             fields.u8(&mut state.0);

@@ -3,6 +3,7 @@
 
 mod fields;
 pub(super) mod flight;
+pub(super) mod health;
 pub(super) mod id;
 mod layout;
 pub(super) mod payload;

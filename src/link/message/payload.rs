@@ -2,6 +2,7 @@
 
 use super::fields::{Reader, Writer};
 use super::flight::{Command, CommandResult, FlightMessage, LandedState, ParamValue, Position};
+use super::health::Health;
 use super::layout::layout;
 use super::{Address, Body, Heartbeat, Message, MissionMessage, MissionResult, id};
 use crate::mission::Item;
@@ -50,7 +51,7 @@ fn id_of(message: &Message) -> u32 {
             FlightMessage::SetCurrent { .. } => id::MISSION_SET_CURRENT,
             FlightMessage::ItemReached { .. } => id::MISSION_ITEM_REACHED,
             FlightMessage::Position(_) => id::GLOBAL_POSITION_INT,
-            FlightMessage::Battery { .. } => id::SYS_STATUS,
+            FlightMessage::Health(health) => health.id(),
             FlightMessage::Landed(_) => id::EXTENDED_SYS_STATE,
             FlightMessage::ParamRead { .. } => id::PARAM_REQUEST_READ,
             FlightMessage::ParamSet { .. } => id::PARAM_SET,
@@ -134,10 +135,6 @@ fn blank_flight(id: u32) -> Option<FlightMessage> {
         id::MISSION_SET_CURRENT => FlightMessage::SetCurrent { target, seq: 0 },
         id::MISSION_ITEM_REACHED => FlightMessage::ItemReached { seq: 0 },
         id::GLOBAL_POSITION_INT => FlightMessage::Position(Position::default()),
-        id::SYS_STATUS => FlightMessage::Battery {
-            voltage_mv: 0,
-            remaining: 0,
-        },
         id::EXTENDED_SYS_STATE => FlightMessage::Landed(LandedState(0)),
         id::PARAM_REQUEST_READ => FlightMessage::ParamRead { target, name },
         id::PARAM_SET => FlightMessage::ParamSet {
@@ -146,6 +143,6 @@ fn blank_flight(id: u32) -> Option<FlightMessage> {
             value,
         },
         id::PARAM_VALUE => FlightMessage::Param { name, value },
-        _ => return None,
+        _ => FlightMessage::Health(Health::blank(id)?),
     })
 }

@@ -4,6 +4,7 @@ use mavlink::dialects::ardupilotmega::MavMessage;
 use mavlink::{MavlinkReader, Message as _};
 
 use super::flight::{Command, CommandResult, FlightMessage, LandedState, ParamValue, Position};
+use super::health::{Health, SystemStatus};
 use crate::link::codec::{Decoder, Encoder, Version};
 use crate::link::message::{Address, Message};
 
@@ -47,10 +48,35 @@ fn all() -> Vec<FlightMessage> {
             above_home_mm: 80_250,
             velocity_cmps: [1500, -20, 300],
         }),
-        FlightMessage::Battery {
+        FlightMessage::Health(Health::System(SystemStatus {
+            present: 0x10_0001,
+            enabled: 0x10_0001,
+            healthy: 1,
             voltage_mv: 12_600,
             remaining: 87,
-        },
+        })),
+        FlightMessage::Health(Health::Gps {
+            fix: 3,
+            satellites: 11,
+        }),
+        FlightMessage::Health(Health::Battery {
+            id: 1,
+            remaining: 45,
+            charge: 0,
+        }),
+        FlightMessage::Health(Health::Fence {
+            is_breached: true,
+            count: 2,
+            kind: 3,
+        }),
+        FlightMessage::Health(Health::Ekf {
+            variances: [0.25, 0.5, 0.75, 1.5],
+            flags: 831,
+        }),
+        FlightMessage::Health(Health::Estimator {
+            ratios: [0.25, 0.5, 0.75, 1.5],
+            flags: 831,
+        }),
         FlightMessage::Landed(LandedState::IN_AIR),
         FlightMessage::ParamRead {
             target: TARGET,
@@ -125,7 +151,32 @@ fn the_fields_are_where_the_dialect_has_them() {
                 "vz: 300",
                 "hdg: 65535",
             ],
-            "SYS_STATUS" => &["voltage_battery: 12600", "battery_remaining: 87"],
+            "SYS_STATUS" => &[
+                "onboard_control_sensors_health: MAV_SYS_STATUS_SENSOR_3D_GYRO",
+                "voltage_battery: 12600",
+                "battery_remaining: 87",
+            ],
+            "GPS_RAW_INT" => &["FIX_3D_FIX", "satellites_visible: 11"],
+            "BATTERY_STATUS" => &["id: 1", "battery_remaining: 45"],
+            "FENCE_STATUS" => &[
+                "breach_count: 2",
+                "breach_status: 1",
+                "FENCE_BREACH_BOUNDARY",
+            ],
+            "EKF_STATUS_REPORT" => &[
+                "velocity_variance: 0.25",
+                "pos_horiz_variance: 0.5",
+                "pos_vert_variance: 0.75",
+                "compass_variance: 1.5",
+                "EKF_POS_HORIZ_ABS",
+            ],
+            "ESTIMATOR_STATUS" => &[
+                "vel_ratio: 0.25",
+                "pos_horiz_ratio: 0.5",
+                "pos_vert_ratio: 0.75",
+                "mag_ratio: 1.5",
+                "ESTIMATOR_POS_HORIZ_ABS",
+            ],
             "EXTENDED_SYS_STATE" => &["IN_AIR"],
             "PARAM_REQUEST_READ" => &["param_index: -1", "target_system: 7"],
             "PARAM_SET" => &["param_value: 250.5", "target_system: 7", "REAL32"],

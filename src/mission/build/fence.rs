@@ -14,6 +14,15 @@ pub(crate) fn fence(spec: &MissionSpec) -> Vec<Item> {
     pieces.into_iter().flat_map(|(_, items)| items).collect()
 }
 
+/// How many fence items a spec needs; none if it wants no fence.
+#[must_use]
+pub fn fence_needs(spec: &MissionSpec) -> usize {
+    match spec.mission.fence {
+        true => fence(spec).len(),
+        false => 0,
+    }
+}
+
 /// Each boundary of a spec's fence with its name, such as `threat radar-1`.
 fn pieces(spec: &MissionSpec) -> Vec<(String, Vec<Item>)> {
     let area = polygon(command::FENCE_POLYGON_INCLUSION, &spec.area.outline());

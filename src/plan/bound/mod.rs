@@ -1,225 +1,73 @@
-//! What the relaxed problem suggests the best path costs.
+//! How cheap a route can be at best: proven, and estimated.
 //!
-//! Turns, slopes and separation are dropped, altitude is free down to the floor, and
-//! length is taken in the plane: then the best cost is the solution of the eikonal
-//! equation `|grad u| = c` at the goal, found here by first-order fast sweeping (Zhao
-//! 2005) of
-//! `u = c_least |x - start| + psi`, which takes the singularity at the start out of the
-//! scheme. Grid marching errs upward, so this proves nothing: an estimate.
+//! **Proven.** Threats, zones without a height, ground that leaves no room under the ceiling and
+//! all outside of the area are closed at any altitude. [`closed`] approximates them from inside,
+//! so that the rest of the plane holds every path that passes. The shortest path in it, bends
+//! included but turns not limited, is no longer than any of them, and neither is its length in
+//! three dimensions with the difference in altitude of its ends. No other term of the objective is
+//! negative. Lengths are those of the objective: in planning coordinates.
+//!
+//! **Estimated.** [`estimate`] solves the relaxed problem on a grid. It errs upward.
 
-use super::classes::field::{Field, Reading, Relief};
-use super::classes::grid::Grid;
-use super::route_context::RouteContext;
-use crate::geodesy::EastNorth;
+mod closed;
+mod closed_ground;
+mod estimate;
+mod level_set;
 
-/// Rounds of four sweeps; a path that bends more often is not believed.
-const MAX_ROUNDS: usize = 12;
-/// Change of the solution that ends the sweeps, kilometres.
-const SETTLED_KM: f64 = 1e-6;
+pub(super) use estimate::estimate;
 
-/// The estimate for a route: the solution on a grid, extrapolated downward by what
-/// halving its cells has changed, and never below the proven bound.
-pub(super) fn estimate(context: &RouteContext<'_>, budget: usize) -> f64 {
-    let (start, goal) = (context.ends.from.at, context.ends.to.at);
-    let prices = context.prices();
-    let solve = |nodes: usize, near: bool| {
-        let part = if near {
-            context.near_box()
-        } else {
-            context.frame()
-        };
-        let grid = Grid::over(part.south_west, part.north_east, nodes);
-        let relief = Relief::new(context.world, grid, &prices, Reading::Optimistic);
-        arrival(&relief.field(f64::INFINITY, &prices), start, goal)
+use crate::geodesy::{EastNorth, PlanPoint};
+use crate::numeric::free_space::{FreeSpace, Sights};
+use crate::numeric::geometry::{Point, Ring};
+use crate::spec::{MissionSpec, Objective};
+use crate::world::World;
+
+/// Most steps of the search for the shortest path.
+const MAX_STEPS: usize = 2_000_000;
+/// Taken off the length for rounding and for what the objective does not see between its
+/// samples: a share, and metres.
+const TOLERANCE: (f64, f64) = (1e-6, 0.1);
+
+/// Start and goal of each route of a vehicle.
+pub(super) type VehicleRoutes = Vec<(PlanPoint, PlanPoint)>;
+
+/// Proven for each vehicle by the ends of its routes: no path that keeps its limits costs less.
+pub(super) fn proven(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]) -> Vec<f64> {
+    // The paper's objective reads threats at a few samples alone: its paths may cut them.
+    let sights = match spec.planner.objective {
+        Objective::Operational => sights(spec, world, routes),
+        Objective::Paper => None,
     };
-    let nodes = if budget >= 20_000 { 101 } else { 51 };
-    let (mut coarse, mut fine) = rayon::join(|| solve(nodes, true), || solve(2 * nodes - 1, true));
-    if coarse > 2.0 * context.bound().max(1e-3) {
-        (coarse, fine) = rayon::join(|| solve(nodes, false), || solve(2 * nodes - 1, false));
-    }
-    (fine - 2.0 * (coarse - fine).max(0.0)).max(context.bound())
+    let mut place = 0;
+    routes
+        .iter()
+        .map(|routes| {
+            let km = routes.iter().map(|&(from, to)| {
+                place += 2;
+                let plane_m = (sights.as_ref())
+                    .and_then(|sights| sights.shortest(place - 2, place - 1, MAX_STEPS));
+                let plane_m = plane_m.map_or(0.0, |found| found.length_m);
+                let proven_m = plane_m * (1.0 - TOLERANCE.0) - TOLERANCE.1;
+                let rise_m = to.amsl.0 - from.amsl.0;
+                proven_m.max(0.0).hypot(rise_m).max(from.distance_m(to)) / 1000.0
+            });
+            spec.planner.weights.length * km.sum::<f64>()
+        })
+        .collect()
 }
 
-/// Cost of the cheapest way through a field, kilometres times cost.
-pub(super) fn arrival(field: &Field, start: EastNorth, goal: EastNorth) -> f64 {
-    let least = field.cost.iter().copied().fold(f64::INFINITY, f64::min);
-    let mut front = Front::new(field, start, least);
-    for _ in 0..MAX_ROUNDS {
-        let mut change = 0.0_f64;
-        for (flip_rows, flip_columns) in
-            [(false, false), (false, true), (true, true), (true, false)]
-        {
-            change = change.max(front.sweep(flip_rows, flip_columns));
-        }
-        if change < SETTLED_KM {
-            break;
-        }
-    }
-    least * start.distance_m(goal) / 1000.0 + bilinear(&field.grid, &front.excess(), goal)
+/// Sights past all that is closed, with a place at each end of each route.
+fn sights(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]) -> Option<Sights> {
+    let ends = routes
+        .iter()
+        .flatten()
+        .flat_map(|&(from, to)| [from.at, to.at]);
+    let sites: Vec<Point> = ends.map(point).collect();
+    let area = Ring::around(&world.area);
+    let closed = closed::closed_rings(spec, world);
+    FreeSpace::new(area.corners(), &closed, &sites).map(Sights::new)
 }
 
-/// The solution as far as it is known: the excess over the straight distance from the start.
-/// Around the nodes of the grid stands one more of infinite cost on each side.
-struct Front {
-    columns: usize,
-    rows: usize,
-    nodes: Vec<FrontNode>,
-}
-
-#[derive(Clone, Copy)]
-struct FrontNode {
-    excess: f64,
-    /// By how much the straight distance at the least cost grows over a cell eastward and
-    /// northward.
-    grows: [f64; 2],
-    /// Cost of crossing a cell.
-    reach: f64,
-    /// Whether the excess is given.
-    is_fixed: bool,
-}
-
-impl Front {
-    fn new(field: &Field, start: EastNorth, least: f64) -> Self {
-        let grid = &field.grid;
-        let outside = FrontNode {
-            excess: f64::INFINITY,
-            grows: [0.0; 2],
-            reach: 0.0,
-            is_fixed: true,
-        };
-        let mut nodes = vec![outside; (grid.columns + 2) * (grid.rows + 2)];
-        let cell_km = grid.spacing_m / 1000.0;
-        for row in 0..grid.rows {
-            for column in 0..grid.columns {
-                let node = row * grid.columns + column;
-                let at = grid.at(node);
-                let distance_m = at.distance_m(start);
-                let grows = |offset_m: f64| least * cell_km * (offset_m / distance_m.max(1e-9));
-                // Around the start the way is straight, and its cost that of the node it
-                // leads to.
-                let is_fixed = distance_m <= 1.5 * grid.spacing_m;
-                let excess = match is_fixed {
-                    true => distance_m / 1000.0 * (field.cost[node] - least),
-                    false => f64::INFINITY,
-                };
-                nodes[(row + 1) * (grid.columns + 2) + column + 1] = FrontNode {
-                    excess,
-                    grows: [
-                        grows(at.east_m - start.east_m),
-                        grows(at.north_m - start.north_m),
-                    ],
-                    reach: cell_km * field.cost[node],
-                    is_fixed: excess.is_finite(),
-                };
-            }
-        }
-        Self {
-            columns: grid.columns,
-            rows: grid.rows,
-            nodes,
-        }
-    }
-
-    /// Goes over all nodes once, each after its neighbours on two sides; the greatest change.
-    fn sweep(&mut self, flip_rows: bool, flip_columns: bool) -> f64 {
-        let mut change = 0.0_f64;
-        for row in 1..=self.rows {
-            let row = if flip_rows { self.rows + 1 - row } else { row };
-            for column in 1..=self.columns {
-                let column = if flip_columns {
-                    self.columns + 1 - column
-                } else {
-                    column
-                };
-                let node = row * (self.columns + 2) + column;
-                if self.nodes[node].is_fixed {
-                    continue;
-                }
-                let (value, known) = (self.upwind(node), self.nodes[node].excess);
-                if value < known {
-                    change = change.max((known - value).min(1e9));
-                    self.nodes[node].excess = value;
-                }
-            }
-        }
-        change
-    }
-
-    /// The excess at a node, from its neighbours.
-    fn upwind(&self, node: usize) -> f64 {
-        let FrontNode { grows, reach, .. } = self.nodes[node];
-        // Least value that an axis would give alone.
-        let axis = |grows: f64, back: usize, ahead: usize| {
-            (self.nodes[back].excess - grows).min(self.nodes[ahead].excess + grows)
-        };
-        let a = axis(grows[0], node - 1, node + 1);
-        let b = axis(grows[1], node - self.columns - 2, node + self.columns + 2);
-        if (a - b).abs() < reach {
-            0.5 * (a + b + (2.0 * reach * reach - (a - b) * (a - b)).sqrt())
-        } else {
-            a.min(b) + reach
-        }
-    }
-
-    /// The excess at the nodes of the grid.
-    fn excess(&self) -> Vec<f64> {
-        let rows = self.nodes.chunks(self.columns + 2).skip(1).take(self.rows);
-        let nodes = rows.flat_map(|row| &row[1..=self.columns]);
-        nodes.map(|node| node.excess).collect()
-    }
-}
-
-fn bilinear(grid: &Grid, values: &[f64], at: EastNorth) -> f64 {
-    let node = grid.nearest(at);
-    let position = grid.at(node);
-    let east = (at.east_m - position.east_m) / grid.spacing_m;
-    let north = (at.north_m - position.north_m) / grid.spacing_m;
-    let side = |offset: f64| if offset < 0.0 { -1 } else { 1 };
-    let value = |step| grid.step(node, step).map_or(values[node], |n| values[n]);
-    let (dx, dy) = (side(east), side(north));
-    let (x, y) = (east.abs().min(1.0), north.abs().min(1.0));
-    (1.0 - y) * ((1.0 - x) * values[node] + x * value((dx, 0)))
-        + y * ((1.0 - x) * value((0, dy)) + x * value((dx, dy)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn around(walls: &[(f64, f64, f64)], nodes: usize) -> f64 {
-        let at = |east_m, north_m| EastNorth { east_m, north_m };
-        let grid = Grid::over(at(0.0, 0.0), at(20_000.0, 20_000.0), nodes);
-        let cost = (0..grid.len())
-            .map(|node| {
-                let inside = walls
-                    .iter()
-                    .any(|&(e, n, r)| grid.at(node).distance_m(at(e, n)) < r);
-                if inside { 100.0 } else { 1.0 }
-            })
-            .collect();
-        arrival(
-            &Field { grid, cost },
-            at(1000.0, 10_130.0),
-            at(19_000.0, 10_130.0),
-        )
-    }
-
-    #[test]
-    fn in_the_open_it_is_the_straight_distance() {
-        assert!((around(&[], 101) - 18.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn around_a_disc_it_comes_near_tangent_arc_tangent() {
-        // Axis on the straight line: two tangents and an arc, by hand.
-        let (half, radius) = (9.0_f64, 3.0_f64);
-        let tangent = (half * half - radius * radius).sqrt();
-        let arc = radius * (std::f64::consts::PI - 2.0 * (radius / half).acos());
-        let exact = 2.0 * tangent + arc;
-        let found = around(&[(10_000.0, 10_130.0, 3000.0)], 201);
-        assert!(
-            (found / exact - 1.0).abs() < 0.01,
-            "{found} against {exact}"
-        );
-    }
+fn point(at: EastNorth) -> Point {
+    [at.east_m, at.north_m]
 }

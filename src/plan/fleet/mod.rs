@@ -28,6 +28,7 @@ pub(super) mod prioritised;
 pub(super) mod retiming;
 pub(super) mod vehicle;
 
+use super::bound::proven;
 use super::route_context::RouteContext;
 use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
@@ -37,6 +38,7 @@ use crate::path::{Flight, flight};
 use crate::spec::MissionSpec;
 use crate::world::World;
 use prioritised::Fleet;
+use vehicle::route_ends;
 
 /// What to plan besides the spec.
 pub struct Request<'a> {
@@ -150,7 +152,9 @@ pub fn plan_fleet_with(
         options,
         ..Planning::new(spec, world, request)
     };
-    Fleet::new(planning, &[], Vec::new()).plan_in_parallel()
+    with_bounds(spec, world, || {
+        Fleet::new(planning, &[], Vec::new()).plan_in_parallel()
+    })
 }
 
 /// Plans the vehicles at the indices `again` anew, and those that `previous` has no plan
@@ -167,7 +171,12 @@ pub fn replan(
     request: &Request<'_>,
 ) -> FleetPlan {
     let planning = Planning::new(spec, world, request);
-    Fleet::new(planning, again, previous.vehicles.clone()).plan_in_parallel()
+    let mut plan = Fleet::new(planning, again, previous.vehicles.clone()).plan_in_parallel();
+    // Neither margins nor other flights change a bound.
+    for (vehicle, previous) in plan.vehicles.iter_mut().zip(&previous.vehicles) {
+        vehicle.set_bound(previous.bound);
+    }
+    plan
 }
 
 /// Plans the vehicle at index `first` and all after it as if they had no plan; those
@@ -181,7 +190,10 @@ pub fn replan_from(
     request: &Request<'_>,
 ) -> FleetPlan {
     let earlier = previous.vehicles.iter().take(first).cloned().collect();
-    Fleet::new(Planning::new(spec, world, request), &[], earlier).plan_in_parallel()
+    let planning = Planning::new(spec, world, request);
+    with_bounds(spec, world, || {
+        Fleet::new(planning, &[], earlier).plan_in_parallel()
+    })
 }
 
 /// The definition of [`plan_fleet`], without speculation: one vehicle after the other.
@@ -193,7 +205,24 @@ pub fn plan_one_at_a_time(spec: &MissionSpec, world: &World, request: &Request<'
         fleet.advance(index, &mut chain);
         fleet.commit(chain);
     }
-    fleet.plan()
+    with_bounds(spec, world, || fleet.plan())
+}
+
+/// A plan, and at the same time the proven bound of each vehicle.
+fn with_bounds(
+    spec: &MissionSpec,
+    world: &World,
+    plan: impl FnOnce() -> FleetPlan + Send,
+) -> FleetPlan {
+    let ends = spec.vehicles.iter().zip(&world.stations);
+    let routes: Vec<_> = ends
+        .map(|(vehicle, stations)| route_ends(vehicle, stations))
+        .collect();
+    let (mut plan, bounds) = rayon::join(plan, || proven(spec, world, &routes));
+    for (vehicle, bound) in plan.vehicles.iter_mut().zip(bounds) {
+        vehicle.set_bound(bound);
+    }
+    plan
 }
 
 impl FleetPlan {

@@ -19,7 +19,7 @@ const PATH_POINTS: usize = 1001;
 const POINTS_PER_CONTROL: usize = 24;
 
 /// Where the routes of a vehicle begin and end.
-fn route_ends(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
+pub(super) fn route_ends(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
     let out = (stations.start, stations.goal);
     match vehicle.finish {
         Finish::Land | Finish::Loiter => vec![out],
@@ -131,7 +131,6 @@ impl<'a> Planning<'a> {
 impl VehiclePlan {
     /// Adds what was found for its next leg.
     fn add(&mut self, context: &RouteContext<'_>, found: &Found) {
-        self.bound += context.bound();
         self.terms = sum(&self.terms, &found.terms);
         self.evaluations += found.evaluations;
         self.routes.push(route(context, found));

@@ -126,11 +126,9 @@ fn cost(planned: Option<&VehiclePlan>) -> String {
     planned.map_or_else(
         || "<td class=\"num\">–</td>".to_owned(),
         |plan| {
-            // The estimate proves nothing: a path may cost less.
-            let above = Some(plan.gap() * 100.0).filter(|percent| *percent >= 0.0);
-            let above = above.map_or_else(String::new, |percent| {
-                let percent = words::number(percent, 2);
-                format!("<small>{percent} % above the estimate</small>")
+            let above = plan.gap().map_or_else(String::new, |gap| {
+                let percent = words::number(gap * 100.0, 2);
+                format!("<small>at most {percent} % above the best</small>")
             });
             let total = words::number(plan.terms.total(), 3);
             format!("<td class=\"num\">{total}{above}</td>")

@@ -158,6 +158,7 @@ impl Settings {
             descent_mps: metres("Q_WP_SPEED_DN").max(0.1),
             corner_cut_m: 2.0,
             cornering: None,
+            level_m: None,
             slow_landing_m: self.of_name("Q_LAND_FINAL_ALT"),
             slow_landing_mps: self.of_name("Q_LAND_FINAL_SPD").max(0.1),
             return_m: self.wing().return_m,
@@ -172,6 +173,7 @@ impl Settings {
             speed_mps: self.wing().airspeed_mps,
             accel_mps2,
             corner_accel_mps2: accel_mps2,
+            level_m: None,
             ..self.px4()
         }
     }

@@ -125,6 +125,7 @@ impl Pilot {
         limits: &Limits,
     ) -> [f64; 3] {
         let speed_mps = self.speed_mps.unwrap_or(limits.speed_mps);
+        let speed_mps = self.reachable_mps(leg, speed_mps);
         let gates = self.gates(leg, hold, at_m, items, limits);
         leg.velocity_mps(at_m, speed_mps, &gates, limits)
     }
@@ -229,7 +230,9 @@ impl Pilot {
                 let next = self.next_leg(self.at, leg.to_m, items);
                 let is_passed = match next {
                     Some((_, after, _)) if !leg.is_upright() && !after.is_upright() => {
-                        left_m <= self.corner_m(leg, after, limits)
+                        let off_m = (at_m[2] - leg.to_m[2]).abs();
+                        let is_level = limits.level_m.is_none_or(|level_m| off_m <= level_m);
+                        left_m <= self.corner_m(leg, after, limits) && is_level
                     }
                     _ => is_there,
                 };

@@ -1,6 +1,6 @@
 //! What the vehicle says of itself: heartbeat, home, position, mission.
 
-use super::{HEARTBEAT_MS, STATE_BOOT, Vehicle};
+use super::{HEALTH_MS, HEARTBEAT_MS, STATE_BOOT, Vehicle};
 use crate::link::{
     FlightMessage, Heartbeat, List, MODE_ARMED, Message, Position, STATE_ACTIVE, STATE_STANDBY,
     Time,
@@ -40,10 +40,19 @@ impl Vehicle {
             let landed = pilot.landed_state();
             self.tell_home();
             self.tell(FlightMessage::Landed(landed));
-            self.tell(FlightMessage::Battery {
-                voltage_mv: 12_600,
-                remaining: -1,
-            });
+        }
+    }
+
+    /// What it reports of its own health, as often as ground stations ask for it.
+    pub(crate) fn health_is_due(&mut self, now: Time) {
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
+        let since_s = (now - self.health_at) as f64 / 1000.0;
+        self.faults.pass(since_s);
+        (self.health_at, self.health_due) = (now, now + HEALTH_MS);
+        if self.pilot.is_some() {
+            for report in self.faults.reports(self.profile) {
+                self.tell(FlightMessage::Health(report));
+            }
         }
     }
 
@@ -95,8 +104,8 @@ impl Vehicle {
         let (Some(pilot), Some(home)) = (&self.pilot, self.home) else {
             return;
         };
-        let (place, amsl_m, [east, north, up]) = pilot.position();
-        let position = Position {
+        let (place, amsl_m, [east, north, up]) = pilot.position(self.faults.off_m);
+        let mut position = Position {
             boot_ms: u32::try_from(now.0).unwrap_or(u32::MAX),
             x: degrees(place.lat_deg),
             y: degrees(place.lon_deg),
@@ -104,6 +113,13 @@ impl Vehicle {
             above_home_mm: millimetres(amsl_m - f64::from(home.amsl_m)),
             velocity_cmps: [north, east, -up].map(centimetres),
         };
+        if self.faults.is_frozen {
+            let frozen = *self.frozen.get_or_insert(position);
+            position = Position {
+                boot_ms: position.boot_ms,
+                ..frozen
+            };
+        }
         self.tell(FlightMessage::Position(position));
     }
 

@@ -25,7 +25,10 @@ use super::keys;
 use super::positions::Positions;
 use super::table::Table;
 use super::value_sources::{ValueSources, in_order};
-use super::{Algorithm, Issue, MissionOptions, MissionSpec, Objective, Planner, Wind};
+use super::{
+    Action, Algorithm, Issue, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Vehicle,
+    Wind,
+};
 use crate::geodesy::LatLon;
 
 /// Checks a whole spec and its table.
@@ -98,6 +101,7 @@ impl Checker {
         });
         let vehicles = self.vehicles(keys, map.as_ref(), wind);
         let planner = self.planner(&keys.planner);
+        self.on_alarm(keys, &vehicles);
         let map = map?;
         let surveys = map.surveys;
         let spec = MissionSpec {
@@ -121,8 +125,28 @@ impl Checker {
             },
             wind,
             on_link_loss: keys.on_link_loss,
+            on_alarm: keys.on_alarm,
         };
         Some(Checked { spec, surveys })
+    }
+
+    /// Two words for one thing, and what a vehicle cannot do.
+    fn on_alarm(&mut self, keys: &keys::Spec, fleet: &[Vehicle]) {
+        if keys.on_alarm.link.is_some() && keys.on_link_loss != OnLinkLoss::Continue {
+            let allowed = "one of on_link_loss and on_alarm.link: they are the same";
+            self.report("on_link_loss", "both", allowed);
+        }
+        for (kind, answer) in keys.on_alarm.answers() {
+            let mut fleet = fleet.iter();
+            let cannot = fleet.find(|vehicle| vehicle.return_amsl.is_none());
+            if let (Action::Return, Some(vehicle)) = (answer.action, cannot) {
+                let id = &vehicle.id;
+                let allowed = format!(
+                    "continue, hold or land, or return_amsl_m for {id}: a return is flown at that altitude"
+                );
+                self.report(&format!("on_alarm.{kind}.do"), "return", allowed);
+            }
+        }
     }
 
     fn planner(&mut self, keys: &keys::Planner) -> Planner {

@@ -6,6 +6,7 @@
 
 mod airspace;
 mod fleet;
+mod on_alarm;
 mod options;
 mod scenario;
 mod vehicle;
@@ -13,6 +14,7 @@ mod zones;
 
 pub use airspace::{AirspaceFile, ObstacleFile, Only};
 pub use fleet::{Fleet, Grid};
+pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
@@ -89,6 +91,9 @@ pub struct Spec {
     /// What the fleet does when the link to one vehicle is lost; absent: continue.
     #[serde(default)]
     pub on_link_loss: OnLinkLoss,
+    /// What is done at alarms in flight.
+    #[serde(default)]
+    pub on_alarm: OnAlarm,
 }
 
 /// A place on the earth, WGS84.

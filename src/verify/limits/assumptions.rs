@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::geodesy::{EastNorth, LatLon};
+use crate::path::lean_problem;
 use crate::spec::{Airframe, Autopilot, Vehicle, Wind};
 use crate::world::World;
 
@@ -124,6 +125,18 @@ pub(crate) fn windy_copters<'a>(
         wind.speed_mps,
         fastest_mps + wind.speed_mps
     ))
+}
+
+/// Copters that fly faster than a stock one of their autopilot was seen to.
+pub(crate) fn leaning_copters<'a>(
+    flown: impl Iterator<Item = (&'a Vehicle, &'a Flight)>,
+    wind: Option<Wind>,
+) -> Vec<String> {
+    let problem = |(vehicle, flight): (&Vehicle, &Flight)| {
+        let commanded = flight.cruises.iter().filter_map(|cruise| cruise.speed_mps);
+        lean_problem(vehicle, commanded.fold(vehicle.speed_mps, f64::max), wind)
+    };
+    flown.filter_map(problem).collect()
 }
 
 /// A wing holds its airspeed: what it makes over the ground is up to the wind.

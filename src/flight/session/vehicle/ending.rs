@@ -24,6 +24,23 @@ impl FlightVehicle<'_> {
         }
     }
 
+    /// It stopped its motors after it was ordered to return: at home, or elsewhere.
+    pub(crate) fn returned(&self) -> End {
+        let home = self.of.reference.waypoints.first();
+        let frame = self.of.reference.frame();
+        let away_m = self
+            .latest
+            .zip(home)
+            .map_or(f64::INFINITY, |((_, fix), home)| {
+                frame.to_plan(fix.place).distance_m(home.point.at)
+            });
+        if away_m <= arrival::landing_m(self.of.mission.airframe) {
+            End::Returned
+        } else {
+            End::Failed(format!("stopped its motors {away_m:.0} m from its home"))
+        }
+    }
+
     /// A plane comes down on the approach of its mission, the only one that was judged.
     pub(crate) fn land_by_mission(&mut self) {
         if self.of.reference.lands {
@@ -46,11 +63,12 @@ impl FlightVehicle<'_> {
         if !matches!(self.stage, Stage::Flying) || !self.airborne {
             return;
         }
-        if self.instruction == Some(Instruction::Hold) {
-            return self.look_whether_it_holds(t_s, fix);
-        }
-        if self.instruction == Some(Instruction::Land) {
-            return self.look_whether_it_lands(t_s);
+        match self.instruction {
+            Some(Instruction::Hold) => return self.look_whether_it_holds(t_s, fix),
+            Some(Instruction::Land | Instruction::Return) => {
+                return self.look_whether_it_obeys(t_s);
+            }
+            None => {}
         }
         // Another mission may have been given to it meanwhile.
         let rows = self.total.unwrap_or(self.of.mission.items.len());

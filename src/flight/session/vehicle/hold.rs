@@ -88,24 +88,7 @@ impl FlightVehicle<'_> {
         is_long.then(|| arrival::mean(frame, &self.flown.fixes))
     }
 
-    /// Whether the mode shows that it lands as ordered: until then the order is repeated.
-    pub(super) fn look_whether_it_lands(&mut self, t_s: f64) {
-        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
-        let in_mode = mode.is_some_and(|mode| modes::is_land(self.of.mission, mode));
-        self.hold.was_in_mode |= in_mode;
-        if let Some(order) = modes::land(self.of.mission) {
-            self.order_again(in_mode, order);
-        }
-        let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
-        if self.hold.was_in_mode || self.hold.is_reported || since_s < CONFIRM_S {
-            return;
-        }
-        self.hold.is_reported = true;
-        let text = "landing not confirmed: its mode is another one; it is ordered again";
-        self.said.push_back(text.to_owned());
-    }
-
-    /// A hold or a landing that somebody else ended is not ordered again.
+    /// An order that somebody else ended is not ordered again.
     fn order_again(&mut self, in_mode: bool, order: Command) {
         let is_idle = self.pending.is_none() && self.orders.is_empty();
         if in_mode || self.hold.was_in_mode || !is_idle {
@@ -135,6 +118,49 @@ impl FlightVehicle<'_> {
             "its mode is another one; it is ordered again"
         };
         self.said.push_back(format!("hold not confirmed: {why}"));
+    }
+
+    /// Whether its mode shows that it lands, or returns, as ordered: until then the order is repeated.
+    pub(super) fn look_whether_it_obeys(&mut self, t_s: f64) {
+        let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
+        let mission = self.of.mission;
+        let lands = mode.is_some_and(|mode| modes::is_land(mission, mode));
+        let returns = mode.is_some_and(|mode| modes::is_return(mission, mode));
+        let (order, in_mode, what) = match self.instruction {
+            Some(Instruction::Land) => (modes::land(mission), lands, "landing"),
+            // At the end of a return an autopilot may change to its landing.
+            Some(Instruction::Return) => {
+                let order = modes::return_to_launch(mission);
+                (Some(order), lands || returns, "return")
+            }
+            Some(Instruction::Hold) | None => return,
+        };
+        self.hold.was_in_mode |= in_mode;
+        if let Some(order) = order {
+            self.order_again(in_mode, order);
+        }
+        let since_s = t_s - *self.hold.ordered_s.get_or_insert(t_s);
+        if self.hold.was_in_mode || self.hold.is_reported || since_s < CONFIRM_S {
+            return;
+        }
+        self.hold.is_reported = true;
+        self.said.push_back(format!(
+            "{what} not confirmed: its mode is another one; it is ordered again"
+        ));
+    }
+
+    /// Whether it was ordered to land or to return and is not seen to.
+    pub(crate) fn misses_its_order(&self) -> bool {
+        self.hold.is_reported && !self.hold.was_in_mode
+    }
+
+    /// Whether somebody has sent it on its mission again, after it obeyed an order to leave it.
+    pub(super) fn is_taken_back(&self) -> bool {
+        match self.instruction {
+            Some(Instruction::Hold) => true,
+            Some(Instruction::Land | Instruction::Return) => self.hold.was_in_mode,
+            None => false,
+        }
     }
 
     /// Whether it was ordered to hold and is not seen to.

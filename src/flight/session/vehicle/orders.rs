@@ -19,6 +19,7 @@ impl FlightVehicle<'_> {
         let order = match instruction {
             Instruction::Hold => Some(modes::hold(self.of.mission)),
             Instruction::Land => modes::land(self.of.mission),
+            Instruction::Return => Some(modes::return_to_launch(self.of.mission)),
         };
         match order {
             Some(order) => {

@@ -1,0 +1,193 @@
+//! What a vehicle reports of itself: battery, position estimate, fence, texts.
+
+use std::collections::VecDeque;
+
+use crate::link::{FlightMessage, Health, Message, SystemStatus};
+
+/// `MAV_SEVERITY_CRITICAL`: texts up to this are alarms.
+const CRITICAL: u8 = 2;
+/// Texts of one vehicle that are alarms within a period, and the period, seconds.
+const MAX_TEXTS: usize = 5;
+const TEXTS_S: f64 = 10.0;
+/// Share of the battery that must be left where the spec does not say.
+const RESERVE: f64 = 0.2;
+/// `MAV_BATTERY_CHARGE_STATE_CRITICAL`: from here on the battery itself asks for a landing.
+const CHARGE_CRITICAL: u8 = 3;
+const CHARGE_UNHEALTHY: u8 = 6;
+/// `GPS_FIX_TYPE_3D_FIX`.
+const FIX_3D: u8 = 3;
+/// Reports of a bad estimate in a row that make an alarm.
+const BAD_REPORTS: u8 = 2;
+/// `FS_EKF_THRESH` of ArduPilot, and the limit of PX4's filter.
+const EKF_VARIANCE: f32 = 0.8;
+const ESTIMATOR_RATIO: f32 = 1.0;
+/// Flags of both: absolute horizontal position known; a constant position is assumed.
+const POSITION_KNOWN: u16 = 16;
+const POSITION_CONSTANT: u16 = 128;
+/// `ESTIMATOR_GPS_GLITCH`, `ESTIMATOR_ACCEL_ERROR`.
+const GPS_GLITCH: u16 = 1024;
+const ACCEL_ERROR: u16 = 2048;
+
+/// The last reports of one vehicle.
+#[derive(Debug, Default)]
+pub(super) struct HealthState {
+    /// Percent left, the least of its batteries, by the number of the battery; 255 for `SYS_STATUS`.
+    batteries: Vec<(u8, i8)>,
+    charge: u8,
+    /// What is wrong with the estimate, and how many reports in a row say so.
+    estimate: Option<(String, u8)>,
+    is_breached: bool,
+    /// Whether `SYS_STATUS` has the fence as not healthy.
+    is_fence_bad: bool,
+    breach: u8,
+    fix: Option<u8>,
+    /// Critical texts that are alarms, and when there were some.
+    texts: VecDeque<String>,
+    texts_s: VecDeque<f64>,
+}
+
+impl HealthState {
+    pub(super) fn handle(&mut self, t_s: f64, message: &Message) {
+        match message {
+            Message::StatusText { severity, text } if *severity <= CRITICAL => {
+                while self.texts_s.front().is_some_and(|at| t_s - at > TEXTS_S) {
+                    self.texts_s.pop_front();
+                }
+                if self.texts_s.len() < MAX_TEXTS {
+                    self.texts_s.push_back(t_s);
+                    self.texts.push_back(format!("says: {text}"));
+                }
+            }
+            Message::Flight(FlightMessage::Health(health)) => self.report(health),
+            _ => {}
+        }
+    }
+
+    fn report(&mut self, health: &Health) {
+        match health {
+            Health::System(status) => {
+                self.is_fence_bad = status.is_bad(SystemStatus::GEOFENCE);
+                // A vehicle without a battery monitor sends zeros.
+                let is_known = status.voltage_mv > 0 || status.remaining > 0;
+                if is_known && status.remaining >= 0 {
+                    self.take_battery(u8::MAX, status.remaining);
+                }
+            }
+            Health::Battery {
+                id,
+                remaining,
+                charge,
+            } => {
+                self.charge = *charge;
+                if *remaining >= 0 {
+                    self.take_battery(*id, *remaining);
+                }
+            }
+            Health::Gps { fix, .. } => self.fix = Some(*fix),
+            Health::Fence {
+                is_breached, kind, ..
+            } => (self.is_breached, self.breach) = (*is_breached, *kind),
+            Health::Ekf { variances, flags } => {
+                let why = wrong(variances, EKF_VARIANCE, *flags);
+                self.take_estimate(why);
+            }
+            Health::Estimator { ratios, flags } => {
+                let why = wrong(ratios, ESTIMATOR_RATIO, *flags).or_else(|| {
+                    let has = |flag: u16| flags & flag != 0;
+                    let glitch = has(GPS_GLITCH).then_some("the GPS jumps");
+                    let why = glitch.or(has(ACCEL_ERROR).then_some("the accelerometer is bad"));
+                    why.map(str::to_owned)
+                });
+                self.take_estimate(why);
+            }
+        }
+    }
+
+    fn take_battery(&mut self, id: u8, remaining: i8) {
+        match self.batteries.iter_mut().find(|(of, _)| *of == id) {
+            Some((_, known)) => *known = remaining,
+            None => self.batteries.push((id, remaining)),
+        }
+    }
+
+    fn take_estimate(&mut self, why: Option<String>) {
+        let before = self.estimate.take().map_or(0, |(_, count)| count);
+        self.estimate = why.map(|why| (why, before.saturating_add(1)));
+    }
+
+    /// Percent of the battery left, of the emptiest.
+    pub(super) fn remaining(&self) -> Option<i8> {
+        self.batteries.iter().map(|(_, remaining)| *remaining).min()
+    }
+
+    /// `GPS_FIX_TYPE`, once it said so.
+    pub(super) fn fix(&self) -> Option<u8> {
+        self.fix
+    }
+
+    pub(super) fn battery(&self) -> Option<String> {
+        let reserve = 100.0 * RESERVE;
+        let low = self.remaining().filter(|left| f64::from(*left) < reserve);
+        let low = low.map(|left| format!("{left} % left, reserve {reserve:.0} %"));
+        let says = (CHARGE_CRITICAL..=CHARGE_UNHEALTHY).contains(&self.charge);
+        low.or_else(|| says.then(|| "the battery reports that it is critical".to_owned()))
+    }
+
+    pub(super) fn estimate(&self) -> Option<String> {
+        let bad = self.estimate.as_ref();
+        let bad = bad.filter(|(_, count)| *count >= BAD_REPORTS);
+        bad.map(|(why, _)| format!("position estimate: {why}"))
+    }
+
+    pub(super) fn fence(&self) -> Option<String> {
+        let kind = match self.breach {
+            1 => " (too low)",
+            2 => " (too high)",
+            3 => " (its edge)",
+            _ => "",
+        };
+        if self.is_breached {
+            return Some(format!("fence breached{kind}"));
+        }
+        self.is_fence_bad.then(|| "fence breached".to_owned())
+    }
+
+    pub(super) fn gps(&self) -> Option<String> {
+        let fix = self.fix.filter(|fix| *fix < FIX_3D);
+        fix.map(|fix| format!("no GPS fix ({})", fix_word(fix)))
+    }
+
+    /// The next critical text.
+    pub(super) fn take_text(&mut self) -> Option<String> {
+        self.texts.pop_front()
+    }
+}
+
+/// `GPS_FIX_TYPE` in words.
+pub(super) fn fix_word(fix: u8) -> &'static str {
+    match fix {
+        0 => "no GPS",
+        1 => "no fix",
+        2 => "2D",
+        3 => "3D",
+        4 => "DGPS",
+        5 => "RTK float",
+        6 => "RTK",
+        _ => "fix",
+    }
+}
+
+/// What is wrong with an estimate; of velocity, horizontal position, altitude, compass.
+fn wrong(values: &[f32; 4], limit: f32, flags: u16) -> Option<String> {
+    let names = ["velocity", "position", "altitude", "compass"];
+    let mut bad = names.iter().zip(values);
+    // What is no number is bad.
+    let bad = bad.find(|(_, value)| value.is_nan() || **value > limit);
+    if let Some((name, value)) = bad {
+        return Some(format!("{name} variance {value:.1} (at most {limit})"));
+    }
+    if flags & POSITION_KNOWN == 0 || flags & POSITION_CONSTANT != 0 {
+        return Some("it has no absolute position".to_owned());
+    }
+    None
+}

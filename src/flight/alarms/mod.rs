@@ -1,0 +1,393 @@
+//! Alarms in flight: a machine without sockets and clocks, as [`crate::link`] has them.
+//!
+//! Its driver hands in the decoded messages of each autopilot ([`Alarms::handle`]), each position
+//! on the clock of the fleet ([`Alarms::position`]), what the session has each vehicle do
+//! ([`Alarms::note`]), and the time ([`Alarms::look`]). It raises an [`Alarm`] once, and ends it
+//! when its cause has been gone for some seconds.
+
+mod clear;
+mod future;
+mod health;
+mod motion;
+mod onboard;
+mod tube;
+
+use std::collections::{BTreeMap, VecDeque};
+
+use super::conformance::reference::Reference;
+use super::record::{Fix, Plan};
+use crate::geodesy::PlanPoint;
+use crate::link::{Address, Message, Position};
+use crate::mission::VehicleMission;
+use crate::spec::{AlarmKind, MissionSpec, Threat, Vehicle};
+use crate::world::{Disc, World};
+use health::HealthState;
+use motion::Motion;
+use onboard::Onboard;
+use tube::TubeWatch;
+
+/// The cause of an alarm must be gone for this long before it is over, seconds.
+const OVER_S: f64 = 3.0;
+/// A position that is older than this is stale: seconds of flight, and of the wall's clock.
+const STALE_S: f64 = 1.5;
+const STALE_WALL_S: f64 = 0.75;
+/// More than this between two looks was a stall of this machine, in which nobody was heard,
+/// seconds of the wall's clock.
+const STALL_WALL_S: f64 = 0.1;
+/// Separation and clearance are measured with positions that are off by so much: three standard
+/// deviations of 2.5 m, and never more than this share of the limit.
+const ERROR_M: f64 = 7.5;
+const ERROR_SHARE: f64 = 0.25;
+/// Between two looks into the future, seconds of flight.
+const FUTURE_S: f64 = 0.5;
+
+/// An alarm that was raised, or is over.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Alarm {
+    /// Seconds after T0.
+    pub t_s: f64,
+    /// Index of the vehicle.
+    pub vehicle: usize,
+    /// Index of the other vehicle of a separation.
+    pub other: Option<usize>,
+    /// What it is about.
+    pub kind: AlarmKind,
+    /// Whether it begins; else it is over.
+    pub is_raised: bool,
+    /// In words.
+    pub text: String,
+}
+
+/// What the session has a vehicle do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Duty {
+    /// Whether it is in flight: its mission was started and its motors run.
+    pub flies: bool,
+    /// Whether it took off.
+    pub is_up: bool,
+    /// Whether it was ordered to leave its mission.
+    pub is_ordered: bool,
+    /// Whether its flight is over.
+    pub is_over: bool,
+}
+
+/// A vehicle and the plan that its flight is held against.
+#[derive(Clone, Debug)]
+pub struct Watch<'a> {
+    /// As the spec has it.
+    pub vehicle: &'a Vehicle,
+    /// The mission on board.
+    pub mission: &'a VehicleMission,
+    /// The planned flight.
+    pub reference: Reference,
+}
+
+/// What is known of one vehicle.
+#[derive(Debug)]
+struct Watched<'a> {
+    vehicle: &'a Vehicle,
+    mission: &'a VehicleMission,
+    plan: Reference,
+    duty: Duty,
+    health: HealthState,
+    motion: Motion,
+    onboard: Onboard,
+    tube: TubeWatch,
+    /// The last position.
+    here: Option<Here>,
+    /// Time since the last position in which somebody listened, seconds of flight.
+    silent_s: f64,
+}
+
+/// A position, its velocity to the east, the north and up, m/s, and its height above the ground.
+#[derive(Clone, Copy, Debug)]
+struct Here {
+    fix: Fix,
+    point: PlanPoint,
+    velocity_mps: [f64; 3],
+    agl_m: f64,
+}
+
+/// Which alarm: what, of whom, with whom, and why.
+type Key = (AlarmKind, usize, Option<usize>, &'static str);
+
+/// An alarm that stands.
+#[derive(Clone, Copy, Debug)]
+struct Standing {
+    since_s: f64,
+    /// When its cause was last seen.
+    seen_s: f64,
+}
+
+/// The alarms of a fleet in flight.
+#[derive(Debug)]
+pub struct Alarms<'a> {
+    spec: &'a MissionSpec,
+    world: &'a World,
+    us: Address,
+    speedup: f64,
+    vehicles: Vec<Watched<'a>>,
+    standing: BTreeMap<Key, Standing>,
+    popups: Vec<(Disc, String)>,
+    out: VecDeque<Alarm>,
+    /// When [`Alarms::look`] was last called, and looked into the future.
+    looked_s: Option<f64>,
+    future_s: f64,
+}
+
+impl<'a> Alarms<'a> {
+    /// Begins to watch a fleet, in the order of its assignments, in the name of `us`. `speedup`
+    /// is how much faster than the wall's clock the time of the vehicles goes.
+    #[must_use]
+    pub fn new(
+        spec: &'a MissionSpec,
+        world: &'a World,
+        fleet: Vec<Watch<'a>>,
+        us: Address,
+        speedup: f64,
+    ) -> Self {
+        let watched = |of: Watch<'a>| Watched {
+            vehicle: of.vehicle,
+            mission: of.mission,
+            tube: TubeWatch::new(of.vehicle, &of.reference),
+            onboard: Onboard::new(of.mission.items.len()),
+            plan: of.reference,
+            duty: Duty::default(),
+            health: HealthState::default(),
+            motion: Motion::default(),
+            here: None,
+            silent_s: 0.0,
+        };
+        Self {
+            spec,
+            world,
+            us,
+            speedup,
+            vehicles: fleet.into_iter().map(watched).collect(),
+            standing: BTreeMap::new(),
+            popups: Vec::new(),
+            out: VecDeque::new(),
+            looked_s: None,
+            future_s: f64::NEG_INFINITY,
+        }
+    }
+
+    /// The next alarm.
+    pub fn poll(&mut self) -> Option<Alarm> {
+        self.out.pop_front()
+    }
+
+    /// Takes in what the session has a vehicle do.
+    pub fn note(&mut self, vehicle: usize, duty: Duty) {
+        if let Some(of) = self.vehicles.get_mut(vehicle) {
+            if duty.flies && !of.duty.flies {
+                of.silent_s = 0.0;
+            }
+            of.duty = duty;
+        }
+    }
+
+    /// Takes in another plan that a vehicle is sent: it flies it from when it holds as many items.
+    pub fn replan(&mut self, vehicle: usize, plan: Plan) {
+        if let Some(of) = self.vehicles.get_mut(vehicle) {
+            of.onboard.expect(plan);
+        }
+    }
+
+    /// Takes in a message of the autopilot of a vehicle, at a time in seconds after T0; whether it
+    /// is a text that became an alarm.
+    pub fn handle(&mut self, t_s: f64, vehicle: usize, message: &Message) -> bool {
+        let Some(of) = self.vehicles.get_mut(vehicle) else {
+            return false;
+        };
+        let (us, mission) = (self.us, of.mission);
+        of.health.handle(t_s, message);
+        of.onboard.handle(t_s, message, us, mission, of.duty.flies);
+        if let Some(plan) = of.onboard.taken_up() {
+            of.tube = TubeWatch::new(of.vehicle, &plan.reference);
+            of.plan = plan.reference;
+        }
+        let Some(text) = of.health.take_text().filter(|_| of.duty.flies) else {
+            return false;
+        };
+        self.push(t_s, (AlarmKind::Text, vehicle, None, ""), true, text);
+        true
+    }
+
+    /// Takes in a position of a vehicle, with its time on the clock of the fleet.
+    pub fn position(&mut self, vehicle: usize, fix: Fix, position: &Position) {
+        let frame = self.world.frame;
+        let Some(of) = self.vehicles.get_mut(vehicle) else {
+            return;
+        };
+        let point = PlanPoint {
+            at: frame.to_plan(fix.place),
+            amsl: fix.amsl,
+        };
+        let [north, east, down] = position.velocity_cmps.map(|cmps| f64::from(cmps) / 100.0);
+        let ground = self.world.terrain.height(fix.place);
+        let here = Here {
+            fix,
+            point,
+            velocity_mps: [east, north, -down],
+            agl_m: ground.map_or(f64::NAN, |ground| fix.amsl.above_ground(ground).0),
+        };
+        of.silent_s = 0.0;
+        of.here = Some(here);
+        let is_due = of.duty.flies && of.duty.is_up;
+        let moves = is_due && of.is_on_plan() && of.tube.should_move(&of.plan, &here);
+        let (frozen, jumped) = of.motion.take(&here, position, moves);
+        let (frozen, jumped) = (frozen.filter(|_| is_due), jumped.filter(|_| is_due));
+        self.set(
+            fix.t_s,
+            (AlarmKind::Position, vehicle, None, "frozen"),
+            frozen,
+        );
+        self.set(
+            fix.t_s,
+            (AlarmKind::Position, vehicle, None, "jump"),
+            jumped,
+        );
+        self.look_at_tube(vehicle, &here);
+        self.look_at_distances(vehicle, &here);
+    }
+
+    /// Does what is due at a time in seconds after T0.
+    pub fn look(&mut self, t_s: f64) {
+        let since_s = t_s - self.looked_s.unwrap_or(t_s);
+        self.looked_s = Some(t_s);
+        // What a machine that stalls does not hear is no silence of a vehicle.
+        let listened_s = since_s.clamp(0.0, STALL_WALL_S * self.speedup.max(1.0));
+        let stale_s = STALE_S.max(STALE_WALL_S * self.speedup);
+        for index in 0..self.vehicles.len() {
+            let of = &mut self.vehicles[index];
+            of.silent_s += listened_s;
+            let duty = of.duty;
+            let silent_s = of.silent_s;
+            let is_stale = duty.flies && silent_s > stale_s;
+            let stale = is_stale.then(|| format!("no position for {silent_s:.1} s"));
+            self.set(t_s, (AlarmKind::Position, index, None, "stale"), stale);
+            self.look_at_health(t_s, index);
+        }
+        if t_s - self.future_s >= FUTURE_S {
+            self.future_s = t_s;
+            self.look_ahead(t_s);
+        }
+    }
+
+    /// The alarms of a vehicle that stand.
+    #[must_use]
+    pub fn standing_of(&self, vehicle: usize) -> Vec<AlarmKind> {
+        let is_its = |key: &&Key| key.1 == vehicle || key.2 == Some(vehicle);
+        let standing = self.standing.keys().filter(is_its);
+        let mut kinds: Vec<AlarmKind> = standing.map(|key| key.0).collect();
+        kinds.dedup();
+        kinds
+    }
+
+    /// Percent of its battery left and `GPS_FIX_TYPE` of a vehicle, as far as it says so.
+    #[must_use]
+    pub fn reported(&self, vehicle: usize) -> (Option<i8>, Option<u8>) {
+        let of = self.vehicles.get(vehicle);
+        let health = of.map(|of| &of.health);
+        (
+            health.and_then(HealthState::remaining),
+            health.and_then(HealthState::fix),
+        )
+    }
+
+    /// The threats of the world, with their ids.
+    fn threats(&self) -> impl Iterator<Item = (Disc, &str)> {
+        let ids = self.spec.threats.iter().map(|threat| threat.id.as_str());
+        let popups = self.popups.iter();
+        let known = self.world.threats.iter().copied().zip(ids);
+        known.chain(popups.map(|(disc, id)| (*disc, id.as_str())))
+    }
+
+    /// Takes in a threat that has come up.
+    pub fn threat(&mut self, threat: &Threat) {
+        let center = self.world.frame.to_plan(threat.place);
+        let radius_m = threat.radius_m;
+        let disc = Disc { center, radius_m };
+        self.popups.push((disc, threat.id.clone()));
+    }
+
+    fn look_at_health(&mut self, t_s: f64, index: usize) {
+        let of = &mut self.vehicles[index];
+        let (flies, is_up) = (of.duty.flies, of.duty.flies && of.duty.is_up);
+        let is_ordered = of.duty.is_ordered;
+        let health = &of.health;
+        let battery = health.battery().filter(|_| flies);
+        let estimate = health.estimate().filter(|_| is_up);
+        let fence = health.fence().filter(|_| is_up);
+        let gps = health.gps().filter(|_| is_up);
+        let mission = of.onboard.mission(t_s).filter(|_| flies);
+        let mode = of.onboard.mode(of.mission);
+        let mode = mode.filter(|_| is_up && !is_ordered);
+        for (kind, cause, text) in [
+            (AlarmKind::Battery, "", battery),
+            (AlarmKind::Ekf, "", estimate),
+            (AlarmKind::Fence, "", fence),
+            (AlarmKind::Position, "fix", gps),
+            (AlarmKind::Mission, "", mission),
+            (AlarmKind::Mode, "", mode),
+        ] {
+            self.set(t_s, (kind, index, None, cause), text);
+        }
+    }
+
+    /// Raises an alarm that has a cause, and ends one whose cause is gone.
+    fn set(&mut self, t_s: f64, key: Key, cause: Option<String>) {
+        match (self.standing.get_mut(&key), cause) {
+            (None, Some(text)) => {
+                let seen = Standing {
+                    since_s: t_s,
+                    seen_s: t_s,
+                };
+                self.standing.insert(key, seen);
+                self.push(t_s, key, true, text);
+            }
+            (Some(standing), Some(_)) => standing.seen_s = t_s,
+            (Some(standing), None) if t_s - standing.seen_s >= OVER_S => {
+                let lasted_s = standing.seen_s - standing.since_s;
+                self.standing.remove(&key);
+                let cause = if key.3.is_empty() {
+                    String::new()
+                } else {
+                    format!(" ({})", key.3)
+                };
+                self.push(
+                    t_s,
+                    key,
+                    false,
+                    format!("over after {lasted_s:.0} s{cause}"),
+                );
+            }
+            _ => {}
+        }
+    }
+
+    fn push(&mut self, t_s: f64, key: Key, is_raised: bool, text: String) {
+        let (kind, vehicle, other, _) = key;
+        self.out.push_back(Alarm {
+            t_s,
+            vehicle,
+            other,
+            kind,
+            is_raised,
+            text,
+        });
+    }
+}
+
+impl Watched<'_> {
+    /// Whether it flies its mission, as far as its heartbeat shows.
+    fn is_on_plan(&self) -> bool {
+        self.duty.flies && !self.duty.is_ordered && self.onboard.flies_mission(self.mission)
+    }
+}
+
+/// What a measured distance may be below a limit before it is an alarm, metres.
+fn error_m(limit_m: f64) -> f64 {
+    ERROR_M.min(ERROR_SHARE * limit_m)
+}

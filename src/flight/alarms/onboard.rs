@@ -1,0 +1,185 @@
+//! What is on board, and in which mode: changed by whom.
+
+use crate::flight::record::Plan;
+use crate::flight::session::modes;
+use crate::link::{Address, Command, CommandResult, FlightMessage, Heartbeat, Message};
+use crate::mission::VehicleMission;
+
+/// `MAV_STATE_CRITICAL`: from here on the autopilot acts in an emergency.
+const STATE_CRITICAL: u8 = 5;
+const STATE_EMERGENCY: u8 = 6;
+/// What was heard this long before a change of the mode explains it, seconds.
+const EXPLAINS_S: f64 = 3.0;
+/// Another mission may be that of a `replan` that is heard of later, seconds.
+const HEARD_OF_S: f64 = 1.0;
+
+/// The mission and the mode of one vehicle.
+#[derive(Debug)]
+pub(super) struct Onboard {
+    /// Items of the mission that it should hold, and the next one that it is sent.
+    items: usize,
+    next: Option<Plan>,
+    taken_up: Option<Plan>,
+    /// Items and id that it said first, with the mission that it should hold.
+    total: Option<u16>,
+    id: Option<u32>,
+    /// What differs, and since when.
+    differs: Option<(String, f64)>,
+    beat: Option<Heartbeat>,
+    /// Whether it was in its mission, and the name of the mode after it.
+    was_in_mission: bool,
+    /// Who explains a change of its mode, and when that was heard.
+    cause: Option<(String, f64)>,
+    /// The same for the present mode.
+    why: Option<String>,
+}
+
+impl Onboard {
+    pub(super) fn new(items: usize) -> Self {
+        Self {
+            items,
+            next: None,
+            taken_up: None,
+            total: None,
+            id: None,
+            differs: None,
+            beat: None,
+            was_in_mission: false,
+            cause: None,
+            why: None,
+        }
+    }
+
+    /// Another mission comes.
+    pub(super) fn expect(&mut self, plan: Plan) {
+        self.next = Some(plan);
+        self.id = None;
+    }
+
+    /// The plan that it holds since the last call.
+    pub(super) fn taken_up(&mut self) -> Option<Plan> {
+        self.taken_up.take()
+    }
+
+    pub(super) fn handle(
+        &mut self,
+        t_s: f64,
+        message: &Message,
+        us: Address,
+        mission: &VehicleMission,
+        flies: bool,
+    ) {
+        if !flies {
+            // What it holds before its flight was compared item by item.
+            (self.total, self.id, self.differs) = (None, None, None);
+        }
+        match message {
+            Message::Heartbeat(beat) => self.beat(t_s, *beat, mission),
+            Message::MissionCurrent {
+                total, opaque_ids, ..
+            } => self.current(t_s, *total, opaque_ids[0]),
+            Message::StatusText { text, .. } if explains(text) => {
+                self.cause = Some((format!("the vehicle itself: {text}"), t_s));
+            }
+            Message::Flight(FlightMessage::CommandAck {
+                target,
+                command,
+                result: CommandResult::ACCEPTED,
+            }) if target.system != 0 && target.system != us.system && changes_mode(*command) => {
+                let (system, by) = (target.system, "ordered by system");
+                self.cause = Some((format!("{by} {system}"), t_s));
+            }
+            _ => {}
+        }
+    }
+
+    fn beat(&mut self, t_s: f64, beat: Heartbeat, mission: &VehicleMission) {
+        let before = self.beat.replace(beat);
+        let is_new = before.is_none_or(|before| before.custom_mode != beat.custom_mode);
+        let is_in_mission = modes::is_mission(mission, beat.custom_mode);
+        self.was_in_mission |= is_in_mission;
+        if is_in_mission {
+            self.why = None;
+        } else if is_new {
+            let heard = self.cause.take();
+            let cause = heard.filter(|(_, at_s)| t_s - at_s <= EXPLAINS_S);
+            let in_emergency = (STATE_CRITICAL..=STATE_EMERGENCY).contains(&beat.system_status);
+            let itself = || in_emergency.then(|| "the vehicle itself, in an emergency".to_owned());
+            let why = cause.map(|(why, _)| why).or_else(itself);
+            self.why = Some(why.unwrap_or_else(|| "nothing heard says by whom".to_owned()));
+        }
+    }
+
+    fn current(&mut self, t_s: f64, total: u16, id: u32) {
+        let is_known = (1..u16::MAX).contains(&total);
+        let is = |items: usize| usize::from(total) == items;
+        if is_known && self.next.as_ref().is_some_and(|next| is(next.items)) {
+            self.taken_up = self.next.take();
+            self.items = usize::from(total);
+            self.id = None;
+        }
+        if is_known && is(self.items) && self.total.is_none() {
+            self.total = Some(total);
+        }
+        if id != 0 && is(self.items) && self.id.is_none() {
+            self.id = Some(id);
+        }
+        // A vehicle that never said how many items it holds does not say that it has none.
+        let has_others = self.total.is_some() && !is(self.items);
+        let has_other_id = self.id.is_some_and(|known| id != 0 && id != known);
+        let what = match (has_others, has_other_id) {
+            (true, _) if total == 0 => Some("the mission on board was cleared".to_owned()),
+            (true, _) => {
+                let items = self.items;
+                Some(format!(
+                    "the mission on board has {total} items, the plan {items}"
+                ))
+            }
+            (_, true) => Some("the mission on board is another one (its id changed)".to_owned()),
+            _ => None,
+        };
+        self.differs = what.map(|what| {
+            let since_s = self.differs.as_ref().map_or(t_s, |(_, since_s)| *since_s);
+            (what, since_s)
+        });
+    }
+
+    /// What is wrong with the mission on board.
+    pub(super) fn mission(&self, t_s: f64) -> Option<String> {
+        let differs = self.differs.as_ref();
+        let differs = differs.filter(|(_, since_s)| t_s - since_s >= HEARD_OF_S);
+        differs.map(|(what, _)| what.clone())
+    }
+
+    /// Whether its heartbeat shows that it flies its mission.
+    pub(super) fn flies_mission(&self, mission: &VehicleMission) -> bool {
+        let beat = self.beat;
+        beat.is_some_and(|beat| modes::is_mission(mission, beat.custom_mode))
+    }
+
+    /// The mode that it is in, if it is not the one of its mission any more.
+    pub(super) fn mode(&self, mission: &VehicleMission) -> Option<String> {
+        let beat = self.beat.filter(|_| self.was_in_mission)?;
+        let why = self.why.as_ref()?;
+        let name = modes::name(mission, beat.custom_mode);
+        Some(format!("left its mission for {name}: {why}"))
+    }
+}
+
+/// Whether a text says that the vehicle changes its mode by itself.
+fn explains(text: &str) -> bool {
+    let text = text.to_ascii_lowercase();
+    let words = ["failsafe", "fence breached", "rtl", "return to launch"];
+    words.iter().any(|word| text.contains(word))
+}
+
+fn changes_mode(command: u16) -> bool {
+    let commands = [
+        Command::LOITER,
+        Command::RETURN,
+        Command::LAND,
+        Command::SET_MODE,
+        Command::MISSION_START,
+    ];
+    commands.contains(&command)
+}

@@ -1,0 +1,197 @@
+//! Whether a vehicle is where and when the verdict has it: corridor, clearance, lateness.
+
+use super::{Alarms, Here, error_m};
+use crate::autopilot::Autopilot;
+use crate::autopilot::facts;
+use crate::flight::conformance::COLUMN_M;
+use crate::flight::conformance::proof::Tube;
+use crate::flight::conformance::reference::{Deviation, Reference};
+use crate::mission::VehicleMission;
+use crate::path::{corner_late_s, leg_late_s, stop_late_s};
+use crate::spec::{Airframe, AlarmKind, Vehicle};
+
+/// Error of lateness, seconds: positions are off, and plans linear between waypoints.
+const LATE_ERROR_S: f64 = 3.0;
+/// Legs this much farther than the nearest may be the one that is flown, metres.
+const ALIKE_M: f64 = 10.0;
+/// A vehicle that is nearer than this to a waypoint may stand still, metres.
+const STOPS_M: f64 = 20.0;
+/// Lower over the ground than this it may have landed, metres.
+const LOW_M: f64 = 5.0;
+/// Slower than this a planned leg is none that a vehicle must be seen to move on, m/s.
+const SLOW_MPS: f64 = 1.0;
+
+/// What the verdict allows one vehicle around its plan.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TubeWatch {
+    tube: Tube,
+    airframe: Airframe,
+    /// By how much a plane may be off the legs until it has passed the place after its climb-out,
+    /// metres.
+    wide_m: f64,
+    /// How late it is, seconds, if it is on its plan.
+    pub(super) late_s: Option<f64>,
+    /// Whether it is outside of the tube.
+    pub(super) is_off: bool,
+}
+
+impl TubeWatch {
+    pub(super) fn new(vehicle: &Vehicle, plan: &Reference) -> Self {
+        let climb_out_m = match plan.waypoints.as_slice() {
+            [home, top, ..] => home.point.at.distance_m(top.point.at),
+            _ => 0.0,
+        };
+        let behaviour = &facts(Autopilot::ArduPilot, vehicle.airframe).behaviour;
+        let early_share = behaviour.climb_out_share.value(None);
+        Self {
+            tube: Tube::of(vehicle),
+            airframe: vehicle.airframe,
+            wide_m: (1.0 - early_share) * climb_out_m,
+            late_s: None,
+            is_off: false,
+        }
+    }
+
+    /// Whether it takes off or lands, where neither minimum height nor legs count.
+    fn is_in_column(&self, plan: &Reference, here: &Here) -> bool {
+        let (Some(home), Some(last)) = (plan.waypoints.first(), plan.waypoints.last()) else {
+            return true;
+        };
+        let top = plan.waypoints.get(1).unwrap_or(last);
+        let near = |of: &crate::flight::Waypoint| of.point.at.distance_m(here.point.at) < COLUMN_M;
+        match self.airframe {
+            Airframe::Plane => {
+                here.fix.item <= top.item || plan.lands && here.fix.item >= last.item
+            }
+            Airframe::Copter | Airframe::Vtol => near(home) || plan.lands && near(last),
+        }
+    }
+
+    /// Until a plane has passed the place after its climb-out.
+    fn climbs_out(&self, plan: &Reference, here: &Here) -> bool {
+        let next = plan.waypoints.get(2).map_or(usize::MAX, |next| next.item);
+        self.airframe == Airframe::Plane && here.fix.item <= next
+    }
+
+    /// Where on its plan it is: of legs that are about as near, the one that fits its lateness.
+    fn deviation(&self, plan: &Reference, here: &Here) -> Option<Deviation> {
+        let late_s = self.late_s.unwrap_or(0.0);
+        let all = || plan.deviations(here.fix.item, here.point);
+        let nearest_m = all()
+            .map(|of| of.distance_m())
+            .fold(f64::INFINITY, f64::min);
+        let off_s = |of: &Deviation| (here.fix.t_s - of.t_s - late_s).abs();
+        all()
+            .filter(|of| of.distance_m() <= nearest_m + ALIKE_M)
+            .min_by(|a, b| off_s(a).total_cmp(&off_s(b)))
+    }
+
+    /// How it is off the tube, in words.
+    fn corridor(&self, plan: &Reference, here: &Here) -> Option<String> {
+        let of = plan.deviation(here.fix.item, here.point)?;
+        let climbs_out = self.climbs_out(plan, here);
+        let wide_m = if climbs_out { self.wide_m } else { 0.0 };
+        let across_m = self.tube.across_m + wide_m + of.circle_m;
+        if of.cross_track_m > across_m {
+            let aside_m = of.cross_track_m;
+            return Some(format!(
+                "{aside_m:.0} m beside its path (at most {across_m:.0} m)"
+            ));
+        }
+        let is_level = !climbs_out && !plan.follows_ground();
+        let up_m = self.tube.up_m;
+        (is_level && of.above_m.abs() > up_m).then(|| {
+            let side = if of.above_m > 0.0 { "above" } else { "below" };
+            let off_m = of.above_m.abs();
+            format!("{off_m:.0} m {side} its path (at most {up_m:.0} m)")
+        })
+    }
+
+    /// Whether it must be seen to move: it is in the middle of a leg.
+    pub(super) fn should_move(&self, plan: &Reference, here: &Here) -> bool {
+        // A plane that rolled out stands until its motors stop.
+        let is_low = here.agl_m <= LOW_M;
+        let item = here.fix.item;
+        let Some(next) = plan.waypoints.iter().position(|of| of.item >= item) else {
+            return false;
+        };
+        let (Some(from), Some(to)) = (
+            plan.waypoints.get(next.wrapping_sub(1)),
+            plan.waypoints.get(next),
+        ) else {
+            return false;
+        };
+        let far = |of: &crate::flight::Waypoint| of.point.at.distance_m(here.point.at) > STOPS_M;
+        let length_m = from.point.at.distance_m(to.point.at);
+        !is_low && far(from) && far(to) && length_m > SLOW_MPS * (to.t_s - from.t_s)
+    }
+}
+
+impl Alarms<'_> {
+    /// Corridor, clearance and lateness at a position.
+    pub(super) fn look_at_tube(&mut self, vehicle: usize, here: &Here) {
+        let min_agl_m = self.spec.area.min_agl.0;
+        let slack_s = self.spec.separation.time_slack_s;
+        let of = &mut self.vehicles[vehicle];
+        let is_due = of.duty.flies && of.duty.is_up && !of.tube.is_in_column(&of.plan, here);
+        let is_on_plan = of.is_on_plan();
+        let (corridor, late) = if is_due && !of.duty.is_ordered {
+            let found = of.tube.deviation(&of.plan, here);
+            // Where it stays at the end of its plan time goes on.
+            let last_s = of.plan.waypoints.last().map_or(0.0, |last| last.t_s);
+            let has_come = |found: &Deviation| !of.plan.lands && found.t_s >= last_s - LATE_ERROR_S;
+            let found = found.filter(|found| !has_come(found));
+            let late_s = found.map(|of| here.fix.t_s - of.t_s);
+            of.tube.late_s = late_s.filter(|_| is_on_plan);
+            let assumed_s = assumed_late_s(of.vehicle, of.mission, &of.plan, here.fix.item);
+            let most_s = assumed_s + slack_s + LATE_ERROR_S;
+            let late = of.tube.late_s.filter(|late_s| *late_s > most_s);
+            let late = late.map(|late_s| {
+                format!("{late_s:.0} s behind its plan (the verdict assumed at most {most_s:.0} s)")
+            });
+            (of.tube.corridor(&of.plan, here), late)
+        } else {
+            (None, None)
+        };
+        of.tube.is_off = corridor.is_some();
+        let least_m = min_agl_m - error_m(min_agl_m);
+        let is_low = is_due && here.agl_m < least_m;
+        let agl_m = here.agl_m;
+        let low =
+            is_low.then(|| format!("{agl_m:.0} m over the ground (at least {min_agl_m:.0} m)"));
+        let t_s = here.fix.t_s;
+        self.set(t_s, (AlarmKind::Corridor, vehicle, None, ""), corridor);
+        self.set(t_s, (AlarmKind::Clearance, vehicle, None, ""), low);
+        self.set(t_s, (AlarmKind::Late, vehicle, None, ""), late);
+    }
+}
+
+/// How late the verdict assumes a vehicle at most on its way to an item, seconds: as
+/// [`crate::path`] has it, with the stops and legs behind it.
+pub(super) fn assumed_late_s(
+    vehicle: &Vehicle,
+    mission: &VehicleMission,
+    plan: &Reference,
+    item: usize,
+) -> f64 {
+    let behaviour = &vehicle.facts().behaviour;
+    let takeoff_s = behaviour.takeoff_late_s.value(vehicle.autopilot_version);
+    let behind = plan.waypoints.windows(2).filter(|pair| pair[0].item < item);
+    let (mut legs, mut stops) = (0.0, 0.0);
+    for pair in behind {
+        legs += 1.0;
+        let is_upright = pair[0].point.at.distance_m(pair[1].point.at) < 1.0;
+        stops += f64::from(u8::from(is_upright));
+    }
+    let rows = mission.items.iter().take(item);
+    let holds = rows.filter(|item| item.place().is_some() && item.params[0] > 0.0);
+    let mut holds_s = 0.0;
+    for hold in holds {
+        stops += 1.0;
+        holds_s = f64::from(hold.params[0]).max(holds_s);
+    }
+    takeoff_s
+        + (stops + 1.0) * stop_late_s(vehicle)
+        + legs * (leg_late_s(vehicle) + corner_late_s(vehicle))
+        + holds_s
+}

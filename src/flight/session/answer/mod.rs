@@ -1,0 +1,235 @@
+//! Alarms of a fleet in flight, and what is done at each.
+
+use super::vehicle::{Instruction, Stage};
+use super::{AlarmMark, Event, Fleet, Phase};
+use crate::flight::alarms::{Alarm, Alarms, Duty, Watch};
+use crate::flight::record::lines::{PlanLine, ThreatLine};
+use crate::link::{FlightMessage, Message, Time};
+use crate::spec::{Action, AlarmKind, MissionSpec, Who};
+use crate::world::World;
+
+/// An order that could not be given is tried again after this time, milliseconds.
+const AGAIN_MS: u64 = 5000;
+
+/// An order that waits until its way is clear.
+#[derive(Clone, Debug)]
+pub(in crate::flight) struct Waiting {
+    vehicle: usize,
+    kind: AlarmKind,
+    /// Vehicle of the alarm.
+    of: usize,
+    instruction: Instruction,
+    again: Time,
+}
+
+impl<'a> Fleet<'a> {
+    /// Watches the fleet for alarms against its spec.
+    #[must_use]
+    pub fn watched(mut self, spec: &'a MissionSpec, world: &'a World) -> Self {
+        let of = |vehicle: &super::FlightVehicle<'a>| {
+            let id = vehicle.of.vehicle;
+            let vehicle_of = spec.vehicles.iter().find(|of| of.id == id)?;
+            Some(Watch {
+                vehicle: vehicle_of,
+                mission: vehicle.of.mission,
+                reference: vehicle.of.reference.clone(),
+            })
+        };
+        let watches: Option<Vec<Watch<'a>>> = self.vehicles.iter().map(of).collect();
+        let speedup = self.options.speedup;
+        self.alarms = watches.map(|fleet| Alarms::new(spec, world, fleet, self.us, speedup));
+        self
+    }
+
+    /// A vehicle is sent another plan. One that cannot be read is reported by the verdict.
+    pub(super) fn heed_plan(&mut self, vehicle: &str, plan: PlanLine) {
+        let index = self.vehicles.iter().position(|of| of.of.vehicle == vehicle);
+        let (Some(alarms), Some(index)) = (&mut self.alarms, index) else {
+            return;
+        };
+        let frame = *self.vehicles[index].of.reference.frame();
+        if let Ok(plan) = plan.plan(frame) {
+            alarms.replan(index, plan);
+        }
+    }
+
+    /// A threat has come up.
+    pub(super) fn heed_threat(&mut self, threat: ThreatLine, t_s: f64) {
+        if let (Some(alarms), Ok(popup)) = (&mut self.alarms, threat.popup(t_s)) {
+            alarms.threat(&popup.threat);
+        }
+    }
+
+    /// Hands a message of a vehicle's autopilot, and the position that it led to, to the alarms.
+    pub(super) fn hand_over(&mut self, now: Time, index: usize, message: &Message) {
+        let t_s = self.t_s(now).unwrap_or(0.0);
+        let flies = self.t0_ms().is_some();
+        let (Some(alarms), Some(vehicle)) = (&mut self.alarms, self.vehicles.get_mut(index)) else {
+            return;
+        };
+        if alarms.handle(t_s, index, message) {
+            // The line of the alarm has the text.
+            vehicle.unsay();
+        }
+        let fresh = std::mem::take(&mut vehicle.is_fresh);
+        if let (Message::Flight(FlightMessage::Position(position)), Some((_, fix))) =
+            (message, vehicle.latest)
+            && fresh
+            && flies
+        {
+            alarms.position(index, fix, position);
+        }
+    }
+
+    /// Looks for alarms, and answers them.
+    pub(super) fn look_for_alarms(&mut self, now: Time) {
+        let (Phase::Flying { .. }, Some(t_s)) = (self.phase, self.t_s(now)) else {
+            return;
+        };
+        let Some(mut alarms) = self.alarms.take() else {
+            return;
+        };
+        for (index, vehicle) in self.vehicles.iter().enumerate() {
+            let duty = Duty {
+                flies: matches!(vehicle.stage, Stage::Flying | Stage::Starting),
+                is_up: vehicle.has_taken_off(),
+                is_ordered: vehicle.instruction.is_some(),
+                is_over: matches!(vehicle.stage, Stage::Ended),
+            };
+            alarms.note(index, duty);
+        }
+        alarms.look(t_s);
+        let raised: Vec<Alarm> = std::iter::from_fn(|| alarms.poll()).collect();
+        self.alarms = Some(alarms);
+        for alarm in raised {
+            self.announce(now, &alarm);
+        }
+        self.try_again(now);
+    }
+
+    /// Reports an alarm, and does what the spec says.
+    pub(super) fn announce(&mut self, now: Time, alarm: &Alarm) {
+        let id = |index: usize| self.vehicles.get(index).map(|of| of.of.vehicle.to_owned());
+        let (kind, text) = (alarm.kind, &alarm.text);
+        let text = if alarm.is_raised {
+            format!("ALARM {kind}: {text}")
+        } else {
+            format!("{kind} alarm: {text}")
+        };
+        self.events.push_back(Event {
+            t_s: Some(alarm.t_s),
+            vehicle: id(alarm.vehicle),
+            text,
+            alarm: Some(AlarmMark {
+                kind,
+                other: alarm.other.and_then(id),
+                is_raised: alarm.is_raised,
+            }),
+        });
+        if alarm.is_raised {
+            self.answer(now, alarm);
+        } else {
+            let (kind, of) = (alarm.kind, alarm.vehicle);
+            self.waiting.retain(|w| (w.kind, w.of) != (kind, of));
+        }
+    }
+
+    fn answer(&mut self, now: Time, alarm: &Alarm) {
+        let answer = self.options.on_alarm.answer(alarm.kind);
+        let instruction = match answer.action {
+            Action::Continue => return,
+            Action::Hold => Instruction::Hold,
+            Action::Land => Instruction::Land,
+            Action::Return => Instruction::Return,
+        };
+        let is_own = |index: usize| index == alarm.vehicle || Some(index) == alarm.other;
+        let who: Vec<usize> = (0..self.vehicles.len())
+            .filter(|&index| match answer.who {
+                Who::Vehicle => is_own(index),
+                Who::Others => !is_own(index),
+                Who::All => true,
+            })
+            .collect();
+        let verb = instruction.verb();
+        let kind = alarm.kind;
+        match answer.who {
+            Who::All => self.say(now, None, format!("on_alarm {kind}: all {verb}")),
+            Who::Others => self.say(now, None, format!("on_alarm {kind}: the others {verb}")),
+            Who::Vehicle => {}
+        }
+        for vehicle in who {
+            let waiting = Waiting {
+                vehicle,
+                kind,
+                of: alarm.vehicle,
+                instruction,
+                again: now,
+            };
+            self.order(now, waiting, true);
+        }
+    }
+
+    /// Gives an order, if its way is clear; else it waits.
+    fn order(&mut self, now: Time, waiting: Waiting, is_first: bool) {
+        let (index, instruction) = (waiting.vehicle, waiting.instruction);
+        let t_s = self.t_s(now).unwrap_or(0.0);
+        let Some(vehicle) = self.vehicles.get_mut(index) else {
+            return;
+        };
+        // A vehicle that has not taken off stays on the ground.
+        if matches!(vehicle.stage, Stage::Armed) {
+            return vehicle.disarm(None);
+        }
+        let is_obeying = vehicle.instruction.is_some_and(|of| of >= instruction);
+        if is_obeying || !matches!(vehicle.stage, Stage::Flying | Stage::Starting) {
+            return;
+        }
+        let problem = self.alarms.as_ref().and_then(|alarms| match instruction {
+            Instruction::Hold => alarms.circle_problem(t_s, index),
+            Instruction::Return => alarms.return_problem(t_s, index),
+            Instruction::Land => None,
+        });
+        let id = self.vehicles[index].of.vehicle.to_owned();
+        let (kind, verb) = (waiting.kind, instruction.verb());
+        let Some(why) = problem else {
+            let text = format!("on_alarm {kind}: is ordered to {verb}");
+            self.say(now, Some(id), text);
+            return self.vehicles[index].instruct(instruction);
+        };
+        if is_first {
+            let text = format!("on_alarm {kind}: does not {verb}, it continues: {why}");
+            self.say(now, Some(id), text);
+        }
+        let again = now + AGAIN_MS;
+        self.waiting.push(Waiting { again, ..waiting });
+    }
+
+    /// The wings whose circles are not clear where an operator holds them, and why.
+    pub(super) fn circles_not_clear(
+        &self,
+        now: Time,
+        instruction: Instruction,
+    ) -> Vec<(String, String)> {
+        let t_s = self.t_s(now).unwrap_or(0.0);
+        let problem = |index: usize| {
+            let vehicle = &self.vehicles[index];
+            let holds = vehicle.instruction == Some(Instruction::Hold);
+            let alarms = self.alarms.as_ref().filter(|_| holds)?;
+            let why = alarms.circle_problem(t_s, index)?;
+            Some((vehicle.of.vehicle.to_owned(), why))
+        };
+        let all = (0..self.vehicles.len()).filter(|_| instruction == Instruction::Hold);
+        all.filter_map(problem).collect()
+    }
+
+    fn try_again(&mut self, now: Time) {
+        let waiting = std::mem::take(&mut self.waiting);
+        for one in waiting {
+            if now >= one.again {
+                self.order(now, one, false);
+            } else {
+                self.waiting.push(one);
+            }
+        }
+    }
+}

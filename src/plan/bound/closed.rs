@@ -1,0 +1,65 @@
+//! What no path that passes may cross, at any altitude: polygons that lie inside of it.
+
+use std::f64::consts::TAU;
+
+use super::closed_ground::closed_ground;
+use crate::numeric::geometry::{Point, Ring};
+use crate::spec::{MissionSpec, Placement};
+use crate::world::{Disc, PlanZone, World};
+
+/// Corners of the polygon inside of a disc.
+const CORNERS: u32 = 64;
+/// Rounding of coordinates, metres.
+const ROUNDING_M: f64 = 0.01;
+/// The earth, rather too small, metres.
+const EARTH_RADIUS_M: f64 = 6_300_000.0;
+
+/// Closed polygons, counter-clockwise, holes in them clockwise.
+pub(super) fn closed_rings(spec: &MissionSpec, world: &World) -> Vec<Vec<Point>> {
+    let mut rings: Vec<Vec<Point>> = world.threats.iter().filter_map(inscribed).collect();
+    for (zone, given) in world.zones.iter().zip(&spec.no_fly) {
+        if !is_closed_throughout(zone, world) {
+            continue;
+        }
+        // The outline of a circle reaches beyond it.
+        match given.circle {
+            Some((center, radius_m)) => rings.extend(inscribed(&Disc {
+                center: world.frame.to_plan(center),
+                radius_m,
+            })),
+            None => rings.push(Ring::around(&zone.outline).corners().to_vec()),
+        }
+    }
+    rings.extend(closed_ground(world));
+    rings
+}
+
+/// Whether a zone is closed at every time and every altitude that a path may have in it.
+fn is_closed_throughout(zone: &PlanZone, world: &World) -> bool {
+    let from_below = match zone.floor {
+        None => true,
+        Some(Placement::Agl(floor)) => floor <= world.min_agl,
+        Some(Placement::Amsl(_)) => false,
+    };
+    let to_above = match zone.ceiling {
+        None => true,
+        Some(Placement::Amsl(ceiling)) => ceiling > world.max_amsl,
+        Some(Placement::Agl(_)) => false,
+    };
+    zone.active_s.is_none() && from_below && to_above
+}
+
+/// A polygon inside of a disc, on the plane and on the earth.
+fn inscribed(disc: &Disc) -> Option<Vec<Point>> {
+    // The plane shows lengths far from its origin too short: a disc on the earth is smaller there.
+    let far = (disc.center.east_m.hypot(disc.center.north_m) + disc.radius_m) / EARTH_RADIUS_M;
+    let radius_m = disc.radius_m * (1.0 - far * far) - ROUNDING_M;
+    let corner = |index: u32| {
+        let (sin, cos) = (TAU * f64::from(index) / f64::from(CORNERS)).sin_cos();
+        [
+            disc.center.east_m + radius_m * cos,
+            disc.center.north_m + radius_m * sin,
+        ]
+    };
+    (radius_m > 0.0).then(|| (0..CORNERS).map(corner).collect())
+}

@@ -1,0 +1,87 @@
+//! Airspace of files: what `check` lists, and what `convert` writes.
+
+use std::fs;
+
+use crate::support::command::{sortie, text};
+
+const SPEC: &str = "sortie: 1
+name: zones
+area: {south_west: {lat: 36.2, lon: -84.4}, north_east: {lat: 36.4, lon: -84.1}, min_agl_m: 60, max_amsl_m: 1500}
+terrain: {flat: {amsl_m: 400}}
+airspace: [{file: feed.json}]
+vehicles:
+  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, start: {lat: 36.25, lon: -84.35, agl_m: 80},
+     goal: {lat: 36.35, lon: -84.15, agl_m: 80}, finish: land, speed_mps: 15}
+";
+
+/// A national feed of ED-269: 30 boxes in the area, the others in rows to the north of it.
+fn feed(zones: usize) -> String {
+    let zone = |index: usize| {
+        let number = |value: usize| f64::from(u32::try_from(value).unwrap());
+        let (lat, lon) = match index {
+            0..30 => (36.39, -84.39 + 0.009 * number(index)),
+            _ => (
+                40.0 + 0.02 * number(index / 40),
+                -84.0 + 0.02 * number(index % 40),
+            ),
+        };
+        let corners = [
+            (0.0, 0.0),
+            (0.005, 0.0),
+            (0.005, 0.005),
+            (0.0, 0.005),
+            (0.0, 0.0),
+        ];
+        let corners = corners.map(|(x, y)| format!("[{}, {}]", lon + x, lat + y));
+        format!(
+            r#"{{"identifier": "Z{index}", "restriction": "PROHIBITED", "applicability": [{{"permanent": "YES"}}],
+               "geometry": [{{"uomDimensions": "M", "lowerLimit": 0, "lowerVerticalReference": "AGL",
+               "horizontalProjection": {{"type": "Polygon", "coordinates": [[{}]]}}}}]}}"#,
+            corners.join(", ")
+        )
+    };
+    let zones: Vec<String> = (0..zones).map(zone).collect();
+    format!(r#"{{"features": [{}]}}"#, zones.join(",\n"))
+}
+
+#[test]
+fn check_lists_what_a_feed_holds_and_what_its_fence_needs() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("zones.yaml"), SPEC).unwrap();
+    fs::write(folder.path().join("feed.json"), feed(1200)).unwrap();
+    let checked = sortie(folder.path(), &["check", "zones.yaml"]);
+    let (out, err) = (text(&checked.stdout), text(&checked.stderr));
+    assert_eq!(checked.status.code(), Some(0), "{err}");
+    assert!(out.contains("30 no-fly zones"), "{out}");
+    assert!(
+        out.contains("feed.json: 30 zones, 1170 out of reach"),
+        "{out}"
+    );
+    assert!(out.contains("Z0") && out.contains("and 10 more"), "{out}");
+    // Four corners of the area, and four of each zone.
+    assert!(
+        err.contains("the fence needs 124 items and alpha keeps 70"),
+        "{err}"
+    );
+}
+
+#[test]
+fn zones_are_converted_with_their_heights() {
+    let folder = tempfile::tempdir().unwrap();
+    let openair = "AC D\nAN CTR\nAH FL 65\nAL 1000ft AGL\nV X=36:20:00 N 084:12:00 W\nDC 1\n";
+    fs::write(folder.path().join("a.txt"), openair).unwrap();
+    let converted = sortie(folder.path(), &["convert", "a.txt", "a.geojson"]);
+    assert_eq!(
+        converted.status.code(),
+        Some(0),
+        "{}",
+        text(&converted.stderr)
+    );
+    let written = fs::read_to_string(folder.path().join("a.geojson")).unwrap();
+    let written: serde_json::Value = serde_json::from_str(&written).unwrap();
+    let properties = &written["features"][0]["properties"];
+    assert_eq!(properties["ceiling"]["fl"], 65.0);
+    assert_eq!(properties["radius_m"], 1852.0);
+    let refused = sortie(folder.path(), &["convert", "a.txt", "a.kml"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
+}
