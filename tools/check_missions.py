@@ -120,8 +120,9 @@ def compare(spec_path, files, margins):
         elif what == "separation":
             other = flights[margin["other"]]
             follow = (flight.follows + other.follows) * FOLLOW_M
-            measure, found, error, chords = separation(flight, other, slack, vertical, 2 * CHORD_M + follow)
-            reported = "gap" if margin["unit"] == "s" else "m" if margin["limit"] != vertical else "vertical"
+            level = None if vertical is None else vertical + margin.get("buffer", 0)
+            measure, found, error, chords = separation(flight, other, slack, level, 2 * CHORD_M + follow)
+            reported = "gap" if margin["unit"] == "s" else "m" if margin["limit"] != level else "vertical"
             if measure != reported:
                 found = math.nan
             plane = sum(f.along(origin) + f.beside(origin) for f in (flight, other))

@@ -35,7 +35,15 @@ pub(super) static CONVENTIONS: Conventions = Conventions {
 const COPTER_ACCEPTANCE: Acceptance = Acceptance {
     location_frames: &[0, 3, 5, 6, 10, 11],
     command_frames: None,
-    here: &[command::NAV_TAKEOFF, command::NAV_LAND],
+    // `ModeAuto::loc_from_cmd`.
+    here: &[
+        command::NAV_WAYPOINT,
+        command::NAV_LOITER_UNLIM,
+        command::NAV_LOITER_TIME,
+        command::NAV_LAND,
+        command::NAV_TAKEOFF,
+        command::NAV_LOITER_TO_ALT,
+    ],
     any_nan: false,
     // Altitudes are 24 bit centimetres.
     max_altitude_m: 83_000.0,
@@ -57,6 +65,7 @@ const PLANE_ACCEPTANCE: Acceptance = Acceptance {
     // `ModeAuto::verify_nav_delay` returns at once when armed.
     never_waits: true,
     whole_numbers: true,
+    here: &[command::NAV_TAKEOFF, command::NAV_LAND],
     ..COPTER_ACCEPTANCE
 };
 

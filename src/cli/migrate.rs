@@ -2,7 +2,7 @@
 
 use super::args;
 use super::folder::replace;
-use super::print::console::{note, out_text};
+use super::print::console::{note, out_bytes};
 use super::print::failure::Failure;
 use crate::numeric::digits;
 use crate::spec::{Buffers, SpecFile};
@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &args::Migrate) -> Result<(), Failure> {
     };
     match target {
         Some(path) => Ok(replace::write_file(path, text.as_bytes())?),
-        None => out_text(&text),
+        None => out_bytes(text.as_bytes()),
     }
 }
 

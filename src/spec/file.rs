@@ -249,10 +249,13 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
         Some((key, _)) => format!("{path}.{key}"),
         None => path,
     };
-    let (found, allowed) = match message.split_once(", expected ") {
+    let (mut found, allowed) = match message.split_once(", expected ") {
         Some((found, allowed)) => explained(found, plain(allowed)),
-        None => (message, String::new()),
+        None => (message.clone(), String::new()),
     };
+    if let Some(meant) = key.and_then(|(key, rest)| meant(key, rest)) {
+        found = format!("{found}: did you mean `{meant}`?");
+    }
     Issue {
         path,
         table: None,
@@ -260,6 +263,17 @@ pub(super) fn structural(error: &serde_yaml::Error) -> Issue {
         found,
         allowed,
     }
+}
+
+/// The known key that is most like an unknown one, if any is; `rest` lists them in backticks.
+fn meant<'a>(key: &str, rest: &'a str) -> Option<&'a str> {
+    // Two of three letters are the same at least.
+    const LIKE: f64 = 0.67;
+    let known = rest.split('`').skip(1).step_by(2);
+    let like = |known: &&str| strsim::normalized_damerau_levenshtein(key, known);
+    known
+        .filter(|known| like(known) >= LIKE)
+        .max_by(|a, b| like(a).total_cmp(&like(b)))
 }
 
 /// What the parser found and expected of a number, in the words of the file.

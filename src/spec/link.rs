@@ -16,6 +16,8 @@ impl Link {
             return Some(Self::Sim);
         }
         let (scheme, rest) = text.split_once(':')?;
+        // MAVSDK writes `udpin://HOST:PORT` and `serial:///DEVICE:BAUD`.
+        let rest = rest.strip_prefix("//").unwrap_or(rest);
         let (before, last) = rest.rsplit_once(':')?;
         let good = |c: char| !c.is_whitespace() && !c.is_control();
         if before.is_empty()
@@ -79,8 +81,20 @@ mod tests {
                 Some(text)
             );
         }
+        for (written, meant) in [
+            ("udpin://0.0.0.0:14540", "udpin:0.0.0.0:14540"),
+            ("udpout://127.0.0.1:14550", "udpout:127.0.0.1:14550"),
+            ("tcp://host:5760", "tcp:host:5760"),
+            ("tcpin://0.0.0.0:5760", "tcpin:0.0.0.0:5760"),
+            ("serial:///dev/ttyUSB0:57600", "serial:/dev/ttyUSB0:57600"),
+        ] {
+            assert_eq!(Link::parse(written), Link::parse(meant), "{written}");
+            assert!(Link::parse(written).is_some(), "{written}");
+        }
         for text in [
             "",
+            "udpin://",
+            "udpin:///host:1",
             "sim:",
             "udpout:host",
             "udpout::14550",

@@ -39,7 +39,9 @@ impl Positions {
         for event in Parser::new_from_str(text) {
             let (event, span) = event.map_err(|error| {
                 let marker = error.marker();
-                problem("", (marker.line(), marker.col() + 1), error.info(), "YAML")
+                let found = format!("broken YAML: {}", error.info());
+                let place = (marker.line(), marker.col() + 1);
+                problem("", place, &found, "`key: value` lines, indented by spaces, brackets and quotes closed, here and above")
             })?;
             walk.take(event, span)?;
         }

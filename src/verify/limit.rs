@@ -237,7 +237,6 @@ impl Limit {
     pub(crate) fn buffer_of(&self, buffers: &Buffers, unit: &str) -> f64 {
         match self {
             Self::Threat(_) => buffers.threats_m,
-            Self::Zone(_) => buffers.zones_m,
             Self::Area | Self::RallyArea(_) => buffers.area_m,
             Self::TerrainClearance | Self::RallyClearance(_) => buffers.terrain_m,
             Self::Ceiling => buffers.ceiling_m,

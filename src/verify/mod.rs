@@ -88,7 +88,14 @@
 //! | spline, loiter turns | not judged | not judged | not judged |
 //!
 //! Items after `NAV_LOITER_UNLIM` are never flown, and fail the count of judged items unless
-//! the spec says loiter.
+//! the spec says loiter. So do items after a landing, but for further returns and landings, and items after a
+//! `DO_JUMP` that ArduPilot repeats for ever. Of such a mission one repetition more is judged; from then on, for
+//! the separation, the vehicle may be anywhere around that repetition.
+//!
+//! **What an autopilot takes from where it is.** To ArduCopter an altitude of 0 is the altitude before, and latitude
+//! and longitude 0 the place before (`ModeAuto::loc_from_cmd`). `NAV_LOITER_TO_ALT` is a stop at its place and
+//! altitude. A PX4 copter whose mission has no takeoff first climbs over its home, to the altitude of the first item
+//! and 2.5 m at least.
 //!
 //! **Air.** On a wing commanded speeds are indicated airspeeds. At an altitude `z` its speed through
 //! the air `a` is greater by `(1 - 2.25577e-5 z)^-2.12794` (the standard atmosphere): on a leg at that
@@ -123,7 +130,11 @@
 //! and rests. A landing flies to its place at the altitude that the vehicle has, rests,
 //! and descends with `descent_mps`, from 10 m above the ground on with no more than 0.5
 //! m/s (ArduPilot) or 0.7 m/s (PX4). A return climbs to `return_amsl_m` unless it is
-//! above, flies straight to home, and lands. A vehicle that loiters, or whose mission
+//! above, flies straight to home, and lands. Without `return_amsl_m` it returns by the parameters of the mission, if they
+//! are there: ArduCopter at `RTL_ALT` above home or its own altitude if that is more, near home no higher than
+//! `RTL_CONE_SLOPE` times the distance, but 2.5 m of climb at least; PX4 at `RTL_RETURN_ALT` within the cone of
+//! `RTL_CONE_ANG`. ArduPlane returns so, and when its mission ends in the air, to a circle of `WP_LOITER_RAD` at
+//! `RTL_ALTITUDE` over home. A vehicle that loiters, or whose mission
 //! ends in the air, stays for ever.
 //!
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,

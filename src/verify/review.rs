@@ -77,7 +77,11 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         .collect();
     margins.extend(separation::margins(&timelines, &separation, &world.frame));
     for margin in &mut margins {
-        margin.buffer += margin.limit.buffer_of(&spec.buffers, margin.unit);
+        margin.buffer += match margin.limit {
+            // Zones of files may have buffers of their own, and all of the bound is one.
+            Limit::Zone(_) if margin.bound.is_finite() => margin.bound,
+            _ => margin.limit.buffer_of(&spec.buffers, margin.unit),
+        };
     }
     Review {
         margins,
@@ -176,7 +180,9 @@ impl<'a> Sortie<'a> {
         // A circle that is flown for ever is drawn once.
         let circles = self.flight.circle.map(|circle| circle.chord);
         let chords = self.flight.chords.iter().enumerate();
-        let flown = chords.filter(|(index, chord)| chord.flown && Some(*index) != circles);
+        let repetition = self.flight.repetition;
+        let flown = chords
+            .filter(|(index, chord)| chord.flown && ![circles, repetition].contains(&Some(*index)));
         let mut moments: Vec<Moment> = flown
             .flat_map(|(_, chord)| [0.0, 1.0].map(|u| chord.moment(&world.frame, u)))
             .collect();
@@ -344,6 +350,10 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.vehicle.airframe == Airframe::Vtol,
         "a vtol climbs and lands vertically over its places, with climb_mps and descent_mps, and speeds up and slows down on its way with accel_mps2",
+    ),
+    (
+        |s| s.flight.end == Some(End::Repeats),
+        "a mission that repeats for ever (DO_JUMP -1) is judged with one lap more; from then on the vehicle may be anywhere around that lap, for the separation; how long it lasts is not judged",
     ),
     (
         |s| matches!(s.flight.end, Some(End::Stays(_))) && s.flight.circle.is_none(),

@@ -24,7 +24,7 @@ use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::numeric::geometry::Ring;
-use crate::spec::{EndPoint, Finish, MissionSpec, Placement, Vehicle};
+use crate::spec::{Buffers, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle, Zone};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,23 +94,6 @@ impl World {
     /// [`NoData`] when the terrain has no height under a home, start or goal.
     pub fn new(spec: &MissionSpec, terrain: Terrain) -> Result<Self, NoData> {
         let frame = spec.frame;
-        let threats = spec
-            .threats
-            .iter()
-            .map(|threat| Disc {
-                center: frame.to_plan(threat.place),
-                radius_m: threat.radius_m + spec.buffers.threats_m,
-            })
-            .collect();
-        let zones = spec
-            .no_fly
-            .iter()
-            .map(|zone| {
-                let outline = frame.outline(&zone.outline());
-                let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
-                closed.buffered(spec.buffers.zones_m.max(zone.buffer_m))
-            })
-            .collect();
         let area = frame.outline(&spec.area.outline());
         let stations = spec
             .vehicles
@@ -132,20 +115,56 @@ impl World {
             })
             .collect::<Result<_, NoData>>()?;
         let ground = Arc::new(Ground::sample(&terrain, &frame, &area));
-        // A start that satisfies the buffer proves that an area is left.
-        let area = inset(area, spec.buffers.area_m);
-        Ok(Self {
+        let world = Self {
             frame,
             terrain,
             wider_voids: ground.with_wider_voids().map(Arc::new),
             ground,
-            threats,
-            zones,
+            threats: Vec::new(),
+            zones: Vec::new(),
             area,
-            min_agl: Agl(spec.area.min_agl.0 + spec.buffers.terrain_m),
-            max_amsl: Amsl(spec.area.max_amsl.0 - spec.buffers.ceiling_m),
+            min_agl: spec.area.min_agl,
+            max_amsl: spec.area.max_amsl,
             stations,
-        })
+        };
+        Ok(world.with_limits(spec, true))
+    }
+
+    /// The same world with the limits of a spec alone, as a flight is judged.
+    #[must_use]
+    pub fn without_buffers(&self, spec: &MissionSpec) -> Self {
+        self.clone().with_limits(spec, false)
+    }
+
+    /// The limits of a spec with or without their buffers.
+    fn with_limits(self, spec: &MissionSpec, is_buffered: bool) -> Self {
+        let frame = self.frame;
+        let buffers = match is_buffered {
+            true => spec.buffers,
+            false => Buffers::NONE,
+        };
+        let zone_buffer_m = |zone: &Zone| match is_buffered {
+            true => buffers.zones_m.max(zone.buffer_m),
+            false => 0.0,
+        };
+        let disc = |threat: &Threat| Disc {
+            center: frame.to_plan(threat.place),
+            radius_m: threat.radius_m + buffers.threats_m,
+        };
+        let closed = |zone: &Zone| {
+            let outline = frame.outline(&zone.outline());
+            let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+            closed.buffered(zone_buffer_m(zone))
+        };
+        Self {
+            threats: spec.threats.iter().map(disc).collect(),
+            zones: spec.no_fly.iter().map(closed).collect(),
+            // A start that satisfies the buffer proves that an area is left.
+            area: inset(frame.outline(&spec.area.outline()), buffers.area_m),
+            min_agl: Agl(spec.area.min_agl.0 + buffers.terrain_m),
+            max_amsl: Amsl(spec.area.max_amsl.0 - buffers.ceiling_m),
+            ..self
+        }
     }
 
     /// Whether a point of the plane lies in the allowed area; its edge does not.

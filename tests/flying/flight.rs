@@ -375,7 +375,10 @@ fn a_vehicle_that_somebody_else_holds_is_told_of_and_the_flight_fails() {
     sky.order(0, Command::LOITER);
     sky.fly_out();
     assert!(
-        sky.says("alpha", "somebody else changed the mode"),
+        sky.says(
+            "alpha",
+            "left its mission for LOITER: ordered by system 255"
+        ),
         "{:?}",
         sky.events
     );

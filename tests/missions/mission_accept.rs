@@ -182,11 +182,10 @@ fn latitude_and_longitude_are_on_earth() {
 }
 
 #[test]
-fn zero_zero_is_no_place() {
+fn zero_zero_is_no_place_but_to_arducopter_the_present_one() {
     let origin = |mission: &mut VehicleMission| (mission.items[1].x, mission.items[1].y) = (0, 0);
-    for autopilot in [ArduPilot, Px4] {
-        assert_eq!(one(autopilot, origin), (2, "a real place"));
-    }
+    assert_eq!(one(Px4, origin), (2, "a real place"));
+    fine(ArduPilot, origin);
 }
 
 #[test]

@@ -164,3 +164,246 @@ fn a_zone_of_a_spec_with_swapped_corners_is_named_by_check() {
         "{errors}"
     );
 }
+
+/// The greatest altitude of a review in metres above the sea, from its table.
+fn top_m(out: &str) -> f64 {
+    let line = out.lines().find(|line| line.contains("ceiling"));
+    let line = line.unwrap_or_else(|| panic!("{out}"));
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let name = words.iter().position(|word| *word == "ceiling");
+    words[name.expect("a row") + 1].parse().expect("a number")
+}
+
+#[test]
+fn px4_starts_a_mission_without_a_takeoff_by_itself() {
+    let rows = [
+        waypoint(46.001, 8.0, 40.0),
+        waypoint(46.002, 8.0, 60.0),
+        land(46.002, 8.0),
+    ];
+    let flags = ["--no-terrain", "--airframe", "copter", "--autopilot", "px4"];
+    let (code, out, errors) = review(HOME, &rows, &flags);
+    assert_eq!(code, Some(0), "{out}{errors}");
+}
+
+#[test]
+fn a_mission_without_a_takeoff_is_judged_from_its_first_place_on() {
+    let rows = || [waypoint(46.001, 8.0, 50.0), land(46.001, 8.0)];
+    let (code, out, _) = review(HOME, &rows(), &COPTER);
+    assert_eq!(code, Some(4), "{out}");
+    assert!(
+        out.contains("takeoff first") && out.contains("--airborne"),
+        "{out}"
+    );
+    assert!(!out.contains("cannot judge"), "{out}");
+    let in_air = [COPTER.as_slice(), &["--airborne"]].concat();
+    let (code, out, errors) = review(HOME, &rows(), &in_air);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    assert!(errors.contains("begun in the air at item 1"), "{errors}");
+    // What is below home is so in the air as well.
+    let low = [
+        waypoint(46.001, 8.0, -5.0),
+        waypoint(46.002, 8.0, -5.0),
+        land(46.002, 8.0),
+    ];
+    assert_eq!(review(HOME, &low, &in_air).0, Some(4));
+}
+
+/// `ModeRTL::compute_return_target`: `RTL_ALT` 15 m, `RTL_CONE_SLOPE` 3, 2.5 m of climb at least.
+#[test]
+fn a_return_without_its_altitude_is_flown_by_the_defaults_and_says_so() {
+    let ceiling = [COPTER.as_slice(), &["--max-amsl", "900"]].concat();
+    // 334 m from home: 15 m above it. 0.9 m from home: 2.5 m higher than before. Above: stays.
+    for (lat, above_home_m, top) in [
+        (46.003, 10.0, 515.0),
+        (46.000_008, 10.0, 512.5),
+        (46.003, 40.0, 540.0),
+    ] {
+        let takeoff = Row(22, 3, [0.0; 4], 0.0, 0.0, above_home_m);
+        let rows = [
+            takeoff,
+            waypoint(lat, 8.0, above_home_m),
+            command(20, [0.0; 4]),
+        ];
+        let (code, out, errors) = review(HOME, &rows, &ceiling);
+        assert_eq!(code, Some(0), "{out}{errors}");
+        assert!((top_m(&out) - top).abs() < 0.06, "{top}: {out}");
+        assert!(errors.contains("RTL_ALT 1500"), "{errors}");
+    }
+}
+
+/// ArduCopter, `ModeAuto::loc_from_cmd`: 0 is the altitude, and 0, 0 the place, of the moment.
+#[test]
+fn an_altitude_of_zero_and_a_place_of_zeros_are_those_before() {
+    let rows = [
+        takeoff(),
+        waypoint(46.001, 8.0, 70.0),
+        waypoint(46.002, 8.0, 0.0),
+        waypoint(0.0, 0.0, 0.0),
+        land(46.003, 8.0),
+    ];
+    let ceiling = [COPTER.as_slice(), &["--max-amsl", "900"]].concat();
+    let (code, out, errors) = review(HOME, &rows, &ceiling);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    assert!((top_m(&out) - 570.0).abs() < 0.06, "{out}");
+    let plane = ["--no-terrain", "--airframe", "plane"];
+    let (code, out, _) = review(HOME, &rows[..3], &plane);
+    assert_eq!(code, Some(4), "to a plane 0 m is an altitude: {out}");
+}
+
+#[test]
+fn a_mission_that_repeats_for_ever_is_judged_with_one_lap_and_what_follows_is_never_flown() {
+    let lap = || {
+        vec![
+            takeoff(),
+            waypoint(46.001, 8.0, 50.0),
+            waypoint(46.001, 8.002, 50.0),
+            waypoint(46.003, 8.002, 50.0),
+            command(177, [2.0, -1.0, 0.0, 0.0]),
+        ]
+    };
+    let (code, out, errors) = review(HOME, &lap(), &COPTER);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    let mut more = lap();
+    more.push(land(46.0, 8.0));
+    let (code, out, _) = review(HOME, &more, &COPTER);
+    assert_eq!(code, Some(4), "{out}");
+    assert!(
+        out.contains("repeats the mission at item 5: item 6 and all after it are never flown"),
+        "{out}"
+    );
+    // The leg from the last item back to the second is flown too.
+    for (lat, lon, passes) in [(46.002, 8.001, false), (46.002, 8.0, true)] {
+        let mut fenced = lap();
+        fenced.push(Row(5004, 3, [5.0, 0.0, 0.0, 0.0], lat, lon, 0.0));
+        let (code, out, _) = review(HOME, &fenced, &COPTER);
+        assert_eq!(code == Some(0), passes, "{lat} {lon}: {out}");
+    }
+}
+
+/// A vehicle that hovers within the lap of another is in its way at some time.
+#[test]
+fn a_lap_without_end_keeps_others_away_for_ever() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let head = |lat: f64, lon: f64| {
+        format!(
+            "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t{lat}\t{lon}\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n"
+        )
+    };
+    let lap = head(46.0, 8.0)
+        + "2\t0\t3\t16\t0\t0\t0\t0\t46.0\t8.001\t50\t1\n3\t0\t3\t16\t0\t0\t0\t0\t46.002\t8.001\t50\t1\n4\t0\t3\t16\t0\t0\t0\t0\t46.002\t8.003\t50\t1\n5\t0\t3\t177\t2\t-1\t0\t0\t0\t0\t0\t1\n";
+    let hover = |lat, lon| {
+        head(lat, lon)
+            + "2\t0\t3\t93\t4000\t0\t0\t0\t0\t0\t0\t1\n3\t0\t3\t21\t0\t0\t0\t0\t0\t0\t0\t1\n"
+    };
+    fs::write(folder.path().join("lap.waypoints"), lap).expect("written");
+    let flags = [
+        "review",
+        "lap.waypoints",
+        "other.waypoints",
+        "--no-terrain",
+        "--airframe",
+        "copter",
+        "--separation",
+        "30",
+    ];
+    for (lat, lon, passes) in [(46.0016, 8.0016, false), (46.02, 8.0016, true)] {
+        fs::write(folder.path().join("other.waypoints"), hover(lat, lon)).expect("written");
+        let output = sortie(folder.path(), &flags);
+        let out = text(&output.stdout);
+        assert_eq!(
+            output.status.code() == Some(0),
+            passes,
+            "{out}{}",
+            text(&output.stderr)
+        );
+    }
+}
+
+#[test]
+fn after_a_landing_nothing_is_flown() {
+    let to_land = || vec![takeoff(), waypoint(46.001, 8.0, 50.0), land(46.001, 8.0)];
+    let mut harmless = to_land();
+    harmless.push(command(20, [0.0; 4]));
+    let (code, out, errors) = review(HOME, &harmless, &COPTER);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    let mut more = to_land();
+    more.extend([takeoff(), waypoint(46.002, 8.0, 50.0), land(46.0, 8.0)]);
+    let (code, out, _) = review(HOME, &more, &COPTER);
+    assert_eq!(code, Some(4), "{out}");
+    assert!(
+        out.contains("lands at item 3: item 4 and all after it are never flown"),
+        "{out}"
+    );
+}
+
+#[test]
+fn a_copter_goes_on_after_it_has_loitered_to_an_altitude() {
+    let to_alt = Row(31, 3, [0.0; 4], 46.001, 8.0, 90.0);
+    let rows = [
+        takeoff(),
+        to_alt,
+        waypoint(46.002, 8.0, 50.0),
+        land(46.002, 8.0),
+    ];
+    let ceiling = [COPTER.as_slice(), &["--max-amsl", "900"]].concat();
+    let (code, out, errors) = review(HOME, &rows, &ceiling);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    assert!((top_m(&out) - 590.0).abs() < 0.06, "{out}");
+}
+
+/// `Plane::exit_mission_callback`: RTL, at `RTL_ALTITUDE` 100 m, in circles of `WP_LOITER_RAD`.
+#[test]
+fn a_plane_whose_mission_ends_in_the_air_returns_and_circles_over_home() {
+    let rows = [
+        takeoff(),
+        waypoint(46.01, 8.0, 60.0),
+        waypoint(46.01, 8.01, 60.0),
+    ];
+    let flags = ["--no-terrain", "--airframe", "plane", "--max-amsl", "900"];
+    let (code, out, errors) = review(HOME, &rows, &flags);
+    assert_eq!(code, Some(0), "{out}{errors}");
+    assert!((top_m(&out) - 600.0).abs() < 0.06, "{out}");
+    for assumed in [
+        "RTL_ALTITUDE 100",
+        "WP_LOITER_RAD 60",
+        "takes off towards its first waypoint",
+    ] {
+        assert!(errors.contains(assumed), "{assumed}: {errors}");
+    }
+}
+
+#[test]
+fn flags_are_named_as_flags_and_a_folder_is_reviewed_as_its_files() {
+    let rows = || [takeoff(), waypoint(46.001, 8.0, 50.0), land(46.001, 8.0)];
+    let wrong = [COPTER.as_slice(), &["--max-climb", "95"]].concat();
+    let (code, _, errors) = review(HOME, &rows(), &wrong);
+    assert_eq!(code, Some(2), "{errors}");
+    assert!(
+        errors.contains("--max-climb: ") && !errors.contains("flags:"),
+        "{errors}"
+    );
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = "QGC WPL 110\n0\t1\t0\t16\t0\t0\t0\t0\t46.0\t8.0\t500\t1\n1\t0\t3\t22\t0\t0\t0\t0\t0\t0\t50\t1\n2\t0\t3\t21\t0\t0\t0\t0\t0\t0\t0\t1\n";
+    fs::create_dir(folder.path().join("missions")).expect("a folder");
+    for name in ["a", "b", "c", "d"] {
+        let path = folder
+            .path()
+            .join("missions")
+            .join(format!("{name}.waypoints"));
+        fs::write(path, file.replace("46.0", &format!("46.{}", name.len()))).expect("written");
+    }
+    let output = sortie(folder.path(), &["review", "missions", "--no-terrain"]);
+    let (out, errors) = (text(&output.stdout), text(&output.stderr));
+    for name in ["a", "b", "c", "d"] {
+        assert!(
+            out.lines().any(|line| line.contains(&format!(" {name} "))),
+            "{name}: {out}{errors}"
+        );
+    }
+    assert!(
+        errors.contains("a, b, c and 1 more: the file does not say"),
+        "{errors}"
+    );
+    assert_eq!(errors.matches("--autopilot").count(), 1, "{errors}");
+}

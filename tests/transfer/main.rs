@@ -6,5 +6,6 @@ mod support;
 mod changed_meanwhile;
 mod link_commands;
 mod mission_upload;
+mod moved_links;
 mod simulated_vehicle;
 mod udp_loopback;

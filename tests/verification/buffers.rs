@@ -7,6 +7,7 @@ use sortie::geodesy::{Amsl, LatLon};
 use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
 use sortie::spec::*;
 use sortie::verify::{Limit, Margin, Review, review};
+use sortie::world::World;
 use support::{copter, empty_spec, place, world};
 
 /// 10 km to the east at 80 m above ground, through 36.30 N 84.25 W.
@@ -189,4 +190,28 @@ fn a_waypoint_radius_above_the_fence_margin_fails() {
     assert_eq!(is_ok(&spec, fenced(&mission, 11.0, None)), Some(false));
     assert_eq!(is_ok(&spec, fenced(&mission, 5.0, Some(4.0))), Some(false));
     assert_eq!(is_ok(&spec, fenced(&mission, 3.0, Some(4.0))), Some(true));
+}
+
+#[test]
+fn the_world_of_a_flight_has_the_limits_without_their_buffers() {
+    let (mut spec, _) = eastward();
+    spec.threats.push(Threat {
+        id: "mast".to_owned(),
+        kind: "mast".to_owned(),
+        place: north_of_line(600.0, -84.25),
+        radius_m: 300.0,
+    });
+    let limits = world(&spec);
+    spec.buffers = Buffers::even(10.0);
+    let planned = world(&spec);
+    let radius_m = |world: &World| world.threats[0].radius_m;
+    assert!((radius_m(&planned) - radius_m(&limits) - 10.0).abs() < 1e-9);
+    assert!((planned.min_agl.0 - 70.0).abs() < 1e-9 && (planned.max_amsl.0 - 1490.0).abs() < 1e-9);
+    let flown = planned.without_buffers(&spec);
+    assert_eq!(
+        (&flown.threats, &flown.zones),
+        (&limits.threats, &limits.zones)
+    );
+    assert_eq!((&flown.area, flown.min_agl), (&limits.area, limits.min_agl));
+    assert_eq!(flown.max_amsl, limits.max_amsl);
 }

@@ -242,7 +242,11 @@ pub(super) struct Limits {
     /// Airframe of the vehicles [default: as the file says, else copter]
     #[arg(long, value_enum, value_name = "AIRFRAME")]
     pub(super) airframe: Option<AirframeName>,
+    /// Missions without a takeoff begin in the air, at their first place
+    #[arg(long)]
+    pub(super) airborne: bool,
     /// Takeoff course of a plane, degrees from north; missions of ArduPilot do not hold it
+    /// [default: towards the first waypoint]
     #[arg(long, value_name = "DEG", value_parser = finite)]
     pub(super) takeoff_heading: Option<f64>,
     /// Ground speed where the mission says none, m/s [default: the autopilot's]

@@ -61,10 +61,21 @@ pub(crate) fn note_lines<S: AsRef<str>>(lines: &[S]) {
     lines.iter().for_each(|line| note(line.as_ref()));
 }
 
-/// A closed pipe is the reader's choice, not an error.
+/// Prints the content of a file byte for byte.
+pub(crate) fn out_bytes(bytes: &[u8]) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    let done = stdout.write_all(bytes).and_then(|()| stdout.flush());
+    written(done)
+}
+
 fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
-    match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {
+    written(writeln!(stdout, "{text}").and_then(|()| stdout.flush()))
+}
+
+/// A closed pipe is the reader's choice, not an error.
+fn written(done: std::io::Result<()>) -> Result<(), Failure> {
+    match done {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             let message = format!("cannot write to standard output: {error}");
             Err(Failure::new(Failure::OUTPUT, message))

@@ -1,6 +1,7 @@
 //! `sortie review`: the verdict on any mission files.
 
 pub(super) mod flight;
+mod folders;
 pub(super) mod without_spec;
 
 use std::collections::BTreeMap;
@@ -35,7 +36,8 @@ pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
         check_name(flag, path.as_deref(), &endings)?;
     }
     let is_spec = |path: &&PathBuf| path.extension().is_some_and(|e| e == "yaml" || e == "yml");
-    let (specs, files): (Vec<&PathBuf>, Vec<&PathBuf>) = arguments.files.iter().partition(is_spec);
+    let paths = folders::opened(&arguments.files)?;
+    let (specs, files): (Vec<&PathBuf>, Vec<&PathBuf>) = paths.iter().partition(is_spec);
     let named = named(&arguments.vehicle)?;
     if files.iter().any(|path| flight::is_flight(path)) && specs.len() < 2 {
         let spec = specs.first().map(|path| path.as_path());
@@ -100,6 +102,27 @@ fn with_spec(
         arguments,
         true,
     )
+}
+
+/// Sentences of several vehicles (`ID: TEXT`) in one, for those that have the same text.
+fn grouped(sentences: &[String]) -> Vec<String> {
+    let mut groups: Vec<(Vec<&str>, &str)> = Vec::new();
+    for sentence in sentences {
+        let (id, text) = sentence.split_once(": ").unwrap_or(("", sentence));
+        match groups.iter_mut().find(|(_, known)| *known == text) {
+            Some((ids, _)) => ids.push(id),
+            None => groups.push((vec![id], text)),
+        }
+    }
+    let sentence = |(ids, text): (Vec<&str>, &str)| match ids[..] {
+        [""] => text.to_owned(),
+        [first, second, third, _, ..] => {
+            let more = ids.len() - 3;
+            format!("{first}, {second}, {third} and {more} more: {text}")
+        }
+        _ => format!("{}: {text}", ids.join(", ")),
+    };
+    groups.into_iter().map(sentence).collect()
 }
 
 /// Prints what lies far away, and keeps it with the review.
@@ -186,7 +209,8 @@ fn without_spec(
         let text = format!("not judged, because it was not given: {left_out}");
         review.assumptions.push(text);
     }
-    for text in &made.assumed {
+    review.margins.extend(made.failed.iter().cloned());
+    for text in grouped(&made.assumed) {
         note(&format!("note: {text}"));
     }
     warn(&mut review, verify::distant_from_home(&made.spec, &judged));

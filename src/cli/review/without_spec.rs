@@ -2,6 +2,8 @@
 //! so that the same verdict judges them.
 
 mod airframe;
+mod assumed;
+mod flags;
 mod given;
 
 use std::path::{Path, PathBuf};
@@ -15,6 +17,7 @@ use crate::spec::{
     Airframe, Autopilot, Builder, EndPoint, Finish, MissionSpec, Placement, Separation, Vehicle,
     keys,
 };
+use crate::verify::Margin;
 use crate::world::{Bounds, Terrain, World, read_terrain};
 
 use airframe::airframe;
@@ -36,6 +39,8 @@ pub(crate) struct WithoutSpec {
     pub(crate) missions: Vec<(usize, VehicleMission)>,
     /// Assumptions, in sentences.
     pub(crate) assumed: Vec<String>,
+    /// What fails besides the verdict.
+    pub(crate) failed: Vec<Margin>,
 }
 
 /// One mission file.
@@ -52,10 +57,8 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         return Err(Failure::new(Failure::USAGE, message));
     }
     let mut assumed = Vec::new();
-    let positions: Vec<LatLon> = subjects
-        .iter()
-        .flat_map(|subject| positions(&subject.document))
-        .collect();
+    let documents = subjects.iter().map(|subject| &subject.document);
+    let positions: Vec<LatLon> = documents.flat_map(positions).collect();
     // Without any position there is nothing to fly, and the verdict fails anywhere.
     let middle = positions.first().copied().unwrap_or(LatLon {
         lat_deg: 0.0,
@@ -72,13 +75,19 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
         let speed_mps = speed_mps(&subject.document, who, limits);
         let prototype = prototype(corners, who, speed_mps, limits);
         let file = prototype.file(Path::new("flags"));
-        let file = file.map_err(|error| Failure::new(Failure::USAGE, error.to_string()))?;
+        let file = file.map_err(|error| flags::refused(&error))?;
         let (mut spec, text) = (file.spec, file.text);
         if let Some(prototype) = spec.vehicles.pop() {
             let home = home(&subject, limits, &spec, &mut assumed)?;
             let is_heading_known = autopilot == Autopilot::Px4 || limits.takeoff_heading.is_some();
-            vehicles.push(fit(prototype, &subject, &home, (index, is_heading_known)));
-            missions.push((index, mission(subject, home, who)?));
+            let mut vehicle = fit(prototype, &subject, &home, (index, is_heading_known));
+            let mut mission = mission(subject, home, who)?;
+            if !is_heading_known {
+                assumed::takeoff_heading(&mut vehicle, &mission, &mut assumed);
+            }
+            assumed::returns(&vehicle, &mut mission, limits, &mut assumed);
+            vehicles.push(vehicle);
+            missions.push((index, mission));
         }
         whole.get_or_insert((spec, text));
     }
@@ -87,8 +96,14 @@ pub(crate) fn around(subjects: Vec<Subject>, limits: &Limits) -> Result<WithoutS
     };
     spec.vehicles = vehicles;
     "review".clone_into(&mut spec.name);
-    let world = world(&spec, &missions, limits)?;
+    let mut world = world(&spec, &missions, limits)?;
+    let mut begin = |(index, mission): &(usize, VehicleMission)| {
+        let vehicle = (*index, &spec.vehicles[*index]);
+        assumed::begin_in_air(vehicle, mission, &mut world, limits, &mut assumed)
+    };
+    let failed = missions.iter().filter_map(&mut begin).collect();
     Ok(WithoutSpec {
+        failed,
         spec,
         text,
         world,

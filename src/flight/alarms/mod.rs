@@ -194,10 +194,11 @@ impl<'a> Alarms<'a> {
         }
     }
 
-    /// Takes in a message of the autopilot of a vehicle, at a time in seconds after T0.
-    pub fn handle(&mut self, t_s: f64, vehicle: usize, message: &Message) {
+    /// Takes in a message of the autopilot of a vehicle, at a time in seconds after T0; whether it
+    /// is a text that became an alarm.
+    pub fn handle(&mut self, t_s: f64, vehicle: usize, message: &Message) -> bool {
         let Some(of) = self.vehicles.get_mut(vehicle) else {
-            return;
+            return false;
         };
         let (us, mission) = (self.us, of.mission);
         of.health.handle(t_s, message);
@@ -206,16 +207,11 @@ impl<'a> Alarms<'a> {
             of.tube = TubeWatch::new(of.vehicle, &plan.reference);
             of.plan = plan.reference;
         }
-        if let Some(text) = of.health.take_text().filter(|_| of.duty.flies) {
-            self.out.push_back(Alarm {
-                t_s,
-                vehicle,
-                other: None,
-                kind: AlarmKind::Text,
-                is_raised: true,
-                text,
-            });
-        }
+        let Some(text) = of.health.take_text().filter(|_| of.duty.flies) else {
+            return false;
+        };
+        self.push(t_s, (AlarmKind::Text, vehicle, None, ""), true, text);
+        true
     }
 
     /// Takes in a position of a vehicle, with its time on the clock of the fleet.

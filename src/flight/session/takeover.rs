@@ -7,7 +7,7 @@ use crate::link::{Address, Time};
 
 impl<'a> Fleet<'a> {
     /// Takes over a flight from its record, in the name of `us`, at a time on the clock of the
-    /// driver and in milliseconds since 1970. The plan of each vehicle is the last in its record;
+    /// driver and in milliseconds since 1970. Each vehicle flies the plan of its last position;
     /// the time without a record is named as a stop.
     #[must_use]
     pub fn take_over(
@@ -18,8 +18,12 @@ impl<'a> Fleet<'a> {
         flight: &Interrupted,
     ) -> Self {
         for of in &mut assignments {
-            let plans = flight.flight(of.vehicle).map(|of| &of.plans);
-            if let Some(plan) = plans.and_then(|plans| plans.last()) {
+            let recorded = flight.flight(of.vehicle);
+            let flown_by = recorded.and_then(|of| {
+                let plan = of.plan_of_each().last().copied().unwrap_or_default();
+                of.plans.get(plan)
+            });
+            if let Some(plan) = flown_by {
                 of.reference = plan.reference.clone();
             }
         }

@@ -417,7 +417,16 @@ fn inclusion(node: &Node<'_>) -> Result<bool, FormatError> {
 }
 
 fn rally(node: &Node<'_>, document: &mut Document) -> Result<(), FormatError> {
-    node.get("version").expect_version(2)?;
+    let version = node.get("version");
+    if version.value.is_null() || version.value == 1 {
+        let what = format!(
+            "{}: these rally points are ignored, as QGroundControl does",
+            version.value
+        );
+        document.repairs.push(repair(&version.at, &what));
+        return Ok(());
+    }
+    version.expect_version(2)?;
     for point in node.get("points").list()? {
         let (at, z) = point.place()?;
         let z = z.ok_or_else(|| point.bad("[latitude, longitude, altitude above home]"))?;

@@ -116,8 +116,6 @@ impl Scene {
         let bounds = bounds(spec, world, &vehicles);
         let origin = world.frame.origin();
         let separation = spec.buffered_separation();
-        // Zones are drawn without their buffers, those of the world have them.
-        let zone_buffer_m = input.spec.buffers.zones_m;
         Self {
             relief: Relief::sample(world, &bounds),
             bounds,
@@ -147,7 +145,7 @@ impl Scene {
                 .map(|(zone, shape)| ZoneShape {
                     id: zone.id.clone(),
                     ring: ring(&shape.outline),
-                    below_m: top_m(world, shape, zone_buffer_m),
+                    below_m: top_m(world, shape),
                 })
                 .collect(),
             rally: spec
@@ -199,8 +197,8 @@ fn violations(input: &ReviewInput<'_>) -> Vec<([f64; 2], String)> {
 }
 
 /// The altitude up to which a zone is drawn: its ceiling, over the highest ground at its corners
-/// where that is measured from the ground; none if there is no ceiling.
-fn top_m(world: &World, zone: &PlanZone, buffer_m: f64) -> Option<f64> {
+/// where that is measured from the ground, without its buffer; none if there is no ceiling.
+fn top_m(world: &World, zone: &PlanZone) -> Option<f64> {
     let corners = zone.outline.exterior().coords();
     let tops = corners.map(|corner| {
         let at = EastNorth {
@@ -210,7 +208,7 @@ fn top_m(world: &World, zone: &PlanZone, buffer_m: f64) -> Option<f64> {
         zone.closed_m(world.ground.height_m(at)).1
     });
     let top_m = tops.fold(f64::NEG_INFINITY, f64::max);
-    top_m.is_finite().then(|| metres(top_m - buffer_m))
+    top_m.is_finite().then(|| metres(top_m - zone.buffer_m))
 }
 
 /// The area, and what lies or flies around it, as far as a quarter of its size.

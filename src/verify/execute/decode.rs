@@ -1,7 +1,7 @@
 //! The orders of a mission in the sequence in which the autopilot executes them.
 
 use super::item::{self, Order};
-use super::jumps::{Jumps, jump};
+use super::jumps::{Jumps, Next, jump};
 use super::wing::items;
 use crate::geodesy::Amsl;
 use crate::mission::{VehicleMission, command};
@@ -34,24 +34,48 @@ const MAX_ORDERS: usize = 200_000;
 /// `MAV_CMD_NAV_LAST`: commands with greater numbers do not navigate.
 const NAV_LAST: u16 = 95;
 
+/// The orders of a mission in the sequence in which they are obeyed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Orders {
+    pub(crate) steps: Vec<Step>,
+    /// From where on they cannot be read.
+    pub(crate) unread: Option<Unknown>,
+    /// The row of the DO_JUMP that repeats the mission for ever, and the first step of the lap.
+    pub(crate) repeats: Option<(usize, usize)>,
+}
+
 /// The orders of a mission in sequence, with its jumps executed, up to the first item that
-/// cannot be read.
-pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option<Unknown>) {
-    let mut steps = Vec::with_capacity(mission.items.len());
+/// cannot be read; of what repeats for ever one lap more.
+pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> Orders {
+    let mut orders = Orders::default();
+    orders.unread = read(mission, home, &mut orders);
+    orders
+}
+
+fn read(mission: &VehicleMission, home: Amsl, orders: &mut Orders) -> Option<Unknown> {
+    let steps = &mut orders.steps;
     let mut jumps = vec![Jumps::NotMet; mission.items.len()];
     let mut next = 0;
+    // Each jump that is made for ever, and the first step after it.
+    let mut begins = Vec::new();
     // Whether commands wait for a condition while the vehicle flies on.
     let mut waiting = false;
     for _ in 0..MAX_ORDERS {
-        let Some(item) = mission.items.get(next) else {
-            return (steps, None);
-        };
+        let item = mission.items.get(next)?;
         let row = next + 1;
         let unknown = |why: String| Some(Unknown { row, why });
         if item.command == command::DO_JUMP {
             match jump(item, next, mission, &mut jumps[next]) {
-                Ok(index) => next = index,
-                Err(why) => return (steps, unknown(why)),
+                Ok(Next::Item(index)) => next = index,
+                Ok(Next::Again(index)) => {
+                    begins.push((row, steps.len()));
+                    next = index;
+                }
+                Ok(Next::Repeats) => {
+                    orders.repeats = begins.into_iter().find(|(jump, _)| *jump == row);
+                    return None;
+                }
+                Err(why) => return unknown(why),
             }
             continue;
         }
@@ -60,7 +84,7 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
             command if command <= NAV_LAST => waiting = false,
             command::DO_CHANGE_SPEED if waiting => {
                 let why = "a change of speed that waits for a condition comes at no known time";
-                return (steps, unknown(why.to_owned()));
+                return unknown(why.to_owned());
             }
             _ => {}
         }
@@ -71,12 +95,12 @@ pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> (Vec<Step>, Option
         };
         match order {
             Ok(order) => steps.push(Step { row, order }),
-            Err(why) => return (steps, unknown(why)),
+            Err(why) => return unknown(why),
         }
         next += 1;
     }
     let why = format!("more than {MAX_ORDERS} orders, jumps included");
-    (steps, Some(Unknown { row: next + 1, why }))
+    Some(Unknown { row: next + 1, why })
 }
 
 #[cfg(test)]
@@ -102,9 +126,9 @@ mod tests {
             params: Vec::new(),
             notes: Vec::new(),
         };
-        let (steps, unknown) = decode(&mission, Amsl(400.0));
-        let rows = steps.iter().map(|step| step.row).collect();
-        (rows, unknown.map(|unknown| unknown.why))
+        let orders = decode(&mission, Amsl(400.0));
+        let rows = orders.steps.iter().map(|step| step.row).collect();
+        (rows, orders.unread.map(|unknown| unknown.why))
     }
 
     fn command(command: u16, param1: f32, param2: f32) -> Item {
@@ -131,7 +155,9 @@ mod tests {
             let (_, unknown) = decoded(Autopilot::ArduPilot, vec![delay(), jump, delay()]);
             unknown.expect("not known")
         };
-        assert!(why(command(177, 1.0, -1.0)).contains("for ever"));
+        let endless = vec![delay(), command(177, 0.0, -1.0), delay()];
+        let (_, unread) = decoded(Autopilot::Px4, endless);
+        assert!(unread.expect("not known").contains("-1 times"));
         assert!(why(command(177, 9.0, 1.0)).contains("item 9, which there is not"));
         assert!(why(command(177, 2.0, 1.0)).contains("to itself"));
         assert!(why(command(177, 1.0, 0.5)).contains("made 0.5 times"));
@@ -144,6 +170,20 @@ mod tests {
                 .expect("a loop in a loop")
                 .contains("loop of another")
         );
+    }
+
+    #[test]
+    fn a_jump_without_end_is_made_once_and_what_follows_it_is_never_obeyed() {
+        let items = vec![delay(), delay(), delay(), command(177, 2.0, -1.0), delay()];
+        let (rows, unread) = decoded(Autopilot::ArduPilot, items);
+        assert_eq!((rows, unread), (vec![1, 2, 3, 2, 3], None));
+    }
+
+    #[test]
+    fn a_jump_forward_without_end_is_met_once_and_repeats_nothing() {
+        let items = vec![delay(), command(177, 4.0, -1.0), delay(), delay()];
+        let (rows, unread) = decoded(Autopilot::ArduPilot, items);
+        assert_eq!((rows, unread), (vec![1, 4], None));
     }
 
     #[test]

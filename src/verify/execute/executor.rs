@@ -8,8 +8,8 @@ use crate::path::{heading_rad, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
-use super::decode::{self, Step, Unknown};
-use super::flight::{End, Flight, Legs, Mark, Slope};
+use super::decode::{self, Orders, Step, Unknown};
+use super::flight::{End, Flight, Last, Legs, Mark, Slope};
 use super::item::{Height, Order};
 use super::legs::{self, Knot};
 use super::trajectory::TrajectoryBuilder;
@@ -19,6 +19,8 @@ use crate::verify::measure::segment::Phase;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
 const SAME_PLACE_M: f64 = 0.025;
+/// Default of PX4's `MIS_TAKEOFF_ALT`, metres.
+const LEAST_TAKEOFF_M: f64 = 2.5;
 /// Places further from the origin than this are beyond the local frame.
 const REACH_M: f64 = 500_000.0;
 
@@ -31,7 +33,7 @@ pub(crate) fn fly(
     home: PlanPoint,
     tolerance_m: f64,
 ) -> Flight {
-    let (steps, unread) = decode::decode(mission, home.amsl);
+    let orders = decode::decode(mission, home.amsl);
     let mut pilot = Pilot {
         vehicle,
         world,
@@ -55,7 +57,7 @@ pub(crate) fn fly(
         early_m: altitude_lag::early_m(vehicle, mission),
     };
     pilot.depart();
-    pilot.flight.unknown = pilot.fly(&steps, mission, unread);
+    pilot.flight.unknown = pilot.fly(&orders, mission);
     pilot.flight.chords = pilot.trajectory.chords;
     pilot.flight.cut_at_nan()
 }
@@ -114,38 +116,55 @@ impl Pilot<'_> {
     }
 
     /// Obeys every order; says from where on the flight is not known, if so.
-    fn fly(
-        &mut self,
-        steps: &[Step],
-        mission: &VehicleMission,
-        unread: Option<Unknown>,
-    ) -> Option<Unknown> {
-        for step in steps {
+    fn fly(&mut self, orders: &Orders, mission: &VehicleMission) -> Option<Unknown> {
+        let items = mission.items.len();
+        let mut first = 0;
+        for (index, step) in orders.steps.iter().enumerate() {
+            if orders.repeats.is_some_and(|(_, again)| again == index) {
+                first = self.trajectory.chords.len();
+            }
             if let Err(unknown) = self.obey(step, mission) {
                 // What is flown before it is still judged; troubles on the way there come first.
                 return self.stop().err().or(Some(unknown));
             }
-            if matches!(self.flight.end, Some(End::Stays(_))) {
-                let items = mission.items.len();
-                self.flight.last_row = (step.row < items).then_some(step.row);
-                return None;
-            }
+            let why = match self.flight.end {
+                Some(End::Stays(_)) => "stays at",
+                Some(End::Landed(_)) => "lands at",
+                _ => continue,
+            };
+            let is_harmless = why == "lands at" && ends::goes_nowhere(&mission.items[step.row..]);
+            self.flight.last = (step.row < items).then_some(Last {
+                row: step.row,
+                why,
+                is_harmless,
+            });
+            return None;
         }
-        let last = steps.last().map_or(1, |step| step.row);
-        let result = match &unread {
+        if let (Some((row, _)), None) = (orders.repeats, &orders.unread) {
+            self.flight.last = (row < items).then_some(Last {
+                row,
+                why: "repeats the mission at",
+                is_harmless: false,
+            });
+            return self.repeat(row, first).err();
+        }
+        let last = orders.steps.last().map_or(1, |step| step.row);
+        let result = match &orders.unread {
             Some(_) => self.stop(),
-            None => self.finish(last),
+            None => self.finish(last, mission),
         };
-        result.err().or(unread)
+        result.err().or_else(|| orders.unread.clone())
     }
 
     fn obey(&mut self, step: &Step, mission: &VehicleMission) -> Result<(), Unknown> {
         let row = step.row;
         let unknown = |why: &str| Unknown::err(row, why);
         self.accept_m = acceptance_m(mission, row);
-        let moves = !matches!(step.order, Order::Nothing | Order::Speed { .. });
-        if moves && self.ended {
-            return unknown("the mission goes on after the landing");
+        if let (false, Order::Fly { height, .. } | Order::Stay { height, .. }) =
+            (self.airborne, step.order)
+            && !mission.facts().acceptance.needs_takeoff
+        {
+            self.lift_itself(row, height, mission.autopilot)?;
         }
         match step.order {
             Order::Nothing => {}
@@ -167,7 +186,7 @@ impl Pilot<'_> {
             Order::Takeoff { at, height } => self.take_off(row, at, height, mission.autopilot)?,
             _ if !self.airborne => return unknown("no takeoff before it"),
             Order::Fly { at, height, hold_s } => {
-                self.head_for(row, at, height)?;
+                self.head_for(row, self.or_here(at), height)?;
                 if let Some(hold_s) = hold_s {
                     self.stop()?;
                     self.hold(row, hold_s);
@@ -177,10 +196,13 @@ impl Pilot<'_> {
                 at,
                 height,
                 radius_m: Some(radius_m),
-            } => self.circle(row, at, height, radius_m)?,
+            } => {
+                let at = self.or_here(at);
+                self.circle(row, at, height, radius_m)?;
+            }
             Order::Stay { at, height, .. } => {
-                self.head_for(row, at, height)?;
-                self.finish(row)?;
+                self.head_for(row, self.or_here(at), height)?;
+                self.finish(row, mission)?;
             }
             Order::Land { at: Some(at) } if self.vehicle.airframe == Airframe::Plane => {
                 self.glide(row, at)?;
@@ -189,6 +211,25 @@ impl Pilot<'_> {
             Order::Return => self.return_home(row, mission)?,
         }
         Ok(())
+    }
+
+    /// The place, or the present one.
+    fn or_here(&self, at: Option<LatLon>) -> LatLon {
+        at.unwrap_or_else(|| self.world.frame.from_plan(self.last().at))
+    }
+
+    /// PX4 climbs over its home, to the altitude of the first item and `MIS_TAKEOFF_ALT` at least,
+    /// before it flies there (`Mission::do_need_vertical_takeoff`).
+    fn lift_itself(
+        &mut self,
+        row: usize,
+        height: Height,
+        autopilot: Autopilot,
+    ) -> Result<(), Unknown> {
+        let place = self.world.frame.from_plan(self.home.at);
+        let (amsl_m, _) = self.resolve(row, place, height)?;
+        let least_m = self.home.amsl.0 + LEAST_TAKEOFF_M;
+        self.take_off(row, None, Height::Sea(Amsl(amsl_m.max(least_m))), autopilot)
     }
 
     fn take_off(
@@ -268,7 +309,7 @@ impl Pilot<'_> {
     }
 
     /// Climbs or descends to an altitude.
-    fn climb(&mut self, row: usize, to_m: f64) {
+    pub(crate) fn climb(&mut self, row: usize, to_m: f64) {
         let rise_m = to_m - self.last().amsl_m;
         self.flight.slopes.push(Slope {
             chord: self.trajectory.chords.len(),
@@ -392,6 +433,18 @@ impl Pilot<'_> {
         match height {
             Height::Sea(Amsl(amsl_m)) => Ok((amsl_m, None)),
             Height::Ground(Agl(agl_m)) => {
+                Ok((self.trajectory.ground_m(row, place)? + agl_m, Some(agl_m)))
+            }
+            Height::Keep { follows: false } => Ok((self.last().amsl_m, None)),
+            Height::Keep { follows: true } => {
+                let last = self.last();
+                let agl_m = match last.agl_m {
+                    Some(agl_m) => agl_m,
+                    None => {
+                        let below = self.world.frame.from_plan(last.at);
+                        last.amsl_m - self.trajectory.ground_m(row, below)?
+                    }
+                };
                 Ok((self.trajectory.ground_m(row, place)? + agl_m, Some(agl_m)))
             }
         }

@@ -63,6 +63,18 @@ pub(crate) enum End {
     Landed(EastNorth),
     /// Stays in the air for ever here.
     Stays(EastNorth),
+    /// Flies the same items for ever again.
+    Repeats,
+}
+
+/// The item after which a mission does not go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Last {
+    pub(crate) row: usize,
+    /// What the vehicle does there, as the beginning of a sentence.
+    pub(crate) why: &'static str,
+    /// Whether the items after it would not move it elsewhere.
+    pub(crate) is_harmless: bool,
 }
 
 /// The legs between two stops, once laid.
@@ -95,8 +107,11 @@ pub(crate) struct Flight {
     pub(crate) circle: Option<Circle>,
     /// From where on the flight is not known.
     pub(crate) unknown: Option<Unknown>,
-    /// The row of the item at which the vehicle stays for ever, if others follow it.
-    pub(crate) last_row: Option<usize>,
+    /// The item after which none is flown, if others follow it.
+    pub(crate) last: Option<Last>,
+    /// Index of the chord that stands for all laps of a mission that repeats for ever: the
+    /// vehicle is anywhere around it. For the separation alone.
+    pub(crate) repetition: Option<usize>,
     /// Whether the altitude above ground is the vehicle's own doing somewhere.
     pub(crate) follows_terrain: bool,
 }

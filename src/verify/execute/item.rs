@@ -12,6 +12,8 @@ pub(crate) enum Height {
     Sea(Amsl),
     /// Above the ground, by the vehicle's own terrain data.
     Ground(Agl),
+    /// That which the vehicle has, above the ground below it if so.
+    Keep { follows: bool },
 }
 
 /// What one item makes the vehicle do.
@@ -20,16 +22,17 @@ pub(crate) enum Order {
     /// Climb: straight up, or a plane along its course. PX4 then moves to the item's place,
     /// a plane towards it.
     Takeoff { at: Option<LatLon>, height: Height },
-    /// Fly to a place and stop and stay there for a time; without one pass by.
+    /// Fly to a place, or stay at the present one, and stop and stay there for a time; without
+    /// one pass by.
     Fly {
-        at: LatLon,
+        at: Option<LatLon>,
         height: Height,
         hold_s: Option<f64>,
     },
     /// Fly to a place and stay for ever; on a wing, circle around it, clockwise where the
     /// radius (metres) is positive.
     Stay {
-        at: LatLon,
+        at: Option<LatLon>,
         height: Height,
         radius_m: Option<f64>,
     },
@@ -63,12 +66,12 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
             height: height(item, autopilot, home)?,
         }),
         command::NAV_WAYPOINT => Ok(Order::Fly {
-            at: place(item)?,
+            at: own_place(item, here)?,
             height: own_height(item, autopilot, home)?,
             hold_s: Some(hold_s(item.params[0], autopilot)?).filter(|&hold_s| hold_s > 0.0),
         }),
         command::NAV_LOITER_TIME => Ok(Order::Fly {
-            at: place(item)?,
+            at: own_place(item, here)?,
             height: own_height(item, autopilot, home)?,
             hold_s: Some(seconds(item.params[0])?).filter(|&hold_s| {
                 let stops = facts(autopilot, Airframe::Copter).stops;
@@ -76,9 +79,16 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
             }),
         }),
         command::NAV_LOITER_UNLIM => Ok(Order::Stay {
-            at: place(item)?,
+            at: own_place(item, here)?,
             height: own_height(item, autopilot, home)?,
             radius_m: None,
+        }),
+        // ArduCopter goes there as to a waypoint, stops, and continues at its altitude
+        // (`ModeAuto::loiter_to_alt_run`).
+        command::NAV_LOITER_TO_ALT if autopilot == Autopilot::ArduPilot => Ok(Order::Fly {
+            at: own_place(item, here)?,
+            height: own_height(item, autopilot, home)?,
+            hold_s: Some(0.0),
         }),
         command::NAV_LAND if here => Ok(Order::Land { at: None }),
         command::NAV_LAND => {
@@ -92,12 +102,17 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
             hold_s: delay_s(item, autopilot)?,
         }),
         command::DO_CHANGE_SPEED => speed(item),
-        other => match command_row(other).map(|row| (row.motion, row.name)) {
-            Some((Motion::NoMotion, _)) => Ok(Order::Nothing),
-            Some((Motion::Unknown(why), _)) => Err(why.to_owned()),
-            Some((Motion::Moves, name)) => Err(format!("the motion of {name} is not known")),
-            None => Err(format!("the motion of command {other} is not known")),
-        },
+        other => without_order(other),
+    }
+}
+
+/// What a command without an order of its own does, if that is nothing.
+fn without_order(command: u16) -> Result<Order, String> {
+    match command_row(command).map(|row| (row.motion, row.name)) {
+        Some((Motion::NoMotion, _)) => Ok(Order::Nothing),
+        Some((Motion::Unknown(why), _)) => Err(why.to_owned()),
+        Some((Motion::Moves, name)) => Err(format!("the motion of {name} is not known")),
+        None => Err(format!("the motion of command {command} is not known")),
     }
 }
 
@@ -115,6 +130,14 @@ fn speed(item: &Item) -> Result<Order, String> {
         Ok(Order::Nothing)
     } else {
         Err(format!("DO_CHANGE_SPEED to {speed_mps} m/s"))
+    }
+}
+
+/// The place that an item is flown to; none is the present one.
+fn own_place(item: &Item, is_here: bool) -> Result<Option<LatLon>, String> {
+    match is_here {
+        true => Ok(None),
+        false => place(item).map(Some),
     }
 }
 
@@ -167,13 +190,13 @@ pub(crate) fn height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<He
 /// present altitude (ArduCopter `ModeAuto::loc_from_cmd`).
 pub(crate) fn own_height(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Height, String> {
     let height = height(item, autopilot, home)?;
-    if autopilot.conventions().zero_is_unset && (f64::from(item.z) * 100.0).abs() < 1.0 {
-        return Err(format!(
-            "an altitude of {} m keeps the altitude before it (ArduPilot takes 0 cm for none)",
-            item.z
-        ));
-    }
-    Ok(height)
+    let is_unset = autopilot.conventions().zero_is_unset && (f64::from(item.z) * 100.0).abs() < 1.0;
+    Ok(match is_unset {
+        true => Height::Keep {
+            follows: matches!(height, Height::Ground(_)),
+        },
+        false => height,
+    })
 }
 
 /// Place, altitude and height above ground (metres) of a rally point.
@@ -194,6 +217,7 @@ pub(crate) fn rally(
     let amsl = match height(&stored, autopilot, home)? {
         Height::Sea(amsl) => amsl,
         Height::Ground(agl) => agl.over(ground),
+        Height::Keep { .. } => return Err("a rally point without an altitude".to_owned()),
     };
     Ok((place, amsl, amsl.above_ground(ground).0))
 }

@@ -1,5 +1,6 @@
 //! Jumps in a mission (`DO_JUMP`), as autopilots make them.
 
+use crate::autopilot::Autopilot;
 use crate::mission::{Item, VehicleMission};
 
 /// How often a jump is still made.
@@ -11,6 +12,19 @@ pub(crate) enum Jumps {
     Left(usize),
     /// It was passed without a jump.
     Spent,
+    /// It is made for ever, and was made once.
+    ForEver,
+}
+
+/// Where the mission goes on after a DO_JUMP.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Next {
+    /// At the item with this index.
+    Item(usize),
+    /// At this one, for ever again.
+    Again(usize),
+    /// As in the lap before.
+    Repeats,
 }
 
 /// The index of the item after a DO_JUMP.
@@ -22,10 +36,11 @@ pub(crate) fn jump(
     index: usize,
     mission: &VehicleMission,
     jumps: &mut Jumps,
-) -> Result<usize, String> {
+) -> Result<Next, String> {
     let [target, times, ..] = item.params.map(f64::from);
-    if times.to_bits() == (-1.0_f64).to_bits() {
-        return Err("a jump (DO_JUMP) that is made for ever".to_owned());
+    let is_endless = times.to_bits() == (-1.0_f64).to_bits();
+    if is_endless && mission.autopilot == Autopilot::Px4 {
+        return Err("a jump (DO_JUMP) made -1 times: PX4 counts from 0".to_owned());
     }
     let first = f64::from(1 - mission.autopilot.first_row());
     let to = whole(target - first)
@@ -34,19 +49,30 @@ pub(crate) fn jump(
     if to == index {
         return Err("a jump (DO_JUMP) to itself".to_owned());
     }
+    if is_endless {
+        let again = *jumps == Jumps::ForEver;
+        *jumps = Jumps::ForEver;
+        return Ok(if again {
+            Next::Repeats
+        } else {
+            Next::Again(to)
+        });
+    }
     let left = match *jumps {
         Jumps::Left(left) => left,
-        Jumps::Spent => return Err("a jump (DO_JUMP) within the loop of another".to_owned()),
+        Jumps::Spent | Jumps::ForEver => {
+            return Err("a jump (DO_JUMP) within the loop of another".to_owned());
+        }
         Jumps::NotMet => whole(times)
             .filter(|&times| times <= MOST_JUMPS)
             .ok_or_else(|| format!("a jump (DO_JUMP) made {times} times"))?,
     };
     if left == 0 {
         *jumps = Jumps::Spent;
-        return Ok(index + 1);
+        return Ok(Next::Item(index + 1));
     }
     *jumps = Jumps::Left(left - 1);
-    Ok(to)
+    Ok(Next::Item(to))
 }
 
 /// Most repetitions that both autopilots keep as such (`int16`).

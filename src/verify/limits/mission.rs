@@ -11,7 +11,7 @@ use crate::world::{Stations, World};
 
 use super::fence::Fence;
 use crate::verify::execute::executor::is_launched;
-use crate::verify::execute::flight::{Flight, Slope};
+use crate::verify::execute::flight::{End, Flight, Last, Slope};
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment, Requirement};
@@ -70,8 +70,8 @@ impl Contract<'_> {
     /// How many items could be flown.
     fn judged(&self) -> Margin {
         let total = count(self.mission.items.len());
-        if let (None, Some(row)) = (&self.flight.unknown, self.flight.last_row) {
-            return self.judged_until(row, total);
+        if let (None, Some(last)) = (&self.flight.unknown, self.flight.last) {
+            return self.judged_until(last, total);
         }
         let judged = self
             .flight
@@ -92,24 +92,41 @@ impl Contract<'_> {
                 Some(unknown) => {
                     format!("cannot judge from item {} on: {}", unknown.row, unknown.why)
                 }
+                None if self.flight.end == Some(End::Repeats) => {
+                    "the mission repeats for ever: judged with one lap more".to_owned()
+                }
                 None => String::new(),
             },
             ..required.margin(self.id(), judged, at)
         }
     }
 
-    /// A vehicle that stays at an item for ever never flies those after it. That is no fault
-    /// where the spec wants it to stay.
-    fn judged_until(&self, row: usize, total: f64) -> Margin {
-        let last = self.flight.chords.last();
-        let at = last.map(|chord| chord.moment(&self.world.frame, 0.0));
+    /// What a vehicle never flies, because it stays, repeats its mission or has landed before. That
+    /// is no fault where the spec wants it to stay, nor where the rest would not move it elsewhere.
+    fn judged_until(&self, last: Last, total: f64) -> Margin {
+        let Last {
+            row,
+            why,
+            is_harmless,
+        } = last;
+        let chord = self.flight.chords.last();
+        let at = chord.map(|chord| chord.moment(&self.world.frame, 0.0));
         let required = Requirement::at_least(Limit::ItemsJudged, total, "items");
-        Margin {
-            ok: self.vehicle.finish == Finish::Loiter,
-            note: format!(
-                "the vehicle stays at item {row} (NAV_LOITER_UNLIM) for ever: item {} and all after it are never flown",
+        let stays = matches!(self.flight.end, Some(End::Stays(_)));
+        let how = match stays {
+            true => " (NAV_LOITER_UNLIM) for ever",
+            false => "",
+        };
+        let note = match is_harmless {
+            true => format!("the vehicle {why} item {row}: those after it are never flown"),
+            false => format!(
+                "the vehicle {why} item {row}{how}: item {} and all after it are never flown",
                 row + 1
             ),
+        };
+        Margin {
+            ok: is_harmless || stays && self.vehicle.finish == Finish::Loiter,
+            note,
             ..required.margin(self.id(), count(row), at)
         }
     }

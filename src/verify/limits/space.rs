@@ -64,7 +64,8 @@ impl<'a> Space<'a> {
             ..Found::default()
         };
         let mut last: Option<(EastNorth, LatLon)> = None;
-        for chord in &flight.chords {
+        let chords = flight.chords.iter().enumerate();
+        for (_, chord) in chords.filter(|(index, _)| Some(*index) != flight.repetition) {
             // Most chords begin where the one before ends.
             let from = last
                 .filter(|(at, _)| *at == chord.from.at)

@@ -67,7 +67,10 @@ impl<'a> Fleet<'a> {
         let (Some(alarms), Some(vehicle)) = (&mut self.alarms, self.vehicles.get_mut(index)) else {
             return;
         };
-        alarms.handle(t_s, index, message);
+        if alarms.handle(t_s, index, message) {
+            // The line of the alarm has the text.
+            vehicle.unsay();
+        }
         let fresh = std::mem::take(&mut vehicle.is_fresh);
         if let (Message::Flight(FlightMessage::Position(position)), Some((_, fix))) =
             (message, vehicle.latest)

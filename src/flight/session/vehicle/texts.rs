@@ -60,6 +60,14 @@ impl FlightVehicle<'_> {
         }
     }
 
+    /// Takes back the text that came last, if it was not dropped.
+    pub(in crate::flight) fn unsay(&mut self) {
+        let says = |text: &String| text.starts_with("says: ");
+        if self.said.back().is_some_and(says) {
+            self.said.pop_back();
+        }
+    }
+
     /// Counts a position that is none on earth, and reports the first. 0, 0 is what vehicles send
     /// before they have a position.
     pub(super) fn note_invalid(&mut self, position: &Position) {

@@ -4,9 +4,12 @@ use crate::geodesy::{AboveHome, Amsl};
 use crate::mission::{Item, VehicleMission, command};
 use crate::spec::{Airframe, Autopilot};
 
-use crate::verify::execute::item::{self, Height, Order, own_height, place};
+use crate::verify::execute::item::{self, Height, Order, place};
 
 /// What one item makes a plane or vtol do.
+///
+/// An altitude of 0 is one: ArduPlane keeps its present altitude only where the place is 0, 0 as
+/// well (`Plane::set_next_WP`).
 pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<Order, String> {
     let (autopilot, is_vtol) = (mission.autopilot, mission.airframe == Airframe::Vtol);
     if autopilot.conventions().waits_without_autocontinue && !item.autocontinue {
@@ -32,21 +35,25 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
             Err(format!("param3 leads past the waypoint by {third} m"))
         }
         command::NAV_WAYPOINT => Ok(Order::Fly {
-            at: place(item)?,
-            height: own_height(item, autopilot, home)?,
+            at: Some(place(item)?),
+            height: item::height(item, autopilot, home)?,
             hold_s: None,
         }),
         command::NAV_LOITER_UNLIM => Ok(Order::Stay {
-            at: place(item)?,
-            height: own_height(item, autopilot, home)?,
+            at: Some(place(item)?),
+            height: item::height(item, autopilot, home)?,
             radius_m: Some(radius_m(third, mission)?),
         }),
         command::NAV_LOITER_TIME => {
             Err("NAV_LOITER_TIME leaves its circle on no known course".to_owned())
         }
+        command::NAV_RETURN_TO_LAUNCH if autopilot == Autopilot::ArduPilot => Ok(Order::Return),
         command::NAV_RETURN_TO_LAUNCH => Err(
             "NAV_RETURN_TO_LAUNCH ends in a circle over home, or a landing of its own".to_owned(),
         ),
+        command::NAV_LOITER_TO_ALT => {
+            Err("NAV_LOITER_TO_ALT leaves its circle on no known course".to_owned())
+        }
         // Over at once: the rules of acceptance refuse it.
         command::NAV_DELAY if mission.facts().acceptance.never_waits => Ok(Order::Nothing),
         command::DO_CHANGE_SPEED if first.trunc().abs() > 0.5 => Err(format!(
@@ -101,7 +108,7 @@ pub(crate) fn loiter_radius_m(mission: &VehicleMission) -> Option<f64> {
 }
 
 /// A radius from the parameters.
-fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
+pub(crate) fn held_m(mission: &VehicleMission, name: &str) -> Option<f64> {
     let found = mission.params.iter().find(|param| param.name == name)?;
     Some(f64::from(found.value)).filter(|radius| radius.is_finite() && radius.abs() > 0.0)
 }

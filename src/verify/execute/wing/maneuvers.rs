@@ -12,6 +12,7 @@ use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed};
 use crate::verify::limits::space::SLOPE_SHARE;
 use crate::verify::measure::segment::{Chord, Phase};
+use crate::world::Terrain;
 
 /// Chords of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
@@ -91,7 +92,11 @@ impl Pilot<'_> {
     /// Glides from where it is to the ground at a place.
     pub(crate) fn glide(&mut self, row: usize, place: LatLon) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
-        let ground_m = self.trajectory.ground_m(row, place)?;
+        let ground_m = match self.world.terrain {
+            // Where it touches down is then not judged.
+            Terrain::Unknown => self.home.amsl.0,
+            _ => self.trajectory.ground_m(row, place)?,
+        };
         let from = self.last();
         self.phase = Phase::Finish;
         let down = self.knot(row, at, ground_m, None);

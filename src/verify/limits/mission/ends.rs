@@ -5,7 +5,7 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::spec::{Airframe, Finish};
 use crate::verify::execute::flight::{End, Mark};
 use crate::verify::limits::fence::Fence;
-use crate::verify::measure::segment::Chord;
+use crate::verify::measure::segment::{Chord, Phase};
 use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin, Moment};
 use crate::world::Terrain;
@@ -70,7 +70,11 @@ impl Contract<'_> {
         let chords = self.flight.chords.iter();
         // Columns, climb-outs and glides begin or end at home; heights above the ground need none.
         let is_route = |chord: &&Chord| {
-            chord.flown && !chord.grounded && chord.agl_m.is_none() && chord.slope_from_m.is_none()
+            (chord.phase == Phase::Route || !self.vehicle.airframe.has_wing())
+                && chord.flown
+                && !chord.grounded
+                && chord.agl_m.is_none()
+                && chord.slope_from_m.is_none()
         };
         for chord in chords.filter(is_route) {
             for u in [0.0, 1.0] {
@@ -164,6 +168,9 @@ impl Contract<'_> {
             (End::Landed(at), true) | (End::Stays(at), false) => at,
             (End::Landed(_), false) => {
                 return unjudged("the mission lands, the spec says loiter");
+            }
+            (End::Repeats, _) => {
+                return unjudged("the mission repeats for ever, the spec ends it");
             }
             (End::Stays(_), true) => {
                 return unjudged("the mission ends in the air, the spec says land");

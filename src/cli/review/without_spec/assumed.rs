@@ -1,0 +1,168 @@
+//! What no mission file says and its flight depends on: where it begins without a takeoff, and by
+//! which parameters it returns.
+
+use crate::autopilot::{Airframe, Autopilot, parameter};
+use crate::cli::args::Limits;
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
+use crate::mission::{Item, Parameter, VehicleMission, command, frame};
+use crate::path::heading_rad;
+use crate::spec::Vehicle;
+use crate::verify::{Limit, Margin};
+use crate::world::{Departure, Terrain, World};
+
+/// Adds the defaults of the parameters by which the autopilot returns and circles, where the
+/// mission needs them, and a sentence for each set of them.
+pub(super) fn returns(
+    vehicle: &Vehicle,
+    mission: &mut VehicleMission,
+    limits: &Limits,
+    assumed: &mut Vec<String>,
+) {
+    let holds = |commands: &[u16]| {
+        let mut items = mission.items.iter();
+        items.any(|item| commands.contains(&item.command))
+    };
+    let returns = holds(&[command::NAV_RETURN_TO_LAUNCH]);
+    let has_wing = vehicle.airframe.has_wing();
+    let ends = [
+        command::NAV_LAND,
+        command::NAV_VTOL_LAND,
+        command::NAV_LOITER_UNLIM,
+    ];
+    let names: &[&str] = match (mission.autopilot, has_wing) {
+        (Autopilot::ArduPilot, true) if returns || !holds(&ends) => {
+            &["RTL_ALTITUDE", "WP_LOITER_RAD"]
+        }
+        (Autopilot::ArduPilot, true) if holds(&[command::NAV_LOITER_UNLIM]) => &["WP_LOITER_RAD"],
+        (Autopilot::Px4, true) if holds(&[command::NAV_LOITER_UNLIM]) => &["NAV_LOITER_RAD"],
+        (_, true) => &[],
+        _ if !returns || limits.return_amsl.is_some() => &[],
+        (Autopilot::ArduPilot, false) => &["RTL_ALT", "RTL_CONE_SLOPE", "RTL_LOIT_TIME"],
+        (Autopilot::Px4, false) => &["RTL_RETURN_ALT", "RTL_CONE_ANG"],
+    };
+    let mut stated = Vec::new();
+    for name in names {
+        let Some(row) = parameter(name) else { continue };
+        let given = limits.return_amsl.filter(|_| *name == "RTL_ALTITUDE");
+        #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
+        let value = given.map_or(row.default, |amsl_m| {
+            (amsl_m - f64::from(mission.home.amsl_m)) as f32
+        });
+        stated.push(format!("{name} {value}"));
+        mission.params.push(Parameter {
+            name: (*name).to_owned(),
+            value,
+            why: "the default of the autopilot".to_owned(),
+        });
+    }
+    if !stated.is_empty() {
+        let stated = stated.join(", ");
+        assumed.push(format!(
+            "{}: returns and circles by the defaults of {} ({stated}; --return-amsl)",
+            vehicle.id,
+            mission.autopilot.name()
+        ));
+    }
+}
+
+/// Points the takeoff of a plane to its first place: no file holds the course that it has.
+pub(super) fn takeoff_heading(
+    vehicle: &mut Vehicle,
+    mission: &VehicleMission,
+    assumed: &mut Vec<String>,
+) {
+    let (home, first) = (vehicle.home, vehicle.start.place);
+    let takes_off = mission
+        .items
+        .iter()
+        .any(|item| item.command == command::NAV_TAKEOFF);
+    let Some(wing) = vehicle.wing.as_mut() else {
+        return;
+    };
+    if vehicle.airframe != Airframe::Plane || !takes_off || home == first {
+        return;
+    }
+    let east = (first.lon_deg - home.lon_deg) * home.lat_deg.to_radians().cos();
+    let heading_rad = east.atan2(first.lat_deg - home.lat_deg);
+    wing.takeoff_heading_rad = Some(heading_rad);
+    assumed.push(format!(
+        "{}: takes off towards its first waypoint, {:.0} degrees from north: the file holds no course (--takeoff-heading)",
+        vehicle.id,
+        heading_rad.to_degrees().rem_euclid(360.0)
+    ));
+}
+
+/// Begins a mission without a takeoff in the air, at its first place. Returns the margin that
+/// fails for it, unless `--airborne` says that it is so.
+pub(super) fn begin_in_air(
+    (index, vehicle): (usize, &Vehicle),
+    mission: &VehicleMission,
+    world: &mut World,
+    limits: &Limits,
+    assumed: &mut Vec<String>,
+) -> Option<Margin> {
+    let (row, point, next) = first_place(mission, world)?;
+    world.stations[index].departure = Departure::Airborne {
+        point,
+        course_rad: next.map_or(0.0, |next| heading_rad(point.at, next)),
+        speed_mps: match vehicle.airframe.has_wing() {
+            true => vehicle.speed_mps,
+            false => 0.0,
+        },
+        at_s: 0.0,
+    };
+    let judged = format!("judged as begun in the air at item {row}; the way there is not judged");
+    if limits.airborne {
+        assumed.push(format!("{}: {judged} (--airborne)", vehicle.id));
+        return None;
+    }
+    let why = format!(
+        "mission item {row}: takeoff first: {} does not fly this mission from the ground; {judged} (--airborne: it begins there)",
+        mission.autopilot.name()
+    );
+    Some(Margin::unjudged(&vehicle.id, Limit::Acceptance, why))
+}
+
+/// The first place of a mission that needs a takeoff and has none before it: row, point, and where
+/// it goes from there.
+fn first_place(
+    mission: &VehicleMission,
+    world: &World,
+) -> Option<(usize, PlanPoint, Option<crate::geodesy::EastNorth>)> {
+    const NAV_LAST: u16 = 95;
+    let is_home_known = (mission.home.x, mission.home.y) != (0, 0);
+    if !mission.facts().acceptance.needs_takeoff || !is_home_known {
+        return None;
+    }
+    let navigates = |item: &Item| item.command <= NAV_LAST && item.command != command::NAV_DELAY;
+    let index = mission.items.iter().position(navigates)?;
+    let item = &mission.items[index];
+    let goes = matches!(
+        item.command,
+        command::NAV_WAYPOINT
+            | command::NAV_LOITER_UNLIM
+            | command::NAV_LOITER_TURNS
+            | command::NAV_LOITER_TIME
+            | command::NAV_LOITER_TO_ALT
+            | command::NAV_SPLINE_WAYPOINT
+    );
+    let place = |item: &Item| item.place().filter(|_| (item.x, item.y) != (0, 0));
+    let at = place(item).filter(|_| goes && item.z.is_finite() && item.z.abs() >= 0.01)?;
+    let amsl = amsl(item, at, mission, &world.terrain)?;
+    let next = mission.items[index + 1..].iter().find_map(place);
+    let point = PlanPoint {
+        at: world.frame.to_plan(at),
+        amsl,
+    };
+    Some((index + 1, point, next.map(|next| world.frame.to_plan(next))))
+}
+
+fn amsl(item: &Item, at: LatLon, mission: &VehicleMission, terrain: &Terrain) -> Option<Amsl> {
+    let z_m = f64::from(item.z);
+    match frame::canonical(item.frame) {
+        frame::GLOBAL => Some(Amsl(z_m)),
+        frame::GLOBAL_RELATIVE_ALT => Some(Amsl(f64::from(mission.home.amsl_m) + z_m)),
+        frame::GLOBAL_TERRAIN_ALT => Some(Amsl(terrain.height(at).ok()?.0 + z_m)),
+        _ => None,
+    }
+}
