@@ -54,9 +54,12 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         count(threats, "threat", "threats"),
         count(zones, "no-fly zone", "no-fly zones"),
     ))?;
-    surveys
-        .iter()
-        .try_for_each(|survey| out(&described(survey)))
+    for survey in &surveys {
+        for line in described(survey) {
+            out(&line)?;
+        }
+    }
+    Ok(())
 }
 
 /// The vehicles whose autopilot does not keep the fence of a spec: their missions would be
@@ -76,7 +79,7 @@ fn full_fences(spec: &MissionSpec) -> Vec<String> {
 }
 
 /// What became of the shapes of a file.
-fn described(survey: &Survey) -> String {
+fn described(survey: &Survey) -> Vec<String> {
     let parts = [
         (survey.zones.len(), "zones"),
         (survey.out_of_reach, "out of reach"),
@@ -88,15 +91,11 @@ fn described(survey: &Survey) -> String {
     let parts: Vec<String> = parts
         .map(|(number, what)| format!("{number} {what}"))
         .collect();
-    let mut text = format!("  {}: {}", survey.file, parts.join(", "));
-    for id in survey.zones.iter().take(MAX_LISTED) {
-        text.push_str(&format!("\n    {id}"));
+    let mut lines = vec![format!("  {}: {}", survey.file, parts.join(", "))];
+    let shown = survey.zones.iter().take(MAX_LISTED);
+    lines.extend(shown.map(|id| format!("    {id}")));
+    if let Some(more @ 1..) = survey.zones.len().checked_sub(MAX_LISTED) {
+        lines.push(format!("    and {more} more"));
     }
-    if survey.zones.len() > MAX_LISTED {
-        text.push_str(&format!(
-            "\n    and {} more",
-            survey.zones.len() - MAX_LISTED
-        ));
-    }
-    text
+    lines
 }

@@ -54,12 +54,13 @@ impl ClosedZone {
         };
         let under_m = under_m(route.from).min(under_m(route.to));
         let lower_m = margins.clearance_m.min(under_m);
+        let higher_m = zone.margin_over_m(margins.clearance_m, world.max_amsl);
         Self {
             outline,
             from: zone.floor.map_or(GROUND, |floor| raised(floor, -lower_m)),
             below: zone
                 .ceiling
-                .map_or(SKY, |ceiling| raised(ceiling, margins.clearance_m)),
+                .map_or(SKY, |ceiling| raised(ceiling, higher_m)),
         }
     }
 

@@ -1,5 +1,7 @@
 //! One leg of one vehicle's plan, and what its search needs to know of it.
 
+use std::borrow::Cow;
+
 use geo::BoundingRect;
 
 use super::search_options::SearchOptions;
@@ -12,6 +14,16 @@ use crate::plan::altitude::floor::{FloorMaker, Slopes};
 use crate::plan::classes::field::Prices;
 use crate::spec::{MissionSpec, Objective, Vehicle};
 use crate::world::World;
+
+/// A spec whose paths have `free` control points between their ends.
+pub(crate) fn with_free_controls(spec: &MissionSpec, free: usize) -> Cow<'_, MissionSpec> {
+    if spec.planner.control_points == free {
+        return Cow::Borrowed(spec);
+    }
+    let mut spec = spec.clone();
+    spec.planner.control_points = free;
+    Cow::Owned(spec)
+}
 
 /// Share of the straight distance that routes may swing out, before the whole area is
 /// looked at.

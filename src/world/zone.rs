@@ -118,11 +118,36 @@ impl PlanZone {
         self.floor.is_none() && self.ceiling.is_none() && self.active_s.is_none()
     }
 
+    /// Whether it may be open somewhere below an altitude: under it, or over it.
+    pub(crate) fn is_open_below(&self, max_amsl: Amsl) -> bool {
+        let is_under_it = |ceiling: Placement| match ceiling {
+            Placement::Amsl(top) => top <= max_amsl,
+            Placement::Agl(_) => true,
+        };
+        self.floor.is_some() || self.ceiling.is_some_and(is_under_it)
+    }
+
     /// Whether its floor or ceiling is measured from the ground.
     #[must_use]
     pub fn follows_ground(&self) -> bool {
         let is_agl = |of: Option<Placement>| matches!(of, Some(Placement::Agl(_)));
         is_agl(self.floor) || is_agl(self.ceiling)
+    }
+
+    /// What a path over the zone can keep of a distance above it, metres: half of what is left
+    /// below `max_amsl`, where the zone ends so near below that.
+    pub(crate) fn margin_over_m(&self, over_m: f64, max_amsl: Amsl) -> f64 {
+        match self.ceiling {
+            Some(Placement::Amsl(top)) if top <= max_amsl => {
+                let left_m = max_amsl.0 - top.0;
+                if over_m <= left_m {
+                    over_m
+                } else {
+                    0.5 * left_m
+                }
+            }
+            _ => over_m,
+        }
     }
 
     /// The altitudes from which and below which it is closed over ground of a height, metres;

@@ -57,7 +57,10 @@ fn check_lists_what_a_feed_holds_and_what_its_fence_needs() {
         out.contains("feed.json: 30 zones, 1170 out of reach"),
         "{out}"
     );
-    assert!(out.contains("Z0") && out.contains("and 10 more"), "{out}");
+    assert!(
+        out.contains("\n    Z0\n") && out.contains("and 10 more"),
+        "{out}"
+    );
     // Four corners of the area, and four of each zone.
     assert!(
         err.contains("the fence needs 124 items and alpha keeps 70"),

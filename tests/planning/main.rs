@@ -9,6 +9,7 @@ mod cost_worlds;
 mod determinism;
 mod evaluate;
 mod fleets;
+mod hard_routes;
 mod optimizers;
 mod plan_fleet;
 mod plan_verdicts;

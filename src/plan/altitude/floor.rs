@@ -42,8 +42,9 @@ impl Slopes {
 struct LowZone<'a> {
     closed: Offset,
     zone: &'a PlanZone,
-    /// Kept above and below it, metres.
+    /// Kept above it, and below it, metres.
     over_m: f64,
+    under_m: f64,
 }
 
 /// Samples of a path in the plane, and the altitudes of its ends, metres.
@@ -72,6 +73,8 @@ impl<'a> FloorMaker<'a> {
             .zones
             .iter()
             .filter_map(|zone| {
+                let under_m = over_m;
+                let over_m = zone.margin_over_m(over_m, world.max_amsl);
                 let has_room = match (zone.floor, zone.ceiling) {
                     (None, None) => false,
                     (None, Some(Placement::Amsl(top))) => top.0 + over_m <= world.max_amsl.0,
@@ -81,6 +84,7 @@ impl<'a> FloorMaker<'a> {
                     closed: zone.offset(),
                     zone,
                     over_m,
+                    under_m,
                 })
             })
             .collect();
@@ -206,7 +210,7 @@ impl LowZone<'_> {
         }
         let (from_m, below_m) = self.zone.closed_m(ground_m);
         let top_m = below_m + self.over_m;
-        match floor_m > from_m - self.over_m && top_m <= world.max_amsl.0 {
+        match floor_m > from_m - self.under_m && top_m <= world.max_amsl.0 {
             true => floor_m.max(top_m),
             false => floor_m,
         }

@@ -49,6 +49,9 @@ pub(super) struct AltitudeLp {
     binding: Vec<bool>,
     controls: usize,
     first: Option<Basis>,
+    /// No sample may be higher, if the floor allows that, metres; mostly infinite: paths as low
+    /// as they can be seldom rise so high.
+    ceiling_m: f64,
     level: Level,
 }
 
@@ -77,6 +80,8 @@ pub(super) struct Workspace {
     samples: Vec<f64>,
     /// Floor over base; nothing where it does not bind.
     floor: Vec<f64>,
+    /// Ceiling over base.
+    ceiling: f64,
     /// By how much each constraint is violated: floors, rises, drops.
     gaps: Vec<f64>,
     dual: Vec<f64>,
@@ -116,10 +121,17 @@ impl AltitudeLp {
             binding,
             controls,
             first: None,
+            ceiling_m: f64::INFINITY,
             level: Level::new(),
         };
         lp.first = lp.interpolation();
         lp
+    }
+
+    /// The same under a ceiling.
+    pub(super) fn under(mut self, ceiling_m: f64) -> Self {
+        self.ceiling_m = ceiling_m;
+        self
     }
 
     /// The basis in which one sample below each free control point touches the floor.
@@ -204,7 +216,16 @@ impl AltitudeLp {
             (amsl_m[0], amsl_m[self.controls - 1]),
             &mut work.floor,
         );
-        for with_slopes in [true, false] {
+        // What cannot be met together is given up, the ceiling first.
+        let first = usize::from(self.ceiling_m.is_infinite());
+        for (with_slopes, with_ceiling) in [(true, true), (true, false), (false, false)]
+            .into_iter()
+            .skip(first)
+        {
+            work.ceiling = match with_ceiling {
+                true => self.ceiling_m - base,
+                false => f64::INFINITY,
+            };
             self.start(simd, demand, amsl_m, base, work);
             if self.exchange_until_feasible(simd, demand, with_slopes, work) {
                 work.solved = with_slopes;
@@ -306,6 +327,7 @@ impl AltitudeLp {
                 Constraint::Up(k) => ends(k + 1) - ends(k) - demand.up_m[k],
                 Constraint::Down(k) => ends(k) - ends(k + 1) - demand.down_m[k],
                 Constraint::Base(_) => 0.0,
+                Constraint::Ceiling(k) => ends(k) - work.ceiling,
             });
         }
         if work.bounds.iter().any(|bound| !bound.is_finite()) {
@@ -373,6 +395,7 @@ impl AltitudeLp {
                 let this = self.free_weights(k).map(minus);
                 basis.times(simd, this.chain(self.free_weights(k + 1)), row);
             }
+            Constraint::Ceiling(k) => basis.times(simd, self.free_weights(k).map(minus), row),
             Constraint::Base(control) => {
                 basis.times(simd, std::iter::once((control - 1, 1.0)), row);
             }

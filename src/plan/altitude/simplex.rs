@@ -18,6 +18,8 @@ pub(crate) enum Constraint {
     Down(usize),
     /// The base of a control point.
     Base(usize),
+    /// The ceiling at a sample.
+    Ceiling(usize),
 }
 
 /// Active constraints and the inverse of their matrix.

@@ -80,6 +80,13 @@ impl AltitudeLp {
         if deepest.0 > 0 {
             work.entering.push(Constraint::Base(deepest.0));
         }
+        if work.ceiling.is_finite() {
+            let heights = work.samples.iter().enumerate();
+            let highest = heights.max_by(|a, b| a.1.total_cmp(b.1));
+            let over = highest.filter(|(_, z)| **z > work.ceiling + TOLERANCE_M);
+            work.entering
+                .extend(over.map(|(k, _)| Constraint::Ceiling(k)));
+        }
     }
 
     /// By how much a constraint is violated now, metres.
@@ -99,6 +106,7 @@ impl AltitudeLp {
             Constraint::Up(k) => altitude(k + 1) - altitude(k) - demand.up_m[k],
             Constraint::Down(k) => altitude(k) - altitude(k + 1) - demand.down_m[k],
             Constraint::Base(control) => -work.z[control],
+            Constraint::Ceiling(k) => altitude(k) - work.ceiling,
         }
     }
 }

@@ -103,6 +103,16 @@ impl Relief {
         }
     }
 
+    /// Of lowest altitudes (NaN where there is none) and what closed places cost, without threats.
+    pub(crate) fn of(grid: Grid, floor_m: Vec<f64>, closed: Vec<f64>) -> Self {
+        Self {
+            threats: vec![0.0; grid.len()],
+            grid,
+            floor_m,
+            closed,
+        }
+    }
+
     /// A field of this relief without its threats.
     pub(crate) fn ground(&self, field: &Field) -> Field {
         let costs = field.cost.iter().zip(&self.threats);
@@ -148,32 +158,38 @@ impl Relief {
     /// sweeps of `z_i = max(z_i, z_j - slope |ij|)`.
     fn dilated(&self, slope: f64) -> Vec<f64> {
         let mut altitude_m = self.floor_m.clone();
-        let drop_m = slope * self.grid.spacing_m;
-        let diagonal_m = drop_m * std::f64::consts::SQRT_2;
-        let before = [
-            ((-1, 0), drop_m),
-            ((0, -1), drop_m),
-            ((-1, -1), diagonal_m),
-            ((1, -1), diagonal_m),
-        ];
-        let mut relax = |node: usize, sign: isize| {
-            for ((columns, rows), drop_m) in before {
-                if let Some(other) = self.grid.step(node, (sign * columns, sign * rows)) {
-                    // f64::max ignores NaN, so voids stay out of it.
-                    let reach_m = altitude_m[other] - drop_m;
-                    if reach_m > altitude_m[node] {
-                        altitude_m[node] = reach_m;
-                    }
+        dilate(&self.grid, slope, &mut altitude_m);
+        altitude_m
+    }
+}
+
+/// Raises the values at the nodes of a grid to `z_i = max(z_i, z_j - slope |ij|)`; those that are
+/// no number stay so, and raise none.
+pub(crate) fn dilate(grid: &Grid, slope: f64, values: &mut [f64]) {
+    let drop_m = slope * grid.spacing_m;
+    let diagonal_m = drop_m * std::f64::consts::SQRT_2;
+    let before = [
+        ((-1, 0), drop_m),
+        ((0, -1), drop_m),
+        ((-1, -1), diagonal_m),
+        ((1, -1), diagonal_m),
+    ];
+    let mut relax = |node: usize, sign: isize| {
+        for ((columns, rows), drop_m) in before {
+            if let Some(other) = grid.step(node, (sign * columns, sign * rows)) {
+                // f64::max ignores NaN, so voids stay out of it.
+                let reach_m = values[other] - drop_m;
+                if reach_m > values[node] {
+                    values[node] = reach_m;
                 }
             }
-        };
-        for node in 0..self.grid.len() {
-            relax(node, 1);
         }
-        for node in (0..self.grid.len()).rev() {
-            relax(node, -1);
-        }
-        altitude_m
+    };
+    for node in 0..grid.len() {
+        relax(node, 1);
+    }
+    for node in (0..grid.len()).rev() {
+        relax(node, -1);
     }
 }
 

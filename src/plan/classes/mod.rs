@@ -8,7 +8,9 @@
 //! homology in the plane without the obstacles). One pass so finds every class that
 //! has one via point.
 
+pub(super) mod corridors;
 pub(super) mod field;
+pub(super) mod free_space;
 pub(super) mod grid;
 pub(super) mod narrow_zones;
 pub(super) mod obstacles;

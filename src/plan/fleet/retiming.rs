@@ -12,6 +12,7 @@ use super::vehicle::sum;
 use crate::cost::{Batch, CostTerms, Margins, RouteEnds};
 use crate::numeric::tracks::Track;
 use crate::path::{TimedPoint, route_start_s, time_route, way_speed_mps};
+use crate::plan::route_context::{RouteContext, with_free_controls};
 use crate::plan::search::JUDGED_SAMPLES;
 use crate::plan::spline::Spline;
 use crate::plan::{Route, VehiclePlan};
@@ -185,7 +186,12 @@ impl Planning<'_> {
                 to: last.point,
                 start_s: first.t_s,
             };
-            let context = self.route_context(index, ends, &[]);
+            let free = route.control_points.len().saturating_sub(2);
+            let spec = with_free_controls(self.spec, free);
+            let context = RouteContext {
+                spec: &spec,
+                ..self.route_context(index, ends, &[])
+            };
             let parameters = context.parameters(JUDGED_SAMPLES);
             let mut batch = Batch::new(context.controls());
             batch.push(&Spline::through(&route.control_points).controls());

@@ -15,6 +15,8 @@ use crate::world::Stations;
 
 /// Points of a planned path, spread evenly over the spline's parameter.
 const PATH_POINTS: usize = 1001;
+/// Points for each control point, where that makes more.
+const POINTS_PER_CONTROL: usize = 24;
 
 /// Where the routes of a vehicle begin and end.
 pub(super) fn route_ends(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
@@ -43,7 +45,9 @@ impl<'a> Planning<'a> {
         let mut plan = self.empty_plan(index, avoids);
         for (stream, (from, to)) in (2 * to_u64(index)..).zip(routes.iter().copied()) {
             let context = self.context(index, (from, to), &plan, earlier);
-            let spent = plan.evaluations;
+            // A route through corridors may take more than its share.
+            let share = spec.planner.evaluations / routes.len() * plan.routes.len();
+            let spent = plan.evaluations.min(share);
             let budget = (spec.planner.evaluations - spent) / (routes.len() - plan.routes.len());
             let watch = |point: TracePoint| {
                 (request.progress)(Progress {
@@ -139,7 +143,9 @@ fn to_u64(index: usize) -> u64 {
 
 /// A found spline as a timed path.
 fn route(context: &RouteContext<'_>, found: &Found) -> Route {
-    let basis = Basis::new(context.controls(), &context.parameters(PATH_POINTS));
+    let controls = found.spline.east_m.len();
+    let points = PATH_POINTS.max(POINTS_PER_CONTROL * controls + 1);
+    let basis = Basis::new(controls, &context.parameters(points));
     let east_m = basis.sampled(&found.spline.east_m);
     let north_m = basis.sampled(&found.spline.north_m);
     let amsl_m = basis.sampled(&found.spline.amsl_m);

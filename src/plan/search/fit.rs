@@ -80,7 +80,7 @@ impl Line {
 /// runs fast.
 #[derive(Clone, Debug)]
 pub(crate) struct Warp {
-    /// Share of the length at each of [`WARP_STEPS`] + 1 even parameters.
+    /// Share of the length at even parameters, of [`WARP_STEPS`] + 1 of them mostly.
     shares: Vec<f64>,
 }
 
@@ -163,19 +163,48 @@ impl Warp {
     }
 
     fn of(density: impl Fn(f64) -> f64) -> Self {
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
-        let share = |step: usize| step as f64 / WARP_STEPS as f64;
+        Self::of_steps(WARP_STEPS, density)
+    }
+
+    /// Control points gather around `corners`, shares of the length, within `width` of each: so
+    /// many of them that a corner has `each` more than a straight piece as long, of `controls`
+    /// in all.
+    pub(crate) fn at_corners(corners: &[f64], width: f64, (each, controls): (f64, usize)) -> Self {
+        /// Steps over the width of a corner.
+        const STEPS: f64 = 8.0;
+        #[expect(clippy::cast_precision_loss, reason = "a few hundred")]
+        let (controls, count) = (controls as f64, corners.len() as f64);
+        // A bump of height 1 has the area of its width times the root of pi.
+        let spread = (controls - each * count).max(0.25 * controls);
+        let height = each / spread / (width * std::f64::consts::PI.sqrt());
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to thousands"
+        )]
+        let steps = (STEPS / width).clamp(256.0, 8192.0) as usize;
+        Self::of_steps(steps, |share| {
+            corners.iter().fold(1.0, |sum, corner| {
+                let away = (share - corner) / width;
+                sum + height * (-away * away).exp()
+            })
+        })
+    }
+
+    fn of_steps(steps: usize, density: impl Fn(f64) -> f64) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "thousands of steps")]
+        let share = |step: usize| step as f64 / steps as f64;
         let mut parameters = vec![0.0];
         let mut sum = 0.0;
-        for step in 0..WARP_STEPS {
+        for step in 0..steps {
             sum += 0.5 * (density(share(step)) + density(share(step + 1)));
             parameters.push(sum);
         }
         let mut after = 1;
-        let shares = (0..=WARP_STEPS)
+        let shares = (0..=steps)
             .map(|step| {
                 let target = share(step) * sum;
-                while after < WARP_STEPS && parameters[after] < target {
+                while after < steps && parameters[after] < target {
                     after += 1;
                 }
                 let (low, high) = (parameters[after - 1], parameters[after]);
@@ -188,15 +217,16 @@ impl Warp {
 
     /// Share of the length at a parameter of [0, 1].
     fn share(&self, parameter: f64) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
-        let at = parameter.clamp(0.0, 1.0) * WARP_STEPS as f64;
+        let steps = self.shares.len() - 1;
+        #[expect(clippy::cast_precision_loss, reason = "thousands of steps")]
+        let at = parameter.clamp(0.0, 1.0) * steps as f64;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "within WARP_STEPS"
+            reason = "within the steps"
         )]
-        let step = (at.floor() as usize).min(WARP_STEPS - 1);
-        #[expect(clippy::cast_precision_loss, reason = "hundreds of steps")]
+        let step = (at.floor() as usize).min(steps - 1);
+        #[expect(clippy::cast_precision_loss, reason = "thousands of steps")]
         let part = at - step as f64;
         self.shares[step] + part * (self.shares[step + 1] - self.shares[step])
     }

@@ -1,5 +1,6 @@
 //! The search of one route: starts, swarms, and the judgement of the finalists.
 
+pub(super) mod corridor;
 pub(super) mod detour;
 pub(super) mod fit;
 pub(super) mod objective;
@@ -14,8 +15,8 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use super::classes::narrow_zones::narrowest_zone_m;
-use super::classes::routes::homotopy_classes;
-use super::route_context::RouteContext;
+use super::classes::routes::{HomotopyClasses, homotopy_classes};
+use super::route_context::{RouteContext, with_free_controls};
 use super::spline::Spline;
 use crate::cost::{Batch, CostTerms, Margins};
 use crate::geodesy::EastNorth;
@@ -65,15 +66,23 @@ pub(super) struct Found {
     pub spline: Spline,
     /// Judged finely, without margins.
     pub terms: CostTerms,
+    /// The same with the margins that verification asked for.
+    pub strict: CostTerms,
     /// Evaluations spent, those of seeds included.
     pub evaluations: usize,
 }
 
-/// Searches one route within a budget.
+/// Searches one route within a budget; where that finds no path that keeps the limits, once more
+/// through the corridors of free space.
+pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
+    corridor::or_through_corridors(context, run, search_classes(context, run))
+}
+
+/// Searches one route from the classes of the soft fields.
 ///
 /// Ground without data has no rim that a few samples could feel, so the search keeps a cell of
 /// the ground away from it. Only if that finds no path it searches once more up to the rim.
-pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
+fn search_classes(context: &RouteContext<'_>, run: Run<'_>) -> Found {
     let up_to_voids = || found(context, context, run);
     let Some(wider) = &context.world.wider_voids else {
         return up_to_voids();
@@ -102,19 +111,30 @@ pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
 /// The search of one route, judged on another context.
 fn found(judged_on: &RouteContext<'_>, context: &RouteContext<'_>, run: Run<'_>) -> Found {
     let (splines, evaluations) = match context.spec.planner.algorithm {
-        spec::Algorithm::Msfoa => swarms(context, run),
+        spec::Algorithm::Msfoa => {
+            let homotopy = homotopy_classes(context, run.budget);
+            swarms(context, run, &homotopy, Vec::new())
+        }
         algorithm => published(context, algorithm, run),
     };
-    let (spline, terms) = judge(judged_on, splines);
+    found_among(judged_on, splines, evaluations)
+}
+
+/// The best of some splines, and the number of evaluations that were spent on them.
+fn found_among(context: &RouteContext<'_>, splines: Vec<Spline>, evaluations: usize) -> Found {
     Found {
-        spline,
-        terms,
         evaluations,
+        ..judge(context, splines)
     }
 }
 
 /// The default: horizontal search from homotopy classes, altitude decoded.
-fn swarms(context: &RouteContext<'_>, run: Run<'_>) -> (Vec<Spline>, usize) {
+fn swarms(
+    context: &RouteContext<'_>,
+    run: Run<'_>,
+    homotopy: &HomotopyClasses,
+    given: Vec<SearchSeed>,
+) -> (Vec<Spline>, usize) {
     let (planner, options) = (&context.spec.planner, &context.options);
     let parameters = context.parameters(context.samples());
     let problem = horizontal(context, &parameters, run.budget);
@@ -132,10 +152,11 @@ fn swarms(context: &RouteContext<'_>, run: Run<'_>) -> (Vec<Spline>, usize) {
     let seeder = Seeder {
         context,
         fitter: &fitter,
-        homotopy: &homotopy_classes(context, run.budget),
+        homotopy,
         swarms: planner.swarms.unwrap_or(default_swarms(run.budget)),
     };
-    let mut seeds = twice_fitted(&seeder, &mut among, alone.as_mut(), &mut rng);
+    let mut seeds = given;
+    seeds.extend(twice_fitted(&seeder, &mut among, alone.as_mut(), &mut rng));
     let fitted = among.spent() + alone.map_or(0, |alone| alone.spent());
     if let Some(step) = planner.step {
         for seed in &mut seeds {
@@ -294,18 +315,23 @@ pub(super) fn most_promising(mut finalists: Vec<Candidate>) -> Vec<Candidate> {
 
 /// The best of some splines at fine sampling. Chosen with the margins that verification
 /// asked for, reported without.
-fn judge(context: &RouteContext<'_>, splines: Vec<Spline>) -> (Spline, CostTerms) {
+fn judge(context: &RouteContext<'_>, splines: Vec<Spline>) -> Found {
     let strict = judged(context, &splines, context.margins);
-    let best = splines
+    let (spline, strict) = splines
         .into_iter()
-        .zip(&strict)
+        .zip(strict)
         .min_by(|(_, a), (_, b)| {
             let broken = |terms: &CostTerms| u8::from(!terms.is_clean());
             (broken(a).cmp(&broken(b))).then(a.total().total_cmp(&b.total()))
         })
-        .map_or_else(|| context.straight(), |(spline, _)| spline);
-    let plain = judged(context, std::slice::from_ref(&best), Margins::default());
-    (best, plain.first().copied().unwrap_or_default())
+        .unwrap_or_else(|| (context.straight(), CostTerms::default()));
+    let plain = judged(context, std::slice::from_ref(&spline), Margins::default());
+    Found {
+        spline,
+        terms: plain.first().copied().unwrap_or_default(),
+        strict,
+        evaluations: 0,
+    }
 }
 
 /// Terms of splines at fine sampling, with some margins.
@@ -322,14 +348,19 @@ fn judged(context: &RouteContext<'_>, splines: &[Spline], margins: Margins) -> V
 /// The same way in the plane at the altitudes that the route's margins now ask for, if it
 /// then keeps all of them: what is too low by a hand's breadth need not be searched again.
 pub(super) fn lifted(context: &RouteContext<'_>, outline: &[EastNorth]) -> Option<Found> {
+    let spec = with_free_controls(context.spec, outline.len());
+    let context = &RouteContext {
+        spec: &spec,
+        ..*context
+    };
     let spline = fine(context).spline(outline.iter().copied());
     let splines = std::slice::from_ref(&spline);
-    let is_clean = judged(context, splines, context.margins)
-        .iter()
-        .all(CostTerms::is_clean);
-    let terms = judged(context, splines, Margins::default());
-    is_clean.then(|| Found {
-        terms: terms.first().copied().unwrap_or_default(),
+    let first = |terms: Vec<CostTerms>| terms.first().copied().unwrap_or_default();
+    let strict = first(judged(context, splines, context.margins));
+    let terms = first(judged(context, splines, Margins::default()));
+    strict.is_clean().then_some(Found {
+        terms,
+        strict,
         spline,
         evaluations: 1,
     })

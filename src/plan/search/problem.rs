@@ -10,7 +10,8 @@ use crate::plan::altitude::floor::{FloorMaker, SampledLine};
 use crate::plan::altitude::{AltitudeLp, Demand, Row, Workspace};
 use crate::plan::route_context::RouteContext;
 use crate::plan::spline::{Frame, Spline};
-use crate::spec::Objective;
+use crate::spec::{Objective, Placement};
+use crate::world::PlanZone;
 
 /// Altitude over the floor that keeps the path clear between samples, metres.
 const BETWEEN_SAMPLES_M: f64 = 3.0;
@@ -63,7 +64,7 @@ impl<'a> Sampled<'a> {
         let basis = Basis::new(controls, parameters);
         let rows = (0..parameters.len()).map(|k| basis.row(k)).collect();
         Self {
-            altitude_lp: AltitudeLp::new(rows, controls),
+            altitude_lp: AltitudeLp::new(rows, controls).under(ceiling_m(context)),
             model: context.model(margins, parameters),
             floor: context.floor(above_m, margins.climb_fraction),
             even: context.spec.planner.objective == Objective::Paper,
@@ -157,6 +158,25 @@ impl<'a> Sampled<'a> {
         self.decode(free, &mut buffer);
         buffer.spline
     }
+}
+
+/// Height under the ceiling that keeps rounding below it, metres.
+const UNDER_CEILING_M: f64 = 0.05;
+/// A lid this near to the ceiling needs care that a path over it stays below, metres.
+const NEAR_CEILING_M: f64 = 10.0;
+
+/// The ceiling of decoded altitudes, metres: infinite but where a zone's lid is near it. The ends
+/// may touch it.
+fn ceiling_m(context: &RouteContext<'_>) -> f64 {
+    let top_m = context.world.max_amsl.0;
+    let near = top_m - NEAR_CEILING_M..=top_m;
+    let mut zones = context.world.zones.iter();
+    let is_near = |zone: &PlanZone| matches!(zone.ceiling, Some(Placement::Amsl(lid)) if near.contains(&lid.0));
+    if !zones.any(is_near) {
+        return f64::INFINITY;
+    }
+    let ends_m = context.ends.from.amsl.0.max(context.ends.to.amsl.0);
+    (top_m - UNDER_CEILING_M).max(ends_m)
 }
 
 /// Search of the horizontal control points alone: the altitude is decoded.

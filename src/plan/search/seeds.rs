@@ -329,8 +329,13 @@ pub(crate) fn search_seed(
     class: u64,
 ) -> SearchSeed {
     let mean = frame.shares(fitter.fit(line, warp));
+    seed_at(frame, mean, line.length_m(), class)
+}
+
+/// A start at free control points, in shares of the frame, of a line so long.
+pub(crate) fn seed_at(frame: &Frame, mean: Vec<f64>, length_m: f64, class: u64) -> SearchSeed {
     #[expect(clippy::cast_precision_loss, reason = "a number of control points")]
-    let spacing_m = line.length_m() / (mean.len() / 2 + 1) as f64;
+    let spacing_m = length_m / (mean.len() / 2 + 1) as f64;
     SearchSeed {
         scale: frame.scale(STEP_UNIT * spacing_m, mean.len()),
         mean,

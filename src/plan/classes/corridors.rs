@@ -1,0 +1,64 @@
+//! Corridors: homotopy classes through free space alone, for routes where the soft fields find no
+//! path.
+
+use rayon::prelude::*;
+
+use super::field::Field;
+use super::free_space::FreeSpace;
+use super::grid::Grid;
+use super::obstacles::Obstacles;
+use super::routes::HomotopyClasses;
+use super::{HomotopyClass, classes_of_field};
+use crate::path::VehicleLimits;
+use crate::plan::route_context::RouteContext;
+
+/// Nodes along the longer side of the area, coarse to fine: the first that lets a path through.
+const NODES: [usize; 2] = [321, 961];
+/// Distance that paths keep from walls where they can, in turn radii: a spline needs space to
+/// bend, but where that space is a detour the nearer path is better.
+const BERTHS: [f64; 2] = [1.5, 0.4];
+/// What closed ground costs per kilometre while fits are drawn tight: a wall that slopes.
+const STEEP: f64 = 1000.0;
+/// Most classes.
+const MAX_CLASSES: usize = 24;
+
+/// The classes that free space allows, cheapest first; none if there is no path.
+pub(crate) fn corridors(context: &RouteContext<'_>) -> Option<HomotopyClasses> {
+    NODES.iter().find_map(|&nodes| corridors_at(context, nodes))
+}
+
+fn corridors_at(context: &RouteContext<'_>, nodes: usize) -> Option<HomotopyClasses> {
+    let (start, goal) = context.ends_at();
+    let frame = context.frame();
+    let grid = Grid::over(frame.south_west, frame.north_east, nodes);
+    let cell_m = grid.spacing_m;
+    let radius_m = VehicleLimits::of(context.vehicle()).turn_radius_m;
+    let berths_m = BERTHS.map(|radii| (radii * radius_m).max(2.0 * cell_m));
+    let reach_m = berths_m
+        .iter()
+        .fold(0.0, |most: f64, berth_m| most.max(*berth_m));
+    let space = FreeSpace::new(context, grid, reach_m);
+    let fields: Vec<Field> = berths_m
+        .par_iter()
+        .map(|berth_m| space.field(context, context.slope(), *berth_m))
+        .collect();
+    let obstacles = Obstacles::of(&fields, start, goal);
+    let mut classes: Vec<HomotopyClass> = fields
+        .par_iter()
+        .enumerate()
+        .map(|(index, field)| classes_of_field((index, field), &obstacles, start, goal))
+        .collect::<Vec<_>>()
+        .concat();
+    classes.retain(|class| space.is_free(class.cost));
+    classes.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    classes.truncate(MAX_CLASSES);
+    let grounds = fields.into_iter().map(|field| Field {
+        cost: field.cost.iter().map(|cost| cost.min(STEEP)).collect(),
+        grid: field.grid,
+    });
+    (!classes.is_empty()).then(|| HomotopyClasses {
+        classes,
+        grounds: grounds.collect(),
+        tight_m: Some(cell_m.max(0.25 * radius_m)),
+    })
+}

@@ -1,0 +1,208 @@
+//! Free space: where a vehicle may fly at all, and how far that is from what is closed.
+//!
+//! The soft fields price closed ground, so that a wall thin enough is cheaper than the way around
+//! it. Here what is closed is closed, however thin: threats and zones by their exact distance
+//! with the margins of the search, the ground where its floor is above the ceiling.
+
+use rayon::prelude::*;
+
+use super::field::{Field, Relief, dilate};
+use super::grid::Grid;
+use super::narrow_zones::crossed_nodes;
+use crate::geodesy::EastNorth;
+use crate::numeric::geometry::{Point, Ring};
+use crate::plan::route_context::RouteContext;
+use crate::world::PlanZone;
+
+/// Cost per kilometre of closed ground in [`FreeSpace::field`]: beyond any detour.
+const CLOSED: f64 = 1e6;
+/// Length beside a wall costs more by this share: paths keep away from walls where they can, so
+/// that a spline has space to bend.
+const AT_WALL_SHARE: f64 = 1.0;
+/// Nodes this near to an end are open, in cells: an end may lie within a margin.
+const AT_ENDS_CELLS: f64 = 1.5;
+
+/// The distance of every node of a grid to what is closed.
+pub(crate) struct FreeSpace {
+    grid: Grid,
+    /// Metres, at most `reach_m`; 0 or less where flying is closed.
+    clearance_m: Vec<f64>,
+    reach_m: f64,
+    /// The lowest altitude allowed; NaN where flying is closed by the ground.
+    floor_m: Vec<f64>,
+}
+
+impl FreeSpace {
+    /// The free space of a route, with distances up to `reach_m`.
+    pub(crate) fn new(context: &RouteContext<'_>, grid: Grid, reach_m: f64) -> Self {
+        let world = context.world;
+        let floor_m: Vec<f64> = (0..grid.len())
+            .into_par_iter()
+            .map(|node| world.ground.height_m(grid.at(node)) + world.min_agl.0)
+            .collect();
+        let mut space = Self {
+            clearance_m: vec![reach_m; grid.len()],
+            grid,
+            reach_m,
+            floor_m,
+        };
+        space.close_threats(context);
+        for zone in &world.zones {
+            if zone.is_open_below(world.max_amsl) {
+                space.raise_past(context, zone);
+            } else {
+                space.close_zone(context, zone);
+            }
+        }
+        space.close_ground(world.max_amsl.0);
+        space.close_outside(context);
+        let near_m = AT_ENDS_CELLS * space.grid.spacing_m;
+        for end in [context.ends.from.at, context.ends.to.at] {
+            for (node, clearance_m) in space.clearance_m.iter_mut().enumerate() {
+                if space.grid.at(node).distance_m(end) < near_m {
+                    *clearance_m = clearance_m.max(1e-3);
+                }
+            }
+        }
+        space
+    }
+
+    fn close_threats(&mut self, context: &RouteContext<'_>) {
+        let (from, to) = context.ends_at();
+        for threat in &context.world.threats {
+            let nearest_m = threat
+                .center
+                .distance_m(from)
+                .min(threat.center.distance_m(to));
+            let room_m = (nearest_m - threat.radius_m).max(0.0);
+            let radius_m = threat.radius_m + context.margins.threat_m.min(room_m);
+            let center = threat.center;
+            let box_of = |side: f64| [center.east_m + side, center.north_m + side];
+            for node in self.nodes_around(box_of(-radius_m), box_of(radius_m), self.reach_m) {
+                let away_m = self.grid.at(node).distance_m(center) - radius_m;
+                self.clearance_m[node] = self.clearance_m[node].min(away_m);
+            }
+        }
+    }
+
+    fn close_zone(&mut self, context: &RouteContext<'_>, zone: &PlanZone) {
+        let ring = Ring::around(&zone.outline);
+        let (from, to) = context.ends_at();
+        let room_m =
+            |end: EastNorth| 0.5 * (ring.boundary_distance(plane(end)) - zone.buffer_m).max(0.0);
+        let least_room_m = room_m(from).min(room_m(to));
+        let margin_m = zone.buffer_m + context.margins.threat_m.min(least_room_m);
+        let (low, high) = ring.bounds();
+        let nodes = self.nodes_around(low, high, margin_m + self.reach_m);
+        let distances: Vec<f64> = nodes
+            .par_iter()
+            .map(|&node| signed_distance_m(&ring, self.grid.at(node)) - margin_m)
+            .collect();
+        for (node, away_m) in nodes.into_iter().zip(distances) {
+            self.clearance_m[node] = self.clearance_m[node].min(away_m);
+        }
+        for node in crossed_nodes(&self.grid, zone) {
+            self.clearance_m[node] = self.clearance_m[node].min(0.0);
+        }
+    }
+
+    /// A zone that may be flown over or under raises the floor where there is no space under it.
+    fn raise_past(&mut self, context: &RouteContext<'_>, zone: &PlanZone) {
+        let ring = Ring::around(&zone.outline);
+        let (low, high) = ring.bounds();
+        for node in self.nodes_around(low, high, zone.buffer_m) {
+            let at = self.grid.at(node);
+            let (from_m, below_m) = zone.closed_m(context.world.ground.height_m(at));
+            if zone.contains(at) && self.floor_m[node] >= from_m {
+                self.floor_m[node] = self.floor_m[node].max(below_m);
+            }
+        }
+    }
+
+    /// Closes the ground whose floor is above the ceiling, or not known.
+    fn close_ground(&mut self, max_amsl_m: f64) {
+        let is_closed = |floor_m: &f64| floor_m.is_nan() || *floor_m > max_amsl_m;
+        if !self.floor_m.iter().any(is_closed) {
+            return;
+        }
+        let mut nearness_m: Vec<f64> = self
+            .floor_m
+            .iter()
+            .map(|floor_m| {
+                if is_closed(floor_m) {
+                    0.0
+                } else {
+                    -self.reach_m
+                }
+            })
+            .collect();
+        dilate(&self.grid, 1.0, &mut nearness_m);
+        for (node, nearness_m) in nearness_m.into_iter().enumerate() {
+            self.clearance_m[node] = self.clearance_m[node].min(-nearness_m);
+            if is_closed(&self.floor_m[node]) {
+                self.floor_m[node] = f64::NAN;
+            }
+        }
+    }
+
+    fn close_outside(&mut self, context: &RouteContext<'_>) {
+        let ring = Ring::around(&context.world.area);
+        let away_m: Vec<f64> = (0..self.grid.len())
+            .into_par_iter()
+            .map(|node| -signed_distance_m(&ring, self.grid.at(node)))
+            .collect();
+        for (clearance_m, away_m) in self.clearance_m.iter_mut().zip(away_m) {
+            *clearance_m = clearance_m.min(away_m);
+        }
+    }
+
+    /// What flying costs per kilometre, no closer to walls than need be for `berth_m`, at slopes
+    /// up to a limit; closed ground costs a million.
+    pub(crate) fn field(&self, context: &RouteContext<'_>, slope: f64, berth_m: f64) -> Field {
+        let prices = context.prices();
+        let closed = self.clearance_m.iter().map(|&clearance_m| {
+            let near = (1.0 - clearance_m / berth_m).clamp(0.0, 1.0);
+            match clearance_m > 0.0 {
+                true => prices.length * AT_WALL_SHARE * near * near,
+                false => CLOSED,
+            }
+        });
+        Relief::of(self.grid.clone(), self.floor_m.clone(), closed.collect()).field(slope, &prices)
+    }
+
+    /// Whether a path of a class of [`FreeSpace::field`] keeps to free space.
+    pub(crate) fn is_free(&self, cost: f64) -> bool {
+        cost < 0.25 * CLOSED * self.grid.spacing_m / 1000.0
+    }
+
+    /// The nodes of a box and `around_m` around it.
+    fn nodes_around(&self, low: Point, high: Point, around_m: f64) -> Vec<usize> {
+        let grid = &self.grid;
+        let corner = |[east_m, north_m]: Point, by_m: f64| EastNorth {
+            east_m: east_m + by_m,
+            north_m: north_m + by_m,
+        };
+        let (first, last) = (
+            grid.column_row(grid.nearest(corner(low, -around_m))),
+            grid.column_row(grid.nearest(corner(high, around_m))),
+        );
+        let rows = first.1..=last.1;
+        rows.flat_map(|row| (first.0..=last.0).map(move |column| row * grid.columns + column))
+            .collect()
+    }
+}
+
+/// Distance to a ring, negative inside.
+fn signed_distance_m(ring: &Ring, at: EastNorth) -> f64 {
+    let at = plane(at);
+    let distance_m = ring.boundary_distance(at);
+    if ring.contains(at) {
+        -distance_m
+    } else {
+        distance_m
+    }
+}
+
+fn plane(at: EastNorth) -> Point {
+    [at.east_m, at.north_m]
+}

@@ -1,0 +1,168 @@
+//! Routes through corridors: what is searched where the default finds no path that keeps the
+//! limits.
+//!
+//! The classes come from free space alone. Each is fitted with as many control points as its bends
+//! need, drawn tight and judged; the fewest control points with a clean fit are searched. It runs
+//! only after the default search, so the plans that this finds keep their bytes.
+
+use rayon::prelude::*;
+
+use super::fit::{Fitter, Line, Warp};
+use super::problem::Sampled;
+use super::seeds::seed_at;
+use super::tighten::{FieldCost, Tightener};
+use super::{Found, Run, fine, found_among, swarms};
+use crate::cost::CostTerms;
+use crate::optimize::SearchSeed;
+use crate::path::VehicleLimits;
+use crate::plan::classes::HomotopyClass;
+use crate::plan::classes::corridors::corridors;
+use crate::plan::classes::routes::HomotopyClasses;
+use crate::plan::route_context::{RouteContext, with_free_controls};
+use crate::plan::spline::Spline;
+use crate::spec::{Algorithm, Objective};
+
+/// Control points for each corner of a corridor.
+const PER_CORNER: usize = 2;
+/// Control points that are gathered at each corner, and within how many turn radii of it.
+const GATHERED: [(f64, f64); 2] = [(1.5, 4.0), (2.5, 2.0)];
+/// How many more control points the next attempt has.
+const MORE: f64 = 1.5;
+/// Most control points between the ends: the altitudes of more are slow to decode.
+const MAX_CONTROLS: usize = 400;
+/// Classes with fits that are judged.
+const JUDGED_CLASSES: usize = 6;
+/// Evaluations times control points: decoding altitudes takes longer with more of these.
+const MAX_WORK: usize = 1_000_000;
+
+/// What was found, or where that violates a limit that no other vehicle sets, what is found
+/// through corridors, if it keeps all limits.
+pub(super) fn or_through_corridors(
+    context: &RouteContext<'_>,
+    run: Run<'_>,
+    first: Found,
+) -> Found {
+    let planner = &context.spec.planner;
+    let is_default = (planner.algorithm, planner.objective)
+        == (Algorithm::Msfoa, Objective::Operational)
+        && context.options.classes;
+    // Within the limits the margins may be missed: verification judges, and says where it failed.
+    let has_failed = !context.extra.is_empty();
+    let judged = if has_failed {
+        first.strict
+    } else {
+        first.terms
+    };
+    if !is_default || keeps_static_limits(&judged) {
+        return first;
+    }
+    let Some(homotopy) = corridors(context) else {
+        return first;
+    };
+    let mut controls = needed_controls(context, &homotopy);
+    loop {
+        let spec = with_free_controls(context.spec, controls);
+        let context = RouteContext {
+            spec: &spec,
+            ..*context
+        };
+        let seeds = fits(&context, &homotopy);
+        let fitted = found_among(&context, splines(&context, &seeds), first.evaluations);
+        if keeps_static_limits(&fitted.strict) {
+            return searched_from(&context, run, &homotopy, (seeds, fitted));
+        }
+        if controls == MAX_CONTROLS {
+            return first;
+        }
+        controls = times_more(controls).min(MAX_CONTROLS);
+    }
+}
+
+/// The better of a fit that keeps the limits and of what is found from it and others.
+fn searched_from(
+    context: &RouteContext<'_>,
+    run: Run<'_>,
+    homotopy: &HomotopyClasses,
+    (seeds, fitted): (Vec<SearchSeed>, Found),
+) -> Found {
+    let budget = run.budget.min(MAX_WORK / context.controls());
+    let (mut splines, evaluations) = swarms(context, Run { budget, ..run }, homotopy, seeds);
+    splines.push(fitted.spline);
+    found_among(context, splines, fitted.evaluations + evaluations)
+}
+
+/// Seeds along the cheapest classes, drawn tight: with control points spread evenly, and gathered
+/// where the class bends.
+fn fits(context: &RouteContext<'_>, homotopy: &HomotopyClasses) -> Vec<SearchSeed> {
+    let parameters = context.parameters(context.samples());
+    let rows = Sampled::new(context, context.margins, &parameters).rows();
+    let fitter = Fitter::new(rows, parameters, context.controls());
+    let tightener = Tightener::new(&fitter, context.ends_at());
+    let frame = context.frame();
+    let fitted = |class: &HomotopyClass| {
+        let field_cost = FieldCost {
+            ground: &homotopy.grounds[class.field],
+            threats: &[],
+            wider_m: 0.0,
+            price: (0.0, 0.0),
+        };
+        let line = Line::new(class.line.clone());
+        let warps = warps(context, &line);
+        let tight = |warp: &Warp| {
+            let free = tightener.tighten(&field_cost, &fitter.fit(&line, warp));
+            seed_at(&frame, frame.shares(free), line.length_m(), class.signature)
+        };
+        warps.iter().map(tight).collect::<Vec<_>>()
+    };
+    let classes = homotopy.classes.par_iter().take(JUDGED_CLASSES);
+    classes.flat_map_iter(fitted).collect()
+}
+
+/// Ways to spread control points along a line.
+fn warps(context: &RouteContext<'_>, line: &Line) -> Vec<Warp> {
+    let radius_m = VehicleLimits::of(context.vehicle()).turn_radius_m;
+    let corners = line.corners(0.5 * radius_m);
+    let gathered = GATHERED.iter().map(|&(each, radii)| {
+        let width = (radii * radius_m / line.length_m().max(1e-9)).min(0.25);
+        Warp::at_corners(&corners, width, (each, context.controls()))
+    });
+    gathered.chain([Warp::even()]).collect()
+}
+
+/// The splines of seeds at the altitudes that are judged.
+fn splines(context: &RouteContext<'_>, seeds: &[SearchSeed]) -> Vec<Spline> {
+    let (frame, fine) = (context.frame(), fine(context));
+    let spline = |seed: &SearchSeed| fine.spline(frame.positions(&seed.mean));
+    seeds.par_iter().map(spline).collect()
+}
+
+/// Whether a path keeps all limits but the distance from other vehicles.
+fn keeps_static_limits(strict: &CostTerms) -> bool {
+    let alone = CostTerms {
+        collision: 0.0,
+        ..*strict
+    };
+    alone.is_clean()
+}
+
+/// Control points that the corners of the cheapest corridor need, at least those of the spec.
+fn needed_controls(context: &RouteContext<'_>, homotopy: &HomotopyClasses) -> usize {
+    let radius_m = VehicleLimits::of(context.vehicle()).turn_radius_m;
+    let corners = homotopy.classes.first().map_or(0, |class| {
+        Line::new(class.line.clone()).corners(0.5 * radius_m).len()
+    });
+    (PER_CORNER * corners + 4)
+        .max(context.spec.planner.control_points)
+        .min(MAX_CONTROLS)
+}
+
+fn times_more(controls: usize) -> usize {
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a few hundred"
+    )]
+    let more = (MORE * controls as f64).ceil() as usize;
+    more
+}
