@@ -123,7 +123,8 @@ struct Standing {
 #[derive(Debug)]
 pub struct Alarms<'a> {
     spec: &'a MissionSpec,
-    world: &'a World,
+    /// Without buffers: a flight is held against the limits alone.
+    world: World,
     us: Address,
     speedup: f64,
     vehicles: Vec<Watched<'a>>,
@@ -141,7 +142,7 @@ impl<'a> Alarms<'a> {
     #[must_use]
     pub fn new(
         spec: &'a MissionSpec,
-        world: &'a World,
+        world: &World,
         fleet: Vec<Watch<'a>>,
         us: Address,
         speedup: f64,
@@ -160,7 +161,7 @@ impl<'a> Alarms<'a> {
         };
         Self {
             spec,
-            world,
+            world: world.without_buffers(spec),
             us,
             speedup,
             vehicles: fleet.into_iter().map(watched).collect(),
