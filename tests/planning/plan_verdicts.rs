@@ -192,7 +192,10 @@ fn a_wall_thinner_than_any_cell_is_passed_at_its_open_end_or_through_its_gap() {
         let found = dispatched(&spec, &world(&spec));
         let vehicle = &found.plan.vehicles[0];
         assert!(vehicle.terms.is_clean(), "{:?}", vehicle.terms);
-        assert!(vehicle.terms.length > 1.01 * vehicle.bound);
+        let ends = [spec.vehicles[0].start.place, spec.vehicles[0].goal.place];
+        let [from, to] = ends.map(|end| spec.frame.to_plan(end));
+        assert!(1000.0 * vehicle.terms.length > 1.01 * from.distance_m(to));
+        assert!(vehicle.bound <= vehicle.terms.total());
         assert!(found.review.passes());
     };
     for width_m in [0.5, 2.0, 10.0, 60.0] {
@@ -378,21 +381,17 @@ fn a_pass_narrower_than_a_turn_names_the_turn_and_one_that_fits_does_pass() {
 }
 
 #[test]
-fn who_needs_more_control_points_is_told_how_many_and_that_is_right() {
+fn too_few_control_points_are_made_as_many_as_the_route_needs() {
     let mut spec = offset_gaps(18.0, 400.0, 0.002);
     spec.planner.control_points = 5;
     spec.planner.evaluations = 20_000;
     let world = world(&spec);
     let found = dispatched(&spec, &world);
-    let relaxations = found.plan.vehicles[0].relaxations.clone();
-    let relaxations = relaxations.expect("they were looked for");
-    assert!(!relaxations.is_empty());
-    for relaxation in &relaxations {
-        if let [Change::ControlPoints(count)] = relaxation.0[..] {
-            spec.planner.control_points = count;
-            assert!(dispatched(&spec, &world).plan.vehicles[0].terms.is_clean());
-        }
-    }
+    let vehicle = &found.plan.vehicles[0];
+    assert!(vehicle.terms.is_clean(), "{:?}", vehicle.terms);
+    assert!(found.review.passes());
+    // Start and goal besides the five.
+    assert!(vehicle.routes[0].control_points.len() > 7);
 }
 
 #[test]

@@ -152,7 +152,7 @@ fn the_fields_are_where_the_dialect_has_them() {
                 "hdg: 65535",
             ],
             "SYS_STATUS" => &[
-                "onboard_control_sensors_health: MAV_SYS_STATUS_SENSOR_3D_GYRO",
+                "onboard_control_sensors_health: MavSysStatusSensor(MAV_SYS_STATUS_SENSOR_3D_GYRO)",
                 "voltage_battery: 12600",
                 "battery_remaining: 87",
             ],
