@@ -17,7 +17,7 @@ vehicles:
 /// A national feed of ED-269: 30 boxes in the area, the others in rows to the north of it.
 fn feed(zones: usize) -> String {
     let zone = |index: usize| {
-        let number = |value: usize| f64::from(u32::try_from(value).unwrap());
+        let number = |value: usize| f64::from(u32::try_from(value).expect("a small number"));
         let (lat, lon) = match index {
             0..30 => (36.39, -84.39 + 0.009 * number(index)),
             _ => (

@@ -109,8 +109,8 @@ fn commands(of: &[&str]) -> Vec<String> {
 /// Documents with command lines, by name.
 fn documents() -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let guide = fs::read_dir(root.join("src/guide")).unwrap();
-    let pages = guide.map(|entry| entry.unwrap().path());
+    let guide = fs::read_dir(root.join("src/guide")).expect("a folder");
+    let pages = guide.map(|entry| entry.expect("an entry").path());
     let pages = pages.filter(|path| path.extension().is_some_and(|is| is == "md"));
     [root.join("README.md")]
         .into_iter()
@@ -118,7 +118,7 @@ fn documents() -> Vec<(String, String)> {
         .map(|path| {
             (
                 path.display().to_string(),
-                fs::read_to_string(path).unwrap(),
+                fs::read_to_string(path).expect("a page"),
             )
         })
         .collect()
