@@ -156,7 +156,7 @@ fn the_fields_are_where_the_dialect_has_them() {
                 "voltage_battery: 12600",
                 "battery_remaining: 87",
             ],
-            "GPS_RAW_INT" => &["FIX_3D_FIX", "satellites_visible: 11"],
+            "GPS_RAW_INT" => &["GPS_FIX_TYPE_3D_FIX", "satellites_visible: 11"],
             "BATTERY_STATUS" => &["id: 1", "battery_remaining: 45"],
             "FENCE_STATUS" => &[
                 "breach_count: 2",
