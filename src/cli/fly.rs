@@ -13,12 +13,12 @@ mod socket;
 use std::path::{Path, PathBuf};
 
 use super::args;
-use super::folder::{self, runs};
+use super::folder::{self, missions, runs};
+use super::links;
 use super::print::console::{Paint, note, note_lines, out, out_json_text};
 use super::print::failure::Failure;
+use super::print::flight::report;
 use super::print::table;
-use super::review;
-use super::transfer::upload;
 use crate::flight::{
     self, Driver, Fleet, FlightError, FlightPlan, Journal, Line, Options, Outcome, Underway,
 };
@@ -34,7 +34,6 @@ use no_session::Socket;
 pub(super) use no_session::attach;
 pub(super) use resume::take_over;
 use screen::Screen;
-pub(super) use show::report;
 #[cfg(unix)]
 use socket::Socket;
 
@@ -48,10 +47,10 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     }
     let folder = runs::folder(&plan.folder);
     let _lock = runs::hold(&folder, "fly")?;
-    let given = upload::links(&plan.file, &arguments.link)?;
+    let given = links::given(&plan.file, &arguments.link)?;
     let missions = plan.missions.iter();
     let mut links: Vec<Link> = missions
-        .map(|(index, _)| upload::link_of(&plan.file, *index, &given).clone())
+        .map(|(index, _)| links::link_of(&plan.file, *index, &given).clone())
         .collect();
     let simulated = plan.simulate(&mut links, arguments.noise, arguments.speedup)?;
     let vehicles = plan.missions.iter().map(|(index, _)| plan.vehicle(*index));
@@ -137,11 +136,11 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
 
 /// The plan in a folder, verified again.
 pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
-    let (file, files, folder) = upload::from_folder(&[folder], false)?;
+    let (file, files, folder) = missions::from_folder(&[folder], false)?;
     flight::refuse_shared_sysids(&file.spec)?;
     refuse_times(&file)?;
     let world = world::load(&file)?;
-    let missions = review::read(&file, &files)?;
+    let missions = missions::read(&file, &files)?;
     let plan = FlightPlan::verify(file, folder, world, missions);
     if let Err(FlightError::Rejected(review)) = &plan {
         note_lines(&table::failures(review, Paint::for_stdout()));
@@ -188,7 +187,7 @@ fn end(
     if json {
         out_json_text(&judged.json)?;
     } else {
-        show::report(&judged.report)?;
+        report(&judged.report)?;
         let document = driver.record_path().with_extension("json");
         out(&document.display().to_string())?;
     }

@@ -6,6 +6,7 @@ mod convert;
 mod evaluate;
 mod fly;
 mod folder;
+mod links;
 mod man;
 mod migrate;
 mod new;

@@ -3,10 +3,10 @@
 use super::args;
 use super::fly;
 use super::folder::runs;
+use super::links;
 use super::print::console::{Paint, note, out, out_lines};
 use super::print::failure::Failure;
 use super::print::table::{self, Rows};
-use super::transfer::upload;
 use crate::flight::replan::{self, Decision, Outcomes, Replanner};
 use crate::flight::{FlightError, FlightPlan, Line, Notice, PopUp, Underway, unix_ms};
 use crate::formats::write_file;
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &args::Replan) -> Result<(), Failure> {
         threat: threat.clone(),
     };
     let supported = replan::refuse_unsupported(plan.spec()).map_err(Failure::from);
-    let linked = supported.and_then(|()| upload::links_under_way(&plan, &arguments.link, &notice));
+    let linked = supported.and_then(|()| links::under_way(&plan, &arguments.link, &notice));
     if let Ok(links) = &linked {
         refuse_taken_ports(&plan, links)?;
     }

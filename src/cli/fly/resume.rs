@@ -2,8 +2,8 @@
 
 use super::{POSITION_S, Screen};
 use crate::cli::folder::{self, runs};
+use crate::cli::links;
 use crate::cli::print::failure::Failure;
-use crate::cli::transfer::upload;
 use crate::flight::{Driver, Fleet, FlightPlan, Interrupted, Options, Outcome, Underway, unix_ms};
 use crate::link::Links;
 use crate::spec::Link;
@@ -31,7 +31,7 @@ pub(in crate::cli) fn take_over(
         );
         return Err(Failure::new(Failure::INPUT, message));
     }
-    let links = upload::links_under_way(plan, links, &underway.notice)?;
+    let links = links::under_way(plan, links, &underway.notice)?;
     let systems = links
         .iter()
         .map(|(index, link)| (plan.vehicle(*index).sysid, link));

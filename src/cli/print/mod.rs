@@ -2,6 +2,7 @@
 
 pub(super) mod console;
 pub(super) mod failure;
+pub(super) mod flight;
 pub(super) mod overview;
 pub(super) mod progress;
 pub(super) mod table;

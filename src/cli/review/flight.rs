@@ -4,12 +4,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::cli::args;
-use crate::cli::fly;
-use crate::cli::folder;
-use crate::cli::folder::replace;
+use crate::cli::folder::{self, missions, replace};
 use crate::cli::print::console::{note, out_json};
 use crate::cli::print::failure::Failure;
-use crate::cli::review;
+use crate::cli::print::flight::report;
 use crate::flight::{self, Capture, Fix, Plan, Record, Reference, Waypoint};
 use crate::mission::VehicleMission;
 use crate::numeric::text::{open_regular, read_regular};
@@ -59,7 +57,7 @@ pub(crate) fn run(
     let missions = if missions.is_empty() {
         Vec::new()
     } else {
-        review::read(&file, &review::assign(&file, missions.iter(), &[])?)?
+        missions::read(&file, &missions::assign(&file, missions.iter(), &[])?)?
     };
     let record = if path.extension().is_some_and(|ending| ending == "tlog") {
         capture(path, &file, &world, &missions)?
@@ -261,7 +259,7 @@ fn deliver(
         let document = flight::flight_json(record, &judged);
         out_json(&document)?;
     } else {
-        fly::report(&judged)?;
+        report(&judged)?;
     }
     if judged.passes() {
         return Ok(());

@@ -4,12 +4,11 @@ pub(super) mod flight;
 mod folders;
 pub(super) mod without_spec;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::args;
-use super::folder;
-use super::folder::replace;
+use super::folder::missions::assign;
+use super::folder::{self, replace};
 use super::print::console::{Paint, note, out, out_json, out_lines};
 use super::print::failure::Failure;
 use super::print::table;
@@ -21,9 +20,6 @@ use crate::spec::SpecFile;
 use crate::verify;
 use crate::world;
 use without_spec::Subject;
-
-/// The mission file of each vehicle, by index in the spec.
-pub(super) type Files = BTreeMap<usize, PathBuf>;
 
 /// Most repairs of one file that are printed one by one.
 const MAX_REPAIRS: usize = 20;
@@ -351,75 +347,6 @@ fn named(arguments: &[String]) -> Result<Vec<(&str, PathBuf)>, Failure> {
                 format!("--vehicle {argument}: not of the form ID=FILE"),
             )),
         })
-        .collect()
-}
-
-/// Assigns each file to its vehicle: `<id>.*` by name, others as `--vehicle` says.
-pub(super) fn assign<'a>(
-    file: &SpecFile,
-    paths: impl Iterator<Item = &'a PathBuf>,
-    named: &[(&str, PathBuf)],
-) -> Result<Files, Failure> {
-    let ids = || {
-        file.spec
-            .vehicles
-            .iter()
-            .map(|v| v.id.as_str())
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let mut files = Files::new();
-    let mut add = |vehicle: usize, path: PathBuf| match files.insert(vehicle, path.clone()) {
-        None => Ok(()),
-        Some(other) => Err(Failure::new(
-            Failure::USAGE,
-            format!(
-                "{} and {} are both for {}: name one",
-                other.display(),
-                path.display(),
-                file.spec.vehicles[vehicle].id
-            ),
-        )),
-    };
-    for (id, path) in named {
-        let vehicle = file
-            .spec
-            .vehicles
-            .iter()
-            .position(|vehicle| vehicle.id == *id);
-        let unknown = || {
-            Failure::new(
-                Failure::USAGE,
-                format!("no vehicle {id} in the spec (there are: {})", ids()),
-            )
-        };
-        add(vehicle.ok_or_else(unknown)?, path.clone())?;
-    }
-    for path in paths {
-        let vehicle = folder::vehicle_of(path, file).ok_or_else(|| {
-            let message = format!(
-                "{}: for which vehicle? Use --vehicle ID=FILE (there are: {})",
-                path.display(),
-                ids()
-            );
-            Failure::new(Failure::USAGE, message)
-        })?;
-        add(vehicle, path.clone())?;
-    }
-    if files.is_empty() {
-        return Err(Failure::new(Failure::USAGE, "no mission files given"));
-    }
-    Ok(files)
-}
-
-/// Reads the mission of each vehicle, in the order of the spec.
-pub(super) fn read(
-    file: &SpecFile,
-    files: &Files,
-) -> Result<Vec<(usize, VehicleMission)>, Failure> {
-    files
-        .iter()
-        .map(|(vehicle, path)| Ok((*vehicle, folder::read_mission(path, file, *vehicle)?)))
         .collect()
 }
 

@@ -1,21 +1,18 @@
 //! `sortie upload`: verify again, transfer, read back, compare, one table.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use super::delivery::Delivery;
 use crate::cli::args;
-use crate::cli::folder;
-use crate::cli::folder::runs;
+use crate::cli::folder::{self, missions, runs};
+use crate::cli::links::{self, link_of};
 use crate::cli::print::console::{Paint, note, note_lines, out, out_json, out_lines};
 use crate::cli::print::failure::Failure;
 use crate::cli::print::overview::Overview;
 use crate::cli::print::progress::Progress;
 use crate::cli::print::table;
 use crate::cli::print::table::Rows;
-use crate::cli::review;
-use crate::flight::{FlightPlan, Notice};
 use crate::link::{self, Job, Tlog};
 use crate::mission::VehicleMission;
 use crate::simulator;
@@ -27,7 +24,7 @@ use crate::world;
 pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
     let (file, files, target) = match &arguments.spec {
         Some(spec) => from_files(spec, arguments)?,
-        None => from_folder(&arguments.paths, arguments.force).map_err(|refusal| {
+        None => missions::from_folder(&arguments.paths, arguments.force).map_err(|refusal| {
             let way_out = match refusal.code {
                 Failure::VERDICT => " (--force overrides)",
                 _ => "",
@@ -35,9 +32,9 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
             Failure::new(refusal.code, refusal.message + way_out)
         })?,
     };
-    let links = links(&file, &arguments.link)?;
+    let links = links::given(&file, &arguments.link)?;
     let world = world::load(&file)?;
-    let missions = review::read(&file, &files)?;
+    let missions = missions::read(&file, &files)?;
     let judged: Vec<(usize, &VehicleMission)> = missions.iter().map(|(v, m)| (*v, m)).collect();
     let review = verify::review(&file.spec, &world, &judged);
     for text in verify::distant_from_area(&file.spec, &judged) {
@@ -83,9 +80,9 @@ pub(crate) fn run(arguments: &args::Upload) -> Result<(), Failure> {
 fn from_files(
     spec: &Path,
     arguments: &args::Upload,
-) -> Result<(SpecFile, review::Files, PathBuf), Failure> {
+) -> Result<(SpecFile, missions::Files, PathBuf), Failure> {
     let file = SpecFile::read(spec)?;
-    let files = review::assign(&file, arguments.paths.iter(), &[])?;
+    let files = missions::assign(&file, arguments.paths.iter(), &[])?;
     if !arguments.force {
         refuse_rejected(files.values())?;
     }
@@ -99,54 +96,6 @@ fn from_files(
     Ok((file, files, target))
 }
 
-/// The spec and the missions of a folder that `plan` wrote.
-pub(crate) fn from_folder(
-    paths: &[PathBuf],
-    force: bool,
-) -> Result<(SpecFile, review::Files, PathBuf), Failure> {
-    let [folder] = paths else {
-        return Err(Failure::new(
-            Failure::USAGE,
-            "one folder at a time; for files, name their spec with --spec",
-        ));
-    };
-    if !folder.is_dir() {
-        let message = format!(
-            "{}: not a folder; for files, name their spec with --spec",
-            folder.display()
-        );
-        return Err(Failure::new(Failure::INPUT, message));
-    }
-    let file = SpecFile::read(&folder.join("spec.yaml"))?;
-    let mut files = review::Files::new();
-    for (index, vehicle) in file.spec.vehicles.iter().enumerate() {
-        let accepted = folder.join(format!("{}.plan", vehicle.id));
-        let rejected = folder.join(format!("{}{}.plan", vehicle.id, folder::REJECTED));
-        let path = match (accepted.is_file(), rejected.is_file()) {
-            (true, _) => accepted,
-            (false, true) if force => rejected,
-            (false, true) => {
-                let message = format!(
-                    "{} was rejected by verification; nothing was sent",
-                    rejected.display()
-                );
-                return Err(Failure::new(Failure::VERDICT, message));
-            }
-            (false, false) => {
-                return Err(Failure::new(
-                    Failure::INPUT,
-                    format!("{} is missing", accepted.display()),
-                ));
-            }
-        };
-        files.insert(index, path);
-    }
-    if !force {
-        folder::refuse_edited(folder, &file, &files)?;
-    }
-    Ok((file, files, folder.clone()))
-}
-
 /// A mission that was rejected is not taken under another command either.
 fn refuse_rejected<'a>(mut files: impl Iterator<Item = &'a PathBuf>) -> Result<(), Failure> {
     match files.find(|path| folder::is_rejected(path)) {
@@ -157,61 +106,6 @@ fn refuse_rejected<'a>(mut files: impl Iterator<Item = &'a PathBuf>) -> Result<(
             Err(Failure::new(Failure::VERDICT, message))
         }
     }
-}
-
-/// Links from the command line, by the index of their vehicle.
-pub(crate) fn links(file: &SpecFile, arguments: &[String]) -> Result<Vec<(usize, Link)>, Failure> {
-    let usage = |message: String| Failure::new(Failure::USAGE, message);
-    arguments
-        .iter()
-        .map(|argument| {
-            let (id, address) = argument
-                .split_once('=')
-                .ok_or_else(|| usage(format!("--link {argument}: not of the form ID=ADDR")))?;
-            let vehicle = file
-                .spec
-                .vehicles
-                .iter()
-                .position(|vehicle| vehicle.id == id);
-            let vehicle = vehicle
-                .ok_or_else(|| usage(format!("--link {argument}: no vehicle {id} in the spec")))?;
-            let link = Link::parse(address).ok_or_else(|| {
-                usage(format!(
-                    "--link {argument}: no such link (allowed: {})",
-                    Link::ALLOWED
-                ))
-            })?;
-            Ok((vehicle, link))
-        })
-        .collect()
-}
-
-/// The addresses of vehicles in flight: from the command line, else from the running `fly`, else
-/// from the spec.
-pub(crate) fn links_under_way(
-    plan: &FlightPlan,
-    arguments: &[String],
-    notice: &Notice,
-) -> Result<Vec<(usize, Link)>, Failure> {
-    let given = links(&plan.file, arguments)?;
-    let mut found = Vec::new();
-    for (index, _) in &plan.missions {
-        let id = &plan.vehicle(*index).id;
-        let announced = notice.links.get(id).and_then(|link| Link::parse(link));
-        let is_given = given.iter().any(|(of, _)| of == index);
-        let link = match announced {
-            Some(link) if !is_given => link,
-            _ => link_of(&plan.file, *index, &given).clone(),
-        };
-        if link == Link::Sim {
-            let message = format!(
-                "{id}: its simulated vehicle does not run (`sortie fly` starts it, or `sortie vehicles` with --link)"
-            );
-            return Err(Failure::new(Failure::TRANSFER, message));
-        }
-        found.push((*index, link));
-    }
-    Ok(found)
 }
 
 fn print_dry_run(
@@ -236,15 +130,6 @@ fn print_dry_run(
     out("nothing was sent (--dry-run)")
 }
 
-pub(crate) fn link_of<'a>(
-    file: &'a SpecFile,
-    vehicle: usize,
-    links: &'a [(usize, Link)],
-) -> &'a Link {
-    let given = links.iter().rev().find(|(of, _)| *of == vehicle);
-    given.map_or(&file.spec.vehicles[vehicle].link, |(_, link)| link)
-}
-
 /// Transfers to every vehicle at once. Simulated vehicles are started inside
 /// this process and reached over UDP on loopback like any other.
 pub(crate) fn deliver(
@@ -254,7 +139,7 @@ pub(crate) fn deliver(
     force: bool,
     tlog: Option<&Path>,
 ) -> Result<Delivery, Failure> {
-    distinct_on_links(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
+    links::refuse_shared(file, missions.iter().map(|(vehicle, _)| *vehicle), links)?;
     let capture = tlog.map(begin_capture).transpose()?;
     let mut simulated: Vec<Running> = Vec::new();
     let mut resolved: Vec<Link> = Vec::new();
@@ -300,31 +185,6 @@ pub(crate) fn deliver(
     Ok(Delivery { reports })
 }
 
-/// Vehicles on one link need different system ids.
-fn distinct_on_links(
-    file: &SpecFile,
-    vehicles: impl Iterator<Item = usize>,
-    links: &[(usize, Link)],
-) -> Result<(), Failure> {
-    let mut seen = BTreeMap::new();
-    for vehicle in vehicles {
-        let this = &file.spec.vehicles[vehicle];
-        let link = link_of(file, vehicle, links);
-        // Every simulated vehicle has a link of its own.
-        if *link == Link::Sim {
-            continue;
-        }
-        if let Some(other) = seen.insert((link.to_string(), this.sysid), &this.id) {
-            let message = format!(
-                "{other} and {} have one system id, {}, on one link, {link}; nothing was sent",
-                this.id, this.sysid
-            );
-            return Err(Failure::new(Failure::INPUT, message));
-        }
-    }
-    Ok(())
-}
-
 /// A capture in a file, or in a folder under the time of its beginning.
 fn begin_capture(path: &Path) -> Result<Tlog, Failure> {
     let path = if path.is_dir() {
@@ -350,52 +210,4 @@ fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result
             format!("{}: the simulated vehicle does not start: {error}", this.id),
         )
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const LARGE: &str = "\
-sortie: 1
-name: large
-area:
-  south_west: {lat: 36.20, lon: -84.40}
-  north_east: {lat: 36.40, lon: -84.10}
-  min_agl_m: 60
-  max_amsl_m: 1500
-terrain: {flat: {amsl_m: 300}}
-fleet:
-  id: d{n}
-  start_grid: {south_west: {lat: 36.21, lon: -84.39}, rows: 5, columns: 50, spacing_m: 150}
-  goal_grid: {south_west: {lat: 36.30, lon: -84.39}, rows: 5, columns: 50, spacing_m: 150}
-  defaults: {autopilot: px4, link: sim, start: {agl_m: 80}, goal: {agl_m: 80}, finish: land, speed_mps: 12}
-";
-
-    #[test]
-    fn one_system_id_on_one_link_is_one_vehicle_too_many() {
-        let file = SpecFile::parse(Path::new("large.yaml"), LARGE.to_owned()).unwrap();
-        let sysid = |index: usize| file.spec.vehicles[index].sysid;
-        assert_eq!(
-            (file.spec.vehicles.len(), sysid(0), sysid(240)),
-            (250, 1, 1)
-        );
-        let all = || 0..file.spec.vehicles.len();
-        assert!(
-            distinct_on_links(&file, all(), &[]).is_ok(),
-            "each has its own"
-        );
-        let to = |index: usize, port: u16| (index, Link::UdpOut(format!("127.0.0.1:{port}")));
-        assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(240, 14551)]).is_ok());
-        assert!(distinct_on_links(&file, all(), &[to(0, 14550), to(239, 14550)]).is_ok());
-        let refused = distinct_on_links(&file, all(), &[to(0, 14550), to(240, 14550)]);
-        let message = refused.unwrap_err().message;
-        assert!(
-            message.contains("d1 and d241 have one system id, 1"),
-            "{message}"
-        );
-        let refused = crate::flight::refuse_shared_sysids(&file.spec);
-        let message = refused.unwrap_err().to_string();
-        assert!(message.contains("d1 and d241"), "{message}");
-    }
 }

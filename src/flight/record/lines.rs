@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Fix, Flown, Plan, PopUp};
 use crate::flight::conformance::reference::{Reference, Waypoint};
 use crate::flight::document::rounded;
-use crate::flight::session::Event;
+use crate::flight::event::Event;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};
 use crate::spec::{AlarmKind, THREAT_RADIUS_M, Threat};
 

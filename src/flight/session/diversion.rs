@@ -1,7 +1,7 @@
 //! A vehicle in flight is given another mission and goes on with it, without a stop.
 
-use super::pending_command::{Answer, PendingCommand, is_for};
-use super::set_current::Setting;
+use super::command::pending::{Answer, PendingCommand, is_for};
+use super::command::set_current::Setting;
 use crate::flight::conformance::leg::leg_at;
 use crate::flight::conformance::proof::CROSS_TRACK_M;
 use crate::geodesy::{Amsl, LatLon, LocalFrame, PlanPoint};

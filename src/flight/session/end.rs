@@ -1,5 +1,9 @@
 //! How a flight ends.
 
+/// A flight that has not ended this share and this many seconds after its planned end has failed.
+pub(in crate::flight) const LATE_SHARE: f64 = 0.25;
+pub(in crate::flight) const LATE_S: f64 = 90.0;
+
 /// How the flight of one vehicle ended.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum End {

@@ -3,13 +3,13 @@
 mod answer;
 pub(super) mod arrival;
 pub(super) mod clock;
+pub(super) mod command;
 pub(super) mod diversion;
 pub(super) mod driver;
 pub(super) mod end;
 pub(super) mod modes;
 pub(super) mod orbit;
-pub(super) mod pending_command;
-pub(super) mod set_current;
+mod start;
 pub(super) mod status;
 mod takeover;
 pub(super) mod vehicle;
@@ -17,11 +17,12 @@ pub(super) mod vehicle;
 use std::collections::VecDeque;
 
 use super::alarms::{Alarm, Alarms};
+use super::event::Event;
 use super::record::Flown;
 use crate::link::{Address, Heartbeat, Message, Time};
 use crate::spec::{AlarmKind, OnAlarm};
-use end::End;
-use vehicle::{ARMING_MS, Assignment, FlightVehicle, Instruction, Stage};
+use end::{End, LATE_S, LATE_SHARE};
+use vehicle::{Assignment, FlightVehicle, Instruction, Stage};
 
 /// Between two looks at everything, milliseconds.
 const TICK_MS: u64 = 20;
@@ -30,13 +31,8 @@ const HEARTBEAT_MS: u64 = 1000;
 /// A vehicle that was silent for so long is lost: seconds of flight, and of the wall's clock.
 const LOST_FLIGHT_S: f64 = 5.0;
 const LOST_WALL_MS: f64 = 2500.0;
-/// After the time for arming heartbeats are waited for this long, milliseconds.
-const CONFIRMING_MS: u64 = 10_000;
 /// A longer time between two steps of the driver is a stop of this program, milliseconds.
 const STOPPED_MS: u64 = 2000;
-/// A flight that has not ended this share and this many seconds after its planned end has failed.
-pub(super) const LATE_SHARE: f64 = 0.25;
-pub(super) const LATE_S: f64 = 90.0;
 
 /// How a fleet is flown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,30 +58,6 @@ pub enum Intervention {
     Land,
     /// Everyone is left to fly on, unwatched.
     Leave,
-}
-
-/// Something that an operator wants to read.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Event {
-    /// Seconds after T0; none before it.
-    pub t_s: Option<f64>,
-    /// Whom it is about; none for all.
-    pub vehicle: Option<String>,
-    /// What.
-    pub text: String,
-    /// Of an alarm, which.
-    pub alarm: Option<AlarmMark>,
-}
-
-/// Which alarm an event is about.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AlarmMark {
-    /// What it is about.
-    pub kind: AlarmKind,
-    /// The other vehicle of a separation.
-    pub other: Option<String>,
-    /// Whether it begins; else it is over.
-    pub is_raised: bool,
 }
 
 /// How it came out.
@@ -323,7 +295,7 @@ impl<'a> Fleet<'a> {
 
     fn say(&mut self, now: Time, vehicle: Option<String>, text: String) {
         let t_s = self.t_s(now);
-        self.events.push_back(event(t_s, vehicle, text));
+        self.events.push_back(Event::new(t_s, vehicle, text));
     }
 
     /// What the vehicles have to send and to say.
@@ -339,90 +311,12 @@ impl<'a> Fleet<'a> {
             if let Some(text) = vehicle.still_armed.as_ref().filter(|_| !vehicle.is_warned) {
                 vehicle.is_warned = true;
                 let (vehicle, text) = (None, text.clone());
-                self.events.push_back(event(t_s, vehicle, text));
+                self.events.push_back(Event::new(t_s, vehicle, text));
             }
             while let Some(text) = vehicle.poll_said() {
                 let vehicle = Some(vehicle.of.vehicle.to_owned());
-                self.events.push_back(event(t_s, vehicle, text));
+                self.events.push_back(Event::new(t_s, vehicle, text));
             }
-        }
-    }
-
-    fn refusals(&self) -> Vec<(String, String)> {
-        self.vehicles
-            .iter()
-            .flat_map(|vehicle| match &vehicle.stage {
-                Stage::Refused(problems) => problems
-                    .iter()
-                    .map(|problem| (vehicle.of.vehicle.to_owned(), problem.clone()))
-                    .collect(),
-                _ => Vec::new(),
-            })
-            .collect()
-    }
-
-    /// None is started; whichever vehicle may be armed is disarmed first.
-    fn abandon(&mut self, now: Time, why: Vec<(String, String)>) {
-        if matches!(self.phase, Phase::Abandoning | Phase::Ended) {
-            return;
-        }
-        self.refusals = why;
-        for vehicle in self.vehicles.iter_mut().filter(|c| c.may_be_armed()) {
-            vehicle.disarm(None);
-        }
-        self.phase = Phase::Abandoning;
-        self.gather(now);
-        self.look_whether_all_are_disarmed();
-    }
-
-    fn look_whether_all_are_disarmed(&mut self) {
-        let disarms = |c: &FlightVehicle<'_>| matches!(c.stage, Stage::Disarming(_));
-        if self.vehicles.iter().any(disarms) {
-            return;
-        }
-        let mut why = std::mem::take(&mut self.refusals);
-        let armed = self.vehicles.iter().filter_map(|c| c.still_armed.clone());
-        why.extend(armed.map(|text| (String::new(), text)));
-        self.outcome = Some(Outcome::NotStarted(why));
-        self.phase = Phase::Ended;
-    }
-
-    fn look_whether_all_are_ready(&mut self, now: Time) {
-        let is_checked =
-            |vehicle: &FlightVehicle<'_>| matches!(vehicle.stage, Stage::Ready | Stage::Refused(_));
-        if !self.vehicles.iter().all(is_checked) {
-            return;
-        }
-        let refusals = self.refusals();
-        if !refusals.is_empty() {
-            return self.abandon(now, refusals);
-        }
-        self.say(now, None, "all are ready".to_owned());
-        self.vehicles
-            .iter_mut()
-            .for_each(|vehicle| vehicle.arm(now));
-        let until = now + ARMING_MS + CONFIRMING_MS;
-        self.phase = Phase::Arming { until };
-    }
-
-    /// T0 is when a fresh heartbeat of every vehicle shows it armed.
-    fn look_whether_all_are_armed(&mut self, now: Time, until: Time) {
-        let refusals = self.refusals();
-        if !refusals.is_empty() {
-            return self.abandon(now, refusals);
-        }
-        let speedup = self.options.speedup;
-        let waits = |c: &&FlightVehicle<'_>| !c.is_armed_now(now, speedup);
-        let waiting = self.vehicles.iter().filter(waits);
-        let waiting: Vec<String> = waiting.map(|c| c.of.vehicle.to_owned()).collect();
-        if waiting.is_empty() {
-            let t0_ms = self.flight_ms(now);
-            self.phase = Phase::Flying { t0_ms };
-            self.say(now, None, "all are armed: T0".to_owned());
-        } else if now >= until {
-            let why = "no fresh heartbeat shows it armed";
-            let refusals = waiting.into_iter().map(|id| (id, why.to_owned()));
-            self.abandon(now, refusals.collect());
         }
     }
 
@@ -519,15 +413,6 @@ impl<'a> Fleet<'a> {
     /// The next time that this program was stopped for: from, until, seconds after T0.
     pub(super) fn poll_stop(&mut self) -> Option<(f64, f64)> {
         self.stops.pop_front()
-    }
-}
-
-fn event(t_s: Option<f64>, vehicle: Option<String>, text: String) -> Event {
-    Event {
-        t_s,
-        vehicle,
-        text,
-        alarm: None,
     }
 }
 

@@ -11,10 +11,10 @@ mod texts;
 use std::collections::VecDeque;
 
 use super::clock::Offset;
+use super::command::pending::{Answer, PendingCommand, is_for};
 use super::end::End;
 use super::modes;
 use super::orbit::Orbit;
-use super::pending_command::{Answer, PendingCommand, is_for};
 use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;

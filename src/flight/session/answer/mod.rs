@@ -1,8 +1,9 @@
 //! Alarms of a fleet in flight, and what is done at each.
 
 use super::vehicle::{Instruction, Stage};
-use super::{AlarmMark, Event, Fleet, Phase};
+use super::{Fleet, Phase};
 use crate::flight::alarms::{Alarm, Alarms, Duty, Watch};
+use crate::flight::event::{AlarmMark, Event};
 use crate::flight::record::lines::{PlanLine, ThreatLine};
 use crate::link::{FlightMessage, Message, Time};
 use crate::spec::{Action, AlarmKind, MissionSpec, Who};
