@@ -214,7 +214,14 @@ fn print_fleet(
     delivery: Option<&Delivery>,
 ) -> Result<(), Failure> {
     let (spec, review) = (&file.spec, &dispatched.review);
-    let mut rows = Rows::new(&[
+    let more: Vec<(&'static str, Topic)> = [
+        ("height limit", Topic::Height),
+        ("endurance", Topic::Endurance),
+    ]
+    .into_iter()
+    .filter(|(_, topic)| (review.margins.iter()).any(|margin| margin.limit.topic() == *topic))
+    .collect();
+    let mut heads = vec![
         "vehicle",
         "autopilot",
         "cost",
@@ -224,8 +231,10 @@ fn print_fleet(
         "above ground",
         "threats and zones",
         "separation",
-        "on board",
-    ]);
+    ];
+    heads.extend(more.iter().map(|(head, _)| head));
+    heads.push("on board");
+    let mut rows = Rows::new(&heads);
     let shown = tightest_first(spec, review);
     for &index in &shown {
         let vehicle = &spec.vehicles[index];
@@ -238,7 +247,7 @@ fn print_fleet(
             .map(|(_, mission)| mission.items.len());
         let report = delivery
             .and_then(|delivery| delivery.reports.iter().find(|report| report.vehicle == id));
-        rows.add([
+        let mut cells = vec![
             id.to_owned(),
             table::autopilot(vehicle.autopilot).to_owned(),
             format!("{:.3}", plan.terms.total()),
@@ -248,8 +257,10 @@ fn print_fleet(
             table::tightest(review, id, &[Topic::Clearance]),
             table::tightest(review, id, &[Topic::Threat, Topic::Zone]),
             table::tightest(review, id, &[Topic::Separation]),
-            on_board(review.accepts(id), report),
-        ]);
+        ];
+        cells.extend((more.iter()).map(|(_, topic)| table::tightest(review, id, &[*topic])));
+        cells.push(on_board(review.accepts(id), report));
+        rows.add(cells);
     }
     rows.print()?;
     if shown.len() < spec.vehicles.len() {
@@ -265,7 +276,12 @@ fn print_fleet(
 /// Whether the table of the fleet has a column for a topic.
 fn has_column(topic: Topic) -> bool {
     match topic {
-        Topic::Clearance | Topic::Threat | Topic::Zone | Topic::Separation => true,
+        Topic::Clearance
+        | Topic::Height
+        | Topic::Threat
+        | Topic::Zone
+        | Topic::Endurance
+        | Topic::Separation => true,
         Topic::Other => false,
     }
 }

@@ -79,6 +79,8 @@ impl CostTerms {
 pub struct Margins {
     /// More height above ground, and below the ceiling, metres.
     pub clearance_m: f64,
+    /// Less height above ground than the greatest, metres.
+    pub under_m: f64,
     /// More distance from threats and zones, metres.
     pub threat_m: f64,
     /// More distance from earlier vehicles, horizontal and vertical, metres.
@@ -92,6 +94,19 @@ pub struct Margins {
 }
 
 impl Margins {
+    /// The margins to least and greatest height above ground, smaller in a layer that has no
+    /// space for both, metres.
+    pub(crate) fn within_m(&self, layer_m: f64) -> (f64, f64) {
+        /// Share of a layer that margins may take.
+        const MOST: f64 = 0.8;
+        let both_m = self.clearance_m + self.under_m;
+        let share = match both_m > MOST * layer_m {
+            true => (MOST * layer_m / both_m).max(0.0),
+            false => 1.0,
+        };
+        (share * self.clearance_m, share * self.under_m)
+    }
+
     /// A separation with what is asked for beyond it.
     pub(crate) fn beyond(&self, separation: &Separation) -> Separation {
         Separation {

@@ -10,7 +10,7 @@ use super::traffic::Traffic;
 use super::{Margins, RouteEnds};
 use crate::path::{Flight, VehicleLimits};
 use crate::spec::{MissionSpec, Objective, Weights};
-use crate::world::World;
+use crate::world::{Layer, World};
 
 /// The objective of one route of one vehicle.
 ///
@@ -20,7 +20,8 @@ use crate::world::World;
 /// v_turn + v_climb + v_collision)` of the design, section 4, where besides
 /// - ground is read also between samples, on the spline, at least as densely as
 ///   its grid where that takes no more than four readings a piece;
-/// - height above the ceiling counts as terrain, in the same measure;
+/// - height above the ceiling or above the greatest height over ground, and below the least
+///   altitude, counts as terrain, in the same measure;
 /// - ground without data is a wall beyond the ceiling;
 /// - a zone with a height is closed below it only;
 /// - collision is read at the closest approach within each piece too, so that no
@@ -45,8 +46,12 @@ pub struct CostModel {
     pub(super) slope_share: f64,
     pub(super) min_agl_m: f64,
     pub(super) max_amsl_m: f64,
-    /// Height above ground wanted at each fine sample, metres.
-    pub(super) floor_agl_m: Vec<f64>,
+    /// Least altitude, metres above mean sea level.
+    pub(super) min_amsl_m: f64,
+    /// Least and greatest height above ground wanted at each fine sample, metres.
+    pub(super) agl_m: Vec<[f64; 2]>,
+    /// Whether the least altitude and the greatest height above ground limit anything.
+    pub(super) is_layered: bool,
     /// 1 / max(h_min, 10 m).
     pub(super) per_depth: f64,
     pub(super) straight_km: f64,
@@ -78,7 +83,8 @@ impl CostModel {
         let straight_m = ends.from.distance_m(ends.to);
         let path = Sampling::new(spec, parameters, straight_m, world.ground.spacing_m);
         let relief = Relief::new(&world.ground, world.max_amsl.0 + WALL_OVER_CEILING_M);
-        let floor_agl_m = floor_agl_m(world, &relief, &ends, &margins, path.fine.samples());
+        let layer = world.layers.get(vehicle).copied().unwrap_or(Layer::OPEN);
+        let heights = Heights::new((world, layer), &relief, &ends, &margins);
         Self {
             objective: spec.planner.objective,
             weights: spec.planner.weights,
@@ -92,7 +98,9 @@ impl CostModel {
             limits,
             min_agl_m: world.min_agl.0,
             max_amsl_m: world.max_amsl.0,
-            floor_agl_m,
+            min_amsl_m: layer.min_amsl_m,
+            agl_m: heights.at_samples(path.fine.samples()),
+            is_layered: !layer.is_open(),
             per_depth: 1.0 / world.min_agl.0.max(10.0),
             straight_km: (straight_m / 1000.0).max(0.1),
             path,
@@ -136,7 +144,7 @@ impl CostModel {
     #[must_use]
     pub fn with_one_reading(mut self) -> Self {
         let substeps = self.path.substeps;
-        self.floor_agl_m = self.floor_agl_m.into_iter().step_by(substeps).collect();
+        self.agl_m = self.agl_m.into_iter().step_by(substeps).collect();
         self.path.fine = self.path.fine.every(substeps);
         self.path.rows = self.path.rows.into_iter().step_by(substeps).collect();
         self.path.substeps = 1;
@@ -153,7 +161,7 @@ impl CostModel {
     /// Height above ground from which Eq. 23 counts at a sample, metres.
     pub(super) fn paper_agl_m(&self, index: usize) -> f64 {
         if self.paper.options.terrain_from_min_agl {
-            self.floor_agl_m[index]
+            self.agl_m[index][0]
         } else {
             0.0
         }
@@ -166,31 +174,54 @@ impl CostModel {
     }
 }
 
-/// Height above ground wanted at each fine sample: the limit and its margin,
-/// which grows from what the ends keep to the full over the first and last
-/// twentieth of the parameter.
-fn floor_agl_m(
-    world: &World,
-    relief: &Relief,
-    ends: &RouteEnds,
-    margins: &Margins,
-    count: usize,
-) -> Vec<f64> {
-    let limit_m = world.min_agl.0;
-    let margin_m = |end: crate::geodesy::PlanPoint| {
-        let agl_m = end.amsl.0 - relief.height_m(end.at.east_m, end.at.north_m);
-        (agl_m - limit_m).clamp(0.0, margins.clearance_m.max(0.0))
-    };
-    let (from_m, to_m) = (margin_m(ends.from), margin_m(ends.to));
-    let ramp = |end_m: f64, away: f64| {
-        let share = (away * 20.0).min(1.0);
-        end_m + (margins.clearance_m - end_m) * share
-    };
-    (0..count)
-        .map(|index| {
-            #[expect(clippy::cast_precision_loss, reason = "few samples")]
-            let at = index as f64 / (count - 1).max(1) as f64;
-            limit_m + ramp(from_m, at).min(ramp(to_m, 1.0 - at))
-        })
-        .collect()
+/// Heights above ground wanted along a route: the limits and their margins, which grow from what
+/// the ends keep to the full over the first and last twentieth of the parameter.
+struct Heights {
+    least_m: f64,
+    most_m: f64,
+    /// Margins of both at the start, on the way, and at the end, metres.
+    margins_m: [[f64; 3]; 2],
+}
+
+impl Heights {
+    fn new(
+        (world, layer): (&World, Layer),
+        relief: &Relief,
+        ends: &RouteEnds,
+        margins: &Margins,
+    ) -> Self {
+        let (least_m, most_m) = (world.min_agl.0, layer.max_agl_m);
+        let (above_m, below_m) = margins.within_m(most_m - least_m);
+        let agl_m = [ends.from, ends.to]
+            .map(|end| end.amsl.0 - relief.height_m(end.at.east_m, end.at.north_m));
+        let over_m = |agl_m: f64| (agl_m - least_m).clamp(0.0, above_m.max(0.0));
+        let under_m = |agl_m: f64| (most_m - agl_m).clamp(0.0, below_m.max(0.0));
+        Self {
+            least_m,
+            most_m,
+            margins_m: [
+                [over_m(agl_m[0]), above_m, over_m(agl_m[1])],
+                [under_m(agl_m[0]), below_m, under_m(agl_m[1])],
+            ],
+        }
+    }
+
+    /// The least and the greatest height at each of so many samples.
+    fn at_samples(&self, count: usize) -> Vec<[f64; 2]> {
+        let ramp = |end_m: f64, full_m: f64, away: f64| {
+            let share = (away * 20.0).min(1.0);
+            end_m + (full_m - end_m) * share
+        };
+        let margin_m = |[from_m, full_m, to_m]: [f64; 3], at: f64| {
+            ramp(from_m, full_m, at).min(ramp(to_m, full_m, 1.0 - at))
+        };
+        (0..count)
+            .map(|index| {
+                #[expect(clippy::cast_precision_loss, reason = "few samples")]
+                let at = index as f64 / (count - 1).max(1) as f64;
+                let [above_m, below_m] = self.margins_m.map(|margins| margin_m(margins, at));
+                [self.least_m + above_m, self.most_m - below_m]
+            })
+            .collect()
+    }
 }

@@ -90,12 +90,21 @@ impl CostModel {
         }
     }
 
-    /// Clearance at an altitude over ground, where so much height is wanted.
+    /// Clearance at an altitude over ground, where so much height is wanted, and no more.
     #[inline]
-    pub(super) fn clearance(&self, amsl_m: f64, ground_m: f64, floor_agl_m: f64) -> Clearance {
+    pub(super) fn clearance(
+        &self,
+        amsl_m: f64,
+        ground_m: f64,
+        [floor_agl_m, ceiling_agl_m]: [f64; 2],
+    ) -> Clearance {
         let agl_m = amsl_m - ground_m;
-        let below_m = (floor_agl_m - agl_m).max(0.0);
-        let above_m = (amsl_m - self.max_amsl_m).max(0.0);
+        let mut below_m = (floor_agl_m - agl_m).max(0.0);
+        let mut above_m = (amsl_m - self.max_amsl_m).max(0.0);
+        if self.is_layered {
+            below_m = below_m.max(self.min_amsl_m - amsl_m);
+            above_m = above_m.max(agl_m - ceiling_agl_m);
+        }
         Clearance {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * 1e-3,
             deficit: (below_m + above_m) * self.per_depth,

@@ -32,6 +32,7 @@ impl Strictness {
         let tolerance_m = spec.mission.tolerance_m;
         let margins = Margins {
             clearance_m: tolerance_m,
+            under_m: tolerance_m,
             threat_m: tolerance_m,
             separation_m: first_separation_m(spec),
             ..Margins::default()
@@ -95,6 +96,7 @@ impl Strictness {
         let fraction = (1.2 * missing / margin.bound.abs().max(1e-9)).clamp(MIN_FRACTION, 0.2);
         match repair {
             Repair::Clearance => margins.clearance_m += missing + EXTRA_M,
+            Repair::Height => margins.under_m += missing + EXTRA_M,
             Repair::Obstacle => margins.threat_m += missing + EXTRA_M,
             Repair::Separation => {
                 // A greater distance is enough for most pairs, and a time shift costs more in a
@@ -132,7 +134,7 @@ fn can_repair(plan: &VehiclePlan, margin: &Margin, repair: Repair, can_wait: boo
         .zip(first)
         .is_none_or(|(at, first)| at.t_s >= first.t_s - 1.0);
     let violation = match repair {
-        Repair::Clearance => plan.terms.terrain,
+        Repair::Clearance | Repair::Height => plan.terms.terrain,
         Repair::Obstacle => plan.terms.threat,
         Repair::Separation => plan.terms.collision,
         Repair::Slope => plan.terms.climb,

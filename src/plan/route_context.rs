@@ -13,7 +13,7 @@ use crate::path::{Flight, VehicleLimits};
 use crate::plan::altitude::floor::{FloorMaker, Slopes};
 use crate::plan::classes::field::Prices;
 use crate::spec::{MissionSpec, Objective, Vehicle};
-use crate::world::World;
+use crate::world::{Layer, World};
 
 /// A spec whose paths have `free` control points between their ends.
 pub(crate) fn with_free_controls(spec: &MissionSpec, free: usize) -> Cow<'_, MissionSpec> {
@@ -47,6 +47,12 @@ impl<'a> RouteContext<'a> {
     /// The vehicle that flies it.
     pub(crate) fn vehicle(&self) -> &'a Vehicle {
         &self.spec.vehicles[self.index]
+    }
+
+    /// Its limits of altitude besides the least height above ground and the ceiling.
+    pub(crate) fn layer(&self) -> Layer {
+        let layer = self.world.layers.get(self.index);
+        layer.copied().unwrap_or(Layer::OPEN)
     }
 
     /// Its ends in the plane.
@@ -101,9 +107,15 @@ impl<'a> RouteContext<'a> {
     pub(crate) fn floor(&self, above_m: f64, climb_fraction: f64) -> FloorMaker<'a> {
         /// Keeps rounding from turning a limit that is met into one that is broken.
         const TOLERANCE: f64 = 1e-3;
+        let margins = Margins {
+            clearance_m: self.margins.clearance_m + above_m,
+            under_m: self.margins.under_m + above_m,
+            ..self.margins
+        };
+        let layer = self.layer();
         FloorMaker::new(
-            self.world,
-            self.margins.clearance_m + above_m,
+            (self.world, layer),
+            margins.within_m(layer.max_agl_m - self.world.min_agl.0),
             Slopes::new(
                 VehicleLimits::of(self.vehicle()),
                 1.0 - climb_fraction - TOLERANCE,

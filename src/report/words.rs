@@ -77,7 +77,9 @@ fn rank(topic: Topic) -> usize {
         Topic::Separation => 1,
         Topic::Threat => 2,
         Topic::Zone => 3,
-        Topic::Other => 4,
+        Topic::Height => 4,
+        Topic::Endurance => 5,
+        Topic::Other => 6,
     }
 }
 

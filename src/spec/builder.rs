@@ -23,6 +23,8 @@ use super::{MissionSpec, SpecError, SpecFile};
 ///     north_east: place(36.4, -84.1),
 ///     min_agl_m: 60.0,
 ///     max_amsl_m: 1500.0,
+///     max_agl_m: None,
+///     min_amsl_m: None,
 /// };
 /// let copter = keys::Vehicle {
 ///     id: Some("alpha".to_owned()),

@@ -1,6 +1,8 @@
 //! Vehicles for the tests of other folders.
 
-use super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Retiming, Vehicle};
+use super::{
+    Airframe, AltitudeLimits, Autopilot, EndPoint, Finish, Link, Placement, Retiming, Vehicle,
+};
 use crate::geodesy::{Agl, LatLon};
 
 /// A copter at 10 m/s with 2 m/s^2 that lands at its goal. Home, start and goal are one position.
@@ -33,6 +35,8 @@ pub(crate) fn copter() -> Vehicle {
         accel_mps2: 2.0,
         depart_s: 0.0,
         retiming: Retiming::default(),
+        altitudes: AltitudeLimits::default(),
+        endurance: None,
         return_amsl: None,
         wing: None,
     }

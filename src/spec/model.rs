@@ -15,7 +15,7 @@ use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
 use super::airspace::Zone;
 use super::keys::{Action, Answer, OnAlarm, Who, words};
-use super::vehicle::Vehicle;
+use super::vehicle::{AltitudeLimits, Vehicle};
 use super::wind::Wind;
 
 /// One mission for a fleet, checked and in SI units. Positions stay geodetic;
@@ -119,6 +119,8 @@ pub struct Area {
     pub min_agl: Agl,
     /// Ceiling.
     pub max_amsl: Amsl,
+    /// The other limits of altitude; those of each vehicle include them.
+    pub altitudes: AltitudeLimits,
 }
 
 impl Area {

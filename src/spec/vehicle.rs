@@ -1,5 +1,9 @@
 //! A vehicle of the checked spec: identity, route and performance.
 
+mod endurance;
+
+pub use endurance::{Capacity, Endurance, Energy};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -52,10 +56,40 @@ pub struct Vehicle {
     pub depart_s: f64,
     /// What else the planner may choose.
     pub retiming: Retiming,
+    /// Its limits of altitude besides `min_agl` and the ceiling of the area.
+    pub altitudes: AltitudeLimits,
+    /// How long or how far it flies; none: not judged.
+    pub endurance: Option<Endurance>,
     /// Only with it may NAV_RETURN_TO_LAUNCH be written.
     pub return_amsl: Option<Amsl>,
     /// What only planes and vtol have; none for a copter.
     pub wing: Option<Wing>,
+}
+
+/// Limits of altitude on the routes of a vehicle, those of the area included.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AltitudeLimits {
+    /// Greatest height above ground.
+    pub max_agl: Option<Agl>,
+    /// Least altitude.
+    pub min_amsl: Option<Amsl>,
+}
+
+impl AltitudeLimits {
+    /// The tighter of two, limit by limit.
+    #[must_use]
+    pub fn tighter(self, other: Self) -> Self {
+        let either = |a: Option<f64>, b: Option<f64>, of: fn(f64, f64) -> f64| match (a, b) {
+            (Some(a), Some(b)) => Some(of(a, b)),
+            (a, b) => a.or(b),
+        };
+        let agl_m = |of: Self| of.max_agl.map(|agl| agl.0);
+        let amsl_m = |of: Self| of.min_amsl.map(|amsl| amsl.0);
+        Self {
+            max_agl: either(agl_m(self), agl_m(other), f64::min).map(Agl),
+            min_amsl: either(amsl_m(self), amsl_m(other), f64::max).map(Amsl),
+        }
+    }
 }
 
 /// Departures and speeds that the planner may choose instead of a detour around other vehicles.
@@ -124,6 +158,13 @@ impl Vehicle {
     #[must_use]
     pub fn facts(&self) -> &'static Facts {
         facts(self.autopilot, self.airframe)
+    }
+
+    /// Whether it may come straight down to a goal below the least height above ground: it does so
+    /// where it lands.
+    #[must_use]
+    pub fn can_drop(&self) -> bool {
+        self.airframe != Airframe::Plane && self.finish == Finish::Land
     }
 
     /// The departures that the spec allows, seconds after T0.

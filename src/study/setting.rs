@@ -11,10 +11,11 @@ use crate::numeric::bspline::uniform_parameters;
 use crate::path::{Flight, time_route};
 use crate::spec::AltitudeReference;
 use crate::spec::{
-    Airframe, Area, Autopilot, Buffers, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
-    OnAlarm, OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
+    Airframe, AltitudeLimits, Area, Autopilot, Buffers, EndPoint, Finish, Link, MissionOptions,
+    MissionSpec, Mover, OnAlarm, OnLinkLoss, Placement, Retiming, Scenario, Separation,
+    TerrainSource, Vehicle,
 };
-use crate::world::{Departure, Disc, Ground, Stations, Terrain, World};
+use crate::world::{Departure, Disc, Ground, Layer, Stations, Terrain, World};
 
 /// Control points by coordinate, ends included: metres east, north and up.
 pub(super) type Spline = [Vec<f64>; 3];
@@ -198,6 +199,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         area,
         min_agl: scenario.min_agl,
         max_amsl: scenario.max_amsl,
+        layers: vec![Layer::OPEN; scenario.vehicles.len()],
         stations: scenario
             .vehicles
             .iter()
@@ -223,6 +225,7 @@ fn mission(scenario: &Scenario, frame: &LocalFrame) -> MissionSpec {
             north_east: frame.from_plan(scenario.north_east),
             min_agl: scenario.min_agl,
             max_amsl: scenario.max_amsl,
+            altitudes: AltitudeLimits::default(),
         },
         terrain: TerrainSource::Flat(Amsl(0.0)),
         threats: Vec::new(),
@@ -279,6 +282,8 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         accel_mps2: AT_ONCE_MPS2,
         depart_s: 0.0,
         retiming: Retiming::default(),
+        altitudes: AltitudeLimits::default(),
+        endurance: None,
         return_amsl: None,
         wing: None,
     }

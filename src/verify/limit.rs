@@ -34,6 +34,10 @@ pub enum Limit {
     AboveHome,
     /// Greatest altitude.
     Ceiling,
+    /// Greatest height above the ground on the route.
+    MaxHeight,
+    /// Least altitude on the route.
+    MinAltitude,
     /// Distance to the threat with this id.
     Threat(String),
     /// Distance to the no-fly zone with this id.
@@ -96,6 +100,8 @@ pub enum Limit {
     AcceptanceRadius,
     /// Whether the autopilot accepts and understands the mission.
     Acceptance,
+    /// Time, distance or energy from takeoff to touchdown.
+    Endurance,
     /// Number of items.
     ItemCount,
     /// Number of items that the flight model can fly.
@@ -162,12 +168,16 @@ pub enum Flown {
 pub enum Topic {
     /// Height above the ground on the route.
     Clearance,
+    /// Greatest height above the ground on the route.
+    Height,
     /// Distance between vehicles.
     Separation,
     /// Distance to threats.
     Threat,
     /// Distance to no-fly zones.
     Zone,
+    /// Time, distance or energy used.
+    Endurance,
     /// Listed in full tables only.
     Other,
 }
@@ -177,6 +187,8 @@ pub enum Topic {
 pub enum Repair {
     /// Vertical buffer to ground and ceiling.
     Clearance,
+    /// Vertical buffer under the greatest height above ground.
+    Height,
     /// Horizontal buffer to threats, zones, the area and the fence.
     Obstacle,
     /// Buffer between vehicles, in distance or time.
@@ -238,8 +250,10 @@ impl Limit {
         match self {
             Self::Threat(_) => buffers.threats_m,
             Self::Area | Self::RallyArea(_) => buffers.area_m,
-            Self::TerrainClearance | Self::RallyClearance(_) => buffers.terrain_m,
-            Self::Ceiling => buffers.ceiling_m,
+            Self::TerrainClearance | Self::RallyClearance(_) | Self::MinAltitude => {
+                buffers.terrain_m
+            }
+            Self::Ceiling | Self::MaxHeight => buffers.ceiling_m,
             // In seconds where two are never in the air together.
             Self::Separation if unit == "m" => buffers.separation_m,
             // A rally point has that of the nearest obstacle already.
@@ -262,6 +276,8 @@ impl Limit {
         match self {
             Self::TerrainClearance => (Topic::Clearance, Some(Repair::Clearance), Basis::Terrain),
             Self::Ceiling => (Other, Some(Repair::Clearance), Basis::Ceiling),
+            Self::MaxHeight => (Topic::Height, Some(Repair::Height), Basis::Spec),
+            Self::MinAltitude => (Other, Some(Repair::Clearance), Basis::Spec),
             Self::Threat(_) => (Topic::Threat, Some(Repair::Obstacle), Basis::Mission),
             Self::Zone(_) => (Topic::Zone, Some(Repair::Obstacle), Basis::Mission),
             Self::Area => (Other, Some(Repair::Obstacle), Basis::Spec),
@@ -282,6 +298,7 @@ impl Limit {
             | Self::RallyObstacles(_)
             | Self::RallyFence(_) => (Other, None, Basis::Terrain),
             Self::HomePosition => (Other, None, Basis::HomeRow),
+            Self::Endurance => (Topic::Endurance, None, Basis::Spec),
             Self::Start
             | Self::Goal
             | Self::Finish
@@ -329,6 +346,8 @@ impl fmt::Display for Limit {
             Self::GroundContact => "ground contact",
             Self::AboveHome => "altitude above home",
             Self::Ceiling => "ceiling",
+            Self::MaxHeight => "greatest height above ground",
+            Self::MinAltitude => "least altitude",
             Self::Separation => "separation",
             Self::Area => "area",
             Self::Fence => "fence",
@@ -354,6 +373,7 @@ impl fmt::Display for Limit {
             Self::Wind => "wind",
             Self::AcceptanceRadius => "acceptance radius",
             Self::Acceptance => "acceptance",
+            Self::Endurance => "endurance",
             Self::ItemCount => "item count",
             Self::ItemsJudged => "items judged",
             Self::Autopilot => "autopilot",

@@ -7,7 +7,7 @@ use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command};
 use crate::path::most_shift_s;
 use crate::spec::{MissionSpec, Vehicle};
-use crate::world::{Stations, Terrain, World};
+use crate::world::{Layer, Stations, Terrain, World};
 
 use super::execute::executor;
 use super::execute::flight::{End, Flight};
@@ -153,7 +153,8 @@ impl<'a> Sortie<'a> {
             flight: &self.flight,
         };
         let mut margins = contract.margins(self.home, fence);
-        margins.extend(space.margins(id, &self.flight, fence));
+        let layer = Layer::of(self.vehicle.altitudes, &spec.buffers);
+        margins.extend(space.margins(id, layer, &self.flight, fence));
         if home::counts_from_home(self.mission) {
             home::note_cost(&mut margins, self.stands.amsl);
         }

@@ -1,5 +1,7 @@
 //! From a spec file to its world: reads the terrain, then checks what needs ground.
 
+mod altitudes;
+
 use std::path::PathBuf;
 
 use super::{Bounds, NoData, PlanZone, Terrain, TerrainError, World};
@@ -123,10 +125,10 @@ impl Check<'_> {
         if let Some(ground) = self.ground(&home, vehicle.home) {
             self.zones(&home, "takeoff", vehicle.home, ground);
         }
-        self.airborne(&format!("{path}.start"), "start", vehicle.start);
+        self.airborne((&format!("{path}.start"), "start"), vehicle, vehicle.start);
         self.tolerance(vehicle);
         let goal = format!("{path}.goal");
-        self.airborne(&goal, "goal", vehicle.goal);
+        self.airborne((&goal, "goal"), vehicle, vehicle.goal);
         if vehicle.finish == Finish::Land
             && let Ok(ground) = self.terrain.height(vehicle.goal.place)
         {
@@ -173,7 +175,7 @@ impl Check<'_> {
     }
 
     /// A point of the plan: over ground, high enough, under the ceiling, in no zone.
-    fn airborne(&mut self, path: &str, what: &str, end: EndPoint) {
+    fn airborne(&mut self, (path, what): (&str, &str), vehicle: &Vehicle, end: EndPoint) {
         let area = self.file.spec.area;
         let Some(ground) = self.ground(path, end.place) else {
             return;
@@ -195,6 +197,8 @@ impl Check<'_> {
                 found,
                 format!("at least {} m above {over}", area.min_agl.0),
             );
+        } else if what == "goal" && self.is_drop(vehicle, agl_m) {
+            // The route ends above it.
         } else if agl_m < area.min_agl.0 {
             let above_m = digits::distinct_from(agl_m, area.min_agl.0, 1);
             let found = format!("{what} is {above_m} m above {over}");
@@ -223,6 +227,7 @@ impl Check<'_> {
             let found = format!("{what} is at {at_m} m, over {over}");
             self.report(path, found, ceiling.allowed(amsl.0));
         }
+        self.within((path, what), vehicle.altitudes, (amsl, ground));
         self.zones(path, what, end.place, amsl);
     }
 
@@ -301,7 +306,7 @@ impl Check<'_> {
             place,
             altitude: Placement::Amsl(gate.amsl),
         };
-        self.airborne(path, &what, end);
+        self.airborne((path, &what), vehicle, end);
     }
 
     fn rally(&mut self, path: &str, place: LatLon, agl_m: f64) {

@@ -2,6 +2,7 @@
 
 mod departure;
 mod ground;
+mod layer;
 mod load;
 mod mounds;
 mod reader;
@@ -10,6 +11,7 @@ mod zone;
 
 pub use departure::Departure;
 pub use ground::Ground;
+pub use layer::Layer;
 pub use load::{files, load};
 pub use reader::{
     Bounds, TerrainError, TerrainInfo, elevation_files, inspect, is_elevation, read_terrain,
@@ -75,6 +77,8 @@ pub struct World {
     pub min_agl: Agl,
     /// Ceiling, less its buffer.
     pub max_amsl: Amsl,
+    /// The other limits of altitude of each vehicle, their buffers included.
+    pub layers: Vec<Layer>,
     /// Home, start and goal of each vehicle.
     pub stations: Vec<Stations>,
 }
@@ -108,7 +112,11 @@ impl World {
                         amsl: terrain.height(vehicle.home)?,
                     },
                     start: resolve(&frame, &terrain, vehicle.start)?,
-                    goal: route_end(vehicle, over_goal, goal_ground),
+                    goal: route_end(
+                        vehicle,
+                        raised(spec, vehicle, over_goal, goal_ground),
+                        goal_ground,
+                    ),
                     landing: over_goal.at,
                     goal_ground,
                 })
@@ -125,6 +133,7 @@ impl World {
             area,
             min_agl: spec.area.min_agl,
             max_amsl: spec.area.max_amsl,
+            layers: Vec::new(),
             stations,
         };
         Ok(world.with_limits(spec, true))
@@ -163,6 +172,9 @@ impl World {
             area: inset(frame.outline(&spec.area.outline()), buffers.area_m),
             min_agl: Agl(spec.area.min_agl.0 + buffers.terrain_m),
             max_amsl: Amsl(spec.area.max_amsl.0 - buffers.ceiling_m),
+            layers: (spec.vehicles.iter())
+                .map(|vehicle| Layer::of(vehicle.altitudes, &buffers))
+                .collect(),
             ..self
         }
     }
@@ -193,6 +205,18 @@ fn inset(area: Polygon<f64>, buffer_m: f64) -> Polygon<f64> {
 /// Whether a polygon and its edge hold a point.
 fn covers(polygon: &Polygon<f64>, at: EastNorth) -> bool {
     polygon.intersects(&Point::new(at.east_m, at.north_m))
+}
+
+/// The goal of a vehicle, or the least height above it where it is a drop.
+fn raised(spec: &MissionSpec, vehicle: &Vehicle, goal: PlanPoint, ground: Amsl) -> PlanPoint {
+    let least = Agl(spec.area.min_agl.0 + spec.buffers.terrain_m).over(ground);
+    match vehicle.can_drop() && goal.amsl < least {
+        true => PlanPoint {
+            amsl: least,
+            ..goal
+        },
+        false => goal,
+    }
 }
 
 /// Where the planned path of a vehicle ends: over its goal, or before its approach to it.

@@ -428,6 +428,7 @@ fn the_margin_around_an_area_covers_its_box_in_planning_coordinates() {
             north_east: place(lat + span, 10.0 + span),
             min_agl: Agl(0.0),
             max_amsl: Amsl(1000.0),
+            altitudes: sortie::spec::AltitudeLimits::default(),
         };
         let frame = sortie::geodesy::LocalFrame::new(place(lat + span / 2.0, 10.0 + span / 2.0));
         let corners: Vec<EastNorth> = area

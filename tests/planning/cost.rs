@@ -416,6 +416,7 @@ proptest! {
         let (plain, leg) = rough(Objective::Operational, 101);
         let margins = Margins {
             clearance_m: margin,
+            under_m: margin,
             threat_m: margin,
             separation_m: margin,
             shift_s: 0.3 * margin,

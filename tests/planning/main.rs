@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod altitude_limits;
 mod bound;
 mod cost;
 mod cost_worlds;

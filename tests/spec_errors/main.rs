@@ -3,6 +3,7 @@
 mod buffers;
 mod fleets;
 mod ground;
+mod limits;
 mod meaning;
 mod on_alarm;
 mod ranges;

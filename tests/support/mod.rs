@@ -81,6 +81,8 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         accel_mps2: 2.5,
         depart_s: 0.0,
         retiming: Retiming::default(),
+        altitudes: AltitudeLimits::default(),
+        endurance: None,
         return_amsl: None,
         wing: None,
     }
@@ -129,6 +131,7 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
             north_east: place(36.39, -84.14),
             min_agl: Agl(60.0),
             max_amsl: Amsl(1500.0),
+            altitudes: AltitudeLimits::default(),
         },
         terrain: TerrainSource::Flat(Amsl(400.0)),
         threats: Vec::new(),

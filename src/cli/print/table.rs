@@ -142,7 +142,11 @@ pub(crate) fn tightest(review: &Review, vehicle: &str, topics: &[Topic]) -> Stri
         true => number(margin.value, 0),
         false => number_against(margin.value, margin.bound, 0),
     };
-    format!("{value} {}{whom} (>= {limit}){mark}", margin.unit)
+    let sign = match margin.sense {
+        Sense::AtLeast => ">=",
+        Sense::AtMost => "<=",
+    };
+    format!("{value} {}{whom} ({sign} {limit}){mark}", margin.unit)
 }
 
 /// A sentence for each failed margin, with times after T0.

@@ -213,6 +213,8 @@ fn builder((south_west, north_east): (LatLon, LatLon), limits: &Limits) -> Build
         north_east: north_east.into(),
         min_agl_m: limits.min_agl.unwrap_or(0.0),
         max_amsl_m: limits.max_amsl.unwrap_or(20_000.0),
+        max_agl_m: None,
+        min_amsl_m: None,
     };
     let separation = Separation {
         distance_m: limits.separation.unwrap_or(1.0),

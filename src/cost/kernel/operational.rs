@@ -110,7 +110,7 @@ impl<S: Simd> Pass<'_, S> {
         let cell = ground.relief.cell(first[0], first[1]);
         let corners = &mut scratch.corners[0];
         ground.relief.fetch(&cell, corners);
-        ground.clearances(first[2], (&cell, corners), model.floor_agl_m[0])
+        ground.clearances(first[2], (&cell, corners), model.agl_m[0])
     }
 
     /// Goes on to the pieces between two samples and adds length, altitude and terrain; see
@@ -135,7 +135,7 @@ impl<S: Simd> Pass<'_, S> {
             &ground.relief,
             &mut scratch.corners,
         );
-        let readings = (&scratch.corners[..], &self.model.floor_agl_m[within]);
+        let readings = (&scratch.corners[..], &self.model.agl_m[within]);
         ground.add(block, readings, before, sums);
     }
 
@@ -215,6 +215,8 @@ struct GroundLanes<'a, S: Simd> {
     relief: ReliefLanes<'a, S>,
     min_agl_m: V<S>,
     max_amsl_m: V<S>,
+    min_amsl_m: V<S>,
+    is_layered: bool,
     /// One over what altitudes and deficits are measured in; half of that where no ground is
     /// read between the ends of a piece, which count half.
     per_km: V<S>,
@@ -231,6 +233,8 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
             relief: model.relief.lanes(simd),
             min_agl_m: splat(simd, model.min_agl_m),
             max_amsl_m: splat(simd, model.max_amsl_m),
+            min_amsl_m: splat(simd, model.min_amsl_m),
+            is_layered: model.is_layered,
             per_km: splat(simd, 1e-3 * share),
             per_depth: splat(simd, model.per_depth * share),
             per_substep: splat(simd, model.per_substep),
@@ -243,11 +247,15 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
         &self,
         amsl_m: V<S>,
         (cell, corners): (&CellLanes<S>, &Corners),
-        floor_agl_m: f64,
+        [floor_agl_m, ceiling_agl_m]: [f64; 2],
     ) -> Clearances<S> {
         let agl_m = amsl_m - self.relief.heights_in(cell, corners);
-        let below_m = (splat(self.simd, floor_agl_m) - agl_m).max(0.0);
-        let above_m = (amsl_m - self.max_amsl_m).max(0.0);
+        let mut below_m = (splat(self.simd, floor_agl_m) - agl_m).max(0.0);
+        let mut above_m = (amsl_m - self.max_amsl_m).max(0.0);
+        if self.is_layered {
+            below_m = below_m.max(self.min_amsl_m - amsl_m);
+            above_m = above_m.max(agl_m - ceiling_agl_m);
+        }
         Clearances {
             altitude_km: (agl_m - self.min_agl_m).max(0.0) * self.per_km,
             deficit: (below_m + above_m) * self.per_depth,
@@ -260,13 +268,13 @@ impl<'a, S: Simd> GroundLanes<'a, S> {
     fn add(
         &self,
         block: &Block<S>,
-        (corners, floor_agl_m): (&[Corners], &[f64]),
+        (corners, agl_m): (&[Corners], &[[f64; 2]]),
         before: &mut Clearances<S>,
         sums: &mut Sums<V<S>>,
     ) {
         let mut sum = [sums.length_km, sums.altitude, sums.terrain];
         let mut last = *before;
-        let readings = block.grounds().zip(corners).zip(floor_agl_m).map(
+        let readings = block.grounds().zip(corners).zip(agl_m).map(
             #[inline(always)]
             |(((at, cell), corners), required_agl_m)| {
                 self.clearances(at[2], (cell, corners), *required_agl_m)

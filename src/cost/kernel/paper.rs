@@ -170,8 +170,13 @@ impl Paper {
         if !self.options.altitude_unclamped {
             high_m = high_m.max(0.0);
         }
-        let below_m = (ground_m + model.paper_agl_m(index) - amsl_m).max(0.0);
-        let deep_m = below_m + (amsl_m - model.max_amsl_m).max(0.0);
+        let mut below_m = (ground_m + model.paper_agl_m(index) - amsl_m).max(0.0);
+        let mut above_m = (amsl_m - model.max_amsl_m).max(0.0);
+        if model.is_layered {
+            below_m = below_m.max(amsl_m * -1.0 + model.min_amsl_m);
+            above_m = above_m.max(amsl_m - ground_m - model.agl_m[index][1]);
+        }
+        let deep_m = below_m + above_m;
         (high_m * 1e-3, deep_m * 1e-3)
     }
 }

@@ -84,8 +84,7 @@ fn ground(model: &CostModel, curve: &Curve, steps: &[Step]) -> (f64, f64) {
             let ground_m = model
                 .relief
                 .height_m(curve.east_m[index], curve.north_m[index]);
-            let clearance =
-                model.clearance(curve.amsl_m[index], ground_m, model.floor_agl_m[index]);
+            let clearance = model.clearance(curve.amsl_m[index], ground_m, model.agl_m[index]);
             high += share * clearance.altitude_km;
             deficit += share * clearance.deficit;
         }

@@ -61,8 +61,13 @@ fn heights(model: &CostModel, curve: &Curve, index: usize) -> (f64, f64) {
         high_m.max(0.0)
     };
     let required_agl_m = model.paper_agl_m(index);
-    let deep_m =
-        (ground_m + required_agl_m - amsl_m).max(0.0) + (amsl_m - model.max_amsl_m).max(0.0);
+    let mut below_m = (ground_m + required_agl_m - amsl_m).max(0.0);
+    let mut above_m = (amsl_m - model.max_amsl_m).max(0.0);
+    if model.is_layered {
+        below_m = below_m.max(model.min_amsl_m - amsl_m);
+        above_m = above_m.max(amsl_m - ground_m - model.agl_m[index][1]);
+    }
+    let deep_m = below_m + above_m;
     (high_m * 1e-3, deep_m * 1e-3)
 }
 

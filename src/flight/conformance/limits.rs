@@ -55,6 +55,7 @@ impl FlownTrack<'_> {
         });
         let least = Requirement::at_least(Limit::TerrainClearance, spec.area.min_agl.0, "m");
         margins.extend(self.worst(least, clearance));
+        margins.extend(self.layer(spec, world));
         margins.extend(self.slopes(spec, world));
         let ceiling = Requirement::at_most(Limit::Ceiling, spec.area.max_amsl.0, "m AMSL");
         margins.extend(self.worst(ceiling, self.fixes().iter().map(|f| (f.amsl.0, f))));
@@ -85,6 +86,27 @@ impl FlownTrack<'_> {
             margins.extend(self.worst(rim, outside));
         }
         margins.extend(self.closed_space(spec, world));
+        margins
+    }
+
+    /// The greatest height above ground, and the least altitude on the route.
+    fn layer(&self, spec: &MissionSpec, world: &World) -> Vec<Margin> {
+        let vehicle = spec.vehicles.iter().find(|vehicle| vehicle.id == self.id());
+        let limits = vehicle.map(|vehicle| vehicle.altitudes).unwrap_or_default();
+        let mut margins = Vec::new();
+        if let Some(most) = limits.max_agl {
+            let heights = self.fixes().iter().map(|fix| {
+                let ground = world.terrain.height(fix.place);
+                (ground.map_or(f64::NAN, |g| fix.amsl.above_ground(g).0), fix)
+            });
+            let required = Requirement::at_most(Limit::MaxHeight, most.0, "m");
+            margins.extend(self.worst(required, heights));
+        }
+        if let Some(least) = limits.min_amsl {
+            let route = self.on_route().map(|index| &self.fixes()[index]);
+            let required = Requirement::at_least(Limit::MinAltitude, least.0, "m AMSL");
+            margins.extend(self.worst(required, route.map(|fix| (fix.amsl.0, fix))));
+        }
         margins
     }
 

@@ -259,6 +259,7 @@ impl<'a> JointPlan<'a> {
         let buffer_m = buffer * self.spec.mission.tolerance_m;
         let margins = Margins {
             clearance_m: buffer_m,
+            under_m: buffer_m,
             threat_m: buffer_m,
             separation_m: 2.0 * buffer_m,
             shift_s: 0.0,

@@ -10,7 +10,7 @@ use crate::numeric::geometry::Offset;
 use crate::numeric::order::{larger, smaller};
 use crate::path::VehicleLimits;
 use crate::spec::Placement;
-use crate::world::{PlanZone, World};
+use crate::world::{Layer, PlanZone, World};
 
 /// What is kept beyond the minimum grows to the full over one part in this many of the path.
 const RAMP: usize = 20;
@@ -57,8 +57,11 @@ pub(crate) struct SampledLine<'a> {
 /// What the floor is made of.
 pub(crate) struct FloorMaker<'a> {
     world: &'a World,
+    layer: Layer,
     /// Kept above ground beyond the minimum, metres.
     over_m: f64,
+    /// Kept below the greatest height above ground, metres.
+    under_m: f64,
     zones: Vec<LowZone<'a>>,
     slopes: Slopes,
     /// The ground, not a number where there are no data.
@@ -67,8 +70,13 @@ pub(crate) struct FloorMaker<'a> {
 }
 
 impl<'a> FloorMaker<'a> {
-    /// Keeps `over_m` more than the minimum above ground, and as much above zones.
-    pub(crate) fn new(world: &'a World, over_m: f64, slopes: Slopes) -> Self {
+    /// Keeps `over_m` more than the minimum above ground, as much above zones, and `under_m` less
+    /// than the greatest height above ground.
+    pub(crate) fn new(
+        (world, layer): (&'a World, Layer),
+        (over_m, under_m): (f64, f64),
+        slopes: Slopes,
+    ) -> Self {
         let zones = world
             .zones
             .iter()
@@ -91,7 +99,9 @@ impl<'a> FloorMaker<'a> {
         Self {
             relief: Relief::new(&world.ground, f64::NAN),
             world,
+            layer,
             over_m,
+            under_m,
             zones,
             slopes,
             level: Level::new(),
@@ -120,10 +130,12 @@ impl<'a> FloorMaker<'a> {
             ends_m,
         } = line;
         self.over_ground(ends_m, demand);
+        self.under_ceiling(ends_m, demand);
         for zone in &self.zones {
             let floors_m = demand.floor_m.iter_mut().zip(&demand.ground_m);
             for ((floor_m, ground_m), at) in floors_m.zip(east_m.iter().zip(north_m)) {
-                *floor_m = zone.raised(*floor_m, *ground_m, (*at.0, *at.1), self.world);
+                let top_m = self.layer.ceiling_m(*ground_m, self.world.max_amsl.0);
+                *floor_m = zone.raised(*floor_m, *ground_m, (*at.0, *at.1), top_m);
             }
         }
         // Over a void the objective judges; the floor just goes on.
@@ -164,29 +176,64 @@ impl<'a> FloorMaker<'a> {
         for (floor_m, ground_m) in floor_m.iter_mut().zip(&*ground_m) {
             *floor_m = ground_m + least_m;
         }
+        if self.layer.min_amsl_m.is_finite() {
+            for floor_m in &mut *floor_m {
+                *floor_m = self.layer.floor_m(*floor_m);
+            }
+        }
         let margin_m =
             |floor_m: f64, end_m: f64| (end_m - floor_m).clamp(0.0, self.over_m.max(0.0));
         let from_m = margin_m(floor_m[0], ends_m.0);
         let to_m = margin_m(floor_m[last], ends_m.1);
         let ramped = last.div_ceil(RAMP);
         let full = ramped..=last - ramped;
+        let ramp = |end_m: f64, samples: usize| ramp((end_m, self.over_m), samples, last);
         for k in (0..ramped).chain(full.end() + 1..=last) {
-            let ramps = (self.ramp(from_m, k, last), self.ramp(to_m, last - k, last));
-            floor_m[k] += ramps.0.min(ramps.1);
+            floor_m[k] += ramp(from_m, k).min(ramp(to_m, last - k));
         }
         for floor_m in &mut floor_m[full] {
             *floor_m += self.over_m;
         }
     }
 
-    /// Margin above the minimum, `samples` samples from an end with the margin `end_m`: it
-    /// grows to the full over a twentieth of the path, as it does in the objective. A path
-    /// that begins at the minimum would else have to leap.
-    fn ramp(&self, end_m: f64, samples: usize, all: usize) -> f64 {
-        #[expect(clippy::cast_precision_loss, reason = "thousands of samples")]
-        let share = ((RAMP * samples) as f64 / all.max(1) as f64).min(1.0);
-        end_m + (self.over_m - end_m) * share
+    /// The ceiling over the ground, less what is kept below it; none where no height is limited.
+    fn under_ceiling(&self, ends_m: (f64, f64), demand: &mut Demand) {
+        demand.ceiling_m.clear();
+        let most_m = self.layer.max_agl_m;
+        if most_m.is_infinite() {
+            return;
+        }
+        let ground_m = &demand.ground_m;
+        let last = ground_m.len() - 1;
+        let spare_m = |at: usize, end_m: f64| {
+            // Over unknown ground there is nothing to spare.
+            (ground_m[at] + most_m - end_m).clamp(0.0, self.under_m.max(0.0))
+        };
+        let (from_m, to_m) = (spare_m(0, ends_m.0), spare_m(last, ends_m.1));
+        let ramp = |end_m: f64, samples: usize| ramp((end_m, self.under_m), samples, last);
+        let ceilings = ground_m.iter().enumerate().map(|(k, ground_m)| {
+            let under_m = ramp(from_m, k).min(ramp(to_m, last - k));
+            let top_m = self
+                .layer
+                .ceiling_m(ground_m - under_m, self.world.max_amsl.0);
+            // The objective judges voids.
+            if ground_m.is_nan() {
+                f64::INFINITY
+            } else {
+                top_m
+            }
+        });
+        demand.ceiling_m.extend(ceilings);
     }
+}
+
+/// Margin beyond a limit, `samples` samples from an end with the margin `end_m`: it grows to the
+/// full over a twentieth of the path, as it does in the objective. A path that begins at the limit
+/// would else have to leap.
+fn ramp((end_m, full_m): (f64, f64), samples: usize, all: usize) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "thousands of samples")]
+    let share = ((RAMP * samples) as f64 / all.max(1) as f64).min(1.0);
+    end_m + (full_m - end_m) * share
 }
 
 impl LowZone<'_> {
@@ -201,8 +248,8 @@ impl LowZone<'_> {
     }
 
     /// A floor, raised to the top of the zone where it is in it; left alone where it is below the
-    /// zone, and where the zone reaches up to the ceiling.
-    fn raised(&self, floor_m: f64, ground_m: f64, at: (f64, f64), world: &World) -> f64 {
+    /// zone, and where the zone reaches up to the ceiling at `most_m`.
+    fn raised(&self, floor_m: f64, ground_m: f64, at: (f64, f64), most_m: f64) -> f64 {
         let (min, max) = self.closed.bounds();
         let near = min[0] <= at.0 && at.0 <= max[0] && min[1] <= at.1 && at.1 <= max[1];
         if !near || !self.holds(at) {
@@ -210,7 +257,7 @@ impl LowZone<'_> {
         }
         let (from_m, below_m) = self.zone.closed_m(ground_m);
         let top_m = below_m + self.over_m;
-        match floor_m > from_m - self.under_m && top_m <= world.max_amsl.0 {
+        match floor_m > from_m - self.under_m && top_m <= most_m {
             true => floor_m.max(top_m),
             false => floor_m,
         }

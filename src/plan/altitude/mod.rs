@@ -39,6 +39,9 @@ pub(super) type Row = (usize, [f64; 4]);
 /// the slope limits reaches it: the free control points could meet more only by leaping.
 const END_WEIGHT: f64 = 0.85;
 
+/// Space over a floor that is above its ceiling, metres.
+const OVER_CEILING_M: f64 = 10.0;
+
 /// Finds the lowest spline over a floor, for one fixed parametrisation.
 #[derive(Clone, Debug)]
 pub(super) struct AltitudeLp {
@@ -60,6 +63,8 @@ pub(super) struct AltitudeLp {
 pub(super) struct Demand {
     /// Lowest altitude at each sample, metres.
     pub floor_m: Vec<f64>,
+    /// Highest altitude at each sample, metres; empty if nothing but [`AltitudeLp::under`] limits it.
+    pub ceiling_m: Vec<f64>,
     /// Greatest rise from each sample to the next, metres.
     pub up_m: Vec<f64>,
     /// Greatest drop from each sample to the next, metres, positive.
@@ -82,6 +87,8 @@ pub(super) struct Workspace {
     floor: Vec<f64>,
     /// Ceiling over base.
     ceiling: f64,
+    /// The same sample by sample; empty where it is the same everywhere.
+    ceilings: Vec<f64>,
     /// By how much each constraint is violated: floors, rises, drops.
     gaps: Vec<f64>,
     dual: Vec<f64>,
@@ -98,6 +105,11 @@ impl Workspace {
     /// The next floor begins with the first basis, not with that of the last one solved.
     pub(super) fn begin_anew(&mut self) {
         self.solved = false;
+    }
+
+    /// The ceiling at a sample, over base.
+    fn ceiling_at(&self, sample: usize) -> f64 {
+        self.ceilings.get(sample).copied().unwrap_or(self.ceiling)
     }
 }
 
@@ -217,7 +229,8 @@ impl AltitudeLp {
             &mut work.floor,
         );
         // What cannot be met together is given up, the ceiling first.
-        let first = usize::from(self.ceiling_m.is_infinite());
+        let is_open = self.ceiling_m.is_infinite() && demand.ceiling_m.is_empty();
+        let first = usize::from(is_open);
         for (with_slopes, with_ceiling) in [(true, true), (true, false), (false, false)]
             .into_iter()
             .skip(first)
@@ -226,6 +239,10 @@ impl AltitudeLp {
                 true => self.ceiling_m - base,
                 false => f64::INFINITY,
             };
+            work.ceilings.clear();
+            if with_ceiling {
+                self.lay_ceilings(demand, (amsl_m[0], amsl_m[self.controls - 1]), base, work);
+            }
             self.start(simd, demand, amsl_m, base, work);
             if self.exchange_until_feasible(simd, demand, with_slopes, work) {
                 work.solved = with_slopes;
@@ -260,6 +277,47 @@ impl AltitudeLp {
             }
             if k + 1 == samples || demand.floor_m[k] > to_go_m {
                 floor[k] = f64::NEG_INFINITY;
+            }
+        }
+    }
+
+    /// The ceilings over base, not below the floor; at the ends and near them only as far as a
+    /// flight at the slope limits comes down to them.
+    fn lay_ceilings(
+        &self,
+        demand: &Demand,
+        (from_m, to_m): (f64, f64),
+        base: f64,
+        work: &mut Workspace,
+    ) {
+        let top_m = self.ceiling_m;
+        let ceilings = demand.ceiling_m.iter().map(|m| m.min(top_m) - base);
+        work.ceilings.extend(ceilings);
+        let Some(last) = work.ceilings.len().checked_sub(1) else {
+            return;
+        };
+        let mut sunk_m = from_m - base;
+        for k in (0..=last).take_while(|&k| !self.binding[k]) {
+            if k > 0 {
+                sunk_m -= demand.down_m[k - 1];
+            }
+            if k == 0 || work.ceilings[k] < sunk_m {
+                work.ceilings[k] = f64::INFINITY;
+            }
+        }
+        let mut to_rise_m = to_m - base;
+        for k in (0..=last).rev().take_while(|&k| !self.binding[k]) {
+            if k < last {
+                to_rise_m -= demand.up_m[k];
+            }
+            if k == last || work.ceilings[k] < to_rise_m {
+                work.ceilings[k] = f64::INFINITY;
+            }
+        }
+        for (ceiling, floor) in work.ceilings.iter_mut().zip(&work.floor) {
+            // Where no path is low enough, one that is little higher is to be found quickly.
+            if *ceiling < *floor {
+                *ceiling = *floor + OVER_CEILING_M;
             }
         }
     }
@@ -327,7 +385,7 @@ impl AltitudeLp {
                 Constraint::Up(k) => ends(k + 1) - ends(k) - demand.up_m[k],
                 Constraint::Down(k) => ends(k) - ends(k + 1) - demand.down_m[k],
                 Constraint::Base(_) => 0.0,
-                Constraint::Ceiling(k) => ends(k) - work.ceiling,
+                Constraint::Ceiling(k) => ends(k) - work.ceiling_at(k),
             });
         }
         if work.bounds.iter().any(|bound| !bound.is_finite()) {

@@ -25,7 +25,7 @@ fn solve(floor: &[f64], weights: &[f64], ends: (f64, f64), step_m: f64) -> Vec<f
         up_m: vec![step_m; 100],
         down_m: vec![step_m; 100],
         weights: weights.to_vec(),
-        ground_m: Vec::new(),
+        ..Demand::default()
     };
     AltitudeLp::new(rows, 10).solve(&demand, &mut z, &mut Workspace::default());
     z
@@ -46,7 +46,7 @@ fn near_an_end_the_floor_binds_as_far_as_slopes_reach_it() {
             up_m: vec![0.05; 2000],
             down_m: vec![0.05; 2000],
             weights: vec![1.0; 2001],
-            ground_m: Vec::new(),
+            ..Demand::default()
         };
         demand.floor_m[8] += bump_m;
         let mut z = vec![100.0; 10];
@@ -74,7 +74,7 @@ fn a_neighbour_s_basis_changes_the_way_to_the_answer_and_not_the_answer() {
             weights: (0..101)
                 .map(|k| 1.0 + 0.01 * f64::from(k * shift % 7))
                 .collect(),
-            ground_m: Vec::new(),
+            ..Demand::default()
         };
         let solved = |work: &mut Workspace| {
             let mut z = vec![170.0; 26];

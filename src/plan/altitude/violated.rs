@@ -80,7 +80,9 @@ impl AltitudeLp {
         if deepest.0 > 0 {
             work.entering.push(Constraint::Base(deepest.0));
         }
-        if work.ceiling.is_finite() {
+        if !work.ceilings.is_empty() {
+            work.push_above();
+        } else if work.ceiling.is_finite() {
             let heights = work.samples.iter().enumerate();
             let highest = heights.max_by(|a, b| a.1.total_cmp(b.1));
             let over = highest.filter(|(_, z)| **z > work.ceiling + TOLERANCE_M);
@@ -106,7 +108,23 @@ impl AltitudeLp {
             Constraint::Up(k) => altitude(k + 1) - altitude(k) - demand.up_m[k],
             Constraint::Down(k) => altitude(k) - altitude(k + 1) - demand.down_m[k],
             Constraint::Base(control) => -work.z[control],
-            Constraint::Ceiling(k) => altitude(k) - work.ceiling,
+            Constraint::Ceiling(k) => altitude(k) - work.ceiling_at(k),
+        }
+    }
+}
+
+impl Workspace {
+    /// The samples that are most above their ceilings, one of each stretch of the path.
+    fn push_above(&mut self) {
+        let count = self.samples.len();
+        let stretch = count.div_ceil(STRETCHES).max(1);
+        for from in (0..count).step_by(stretch) {
+            let samples = from..count.min(from + stretch);
+            let above = samples.map(|k| (k, self.samples[k] - self.ceilings[k]));
+            let worst = above.max_by(|a, b| a.1.total_cmp(&b.1));
+            let worst = worst.filter(|(_, above)| *above > TOLERANCE_M);
+            self.entering
+                .extend(worst.map(|(k, _)| Constraint::Ceiling(k)));
         }
     }
 }

@@ -20,7 +20,12 @@ pub(in crate::plan) fn estimate(context: &RouteContext<'_>, budget: usize) -> f6
             context.frame()
         };
         let grid = Grid::over(part.south_west, part.north_east, nodes);
-        let relief = Relief::new(context.world, grid, &prices, Reading::Optimistic);
+        let relief = Relief::new(
+            (context.world, context.layer()),
+            grid,
+            &prices,
+            Reading::Optimistic,
+        );
         arrival(&relief.field(f64::INFINITY, &prices), start, goal)
     };
     let nodes = if budget >= 20_000 { 101 } else { 51 };
@@ -189,7 +194,11 @@ mod tests {
             })
             .collect();
         arrival(
-            &Field { grid, cost },
+            &Field {
+                grid,
+                cost,
+                rises: None,
+            },
             at(1000.0, 10_130.0),
             at(19_000.0, 10_130.0),
         )

@@ -55,6 +55,7 @@ fn corridors_at(context: &RouteContext<'_>, nodes: usize) -> Option<HomotopyClas
     let grounds = fields.into_iter().map(|field| Field {
         cost: field.cost.iter().map(|cost| cost.min(STEEP)).collect(),
         grid: field.grid,
+        rises: None,
     });
     (!classes.is_empty()).then(|| HomotopyClasses {
         classes,

@@ -2,17 +2,51 @@
 //! and estimates come from.
 
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 use super::grid::Grid;
 use super::narrow_zones::crossed_nodes;
 use crate::geodesy::EastNorth;
-use crate::world::{PlanZone, World};
+use crate::world::{Layer, PlanZone, World};
 
 /// A cost per kilometre at every node of a grid, row by row from the south-west.
 #[derive(Clone, Debug)]
 pub(crate) struct Field {
     pub grid: Grid,
     pub cost: Vec<f64>,
+    /// What the rise from node to node costs; none where altitude is free.
+    pub rises: Option<Rises>,
+}
+
+/// What it costs to follow a floor that is steeper than a vehicle flies.
+#[derive(Clone, Debug)]
+pub(crate) struct Rises {
+    floor_m: Arc<Vec<f64>>,
+    /// Steepest slope, rise over run.
+    slope: f64,
+    /// Cost of each metre of rise that is too much.
+    per_m: f64,
+}
+
+impl Rises {
+    /// Over a floor, for a vehicle in a layer: what it cannot climb on its way is as dear as a
+    /// detour on which it could.
+    pub(crate) fn new(floor_m: Vec<f64>, slope: f64, prices: &Prices) -> Self {
+        /// Detours in units of the shortest.
+        const DETOURS: f64 = 2.0;
+        Self {
+            floor_m: Arc::new(floor_m),
+            slope,
+            per_m: DETOURS * prices.length / (1000.0 * slope),
+        }
+    }
+
+    /// Cost of a straight move between two nodes.
+    pub(crate) fn cost(&self, from: usize, to: usize, length_km: f64) -> f64 {
+        let rise_m = (self.floor_m[to] - self.floor_m[from]).abs();
+        // Not a number where the floor is closed: that has its own price.
+        self.per_m * (rise_m - self.slope * length_km * 1000.0).max(0.0)
+    }
 }
 
 /// How the objective prices the plane.
@@ -55,18 +89,24 @@ pub(crate) enum Reading {
 
 impl Relief {
     /// Samples a world.
-    pub(crate) fn new(world: &World, grid: Grid, prices: &Prices, reading: Reading) -> Self {
+    pub(crate) fn new(
+        (world, layer): (&World, Layer),
+        grid: Grid,
+        prices: &Prices,
+        reading: Reading,
+    ) -> Self {
         let mut floor_m = Vec::with_capacity(grid.len());
         let mut threats = Vec::with_capacity(grid.len());
         let mut closed = Vec::with_capacity(grid.len());
         let mut floors: Vec<Option<f64>> = (0..grid.len())
-            .map(|node| floor_at(world, grid.at(node)))
+            .map(|node| floor_at((world, layer), grid.at(node)))
             .collect();
         if reading == Reading::Conservative {
             for zone in &world.zones {
                 for node in crossed_nodes(&grid, zone) {
                     let at = grid.at(node);
-                    floors[node] = floors[node].and_then(|floor_m| past(zone, at, floor_m, world));
+                    floors[node] =
+                        floors[node].and_then(|floor_m| past(zone, at, floor_m, (world, layer)));
                 }
             }
         }
@@ -119,6 +159,7 @@ impl Relief {
         Field {
             grid: field.grid.clone(),
             cost: costs.map(|(cost, threats)| cost - threats).collect(),
+            rises: None,
         }
     }
 
@@ -151,7 +192,14 @@ impl Relief {
         Field {
             grid: self.grid.clone(),
             cost,
+            rises: None,
         }
+    }
+
+    /// What a slope limit costs in a layer over the floor.
+    pub(crate) fn rises(&self, layer: Layer, slope: f64, prices: &Prices) -> Option<Rises> {
+        let is_limited = layer.max_agl_m.is_finite() && slope > 0.0 && prices.length > 0.0;
+        is_limited.then(|| Rises::new(self.floor_m.clone(), slope, prices))
     }
 
     /// The floor raised wherever the slope limit forbids to dive to it: two chamfer
@@ -195,24 +243,31 @@ pub(crate) fn dilate(grid: &Grid, slope: f64, values: &mut [f64]) {
 
 /// The lowest altitude allowed at a place, metres; `None` where flying is closed, or
 /// the ground unknown.
-pub(crate) fn floor_at(world: &World, at: EastNorth) -> Option<f64> {
-    let mut floor_m = world.ground.height_m(at) + world.min_agl.0;
+pub(crate) fn floor_at((world, layer): (&World, Layer), at: EastNorth) -> Option<f64> {
+    let ground_m = world.ground.height_m(at);
+    let mut floor_m = layer.floor_m(ground_m + world.min_agl.0);
     for zone in &world.zones {
         if zone.is_near(at) && zone.holds(at) {
-            floor_m = past(zone, at, floor_m, world)?;
+            floor_m = past(zone, at, floor_m, (world, layer))?;
         }
     }
-    (floor_m <= world.max_amsl.0).then_some(floor_m)
+    (floor_m <= layer.ceiling_m(ground_m, world.max_amsl.0)).then_some(floor_m)
 }
 
 /// The least altitude allowed from a floor up where a zone is: below the zone if there is room,
 /// or else above it; `None` if there is none.
-fn past(zone: &PlanZone, at: EastNorth, floor_m: f64, world: &World) -> Option<f64> {
-    let (from_m, below_m) = zone.closed_m(world.ground.height_m(at));
+fn past(
+    zone: &PlanZone,
+    at: EastNorth,
+    floor_m: f64,
+    (world, layer): (&World, Layer),
+) -> Option<f64> {
+    let ground_m = world.ground.height_m(at);
+    let (from_m, below_m) = zone.closed_m(ground_m);
     let floor_m = if floor_m < from_m {
         floor_m
     } else {
         floor_m.max(below_m)
     };
-    (floor_m <= world.max_amsl.0).then_some(floor_m)
+    (floor_m <= layer.ceiling_m(ground_m, world.max_amsl.0)).then_some(floor_m)
 }

@@ -35,10 +35,11 @@ pub(crate) struct FreeSpace {
 impl FreeSpace {
     /// The free space of a route, with distances up to `reach_m`.
     pub(crate) fn new(context: &RouteContext<'_>, grid: Grid, reach_m: f64) -> Self {
-        let world = context.world;
+        let (world, layer) = (context.world, context.layer());
         let floor_m: Vec<f64> = (0..grid.len())
             .into_par_iter()
             .map(|node| world.ground.height_m(grid.at(node)) + world.min_agl.0)
+            .map(|by_agl_m| layer.floor_m(by_agl_m))
             .collect();
         let mut space = Self {
             clearance_m: vec![reach_m; grid.len()],
@@ -54,7 +55,7 @@ impl FreeSpace {
                 space.close_zone(context, zone);
             }
         }
-        space.close_ground(world.max_amsl.0);
+        space.close_ground(context);
         space.close_outside(context);
         let near_m = AT_ENDS_CELLS * space.grid.spacing_m;
         for end in [context.ends.from.at, context.ends.to.at] {
@@ -120,26 +121,27 @@ impl FreeSpace {
     }
 
     /// Closes the ground whose floor is above the ceiling, or not known.
-    fn close_ground(&mut self, max_amsl_m: f64) {
-        let is_closed = |floor_m: &f64| floor_m.is_nan() || *floor_m > max_amsl_m;
-        if !self.floor_m.iter().any(is_closed) {
+    fn close_ground(&mut self, context: &RouteContext<'_>) {
+        let (world, layer) = (context.world, context.layer());
+        let top_m = |node: usize| match layer.max_agl_m.is_finite() {
+            true => layer.ceiling_m(world.ground.height_m(self.grid.at(node)), world.max_amsl.0),
+            false => world.max_amsl.0,
+        };
+        let floors = self.floor_m.iter().enumerate();
+        let closed: Vec<bool> = floors
+            .map(|(node, floor_m)| floor_m.is_nan() || *floor_m > top_m(node))
+            .collect();
+        if !closed.contains(&true) {
             return;
         }
-        let mut nearness_m: Vec<f64> = self
-            .floor_m
+        let mut nearness_m: Vec<f64> = closed
             .iter()
-            .map(|floor_m| {
-                if is_closed(floor_m) {
-                    0.0
-                } else {
-                    -self.reach_m
-                }
-            })
+            .map(|&is_closed| if is_closed { 0.0 } else { -self.reach_m })
             .collect();
         dilate(&self.grid, 1.0, &mut nearness_m);
         for (node, nearness_m) in nearness_m.into_iter().enumerate() {
             self.clearance_m[node] = self.clearance_m[node].min(-nearness_m);
-            if is_closed(&self.floor_m[node]) {
+            if closed[node] {
                 self.floor_m[node] = f64::NAN;
             }
         }
@@ -167,7 +169,11 @@ impl FreeSpace {
                 false => CLOSED,
             }
         });
-        Relief::of(self.grid.clone(), self.floor_m.clone(), closed.collect()).field(slope, &prices)
+        let relief = Relief::of(self.grid.clone(), self.floor_m.clone(), closed.collect());
+        Field {
+            rises: relief.rises(context.layer(), slope, &prices),
+            ..relief.field(slope, &prices)
+        }
     }
 
     /// Whether a path of a class of [`FreeSpace::field`] keeps to free space.

@@ -155,7 +155,10 @@ fn tree(field: &Field, root: usize, obstacles: &Obstacles) -> Tree {
             if settled[next] {
                 continue;
             }
-            let cost = tree.cost[node] + movement.cost(&field.cost, node, next);
+            let mut cost = tree.cost[node] + movement.cost(&field.cost, node, next);
+            if let Some(rises) = &field.rises {
+                cost += rises.cost(node, next, movement.length_km);
+            }
             if cost < tree.cost[next] {
                 tree.cost[next] = cost;
                 tree.parent[next] = node;
@@ -267,7 +270,11 @@ mod tests {
                 if walls.iter().any(inside) { 100.0 } else { 1.0 }
             })
             .collect();
-        Field { grid, cost }
+        Field {
+            grid,
+            cost,
+            rises: None,
+        }
     }
 
     fn classes(walls: &[(f64, f64, f64)]) -> Vec<HomotopyClass> {

@@ -65,10 +65,18 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
         if finer > 1 {
             grid = Grid::over(south_west, north_east, finer * (nodes - 1) + 1);
         }
-        let relief = Relief::new(context.world, grid, &prices, Reading::Conservative);
+        let relief = Relief::new(
+            (context.world, context.layer()),
+            grid,
+            &prices,
+            Reading::Conservative,
+        );
         let fields: Vec<Field> = (context.options.slope_factors)
             .par_iter()
-            .map(|factor| relief.field(factor * context.slope(), &prices))
+            .map(|factor| Field {
+                rises: relief.rises(context.layer(), context.slope(), &prices),
+                ..relief.field(factor * context.slope(), &prices)
+            })
             .collect();
         let obstacles = Obstacles::of(&fields, start, goal);
         let mut found: Vec<HomotopyClass> = fields

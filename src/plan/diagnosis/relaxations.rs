@@ -123,6 +123,7 @@ fn of_tolerance(margins: Margins, spec: &MissionSpec, other: &MissionSpec) -> Ma
     let share = other.mission.tolerance_m / spec.mission.tolerance_m;
     Margins {
         clearance_m: share * margins.clearance_m,
+        under_m: share * margins.under_m,
         threat_m: share * margins.threat_m,
         separation_m: share * margins.separation_m,
         ..margins

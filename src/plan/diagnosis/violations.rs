@@ -7,7 +7,7 @@ use crate::path::VehicleLimits;
 use crate::plan::search::JUDGED_SAMPLES;
 use crate::plan::{Route, VehiclePlan};
 use crate::spec::{MissionSpec, Vehicle};
-use crate::world::World;
+use crate::world::{Layer, World};
 
 /// A limit that a path breaks, where it is worst.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +39,13 @@ pub fn violations(
         found.extend(entered(spec, world, &routes));
     }
     if plan.terms.terrain > 0.0 {
+        let index = (spec.vehicles.iter()).position(|other| other.id == vehicle.id);
+        let layer = index.and_then(|index| world.layers.get(index));
         found.extend(too_low_or_high(world, &routes));
+        found.extend(out_of_layer(
+            (world, layer.copied().unwrap_or(Layer::OPEN)),
+            &routes,
+        ));
     }
     let limits = VehicleLimits::of(vehicle);
     if plan.terms.turn > 0.0 {
@@ -185,11 +191,7 @@ fn lengthy(lengths: impl Iterator<Item = (PlanPoint, f64)>) -> Option<(PlanPoint
 /// Ground and ceiling, each where the path is worst.
 fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Violation> {
     let mut found = Vec::new();
-    // As finely as the objective reads the ground.
-    let points = || {
-        let shares = [0.0, 0.25, 0.5, 0.75, 1.0];
-        pieces(routes).flat_map(move |(a, b)| shares.map(|share| a.toward(b, share)))
-    };
+    let points = || readings(routes);
     let agl_m = |point: PlanPoint| point.amsl.0 - world.ground.height_m(point.at);
     let unknown: Vec<PlanPoint> = points().filter(|point| agl_m(*point).is_nan()).collect();
     if let Some(at) = unknown.get(unknown.len() / 2) {
@@ -224,6 +226,44 @@ fn too_low_or_high(world: &World, routes: &[Vec<PlanPoint>]) -> Vec<Violation> {
         });
     }
     found
+}
+
+/// Points as close as the objective reads the ground.
+fn readings(routes: &[Vec<PlanPoint>]) -> impl Iterator<Item = PlanPoint> {
+    let shares = [0.0, 0.25, 0.5, 0.75, 1.0];
+    pieces(routes).flat_map(move |(a, b)| shares.map(|share| a.toward(b, share)))
+}
+
+/// The greatest height above ground and the least altitude, each where the path is worst.
+fn out_of_layer(
+    (world, layer): (&World, Layer),
+    routes: &[Vec<PlanPoint>],
+) -> impl Iterator<Item = Violation> {
+    let ground_m = |point: PlanPoint| world.ground.height_m(point.at);
+    let spare_m = |point: PlanPoint| layer.max_agl_m - (point.amsl.0 - ground_m(point));
+    let below = readings(routes).map(|point| (point, spare_m(point)));
+    let high = least(below.filter(|(_, spare_m)| !spare_m.is_nan()));
+    let high = high.filter(|worst| worst.1 < 0.0);
+    let high = high.map(|(at, spare_m)| Violation {
+        what: format!(
+            "the greatest height above ground, {} m, over ground {:.0} m high",
+            layer.max_agl_m,
+            ground_m(at)
+        ),
+        how: format!(
+            "{} above it: min_agl_m and max_agl_m close the way where the ground is steeper than the vehicle climbs and descends",
+            metres(-spare_m)
+        ),
+        at,
+    });
+    let above = readings(routes).map(|point| (point, point.amsl.0 - layer.min_amsl_m));
+    let low = least(above).filter(|worst| worst.1 < 0.0);
+    let low = low.map(|(at, over_m)| Violation {
+        what: format!("the least altitude, {} m", layer.min_amsl_m),
+        how: format!("{} below it", metres(-over_m)),
+        at,
+    });
+    high.into_iter().chain(low)
 }
 
 /// A length with as many digits as it needs not to be nothing.

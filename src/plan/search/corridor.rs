@@ -30,6 +30,8 @@ const GATHERED: [(f64, f64); 2] = [(1.5, 4.0), (2.5, 2.0)];
 const MORE: f64 = 1.5;
 /// Most control points between the ends: the altitudes of more are slow to decode.
 const MAX_CONTROLS: usize = 400;
+/// The same where a layer over the ground is followed: there more seldom help.
+const MAX_IN_LAYER: usize = 200;
 /// Classes with fits that are judged.
 const JUDGED_CLASSES: usize = 6;
 /// Evaluations times control points: decoding altitudes takes longer with more of these.
@@ -71,10 +73,14 @@ pub(super) fn or_through_corridors(
         if keeps_static_limits(&fitted.strict) {
             return searched_from(&context, run, &homotopy, (seeds, fitted));
         }
-        if controls == MAX_CONTROLS {
+        let most = match context.layer().max_agl_m.is_finite() {
+            true => MAX_IN_LAYER,
+            false => MAX_CONTROLS,
+        };
+        if controls >= most {
             return first;
         }
-        controls = times_more(controls).min(MAX_CONTROLS);
+        controls = times_more(controls).min(most);
     }
 }
 
@@ -109,7 +115,12 @@ fn fits(context: &RouteContext<'_>, homotopy: &HomotopyClasses) -> Vec<SearchSee
         let line = Line::new(class.line.clone());
         let warps = warps(context, &line);
         let tight = |warp: &Warp| {
-            let free = tightener.tighten(&field_cost, &fitter.fit(&line, warp));
+            let fitted = fitter.fit(&line, warp);
+            // A line that follows the ground in a layer is no longer than need be.
+            let free = match context.layer().max_agl_m.is_finite() {
+                true => fitted,
+                false => tightener.tighten(&field_cost, &fitted),
+            };
             seed_at(&frame, frame.shares(free), line.length_m(), class.signature)
         };
         warps.iter().map(tight).collect::<Vec<_>>()

@@ -311,6 +311,7 @@ mod tests {
         Field {
             cost: vec![1.0; grid.len()],
             grid,
+            rises: None,
         }
     }
 

@@ -216,7 +216,16 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
     let ceiling = held(Limit::Ceiling)
         .then_some(spec.area.max_amsl.0 - spec.buffers.ceiling_m)
         .map(|most_m| format!("up to {} m AMSL", words::number(most_m, 1)));
-    let heights: Vec<String> = clearance.into_iter().chain(ceiling).collect();
+    let tops = spec.vehicles.iter().filter_map(|of| of.altitudes.max_agl);
+    let top_m = tops.map(|agl| agl.0 - spec.buffers.ceiling_m);
+    let top_m = top_m.fold(f64::NEG_INFINITY, f64::max);
+    let highest = held(Limit::MaxHeight)
+        .then(|| format!("at most {} m above ground", words::number(top_m, 1)));
+    let heights: Vec<String> = clearance
+        .into_iter()
+        .chain(highest)
+        .chain(ceiling)
+        .collect();
     if !heights.is_empty() {
         facts.push(heights.join(", "));
     }

@@ -4,7 +4,9 @@ use geo::{Contains, Intersects, Point, Polygon};
 
 use super::super::airspace::{AttachedFile, Survey};
 use super::super::keys;
-use super::super::{Area, BufferedLimit, Buffers, Placement, Rally, TerrainSource, Threat, Zone};
+use super::super::{
+    AltitudeLimits, Area, BufferedLimit, Buffers, Placement, Rally, TerrainSource, Threat, Zone,
+};
 use super::Checker;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, LocalFrame};
 use crate::numeric::digits;
@@ -60,6 +62,7 @@ impl Checker {
             .map(|(index, zone)| self.corners(&format!("no_fly[{index}]"), zone))
             .collect();
         let area = area?;
+        self.altitude_layer("area", area.altitudes, &area, &buffers);
         let frame = LocalFrame::new(origin.unwrap_or_else(|| Some(middle(&area)))?);
         self.near(keys, &area, frame.origin())?;
         let mut no_fly = self.zones(keys, &frame, corners);
@@ -98,6 +101,21 @@ impl Checker {
             let allowed = format!("at least area.min_agl_m, {least_m}");
             self.report(path, digits::plain(agl_m), allowed);
         } else if (0.0..limit.buffered_m).contains(&agl_m) {
+            self.report(path, digits::plain(agl_m), limit.allowed(agl_m));
+        }
+        let Some(Agl(most_m)) = map.area.altitudes.max_agl else {
+            return;
+        };
+        let limit = BufferedLimit {
+            key: "ceiling",
+            of: "area.max_agl_m",
+            limit_m: most_m,
+            buffered_m: most_m - map.buffers.ceiling_m,
+        };
+        if agl_m > most_m {
+            let allowed = format!("at most area.max_agl_m, {most_m}");
+            self.report(path, digits::plain(agl_m), allowed);
+        } else if agl_m > limit.buffered_m {
             self.report(path, digits::plain(agl_m), limit.allowed(agl_m));
         }
     }
@@ -146,6 +164,10 @@ impl Checker {
             north_east,
             min_agl: Agl(keys.min_agl_m),
             max_amsl: Amsl(keys.max_amsl_m),
+            altitudes: AltitudeLimits {
+                max_agl: keys.max_agl_m.map(Agl),
+                min_amsl: keys.min_amsl_m.map(Amsl),
+            },
         })
     }
 

@@ -1,5 +1,8 @@
 //! The vehicles, each alone and against each other.
 
+mod altitudes;
+mod endurance;
+
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
@@ -146,6 +149,9 @@ impl Checker {
             home_to_start_m: ends.home_to_start_m,
         };
         let wing = self.wing(path, keys, &flown);
+        let altitudes = self.altitudes(path, keys, map);
+        let climb_mps = keys.climb_mps.unwrap_or(defaults.climb_mps);
+        let endurance = self.endurance(path, keys.endurance.as_ref(), (airframe, climb_mps));
         let retiming = self.retiming(path, keys, (autopilot, airframe));
         let opens_s = retiming.depart_s.map(|window| window.least);
         Some(Vehicle {
@@ -154,11 +160,13 @@ impl Checker {
             max_load_factor: flown.load_factor,
             max_climb_rad: keys.max_climb_deg.map(f64::to_radians),
             max_descent_rad: keys.max_descent_deg.map(f64::to_radians),
-            climb_mps: keys.climb_mps.unwrap_or(defaults.climb_mps),
+            climb_mps,
             descent_mps: flown.descent_mps,
             accel_mps2: keys.accel_mps2.unwrap_or(defaults.accel_mps2),
             depart_s: keys.depart_s.or(opens_s).unwrap_or(0.0),
             retiming,
+            altitudes,
+            endurance,
             return_amsl: keys.return_amsl_m.map(Amsl),
             id: id?,
             sysid: u8::try_from(sysid?).ok()?,

@@ -5,6 +5,7 @@
 //! given is an `Option` with the attribute `required`; the check reports where it is missing.
 
 mod airspace;
+mod endurance;
 mod fleet;
 mod on_alarm;
 mod options;
@@ -13,6 +14,7 @@ mod vehicle;
 mod zones;
 
 pub use airspace::{AirspaceFile, ObstacleFile, Only};
+pub use endurance::{Endurance, Energy};
 pub use fleet::{Fleet, Grid};
 pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use options::{Buffers, MissionOptions, Planner, Wind};
@@ -131,6 +133,12 @@ pub struct Area {
     /// Ceiling, metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub max_amsl_m: f64,
+    /// Greatest height above ground from start to goal, metres; absent: none.
+    #[schemars(range(min = 1, max = 10000))]
+    pub max_agl_m: Option<f64>,
+    /// Least altitude from start to goal, metres above mean sea level; absent: none.
+    #[schemars(range(min = -500, max = 20000))]
+    pub min_amsl_m: Option<f64>,
 }
 
 /// Where the ground comes from: exactly one of the keys.

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::Place;
+use super::{Endurance, Place};
 use crate::autopilot::{Airframe, Autopilot};
 use crate::spec::Finish;
 
@@ -110,6 +110,14 @@ pub struct Vehicle {
     /// ArduPilot's copters: the planner may choose another speed in this range where that costs
     /// less than a detour around other vehicles. speed_mps lies in it.
     pub speed_range_mps: Option<SpeedRange>,
+    /// Greatest height above ground from start to goal, metres; the lower one of this and the area's counts.
+    #[schemars(range(min = 1, max = 10000))]
+    pub max_agl_m: Option<f64>,
+    /// Least altitude from start to goal, metres above mean sea level; the higher one of this and the area's counts.
+    #[schemars(range(min = -500, max = 20000))]
+    pub min_amsl_m: Option<f64>,
+    /// How long or how far it flies; absent: not judged.
+    pub endurance: Option<Endurance>,
     /// Only with it may the autopilot's own return be written: its altitude, metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub return_amsl_m: Option<f64>,

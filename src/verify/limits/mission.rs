@@ -51,6 +51,7 @@ impl Contract<'_> {
         margins.extend(self.acceptance_radius());
         margins.extend(self.fence_margin());
         margins.extend(self.fence_complete());
+        margins.extend(self.endurance());
         margins
     }
 

@@ -3,6 +3,7 @@
 pub(super) mod assumptions;
 mod closed;
 pub(super) mod distant;
+mod endurance;
 pub(super) mod fence;
 pub(super) mod mission;
 pub(super) mod rally;

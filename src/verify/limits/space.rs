@@ -2,12 +2,13 @@
 
 use crate::geodesy::{EastNorth, LatLon};
 use crate::spec::MissionSpec;
-use crate::world::{NoData, World};
+use crate::world::{Layer, NoData, World};
 
 use super::closed::Closed;
 use super::fence::Fence;
 use crate::verify::execute::flight::Flight;
 use crate::verify::measure::outline::{Cylinder, Keep, Outline, ZoneShape};
+use crate::verify::measure::patch::Patch;
 use crate::verify::measure::segment::{Chord, Stretch, stretches};
 use crate::verify::measure::surface::Surface;
 use crate::verify::measure::worst::Worst;
@@ -34,6 +35,8 @@ struct Found {
     slope: Worst,
     contact: Worst,
     ceiling: Worst,
+    height: Worst,
+    low: Worst,
     threats: Vec<Worst>,
     zones: Vec<Worst>,
     area: Worst,
@@ -57,7 +60,13 @@ impl<'a> Space<'a> {
     }
 
     /// The margins of one flight to everything that stands still.
-    pub(crate) fn margins(&self, id: &str, flight: &Flight, fence: &Fence) -> Vec<Margin> {
+    pub(crate) fn margins(
+        &self,
+        id: &str,
+        layer: Layer,
+        flight: &Flight,
+        fence: &Fence,
+    ) -> Vec<Margin> {
         let mut found = Found {
             threats: vec![Worst::default(); self.threats.len()],
             zones: vec![Worst::default(); self.zones.len()],
@@ -74,6 +83,7 @@ impl<'a> Space<'a> {
             last = parts.last().map(|part| (chord.to.at, part.to));
             self.judge_ground(chord, &parts, &mut found);
             self.judge_ceiling(chord, &mut found.ceiling);
+            self.judge_layer(layer, chord, &parts, &mut found);
             self.judge_threats(chord, &parts, &mut found.threats);
             for part in &parts {
                 self.judge_zones(chord, part, &mut found.zones);
@@ -104,6 +114,8 @@ impl<'a> Space<'a> {
             margin(found.slope, Limit::TakeoffLandingClearance),
             margin(found.contact, Limit::GroundContact),
             margin(found.ceiling, Limit::Ceiling),
+            margin(found.height, Limit::MaxHeight),
+            margin(found.low, Limit::MinAltitude),
         ]
         .into_iter()
         .chain((threats.zip(found.threats)).map(|(limit, worst)| margin(worst, limit)))
@@ -186,13 +198,7 @@ impl<'a> Space<'a> {
                     over_m(patch.w.1, patch.height_m.1),
                 );
                 let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
-                let rise_m = if chord.bow_m > 0.0 {
-                    let line = (part.place(patch.w.0), part.place(patch.w.1));
-                    let slope = self.surface.steepest(line, chord.bow_m, part.place(w));
-                    chord.bow_m * slope
-                } else {
-                    0.0
-                };
+                let rise_m = self.bow_rise_m(chord, part, (&patch, w));
                 let bound_m = required_m(amsl_m(w));
                 let least_m = over_m + bound_m - rise_m;
                 worst.at_least(least_m, bound_m, || moment(chord, part, w));
@@ -211,6 +217,57 @@ impl<'a> Space<'a> {
         worst.at_most(highest_m, self.world.max_amsl.0, || {
             chord.moment(&self.world.frame, u)
         });
+    }
+
+    /// The greatest height above ground everywhere, and the least altitude on the way: not in the
+    /// columns and slopes of takeoff and landing.
+    fn judge_layer(&self, layer: Layer, chord: &Chord, parts: &[Stretch], found: &mut Found) {
+        if layer.max_agl_m.is_finite() {
+            match chord.agl_m {
+                Some((from_m, to_m)) => {
+                    let (least_m, u) = lower_end((-from_m, -to_m));
+                    let at = || chord.moment(&self.world.frame, u);
+                    found.height.at_most(-least_m, layer.max_agl_m, at);
+                }
+                None => self.judge_height(layer.max_agl_m, chord, parts, &mut found.height),
+            }
+        }
+        if layer.min_amsl_m.is_finite() && !chord.grounded && chord.slope_from_m.is_none() {
+            let ends_m = (chord.from.amsl.0, chord.to.amsl.0);
+            let (least_m, u) = lower_end(ends_m);
+            let slack_m = chord.agl_m.map_or(0.0, |_| chord.error_m);
+            let at = || chord.moment(&self.world.frame, u);
+            found.low.at_least(least_m - slack_m, layer.min_amsl_m, at);
+        }
+    }
+
+    /// Height above the lowest ground under a chord.
+    fn judge_height(&self, most_m: f64, chord: &Chord, parts: &[Stretch], worst: &mut Worst) {
+        for part in parts {
+            let patches = match self.surface.under(part.from, part.to) {
+                Ok(patches) => patches,
+                Err(gap) => return no_data(worst, most_m, chord, gap),
+            };
+            for patch in patches {
+                let over_m = |w: f64, ground_m: f64| chord.at(part.along(w)).amsl.0 - ground_m;
+                let (over_m, v) = patch.greatest_clearance_m(
+                    over_m(patch.w.0, patch.height_m.0),
+                    over_m(patch.w.1, patch.height_m.1),
+                );
+                let w = patch.w.0 + (patch.w.1 - patch.w.0) * v;
+                let fall_m = self.bow_rise_m(chord, part, (&patch, w));
+                worst.at_most(over_m + fall_m, most_m, || moment(chord, part, w));
+            }
+        }
+    }
+
+    /// By how much the ground differs at most between a chord and the bow that is flown.
+    fn bow_rise_m(&self, chord: &Chord, part: &Stretch, (patch, w): (&Patch, f64)) -> f64 {
+        if chord.bow_m <= 0.0 {
+            return 0.0;
+        }
+        let line = (part.place(patch.w.0), part.place(patch.w.1));
+        chord.bow_m * self.surface.steepest(line, chord.bow_m, part.place(w))
     }
 
     fn judge_threats(&self, chord: &Chord, parts: &[Stretch], worst: &mut [Worst]) {

@@ -44,4 +44,14 @@ impl Patch {
         }
         (least.0 - self.error_m, least.1)
     }
+
+    /// The greatest height of a line above the patch, likewise.
+    pub(crate) fn greatest_clearance_m(&self, from_m: f64, to_m: f64) -> (f64, f64) {
+        let mirrored = Self {
+            bulge_m: -self.bulge_m,
+            ..*self
+        };
+        let (least_m, w) = mirrored.least_clearance_m(-from_m, -to_m);
+        (-least_m, w)
+    }
 }

@@ -1,0 +1,132 @@
+//! How long or how far a vehicle flies.
+
+/// What a vehicle may use from takeoff to touchdown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Endurance {
+    /// What it has.
+    pub capacity: Capacity,
+    /// Share of it that must be left at touchdown.
+    pub reserve: f64,
+}
+
+/// What a vehicle has on board.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Capacity {
+    /// So many seconds of flight.
+    Time(f64),
+    /// So many metres through the air.
+    Range(f64),
+    /// Energy.
+    Energy(Energy),
+}
+
+/// Energy on board, and the power that flying draws.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Energy {
+    /// On board, watt hours.
+    pub wh: f64,
+    /// Additional power while climbing at `climb_mps`, watts; in proportion to slower climbs.
+    pub climbing_w: f64,
+    /// The vertical speed that `climbing_w` belongs to, m/s.
+    pub climb_mps: f64,
+    /// Speed through the air, m/s, and power, W, by ascending speed; not empty. A hover has speed
+    /// 0.
+    pub level: Vec<(f64, f64)>,
+}
+
+impl Endurance {
+    /// What may be used, in [`Capacity::unit`].
+    #[must_use]
+    pub fn usable(&self) -> f64 {
+        (1.0 - self.reserve) * self.capacity.total()
+    }
+}
+
+impl Capacity {
+    /// All of it: seconds, metres or watt hours.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        match self {
+            Self::Time(total) | Self::Range(total) => *total,
+            Self::Energy(energy) => energy.wh,
+        }
+    }
+
+    /// The unit of [`Self::total`].
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::Time(_) => "s",
+            Self::Range(_) => "m",
+            Self::Energy(_) => "Wh",
+        }
+    }
+
+    /// What a motion of constant velocity uses, by its duration, seconds, speed through the air,
+    /// and vertical speed, positive upwards, m/s.
+    #[must_use]
+    pub fn used(&self, duration_s: f64, air_mps: f64, up_mps: f64) -> f64 {
+        match self {
+            Self::Time(_) => duration_s,
+            Self::Range(_) => duration_s * air_mps.hypot(up_mps),
+            Self::Energy(energy) => duration_s * energy.power_w(air_mps, up_mps) / 3600.0,
+        }
+    }
+}
+
+impl Energy {
+    /// Power at a speed through the air and a vertical speed, watts: linear between the speeds of
+    /// the table, beyond the last in proportion to the cube of the speed. A descent draws what
+    /// level flight does.
+    #[must_use]
+    pub fn power_w(&self, air_mps: f64, up_mps: f64) -> f64 {
+        let level = &self.level;
+        let after = level.partition_point(|(speed_mps, _)| *speed_mps <= air_mps);
+        let level_w = match (after.checked_sub(1).map(|at| level[at]), level.get(after)) {
+            (Some(low), Some(&high)) => {
+                low.1 + (high.1 - low.1) * (air_mps - low.0) / (high.0 - low.0)
+            }
+            (Some((speed_mps, power_w)), None) if speed_mps > 0.0 => {
+                power_w * (air_mps / speed_mps).powi(3)
+            }
+            (Some(only), None) => only.1,
+            (None, first) => first.map_or(0.0, |first| first.1),
+        };
+        level_w + self.climbing_w * (up_mps / self.climb_mps).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+    }
+
+    #[test]
+    fn power_is_linear_between_speeds_and_cubic_beyond_the_last() {
+        let energy = Energy {
+            wh: 100.0,
+            climbing_w: 60.0,
+            climb_mps: 3.0,
+            level: vec![(0.0, 300.0), (10.0, 200.0), (20.0, 400.0)],
+        };
+        near(energy.power_w(0.0, 0.0), 300.0);
+        near(energy.power_w(15.0, 0.0), 300.0);
+        near(energy.power_w(40.0, 0.0), 3200.0);
+        near(energy.power_w(10.0, 1.5), 230.0);
+        near(energy.power_w(10.0, -2.0), 200.0);
+        near(Capacity::Energy(energy).used(1800.0, 10.0, 0.0), 100.0);
+    }
+
+    #[test]
+    fn a_reserve_is_not_usable() {
+        let endurance = Endurance {
+            capacity: Capacity::Range(20_000.0),
+            reserve: 0.2,
+        };
+        near(endurance.usable(), 16_000.0);
+        near(endurance.capacity.used(100.0, 3.0, 4.0), 500.0);
+    }
+}

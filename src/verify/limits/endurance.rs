@@ -1,0 +1,101 @@
+//! What a flight uses from takeoff to touchdown, against what the vehicle has.
+
+use crate::numeric::digits;
+use crate::spec::{Capacity, Endurance};
+use crate::verify::execute::flight::End;
+use crate::verify::limits::mission::Contract;
+use crate::verify::measure::segment::Chord;
+use crate::verify::{Limit, Margin, Requirement};
+
+/// A motion that is shorter is none, metres.
+const STILL_M: f64 = 1e-3;
+
+impl Contract<'_> {
+    /// Time, distance through the air or energy from takeoff to touchdown, or until the vehicle
+    /// stays for ever.
+    pub(crate) fn endurance(&self) -> Option<Margin> {
+        let endurance = self.vehicle.endurance.as_ref()?;
+        let (unit, usable) = (endurance.capacity.unit(), endurance.usable());
+        let required = Requirement::at_most(Limit::Endurance, usable, unit);
+        if self.flight.unknown.is_some() || self.flight.end == Some(End::Repeats) {
+            return Some(Margin::unjudged(
+                self.id(),
+                Limit::Endurance,
+                "the flight is not known to its end",
+            ));
+        }
+        let stays = matches!(self.flight.end, Some(End::Stays(_)));
+        let aloft = self.aloft(stays);
+        let last = aloft.last()?;
+        let used: f64 = aloft.iter().map(|chord| self.used(endurance, chord)).sum();
+        let late = match endurance.capacity {
+            // A vehicle that is late hovers or circles for so long.
+            Capacity::Time(_) | Capacity::Energy(_) => {
+                endurance.capacity.used(last.late_s, self.idle_mps(), 0.0)
+            }
+            Capacity::Range(_) => 0.0,
+        };
+        let mut note = format!(
+            "{} {unit} less a reserve of {} %",
+            digits::plain(endurance.capacity.total()),
+            digits::plain(100.0 * endurance.reserve)
+        );
+        if stays {
+            note.push_str("; until it stays for ever");
+        }
+        let at = last.moment(&self.world.frame, 1.0);
+        Some(Margin {
+            note,
+            ..required.margin(self.id(), used + late, Some(at))
+        })
+    }
+
+    /// What is flown, from the first motion on, without an endless stay.
+    fn aloft(&self, stays: bool) -> Vec<&Chord> {
+        let circle = self.flight.circle.map(|circle| circle.chord);
+        let chords = self.flight.chords.iter().enumerate();
+        let flown = chords.filter(|(index, chord)| chord.flown && circle != Some(*index));
+        let moves = |chord: &Chord| chord.from.distance_m(chord.to) > STILL_M;
+        let flown = flown.map(|(_, chord)| chord);
+        let mut aloft: Vec<&Chord> = flown.skip_while(|chord| !moves(chord)).collect();
+        while stays && aloft.last().is_some_and(|chord| !moves(chord)) {
+            aloft.pop();
+        }
+        aloft
+    }
+
+    /// What a chord uses.
+    fn used(&self, endurance: &Endurance, chord: &Chord) -> f64 {
+        let duration_s = chord.to_s - chord.from_s;
+        if duration_s <= 0.0 {
+            return 0.0;
+        }
+        let run_m = chord.from.at.distance_m(chord.to.at);
+        let rise_m = chord.to.amsl.0 - chord.from.amsl.0;
+        let wind = self.spec.wind;
+        let (east_mps, north_mps) = wind.map_or((0.0, 0.0), |wind| {
+            let (sin, cos) = wind.from_rad.sin_cos();
+            (-wind.speed_mps * sin, -wind.speed_mps * cos)
+        });
+        let over_ground = |a: f64, b: f64| (b - a) / duration_s;
+        let air_mps = (over_ground(chord.from.at.east_m, chord.to.at.east_m) - east_mps)
+            .hypot(over_ground(chord.from.at.north_m, chord.to.at.north_m) - north_mps);
+        // What stands still in the air circles there, if it is no column.
+        let circles = run_m < STILL_M && rise_m.abs() < STILL_M;
+        let air_mps = match circles {
+            true => air_mps.max(self.idle_mps()),
+            false => air_mps,
+        };
+        endurance
+            .capacity
+            .used(duration_s, air_mps, rise_m / duration_s)
+    }
+
+    /// Speed through the air of a vehicle that waits, m/s: a wing circles.
+    fn idle_mps(&self) -> f64 {
+        match self.vehicle.wing {
+            Some(_) => self.vehicle.speed_mps,
+            None => 0.0,
+        }
+    }
+}
