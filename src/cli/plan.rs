@@ -207,6 +207,18 @@ fn print_result(
     Ok(())
 }
 
+/// Columns of limits that few specs have, with their topics.
+fn more_columns(review: &Review) -> Vec<(&'static str, Topic)> {
+    let margins = &review.margins;
+    [
+        ("height limit", Topic::Height),
+        ("endurance", Topic::Endurance),
+    ]
+    .into_iter()
+    .filter(|(_, topic)| (margins.iter()).any(|margin| margin.limit.topic() == *topic))
+    .collect()
+}
+
 /// Prints a row for each vehicle: its path, mission, tightest margins and transfer.
 fn print_fleet(
     file: &SpecFile,
@@ -214,13 +226,7 @@ fn print_fleet(
     delivery: Option<&Delivery>,
 ) -> Result<(), Failure> {
     let (spec, review) = (&file.spec, &dispatched.review);
-    let more: Vec<(&'static str, Topic)> = [
-        ("height limit", Topic::Height),
-        ("endurance", Topic::Endurance),
-    ]
-    .into_iter()
-    .filter(|(_, topic)| (review.margins.iter()).any(|margin| margin.limit.topic() == *topic))
-    .collect();
+    let more = more_columns(review);
     let mut heads = vec![
         "vehicle",
         "autopilot",

@@ -206,7 +206,7 @@ impl Heights {
         }
     }
 
-    /// The least and the greatest height at each of so many samples.
+    /// The least and the greatest height at each of a number of samples.
     fn at_samples(&self, count: usize) -> Vec<[f64; 2]> {
         let ramp = |end_m: f64, full_m: f64, away: f64| {
             let share = (away * 20.0).min(1.0);

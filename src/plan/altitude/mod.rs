@@ -315,7 +315,7 @@ impl AltitudeLp {
             }
         }
         for (ceiling, floor) in work.ceilings.iter_mut().zip(&work.floor) {
-            // Where no path is low enough, one that is little higher is to be found quickly.
+            // Where no path is low enough, one that is little higher must be found quickly.
             if *ceiling < *floor {
                 *ceiling = *floor + OVER_CEILING_M;
             }

@@ -12,9 +12,9 @@ pub struct Endurance {
 /// What a vehicle has on board.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Capacity {
-    /// So many seconds of flight.
+    /// Seconds of flight.
     Time(f64),
-    /// So many metres through the air.
+    /// Metres through the air.
     Range(f64),
     /// Energy.
     Energy(Energy),

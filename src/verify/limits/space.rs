@@ -100,6 +100,11 @@ impl<'a> Space<'a> {
                 }
             }
         }
+        self.found_margins(id, flight, found)
+    }
+
+    /// The margins of what was found.
+    fn found_margins(&self, id: &str, flight: &Flight, found: Found) -> Vec<Margin> {
         let threats = self.spec.threats.iter();
         let threats = threats.map(|threat| Limit::Threat(threat.id.clone()));
         let margin = |worst: Worst, limit: Limit| worst.margin(id, limit, "m");
