@@ -140,10 +140,14 @@ impl List<'_> {
         );
         self.set("WPNAV_SPEED_UP", v.climb_mps, "planned climb, cm/s");
         self.set("WPNAV_SPEED_DN", v.descent_mps, "planned descent, cm/s");
+        let stops = v.stops.iter();
+        let nearest_m = stops
+            .filter_map(|stop| stop.acceptance_radius_m)
+            .fold(corner_cut_m(options), f64::min);
         self.set(
             "WPNAV_RADIUS",
-            corner_cut_m(options),
-            "how far a corner may be cut, cm: mission.tolerance_m",
+            nearest_m,
+            "how far a corner may be cut, cm: mission.tolerance_m, or less for a stop",
         );
         self.set(
             "LAND_SPEED_HIGH",
