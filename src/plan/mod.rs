@@ -21,7 +21,7 @@ pub use fleet::columns::ColumnConflict;
 pub use fleet::{
     Progress, Request, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan, replan_from,
 };
-pub use search::objective::objective;
+pub use search::objective::{objective, objective_specs};
 pub use search_options::SearchOptions;
 
 use crate::cost::CostTerms;

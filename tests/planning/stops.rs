@@ -224,3 +224,44 @@ planner: {evaluations: 2000}
         assert_eq!(items[items.len() - 1].x, items[0].x);
     }
 }
+
+#[test]
+fn evaluate_takes_the_routes_one_after_the_other_and_sums_their_costs() {
+    use sortie::optimize::Problem;
+    use sortie::plan::{objective, objective_specs};
+    let mut spec = round(Autopilot::ArduPilot);
+    spec.vehicles[0].stops[0].speed_mps = Some(7.0);
+    let world = world(&spec);
+    let specs = objective_specs(&spec, &world, 0);
+    let whole = objective(&specs, &world, 0, &[], 101);
+    let each = 3 * spec.planner.control_points;
+    assert_eq!(whole.dimension(), 3 * each);
+    let row: Vec<f64> = (0..3 * each)
+        .map(|index| (0.618 * f64::from(u32::try_from(index).expect("few"))).fract())
+        .collect();
+    let mut cost = [0.0];
+    whole.evaluate(&row, &mut cost);
+    // Each route as the only one of a vehicle of its own.
+    let stations = &world.stations[0];
+    let places = [
+        stations.start,
+        stations.stops[0],
+        stations.stops[1],
+        stations.goal,
+    ];
+    let mut sum = 0.0;
+    for (index, pair) in places.windows(2).enumerate() {
+        let mut alone = spec.clone();
+        alone.vehicles[0].stops.clear();
+        alone.vehicles[0].speed_mps = if index == 0 { 10.0 } else { 7.0 };
+        let mut world = world.clone();
+        world.stations[0].stops.clear();
+        (world.stations[0].start, world.stations[0].goal) = (pair[0], pair[1]);
+        let specs = objective_specs(&alone, &world, 0);
+        let part = objective(&specs, &world, 0, &[], 101);
+        let mut own = [0.0];
+        part.evaluate(&row[index * each..(index + 1) * each], &mut own);
+        sum += own[0];
+    }
+    assert!((cost[0] - sum).abs() < 1e-9 * sum, "{} {sum}", cost[0]);
+}
