@@ -1,5 +1,7 @@
 //! Vehicles that visit places between start and goal: planned, encoded and judged.
 
+#![allow(clippy::float_cmp)]
+
 use crate::support;
 
 use sortie::dispatch::{Dispatched, dispatch};
