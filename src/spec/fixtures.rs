@@ -1,7 +1,8 @@
 //! Vehicles for the tests of other folders.
 
 use super::{
-    Airframe, AltitudeLimits, Autopilot, EndPoint, Finish, Link, Placement, Retiming, Vehicle,
+    Airframe, AltitudeLimits, Autopilot, EndPoint, Finish, Link, Order, Placement, Retiming,
+    Vehicle,
 };
 use crate::geodesy::{Agl, LatLon};
 
@@ -25,6 +26,8 @@ pub(crate) fn copter() -> Vehicle {
         home: place,
         start: end,
         goal: end,
+        stops: Vec::new(),
+        order: Order::Fixed,
         finish: Finish::Land,
         speed_mps: 10.0,
         max_load_factor: 1.2,

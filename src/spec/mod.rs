@@ -53,6 +53,7 @@ pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
 pub use vehicle::{
     AltitudeLimits, ApproachLengths, Capacity, EndPoint, Endurance, Energy, Finish, GRAVITY_MPS2,
-    Landing, Link, Placement, Retiming, Span, Vehicle, Wing, turn_radius_by_load_m,
+    Landing, Link, MAX_STOPS, Order, Placement, Retiming, Span, Stop, Vehicle, Wing,
+    turn_radius_by_load_m,
 };
 pub use wind::Wind;
