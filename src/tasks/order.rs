@@ -227,7 +227,7 @@ mod tests {
     }
 
     /// Places in a square, with distances.
-    fn places(at: &[(f64, f64)]) -> Vec<Vec<f64>> {
+    fn distances(at: &[(f64, f64)]) -> Vec<Vec<f64>> {
         let row = |a: &(f64, f64)| at.iter().map(|b| (a.0 - b.0).hypot(a.1 - b.1)).collect();
         at.iter().map(row).collect()
     }
@@ -242,7 +242,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(200))]
 
         #[test]
-        fn no_order_of_up_to_eight_places_costs_less(costs in (1_usize..=8).prop_flat_map(matrix)) {
+        fn no_order_of_up_to_eight_stops_costs_less(costs in (1_usize..=8).prop_flat_map(matrix)) {
             let found = best_order(&costs).expect("square");
             prop_assert!(is_whole(&found, costs.len() - 2));
             let path: Vec<usize> = std::iter::once(0).chain(found.order.iter().map(|place| place + 1))
@@ -256,8 +256,8 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(12))]
 
         #[test]
-        fn no_order_of_twelve_places_costs_less(at in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 14)) {
-            let costs = places(&at);
+        fn no_order_of_twelve_stops_costs_less(at in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 14)) {
+            let costs = distances(&at);
             let found = best_order(&costs).expect("square");
             prop_assert!((found.cost - brute(&costs)).abs() < 1e-9);
             // The bound for more places holds here too.
@@ -265,8 +265,8 @@ mod tests {
         }
 
         #[test]
-        fn forty_places_are_within_a_tenth_of_their_bound(at in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 42)) {
-            let found = best_order(&places(&at)).expect("square");
+        fn forty_stops_are_within_a_tenth_of_their_bound(at in prop::collection::vec((0.0..1.0_f64, 0.0..1.0_f64), 42)) {
+            let found = best_order(&distances(&at)).expect("square");
             prop_assert!(is_whole(&found, 40));
             prop_assert!(found.bound <= found.cost && found.cost < 1.10 * found.bound, "{} {}", found.cost, found.bound);
         }

@@ -62,10 +62,10 @@ pub fn in_order(spec: &MissionSpec, world: &World, orders: &[FreeOrder]) -> (Mis
 
 fn free_order(spec: &MissionSpec, world: &World, vehicle: usize, seed: u64) -> FreeOrder {
     let (own, stations) = (&spec.vehicles[vehicle], &world.stations[vehicle]);
-    let mut places = vec![stations.start];
-    places.extend(&stations.stops);
-    places.push(stations.goal);
-    let mut costs = bounds(spec, world, &places);
+    let mut points = vec![stations.start];
+    points.extend(&stations.stops);
+    points.push(stations.goal);
+    let mut costs = bounds(spec, world, &points);
     let after_goal = &route_ends(own, stations)[stations.stops.len() + 1..];
     let after: f64 = route_bounds(spec, world, after_goal).iter().sum();
     let mut planned: BTreeSet<(usize, usize)> = BTreeSet::new();
@@ -78,13 +78,13 @@ fn free_order(spec: &MissionSpec, world: &World, vehicle: usize, seed: u64) -> F
         bound.get_or_insert(sequence.bound + after);
         let path: Vec<usize> = std::iter::once(0)
             .chain(sequence.order.iter().map(|stop| stop + 1))
-            .chain([places.len() - 1])
+            .chain([points.len() - 1])
             .collect();
         let legs = path.windows(2).map(|pair| (pair[0], pair[1]));
         let new: Vec<(usize, usize)> = legs.filter(|leg| !planned.contains(leg)).collect();
         let ends: Vec<(PlanPoint, PlanPoint)> = new
             .iter()
-            .map(|&(from, to)| (places[from], places[to]))
+            .map(|&(from, to)| (points[from], points[to]))
             .collect();
         for (&(from, to), cost) in new
             .iter()
@@ -107,16 +107,16 @@ fn free_order(spec: &MissionSpec, world: &World, vehicle: usize, seed: u64) -> F
     }
 }
 
-/// Proven bounds between all places; of many places the straight lines.
-fn bounds(spec: &MissionSpec, world: &World, places: &[PlanPoint]) -> Vec<Vec<f64>> {
-    let count = places.len();
+/// Proven bounds between all points; of many points the straight lines.
+fn bounds(spec: &MissionSpec, world: &World, points: &[PlanPoint]) -> Vec<Vec<f64>> {
+    let count = points.len();
     let mut costs = vec![vec![0.0; count]; count];
     let pairs: Vec<(usize, usize)> = (0..count)
         .flat_map(|from| (from + 1..count).map(move |to| (from, to)))
         .collect();
     let ends: Vec<(PlanPoint, PlanPoint)> = pairs
         .iter()
-        .map(|&(from, to)| (places[from], places[to]))
+        .map(|&(from, to)| (points[from], points[to]))
         .collect();
     let found = match count - 2 {
         0..=MAX_EXACT => route_bounds(spec, world, &ends),
