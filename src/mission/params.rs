@@ -167,11 +167,14 @@ impl List<'_> {
         );
         self.set("WPNAV_SPEED_UP", v.climb_mps, "planned climb, cm/s");
         self.set("WPNAV_SPEED_DN", v.descent_mps, "planned descent, cm/s");
-        self.set(
-            "WPNAV_RADIUS",
-            corner_cut_m(options),
-            "how far a corner may be cut, cm: mission.tolerance_m",
-        );
+        let radii = v.stops.iter().filter_map(|stop| stop.acceptance_radius_m);
+        let cut_m = corner_cut_m(options);
+        let nearest_m = radii.fold(cut_m, f64::min);
+        let why = match nearest_m < cut_m {
+            true => "how far a corner may be cut, cm: the least acceptance_radius_m of a stop",
+            false => "how far a corner may be cut, cm: mission.tolerance_m",
+        };
+        self.set("WPNAV_RADIUS", nearest_m, why);
         self.set(
             "LAND_SPEED_HIGH",
             0.0,

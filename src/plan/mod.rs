@@ -21,7 +21,7 @@ pub use fleet::columns::ColumnConflict;
 pub use fleet::{
     Progress, Request, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan, replan_from,
 };
-pub use search::objective::objective;
+pub use search::objective::{objective, objective_specs};
 pub use search_options::SearchOptions;
 
 use crate::cost::CostTerms;
@@ -45,7 +45,8 @@ pub struct VehiclePlan {
     pub depart_s: f64,
     /// Speed, m/s: the specified one, or another one of its range.
     pub speed_mps: f64,
-    /// Start to goal; with [`crate::spec::Finish::Return`] a second one, goal to over home.
+    /// From start over the stops to the goal, and with [`crate::spec::Finish::Return`] to over
+    /// home: between [`crate::path::route_ends`].
     pub routes: Vec<Route>,
     /// The objective, judged finely, summed over the routes.
     pub terms: CostTerms,
@@ -82,6 +83,11 @@ pub struct Route {
 }
 
 impl Route {
+    /// When its path ends, seconds after T0.
+    pub(crate) fn end_s(&self) -> f64 {
+        self.path.last().map_or(0.0, |last| last.t_s)
+    }
+
     /// The points of its path.
     #[must_use]
     pub fn points(&self) -> Vec<PlanPoint> {

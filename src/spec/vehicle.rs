@@ -1,5 +1,9 @@
 //! A vehicle of the checked spec: identity, route and performance.
 
+mod stop;
+
+pub use stop::{MAX_STOPS, Order, Stop};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -31,6 +35,11 @@ pub struct Vehicle {
     /// Where the planned path ends, airborne. A plane that lands touches down at this place,
     /// and its glide begins at this height.
     pub goal: EndPoint,
+    /// Places to visit between start and goal. With [`Order::Free`] as they are listed, until the
+    /// planner has put them in order.
+    pub stops: Vec<Stop>,
+    /// In which order they are visited.
+    pub order: Order,
     /// What happens at the goal.
     pub finish: Finish,
     /// Planned speed, m/s: over the ground, on a wing the indicated airspeed.

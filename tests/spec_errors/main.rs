@@ -7,6 +7,7 @@ mod ground;
 mod meaning;
 mod on_alarm;
 mod ranges;
+mod stops;
 mod structure;
 mod wings;
 mod zones;

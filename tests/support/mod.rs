@@ -70,6 +70,8 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         home: start,
         start: airborne(start),
         goal: airborne(goal),
+        stops: Vec::new(),
+        order: Order::Fixed,
         finish: Finish::Land,
         autopilot_version: None,
         speed_mps: 15.0,

@@ -159,6 +159,7 @@ impl<'a> JointPlan<'a> {
     ) {
         self.spec.vehicles.push(Vehicle {
             finish: if lands { Finish::Land } else { Finish::Loiter },
+            stops: Vec::new(),
             ..self.vehicle(state).clone()
         });
         self.world.stations.push(Stations {
@@ -167,6 +168,7 @@ impl<'a> JointPlan<'a> {
             goal: to,
             landing: to.at,
             goal_ground: ground(&self.world, to),
+            stops: Vec::new(),
             ..self.given.plan.world.stations[state.vehicle]
         });
     }

@@ -78,7 +78,8 @@ pub struct Replanner<'a> {
     clock: Clock,
 }
 
-/// Refuses fleets that cannot be led onto new paths: planes, and VTOL with an approach.
+/// Refuses fleets that cannot be led onto new paths: planes, VTOL with an approach, and vehicles
+/// with stops.
 ///
 /// # Errors
 /// [`FlightError::Verdict`]
@@ -88,6 +89,9 @@ pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
             Airframe::Plane => "is a plane: only copters and VTOL are led onto new paths",
             Airframe::Vtol if vehicle.wing.is_some_and(|wing| wing.landing.is_some()) => {
                 "has an approach: only VTOL that land from anywhere are led onto new paths"
+            }
+            _ if !vehicle.stops.is_empty() => {
+                "has stops: only vehicles that fly from start to goal are led onto new paths"
             }
             Airframe::Vtol | Airframe::Copter => continue,
         };

@@ -1,5 +1,7 @@
 //! The vehicles, each alone and against each other.
 
+mod stops;
+
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
@@ -131,6 +133,10 @@ impl Checker {
         let finish = self.required(path, "finish", keys.finish);
         let speed_mps = self.required(path, "speed_mps", keys.speed_mps);
         let ends = self.ends(path, keys, map);
+        let stops = self.stops(path, keys, map);
+        if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
+            self.stops_apart(path, keys, (start.place, goal.place), &stops);
+        }
         let (autopilot, speed_mps, finish) = (autopilot?, speed_mps?, finish?);
         let airframe = keys.airframe.unwrap_or_default();
         let defaults = facts(autopilot, airframe).defaults;
@@ -171,6 +177,8 @@ impl Checker {
             home: ends.home?,
             start: ends.start?,
             goal: ends.goal?,
+            stops,
+            order: keys.order.unwrap_or_default(),
             finish,
         })
     }
@@ -224,13 +232,21 @@ impl Checker {
         let at = |key: &str| format!("{path}.{key}");
         let start = self.required(path, "start", keys.start);
         let start = start.and_then(|end| self.end_point(&at("start"), end));
-        let goal = self.required(path, "goal", keys.goal);
-        let goal = goal.and_then(|end| self.end_point(&at("goal"), end));
+        let is_round = keys.goal.is_none() && !keys.stops.is_empty();
+        let goal = if is_round {
+            start
+        } else {
+            let goal = self.required(path, "goal", keys.goal);
+            goal.and_then(|end| self.end_point(&at("goal"), end))
+        };
         let own_home = keys.home.and_then(|home| self.place(&at("home"), home));
         let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));
-        self.start_to_goal(&at("goal"), from, to);
+        if keys.stops.is_empty() {
+            self.start_to_goal(&at("goal"), from, to);
+        }
         if let Some(map) = map {
-            for (key, place) in [("start", from), ("goal", to), ("home", own_home)] {
+            let goal = to.filter(|_| !is_round);
+            for (key, place) in [("start", from), ("goal", goal), ("home", own_home)] {
                 if let Some(place) = place {
                     self.clear(&at(key), key, place, map);
                 }

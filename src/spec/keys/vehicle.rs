@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::Place;
+use super::{Place, Stop};
 use crate::autopilot::{Airframe, Autopilot};
-use crate::spec::Finish;
+use crate::spec::{Finish, Order};
 
 impl JsonSchema for Autopilot {
     fn schema_name() -> Cow<'static, str> {
@@ -74,9 +74,13 @@ pub struct Vehicle {
     #[schemars(with = "EndPoint")]
     pub start: Option<EndPoint>,
     /// The planned path ends here, airborne. A plane that lands touches down at this place,
-    /// and its glide begins at this height.
-    #[schemars(with = "EndPoint")]
+    /// and its glide begins at this height. Absent, which needs stops: the start.
     pub goal: Option<EndPoint>,
+    /// Copters: places to visit between start and goal.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stops: Vec<Stop>,
+    /// Whether stops are visited as they are listed, or in the order that costs least; absent: fixed.
+    pub order: Option<Order>,
     /// At the goal: land; loiter there for ever; or return along a planned path and land at home.
     #[schemars(with = "Finish")]
     pub finish: Option<Finish>,
