@@ -3,7 +3,7 @@
 use crate::autopilot::{COPTER_LEAN, PX4_LEAN};
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 
-/// What is to be known of a copter that flies faster through the air than a stock one of its
+/// What an operator must know of a copter that flies faster through the air than a stock one of its
 /// autopilot reached ([`crate::autopilot::Behaviour::lean_speed_mps`]), in words; none where it is
 /// slower, no figure is known, or the spec states what it was flown at. In specs of version 2 the
 /// parameters allow it to lean further, and the verdict judges each leg; those of version 1 keep

@@ -23,7 +23,7 @@ const ERROR_SHARE: f64 = 0.25;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Depth {
     /// Not at all.
-    Kept,
+    Within,
     /// By no more than what positions are off.
     Shallow,
     /// By more.
@@ -36,7 +36,7 @@ impl Depth {
         match (is_past, is_far_past) {
             (_, true) => Self::Deep,
             (true, false) => Self::Shallow,
-            (false, false) => Self::Kept,
+            (false, false) => Self::Within,
         }
     }
 }
@@ -58,14 +58,14 @@ impl Breaches {
         let broken_s = match depth {
             Depth::Deep => SHALLOW_S,
             Depth::Shallow => (broken_s + step_s).min(SHALLOW_S),
-            Depth::Kept => broken_s - step_s,
+            Depth::Within => broken_s - step_s,
         };
-        if depth == Depth::Kept && broken_s <= 0.0 {
+        if depth == Depth::Within && broken_s <= 0.0 {
             self.since.remove(&key);
             return false;
         }
         self.since.insert(key, (t_s, broken_s));
-        depth != Depth::Kept && broken_s >= SHALLOW_S - 1e-6
+        depth != Depth::Within && broken_s >= SHALLOW_S - 1e-6
     }
 }
 
@@ -90,13 +90,13 @@ mod tests {
 
     #[test]
     fn what_is_far_past_its_limit_rings_at_once_and_what_is_little_past_it_within_two_seconds() {
-        let from = |depth: Depth| move |t_s: f64| if t_s < 10.0 { Depth::Kept } else { depth };
+        let from = |depth: Depth| move |t_s: f64| if t_s < 10.0 { Depth::Within } else { depth };
         assert_eq!(rings_s(from(Depth::Deep)), Some(10.0));
         assert!(rings_s(from(Depth::Shallow)).is_some_and(|t_s| (10.9..=11.3).contains(&t_s)));
         // Every fourth measurement is on the other side of the limit by chance.
         let jitters = |t_s: f64| match (t_s < 10.0, (t_s / 0.2).round() % 4.0 < 0.5) {
             (false, false) => Depth::Shallow,
-            _ => Depth::Kept,
+            _ => Depth::Within,
         };
         assert!(
             rings_s(jitters).is_some_and(|t_s| t_s <= 12.0),
@@ -109,7 +109,7 @@ mod tests {
     fn what_is_little_past_its_limit_for_a_moment_does_not_ring() {
         let at_times = |t_s: f64| match t_s % 4.0 < 0.7 {
             true => Depth::Shallow,
-            false => Depth::Kept,
+            false => Depth::Within,
         };
         assert_eq!(rings_s(at_times), None);
     }

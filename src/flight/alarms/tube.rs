@@ -19,7 +19,7 @@ const ALIKE_M: f64 = 10.0;
 const STOPS_M: f64 = 20.0;
 /// Lower over the ground than this it may have landed, metres.
 const LOW_M: f64 = 5.0;
-/// On its last circle a wing is up to so many radii from the middle.
+/// On its last circle a wing is at most this many radii from the middle.
 const WIDE_CIRCLE: f64 = 1.5;
 /// Slower than this a planned leg is none that a vehicle must be seen to move on, m/s.
 const SLOW_MPS: f64 = 1.0;
