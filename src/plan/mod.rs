@@ -18,6 +18,7 @@ pub use crate::plan::diagnosis::blocking_set::{BlockingElement, BlockingSets};
 pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
 pub use crate::plan::diagnosis::violations::{Violation, violations};
 pub use fleet::columns::ColumnConflict;
+pub use fleet::pairs::{route_bounds, route_costs};
 pub use fleet::{
     Progress, Request, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan, replan_from,
 };
@@ -41,6 +42,9 @@ pub struct FleetPlan {
 /// The path of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VehiclePlan {
+    /// Indices of the stops of the spec in the order in which they are visited; empty where the spec
+    /// gives the order.
+    pub order: Vec<usize>,
     /// Takeoff, seconds after T0: the specified time, or another one of its window.
     pub depart_s: f64,
     /// Speed, m/s: the specified one, or another one of its range.
@@ -96,7 +100,7 @@ impl Route {
 }
 
 impl FleetPlan {
-    /// The spec with the departures and speeds that were chosen. Missions are made from it, and
+    /// The spec with the departures, speeds and orders that were chosen. Missions are made from it, and
     /// judged against the spec itself.
     #[must_use]
     pub fn retimed(&self, spec: &MissionSpec) -> MissionSpec {
@@ -127,8 +131,9 @@ impl VehiclePlan {
         }
     }
 
-    /// Sets the chosen departure and speed.
+    /// Sets the order of stops, the departure and the speed that were chosen.
     pub(crate) fn apply_to(&self, vehicle: &mut Vehicle) {
+        vehicle.visit_in(&self.order);
         (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);
     }
 
@@ -141,7 +146,7 @@ impl VehiclePlan {
     }
 
     /// Sets the bound; the estimate is never below it.
-    fn set_bound(&mut self, bound: f64) {
+    pub(crate) fn set_bound(&mut self, bound: f64) {
         self.bound = bound;
         self.estimate = self.estimate.max(bound);
     }

@@ -267,3 +267,33 @@ fn evaluate_takes_the_routes_one_after_the_other_and_sums_their_costs() {
     }
     assert!((cost[0] - sum).abs() < 1e-9 * sum, "{} {sum}", cost[0]);
 }
+
+#[test]
+fn a_free_order_costs_less_than_the_listed_one_and_its_bound_holds_for_all_orders() {
+    let mut spec = round(Autopilot::ArduPilot);
+    let at = |share: f64| LatLon {
+        lat_deg: 36.30 + 0.02 * (share * 9.0).sin(),
+        lon_deg: WEST.lon_deg + share * (EAST.lon_deg - WEST.lon_deg),
+    };
+    let shares = [0.8, 0.2, 0.6, 0.4];
+    spec.vehicles[0].stops = shares
+        .iter()
+        .map(|share| stop(&format!("s{share}"), at(*share), 2.0))
+        .collect();
+    let (_, listed) = dispatched(&spec);
+    spec.vehicles[0].order = Order::Free;
+    let (world, free) = dispatched(&spec);
+    let (plan, fixed) = (&free.plan.vehicles[0], &listed.plan.vehicles[0]);
+    assert_eq!(plan.order, [1, 3, 2, 0]);
+    assert!(plan.terms.total() < 0.7 * fixed.terms.total());
+    assert!(plan.bound <= plan.terms.total() && plan.bound > 0.95 * plan.terms.total());
+    // The spec that missions are made from has that order, and flights rest at those stops.
+    let ids: Vec<String> = free.plan.retimed(&spec).vehicles[0]
+        .stops
+        .iter()
+        .map(|stop| stop.id.clone())
+        .collect();
+    assert_eq!(ids, ["s0.2", "s0.4", "s0.6", "s0.8"]);
+    // An upload judges against the spec as it is listed.
+    assert!(review(&spec, &world, &[(0, &free.missions[0].1)]).passes());
+}

@@ -24,6 +24,7 @@
 //! [`plan_one_at_a_time`], to the bit.
 
 pub(super) mod columns;
+pub(super) mod pairs;
 pub(super) mod prioritised;
 pub(super) mod retiming;
 pub(super) mod vehicle;

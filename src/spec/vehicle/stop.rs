@@ -76,6 +76,14 @@ impl Vehicle {
         }
     }
 
+    /// Puts its stops in another order, given by their indices; none changes nothing.
+    pub fn visit_in(&mut self, order: &[usize]) {
+        if !order.is_empty() {
+            let stops = order.iter().filter_map(|&index| self.stops.get(index));
+            self.stops = stops.cloned().collect();
+        }
+    }
+
     /// How long the vehicle rests at the stop at the end of a route, seconds; 0 where there is none.
     #[must_use]
     pub fn rest_after_s(&self, route: usize) -> f64 {
