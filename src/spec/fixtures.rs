@@ -36,6 +36,7 @@ pub(crate) fn copter() -> Vehicle {
         climb_mps: 4.0,
         descent_mps: 2.0,
         accel_mps2: 2.0,
+        max_airspeed_mps: None,
         depart_s: 0.0,
         retiming: Retiming::default(),
         altitudes: AltitudeLimits::default(),

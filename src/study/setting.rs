@@ -283,6 +283,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         climb_mps: 1e6,
         descent_mps: 1e6,
         accel_mps2: AT_ONCE_MPS2,
+        max_airspeed_mps: None,
         depart_s: 0.0,
         retiming: Retiming::default(),
         altitudes: AltitudeLimits::default(),

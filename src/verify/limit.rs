@@ -80,6 +80,9 @@ pub enum Limit {
     Departure,
     /// Commanded speed.
     Speed,
+    /// Speed through the air that a copter needs, against the one that it is known to reach at the
+    /// lean angle that its parameters allow.
+    FlyableSpeed,
     /// Climb angle on the route.
     ClimbAngle,
     /// Descent angle on the route.
@@ -313,6 +316,7 @@ impl Limit {
             | Self::Finish
             | Self::Departure
             | Self::Speed
+            | Self::FlyableSpeed
             | Self::TakeoffHeading
             | Self::LoiterRadius
             | Self::ItemCount
@@ -373,6 +377,7 @@ impl fmt::Display for Limit {
             Self::Finish => "finish",
             Self::Departure => "departure",
             Self::Speed => "speed",
+            Self::FlyableSpeed => "airspeed",
             Self::ClimbAngle => "climb angle",
             Self::DescentAngle => "descent angle",
             Self::ClimbSpeed => "climb speed",

@@ -81,6 +81,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         climb_mps: 5.0,
         descent_mps: 3.0,
         accel_mps2: 2.5,
+        max_airspeed_mps: None,
         depart_s: 0.0,
         retiming: Retiming::default(),
         altitudes: AltitudeLimits::default(),

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod airspeed;
 mod altitudes_and_endurance;
 mod buffers;
 mod copter_corners;

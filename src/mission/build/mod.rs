@@ -152,6 +152,7 @@ pub fn build_course(
         &spec.mission,
         encoder.home_amsl().0,
         (!fence.is_empty()).then(|| spec.fence_margin_m()),
+        spec.airspeed_mps(vehicle),
     );
     let mission = VehicleMission {
         autopilot_version: vehicle.autopilot_version,

@@ -15,7 +15,7 @@ use super::super::{
 use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
-use crate::autopilot::{Autopilot, Version, facts, frame};
+use crate::autopilot::{Autopilot, MAX_LEAN_DEG, Version, facts, frame};
 use crate::geodesy::{Agl, Amsl, LatLon};
 use crate::numeric::digits;
 
@@ -56,6 +56,7 @@ impl Checker {
         for (index, vehicle) in keys.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}]");
             if let Some(checked) = self.vehicle(&path, vehicle, map, wind) {
+                self.flyable(&path, &checked, keys.sortie);
                 vehicles.push((path, checked));
             }
         }
@@ -168,6 +169,7 @@ impl Checker {
             climb_mps,
             descent_mps: flown.descent_mps,
             accel_mps2: keys.accel_mps2.unwrap_or(defaults.accel_mps2),
+            max_airspeed_mps: keys.max_airspeed_mps,
             depart_s: keys.depart_s.or(opens_s).unwrap_or(0.0),
             retiming,
             altitudes,
@@ -186,6 +188,36 @@ impl Checker {
             order: keys.order.unwrap_or_default(),
             finish,
         })
+    }
+
+    /// The speed of a copter that its autopilot cannot reach in still air at any lean angle that a
+    /// plan asks for. In wind the verdict judges each leg.
+    fn flyable(&mut self, path: &str, vehicle: &Vehicle, version: u32) {
+        if vehicle.airframe.has_wing() && vehicle.max_airspeed_mps.is_some() {
+            let found = "a greatest airspeed, on a wing: its airspeed is speed_mps";
+            self.report(&format!("{path}.max_airspeed_mps"), found, "copters only");
+        }
+        let most_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
+        let Some(most_mps) = most_mps.filter(|mps| version == 2 && vehicle.speeds().most > *mps)
+        else {
+            return;
+        };
+        let facts = vehicle.facts();
+        let reached = facts.behaviour.lean_speed_mps.of(vehicle.autopilot_version);
+        let allowed = match (vehicle.max_airspeed_mps, reached) {
+            (None, Some(reached)) => format!(
+                "at most {most_mps:.1} m/s: a stock {} {} reached {reached} at {:.0} degrees of lean, and a plan raises it to \
+                 {MAX_LEAN_DEG:.0} at most; max_airspeed_mps states what a vehicle was flown at",
+                facts.firmware, reached.version, facts.behaviour.lean_deg
+            ),
+            _ => format!("at most {most_mps} m/s: max_airspeed_mps"),
+        };
+        let key = match vehicle.retiming.speed_mps {
+            Some(_) => "speed_range_mps.max",
+            None => "speed_mps",
+        };
+        let found = format!("{} m/s", vehicle.speeds().most);
+        self.report(&format!("{path}.{key}"), found, allowed);
     }
 
     /// A version whose rules are known.

@@ -102,6 +102,10 @@ pub struct Vehicle {
     /// Vertical speed down, m/s, positive; absent: the autopilot's default.
     #[schemars(range(min = 0.1, max = 50))]
     pub descent_mps: Option<f64>,
+    /// Copters: the greatest speed through the air that this one was flown at within its own lean
+    /// limit, m/s. Absent: what a stock one of its autopilot reached, and up to 50 degrees of lean.
+    #[schemars(range(min = 0.5, max = 100))]
+    pub max_airspeed_mps: Option<f64>,
     /// Horizontal acceleration, m/s^2, of planes on the takeoff run; absent: the autopilot's default.
     #[schemars(range(min = 0.1, max = 50))]
     pub accel_mps2: Option<f64>,

@@ -47,6 +47,7 @@ impl Contract<'_> {
         margins.extend(self.finish());
         margins.extend(self.departure());
         margins.extend(self.speed());
+        margins.extend(self.flyable_speed());
         margins.extend(self.slopes());
         margins.extend(self.turns());
         margins.extend(self.wing());

@@ -5,6 +5,7 @@ mod closed;
 pub(super) mod distant;
 mod endurance;
 pub(super) mod fence;
+mod lean;
 pub(super) mod mission;
 pub(super) mod rally;
 pub(super) mod separation;
