@@ -17,9 +17,11 @@ mod spline;
 pub use crate::plan::diagnosis::blocking_set::{BlockingElement, BlockingSets};
 pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
 pub use crate::plan::diagnosis::violations::{Violation, violations};
+pub use bound::RouteCertificate;
 pub use fleet::columns::ColumnConflict;
 pub use fleet::{
-    Progress, Request, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan, replan_from,
+    Progress, Request, certify, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan,
+    replan_from,
 };
 pub use search::objective::objective;
 pub use search_options::SearchOptions;

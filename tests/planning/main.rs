@@ -4,6 +4,7 @@
 mod support;
 
 mod bound;
+mod certificates;
 mod cost;
 mod cost_worlds;
 mod determinism;
