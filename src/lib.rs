@@ -27,6 +27,7 @@
 //! | 5 | [`cost`] | the objective: named terms, weights, the fast kernel and its reference |
 //! | 6 | [`plan`] | one vehicle's search problem; the fleet in priority order; why there is no path |
 //! | 7 | [`mission`] | mission items, path to items, acceptance |
+//! | 7 | [`tasks`] | the order of stops |
 //! | 8 | [`formats`] | `.waypoints`, `.plan`, KML, GeoJSON, parameter files |
 //! | 8 | [`verify`] | limits, margins, the verdict on encoded missions in continuous time |
 //! | 9 | [`dispatch`] | plan, encode, verify, repair, in bounded rounds |
@@ -63,6 +64,7 @@ pub mod cost;
 pub mod plan;
 
 pub mod mission;
+pub mod tasks;
 
 pub mod formats;
 pub mod verify;

@@ -119,6 +119,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
         2,
         "ArduCopter 4.6.3, simulated: 9.5 to 11.8 m/s at ANGLE_MAX 30 degrees",
     )]),
+    lean_deg: 30.0,
     slow_landing_mps: 0.5,
 };
 
@@ -149,6 +150,7 @@ pub(super) const CLIMB_OUT_OVERSHOOT_M: Figure = Figure(&[measured(
 
 const WING_BEHAVIOUR: Behaviour = Behaviour {
     lean_speed_mps: NONE,
+    lean_deg: 0.0,
     // One plane and one QuadPlane: 3.1 to 3.7 m at 1.15 m/s, 5.2 m at 1.6 m/s, 10.9 m at 2.9 m/s,
     // and most of it still on the next leg (TECS_HDEM_TCONST is 3).
     altitude_lag_s: Figure(&[measured(

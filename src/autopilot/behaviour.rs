@@ -117,12 +117,41 @@ pub struct Behaviour {
     /// The greatest speed that a stock copter reaches in still air at its lean limit, m/s: the
     /// least of what was measured.
     pub lean_speed_mps: Figure,
+    /// The lean angle that a stock copter is limited to, degrees; 0 on a wing.
+    pub lean_deg: f64,
     /// Speed below [`super::SLOW_LANDING_M`] in a landing on rotors, m/s. Every plan sets it
     /// (`LAND_SPEED`, `MPC_LAND_SPEED`, `Q_LAND_FINAL_SPD`).
     pub slow_landing_mps: f64,
 }
 
+/// The greatest lean angle that a plan asks of a copter, degrees: its thrust is then 1.56 times its
+/// weight, and of a copter built for twice its weight a fifth is left for climbs and attitude.
+pub const MAX_LEAN_DEG: f64 = 50.0;
+
 impl Behaviour {
+    /// The speed through the air that a copter reaches at a lean angle, m/s: from the measured one,
+    /// with a drag that grows with the square of the speed. (Drag of rotors grows more slowly, so
+    /// that the speed at a greater angle is underestimated.) None where none was measured.
+    #[must_use]
+    pub fn speed_at_lean_mps(&self, version: Option<Version>, lean_deg: f64) -> Option<f64> {
+        let reached = self.lean_speed_mps.of(version)?;
+        let drag = lean_deg.to_radians().tan() / self.lean_deg.to_radians().tan();
+        Some(reached.value * drag.max(0.0).sqrt())
+    }
+
+    /// The lean angle that a copter needs for a speed through the air, whole degrees and no less
+    /// than the stock one: the inverse of [`Self::speed_at_lean_mps`].
+    #[must_use]
+    pub fn lean_for_speed_deg(&self, version: Option<Version>, speed_mps: f64) -> Option<f64> {
+        let reached = self.lean_speed_mps.of(version)?;
+        let drag = (speed_mps / reached.value).powi(2);
+        let lean_deg = (drag * self.lean_deg.to_radians().tan())
+            .atan()
+            .to_degrees();
+        // A stock one that was measured at that very speed is not asked for more.
+        Some((lean_deg - 1e-6).ceil().max(self.lean_deg))
+    }
+
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
     pub fn figures(&self) -> [(&'static str, Figure); 13] {
@@ -148,6 +177,39 @@ impl Behaviour {
 mod tests {
     use super::super::version::version;
     use super::*;
+
+    #[test]
+    fn a_speed_and_the_lean_angle_for_it_belong_together() {
+        use crate::autopilot::{Airframe, Autopilot, facts};
+        for (autopilot, stock_mps, most_mps) in [
+            (Autopilot::ArduPilot, 9.5, 13.6),
+            (Autopilot::Px4, 9.8, 10.7),
+        ] {
+            let behaviour = &facts(autopilot, Airframe::Copter).behaviour;
+            let speed = |lean_deg| {
+                behaviour
+                    .speed_at_lean_mps(None, lean_deg)
+                    .expect("measured")
+            };
+            let lean = |mps| behaviour.lean_for_speed_deg(None, mps).expect("measured");
+            assert!((speed(behaviour.lean_deg) - stock_mps).abs() < 1e-9);
+            assert!(
+                (speed(MAX_LEAN_DEG) - most_mps).abs() < 0.1,
+                "{}",
+                speed(MAX_LEAN_DEG)
+            );
+            assert!((lean(stock_mps) - behaviour.lean_deg).abs() < 1e-9);
+            assert!((lean(2.0) - behaviour.lean_deg).abs() < 1e-9);
+            for tenths in 0..60_u32 {
+                let mps = stock_mps + 0.1 * f64::from(tenths);
+                assert!(speed(lean(mps)) >= mps - 1e-6, "{mps}");
+                assert!(
+                    lean(mps) <= behaviour.lean_deg || speed(lean(mps) - 1.0) < mps,
+                    "{mps}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn the_worst_value_of_a_version_or_of_all_applies() {

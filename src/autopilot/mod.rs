@@ -32,7 +32,7 @@ mod version;
 use serde::{Deserialize, Serialize};
 
 pub use acceptance::{Acceptance, Capacity};
-pub use behaviour::{Behaviour, Figure, Measured};
+pub use behaviour::{Behaviour, Figure, MAX_LEAN_DEG, Measured};
 pub use commands::{
     COMMANDS, CommandRow, CommandRule, Location, Motion, ParamRule, Rejected, command_name,
     command_named, command_row,
@@ -40,7 +40,7 @@ pub use commands::{
 pub use corner::{CornerLaw, Cornering, Stops, Turn};
 pub use mavlink::{command, frame};
 pub use modes::{Mode, Modes, mode_name};
-pub use parameters::{ParameterRow, SLOPE_MIN, Unit, other_name, parameter};
+pub use parameters::{COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, Unit, other_name, parameter};
 pub use stored_form::{Stored, StoredRow};
 pub use support::{Evidence, Support, behaviour_table, support_table};
 pub use version::{InvalidVersion, Version, VersionRange};

@@ -28,6 +28,8 @@ pub enum Unit {
     Ms,
     /// Degrees.
     Deg,
+    /// Hundredths of a degree.
+    CDeg,
 }
 
 impl Unit {
@@ -35,7 +37,7 @@ impl Unit {
     #[must_use]
     pub const fn per_si(self) -> f64 {
         match self {
-            Self::Cm | Self::CmPs | Self::CmPs2 => 100.0,
+            Self::Cm | Self::CmPs | Self::CmPs2 | Self::CDeg => 100.0,
             Self::Ms => 1000.0,
             Self::Number | Self::M | Self::Mps | Self::Mps2 | Self::S | Self::Deg => 1.0,
         }
@@ -86,7 +88,7 @@ const fn of(versions: VersionRange, row: ParameterRow) -> ParameterRow {
     ParameterRow { versions, ..row }
 }
 
-use Unit::{Cm, CmPs, CmPs2, Deg, M, Mps, Mps2, Ms, Number, S};
+use Unit::{CDeg, Cm, CmPs, CmPs2, Deg, M, Mps, Mps2, Ms, Number, S};
 
 /// ArduCopter.
 pub(super) const ARDUCOPTER: &[ParameterRow] = &[
@@ -111,6 +113,14 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("FENCE_TYPE", 7.0, Number),
     p("FENCE_ACTION", 1.0, Number),
     p("FENCE_MARGIN", 2.0, M),
+    of(
+        VersionRange::before(version(4, 7)),
+        p(COPTER_LEAN[1], 3000.0, CDeg),
+    ),
+    of(
+        VersionRange::since(version(4, 7)),
+        p(COPTER_LEAN[0], 30.0, Deg),
+    ),
 ];
 
 /// ArduPlane (defaults of L1 and slope also in `AP_L1_Control.cpp`, `ArduPlane/Parameters.cpp`).
@@ -147,6 +157,12 @@ pub(super) const ARDUPLANE: &[ParameterRow] = &[
 /// before that.
 pub const SLOPE_MIN: [&str; 2] = ["ALT_SLOPE_MIN", "GLIDE_SLOPE_MIN"];
 
+/// The greatest lean angle of ArduCopter: its name since 4.7, and before that.
+pub const COPTER_LEAN: [&str; 2] = ["ATC_ANGLE_MAX", "ANGLE_MAX"];
+
+/// The greatest lean angle of PX4 on rotors.
+pub const PX4_LEAN: &str = "MPC_TILTMAX_AIR";
+
 /// A QuadPlane, besides those of ArduPlane.
 pub(super) const QUADPLANE: &[ParameterRow] = &[
     p("Q_ASSIST_SPEED", 0.0, Mps),
@@ -168,6 +184,7 @@ pub(super) const PX4_ROTORS: &[ParameterRow] = &[
     p("MPC_Z_VEL_MAX_UP", 3.0, Mps),
     p("MPC_Z_VEL_MAX_DN", 1.5, Mps),
     p("MPC_TKO_SPEED", 1.5, Mps),
+    p(PX4_LEAN, 45.0, Deg),
     p("MPC_LAND_SPEED", 0.7, Mps),
     p("MPC_LAND_ALT2", 5.0, M),
     p("NAV_ACC_RAD", 10.0, M),
@@ -224,12 +241,13 @@ pub fn parameter(name: &str) -> Option<&'static ParameterRow> {
 /// The other name of a parameter that a version renamed.
 #[must_use]
 pub fn other_name(name: &str) -> Option<&'static str> {
-    let [new, old] = SLOPE_MIN;
-    match name {
-        _ if name == new => Some(old),
-        _ if name == old => Some(new),
-        _ => None,
-    }
+    [SLOPE_MIN, COPTER_LEAN]
+        .into_iter()
+        .find_map(|[new, old]| match name {
+            _ if name == new => Some(old),
+            _ if name == old => Some(new),
+            _ => None,
+        })
 }
 
 #[cfg(test)]

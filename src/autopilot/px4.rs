@@ -91,6 +91,7 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
         1,
         "PX4 1.16 alpha, its own simulated quadrotor: at most 9.8 m/s",
     )]),
+    lean_deg: 45.0,
     // Each leg may be late already.
     corner_late_s: NONE,
     slow_landing_mps: 0.7,
@@ -102,6 +103,7 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     takeoff_late_s: ardupilot::TAKEOFF_LATE_S,
     leg_late_s: NONE,
     lean_speed_mps: NONE,
+    lean_deg: 0.0,
     altitude_lag_s: Figure(&[measured(
         (3.5, "s"),
         version(1, 18),

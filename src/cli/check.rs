@@ -5,7 +5,7 @@ use super::print::console::{note, out};
 use super::print::failure::Failure;
 use crate::autopilot::facts;
 use crate::mission;
-use crate::path::lean_problem;
+use crate::path::lean_note;
 use crate::spec::{Document, MissionSpec, Survey};
 use crate::verify;
 use crate::world;
@@ -20,8 +20,8 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
             world::load(&file)?;
             let spec = &file.spec;
             for vehicle in &spec.vehicles {
-                let problem = lean_problem(vehicle, vehicle.speeds().most, spec.wind);
-                problem
+                let leans = lean_note(spec, vehicle, vehicle.speeds().most);
+                leans
                     .iter()
                     .for_each(|text| note(&format!("warning: {text}")));
             }

@@ -52,7 +52,8 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
     let mut links: Vec<Link> = missions
         .map(|(index, _)| links::link_of(&plan.file, *index, &given).clone())
         .collect();
-    let simulated = plan.simulate(&mut links, arguments.noise, arguments.speedup)?;
+    let seed = arguments.seed.unwrap_or(plan.spec().planner.seed);
+    let simulated = plan.simulate(&mut links, (arguments.noise, seed), arguments.speedup)?;
     let vehicles = plan.missions.iter().map(|(index, _)| plan.vehicle(*index));
     let systems: Vec<(u8, &Link)> = vehicles.clone().map(|v| v.sysid).zip(&links).collect();
     let open = Links::open(&systems)

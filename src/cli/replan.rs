@@ -83,6 +83,11 @@ fn lead(
         let message = "no new paths that pass verification; nothing was sent";
         return Err(Failure::new(Failure::VERDICT, message));
     }
+    if !decision.has_buffers && !decision.missions.is_empty() {
+        note(
+            "WARNING: no new path keeps the buffers of the spec: the new paths keep its limits alone, by which a flight is judged",
+        );
+    }
     append(underway, &replanner.record_lines(&decision))?;
     let outcomes = replanner.send(&decision);
     Ok((decision, outcomes))

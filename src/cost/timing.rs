@@ -36,7 +36,9 @@ impl Timing {
             descent_mps: vehicle.descent_mps,
         };
         let is_homeward = ends.to.at.distance_m(stations.home.at) < 1.0;
+        let is_to_stop = !stations.stops.is_empty() && ends.to != stations.goal;
         let after = match vehicle.finish {
+            Finish::Land | Finish::Loiter if is_to_stop => After::Nothing,
             Finish::Loiter => After::Loiter,
             Finish::Land => land(stations.goal_ground.0),
             Finish::Return if is_homeward => land(stations.home.amsl.0),

@@ -8,6 +8,7 @@ use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::MissionSpec;
+use crate::tasks::{free_orders, in_order};
 use crate::verify::{self, Limit, Margin, Review};
 use crate::world::World;
 
@@ -46,8 +47,31 @@ const MAX_ROUNDS: usize = 12;
 ///
 /// An infeasible mission is not an error: the review names the violated limits. It is that of the
 /// best round, the earliest of those with the fewest violations.
+///
+/// Where the spec leaves the order of stops free, it is found first; the plan has it.
 #[must_use]
 pub fn dispatch(
+    spec: &MissionSpec,
+    world: &World,
+    seed: u64,
+    watch: &(dyn Fn(Stage) + Sync),
+) -> Dispatched {
+    let Some(orders) = free_orders(spec, world, seed) else {
+        return dispatch_ordered(spec, world, seed, watch);
+    };
+    let (ordered, moved) = in_order(spec, world, &orders);
+    let mut done = dispatch_ordered(&ordered, &moved, seed, watch);
+    for (plan, found) in done.plan.vehicles.iter_mut().zip(orders) {
+        if !found.order.is_empty() {
+            plan.set_bound(found.bound);
+            plan.order = found.order;
+        }
+    }
+    done
+}
+
+/// Dispatches a fleet whose stops are in the order in which they are visited.
+fn dispatch_ordered(
     spec: &MissionSpec,
     world: &World,
     seed: u64,

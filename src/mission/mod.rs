@@ -15,4 +15,7 @@ pub use build::encode::home_at;
 pub use build::fence::{fence_needs, missing_from_fence};
 pub use build::{MissionError, build, build_course};
 pub use item::{Home, Item, Parameter, VehicleMission};
-pub use params::{acceptance_m, corner_cut_m, cruise_speed_mps, parameters, turn_radius_m};
+pub use params::{
+    acceptance_m, corner_cut_m, cruise_speed_mps, is_lean_limit, lean_limit_deg, parameters,
+    turn_radius_m,
+};

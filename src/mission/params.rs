@@ -4,7 +4,10 @@
 //! names are written, and a vehicle knows one of them.
 
 use super::item::{Parameter, VehicleMission};
-use crate::autopilot::{Airframe, Autopilot, SLOPE_MIN, SLOW_LANDING_M, command, facts, parameter};
+use crate::autopilot::{
+    Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, SLOPE_MIN, SLOW_LANDING_M, command, facts,
+    parameter,
+};
 use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
 use crate::spec::{MissionOptions, Vehicle, Wing, turn_radius_by_load_m};
@@ -23,6 +26,7 @@ pub fn parameters(
     options: &MissionOptions,
     home_amsl_m: f64,
     fence_margin_m: Option<f64>,
+    airspeed_mps: Option<f64>,
 ) -> Vec<Parameter> {
     let mut list = List {
         vehicle,
@@ -34,10 +38,33 @@ pub fn parameters(
         (Autopilot::ArduPilot, Some(wing)) => list.arduplane(&wing),
         (Autopilot::Px4, Some(wing)) => list.px4_wing(&wing, options),
     }
+    if let Some(lean_deg) = airspeed_mps.and_then(|mps| vehicle.lean_for_speed_deg(mps)) {
+        list.lean(lean_deg);
+    }
     if let Some(margin_m) = fence_margin_m {
         list.fence(margin_m);
     }
     list.parameters
+}
+
+/// The greatest lean angle that the mission's parameters allow a copter, degrees.
+#[must_use]
+pub fn lean_limit_deg(mission: &VehicleMission) -> Option<f64> {
+    let mut held = mission
+        .params
+        .iter()
+        .filter(|param| is_lean_limit(&param.name));
+    held.find_map(|param| {
+        let per_si = parameter(&param.name)?.unit.per_si();
+        Some(f64::from(param.value) / per_si)
+    })
+}
+
+/// Whether a parameter is the greatest lean angle of a copter: a vehicle that may lean more than
+/// the plan needs is as good.
+#[must_use]
+pub fn is_lean_limit(name: &str) -> bool {
+    name == PX4_LEAN || COPTER_LEAN.contains(&name)
 }
 
 /// The cruise speed that the mission's parameters set, m/s.
@@ -140,11 +167,14 @@ impl List<'_> {
         );
         self.set("WPNAV_SPEED_UP", v.climb_mps, "planned climb, cm/s");
         self.set("WPNAV_SPEED_DN", v.descent_mps, "planned descent, cm/s");
-        self.set(
-            "WPNAV_RADIUS",
-            corner_cut_m(options),
-            "how far a corner may be cut, cm: mission.tolerance_m",
-        );
+        let radii = v.stops.iter().filter_map(|stop| stop.acceptance_radius_m);
+        let cut_m = corner_cut_m(options);
+        let nearest_m = radii.fold(cut_m, f64::min);
+        let why = match nearest_m < cut_m {
+            true => "how far a corner may be cut, cm: the least acceptance_radius_m of a stop",
+            false => "how far a corner may be cut, cm: mission.tolerance_m",
+        };
+        self.set("WPNAV_RADIUS", nearest_m, why);
         self.set(
             "LAND_SPEED_HIGH",
             0.0,
@@ -314,6 +344,29 @@ impl List<'_> {
     fn armed_until_departure(&mut self, name: &str, never: f64) {
         if self.vehicle.depart_s > 0.0 {
             self.set(name, never, "stay armed on the ground until the departure");
+        }
+    }
+
+    /// The greatest lean angle, which decides how fast it flies.
+    fn lean(&mut self, lean_deg: f64) {
+        let why = "lean angle for the planned speed through the air";
+        match self.vehicle.autopilot {
+            Autopilot::ArduPilot => {
+                let [new, old] = COPTER_LEAN;
+                self.set(new, lean_deg, &format!("{why}, degrees; more is as good"));
+                self.set(
+                    old,
+                    lean_deg,
+                    "the same before ArduCopter 4.7, hundredths of a degree",
+                );
+            }
+            Autopilot::Px4 => {
+                self.set(
+                    PX4_LEAN,
+                    lean_deg,
+                    &format!("{why}, degrees; more is as good"),
+                );
+            }
         }
     }
 

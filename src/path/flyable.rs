@@ -1,30 +1,47 @@
-//! Whether a copter can fly its speed at the lean angle that it comes with.
+//! What a copter needs to fly its speed: a lean angle, and how that is known.
 
-use crate::spec::{Airframe, Autopilot, Vehicle, Wind};
+use crate::autopilot::{COPTER_LEAN, PX4_LEAN};
+use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle};
 
-/// Why a copter may not reach a ground speed in a wind, in words; none where no figure is known
-/// of its autopilot ([`crate::autopilot::Behaviour::lean_speed_mps`]), or it was flown.
+/// What an operator must know of a copter that flies faster through the air than a stock one of its
+/// autopilot reached ([`crate::autopilot::Behaviour::lean_speed_mps`]), in words; none where it is
+/// slower, no figure is known, or the spec states what it was flown at. In specs of version 2 the
+/// parameters allow it to lean further, and the verdict judges each leg; those of version 1 keep
+/// their parameters, and it may be late.
 #[must_use]
-pub fn lean_problem(vehicle: &Vehicle, ground_mps: f64, wind: Option<Wind>) -> Option<String> {
-    if vehicle.airframe != Airframe::Copter {
+pub fn lean_note(spec: &MissionSpec, vehicle: &Vehicle, ground_mps: f64) -> Option<String> {
+    if vehicle.airframe != Airframe::Copter || vehicle.max_airspeed_mps.is_some() {
         return None;
     }
     let facts = vehicle.facts();
-    let reached = facts
-        .behaviour
-        .lean_speed_mps
-        .of(vehicle.autopilot_version)?;
+    let behaviour = &facts.behaviour;
+    let reached = behaviour.lean_speed_mps.of(vehicle.autopilot_version)?;
     let lean = match vehicle.autopilot {
-        Autopilot::ArduPilot => "ANGLE_MAX",
-        Autopilot::Px4 => "MPC_TILTMAX_AIR",
+        Autopilot::ArduPilot => COPTER_LEAN[1],
+        Autopilot::Px4 => PX4_LEAN,
     };
-    let air_mps = ground_mps + wind.map_or(0.0, |wind| wind.speed_mps);
-    (air_mps > reached.value).then(|| {
-        format!(
-            "{}: {air_mps:.1} m/s through the air (against the wind) is faster than the {reached} that a stock {} \
-             {} reached at its lean limit: it may be later than the verdict assumes; raise {lean} as far as its \
-             thrust allows, or lower speed_mps",
-            vehicle.id, facts.firmware, reached.version
-        )
-    })
+    let (id, firmware, version) = (&vehicle.id, facts.firmware, reached.version);
+    let air_mps = ground_mps + spec.wind.map_or(0.0, |wind| wind.speed_mps);
+    if air_mps <= reached.value {
+        return None;
+    }
+    let air = format!("{id}: {air_mps:.1} m/s through the air (against the wind)");
+    if spec.version < 2 {
+        return Some(format!(
+            "{air} is faster than the {reached} that a stock {firmware} {version} reached at its lean limit: it may be \
+             later than the verdict assumes; raise {lean} as far as its thrust allows, or lower speed_mps"
+        ));
+    }
+    let stock_deg = behaviour.lean_deg;
+    let lean_deg = vehicle.lean_for_speed_deg(air_mps)?;
+    let most_mps = vehicle.flyable_mps(Some(lean_deg))?;
+    let suffices = if most_mps < air_mps {
+        format!(", enough for {most_mps:.1} m/s: no leg may need more")
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "{air}: the parameters allow {lean_deg:.0} degrees of lean ({lean}) instead of {stock_deg:.0}{suffices}; a stock \
+         {firmware} {version} reached {reached} at {stock_deg:.0}, and drag is taken to grow with the square of the speed"
+    ))
 }

@@ -4,15 +4,17 @@ mod dubins;
 mod flyable;
 mod lateness;
 mod limits;
+mod routes;
 mod timeline;
 mod wing;
 
 pub use dubins::{Pose, Turns, turns};
-pub use flyable::lean_problem;
+pub use flyable::lean_note;
 pub use lateness::{
     corner_late_s, leg_late_s, most_shift_s, stop_late_s, takeoff_shift_s, with_stops_s,
 };
 pub use limits::{POLYNOMIAL_TOP_M, SlopeLimit, VehicleLimits};
+pub use routes::route_ends;
 pub use timeline::{Flight, flight, ramp_stops_m, route_start_s, time_route, time_route_from};
 pub use wing::{
     Approach, ClimbOut, along, climb_out, heading_rad, homeward_end, join, landing, way_speed_mps,

@@ -90,8 +90,8 @@ pub fn route_start_s(vehicle: &Vehicle, stations: &Stations) -> f64 {
     points.last().map_or(vehicle.depart_s, |last| last.t_s)
 }
 
-/// The flight of a vehicle along its routes: one from start to goal, and with
-/// [`Finish::Return`] a second one from the goal to over home.
+/// The flight of a vehicle along its routes, which are those between [`super::route_ends`]; it
+/// rests at its stops.
 #[must_use]
 pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Flight {
     if vehicle.airframe.has_wing() {
@@ -100,10 +100,16 @@ pub fn flight(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>])
     let mut points = Vec::new();
     take_off(&mut points, vehicle, stations);
     let mut route_starts_s = Vec::with_capacity(routes.len());
-    for route in routes {
+    for (index, route) in routes.iter().enumerate() {
         let t0_s = points.last().map_or(vehicle.depart_s, |last| last.t_s);
         route_starts_s.push(t0_s);
-        append_route(&mut points, route, vehicle, stations.departure);
+        append_route(
+            &mut points,
+            route,
+            &vehicle.on_route(index),
+            stations.departure,
+        );
+        rest(&mut points, vehicle.rest_after_s(index));
     }
     let loiters = vehicle.finish == Finish::Loiter;
     if let Some(&last) = points.last() {
@@ -263,6 +269,18 @@ fn land(points: &mut Vec<TimedPoint>, ground: Amsl, vehicle: &Vehicle) {
     lift(points, ground, slow_mps);
 }
 
+/// Stays where it is for a time.
+fn rest(points: &mut Vec<TimedPoint>, rest_s: f64) {
+    if let Some(&last) = points.last()
+        && rest_s > 0.0
+    {
+        points.push(TimedPoint {
+            t_s: last.t_s + rest_s,
+            ..last
+        });
+    }
+}
+
 /// Vertically to another altitude at constant speed.
 fn lift(points: &mut Vec<TimedPoint>, amsl: Amsl, speed_mps: f64) {
     let Some(&last) = points.last() else {
@@ -387,6 +405,7 @@ mod tests {
             goal: at(1000.0, 200.0),
             landing: at(1000.0, 200.0).at,
             goal_ground: Amsl(120.0),
+            stops: Vec::new(),
         }
     }
 

@@ -19,11 +19,12 @@ pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
 pub use crate::plan::diagnosis::violations::{Violation, violations};
 pub use bound::RouteCertificate;
 pub use fleet::columns::ColumnConflict;
+pub use fleet::pairs::{route_bounds, route_costs};
 pub use fleet::{
     Progress, Request, certify, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan,
     replan_from,
 };
-pub use search::objective::objective;
+pub use search::objective::{objective, objective_specs};
 pub use search_options::SearchOptions;
 
 use crate::cost::CostTerms;
@@ -43,11 +44,15 @@ pub struct FleetPlan {
 /// The path of one vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VehiclePlan {
+    /// Indices of the stops of the spec in the order in which they are visited; empty where the spec
+    /// gives the order.
+    pub order: Vec<usize>,
     /// Takeoff, seconds after T0: the specified time, or another one of its window.
     pub depart_s: f64,
     /// Speed, m/s: the specified one, or another one of its range.
     pub speed_mps: f64,
-    /// Start to goal; with [`crate::spec::Finish::Return`] a second one, goal to over home.
+    /// From start over the stops to the goal, and with [`crate::spec::Finish::Return`] to over
+    /// home: between [`crate::path::route_ends`].
     pub routes: Vec<Route>,
     /// The objective, judged finely, summed over the routes.
     pub terms: CostTerms,
@@ -84,6 +89,11 @@ pub struct Route {
 }
 
 impl Route {
+    /// When its path ends, seconds after T0.
+    pub(crate) fn end_s(&self) -> f64 {
+        self.path.last().map_or(0.0, |last| last.t_s)
+    }
+
     /// The points of its path.
     #[must_use]
     pub fn points(&self) -> Vec<PlanPoint> {
@@ -92,7 +102,7 @@ impl Route {
 }
 
 impl FleetPlan {
-    /// The spec with the departures and speeds that were chosen. Missions are made from it, and
+    /// The spec with the departures, speeds and orders that were chosen. Missions are made from it, and
     /// judged against the spec itself.
     #[must_use]
     pub fn retimed(&self, spec: &MissionSpec) -> MissionSpec {
@@ -123,8 +133,9 @@ impl VehiclePlan {
         }
     }
 
-    /// Sets the chosen departure and speed.
+    /// Sets the order of stops, the departure and the speed that were chosen.
     pub(crate) fn apply_to(&self, vehicle: &mut Vehicle) {
+        vehicle.visit_in(&self.order);
         (vehicle.depart_s, vehicle.speed_mps) = (self.depart_s, self.speed_mps);
     }
 
@@ -137,7 +148,7 @@ impl VehiclePlan {
     }
 
     /// Sets the bound; the estimate is never below it.
-    fn set_bound(&mut self, bound: f64) {
+    pub(crate) fn set_bound(&mut self, bound: f64) {
         self.bound = bound;
         self.estimate = self.estimate.max(bound);
     }

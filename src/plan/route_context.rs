@@ -25,6 +25,18 @@ pub(crate) fn with_free_controls(spec: &MissionSpec, free: usize) -> Cow<'_, Mis
     Cow::Owned(spec)
 }
 
+/// A spec whose vehicle has the speed of one of its routes ([`Vehicle::on_route`]).
+pub(crate) fn on_route(spec: &MissionSpec, index: usize, route: usize) -> Cow<'_, MissionSpec> {
+    match spec.vehicles[index].on_route(route) {
+        Cow::Borrowed(_) => Cow::Borrowed(spec),
+        Cow::Owned(vehicle) => {
+            let mut spec = spec.clone();
+            spec.vehicles[index] = vehicle;
+            Cow::Owned(spec)
+        }
+    }
+}
+
 /// Share of the straight distance that routes may swing out, before the whole area is
 /// looked at.
 const NEAR: f64 = 0.75;

@@ -32,6 +32,17 @@ pub struct PlanDocument {
     pub vehicles: Vec<PlannedVehicle>,
 }
 
+/// A stop of a planned vehicle.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlannedStop {
+    /// Name in the spec.
+    pub id: String,
+    /// When the vehicle is there, seconds after T0.
+    pub t_s: Option<f64>,
+    /// How long it rests there, seconds.
+    pub rest_s: f64,
+}
+
 /// One vehicle of `plan.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PlannedVehicle {
@@ -74,6 +85,9 @@ pub struct PlannedVehicle {
     /// Changes of the spec with which, each alone, a path that keeps every limit was found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub relaxations: Vec<String>,
+    /// The stops in the order in which they are visited.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stops: Vec<PlannedStop>,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
@@ -289,6 +303,7 @@ fn planned_vehicle(
         relaxations: (planned.relaxations.iter().flatten())
             .map(|relaxation| relaxation.words(vehicle))
             .collect(),
+        stops: stops(vehicle, planned),
         control_points: planned
             .routes
             .iter()
@@ -311,6 +326,20 @@ fn planned_vehicle(
             })
             .collect(),
     }
+}
+
+/// The stops of a vehicle as they are visited, each at the end of a route.
+fn stops(vehicle: &Vehicle, planned: &VehiclePlan) -> Vec<PlannedStop> {
+    let mut vehicle = vehicle.clone();
+    vehicle.visit_in(&planned.order);
+    let routes = vehicle.stops.iter().zip(&planned.routes);
+    routes
+        .map(|(stop, route)| PlannedStop {
+            id: stop.id.clone(),
+            t_s: (route.path.last()).and_then(|last| rounded(last.t_s, METRE_DIGITS)),
+            rest_s: stop.rest_s(),
+        })
+        .collect()
 }
 
 /// The points of all routes; where one begins exactly as the last ended, once.

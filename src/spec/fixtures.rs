@@ -1,6 +1,6 @@
 //! Vehicles for the tests of other folders.
 
-use super::{Airframe, Autopilot, EndPoint, Finish, Link, Placement, Retiming, Vehicle};
+use super::{Airframe, Autopilot, EndPoint, Finish, Link, Order, Placement, Retiming, Vehicle};
 use crate::geodesy::{Agl, LatLon};
 
 /// A copter at 10 m/s with 2 m/s^2 that lands at its goal. Home, start and goal are one position.
@@ -23,6 +23,8 @@ pub(crate) fn copter() -> Vehicle {
         home: place,
         start: end,
         goal: end,
+        stops: Vec::new(),
+        order: Order::Fixed,
         finish: Finish::Land,
         speed_mps: 10.0,
         max_load_factor: 1.2,
@@ -31,6 +33,7 @@ pub(crate) fn copter() -> Vehicle {
         climb_mps: 4.0,
         descent_mps: 2.0,
         accel_mps2: 2.0,
+        max_airspeed_mps: None,
         depart_s: 0.0,
         retiming: Retiming::default(),
         return_amsl: None,

@@ -52,7 +52,7 @@ pub use model::{
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
 pub use vehicle::{
-    ApproachLengths, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, Placement, Retiming, Span,
-    Vehicle, Wing, turn_radius_by_load_m,
+    ApproachLengths, EndPoint, Finish, GRAVITY_MPS2, Landing, Link, MAX_STOPS, Order, Placement,
+    Retiming, Span, Stop, Vehicle, Wing, turn_radius_by_load_m,
 };
 pub use wind::Wind;

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::autopilot::Airframe;
 use crate::geodesy::{Agl, Amsl, LatLon, LocalFrame};
 
 use super::airspace::Zone;
@@ -93,6 +94,15 @@ impl MissionSpec {
         let of_zones = (!self.no_fly.is_empty()).then_some(buffers.zones_m);
         let others = of_threats.into_iter().chain(of_zones);
         others.fold(buffers.area_m, f64::min)
+    }
+
+    /// The greatest speed through the air that a copter may need at its planned ground speed, m/s:
+    /// against the wind. None on a wing, and in specs of version 1, whose parameters stay.
+    #[must_use]
+    pub fn airspeed_mps(&self, vehicle: &Vehicle) -> Option<f64> {
+        let is_judged = self.version >= 2 && vehicle.airframe == Airframe::Copter;
+        let wind_mps = self.wind.map_or(0.0, |wind| wind.speed_mps);
+        is_judged.then_some(vehicle.speed_mps + wind_mps)
     }
 
     /// Why the plan has no buffers, for the tables; `None` where a limit has one.

@@ -1,9 +1,13 @@
 //! A vehicle of the checked spec: identity, route and performance.
 
+mod stop;
+
+pub use stop::{MAX_STOPS, Order, Stop};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::autopilot::{Airframe, Autopilot, Facts, Version, facts};
+use crate::autopilot::{Airframe, Autopilot, Facts, MAX_LEAN_DEG, Version, facts};
 use crate::geodesy::{Agl, Amsl, LatLon, true_airspeed_ratio};
 
 use super::keys::words;
@@ -31,6 +35,11 @@ pub struct Vehicle {
     /// Where the planned path ends, airborne. A plane that lands touches down at this place,
     /// and its glide begins at this height.
     pub goal: EndPoint,
+    /// Places to visit between start and goal. With [`Order::Free`] as they are listed, until the
+    /// planner has put them in order.
+    pub stops: Vec<Stop>,
+    /// In which order they are visited.
+    pub order: Order,
     /// What happens at the goal.
     pub finish: Finish,
     /// Planned speed, m/s: over the ground, on a wing the indicated airspeed.
@@ -47,6 +56,9 @@ pub struct Vehicle {
     pub descent_mps: f64,
     /// Horizontal acceleration, m/s^2; likewise.
     pub accel_mps2: f64,
+    /// Greatest speed through the air that this copter was flown at, m/s; none: that of a stock one
+    /// of its autopilot.
+    pub max_airspeed_mps: Option<f64>,
     /// Takeoff starts this long after the fleet's T0, unless another time of its retiming is
     /// better.
     pub depart_s: f64,
@@ -124,6 +136,30 @@ impl Vehicle {
     #[must_use]
     pub fn facts(&self) -> &'static Facts {
         facts(self.autopilot, self.airframe)
+    }
+
+    /// The greatest speed through the air that a copter is known to fly with a greatest lean angle
+    /// (degrees; none: the stock one), m/s. None on a wing, and where no figure is known.
+    #[must_use]
+    pub fn flyable_mps(&self, lean_deg: Option<f64>) -> Option<f64> {
+        let behaviour = &self.facts().behaviour;
+        let stock_deg = behaviour.lean_deg;
+        let reached = || {
+            let lean_deg = lean_deg.unwrap_or(stock_deg).min(MAX_LEAN_DEG);
+            behaviour.speed_at_lean_mps(self.autopilot_version, lean_deg)
+        };
+        let is_copter = self.airframe == Airframe::Copter;
+        is_copter.then(|| self.max_airspeed_mps.or_else(reached))?
+    }
+
+    /// The lean angle that a copter must be allowed for a speed through the air, degrees: at least
+    /// the stock one, at most [`MAX_LEAN_DEG`]. None where the spec states what this copter flies.
+    #[must_use]
+    pub fn lean_for_speed_deg(&self, speed_mps: f64) -> Option<f64> {
+        let behaviour = &self.facts().behaviour;
+        let is_stock = self.airframe == Airframe::Copter && self.max_airspeed_mps.is_none();
+        let needed = || behaviour.lean_for_speed_deg(self.autopilot_version, speed_mps);
+        is_stock.then(needed)?.map(|deg| deg.min(MAX_LEAN_DEG))
     }
 
     /// The departures that the spec allows, seconds after T0.

@@ -12,7 +12,7 @@ use crate::path::{Flight, time_route};
 use crate::spec::AltitudeReference;
 use crate::spec::{
     Airframe, Area, Autopilot, Buffers, EndPoint, Finish, Link, MissionOptions, MissionSpec, Mover,
-    OnAlarm, OnLinkLoss, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
+    OnAlarm, OnLinkLoss, Order, Placement, Retiming, Scenario, Separation, TerrainSource, Vehicle,
 };
 use crate::world::{Departure, Disc, Ground, Stations, Terrain, World};
 
@@ -208,6 +208,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
                 goal: mover.goal,
                 landing: mover.goal.at,
                 goal_ground: on_ground(mover.goal.at).amsl,
+                stops: Vec::new(),
             })
             .collect(),
     }
@@ -268,6 +269,8 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         home: frame.from_plan(mover.start.at),
         start: end(mover.start),
         goal: end(mover.goal),
+        stops: Vec::new(),
+        order: Order::Fixed,
         finish: Finish::Loiter,
         speed_mps: mover.speed_mps,
         max_load_factor: mover.max_load_factor,
@@ -277,6 +280,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         climb_mps: 1e6,
         descent_mps: 1e6,
         accel_mps2: AT_ONCE_MPS2,
+        max_airspeed_mps: None,
         depart_s: 0.0,
         retiming: Retiming::default(),
         return_amsl: None,

@@ -64,12 +64,21 @@ pub enum Limit {
     Start,
     /// Distance of the route to the goal of the spec.
     Goal,
+    /// Distance of the nearest rest to the stop with this id.
+    Stop(String),
+    /// Time that the vehicle rests at the stop with this id.
+    StopHold(String),
+    /// What the mission does not do at the stop with this id.
+    StopActions(String),
     /// Distance of the end of the mission to where the spec ends it.
     Finish,
     /// Delay before the takeoff.
     Departure,
     /// Commanded speed.
     Speed,
+    /// Speed through the air that a copter needs, against the one that it is known to reach at the
+    /// lean angle that its parameters allow.
+    FlyableSpeed,
     /// Climb angle on the route.
     ClimbAngle,
     /// Descent angle on the route.
@@ -284,9 +293,13 @@ impl Limit {
             Self::HomePosition => (Other, None, Basis::HomeRow),
             Self::Start
             | Self::Goal
+            | Self::Stop(_)
+            | Self::StopHold(_)
+            | Self::StopActions(_)
             | Self::Finish
             | Self::Departure
             | Self::Speed
+            | Self::FlyableSpeed
             | Self::TakeoffHeading
             | Self::LoiterRadius
             | Self::ItemCount
@@ -317,6 +330,9 @@ impl fmt::Display for Limit {
         f.write_str(match self {
             Self::Threat(id) => return write!(f, "threat {id}"),
             Self::Zone(id) => return write!(f, "zone {id}"),
+            Self::Stop(id) => return write!(f, "stop {id}"),
+            Self::StopHold(id) => return write!(f, "hold at stop {id}"),
+            Self::StopActions(id) => return write!(f, "actions at stop {id}"),
             Self::RallyClearance(point) => return write!(f, "rally {point}"),
             Self::RallyObstacles(point) => {
                 return write!(f, "rally {point} to threats and zones");
@@ -342,6 +358,7 @@ impl fmt::Display for Limit {
             Self::Finish => "finish",
             Self::Departure => "departure",
             Self::Speed => "speed",
+            Self::FlyableSpeed => "airspeed",
             Self::ClimbAngle => "climb angle",
             Self::DescentAngle => "descent angle",
             Self::ClimbSpeed => "climb speed",

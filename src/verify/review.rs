@@ -411,7 +411,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     let mut list: Vec<String> = texts.map(with_figures).collect();
     let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
     list.extend(assumptions::windy_copters(flown(), spec.wind));
-    list.extend(assumptions::leaning_copters(flown(), spec.wind));
+    list.extend(assumptions::leaning_copters(flown(), spec));
     list.extend(assumptions::carried_wings(
         sorties.iter().map(|s| s.vehicle),
     ));

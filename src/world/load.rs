@@ -127,6 +127,9 @@ impl Check<'_> {
         self.tolerance(vehicle);
         let goal = format!("{path}.goal");
         self.airborne(&goal, "goal", vehicle.goal);
+        for (index, stop) in vehicle.stops.iter().enumerate() {
+            self.airborne(&format!("{path}.stops[{index}]"), "stop", stop.end);
+        }
         if vehicle.finish == Finish::Land
             && let Ok(ground) = self.terrain.height(vehicle.goal.place)
         {

@@ -36,7 +36,7 @@ pub struct Disc {
 }
 
 /// The fixed positions of one vehicle, altitudes resolved over the terrain.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Stations {
     /// How the vehicle begins its path.
     pub departure: Departure,
@@ -51,6 +51,8 @@ pub struct Stations {
     pub landing: EastNorth,
     /// The ground there.
     pub goal_ground: Amsl,
+    /// The stops between start and goal, in the order of the vehicle's.
+    pub stops: Vec<PlanPoint>,
 }
 
 /// Everything that does not move, as a plan has to keep it: every limit with its buffer. The spec
@@ -111,6 +113,9 @@ impl World {
                     goal: route_end(vehicle, over_goal, goal_ground),
                     landing: over_goal.at,
                     goal_ground,
+                    stops: (vehicle.stops.iter())
+                        .map(|stop| resolve(&frame, &terrain, stop.end))
+                        .collect::<Result<_, NoData>>()?,
                 })
             })
             .collect::<Result<_, NoData>>()?;

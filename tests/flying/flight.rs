@@ -5,13 +5,13 @@
     clippy::cast_precision_loss
 )]
 
-use crate::support::sky;
+use crate::support::{self, sky};
 use sky::{Sky, US, lane, parameters, plan, plan_shipped};
 use sortie::flight::*;
 use sortie::link::*;
 use sortie::mission::{Item, command};
 use sortie::simulator::{Surroundings, Vehicle};
-use sortie::spec::{Autopilot, OnLinkLoss, Vehicle as Spec};
+use sortie::spec::{Autopilot, EndPoint, OnLinkLoss, Order, Stop, Vehicle as Spec};
 use sortie::verify::{Flown, Limit};
 
 /// Three side by side, a kilometre each; the second is a PX4, the third starts later.
@@ -464,4 +464,51 @@ fn a_vehicle_that_flies_another_way_breaks_limits_and_the_verdict_says_where() {
         (28.0..32.0).contains(&low.value) && low.at.is_some(),
         "{low:?}"
     );
+}
+
+#[test]
+fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
+    let mut fleet = three();
+    fleet.truncate(2);
+    for vehicle in &mut fleet {
+        let end = |lat_deg: f64, lon_deg: f64| EndPoint {
+            place: support::place(vehicle.start.place.lat_deg + lat_deg, lon_deg),
+            ..vehicle.start
+        };
+        let stop = |id: &str, end: EndPoint, hold_s: f64| Stop {
+            id: id.to_owned(),
+            end,
+            hold_s,
+            acceptance_radius_m: Some(3.0),
+            heading_rad: None,
+            speed_mps: None,
+        };
+        vehicle.speed_mps = 8.0;
+        vehicle.stops = vec![
+            stop("far", end(0.001, -84.250), 20.0),
+            stop("near", end(0.0, -84.256), 5.0),
+        ];
+        vehicle.stops[0].heading_rad = Some(0.0);
+        vehicle.order = Order::Free;
+    }
+    let plan = plan(fleet, OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    for (index, (_, track)) in sky.fleet.flown().enumerate() {
+        for (stop, point) in plan.spec.vehicles[index]
+            .stops
+            .iter()
+            .zip(&plan.world.stations[index].stops)
+        {
+            let near = track.fixes.iter().filter(|fix| {
+                let at = plan.world.frame.to_plan(fix.place);
+                at.distance_m(point.at) < 3.0 && (fix.amsl.0 - point.amsl.0).abs() < 3.0
+            });
+            let times: Vec<f64> = near.map(|fix| fix.t_s).collect();
+            let rested_s = times.last().expect("it was there") - times[0];
+            assert!(rested_s >= stop.hold_s - 1.0, "{}: {rested_s} s", stop.id);
+        }
+    }
 }

@@ -221,6 +221,14 @@ fn a_threat_that_is_told_too_late_to_go_around_is_still_held_against_the_flight(
         (popup("alpha"), popup("bravo")),
         (false.into(), true.into())
     );
+    // The operator reads it when it happens.
+    let alarms = flown["alarms"].as_array().expect("alarms");
+    let entered = alarms.iter().filter(|of| of["alarm"] == "threat");
+    let entered: Vec<_> = entered.collect();
+    assert_eq!(entered.len(), 1, "{flown:#}");
+    assert_eq!(entered[0]["vehicle"], "alpha");
+    let text = entered[0]["text"].as_str().expect("words");
+    assert!(text.contains("m inside popup-1"), "{text}");
 }
 
 #[test]
@@ -249,6 +257,36 @@ fn a_second_threat_is_gone_around_without_forgetting_the_first() {
         let of = margins.iter().filter(|m| m["what"] == what);
         assert_eq!(of.count(), 2, "{what}");
     }
+}
+
+#[test]
+fn a_new_path_that_cannot_keep_the_buffers_keeps_the_limits_and_a_warning_says_so() {
+    // The goal is 8 m outside of the threat, and the buffer is 10 m.
+    let second = lanes("-84.235")
+        .replace("sortie: 1", "sortie: 2")
+        .replace("speed_mps: 15", "speed_mps: 9");
+    let (folder, runs) = planned("lanes", &second);
+    let mut flight = take_off(folder.path(), "lanes.yaml", "10");
+    wait_for(&runs, "alpha", 30.0);
+    let threat = "--threat=36.300,-84.236761,150";
+    let output = sortie(folder.path(), &["replan", "lanes.yaml", threat]);
+    let errors = text(&output.stderr);
+    let told = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{told}{errors}");
+    assert!(
+        errors.contains("WARNING: no new path keeps the buffers"),
+        "{errors}"
+    );
+    let status = flight.0.wait().expect("it ends");
+    let flown = json(&runs.join("flight.json"));
+    assert!(status.success(), "{flown:#}");
+    let margins = flown["margins"].as_array().expect("margins");
+    let mut popup = margins.iter().filter(|m| m["what"] == "threat popup-1");
+    let away_m = popup.find(|m| m["vehicle"] == "alpha").expect("judged")["value"].as_f64();
+    assert!(
+        away_m.is_some_and(|m| (0.0..10.0).contains(&m)),
+        "{flown:#}"
+    );
 }
 
 #[test]

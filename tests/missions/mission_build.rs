@@ -69,7 +69,7 @@ fn spec_of(change: impl FnOnce(&mut MissionSpec)) -> (MissionSpec, World) {
 }
 
 fn out_and_back(world: &World) -> (Vec<TimedPoint>, Vec<TimedPoint>) {
-    let stations = world.stations[0];
+    let stations = world.stations[0].clone();
     let over_home = PlanPoint {
         at: stations.home.at,
         amsl: stations.start.amsl,

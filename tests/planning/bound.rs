@@ -29,7 +29,7 @@ fn around_a_threat_the_bound_is_two_tangents_and_an_arc() {
     let mut spec = quick(empty_spec(vec![copter("alpha", 1, WEST, EAST)]));
     spec.threats = vec![threat("radar-1", place(36.302, -84.25), 3000.0)];
     let (world, plan) = plan(&spec);
-    let (stations, disc) = (world.stations[0], world.threats[0]);
+    let (stations, disc) = (world.stations[0].clone(), world.threats[0]);
     let exact_km = around_km(
         stations.start.at,
         stations.goal.at,
@@ -57,7 +57,7 @@ fn ground_that_reaches_the_ceiling_is_gone_around() {
     let (world, plan) = plan(&spec);
     // 400 + 900 exp(-d^2/r^2) + 60 = 900.
     let radius_m = 3000.0 * (900.0_f64 / 440.0).ln().sqrt();
-    let stations = world.stations[0];
+    let stations = world.stations[0].clone();
     let center = world.frame.to_plan(top);
     let exact_km = around_km(stations.start.at, stations.goal.at, center, radius_m);
     let share = plan.vehicles[0].bound / exact_km;
@@ -122,7 +122,7 @@ proptest! {
             }).collect(),
         };
         let (world, plan) = plan(&spec);
-        let (vehicle, stations) = (&plan.vehicles[0], world.stations[0]);
+        let (vehicle, stations) = (&plan.vehicles[0], &world.stations[0]);
         let straight_km = stations.start.distance_m(stations.goal) / 1000.0;
         prop_assert!(vehicle.bound >= straight_km);
         prop_assert!(vehicle.estimate >= vehicle.bound);

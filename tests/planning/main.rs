@@ -15,5 +15,6 @@ mod optimizers;
 mod plan_fleet;
 mod plan_verdicts;
 mod shipped_missions;
+mod stops;
 mod study;
 mod study_fleet;

@@ -48,7 +48,7 @@ fn a_goal_behind_a_closed_ring_is_blocked_by_threats_of_the_ring_and_no_others()
 
 /// What closes every way from the start of a vehicle to its goal.
 fn blocking_sets(world: &World, vehicle: usize) -> Vec<BlockingElement> {
-    let stations = world.stations[vehicle];
+    let stations = &world.stations[vehicle];
     BlockingSets::of(world).between(stations.start.at, stations.goal.at)
 }
 

@@ -292,6 +292,7 @@ pub(crate) fn facts(spec: MissionSpec) -> Facts {
         vehicles: paths
             .iter()
             .map(|path| VehiclePlan {
+                order: Vec::new(),
                 depart_s: 0.0,
                 speed_mps: 12.0,
                 routes: vec![Route {

@@ -1,11 +1,13 @@
 //! What is wrong with a spec is said at once, each problem with its place.
 
+mod airspeed;
 mod buffers;
 mod fleets;
 mod ground;
 mod meaning;
 mod on_alarm;
 mod ranges;
+mod stops;
 mod structure;
 mod wings;
 mod zones;
@@ -68,6 +70,7 @@ vehicles:
     goal: {lat: 36.21, lon: -84.12, agl_m: 80}
     finish: return
     speed_mps: 12
+    max_airspeed_mps: 20
 separation: {distance_m: 150, time_slack_s: 10, vertical_m: 40}
 planner:
   algorithm: msfoa-dwindle

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod airspeed;
 mod buffers;
 mod copter_corners;
 mod verify;

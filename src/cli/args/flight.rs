@@ -26,11 +26,14 @@ pub(in crate::cli) struct Fly {
     /// Standard deviation of the positions of simulated vehicles, metres
     #[arg(long, value_name = "M", default_value_t = 0.0, value_parser = metres)]
     pub(in crate::cli) noise: f64,
+    /// Seed of noise and gusts of simulated vehicles [default: that of the spec]
+    #[arg(long, value_name = "N")]
+    pub(in crate::cli) seed: Option<u64>,
     /// Fly even if parameters, home or position differ from the plan
     #[arg(long)]
     pub(in crate::cli) force: bool,
     /// Take over the flight of this plan in the air after a crash, as `sortie watch` does
-    #[arg(long, conflicts_with_all = ["upload", "set_params", "speedup", "noise", "force"])]
+    #[arg(long, conflicts_with_all = ["upload", "set_params", "speedup", "noise", "seed", "force"])]
     pub(in crate::cli) resume: bool,
     /// Print flight.json instead of the table
     #[arg(long)]

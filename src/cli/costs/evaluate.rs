@@ -11,7 +11,7 @@ use crate::cli::print::console::out;
 use crate::cli::print::failure::Failure;
 use crate::optimize::Problem;
 use crate::path::Flight;
-use crate::plan::{Request, objective, plan_fleet};
+use crate::plan::{Request, objective, objective_specs, plan_fleet};
 use crate::spec::{Document, MissionSpec};
 use crate::study::Arena;
 use crate::world::{self, World};
@@ -47,13 +47,15 @@ pub(in crate::cli) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
                 format!("no vehicle {id} (there are: {})", known()),
             )
         })?;
-    let dimension = 3 * spec.planner.control_points;
+    let specs = objective_specs(&spec, &world, vehicle);
     if arguments.dimension {
-        return out(&dimension.to_string());
+        let samples = spec.planner.samples;
+        let problem = objective(&specs, &world, vehicle, &[], samples);
+        return out(&problem.dimension().to_string());
     }
     let earlier = flights_before(&spec, &world, vehicle);
     let samples = arguments.samples.unwrap_or(spec.planner.samples);
-    let problem = objective(&spec, &world, vehicle, &earlier, samples);
+    let problem = objective(&specs, &world, vehicle, &earlier, samples);
     let input = io::stdin().lock();
     answering(io::stdout(), |answers| {
         if arguments.binary {

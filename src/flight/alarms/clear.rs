@@ -1,12 +1,15 @@
-//! Whether an order may be given: the circle of a wing that holds, the way of a return.
+//! What is closed: whether a vehicle is inside of it, and whether an order may be given: the circle
+//! of a wing that holds, the way of a return.
 
+use super::breach::{Depth, ERROR_M};
 use super::future::nearest;
 use super::{Alarms, Here, Watched};
 use crate::flight::conformance::COLUMN_M;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::approach::Segment;
 use crate::numeric::geometry::point_segment_distance;
-use crate::spec::Airframe;
+use crate::spec::{Airframe, AlarmKind};
+use crate::world::Disc;
 
 /// The ground is looked at this often, metres.
 const STEP_M: f64 = 10.0;
@@ -19,6 +22,35 @@ const DELAY_S: f64 = 2.0;
 const AHEAD_S: f64 = 600.0;
 
 impl Alarms<'_> {
+    /// Threats and closed zones at a position: every vehicle is held against each, whatever it
+    /// flies.
+    pub(super) fn look_at_threats(&mut self, vehicle: usize, here: &Here) {
+        let duty = self.vehicles[vehicle].duty;
+        let is_due = duty.flies && duty.is_up;
+        let inside_m = |disc: &Disc| disc.radius_m - disc.center.distance_m(here.point.at);
+        let entered = self.threats().map(|(disc, id)| (inside_m(&disc), id));
+        let deepest = entered.max_by(|a, b| a.0.total_cmp(&b.0));
+        let threat = deepest.filter(|(deep_m, _)| is_due && *deep_m > 0.0);
+        let (threat_depth, threat) = (
+            Depth::of(
+                threat.is_some(),
+                threat.is_some_and(|(deep_m, _)| deep_m > ERROR_M),
+            ),
+            threat.map(|(deep_m, id)| format!("{deep_m:.0} m inside {id}")),
+        );
+        let ground_m = here.point.amsl.0 - here.agl_m;
+        let mut zones = self.spec.no_fly.iter().zip(&self.world.zones);
+        let zone = zones
+            .find(|(_, shape)| is_due && shape.is_closed_at(here.point, ground_m, here.fix.t_s));
+        let zone = zone.map(|(zone, _)| format!("inside {}", zone.id));
+        let zone_depth = Depth::of(zone.is_some(), false);
+        for (cause, depth, text) in [("threat", threat_depth, threat), ("zone", zone_depth, zone)] {
+            let key = (AlarmKind::Threat, vehicle, None, cause);
+            let is_alarm = self.breaches.take(here.fix.t_s, key, depth);
+            self.set(here.fix.t_s, key, text.filter(|_| is_alarm));
+        }
+    }
+
     /// Why the circle on which a wing would hold here is not clear, in words; none if it is, and
     /// of a vehicle without a wing. `None` of a place that is not known is a reason, too.
     #[must_use]

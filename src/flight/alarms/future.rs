@@ -1,7 +1,8 @@
 //! Distances of vehicles: measured, and predicted from what each of them flies now.
 
+use super::breach::{Depth, error_m};
 use super::tube::assumed_late_s;
-use super::{Alarms, Here, Watched, error_m};
+use super::{Alarms, Here, Watched};
 use crate::numeric::approach::{Segment, closest_approach, least_ratio};
 use crate::path::{takeoff_shift_s, with_stops_s};
 use crate::spec::{AlarmKind, Separation};
@@ -40,8 +41,8 @@ impl Alarms<'_> {
 
     /// The distances to the other vehicles at a position.
     pub(super) fn look_at_distances(&mut self, vehicle: usize, here: &Here) {
-        let limit = self.distance_limit();
-        let distance_m = self.spec.separation.distance_m;
+        let (limit, far_past) = (self.spec.separation, self.distance_limit());
+        let distance_m = limit.distance_m;
         let is_apart = |of: &Watched<'_>, at: &Here| {
             !of.duty.flies || !of.duty.is_up || at.agl_m <= GROUNDED_M
         };
@@ -59,16 +60,17 @@ impl Alarms<'_> {
             let north_m = off(1, here.point.at.north_m - there.point.at.north_m);
             let up_m = off(2, here.point.amsl.0 - there.point.amsl.0);
             let across_m = east_m.hypot(north_m);
-            let near = limit.is_conflict(across_m, up_m.abs())
-                && !is_apart(one, here)
-                && !is_apart(two, &there);
+            let is_due = !is_apart(one, here) && !is_apart(two, &there);
+            let is_past = |of: &Separation| is_due && of.is_conflict(across_m, up_m.abs());
+            let depth = Depth::of(is_past(&limit), is_past(&far_past));
             let (first, second) = (vehicle.min(other), vehicle.max(other));
+            let key = (AlarmKind::Separation, first, Some(second), "measured");
+            let near = self.breaches.take(here.fix.t_s, key, depth);
             let id = &self.vehicles[second].vehicle.id;
             let text = near.then(|| {
                 let away_m = across_m.hypot(up_m);
                 format!("{id} is {away_m:.0} m away (at least {distance_m:.0} m)")
             });
-            let key = (AlarmKind::Separation, first, Some(second), "measured");
             self.set(here.fix.t_s, key, text);
         }
     }

@@ -5,6 +5,7 @@
 //! ([`Alarms::note`]), and the time ([`Alarms::look`]). It raises an [`Alarm`] once, and ends it
 //! when its cause has been gone for some seconds.
 
+mod breach;
 mod clear;
 mod future;
 mod health;
@@ -21,6 +22,7 @@ use crate::link::{Address, Message, Position};
 use crate::mission::VehicleMission;
 use crate::spec::{AlarmKind, MissionSpec, Threat, Vehicle};
 use crate::world::{Disc, World};
+use breach::Breaches;
 use health::HealthState;
 use motion::Motion;
 use onboard::Onboard;
@@ -34,10 +36,6 @@ const STALE_WALL_S: f64 = 0.75;
 /// More than this between two looks was a stall of this machine, in which nobody was heard,
 /// seconds of the wall's clock.
 const STALL_WALL_S: f64 = 0.1;
-/// Separation and clearance are measured with positions that are off by so much: three standard
-/// deviations of 2.5 m, and never more than this share of the limit.
-const ERROR_M: f64 = 7.5;
-const ERROR_SHARE: f64 = 0.25;
 /// Between two looks into the future, seconds of flight.
 const FUTURE_S: f64 = 0.5;
 
@@ -129,6 +127,8 @@ pub struct Alarms<'a> {
     speedup: f64,
     vehicles: Vec<Watched<'a>>,
     standing: BTreeMap<Key, Standing>,
+    /// How long separation and clearance have been broken.
+    breaches: Breaches,
     popups: Vec<(Disc, String)>,
     out: VecDeque<Alarm>,
     /// When [`Alarms::look`] was last called, and looked into the future.
@@ -166,6 +166,7 @@ impl<'a> Alarms<'a> {
             speedup,
             vehicles: fleet.into_iter().map(watched).collect(),
             standing: BTreeMap::new(),
+            breaches: Breaches::default(),
             popups: Vec::new(),
             out: VecDeque::new(),
             looked_s: None,
@@ -251,6 +252,7 @@ impl<'a> Alarms<'a> {
         );
         self.look_at_tube(vehicle, &here);
         self.look_at_distances(vehicle, &here);
+        self.look_at_threats(vehicle, &here);
     }
 
     /// Does what is due at a time in seconds after T0.
@@ -386,9 +388,4 @@ impl Watched<'_> {
     fn is_on_plan(&self) -> bool {
         self.duty.flies && !self.duty.is_ordered && self.onboard.flies_mission(self.mission)
     }
-}
-
-/// What a measured distance may be below a limit before it is an alarm, metres.
-fn error_m(limit_m: f64) -> f64 {
-    ERROR_M.min(ERROR_SHARE * limit_m)
 }

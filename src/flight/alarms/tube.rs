@@ -1,6 +1,7 @@
 //! Whether a vehicle is where and when the verdict has it: corridor, clearance, lateness.
 
-use super::{Alarms, Here, error_m};
+use super::breach::{Depth, error_m};
+use super::{Alarms, Here};
 use crate::autopilot::Autopilot;
 use crate::autopilot::facts;
 use crate::flight::conformance::COLUMN_M;
@@ -18,6 +19,8 @@ const ALIKE_M: f64 = 10.0;
 const STOPS_M: f64 = 20.0;
 /// Lower over the ground than this it may have landed, metres.
 const LOW_M: f64 = 5.0;
+/// On its last circle a wing is at most this many radii from the middle.
+const WIDE_CIRCLE: f64 = 1.5;
 /// Slower than this a planned leg is none that a vehicle must be seen to move on, m/s.
 const SLOW_MPS: f64 = 1.0;
 
@@ -137,10 +140,7 @@ impl Alarms<'_> {
         let is_on_plan = of.is_on_plan();
         let (corridor, late) = if is_due && !of.duty.is_ordered {
             let found = of.tube.deviation(&of.plan, here);
-            // Where it stays at the end of its plan time goes on.
-            let last_s = of.plan.waypoints.last().map_or(0.0, |last| last.t_s);
-            let has_come = |found: &Deviation| !of.plan.lands && found.t_s >= last_s - LATE_ERROR_S;
-            let found = found.filter(|found| !has_come(found));
+            let found = found.filter(|found| !has_come(&of.plan, here, found));
             let late_s = found.map(|of| here.fix.t_s - of.t_s);
             of.tube.late_s = late_s.filter(|_| is_on_plan);
             let assumed_s = assumed_late_s(of.vehicle, of.mission, &of.plan, here.fix.item);
@@ -154,16 +154,32 @@ impl Alarms<'_> {
             (None, None)
         };
         of.tube.is_off = corridor.is_some();
-        let least_m = min_agl_m - error_m(min_agl_m);
-        let is_low = is_due && here.agl_m < least_m;
+        let is_below = |limit_m: f64| is_due && here.agl_m < limit_m;
+        let depth = Depth::of(
+            is_below(min_agl_m),
+            is_below(min_agl_m - error_m(min_agl_m)),
+        );
+        let t_s = here.fix.t_s;
+        let key = (AlarmKind::Clearance, vehicle, None, "");
+        let is_low = self.breaches.take(t_s, key, depth);
         let agl_m = here.agl_m;
         let low =
             is_low.then(|| format!("{agl_m:.0} m over the ground (at least {min_agl_m:.0} m)"));
-        let t_s = here.fix.t_s;
         self.set(t_s, (AlarmKind::Corridor, vehicle, None, ""), corridor);
-        self.set(t_s, (AlarmKind::Clearance, vehicle, None, ""), low);
+        self.set(t_s, key, low);
         self.set(t_s, (AlarmKind::Late, vehicle, None, ""), late);
     }
+}
+
+/// Whether a vehicle has come to where it stays at the end of its plan, and time goes on: a place,
+/// or a circle, on which it crosses the way there again and again.
+fn has_come(plan: &Reference, here: &Here, found: &Deviation) -> bool {
+    let Some(last) = plan.waypoints.last().filter(|_| !plan.lands) else {
+        return false;
+    };
+    let is_on_circle = last.radius_m > 0.0
+        && last.point.at.distance_m(here.point.at) <= WIDE_CIRCLE * last.radius_m;
+    is_on_circle || found.t_s >= last.t_s - LATE_ERROR_S
 }
 
 /// How late the verdict assumes a vehicle at most on its way to an item, seconds: as

@@ -93,7 +93,7 @@ impl<'a> FlownTrack<'a> {
             landed: None,
             airframe: this.map_or(Airframe::Copter, |vehicle| vehicle.airframe),
             vehicle: this,
-            stations: index.and_then(|index| world.stations.get(index).copied()),
+            stations: index.and_then(|index| world.stations.get(index).cloned()),
             points: flight.flown.fixes.iter().map(point).collect(),
         };
         track.risen = track.count_rising();

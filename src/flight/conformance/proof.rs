@@ -128,7 +128,11 @@ impl FlownTrack<'_> {
 
     /// The first position is at home, or no further than it has flown since its departure.
     fn beginning(&self, vehicle: &Vehicle, world: &World) -> Option<Margin> {
-        let (first, at, home) = (self.fixes().first()?, self.points.first()?, self.stations?);
+        let (first, at, home) = (
+            self.fixes().first()?,
+            self.points.first()?,
+            self.stations.as_ref()?,
+        );
         let ground = world.terrain.height(first.place);
         let up_m = ground.map_or(f64::NAN, |ground| first.amsl.above_ground(ground).0);
         let flown_s = (first.t_s - self.since_s()).clamp(0.0, GAP_S);
@@ -256,7 +260,7 @@ impl FlownTrack<'_> {
 
     /// It was where the spec has its goal.
     fn goal(&self, vehicle: &Vehicle, tube: Tube) -> Option<Margin> {
-        let goal = self.stations?.goal.at;
+        let goal = self.stations.as_ref()?.goal.at;
         let circle_m = vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
         let away = self.points.iter().map(|point| point.at.distance_m(goal));
         let nearest = away.zip(self.fixes());
@@ -267,7 +271,11 @@ impl FlownTrack<'_> {
 
     /// It landed where the spec wants it to, whatever plan it was given.
     fn place_to_land(&self, vehicle: &Vehicle, spec: &MissionSpec) -> Option<Margin> {
-        let (last, at, stations) = (self.fixes().last()?, self.points.last()?, self.stations?);
+        let (last, at, stations) = (
+            self.fixes().last()?,
+            self.points.last()?,
+            self.stations.as_ref()?,
+        );
         let place = match (vehicle.finish, &self.flight.flown.end) {
             (Finish::Land, End::Landed) => stations.landing,
             (Finish::Return, End::Landed) => stations.home.at,

@@ -2,7 +2,7 @@
 
 use crate::autopilot::other_name;
 use crate::link::{Address, FlightMessage, Message, ParamValue, Time};
-use crate::mission::Parameter;
+use crate::mission::{Parameter, is_lean_limit};
 
 /// Between two requests for one parameter, milliseconds.
 const REPEAT_MS: u64 = 400;
@@ -53,7 +53,7 @@ impl<'a> SettingsCheck<'a> {
             return;
         };
         let value = held.value(self.bytewise);
-        if is_same(value, planned.value) {
+        if suffices(name, value, planned.value) {
             return self.next(now);
         }
         if self.set && self.setting.is_none() {
@@ -119,6 +119,11 @@ impl<'a> SettingsCheck<'a> {
     }
 }
 
+/// As the verdict assumes it; a greater lean angle is as good.
+fn suffices(name: &str, held: f32, planned: f32) -> bool {
+    is_same(held, planned) || is_lean_limit(name) && held > planned
+}
+
 /// Equal as far as a float32 that went through centimetres can be.
 fn is_same(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-4 * a.abs().max(b.abs()).max(1.0)
@@ -151,6 +156,13 @@ mod tests {
             now = now + REPEAT_MS;
         }
         check.outcome().unwrap_or_default().to_vec()
+    }
+
+    #[test]
+    fn a_vehicle_that_may_lean_further_than_the_plan_needs_is_as_good() {
+        assert!(suffices("ANGLE_MAX", 4500.0, 3000.0) && suffices("MPC_TILTMAX_AIR", 50.0, 45.0));
+        assert!(!suffices("ANGLE_MAX", 2000.0, 3000.0));
+        assert!(!suffices("WPNAV_SPEED", 1100.0, 1000.0));
     }
 
     #[test]

@@ -121,14 +121,14 @@ impl FlightPlan {
 
     /// Starts the simulated vehicles, by index in the spec, and puts their addresses in the place
     /// of [`Link::Sim`]. `links` are in the order of the missions; `noise_m` is the standard
-    /// deviation of simulated positions.
+    /// deviation of simulated positions, `seed` that of noise and gusts.
     ///
     /// # Errors
     /// [`FlightError::Transfer`]
     pub fn simulate(
         &self,
         links: &mut [Link],
-        noise_m: f64,
+        (noise_m, seed): (f64, u64),
         speedup: f64,
     ) -> Result<BTreeMap<usize, Running>, FlightError> {
         let mut running = BTreeMap::new();
@@ -145,7 +145,7 @@ impl FlightPlan {
                     .and_then(|wing| wing.takeoff_heading_rad)
                     .unwrap_or(0.0),
                 noise_m,
-                seed: self.spec().planner.seed,
+                seed,
                 params: params.map(|p| (p.name.clone(), p.value)).collect(),
             };
             let vehicle = Simulated {
@@ -231,7 +231,13 @@ fn refuse_edited_params(
         let fence_margin_m = (!mission.fence.is_empty()).then(|| spec.fence_margin_m());
         let vehicle = &spec.vehicles[*index];
         let home_amsl_m = f64::from(mission.home.amsl_m);
-        let planned = mission::parameters(vehicle, &spec.mission, home_amsl_m, fence_margin_m);
+        let planned = mission::parameters(
+            vehicle,
+            &spec.mission,
+            home_amsl_m,
+            fence_margin_m,
+            spec.airspeed_mps(vehicle),
+        );
         if let Some(problem) = first_difference(&mission.params, &planned) {
             let path = params_path(folder, vehicle);
             let message = format!("{}: {problem}; nothing was started", path.display());

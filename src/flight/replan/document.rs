@@ -45,6 +45,7 @@ pub fn document(
         "threat": threat_json(threat),
         "verdict": if passes { "pass" } else { "fail" },
         "planning_s": decision.planned_s,
+        "buffers": decision.has_buffers,
         "vehicles": vehicles,
         "cannot_avoid": cannot_avoid,
     }))

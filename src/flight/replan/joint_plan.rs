@@ -15,7 +15,7 @@ use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, MissionError, VehicleMission};
 use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
+use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, Vehicle};
 use crate::verify::{self, Limit, Margin, Review};
 use crate::world::{Stations, World};
 
@@ -25,26 +25,55 @@ const EVALUATIONS: usize = 6000;
 /// one. A plan that fails is made again with the next.
 const BUFFERS: [f64; 3] = [1.5, 3.0, 6.0];
 
+/// New missions, the verdict on the whole fleet, and whether that has the buffers of the spec.
+pub(super) struct Replanned {
+    pub(super) missions: Vec<NewMission>,
+    pub(super) review: Review,
+    pub(super) has_buffers: bool,
+}
+
 /// Plans the concerned vehicles around the threat and around all others, and judges everything.
-/// A vehicle without a path keeps its present one, so that the others have one.
-pub(super) fn replan(
-    given: &mut Assessment<'_>,
-    no_path: &mut NoPath,
-) -> (Vec<NewMission>, Review) {
+/// Where no path keeps the buffers of the spec, the limits alone count, as they do for a flight. A
+/// vehicle without a path keeps its present one, so that the others have one.
+pub(super) fn replan(given: &mut Assessment<'_>, no_path: &mut NoPath) -> Replanned {
+    let is_buffered = given.plan.spec().buffers != Buffers::NONE;
     loop {
-        let mut buffers = BUFFERS.into_iter();
-        let mut found = JointPlan::of(given).replan(buffers.next().unwrap_or(1.0));
-        for buffer in buffers {
-            if given.is_sound(&found.1) {
-                break;
-            }
-            found = JointPlan::of(given).replan(buffer);
+        let mut found = attempt(given, true);
+        if is_buffered && !given.is_sound(&found.review) {
+            found = attempt(given, false);
         }
-        if given.is_sound(&found.1) || !given.give_up(&found.1, no_path) {
-            given.drop_verified_limits(&mut found.1);
-            given.correct_unavoidable(&found.1);
+        if given.is_sound(&found.review) || !given.give_up(&found.review, no_path) {
+            given.drop_verified_limits(&mut found.review);
+            given.correct_unavoidable(&found.review);
             return found;
         }
+    }
+}
+
+/// One plan after the other, each with wider distances, until one is sound.
+fn attempt(given: &Assessment<'_>, has_buffers: bool) -> Replanned {
+    let plan = |distance: f64| {
+        let joint = JointPlan::of(given);
+        let joint = if has_buffers {
+            joint
+        } else {
+            joint.of_limits_alone()
+        };
+        joint.replan(distance)
+    };
+    let [first, wider @ ..] = BUFFERS;
+    let mut found = plan(first);
+    for distance in wider {
+        if given.is_sound(&found.1) {
+            break;
+        }
+        found = plan(distance);
+    }
+    let (missions, review) = found;
+    Replanned {
+        missions,
+        review,
+        has_buffers,
     }
 }
 
@@ -85,6 +114,16 @@ impl<'a> JointPlan<'a> {
         joint
     }
 
+    /// The same without the buffers of the spec.
+    fn of_limits_alone(mut self) -> Self {
+        self.world = self.world.without_buffers(&self.spec);
+        self.spec.buffers = Buffers::NONE;
+        for zone in &mut self.spec.no_fly {
+            zone.buffer_m = 0.0;
+        }
+        self
+    }
+
     fn replan(mut self, buffer: f64) -> (Vec<NewMission>, Review) {
         let given = self.given;
         for state in &given.others {
@@ -120,6 +159,7 @@ impl<'a> JointPlan<'a> {
     ) {
         self.spec.vehicles.push(Vehicle {
             finish: if lands { Finish::Land } else { Finish::Loiter },
+            stops: Vec::new(),
             ..self.vehicle(state).clone()
         });
         self.world.stations.push(Stations {
@@ -128,6 +168,7 @@ impl<'a> JointPlan<'a> {
             goal: to,
             landing: to.at,
             goal_ground: ground(&self.world, to),
+            stops: Vec::new(),
             ..self.given.plan.world.stations[state.vehicle]
         });
     }

@@ -28,7 +28,7 @@ use crate::world::Disc;
 use assessment::{Assessment, NoPath};
 pub use assessment::{Unavoidable, sentence};
 pub use document::{document, failure_document};
-use joint_plan::replan;
+use joint_plan::{Replanned, replan};
 pub use new_mission::NewMission;
 use observation::{Observation, Observer};
 use state::ThreatTime;
@@ -60,6 +60,8 @@ pub struct Decision {
     pub unavoidable: Vec<Unavoidable>,
     /// Whether every limit holds that a new path could violate.
     pub is_sound: bool,
+    /// Whether the new paths keep the buffers of the spec; else they keep its limits alone.
+    pub has_buffers: bool,
     /// Time that observing and planning took, seconds.
     pub planned_s: f64,
     observation: Observation,
@@ -76,7 +78,8 @@ pub struct Replanner<'a> {
     clock: Clock,
 }
 
-/// Refuses fleets that cannot be led onto new paths: planes, and VTOL with an approach.
+/// Refuses fleets that cannot be led onto new paths: planes, VTOL with an approach, and vehicles
+/// with stops.
 ///
 /// # Errors
 /// [`FlightError::Verdict`]
@@ -86,6 +89,9 @@ pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
             Airframe::Plane => "is a plane: only copters and VTOL are led onto new paths",
             Airframe::Vtol if vehicle.wing.is_some_and(|wing| wing.landing.is_some()) => {
                 "has an approach: only VTOL that land from anywhere are led onto new paths"
+            }
+            _ if !vehicle.stops.is_empty() => {
+                "has stops: only vehicles that fly from start to goal are led onto new paths"
             }
             Airframe::Vtol | Airframe::Copter => continue,
         };
@@ -164,7 +170,11 @@ impl<'a> Replanner<'a> {
                 seed,
             };
             assessment.sort(&states, lead_s, &no_path);
-            let (missions, review) = replan(&mut assessment, &mut no_path);
+            let Replanned {
+                missions,
+                review,
+                has_buffers,
+            } = replan(&mut assessment, &mut no_path);
             let planned_s = self.clock.seconds() - observation.at_s;
             let is_sound = assessment.is_sound(&review);
             if planned_s <= planning_s || !is_sound || assessment.concerned.is_empty() {
@@ -174,6 +184,7 @@ impl<'a> Replanner<'a> {
                     review,
                     unavoidable: assessment.unavoidable,
                     is_sound,
+                    has_buffers,
                     planned_s,
                     observation,
                 });

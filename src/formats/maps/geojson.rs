@@ -49,6 +49,18 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
             ));
         }
     }
+    for (vehicle, stations) in spec.vehicles.iter().zip(&world.stations) {
+        for (stop, station) in vehicle.stops.iter().zip(&stations.stops) {
+            let coordinates = position(MapPoint::of(world, *station));
+            features.push(feature(
+                GeometryValue::Point { coordinates },
+                &json!({
+                    "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
+                    "amsl_m": metres(*station), "hold_s": stop.hold_s,
+                }),
+            ));
+        }
+    }
     for (vehicle, path) in paths {
         features.push(feature(
             line(world, path),

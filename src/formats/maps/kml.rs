@@ -52,6 +52,10 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
             let point = MapPoint::of(world, station);
             kml.placemark(&format!("{} {name}", vehicle.id), point);
         }
+        for (stop, station) in vehicle.stops.iter().zip(&stations.stops) {
+            let point = MapPoint::of(world, *station);
+            kml.placemark(&format!("{} stop {}", vehicle.id, stop.id), point);
+        }
         kml.close("Folder");
     }
     kml.end();

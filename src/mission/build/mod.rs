@@ -4,6 +4,7 @@ pub(super) mod encode;
 pub(super) mod fence;
 pub(super) mod legs;
 pub(super) mod simplify;
+pub(super) mod stops;
 pub(super) mod wing;
 
 use super::accept::List;
@@ -11,7 +12,7 @@ use super::item::{Item, VehicleMission};
 use super::params::parameters;
 use crate::autopilot::{command, frame};
 use crate::geodesy::PlanPoint;
-use crate::path::{TimedPoint, VehicleLimits};
+use crate::path::{TimedPoint, VehicleLimits, route_ends};
 use crate::spec::{AltitudeReference, Finish, MissionSpec, Vehicle};
 use crate::world::{Departure, NoData, Stations, World};
 use encode::{ENCODING_M, Encoder};
@@ -85,8 +86,8 @@ const HOLD_S: f32 = 1.0;
 
 /// Encodes the routes of one vehicle.
 ///
-/// `routes` are start to goal and, with [`Finish::Return`], goal to over home,
-/// each at least two points. Waypoints keep `mission.tolerance_m` to them in three
+/// `routes` are those between [`route_ends`], each at least two points; the vehicle rests between
+/// them, at its stops and where it turns back. Waypoints keep `mission.tolerance_m` to them in three
 /// dimensions, the arcs at corners included; where corners are too tight for the
 /// turn radius the mission misses them least, and the verdict will say so. Waypoints
 /// of turns join the routes of a plane or vtol to its takeoff and landing.
@@ -100,14 +101,9 @@ pub fn build(
     vehicle: usize,
     routes: &[Vec<TimedPoint>],
 ) -> Result<VehicleMission, MissionError> {
-    let needed = spec
-        .vehicles
-        .get(vehicle)
-        .map(|vehicle| match vehicle.finish {
-            Finish::Return => 2,
-            Finish::Land | Finish::Loiter => 1,
-        });
-    build_course(spec, world, vehicle, routes, needed.unwrap_or(1))
+    let known = spec.vehicles.get(vehicle).zip(world.stations.get(vehicle));
+    let needed = known.map_or(1, |(vehicle, stations)| route_ends(vehicle, stations).len());
+    build_course(spec, world, vehicle, routes, needed)
 }
 
 /// The same for a vehicle that has `needed` routes before it, and comes to rest between them.
@@ -156,6 +152,7 @@ pub fn build_course(
         &spec.mission,
         encoder.home_amsl().0,
         (!fence.is_empty()).then(|| spec.fence_margin_m()),
+        spec.airspeed_mps(vehicle),
     );
     let mission = VehicleMission {
         autopilot_version: vehicle.autopilot_version,
@@ -252,10 +249,10 @@ impl ItemWriter<'_> {
     fn items(&self, stations: &Stations, routes: &[Vec<TimedPoint>]) -> Result<Vec<Item>, NoData> {
         let mut legs = routes
             .iter()
-            .map(|route| self.route(route))
+            .enumerate()
+            .map(|(number, route)| self.route(number, route))
             .collect::<Result<Vec<_>, NoData>>()?
-            .into_iter()
-            .peekable();
+            .into_iter();
         let out = legs.next().unwrap_or_default();
         let Some((&start, onward)) = out.split_first() else {
             return Ok(self.departure());
@@ -265,18 +262,24 @@ impl ItemWriter<'_> {
             Departure::Airborne { .. } => self.speed().into_iter().collect(),
         };
         let mut last = start;
-        let mut leg = Some(onward.to_vec());
-        while let Some(points) = leg {
-            let is_followed = legs.peek().is_some();
-            for (index, &point) in points.iter().enumerate() {
-                let turns_back = is_followed && index + 1 == points.len();
-                let hold_s = if turns_back { HOLD_S } else { 0.0 };
-                items.push(self.at(command::NAV_WAYPOINT, hold_s, point)?);
+        let mut leg = onward.to_vec();
+        for number in 0.. {
+            let next = legs.next();
+            for (index, &point) in leg.iter().enumerate() {
+                let is_end = next.is_some() && index + 1 == leg.len();
+                match self.vehicle.stops.get(number).filter(|_| is_end) {
+                    Some(stop) => items.extend(self.stop(stop, point)?),
+                    None => {
+                        let hold_s = if is_end { HOLD_S } else { 0.0 };
+                        items.push(self.at(command::NAV_WAYPOINT, hold_s, point)?);
+                    }
+                }
                 last = point;
             }
-            leg = legs
-                .next()
-                .map(|points| points[points.len().min(1)..].to_vec());
+            match next {
+                Some(points) => leg = points[points.len().min(1)..].to_vec(),
+                None => break,
+            }
         }
         items.push(match self.vehicle.finish {
             Finish::Land => self.at(command::NAV_LAND, 0.0, self.encoder.on_ground(last)?)?,
@@ -318,15 +321,21 @@ impl ItemWriter<'_> {
     /// Sets the speed, where a mission can: over the ground, on a wing through the air.
     fn speed(&self) -> Option<Item> {
         let conventions = self.vehicle.autopilot.conventions();
-        conventions.speed_in_mission.then(|| {
-            let kind = if self.vehicle.wing.is_some() {
-                0.0
-            } else {
-                1.0
-            };
-            let speed_mps = float(self.vehicle.speed_mps);
-            Item::without_place(command::DO_CHANGE_SPEED, [kind, speed_mps, -1.0, 0.0])
-        })
+        let speed_mps = self.vehicle.speed_mps;
+        conventions
+            .speed_in_mission
+            .then(|| self.change_speed(speed_mps))
+    }
+
+    /// Changes the speed from the next leg on.
+    fn change_speed(&self, speed_mps: f64) -> Item {
+        let kind = if self.vehicle.wing.is_some() {
+            0.0
+        } else {
+            1.0
+        };
+        let speed_mps = float(speed_mps);
+        Item::without_place(command::DO_CHANGE_SPEED, [kind, speed_mps, -1.0, 0.0])
     }
 
     /// An item whose `param4` is a heading: PX4 keeps its own with NaN, ArduPilot drops it.
@@ -336,11 +345,15 @@ impl ItemWriter<'_> {
             .item(command, [hold_s, 0.0, 0.0, heading], point)
     }
 
-    /// The samples of a route that become waypoints.
+    /// The samples of a route that become waypoints; `number` counts the routes of the vehicle.
     ///
     /// Between waypoints an autopilot interpolates the altitude in the frame of the
     /// items, so the tolerance holds in the reference of the mission.
-    pub(super) fn route(&self, route: &[TimedPoint]) -> Result<Vec<PlanPoint>, NoData> {
+    pub(super) fn route(
+        &self,
+        number: usize,
+        route: &[TimedPoint],
+    ) -> Result<Vec<PlanPoint>, NoData> {
         let path = route
             .iter()
             .map(|sample| {
@@ -355,7 +368,7 @@ impl ItemWriter<'_> {
         let tolerance_m = self.spec.mission.tolerance_m;
         let keep = Keep {
             tolerance_m: (tolerance_m - ENCODING_M).max(tolerance_m / 2.0),
-            limits: VehicleLimits::of(self.vehicle),
+            limits: VehicleLimits::of(&self.vehicle.on_route(number)),
             zero: self.encoder.zero(),
         };
         Ok(waypoints(&path, &keep)

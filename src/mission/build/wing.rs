@@ -46,7 +46,7 @@ impl ItemWriter<'_> {
                 Some(end) if index + 1 == routes.len() => outside(route, end.point.at, left_out_m),
                 _ => route.clone(),
             };
-            self.fly(&mut list, &self.route(&route)?)?;
+            self.fly(&mut list, &self.route(index, &route)?)?;
         }
         if circles {
             let item = self.at(command::NAV_LOITER_UNLIM, 0.0, stations.goal)?;

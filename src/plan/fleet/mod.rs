@@ -24,6 +24,7 @@
 //! [`plan_one_at_a_time`], to the bit.
 
 pub(super) mod columns;
+pub(super) mod pairs;
 pub(super) mod prioritised;
 pub(super) mod retiming;
 pub(super) mod vehicle;
@@ -34,11 +35,10 @@ use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
 use crate::cost::{Margins, RouteEnds};
 use crate::numeric::tracks::Nearness;
-use crate::path::{Flight, flight};
+use crate::path::{Flight, flight, route_ends};
 use crate::spec::MissionSpec;
 use crate::world::World;
 use prioritised::Fleet;
-use vehicle::route_ends;
 
 /// What to plan besides the spec.
 pub struct Request<'a> {

@@ -162,14 +162,14 @@ impl Planning<'_> {
         let mut vehicle = self.spec.vehicles[index].clone();
         plan.apply_to(&mut vehicle);
         let mut start_s = route_start_s(&vehicle, &self.world.stations[index]);
-        for route in &mut plan.routes {
+        for (number, route) in plan.routes.iter_mut().enumerate() {
             let points = route.points();
             let (Some(first), Some(last)) = (points.first(), points.last()) else {
                 continue;
             };
-            let speed_mps = way_speed_mps(&vehicle, *first, *last);
+            let speed_mps = way_speed_mps(&vehicle.on_route(number), *first, *last);
             route.path = time_route(&points, start_s, speed_mps, vehicle.accel_mps2);
-            start_s = route.path.last().map_or(start_s, |last| last.t_s);
+            start_s = route.end_s() + vehicle.rest_after_s(number);
         }
         plan
     }

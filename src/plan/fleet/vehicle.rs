@@ -5,25 +5,26 @@ use crate::cost::{CostTerms, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
 use crate::optimize::TracePoint;
-use crate::path::{Flight, homeward_end, route_start_s, time_route_from, way_speed_mps};
+use crate::path::{Flight, route_ends, route_start_s, time_route_from, way_speed_mps};
 use crate::plan::bound::estimate;
-use crate::plan::route_context::RouteContext;
+use crate::plan::route_context::{RouteContext, on_route};
 use crate::plan::search::{Found, Run, lifted, search};
 use crate::plan::{Route, VehiclePlan};
-use crate::spec::{Finish, Vehicle};
-use crate::world::Stations;
+use crate::spec::MissionSpec;
 
 /// Points of a planned path, spread evenly over the spline's parameter.
 const PATH_POINTS: usize = 1001;
 /// Points for each control point, where that makes more.
 const POINTS_PER_CONTROL: usize = 24;
 
-/// Where the routes of a vehicle begin and end.
-pub(super) fn route_ends(vehicle: &Vehicle, stations: &Stations) -> Vec<(PlanPoint, PlanPoint)> {
-    let out = (stations.start, stations.goal);
-    match vehicle.finish {
-        Finish::Land | Finish::Loiter => vec![out],
-        Finish::Return => vec![out, (stations.goal, homeward_end(vehicle, stations))],
+/// The random stream of a route. A vehicle has two to itself; further routes have their own far
+/// behind those.
+fn stream(index: usize, route: usize) -> u64 {
+    const FURTHER: u64 = 1 << 40;
+    const EACH: u64 = 1 << 10;
+    match route {
+        0 | 1 => 2 * to_u64(index) + to_u64(route),
+        _ => FURTHER + EACH * to_u64(index) + to_u64(route),
     }
 }
 
@@ -43,8 +44,9 @@ impl<'a> Planning<'a> {
         let (spec, request) = (self.spec, self.request);
         let routes = route_ends(&spec.vehicles[index], &self.world.stations[index]);
         let mut plan = self.empty_plan(index, avoids);
-        for (stream, (from, to)) in (2 * to_u64(index)..).zip(routes.iter().copied()) {
-            let context = self.context(index, (from, to), &plan, earlier);
+        for (number, &(from, to)) in routes.iter().enumerate() {
+            let spec = &*on_route(spec, index, number);
+            let context = self.context(spec, index, (from, to), &plan, earlier);
             // A route through corridors may take more than its share.
             let share = spec.planner.evaluations / routes.len() * plan.routes.len();
             let spent = plan.evaluations.min(share);
@@ -61,7 +63,7 @@ impl<'a> Planning<'a> {
             let run = Run {
                 budget,
                 seed: Seed(request.seed),
-                stream,
+                stream: stream(index, number),
                 watch: &watch,
             };
             let (found, estimate) = rayon::join(
@@ -90,8 +92,9 @@ impl<'a> Planning<'a> {
     ) -> Option<VehiclePlan> {
         let routes = route_ends(&self.spec.vehicles[index], &self.world.stations[index]);
         let mut plan = self.empty_plan(index, old.avoids.clone());
-        for (ends, route) in routes.into_iter().zip(&old.routes) {
-            let context = self.context(index, ends, &plan, earlier);
+        for (number, (ends, route)) in routes.into_iter().zip(&old.routes).enumerate() {
+            let spec = &*on_route(self.spec, index, number);
+            let context = self.context(spec, index, ends, &plan, earlier);
             let inner = route.control_points.len().saturating_sub(1);
             let free = route.control_points.get(1..inner)?.iter();
             let outline: Vec<EastNorth> = free.map(|point| point.at).collect();
@@ -113,18 +116,24 @@ impl<'a> Planning<'a> {
         }
     }
 
-    /// The context of the next route of a plan.
+    /// The context of the next route of a plan, at the speed that a spec has for it.
     fn context<'c>(
         &'c self,
+        spec: &'c MissionSpec,
         index: usize,
         (from, to): (PlanPoint, PlanPoint),
         plan: &VehiclePlan,
         earlier: &'c [Flight],
     ) -> RouteContext<'c> {
-        let last = plan.routes.last().and_then(|route| route.path.last());
         let (vehicle, stations) = (&self.spec.vehicles[index], &self.world.stations[index]);
-        let start_s = last.map_or_else(|| route_start_s(vehicle, stations), |last| last.t_s);
-        self.route_context(index, RouteEnds { from, to, start_s }, earlier)
+        let start_s = match plan.routes.as_slice() {
+            [] => route_start_s(vehicle, stations),
+            [before @ .., last] => last.end_s() + vehicle.rest_after_s(before.len()),
+        };
+        RouteContext {
+            spec,
+            ..self.route_context(index, RouteEnds { from, to, start_s }, earlier)
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! The vehicles, each alone and against each other.
 
+mod stops;
+
 use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
@@ -11,7 +13,7 @@ use super::super::{
 use super::Checker;
 use super::map::Map;
 use super::wing::Flown;
-use crate::autopilot::{Autopilot, Version, facts, frame};
+use crate::autopilot::{Autopilot, MAX_LEAN_DEG, Version, facts, frame};
 use crate::geodesy::{Agl, Amsl, LatLon};
 use crate::numeric::digits;
 
@@ -52,6 +54,7 @@ impl Checker {
         for (index, vehicle) in keys.vehicles.iter().enumerate() {
             let path = format!("vehicles[{index}]");
             if let Some(checked) = self.vehicle(&path, vehicle, map, wind) {
+                self.flyable(&path, &checked, keys.sortie);
                 vehicles.push((path, checked));
             }
         }
@@ -130,6 +133,10 @@ impl Checker {
         let finish = self.required(path, "finish", keys.finish);
         let speed_mps = self.required(path, "speed_mps", keys.speed_mps);
         let ends = self.ends(path, keys, map);
+        let stops = self.stops(path, keys, map);
+        if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
+            self.stops_apart(path, keys, (start.place, goal.place), &stops);
+        }
         let (autopilot, speed_mps, finish) = (autopilot?, speed_mps?, finish?);
         let airframe = keys.airframe.unwrap_or_default();
         let defaults = facts(autopilot, airframe).defaults;
@@ -157,6 +164,7 @@ impl Checker {
             climb_mps: keys.climb_mps.unwrap_or(defaults.climb_mps),
             descent_mps: flown.descent_mps,
             accel_mps2: keys.accel_mps2.unwrap_or(defaults.accel_mps2),
+            max_airspeed_mps: keys.max_airspeed_mps,
             depart_s: keys.depart_s.or(opens_s).unwrap_or(0.0),
             retiming,
             return_amsl: keys.return_amsl_m.map(Amsl),
@@ -169,8 +177,40 @@ impl Checker {
             home: ends.home?,
             start: ends.start?,
             goal: ends.goal?,
+            stops,
+            order: keys.order.unwrap_or_default(),
             finish,
         })
+    }
+
+    /// The speed of a copter that its autopilot cannot reach in still air at any lean angle that a
+    /// plan asks for. In wind the verdict judges each leg.
+    fn flyable(&mut self, path: &str, vehicle: &Vehicle, version: u32) {
+        if vehicle.airframe.has_wing() && vehicle.max_airspeed_mps.is_some() {
+            let found = "a greatest airspeed, on a wing: its airspeed is speed_mps";
+            self.report(&format!("{path}.max_airspeed_mps"), found, "copters only");
+        }
+        let most_mps = vehicle.flyable_mps(Some(MAX_LEAN_DEG));
+        let Some(most_mps) = most_mps.filter(|mps| version == 2 && vehicle.speeds().most > *mps)
+        else {
+            return;
+        };
+        let facts = vehicle.facts();
+        let reached = facts.behaviour.lean_speed_mps.of(vehicle.autopilot_version);
+        let allowed = match (vehicle.max_airspeed_mps, reached) {
+            (None, Some(reached)) => format!(
+                "at most {most_mps:.1} m/s: a stock {} {} reached {reached} at {:.0} degrees of lean, and a plan raises it to \
+                 {MAX_LEAN_DEG:.0} at most; max_airspeed_mps states what a vehicle was flown at",
+                facts.firmware, reached.version, facts.behaviour.lean_deg
+            ),
+            _ => format!("at most {most_mps} m/s: max_airspeed_mps"),
+        };
+        let key = match vehicle.retiming.speed_mps {
+            Some(_) => "speed_range_mps.max",
+            None => "speed_mps",
+        };
+        let found = format!("{} m/s", vehicle.speeds().most);
+        self.report(&format!("{path}.{key}"), found, allowed);
     }
 
     /// A version whose rules are known.
@@ -192,13 +232,21 @@ impl Checker {
         let at = |key: &str| format!("{path}.{key}");
         let start = self.required(path, "start", keys.start);
         let start = start.and_then(|end| self.end_point(&at("start"), end));
-        let goal = self.required(path, "goal", keys.goal);
-        let goal = goal.and_then(|end| self.end_point(&at("goal"), end));
+        let is_round = keys.goal.is_none() && !keys.stops.is_empty();
+        let goal = if is_round {
+            start
+        } else {
+            let goal = self.required(path, "goal", keys.goal);
+            goal.and_then(|end| self.end_point(&at("goal"), end))
+        };
         let own_home = keys.home.and_then(|home| self.place(&at("home"), home));
         let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));
-        self.start_to_goal(&at("goal"), from, to);
+        if keys.stops.is_empty() {
+            self.start_to_goal(&at("goal"), from, to);
+        }
         if let Some(map) = map {
-            for (key, place) in [("start", from), ("goal", to), ("home", own_home)] {
+            let goal = to.filter(|_| !is_round);
+            for (key, place) in [("start", from), ("goal", goal), ("home", own_home)] {
                 if let Some(place) = place {
                     self.clear(&at(key), key, place, map);
                 }

@@ -9,6 +9,7 @@ mod fleet;
 mod on_alarm;
 mod options;
 mod scenario;
+mod stops;
 mod vehicle;
 mod zones;
 
@@ -17,6 +18,7 @@ pub use fleet::{Fleet, Grid};
 pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
+pub use stops::Stop;
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
 pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
 

@@ -15,6 +15,8 @@ pub enum AlarmKind {
     Separation,
     /// Too low over the ground.
     Clearance,
+    /// Inside a threat or a closed zone.
+    Threat,
     /// Outside of the tube around the plan that was verified.
     Corridor,
     /// No position, one that stands still or jumps, or no position fix.
@@ -45,6 +47,8 @@ pub struct OnAlarm {
     pub separation: Option<Answer>,
     /// Lower over the ground than the area allows.
     pub clearance: Option<Answer>,
+    /// Inside a threat, one that came up in flight too, or a closed zone.
+    pub threat: Option<Answer>,
     /// Outside of the tube around the plan that was verified.
     pub corridor: Option<Answer>,
     /// No position, one that stands still or jumps, or no position fix.
@@ -117,6 +121,7 @@ impl AlarmKind {
         match self {
             Self::Separation => "separation",
             Self::Clearance => "clearance",
+            Self::Threat => "threat",
             Self::Corridor => "corridor",
             Self::Position => "position",
             Self::Battery => "battery",
@@ -150,6 +155,7 @@ impl OnAlarm {
         let kinds = [
             (AlarmKind::Separation, self.separation),
             (AlarmKind::Clearance, self.clearance),
+            (AlarmKind::Threat, self.threat),
             (AlarmKind::Corridor, self.corridor),
             (AlarmKind::Position, self.position),
             (AlarmKind::Battery, self.battery),

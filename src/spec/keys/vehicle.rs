@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::Place;
+use super::{Place, Stop};
 use crate::autopilot::{Airframe, Autopilot};
-use crate::spec::Finish;
+use crate::spec::{Finish, Order};
 
 impl JsonSchema for Autopilot {
     fn schema_name() -> Cow<'static, str> {
@@ -74,9 +74,13 @@ pub struct Vehicle {
     #[schemars(with = "EndPoint")]
     pub start: Option<EndPoint>,
     /// The planned path ends here, airborne. A plane that lands touches down at this place,
-    /// and its glide begins at this height.
-    #[schemars(with = "EndPoint")]
+    /// and its glide begins at this height. Absent, which needs stops: the start.
     pub goal: Option<EndPoint>,
+    /// Copters: places to visit between start and goal.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stops: Vec<Stop>,
+    /// Whether stops are visited as they are listed, or in the order that costs least; absent: fixed.
+    pub order: Option<Order>,
     /// At the goal: land; loiter there for ever; or return along a planned path and land at home.
     #[schemars(with = "Finish")]
     pub finish: Option<Finish>,
@@ -98,6 +102,10 @@ pub struct Vehicle {
     /// Vertical speed down, m/s, positive; absent: the autopilot's default.
     #[schemars(range(min = 0.1, max = 50))]
     pub descent_mps: Option<f64>,
+    /// Copters: the greatest speed through the air that this one was flown at within its own lean
+    /// limit, m/s. Absent: what a stock one of its autopilot reached, and up to 50 degrees of lean.
+    #[schemars(range(min = 0.5, max = 100))]
+    pub max_airspeed_mps: Option<f64>,
     /// Horizontal acceleration, m/s^2, of planes on the takeoff run; absent: the autopilot's default.
     #[schemars(range(min = 0.1, max = 50))]
     pub accel_mps2: Option<f64>,

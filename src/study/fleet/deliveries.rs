@@ -117,6 +117,7 @@ fn spec(name: &str, vehicles: usize, evaluations: usize) -> String {
              goal: {{agl_m: 80}}\n    \
              finish: land\n    \
              speed_mps: 15\n    \
+             max_airspeed_mps: 18\n    \
              max_load_factor: 1.2\n    \
              max_climb_deg: 15\n    \
              max_descent_deg: 12\n    \

@@ -9,7 +9,7 @@ use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
 use super::decode::{self, Orders, Step, Unknown};
-use super::flight::{End, Flight, Last, Legs, Mark, Slope};
+use super::flight::{End, Flight, Last, Legs, Mark, Rest, Slope};
 use super::item::{Height, Order};
 use super::legs::{self, Knot};
 use super::trajectory::TrajectoryBuilder;
@@ -341,9 +341,21 @@ impl Pilot<'_> {
     }
 
     fn hold(&mut self, row: usize, hold_s: f64) {
-        let here = self.here();
+        let (here, from_s) = (self.here(), self.trajectory.t_s);
         self.trajectory
             .straight((row, self.phase), (here, here), hold_s, false);
+        let until_s = self.trajectory.t_s;
+        match self.flight.rests.last_mut() {
+            Some(last) if last.until_s >= from_s && last.point == here => {
+                (last.until_s, last.rows.1) = (until_s, row);
+            }
+            _ => self.flight.rests.push(Rest {
+                point: here,
+                from_s,
+                until_s,
+                rows: (row, row),
+            }),
+        }
     }
 
     /// Flies the legs that were gathered, to a stop at the last knot.

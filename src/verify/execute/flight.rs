@@ -48,6 +48,16 @@ pub(crate) struct Mark {
     pub(crate) t_s: f64,
 }
 
+/// Where a vehicle in the air rests, and when, seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rest {
+    pub(crate) point: PlanPoint,
+    pub(crate) from_s: f64,
+    pub(crate) until_s: f64,
+    /// The first and the last row that it rests for.
+    pub(crate) rows: (usize, usize),
+}
+
 /// The circle that a wing keeps for ever.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Circle {
@@ -93,6 +103,8 @@ pub(crate) struct Flight {
     /// In order of time, but for chords that are not flown.
     pub(crate) chords: Vec<Chord>,
     pub(crate) slopes: Vec<Slope>,
+    /// In order of time; what follows at once at the same place is one rest.
+    pub(crate) rests: Vec<Rest>,
     pub(crate) turns: Vec<Turn>,
     pub(crate) cruises: Vec<Cruise>,
     /// Points of the route, from the first that can be the start to the last before the landing.

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::geodesy::{EastNorth, LatLon};
-use crate::path::lean_problem;
-use crate::spec::{Airframe, Autopilot, Vehicle, Wind};
+use crate::path::lean_note;
+use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle, Wind};
 use crate::world::World;
 
 use crate::verify::execute::flight::Flight;
@@ -130,13 +130,13 @@ pub(crate) fn windy_copters<'a>(
 /// Copters that fly faster than a stock one of their autopilot was seen to.
 pub(crate) fn leaning_copters<'a>(
     flown: impl Iterator<Item = (&'a Vehicle, &'a Flight)>,
-    wind: Option<Wind>,
+    spec: &MissionSpec,
 ) -> Vec<String> {
-    let problem = |(vehicle, flight): (&Vehicle, &Flight)| {
+    let note = |(vehicle, flight): (&Vehicle, &Flight)| {
         let commanded = flight.cruises.iter().filter_map(|cruise| cruise.speed_mps);
-        lean_problem(vehicle, commanded.fold(vehicle.speed_mps, f64::max), wind)
+        lean_note(spec, vehicle, commanded.fold(vehicle.speed_mps, f64::max))
     };
-    flown.filter_map(problem).collect()
+    flown.filter_map(note).collect()
 }
 
 /// A wing holds its airspeed: what it makes over the ground is up to the wind.

@@ -2,6 +2,7 @@
 //! finish, departure, speed, slopes, turns, number of items.
 
 mod ends;
+mod stops;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};
@@ -42,9 +43,11 @@ impl Contract<'_> {
         margins.extend(self.home(home, fence));
         margins.extend(self.above_home());
         margins.extend(self.route());
+        margins.extend(self.stops());
         margins.extend(self.finish());
         margins.extend(self.departure());
         margins.extend(self.speed());
+        margins.extend(self.flyable_speed());
         margins.extend(self.slopes());
         margins.extend(self.turns());
         margins.extend(self.wing());
@@ -212,7 +215,11 @@ impl Contract<'_> {
             let at = || chord.moment(&self.world.frame, 0.0);
             match (cruise.speed_mps, self.mission.autopilot) {
                 (Some(speed_mps), _) => {
-                    worst.at_most(self.vehicle.speeds().miss(speed_mps), SPEED_MPS, at)
+                    let miss_mps = match self.speed_since_stop(chord.from_s) {
+                        Some(planned_mps) => (speed_mps - planned_mps).abs(),
+                        None => self.vehicle.speeds().miss(speed_mps),
+                    };
+                    worst.at_most(miss_mps, SPEED_MPS, at)
                 }
                 // Its cruise parameter is assumed: PX4 misbehaved with speed items.
                 (None, Autopilot::Px4) if self.vehicle.retiming.speed_mps.is_none() => {

@@ -4,6 +4,7 @@ pub(super) mod assumptions;
 mod closed;
 pub(super) mod distant;
 pub(super) mod fence;
+mod lean;
 pub(super) mod mission;
 pub(super) mod rally;
 pub(super) mod separation;

@@ -43,7 +43,7 @@ impl JointPlan<'_> {
             depart_s,
             ..vehicle.clone()
         });
-        let stations = self.given.plan.world.stations[state.vehicle];
+        let stations = self.given.plan.world.stations[state.vehicle].clone();
         self.world.stations.push(stations);
         let path: Vec<PlanPoint> = state.ahead.iter().map(|(_, point)| *point).collect();
         self.commit(state, &path, held(state, items), rows);

@@ -1,0 +1,55 @@
+//! The items of a stop: to rest there, what is done there, and on from there.
+
+use super::{ItemWriter, float};
+use crate::autopilot::{Autopilot, command};
+use crate::geodesy::PlanPoint;
+use crate::mission::item::Item;
+use crate::spec::Stop;
+use crate::world::NoData;
+
+/// Rest before anything is done at a stop, seconds.
+const FIRST_REST_S: f64 = 1.0;
+
+impl ItemWriter<'_> {
+    /// The items of a stop at its point.
+    ///
+    /// ArduPilot runs commands without a location at the begin of the waypoint after them: a stop
+    /// with commands ends in a second waypoint at the same place.
+    pub(super) fn stop(&self, stop: &Stop, point: PlanPoint) -> Result<Vec<Item>, NoData> {
+        let turns = self.turn_to(stop);
+        let mut items = if turns.is_empty() {
+            vec![self.rest(stop, stop.rest_s(), point)?]
+        } else {
+            let mut items = vec![self.rest(stop, FIRST_REST_S, point)?];
+            items.extend(turns);
+            items.push(self.rest(stop, stop.rest_s() - FIRST_REST_S, point)?);
+            items
+        };
+        items.extend(stop.speed_mps.map(|speed_mps| self.change_speed(speed_mps)));
+        Ok(items)
+    }
+
+    /// A waypoint at a stop. PX4 keeps its acceptance radius and its heading.
+    fn rest(&self, stop: &Stop, hold_s: f64, point: PlanPoint) -> Result<Item, NoData> {
+        let mut item = self.at(command::NAV_WAYPOINT, float(hold_s), point)?;
+        if self.vehicle.autopilot == Autopilot::Px4 {
+            item.params[1] = stop.acceptance_radius_m.map_or(0.0, float);
+            if let Some(heading_rad) = stop.heading_rad {
+                item.params[3] = float(heading_rad.to_degrees());
+            }
+        }
+        Ok(item)
+    }
+
+    /// Turns the nose of an ArduCopter, whose waypoints keep no heading: absolute, the shorter
+    /// way round.
+    fn turn_to(&self, stop: &Stop) -> Vec<Item> {
+        let heading_rad = stop.heading_rad;
+        let is_turned = |_: &f64| self.vehicle.autopilot == Autopilot::ArduPilot;
+        let turn = heading_rad.filter(is_turned).map(|heading_rad| {
+            let heading_deg = float(heading_rad.to_degrees());
+            Item::without_place(command::CONDITION_YAW, [heading_deg, 0.0, 0.0, 0.0])
+        });
+        turn.into_iter().collect()
+    }
+}

@@ -1,0 +1,54 @@
+//! What routes between two places cost, each as if its vehicle flew it alone.
+
+use rayon::prelude::*;
+
+use super::{Planning, Request};
+use crate::cost::RouteEnds;
+use crate::geodesy::PlanPoint;
+use crate::numeric::Seed;
+use crate::plan::bound::proven;
+use crate::plan::search::{Run, search};
+use crate::spec::MissionSpec;
+use crate::world::World;
+
+/// Proven for each route: no path that keeps the limits costs less.
+#[must_use]
+pub fn route_bounds(
+    spec: &MissionSpec,
+    world: &World,
+    routes: &[(PlanPoint, PlanPoint)],
+) -> Vec<f64> {
+    let each: Vec<_> = routes.iter().map(|&ends| vec![ends]).collect();
+    proven(spec, world, &each)
+}
+
+/// The cost of each route of a vehicle, planned without other vehicles. The routes share its budget.
+#[must_use]
+pub fn route_costs(
+    spec: &MissionSpec,
+    world: &World,
+    vehicle: usize,
+    routes: &[(PlanPoint, PlanPoint)],
+    seed: u64,
+) -> Vec<f64> {
+    let request = Request {
+        seed,
+        margins: Vec::new(),
+        extra_parameters: Vec::new(),
+        progress: &|_| (),
+    };
+    let planning = Planning::new(spec, world, &request);
+    let budget = spec.planner.evaluations / (spec.vehicles[vehicle].stops.len() + 1);
+    let cost = |&(from, to): &(PlanPoint, PlanPoint)| {
+        let start_s = 0.0;
+        let context = planning.route_context(vehicle, RouteEnds { from, to, start_s }, &[]);
+        let run = Run {
+            budget,
+            seed: Seed(seed),
+            stream: 0,
+            watch: &|_| (),
+        };
+        search(&context, run).terms.total()
+    };
+    routes.par_iter().map(cost).collect()
+}

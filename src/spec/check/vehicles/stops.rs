@@ -1,0 +1,127 @@
+//! The stops of a vehicle: each alone, and apart from the places before and after it.
+
+use super::{Checker, MIN_START_TO_GOAL_M};
+use crate::geodesy::LatLon;
+use crate::numeric::digits;
+use crate::spec::check::map::Map;
+use crate::spec::keys;
+use crate::spec::{MAX_STOPS, Order, Stop};
+
+impl Checker {
+    /// The stops of a vehicle, as far as each is whole.
+    pub(super) fn stops(
+        &mut self,
+        path: &str,
+        keys: &keys::Vehicle,
+        map: Option<&Map>,
+    ) -> Vec<Stop> {
+        let at = |key: &str| format!("{path}.{key}");
+        if keys.stops.is_empty() && keys.order.is_some() {
+            self.report(&at("order"), "an order without stops", "stops");
+        }
+        if keys.stops.len() > MAX_STOPS {
+            let found = format!("{} stops", keys.stops.len());
+            self.report(&at("stops"), found, format!("at most {MAX_STOPS}"));
+        }
+        if !keys.stops.is_empty() && keys.airframe.unwrap_or_default().has_wing() {
+            let found = "stops, on a wing: planes and VTOL fly from start to goal";
+            self.report(&at("stops"), found, "a copter, or no stops");
+        }
+        let ids = keys.stops.iter().map(|stop| stop.id.as_deref());
+        self.unique(&at("stops"), ids);
+        let stops = keys.stops.iter().enumerate();
+        stops
+            .filter_map(|(index, stop)| {
+                self.stop(&format!("{path}.stops[{index}]"), stop, keys, map)
+            })
+            .collect()
+    }
+
+    fn stop(
+        &mut self,
+        path: &str,
+        stop: &keys::Stop,
+        vehicle: &keys::Vehicle,
+        map: Option<&Map>,
+    ) -> Option<Stop> {
+        let id = self.required(path, "id", stop.id.clone());
+        if let Some(id) = &id {
+            self.label(&format!("{path}.id"), id);
+        }
+        let (lat, lon, agl_m, amsl_m) = (stop.lat, stop.lon, stop.agl_m, stop.amsl_m);
+        let point = keys::EndPoint {
+            lat,
+            lon,
+            agl_m,
+            amsl_m,
+        };
+        let end = self.end_point(path, point);
+        if let (Some(map), Some(end)) = (map, end) {
+            self.clear(path, "stop", end.place, map);
+        }
+        self.stop_speed(&format!("{path}.speed_mps"), stop, vehicle);
+        Some(Stop {
+            id: id?,
+            end: end?,
+            hold_s: stop.hold_s.unwrap_or(0.0),
+            acceptance_radius_m: stop.acceptance_radius_m,
+            heading_rad: stop.heading_deg.map(f64::to_radians),
+            speed_mps: stop.speed_mps,
+        })
+    }
+
+    /// A speed from a stop on needs a known order, and is no choice of the planner.
+    fn stop_speed(&mut self, path: &str, stop: &keys::Stop, vehicle: &keys::Vehicle) {
+        if stop.speed_mps.is_none() {
+            return;
+        }
+        if vehicle.order == Some(Order::Free) {
+            let found = "a speed from a stop on, and order: free";
+            self.report(path, found, "order: fixed, or speed_mps of the vehicle");
+        }
+        if vehicle.speed_range_mps.is_some() {
+            let found = "a speed from a stop on, and speed_range_mps";
+            self.report(path, found, "one of them");
+        }
+    }
+
+    /// There must be a path to plan from each place to the next: in a free order from each to
+    /// each.
+    pub(super) fn stops_apart(
+        &mut self,
+        path: &str,
+        keys: &keys::Vehicle,
+        (start, goal): (LatLon, LatLon),
+        stops: &[Stop],
+    ) {
+        if stops.len() != keys.stops.len() {
+            // A broken one is reported already.
+            return;
+        }
+        let is_free = keys.order == Some(Order::Free);
+        let names = |index: usize| format!("stop `{}`", stops[index].id.escape_debug());
+        for (index, stop) in stops.iter().enumerate() {
+            let mut before: Vec<(String, LatLon)> = Vec::new();
+            if is_free || index == 0 {
+                before.push(("start".to_owned(), start));
+            }
+            if (is_free || index + 1 == stops.len()) && keys.goal.is_some() {
+                before.push(("goal".to_owned(), goal));
+            }
+            let first = if is_free { 0 } else { index.saturating_sub(1) };
+            let others = (first..index).map(|other| (names(other), stops[other].end.place));
+            before.extend(others);
+            for (what, place) in before {
+                let apart_m = stop.end.place.chord_m(place);
+                if apart_m < MIN_START_TO_GOAL_M {
+                    let found = format!(
+                        "{} m from {what}",
+                        digits::distinct_from(apart_m, MIN_START_TO_GOAL_M, 1)
+                    );
+                    let allowed = format!("at least {MIN_START_TO_GOAL_M} m from {what}");
+                    self.report(&format!("{path}.stops[{index}]"), found, allowed);
+                }
+            }
+        }
+    }
+}

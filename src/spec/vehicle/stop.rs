@@ -1,0 +1,92 @@
+//! Places that a vehicle visits between start and goal.
+
+use std::borrow::Cow;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{EndPoint, Vehicle};
+use crate::spec::keys::words;
+
+/// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
+/// rest instead of cutting the corner.
+const LEAST_REST_S: f64 = 1.0;
+
+/// A copter that turns its nose there rests at least this long: 1 s to come to rest, and 180 degrees
+/// at 45 degrees a second.
+const LEAST_TURN_S: f64 = 5.0;
+
+/// Most stops of one vehicle.
+pub const MAX_STOPS: usize = 100;
+
+/// A place that a vehicle visits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// Unique among the stops of its vehicle.
+    pub id: String,
+    /// Where, and how high.
+    pub end: EndPoint,
+    /// How long the vehicle stays there, seconds; [`Stop::rest_s`] is what is encoded.
+    pub hold_s: f64,
+    /// How near it must come, metres; absent: `mission.tolerance_m`.
+    pub acceptance_radius_m: Option<f64>,
+    /// Where its nose points while it stays, radians clockwise from north; absent: anywhere.
+    pub heading_rad: Option<f64>,
+    /// Planned speed from there on, m/s; absent: as before.
+    pub speed_mps: Option<f64>,
+}
+
+impl Stop {
+    /// How long a copter rests there, seconds: whole ones, which ArduPilot keeps, at least 1, and
+    /// at least 5 with a heading.
+    #[must_use]
+    pub fn rest_s(&self) -> f64 {
+        let least_s = match self.heading_rad {
+            Some(_) => LEAST_TURN_S,
+            None => LEAST_REST_S,
+        };
+        self.hold_s.ceil().max(least_s)
+    }
+}
+
+/// In which order stops are visited.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
+pub enum Order {
+    /// As they are listed.
+    #[default]
+    Fixed,
+    /// In the order that costs least; the planner finds it.
+    Free,
+}
+
+impl Vehicle {
+    /// The vehicle as it flies a route: at the speed of the last stop before it that has one.
+    /// Route 0 begins at the start, route `k` at stop `k - 1`.
+    #[must_use]
+    pub fn on_route(&self, route: usize) -> Cow<'_, Self> {
+        let before = self.stops.iter().take(route).rev();
+        match before.filter_map(|stop| stop.speed_mps).next() {
+            Some(speed_mps) => Cow::Owned(Self {
+                speed_mps,
+                ..self.clone()
+            }),
+            None => Cow::Borrowed(self),
+        }
+    }
+
+    /// Puts its stops in another order, given by their indices; none changes nothing.
+    pub fn visit_in(&mut self, order: &[usize]) {
+        if !order.is_empty() {
+            let stops = order.iter().filter_map(|&index| self.stops.get(index));
+            self.stops = stops.cloned().collect();
+        }
+    }
+
+    /// How long the vehicle rests at the stop at the end of a route, seconds; 0 where there is none.
+    #[must_use]
+    pub fn rest_after_s(&self, route: usize) -> f64 {
+        self.stops.get(route).map_or(0.0, Stop::rest_s)
+    }
+}

@@ -1,0 +1,7 @@
+//! What a fleet does besides flying from start to goal: the order of stops.
+
+mod order;
+mod stops;
+
+pub use order::{MAX_EXACT, Sequence, best_order};
+pub use stops::{FreeOrder, free_orders, in_order};

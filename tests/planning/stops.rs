@@ -1,0 +1,299 @@
+//! Vehicles that visit places between start and goal: planned, encoded and judged.
+
+#![allow(clippy::float_cmp)]
+
+use crate::support;
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::geodesy::{Agl, LatLon};
+use sortie::mission::{Item, VehicleMission, command};
+use sortie::plan::VehiclePlan;
+use sortie::spec::*;
+use sortie::verify::{Limit, Review, review};
+use sortie::world::World;
+use support::plans::{EAST, NORTH, SOUTH, WEST};
+use support::{copter, empty_spec, world};
+
+pub(crate) fn stop(id: &str, place: LatLon, hold_s: f64) -> Stop {
+    Stop {
+        id: id.to_owned(),
+        end: EndPoint {
+            place,
+            altitude: Placement::Agl(Agl(80.0)),
+        },
+        hold_s,
+        acceptance_radius_m: None,
+        heading_rad: None,
+        speed_mps: None,
+    }
+}
+
+/// A copter that flies from the west over the north and the south to the east.
+fn round(autopilot: Autopilot) -> MissionSpec {
+    let mut vehicle = copter("alpha", 1, WEST, EAST);
+    vehicle.autopilot = autopilot;
+    vehicle.speed_mps = 10.0;
+    vehicle.stops = vec![stop("north", NORTH, 9.5), stop("south", SOUTH, 0.0)];
+    let mut spec = empty_spec(vec![vehicle]);
+    spec.planner.evaluations = 4000;
+    spec
+}
+
+fn dispatched(spec: &MissionSpec) -> (World, Dispatched) {
+    let world = world(spec);
+    let done = dispatch(spec, &world, 1, &|_| ());
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+    (world, done)
+}
+
+fn failed(review: &Review) -> Vec<String> {
+    let failed = review.margins.iter().filter(|margin| !margin.ok);
+    failed
+        .map(|margin| format!("{}: {}", margin.limit, margin.note))
+        .collect()
+}
+
+fn holds(mission: &VehicleMission) -> Vec<f32> {
+    let items = mission.items.iter();
+    let waypoints = items.filter(|item| item.command == command::NAV_WAYPOINT);
+    waypoints
+        .map(|item| item.params[0])
+        .filter(|hold_s| *hold_s > 0.0)
+        .collect()
+}
+
+#[test]
+fn each_stop_is_a_waypoint_with_its_hold_and_the_verdict_finds_it() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let (_, done) = dispatched(&round(autopilot));
+        assert_eq!(holds(&done.missions[0].1), [10.0, 1.0]);
+        for (limit, bound) in [
+            (Limit::Stop("north".to_owned()), 5.0),
+            (Limit::StopHold("north".to_owned()), 9.5),
+            (Limit::StopHold("south".to_owned()), 0.0),
+        ] {
+            let margins = &done.review.margins;
+            let margin = margins.iter().find(|margin| margin.limit == limit);
+            assert!((margin.expect("judged").bound - bound).abs() < 1e-9);
+        }
+    }
+}
+
+#[test]
+fn routes_are_summed_and_begin_after_the_rest_at_the_stop_before() {
+    let spec = round(Autopilot::ArduPilot);
+    let (world, done) = dispatched(&spec);
+    let plan: &VehiclePlan = &done.plan.vehicles[0];
+    assert_eq!(plan.routes.len(), 3);
+    let ends = |index: usize| {
+        let path = &plan.routes[index].path;
+        (path[0], path[path.len() - 1])
+    };
+    for (index, rest_s) in [(0, 10.0), (1, 1.0)] {
+        let (arrival, departure) = (ends(index).1, ends(index + 1).0);
+        assert_eq!(arrival.point, world.stations[0].stops[index]);
+        assert!((departure.t_s - arrival.t_s - rest_s).abs() < 1e-9);
+    }
+    let straight_m: f64 = (0..3)
+        .map(|index| ends(index).0.point.distance_m(ends(index).1.point))
+        .sum();
+    assert!(
+        plan.terms.length * 1000.0 >= straight_m - 0.5 && plan.bound * 1000.0 > 0.99 * straight_m
+    );
+    assert!(plan.bound <= plan.terms.total());
+    // The verdict flies it at the same times.
+    let flight = &done.plan.flights(&spec, &world)[0];
+    let track = done.review.tracks[0].moments.last().expect("flown");
+    assert!((track.t_s - flight.points.last().expect("planned").t_s).abs() < 10.0);
+}
+
+#[test]
+fn a_stop_left_out_cut_short_or_out_of_order_fails() {
+    let spec = round(Autopilot::ArduPilot);
+    let (world, done) = dispatched(&spec);
+    let mission = &done.missions[0].1;
+    let judged = |change: &dyn Fn(&mut Vec<Item>), spec: &MissionSpec| {
+        let mut changed = mission.clone();
+        change(&mut changed.items);
+        failed(&review(spec, &world, &[(0, &changed)]))
+    };
+    let hold_at = |items: &mut [Item], hold_s: f32| {
+        let mut items = items.iter_mut();
+        let stop = items.find(|item| item.command == command::NAV_WAYPOINT && item.params[0] > 9.0);
+        stop.expect("a stop").params[0] = hold_s;
+    };
+    let none = judged(&|items| hold_at(items, 0.0), &spec);
+    assert!(
+        none.iter().any(|what| what.starts_with("stop north")),
+        "{none:?}"
+    );
+    let short = judged(&|items| hold_at(items, 9.0), &spec);
+    assert_eq!(short, ["hold at stop north: "]);
+    let mut other_way = spec.clone();
+    other_way.vehicles[0].stops.reverse();
+    let world = World {
+        stations: world
+            .stations
+            .iter()
+            .map(|own| {
+                let mut own = own.clone();
+                own.stops.reverse();
+                own
+            })
+            .collect(),
+        ..world.clone()
+    };
+    let swapped = failed(&review(&other_way, &world, &[(0, mission)]));
+    assert!(
+        swapped.iter().any(|what| what.starts_with("stop north")),
+        "{swapped:?}"
+    );
+    other_way.vehicles[0].order = Order::Free;
+    assert!(review(&other_way, &world, &[(0, mission)]).passes());
+}
+
+#[test]
+fn a_stop_has_its_radius_its_heading_and_a_speed_from_there_on() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut spec = round(autopilot);
+        let stop = &mut spec.vehicles[0].stops[0];
+        stop.acceptance_radius_m = Some(2.0);
+        stop.heading_rad = Some(90_f64.to_radians());
+        stop.speed_mps = Some(7.0);
+        let (world, done) = dispatched(&spec);
+        let mission = &done.missions[0].1;
+        let is_ardupilot = autopilot == Autopilot::ArduPilot;
+        let expected: &[f32] = if is_ardupilot {
+            &[1.0, 9.0, 1.0]
+        } else {
+            &[10.0, 1.0]
+        };
+        assert_eq!(holds(mission), expected);
+        for drop in [command::CONDITION_YAW, command::DO_CHANGE_SPEED] {
+            let mut changed = mission.clone();
+            let is_dropped = |item: &Item| item.command == drop && item.params[1] != 10.0;
+            changed.items.retain(|item| !is_dropped(item));
+            let failed = failed(&review(&spec, &world, &[(0, &changed)]));
+            match (drop, is_ardupilot) {
+                (command::CONDITION_YAW, true) => {
+                    assert_eq!(
+                        failed,
+                        ["actions at stop north: no item turns it to 90 degrees"]
+                    );
+                }
+                (command::CONDITION_YAW, false) => assert!(failed.is_empty()),
+                _ => assert_eq!(failed, ["speed: "]),
+            }
+        }
+        let mut wide = mission.clone();
+        for param in &mut wide.params {
+            if ["WPNAV_RADIUS"].contains(&param.name.as_str()) {
+                param.value *= 2.0;
+            }
+        }
+        wide.items
+            .iter_mut()
+            .filter(|item| item.params[1] == 2.0)
+            .for_each(|item| item.params[1] = 4.0);
+        let failed = failed(&review(&spec, &world, &[(0, &wide)]));
+        assert_eq!(failed, ["stop north: "]);
+        let path = &done.plan.vehicles[0].routes[1].path;
+        let fastest = path.windows(2).map(|pair| {
+            pair[0].point.at.distance_m(pair[1].point.at) / (pair[1].t_s - pair[0].t_s)
+        });
+        assert!((fastest.fold(0.0, f64::max) - 7.0).abs() < 0.01);
+    }
+}
+
+#[test]
+fn a_vehicle_without_a_goal_comes_back_to_its_start() {
+    let text = "
+sortie: 2
+name: round
+area: {south_west: {lat: 47.35, lon: 8.45}, north_east: {lat: 47.45, lon: 8.60}, min_agl_m: 60, max_amsl_m: 900}
+terrain: {flat: {amsl_m: 430}}
+vehicles:
+  - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 10, finish: FINISH,
+     start: {lat: 47.400, lon: 8.48, agl_m: 80}, stops: [{id: t1, lat: 47.405, lon: 8.49, agl_m: 80}]}
+planner: {evaluations: 2000}
+";
+    for finish in ["land", "return"] {
+        let text = text.replace("FINISH", finish);
+        let file = SpecFile::parse(std::path::Path::new("a.yaml"), text).expect("good");
+        let (_, done) = dispatched(&file.spec);
+        assert_eq!(done.plan.vehicles[0].routes.len(), 2);
+        let items = &done.missions[0].1.items;
+        assert_eq!(items[items.len() - 1].x, items[0].x);
+    }
+}
+
+#[test]
+fn evaluate_takes_the_routes_one_after_the_other_and_sums_their_costs() {
+    use sortie::optimize::Problem;
+    use sortie::plan::{objective, objective_specs};
+    let mut spec = round(Autopilot::ArduPilot);
+    spec.vehicles[0].stops[0].speed_mps = Some(7.0);
+    let world = world(&spec);
+    let specs = objective_specs(&spec, &world, 0);
+    let whole = objective(&specs, &world, 0, &[], 101);
+    let each = 3 * spec.planner.control_points;
+    assert_eq!(whole.dimension(), 3 * each);
+    let row: Vec<f64> = (0..3 * each)
+        .map(|index| (0.618 * f64::from(u32::try_from(index).expect("few"))).fract())
+        .collect();
+    let mut cost = [0.0];
+    whole.evaluate(&row, &mut cost);
+    // Each route as the only one of a vehicle of its own.
+    let stations = &world.stations[0];
+    let places = [
+        stations.start,
+        stations.stops[0],
+        stations.stops[1],
+        stations.goal,
+    ];
+    let mut sum = 0.0;
+    for (index, pair) in places.windows(2).enumerate() {
+        let mut alone = spec.clone();
+        alone.vehicles[0].stops.clear();
+        alone.vehicles[0].speed_mps = if index == 0 { 10.0 } else { 7.0 };
+        let mut world = world.clone();
+        world.stations[0].stops.clear();
+        (world.stations[0].start, world.stations[0].goal) = (pair[0], pair[1]);
+        let specs = objective_specs(&alone, &world, 0);
+        let part = objective(&specs, &world, 0, &[], 101);
+        let mut own = [0.0];
+        part.evaluate(&row[index * each..(index + 1) * each], &mut own);
+        sum += own[0];
+    }
+    assert!((cost[0] - sum).abs() < 1e-9 * sum, "{} {sum}", cost[0]);
+}
+
+#[test]
+fn a_free_order_costs_less_than_the_listed_one_and_its_bound_holds_for_all_orders() {
+    let mut spec = round(Autopilot::ArduPilot);
+    let at = |share: f64| LatLon {
+        lat_deg: 36.30 + 0.02 * (share * 9.0).sin(),
+        lon_deg: WEST.lon_deg + share * (EAST.lon_deg - WEST.lon_deg),
+    };
+    let shares = [0.8, 0.2, 0.6, 0.4];
+    spec.vehicles[0].stops = shares
+        .iter()
+        .map(|share| stop(&format!("s{share}"), at(*share), 2.0))
+        .collect();
+    let (_, listed) = dispatched(&spec);
+    spec.vehicles[0].order = Order::Free;
+    let (world, free) = dispatched(&spec);
+    let (plan, fixed) = (&free.plan.vehicles[0], &listed.plan.vehicles[0]);
+    assert_eq!(plan.order, [1, 3, 2, 0]);
+    assert!(plan.terms.total() < 0.7 * fixed.terms.total());
+    assert!(plan.bound <= plan.terms.total() && plan.bound > 0.95 * plan.terms.total());
+    // The spec that missions are made from has that order, and flights rest at those stops.
+    let ids: Vec<String> = free.plan.retimed(&spec).vehicles[0]
+        .stops
+        .iter()
+        .map(|stop| stop.id.clone())
+        .collect();
+    assert_eq!(ids, ["s0.2", "s0.4", "s0.6", "s0.8"]);
+    // An upload judges against the spec as it is listed.
+    assert!(review(&spec, &world, &[(0, &free.missions[0].1)]).passes());
+}

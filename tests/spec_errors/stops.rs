@@ -1,0 +1,138 @@
+//! Stops: keys, what is absent, and what cannot be flown.
+
+use sortie::spec::{MAX_STOPS, Order};
+
+use super::{good, issues, only, over_ground, with};
+
+const ALPHA: &str = "    depart_s: 5\n";
+const GOAL: &str = "    goal: {lat: 36.39, lon: -84.12, amsl_m: 700}\n";
+
+fn stops(listed: &str) -> String {
+    format!("{ALPHA}    stops: [{listed}]\n")
+}
+
+const GOOD: &str = "{id: t1, lat: 36.22, lon: -84.30, agl_m: 80, hold_s: 3}, {id: t2, lat: 36.22, lon: -84.20, amsl_m: 600}";
+
+#[test]
+fn stops_are_read_and_a_vehicle_without_a_goal_ends_at_its_start() {
+    let text = with(ALPHA, &stops(GOOD));
+    let alpha = &good(&text).vehicles[0];
+    assert_eq!((alpha.stops.len(), alpha.order), (2, Order::Fixed));
+    assert!(
+        (alpha.stops[0].rest_s() - 3.0).abs() < 1e-9
+            && (alpha.stops[1].rest_s() - 1.0).abs() < 1e-9
+    );
+    let round = text.replace(GOAL, "");
+    let alpha = &good(&round).vehicles[0];
+    assert_eq!(alpha.goal, alpha.start);
+    let (path, text) = only(GOAL, "");
+    assert_eq!(path, "vehicles[0]");
+    assert!(text.contains("goal"), "{text}");
+}
+
+#[test]
+fn what_is_wrong_with_a_stop_is_reported_at_its_place() {
+    for (listed, path, found) in [
+        (
+            "{id: t1, lat: 36.22, lon: -84.30}",
+            "vehicles[0].stops[0]",
+            "no altitude",
+        ),
+        (
+            "{lat: 36.22, lon: -84.30, agl_m: 80}",
+            "vehicles[0].stops[0]",
+            "id",
+        ),
+        (
+            "{id: t1, lat: 36.22, lon: -84.30, agl_m: 80, hold_s: -1}",
+            "vehicles[0].stops[0].hold_s",
+            "-1",
+        ),
+        (
+            "{id: t1, lat: 36.5, lon: -84.30, agl_m: 80}",
+            "vehicles[0].stops[0]",
+            "outside of the area",
+        ),
+        (
+            "{id: t1, lat: 36.31, lon: -84.26, agl_m: 80}",
+            "vehicles[0].stops[0]",
+            "inside threat `radar-1`",
+        ),
+        (
+            "{id: t1, lat: 36.21, lon: -84.38, agl_m: 80}",
+            "vehicles[0].stops[0]",
+            "0 m from start",
+        ),
+        (
+            "{id: t1, lat: 36.22, lon: -84.30, agl_m: 80, acceptance_radius: 3}",
+            "",
+            "acceptance_radius_m",
+        ),
+    ] {
+        let (at, text) = only(ALPHA, &stops(listed));
+        assert!(at == path || path.is_empty(), "{at}: {text}");
+        assert!(text.contains(found), "{text}");
+    }
+    let twice = GOOD.replace("t2", "T1");
+    let (at, text) = only(ALPHA, &stops(&twice));
+    assert_eq!(at, "vehicles[0].stops[1].id");
+    assert!(text.contains("already the id"), "{text}");
+}
+
+#[test]
+fn stops_near_each_other_are_too_near_in_the_order_in_which_they_may_be_visited() {
+    let third = "{id: t3, lat: 36.22, lon: -84.30, agl_m: 90}";
+    let listed = format!("{GOOD}, {third}");
+    good(&with(ALPHA, &stops(&listed)));
+    let free = format!("{}    order: free\n", stops(&listed));
+    let (path, text) = only(ALPHA, &free);
+    assert_eq!(path, "vehicles[0].stops[2]");
+    assert!(text.contains("from stop `t1`"), "{text}");
+}
+
+#[test]
+fn an_order_needs_stops_and_a_speed_from_a_stop_on_a_fixed_order() {
+    let (path, _) = only(ALPHA, &format!("{ALPHA}    order: free\n"));
+    assert_eq!(path, "vehicles[0].order");
+    let fast = GOOD.replace("hold_s: 3", "speed_mps: 8");
+    good(&with(ALPHA, &stops(&fast)));
+    let (path, _) = only(ALPHA, &format!("{}    order: free\n", stops(&fast)));
+    assert_eq!(path, "vehicles[0].stops[0].speed_mps");
+    let range = format!(
+        "{}    speed_range_mps: {{min: 10, max: 16}}\n",
+        stops(&fast)
+    );
+    let (path, _) = only(ALPHA, &range);
+    assert_eq!(path, "vehicles[0].stops[0].speed_mps");
+}
+
+#[test]
+fn wings_have_no_stops_and_copters_not_too_many() {
+    let wing = with("airframe: copter", "airframe: vtol").replace(ALPHA, &stops(GOOD));
+    let found = issues(&wing);
+    let is_told = found.iter().any(|issue| issue.path == "vehicles[0].stops");
+    assert!(is_told, "{found:?}");
+    let many: Vec<String> = (0..=MAX_STOPS)
+        .map(|n| {
+            format!(
+                "{{id: s{n}, lat: {}, lon: -84.30, agl_m: 80}}",
+                36.21 + 0.0005 * f64::from(u32::try_from(n).expect("few"))
+            )
+        })
+        .collect();
+    let (path, text) = only(ALPHA, &stops(&many.join(", ")));
+    assert_eq!(path, "vehicles[0].stops");
+    assert!(text.contains("at most 100"), "{text}");
+}
+
+#[test]
+fn a_stop_keeps_the_height_that_a_start_keeps() {
+    let low = with(
+        ALPHA,
+        &stops("{id: t1, lat: 36.22, lon: -84.30, agl_m: 40}"),
+    );
+    let found = over_ground(&low);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].path, "vehicles[0].stops[0]");
+    assert!(found[0].found.contains("stop is 40"), "{found:?}");
+}
