@@ -13,7 +13,7 @@ use crate::cli::print::progress::Progress;
 use crate::cli::print::table::Rows;
 use crate::plan::certify;
 use crate::report::{CertificateDocument, certificate_document};
-use crate::spec::SpecFile;
+use crate::spec::{Order, SpecFile};
 use crate::world;
 
 pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
@@ -31,6 +31,17 @@ pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
         let id = arguments.vehicle.as_deref().unwrap_or_default();
         let text = format!("no vehicle {id} (there are: {})", known.join(", "));
         return Err(Failure::new(Failure::USAGE, text));
+    }
+    let free = chosen.iter().map(|&index| &spec.vehicles[index]);
+    if let Some(vehicle) = free
+        .into_iter()
+        .find(|vehicle| vehicle.order == Order::Free)
+    {
+        let text = format!(
+            "{}: `order: free`: only routes in a fixed order are certified",
+            vehicle.id
+        );
+        return Err(Failure::new(Failure::INPUT, text));
     }
     let hash = folder::sha256(&file.text);
     let plan = planned(&arguments.folder, &hash)?;
