@@ -3,7 +3,7 @@
 mod args;
 mod check;
 mod convert;
-mod evaluate;
+mod costs;
 mod fly;
 mod folder;
 mod links;
@@ -52,6 +52,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let done = match &parsed.command {
         Command::Plan(arguments) => plan::run(arguments),
         Command::Check(arguments) => check::run(arguments),
+        Command::Certify(arguments) => costs::certify::run(arguments),
         Command::Review(arguments) => review::run(arguments),
         Command::Upload(arguments) => transfer::upload::run(arguments),
         Command::Fly(arguments) => fly::run(arguments),
@@ -61,7 +62,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Convert(arguments) => convert::run(arguments),
         Command::Vehicles(arguments) => vehicles::run(arguments),
         Command::Terrain(command) => terrain::run(command),
-        Command::Evaluate(arguments) => evaluate::run(arguments),
+        Command::Evaluate(arguments) => costs::evaluate::run(arguments),
         Command::Study(arguments) => study::run_study(arguments),
         Command::Migrate(arguments) => migrate::run(arguments),
         Command::New(arguments) => new::run(arguments),

@@ -111,6 +111,20 @@ impl SlopeLimit {
         }
     }
 
+    /// No less than [`Self::by_shape`] at any altitude up to one, metres above mean sea level.
+    #[must_use]
+    pub fn most_by_shape(&self, up_to_amsl_m: f64) -> f64 {
+        let [square, linear, _] = self.polynomial();
+        // Where the polynomial is greatest, if it bends down.
+        let max_m = if square < 0.0 {
+            (-0.5 * linear / square).min(up_to_amsl_m)
+        } else {
+            0.0
+        };
+        let at = |amsl_m: f64| self.by_shape(Amsl(amsl_m));
+        at(0.0).max(at(up_to_amsl_m)).max(at(max_m)) + 1e-12
+    }
+
     /// No more than [`Self::by_shape`] at any altitude up to one, metres above mean sea level.
     #[must_use]
     pub fn least_by_shape(&self, up_to_amsl_m: f64) -> f64 {
@@ -144,6 +158,8 @@ mod tests {
             for shape in [own, Shape::Polynomial(CLIMB), Shape::Polynomial(DESCENT), Shape::Angle(constant)] {
                 let limit = SlopeLimit { shape, by_speed: 10.0 };
                 let least = limit.least_by_shape(up_to_amsl_m);
+                let most = limit.most_by_shape(up_to_amsl_m);
+                prop_assert!(limit.by_shape(Amsl(up_to_amsl_m - below_m)) <= most);
                 prop_assert!(limit.by_shape(Amsl(up_to_amsl_m)) >= least);
                 prop_assert!(limit.by_shape(Amsl(up_to_amsl_m - below_m)) >= least);
             }

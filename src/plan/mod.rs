@@ -17,10 +17,12 @@ mod spline;
 pub use crate::plan::diagnosis::blocking_set::{BlockingElement, BlockingSets};
 pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
 pub use crate::plan::diagnosis::violations::{Violation, violations};
+pub use bound::RouteCertificate;
 pub use fleet::columns::ColumnConflict;
 pub use fleet::pairs::{route_bounds, route_costs};
 pub use fleet::{
-    Progress, Request, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan, replan_from,
+    Progress, Request, certify, plan_fleet, plan_fleet_with, plan_one_at_a_time, replan,
+    replan_from,
 };
 pub use search::objective::{objective, objective_specs};
 pub use search_options::SearchOptions;

@@ -1,5 +1,6 @@
 //! Pages and documents from facts handed over.
 
+mod certificate;
 mod documents;
 mod infeasibility;
 mod map;
@@ -7,6 +8,9 @@ mod page;
 mod scene;
 mod words;
 
+pub use certificate::{
+    CertificateDocument, CertifiedRoute, CertifiedVehicle, certificate_document,
+};
 pub use documents::{
     ControlPoint, Cost, MarginEntry, PathPoint, Place, PlanDocument, PlannedVehicle,
     ReviewDocument, json_text, plan_json, review_json,

@@ -5,6 +5,7 @@ mod support;
 
 mod altitude_limits;
 mod bound;
+mod certificates;
 mod cost;
 mod cost_worlds;
 mod determinism;

@@ -70,6 +70,9 @@ pub(super) enum Command {
     /// Evaluate candidate paths from stdin for an external optimiser, costs to stdout
     #[command(after_help = EVALUATE)]
     Evaluate(Evaluate),
+    /// Prove a tighter bound of the costs, with a certificate that others can check
+    #[command(after_help = CERTIFY)]
+    Certify(Certify),
     /// Run the paper's experiment and other studies
     #[command(subcommand)]
     Study(Study),
@@ -145,6 +148,29 @@ const EVALUATE: &str = "A candidate is 3 x control_points numbers, in the unit c
                         ends the program with code 3 and its row, after the rows before it are answered. \
                         Earlier vehicles of the spec are planned first, and the candidate is judged against them.";
 
+const CERTIFY: &str = "\
+The folder gets certificate.json; one that `plan` has written keeps its files. \
+`tools/check_certificate.py SPEC DIR` reads spec, terrain and certificate by itself and accepts \
+or rejects it. A bound takes minutes for each vehicle.";
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Certify {
+    /// The mission spec (YAML)
+    pub(super) spec: PathBuf,
+    /// Folder for certificate.json: of a plan of this spec, or a new one
+    #[arg(value_name = "DIR")]
+    pub(super) folder: PathBuf,
+    /// Only this vehicle
+    #[arg(long, value_name = "ID")]
+    pub(super) vehicle: Option<String>,
+    /// Most cells of the mesh from start to goal: half of them take about an eighth of the time
+    #[arg(long, value_name = "N", default_value_t = 320, value_parser = cells)]
+    pub(super) cells: usize,
+    /// Print the bounds as JSON
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
     /// The mission spec (YAML), or a map with `frame: local`, under the operational objective
@@ -161,6 +187,13 @@ pub(super) struct Evaluate {
     /// Print the number of dimensions of a candidate, and exit
     #[arg(long)]
     pub(super) dimension: bool,
+}
+
+fn cells(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|cells| (20..=320).contains(cells))
+        .ok_or_else(|| "not a whole number from 20 to 320".to_owned())
 }
 
 fn samples(text: &str) -> Result<usize, String> {

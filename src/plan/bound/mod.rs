@@ -13,8 +13,11 @@ mod closed;
 mod closed_ground;
 mod estimate;
 mod level_set;
+mod potential;
 
 pub(super) use estimate::estimate;
+pub use potential::RouteCertificate;
+pub(super) use potential::certify;
 
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::free_space::{FreeSpace, Sights};

@@ -29,7 +29,7 @@ pub(super) mod prioritised;
 pub(super) mod retiming;
 pub(super) mod vehicle;
 
-use super::bound::proven;
+use super::bound::{self, RouteCertificate, proven};
 use super::route_context::RouteContext;
 use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
@@ -206,6 +206,20 @@ pub fn plan_one_at_a_time(spec: &MissionSpec, world: &World, request: &Request<'
         fleet.commit(chain);
     }
     with_bounds(spec, world, || fleet.plan())
+}
+
+/// The certificates of the routes of one vehicle, none for a route without: on meshes of at most
+/// this many cells from start to goal. `progress` gets the share that is done.
+#[must_use]
+pub fn certify(
+    spec: &MissionSpec,
+    world: &World,
+    vehicle: usize,
+    cells: usize,
+    progress: &(dyn Fn(f64) + Sync),
+) -> Vec<Option<RouteCertificate>> {
+    let routes = route_ends(&spec.vehicles[vehicle], &world.stations[vehicle]);
+    bound::certify((spec, world), vehicle, &routes, cells, progress)
 }
 
 /// A plan, and at the same time the proven bound of each vehicle.

@@ -6,9 +6,9 @@ use std::thread;
 
 use rayon::prelude::*;
 
-use super::args;
-use super::print::console::out;
-use super::print::failure::Failure;
+use crate::cli::args;
+use crate::cli::print::console::out;
+use crate::cli::print::failure::Failure;
 use crate::optimize::Problem;
 use crate::path::Flight;
 use crate::plan::{Request, objective, objective_specs, plan_fleet};
@@ -21,7 +21,7 @@ const CHUNK: usize = 1 << 20;
 /// Candidates of one parallel task.
 const ROWS: usize = 64;
 
-pub(super) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
+pub(in crate::cli) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
     let (spec, world) = match Document::read(&arguments.spec)? {
         Document::Mission(file) => {
             let world = world::load(&file)?;

@@ -1,0 +1,69 @@
+//! `sortie certify` and the checker that shares no code with it.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::support::{command, peers};
+
+const SPEC: &str = "sortie: 2
+name: hill
+area:
+  south_west: {lat: 36.20, lon: -84.40}
+  north_east: {lat: 36.40, lon: -84.10}
+  min_agl_m: 60
+  max_amsl_m: 1500
+terrain: {analytic: {base_amsl_m: 300, hills: [{lat: 36.29, lon: -84.22, radius_m: 2500, height_m: 500}]}}
+threats:
+  - {id: a, kind: radar, lat: 36.302, lon: -84.25, radius_m: 3000}
+vehicles:
+  - {id: alpha, sysid: 1, autopilot: ardupilot, airframe: copter, link: sim, start: {lat: 36.30, lon: -84.35, agl_m: 80},
+     goal: {lat: 36.30, lon: -84.15, agl_m: 80}, finish: land, speed_mps: 10, max_load_factor: 1.2, max_climb_deg: 15,
+     max_descent_deg: 10}
+planner: {evaluations: 4000, weights: {length: 1.0}}
+";
+
+/// A plan and its certificate: the folder, and what was printed.
+fn certified(folder: &Path) -> serde_json::Value {
+    std::fs::write(folder.join("hill.yaml"), SPEC).expect("a spec");
+    let plan = command::sortie(folder, &["plan", "hill.yaml", "--out", "plan"]);
+    assert!(plan.status.success(), "{plan:?}");
+    let arguments = ["certify", "hill.yaml", "plan", "--cells", "20", "--json"];
+    let output = command::sortie(folder, &arguments);
+    assert!(output.status.success(), "{output:?}");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn a_certified_bound_is_below_the_cost_and_near_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let printed = certified(folder.path());
+    let gap = printed["vehicles"][0]["gap"].as_f64().expect("a gap");
+    // 3.4 % on this coarse mesh, 0.9 % with 80 cells.
+    assert!((0.0..0.06).contains(&gap), "{gap}");
+}
+
+#[test]
+fn the_checker_accepts_a_certificate_and_rejects_every_corrupted_one() {
+    let Some(python) = peers::python() else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    certified(folder.path());
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let checked = Command::new(&python)
+        .arg(root.join("tools/check_certificate.py"))
+        .arg(folder.path().join("hill.yaml"))
+        .arg(folder.path().join("plan"))
+        .output()
+        .expect("python starts");
+    assert_eq!(checked.status.code(), Some(0), "{checked:?}");
+    let scratch = folder.path().join("scratch");
+    std::fs::create_dir(&scratch).expect("a folder");
+    let at = |name: &str| folder.path().join(name).display().to_string();
+    let arguments = [at("hill.yaml"), at("plan"), at("scratch")];
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let found = peers::run(&python, "corrupted_certificates.py", &arguments);
+    assert_eq!(found["good"], "accepted", "{found}");
+    assert_eq!(found["tried"], 110);
+    assert_eq!(found["accepted"], serde_json::json!([]), "{found}");
+}
