@@ -24,7 +24,7 @@ pub(super) fn rate(along: f64, up: f64, slopes: &Slopes) -> f64 {
         return 0.0;
     }
     let slope = steepest(along, up, slopes);
-    (along + up * slope) / slope.mul_add(slope, 1.0).sqrt()
+    (along + up * slope) / (slope * slope + 1.0).sqrt()
 }
 
 /// The nearest potential slope (east, north, up) that rises by no more than `price`.
@@ -47,7 +47,7 @@ pub(super) fn project([east, north, up]: [f64; 3], price: f64, slopes: &Slopes) 
 
 /// The nearest point of the face of one slope: from the axis to where the arc begins.
 fn onto_face((along, up): (f64, f64), price: f64, slope: f64) -> (f64, f64) {
-    let size = slope.mul_add(slope, 1.0).sqrt();
+    let size = (slope * slope + 1.0).sqrt();
     let (run, rise) = (1.0 / size, slope / size);
     let over = along * run + up * rise - price;
     let (along, up) = (along - over * run, up - over * rise);

@@ -242,7 +242,7 @@ impl<'a> Solver<'a> {
         let face = &self.faces[prism.0];
         let per_km = self.per_km(prism.1);
         let (mut flat, mut up) = ([[0.0; 2]; 2], [0.0; 3]);
-        for corner in 0..3 {
+        for (corner, up) in up.iter_mut().enumerate() {
             for side in 0..2 {
                 let at = 6 * corner + 3 * side;
                 let target = [0, 1, 2].map(|axis| flow[at + axis] / step + slopes[at + axis]);
@@ -252,17 +252,16 @@ impl<'a> Solver<'a> {
                 }
                 flat[side][0] += flow[at];
                 flat[side][1] += flow[at + 1];
-                up[corner] += flow[at + 2] - flow[at] * face.tilt[0] - flow[at + 1] * face.tilt[1];
+                *up += flow[at + 2] - flow[at] * face.tilt[0] - flow[at + 1] * face.tilt[1];
             }
         }
         let mut parts = [0.0; 6];
-        for corner in 0..3 {
+        for (corner, up) in up.into_iter().enumerate() {
             let along = |side: [f64; 2]| {
                 face.gradients[corner][0] * side[0] + face.gradients[corner][1] * side[1]
             };
-            let lift = up[corner] * per_km;
-            parts[corner] = along(flat[0]) - lift;
-            parts[corner + 3] = along(flat[1]) + lift;
+            parts[corner] = along(flat[0]) - up * per_km;
+            parts[corner + 3] = along(flat[1]) + up * per_km;
         }
         if per_km <= 0.0 {
             for corner in 0..3 {
