@@ -35,6 +35,7 @@ TOLERANCE_SHARE, TOLERANCE_KM = 1e-6, 1e-4
 CLIMB = (-1.5377e-10, -2.6997e-5, 0.4211)
 DESCENT = (-2.5063e-9, 6.3014e-6, 0.3257)
 POLYNOMIAL_TOP_M = 12_000.0
+LEAST_RETURN_M = 10.0
 
 
 class Rejected(Exception):
@@ -263,8 +264,8 @@ def ends_of(world, vehicle):
     """Start and goal of each route: east, north, altitude."""
     if vehicle.get("airframe", "copter") != "copter" and vehicle.get("finish", "land") == "land":
         raise Unknown(f"{vehicle['id']}: approaches to landings are not known to this checker")
-    if vehicle.get("stops") or "goal" not in vehicle:
-        raise Unknown(f"{vehicle['id']}: stops are not known to this checker")
+    if vehicle.get("order", "fixed") != "fixed":
+        raise Unknown(f"{vehicle['id']}: a free order of stops is not known to this checker")
 
     def end(place):
         at = world.earth.plan(place["lat"], place["lon"])
@@ -272,12 +273,19 @@ def ends_of(world, vehicle):
             return np.array([*at, place["amsl_m"]])
         return np.array([*at, place["agl_m"] + float(world.height_m(place["lat"], place["lon"]))])
 
-    start, goal = end(vehicle["start"]), end(vehicle["goal"])
-    routes = [(start, goal)]
+    points = [end(vehicle["start"])] + [end(stop) for stop in vehicle.get("stops") or []]
+    goal = vehicle.get("goal", vehicle["start"])
+    points.append(end(goal))
+    # Over a goal below the least height, a drop, the route ends above it.
+    least = float(world.height_m(goal["lat"], goal["lon"])) + world.over_m
+    points[-1][2] = max(points[-1][2], least)
     if vehicle.get("finish", "land") == "return":
         home = vehicle.get("home", vehicle["start"])
-        routes.append((goal, world.earth.plan(home["lat"], home["lon"])))
-    return routes
+        at = world.earth.plan(home["lat"], home["lon"])
+        # After stops, a goal over home is the end.
+        if not vehicle.get("stops") or np.linalg.norm(at - points[-1][:2]) >= LEAST_RETURN_M:
+            points.append(at)
+    return list(zip(points, points[1:]))
 
 
 def check_mesh(route, nodes, triangles):
