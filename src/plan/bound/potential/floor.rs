@@ -11,6 +11,10 @@ use crate::world::{Terrain, TerrainGrid, World};
 const BEND_M: f64 = 0.02;
 /// Floors are whole centimetres.
 const PER_METRE: f64 = 100.0;
+/// How often the floor is lowered node by node.
+const PASSES: usize = 4;
+/// How far beyond a triangle a plane may rise by the rounding of its corners, metres.
+const ROUNDING_M: f64 = 0.05;
 /// Analytic ground is read at the corners of this many pieces along each side.
 const PIECES: u32 = 8;
 /// How much planning coordinates and the sphere of analytic hills may differ in scale.
@@ -62,16 +66,27 @@ impl Floor {
             let plane_m = corners.map(|node| nodes_m[node]);
             ground.differences_m(corners.map(|node| mesh.nodes[node]), plane_m)
         };
-        let mut down_m = vec![0.0_f64; nodes_m.len()];
         let triangles = || (0..mesh.triangles.len()).filter(|&at| used[at]);
-        for triangle in triangles() {
-            let least_m = over(triangle, &nodes_m).map_or(0.0, |(least_m, _)| least_m);
-            for node in mesh.triangles[triangle] {
-                down_m[node] = down_m[node].max(-least_m);
+        // Nodes that are lowered apart tilt the planes anew: a few passes, then all by the same.
+        for pass in 0..=PASSES {
+            let mut down_m = vec![0.0_f64; nodes_m.len()];
+            for triangle in triangles() {
+                let least_m = over(triangle, &nodes_m).map_or(0.0, |(least_m, _)| least_m);
+                for node in mesh.triangles[triangle] {
+                    down_m[node] = down_m[node].max(-least_m);
+                }
+            }
+            if pass == PASSES {
+                let most_m = down_m.iter().copied().fold(0.0, f64::max);
+                down_m.fill(most_m);
+            }
+            for (at_m, down_m) in nodes_m.iter_mut().zip(down_m) {
+                *at_m -= down_m;
             }
         }
-        for (at_m, down_m) in nodes_m.iter_mut().zip(down_m) {
-            *at_m = ((*at_m - down_m) * PER_METRE).floor() / PER_METRE;
+        // Rounding down apart tilts them too, by less than this.
+        for at_m in &mut nodes_m {
+            *at_m = ((*at_m - ROUNDING_M) * PER_METRE).floor() / PER_METRE;
         }
         let mut below_m = vec![0.0; mesh.triangles.len()];
         for triangle in triangles() {
