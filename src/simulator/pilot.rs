@@ -165,9 +165,7 @@ impl Pilot {
 
     /// A wind comes up that it cannot hold its speed in.
     pub(crate) fn blow(&mut self, wind: Wind, airspeed_mps: f64) {
-        let (sin, cos) = wind.from_rad.sin_cos();
-        let blows = [-sin * wind.speed_mps, -cos * wind.speed_mps];
-        self.gale = Some((blows, airspeed_mps));
+        self.gale = Some((wind.velocity_mps(), airspeed_mps));
     }
 
     /// The speed that it can make along a leg, m/s.

@@ -13,6 +13,13 @@ pub struct Wind {
 const MIN_GROUND_MPS: f64 = 1.0;
 
 impl Wind {
+    /// How the air moves, east and north, m/s.
+    #[must_use]
+    pub fn velocity_mps(&self) -> [f64; 2] {
+        let (sin, cos) = self.from_rad.sin_cos();
+        [-self.speed_mps * sin, -self.speed_mps * cos]
+    }
+
     /// Ground speed of a vehicle that holds a course in the wind by crabbing, from the wind
     /// triangle: `sqrt(airspeed^2 - across^2) + along`, m/s. None where the wind is too strong
     /// to hold the course (radians clockwise from north) at 1 m/s.

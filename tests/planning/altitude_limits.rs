@@ -12,35 +12,38 @@ use support::{copter, empty_spec, place, world};
 
 /// A copter from west to east past a hill, which the straight line crosses.
 fn hilly(height_m: f64, radius_m: f64) -> MissionSpec {
-    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
     let middle = place(
         f64::midpoint(WEST.lat_deg, EAST.lat_deg),
         f64::midpoint(WEST.lon_deg, EAST.lon_deg),
     );
-    spec.terrain = TerrainSource::Analytic {
-        base: Amsl(400.0),
-        hills: vec![Hill {
-            place: middle,
-            height_m,
-            radius_m,
-        }],
-    };
+    over(vec![Hill {
+        place: middle,
+        height_m,
+        radius_m,
+    }])
+}
+
+/// A copter from west to east over hills on a plain.
+fn over(hills: Vec<Hill>) -> MissionSpec {
+    let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
+    let base = Amsl(400.0);
+    spec.terrain = TerrainSource::Analytic { base, hills };
     spec
 }
 
-/// A ridge across the whole area, which a free path leaves high.
-fn ridge() -> MissionSpec {
-    let mut spec = hilly(0.0, 1000.0);
-    let hills = (0..51).map(|k| Hill {
-        place: place(36.20 + 0.004 * f64::from(k), -84.25),
-        height_m: 80.0,
-        radius_m: 1000.0,
+/// A ridge across the whole area, of hills from south to north.
+fn ridge_of((count, apart_deg): (u32, f64), height_m: f64, radius_m: f64) -> MissionSpec {
+    let hills = (0..count).map(|k| Hill {
+        place: place(36.20 + apart_deg * f64::from(k), -84.25),
+        height_m,
+        radius_m,
     });
-    spec.terrain = TerrainSource::Analytic {
-        base: Amsl(400.0),
-        hills: hills.collect(),
-    };
-    spec
+    over(hills.collect())
+}
+
+/// A ridge that a free path leaves high.
+fn ridge() -> MissionSpec {
+    ridge_of((51, 0.004), 80.0, 1000.0)
 }
 
 fn dispatched(spec: &MissionSpec) -> Dispatched {
@@ -115,16 +118,7 @@ fn a_path_keeps_the_least_altitude() {
 #[test]
 fn ground_too_steep_for_a_thin_layer_is_named() {
     // A wall across the whole area, steeper than any climb.
-    let mut spec = hilly(0.0, 1000.0);
-    let hills = (0..60).map(|k| Hill {
-        place: place(36.20 + 0.0035 * f64::from(k), -84.25),
-        height_m: 300.0,
-        radius_m: 350.0,
-    });
-    spec.terrain = TerrainSource::Analytic {
-        base: Amsl(400.0),
-        hills: hills.collect(),
-    };
+    let mut spec = ridge_of((60, 0.0035), 300.0, 350.0);
     spec.vehicles[0].altitudes.max_agl = Some(Agl(100.0));
     spec.planner.evaluations = 1000;
     let world = world(&spec);

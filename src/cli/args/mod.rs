@@ -1,15 +1,22 @@
 //! Arguments of the commands.
 
+mod costs;
 mod flight;
 mod study;
+mod terrain;
+mod transfer;
 
 use std::path::PathBuf;
 
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
+use costs::{CERTIFY, EVALUATE};
+pub(super) use costs::{Certify, Evaluate};
 pub(super) use flight::{Fly, Replan, Watch};
 pub(super) use study::{FleetStudy, Merge, Paper, Planner, Scenario, Speed, Study, StudyFolder};
+pub(super) use terrain::{Terrain, TerrainExport, TerrainFetch, TerrainInfo};
+pub(super) use transfer::{Download, Upload};
 
 use crate::spec::Airframe;
 
@@ -70,7 +77,7 @@ pub(super) enum Command {
     /// Evaluate candidate paths from stdin for an external optimiser, costs to stdout
     #[command(after_help = EVALUATE)]
     Evaluate(Evaluate),
-    /// Prove a tighter bound of the costs, with a certificate that others can check
+    /// Prove a bound of the costs in altitude too, with a certificate that others can check
     #[command(after_help = CERTIFY)]
     Certify(Certify),
     /// Run the paper's experiment and other studies
@@ -137,70 +144,6 @@ pub(super) struct Plan {
     /// Print one JSON document instead of the table
     #[arg(long)]
     pub(super) json: bool,
-}
-
-const EVALUATE: &str = "A candidate is 3 x control_points numbers, in the unit cube for a path within the area: first \
-                        the east of every free control point in parts of the area's box, then the north, then the \
-                        altitude in parts of the range from the lowest ground to the ceiling. One line in, one line \
-                        with its cost out; with --binary 8 bytes little-endian for each number and each cost. \
-                        Complete candidates are answered at once: write a batch, read as many costs. \
-                        A path too far out to be measured costs inf. An invalid candidate (a blank line, too) \
-                        ends the program with code 3 and its row, after the rows before it are answered. \
-                        Earlier vehicles of the spec are planned first, and the candidate is judged against them.";
-
-const CERTIFY: &str = "\
-The folder gets certificate.json; one that `plan` has written keeps its files. \
-`tools/check_certificate.py SPEC DIR` reads spec, terrain and certificate by itself and accepts \
-or rejects it. A bound takes minutes for each vehicle.";
-
-#[derive(Debug, clap::Args)]
-pub(super) struct Certify {
-    /// The mission spec (YAML)
-    pub(super) spec: PathBuf,
-    /// Folder for certificate.json: of a plan of this spec, or a new one
-    #[arg(value_name = "DIR")]
-    pub(super) folder: PathBuf,
-    /// Only this vehicle
-    #[arg(long, value_name = "ID")]
-    pub(super) vehicle: Option<String>,
-    /// Most cells of the mesh from start to goal: half of them take about an eighth of the time
-    #[arg(long, value_name = "N", default_value_t = 320, value_parser = cells)]
-    pub(super) cells: usize,
-    /// Print the bounds as JSON
-    #[arg(long)]
-    pub(super) json: bool,
-}
-
-#[derive(Debug, clap::Args)]
-pub(super) struct Evaluate {
-    /// The mission spec (YAML), or a map with `frame: local`, under the operational objective
-    pub(super) spec: PathBuf,
-    /// The vehicle to evaluate
-    #[arg(long, value_name = "ID")]
-    pub(super) vehicle: String,
-    /// Little-endian f64 instead of lines
-    #[arg(long)]
-    pub(super) binary: bool,
-    /// Samples of the path instead of the spec's; results are judged at 2001
-    #[arg(long, value_name = "K", value_parser = samples)]
-    pub(super) samples: Option<usize>,
-    /// Print the number of dimensions of a candidate, and exit
-    #[arg(long)]
-    pub(super) dimension: bool,
-}
-
-fn cells(text: &str) -> Result<usize, String> {
-    text.parse()
-        .ok()
-        .filter(|cells| (20..=320).contains(cells))
-        .ok_or_else(|| "not a whole number from 20 to 320".to_owned())
-}
-
-fn samples(text: &str) -> Result<usize, String> {
-    text.parse()
-        .ok()
-        .filter(|samples| (2..=100_000).contains(samples))
-        .ok_or_else(|| "not a whole number from 2 to 100000".to_owned())
 }
 
 #[derive(Debug, clap::Args)]
@@ -372,46 +315,6 @@ fn place(text: &str) -> Result<Place, String> {
     }
 }
 
-#[derive(Debug, clap::Args)]
-pub(super) struct Upload {
-    /// A folder written by `plan`; with --spec, mission files instead
-    #[arg(required = true, value_name = "DIR or FILES")]
-    pub(super) paths: Vec<PathBuf>,
-    /// Judge and transfer the given files against this spec
-    #[arg(long, value_name = "SPEC")]
-    pub(super) spec: Option<PathBuf>,
-    /// Link of a vehicle instead of the spec's: sim, udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
-    /// tcpin:HOST:PORT, serial:DEVICE:BAUD
-    #[arg(long, value_name = "ID=ADDR")]
-    pub(super) link: Vec<String>,
-    /// Print what would be sent, and send nothing
-    #[arg(long)]
-    pub(super) dry_run: bool,
-    /// Capture every frame sent and received: a file, or a folder for one named after the time
-    #[arg(long, value_name = "FILE or DIR")]
-    pub(super) tlog: Option<PathBuf>,
-    /// Send even if verification fails, or the vehicle is armed or not that of the spec
-    #[arg(long)]
-    pub(super) force: bool,
-    /// Print one JSON document instead of the table
-    #[arg(long)]
-    pub(super) json: bool,
-}
-
-#[derive(Debug, clap::Args)]
-pub(super) struct Download {
-    /// How the vehicle is reached: udpout:HOST:PORT, udpin:HOST:PORT, tcp:HOST:PORT,
-    /// tcpin:HOST:PORT, serial:DEVICE:BAUD
-    #[arg(long, value_name = "ADDR")]
-    pub(super) link: String,
-    /// Its system id [default: the only one on the link]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
-    pub(super) sysid: Option<u8>,
-    /// The file to write, .plan or .waypoints
-    #[arg(short, long, value_name = "FILE")]
-    pub(super) output: PathBuf,
-}
-
 const CONVERT: &str = "Numbers are kept as they go over the wire: 1e-7 degrees, 32-bit floats. Altitudes keep their \
                        reference. The report lists, item by item, what is lost, what ArduPilot and PX4 read \
                        differently, and what the autopilot would refuse; items count from 1, home is row 0 of a .waypoints file. \
@@ -497,46 +400,4 @@ fn percent(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|percent| (0.0..=100.0).contains(percent))
         .ok_or_else(|| "not a number from 0 to 100".to_owned())
-}
-
-#[derive(Debug, Subcommand)]
-pub(super) enum Terrain {
-    /// Print extent, posts, voids, heights and datum of elevation files
-    Info(TerrainInfo),
-    /// Fetch the tiles that a spec needs into its terrain folder, over http
-    Fetch(TerrainFetch),
-    /// Write the ground of a spec as ArduPilot's terrain database (.DAT)
-    Export(TerrainExport),
-}
-
-#[derive(Debug, clap::Args)]
-pub(super) struct TerrainInfo {
-    /// Elevation files (.hgt, .hgt.gz, .hgt.zip, .tif), or folders of them
-    #[arg(required = true, value_name = "FILES")]
-    pub(super) files: Vec<PathBuf>,
-    /// Print one JSON document
-    #[arg(long)]
-    pub(super) json: bool,
-}
-
-#[derive(Debug, clap::Args)]
-pub(super) struct TerrainFetch {
-    /// The mission spec (YAML), with `terrain: {folder: ...}`
-    pub(super) spec: PathBuf,
-    /// Address of the tiles, such as http://host/{ns}{lat}/{tile}.hgt.gz: {tile} is N36W085,
-    /// {ns} {lat} {ew} {lon} its parts N 36 W 085
-    #[arg(long, value_name = "TEMPLATE")]
-    pub(super) url: String,
-}
-
-#[derive(Debug, clap::Args)]
-pub(super) struct TerrainExport {
-    /// The mission spec (YAML)
-    pub(super) spec: PathBuf,
-    /// Output folder, replaced as a whole [default: out/<name>.terrain]
-    #[arg(long, value_name = "DIR")]
-    pub(super) out: Option<PathBuf>,
-    /// Metres between heights: the TERRAIN_SPACING of the vehicle
-    #[arg(long, value_name = "M", default_value_t = 100, value_parser = clap::value_parser!(u16).range(10..=1000))]
-    pub(super) spacing: u16,
 }

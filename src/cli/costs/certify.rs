@@ -1,4 +1,4 @@
-//! `sortie certify`: a tighter bound, with a proof.
+//! `sortie certify`: a bound in altitude too, with a proof.
 
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! A polygon with everything within a distance of it.
 
-use super::{Point, Ring, cross, dot, minus, point_segment_distance};
+use super::{Point, Ring, box_misses, cross, dot, minus, point_segment_distance};
 
 /// All points in a polygon or within a distance of it: corners become arcs. Exact.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,10 +33,7 @@ impl Offset {
     /// Whether the box of the segment from `a` to `b` misses the box of the offset polygon.
     #[must_use]
     pub fn is_far_from(&self, a: Point, b: Point) -> bool {
-        a[0].max(b[0]) < self.low[0]
-            || a[0].min(b[0]) > self.high[0]
-            || a[1].max(b[1]) < self.low[1]
-            || a[1].min(b[1]) > self.high[1]
+        box_misses((self.low, self.high), (a, b))
     }
 
     /// Whether a point lies in the polygon or nearer to it than the distance.

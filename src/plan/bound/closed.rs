@@ -36,30 +36,43 @@ pub(super) fn closed_rings(spec: &MissionSpec, world: &World) -> Vec<Vec<Point>>
 
 /// Whether a zone is closed at every time and every altitude that a path may have in it.
 fn is_closed_throughout(zone: &PlanZone, world: &World) -> bool {
-    let from_below = match zone.floor {
-        None => true,
-        Some(Placement::Agl(floor)) => floor <= world.min_agl,
-        Some(Placement::Amsl(_)) => false,
-    };
     let to_above = match zone.ceiling {
         None => true,
         Some(Placement::Amsl(ceiling)) => ceiling > world.max_amsl,
         Some(Placement::Agl(_)) => false,
     };
-    zone.active_s.is_none() && from_below && to_above
+    is_always_closed_from_below(zone, world) && to_above
+}
+
+/// Whether a zone is closed at every time, from below the least height that a path may have.
+pub(super) fn is_always_closed_from_below(zone: &PlanZone, world: &World) -> bool {
+    let is_from_below = match zone.floor {
+        None => true,
+        Some(Placement::Agl(floor)) => floor <= world.min_agl,
+        Some(Placement::Amsl(_)) => false,
+    };
+    zone.active_s.is_none() && is_from_below
 }
 
 /// A polygon inside of a disc, on the plane and on the earth.
 fn inscribed(disc: &Disc) -> Option<Vec<Point>> {
-    // The plane shows lengths far from its origin too short: a disc on the earth is smaller there.
-    let far = (disc.center.east_m.hypot(disc.center.north_m) + disc.radius_m) / EARTH_RADIUS_M;
-    let radius_m = disc.radius_m * (1.0 - far * far) - ROUNDING_M;
+    let Disc { center, radius_m } = smaller(disc);
     let corner = |index: u32| {
         let (sin, cos) = (TAU * f64::from(index) / f64::from(CORNERS)).sin_cos();
         [
-            disc.center.east_m + radius_m * cos,
-            disc.center.north_m + radius_m * sin,
+            center.east_m + radius_m * cos,
+            center.north_m + radius_m * sin,
         ]
     };
     (radius_m > 0.0).then(|| (0..CORNERS).map(corner).collect())
+}
+
+/// A disc that lies in another one on the plane and on the earth.
+pub(super) fn smaller(disc: &Disc) -> Disc {
+    // The plane shows lengths far from its origin too short: a disc on the earth is smaller there.
+    let far = (disc.center.east_m.hypot(disc.center.north_m) + disc.radius_m) / EARTH_RADIUS_M;
+    Disc {
+        radius_m: disc.radius_m * (1.0 - far * far) - ROUNDING_M,
+        ..*disc
+    }
 }

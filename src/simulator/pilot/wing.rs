@@ -89,10 +89,8 @@ impl Pilot {
     /// How the air moves: east, north.
     fn air_mps(&self) -> [f64; 2] {
         let gust = self.weathering.gust_mps();
-        let wind = self.surroundings.wind.map_or([0.0; 2], |wind| {
-            let (sin, cos) = wind.from_rad.sin_cos();
-            [-wind.speed_mps * sin, -wind.speed_mps * cos]
-        });
+        let wind = self.surroundings.wind;
+        let wind = wind.map_or([0.0; 2], |wind| wind.velocity_mps());
         [0, 1].map(|axis| wind[axis] + gust[axis])
     }
 

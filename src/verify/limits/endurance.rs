@@ -73,10 +73,7 @@ impl Contract<'_> {
         let run_m = chord.from.at.distance_m(chord.to.at);
         let rise_m = chord.to.amsl.0 - chord.from.amsl.0;
         let wind = self.spec.wind;
-        let (east_mps, north_mps) = wind.map_or((0.0, 0.0), |wind| {
-            let (sin, cos) = wind.from_rad.sin_cos();
-            (-wind.speed_mps * sin, -wind.speed_mps * cos)
-        });
+        let [east_mps, north_mps] = wind.map_or([0.0; 2], |wind| wind.velocity_mps());
         let over_ground = |a: f64, b: f64| (b - a) / duration_s;
         let air_mps = (over_ground(chord.from.at.east_m, chord.to.at.east_m) - east_mps)
             .hypot(over_ground(chord.from.at.north_m, chord.to.at.north_m) - north_mps);

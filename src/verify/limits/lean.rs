@@ -46,11 +46,8 @@ impl Contract<'_> {
             return None;
         }
         let course = [to.east_m - from.east_m, to.north_m - from.north_m];
-        let blows = self.spec.wind.map_or([0.0; 2], |wind| {
-            let (sin, cos) = wind.from_rad.sin_cos();
-            [-sin * wind.speed_mps, -cos * wind.speed_mps]
-        });
-        let through = [0, 1].map(|axis| course[axis] / length_m * speed_mps - blows[axis]);
+        let wind = self.spec.wind.map_or([0.0; 2], |wind| wind.velocity_mps());
+        let through = [0, 1].map(|axis| course[axis] / length_m * speed_mps - wind[axis]);
         Some(through[0].hypot(through[1]))
     }
 }

@@ -4,13 +4,9 @@ use geo::{Contains, Intersects, LineString, Polygon};
 
 use super::mesh::Mesh;
 use crate::numeric::geometry::{Point, distance};
+use crate::plan::bound::closed::{is_always_closed_from_below, smaller};
 use crate::spec::{MissionSpec, Placement};
 use crate::world::{Disc, World};
-
-/// Rounding of coordinates, metres.
-const ROUNDING_M: f64 = 0.01;
-/// The earth, rather too small, metres.
-const EARTH_RADIUS_M: f64 = 6_300_000.0;
 
 /// What is closed in the plane, from inside, and in space.
 pub(super) struct Closures<'a> {
@@ -27,12 +23,7 @@ impl<'a> Closures<'a> {
         let mut discs: Vec<Disc> = world.threats.iter().map(smaller).collect();
         let (mut polygons, mut lids) = (Vec::new(), Vec::new());
         for (zone, given) in world.zones.iter().zip(&spec.no_fly) {
-            let is_from_below = match zone.floor {
-                None => true,
-                Some(Placement::Agl(floor)) => floor <= world.min_agl,
-                Some(Placement::Amsl(_)) => false,
-            };
-            if zone.active_s.is_some() || !is_from_below {
+            if !is_always_closed_from_below(zone, world) {
                 continue;
             }
             match (given.circle, zone.ceiling) {
@@ -105,14 +96,4 @@ impl<'a> Closures<'a> {
 fn polygon(corners: [Point; 3]) -> Polygon<f64> {
     let ring = corners.map(|[east_m, north_m]| (east_m, north_m));
     Polygon::new(LineString::from(ring.to_vec()), Vec::new())
-}
-
-/// A disc that is in the threat on the plane and on the earth: the plane shows lengths far from
-/// its origin too short.
-fn smaller(disc: &Disc) -> Disc {
-    let far = (disc.center.east_m.hypot(disc.center.north_m) + disc.radius_m) / EARTH_RADIUS_M;
-    Disc {
-        radius_m: disc.radius_m * (1.0 - far * far) - ROUNDING_M,
-        ..*disc
-    }
 }

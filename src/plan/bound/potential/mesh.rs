@@ -97,13 +97,7 @@ impl Mesh {
     /// The triangle in which a point lies as long as no node is moved: row and column with
     /// fractions.
     pub(super) fn triangle_at(&self, row: f64, column: f64) -> usize {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "within the grid"
-        )]
-        let cell = |at: f64, cells: usize| (at.max(0.0) as usize).min(cells - 1);
-        let (low, left) = (cell(row, self.rows - 1), cell(column, self.columns - 1));
+        let (low, left) = self.cell_at(row, column);
         let (up, right) = (row - count(low), column - count(left));
         let first = 2 * (low * (self.columns - 1) + left);
         let is_second = match (low + left) % 2 {
@@ -113,6 +107,17 @@ impl Mesh {
         first + usize::from(is_second)
     }
 
+    /// The cell at a row and column with fractions, at the edge for what lies beyond it.
+    fn cell_at(&self, row: f64, column: f64) -> (usize, usize) {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "within the grid"
+        )]
+        let cell = |at: f64, cells: usize| (at.max(0.0) as usize).min(cells - 1);
+        (cell(row, self.rows - 1), cell(column, self.columns - 1))
+    }
+
     /// Cells from start to goal.
     pub(super) fn cells(&self) -> usize {
         self.ends[1] - self.ends[0]
@@ -120,13 +125,7 @@ impl Mesh {
 
     /// Between four values at nodes; at the edge beyond it.
     pub(super) fn bilinear(&self, values: &[f64], (row, column): (f64, f64)) -> f64 {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "within the grid"
-        )]
-        let cell = |at: f64, cells: usize| (at.max(0.0) as usize).min(cells - 1);
-        let (low, left) = (cell(row, self.rows - 1), cell(column, self.columns - 1));
+        let (low, left) = self.cell_at(row, column);
         let up = (row - count(low)).clamp(0.0, 1.0);
         let right = (column - count(left)).clamp(0.0, 1.0);
         let value = |row: usize, column: usize| values[row * self.columns + column];

@@ -1,4 +1,4 @@
-//! A tighter bound, in altitude too, with a proof that others can check.
+//! A bound in altitude too, with a proof that others can check.
 //!
 //! A potential is a function of place and altitude. If along no path that keeps the limits it rises
 //! faster than the cost, no path from start to goal costs less than it rises between them. Here it
@@ -14,11 +14,12 @@ mod closed;
 mod floor;
 mod gauge;
 mod mesh;
+mod refine;
 mod solve;
 
 use std::ops::RangeInclusive;
 
-use super::{TOLERANCE, VehicleRoutes};
+use super::{TOLERANCE, VehicleRoutes, point};
 use crate::geodesy::{Amsl, PlanPoint};
 use crate::numeric::geometry::{Point, distance};
 use crate::path::VehicleLimits;
@@ -27,6 +28,7 @@ use crate::world::World;
 use closed::Closures;
 use floor::Floor;
 use mesh::{Mesh, count};
+use refine::{Coarse, refined};
 use solve::{Prices, Solver};
 
 /// Cells from start to goal on each mesh, one after the other, and the steps on it.
@@ -182,17 +184,14 @@ impl Route<'_> {
     }
 
     fn stage(&self, cells: usize) -> Stage {
-        let ends = [self.ends.0.at, self.ends.1.at].map(|at| [at.east_m, at.north_m]);
+        let ends = [self.ends.0.at, self.ends.1.at].map(point);
         let mesh = Mesh::new(ends, self.longest_m, cells, self.closures.discs());
         let mut used = self.closures.open(&mesh, self.longest_m);
         let floor = Floor::new(self.world, &mesh, &used);
         if let Some(floor) = &floor {
             let Amsl(top_m) = self.world.max_amsl;
             for (used, corners) in used.iter_mut().zip(&mesh.triangles) {
-                let least_m = corners
-                    .map(|node| floor.nodes_m[node])
-                    .into_iter()
-                    .fold(f64::INFINITY, f64::min);
+                let (least_m, _) = extent(corners.map(|node| floor.nodes_m[node]));
                 *used &= least_m <= top_m;
             }
         }
@@ -242,11 +241,9 @@ impl Route<'_> {
                     is_open.push(*used);
                     continue;
                 };
-                let floors = corners.map(|node| floor_km[node]);
-                let least_m =
-                    1000.0 * (floors.into_iter().fold(f64::INFINITY, f64::min) + bottom_km);
-                let most_m =
-                    1000.0 * (floors.into_iter().fold(f64::NEG_INFINITY, f64::max) + top_km);
+                let (least_km, most_km) = extent(corners.map(|node| floor_km[node]));
+                let (least_m, most_m) =
+                    (1000.0 * (least_km + bottom_km), 1000.0 * (most_km + top_km));
                 let lid_m = self
                     .closures
                     .lid_m(corners.map(|node| stage.mesh.nodes[node]));
@@ -258,7 +255,7 @@ impl Route<'_> {
 
     /// Begins with the way along the line from start to goal.
     fn started<'a>(&self, mut solver: Solver<'a>) -> Solver<'a> {
-        let ends = [self.ends.0.at, self.ends.1.at].map(|at| [at.east_m, at.north_m]);
+        let ends = [self.ends.0.at, self.ends.1.at].map(point);
         let straight_m = distance(ends[0], ends[1]);
         let along_km = |at: &Point| {
             let dot = |axis: usize| (at[axis] - ends[0][axis]) * (ends[1][axis] - ends[0][axis]);
@@ -314,52 +311,6 @@ impl Best {
     }
 }
 
-/// What one mesh gives to the next.
-struct Coarse {
-    mesh: Mesh,
-    floor_m: Option<Vec<f64>>,
-    levels_km: Vec<f64>,
-    potential: Vec<f64>,
-    flows: Vec<solve::Flow>,
-    /// The prism of each triangle and level; none where it is closed.
-    rank: Vec<Option<usize>>,
-}
-
-/// Begins with the potential and the flows of a coarser mesh.
-fn refined<'a>(mut solver: Solver<'a>, coarse: &Coarse) -> Solver<'a> {
-    let mesh = solver.mesh();
-    let nodes = coarse.mesh.nodes.len();
-    let positions: Vec<(f64, f64)> = (0..mesh.nodes.len())
-        .map(|node| mesh.place_in(&coarse.mesh, node))
-        .collect();
-    let mut potential = Vec::with_capacity(mesh.nodes.len() * solver.levels());
-    for level in 0..solver.levels() {
-        let values = &coarse.potential[level * nodes..][..nodes];
-        potential.extend(
-            positions
-                .iter()
-                .map(|&place| coarse.mesh.bilinear(values, place)),
-        );
-    }
-    let triangles = coarse.mesh.triangles.len();
-    let own = mesh.triangles.len();
-    let over: Vec<usize> = (0..own)
-        .map(|triangle| {
-            let (row, column) = mesh.middle_in(&coarse.mesh, triangle);
-            coarse.mesh.triangle_at(row, column)
-        })
-        .collect();
-    let share = count(coarse.mesh.cells()) / count(mesh.cells());
-    let prisms = solver.prisms.clone();
-    for (flow, (triangle, level)) in solver.flows.iter_mut().zip(prisms) {
-        if let Some(rank) = coarse.rank[level * triangles + over[triangle]] {
-            *flow = coarse.flows[rank].map(|value| value * share * share);
-        }
-    }
-    solver.start_at(potential);
-    solver
-}
-
 /// Levels over the floor of a coarse mesh, km.
 fn levels_km_of(stage: &Stage) -> Vec<f64> {
     let Some(floor) = &stage.floor else {
@@ -371,11 +322,9 @@ fn levels_km_of(stage: &Stage) -> Vec<f64> {
         .iter()
         .zip(&stage.used)
         .filter(|(_, used)| **used);
-    let heights: Vec<f64> = used
-        .flat_map(|(corners, _)| corners.map(|node| floor.nodes_m[node]))
-        .collect();
-    let least_m = heights.iter().copied().fold(f64::INFINITY, f64::min);
-    let varies_m = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least_m;
+    let heights = used.flat_map(|(corners, _)| corners.map(|node| floor.nodes_m[node]));
+    let (least_m, most_m) = extent(heights);
+    let varies_m = most_m - least_m;
     if varies_m.is_nan() || varies_m <= FLAT_M || varies_m.is_infinite() {
         return vec![0.0];
     }
@@ -384,4 +333,11 @@ fn levels_km_of(stage: &Stage) -> Vec<f64> {
         .iter()
         .map(|share| (share * varies_m).ceil() / 1000.0)
         .collect()
+}
+
+/// The least and the greatest of some numbers.
+fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    let all = (f64::INFINITY, f64::NEG_INFINITY);
+    let wider = |(low, high): (f64, f64), value: f64| (low.min(value), high.max(value));
+    values.into_iter().fold(all, wider)
 }

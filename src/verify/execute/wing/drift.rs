@@ -18,9 +18,10 @@ impl Pilot<'_> {
             return;
         };
         let climb_s = (top.amsl.0 - self.home.amsl.0) / self.vehicle.climb_mps;
+        let [east_mps, north_mps] = wind.velocity_mps();
         let downwind = |seconds: f64| EastNorth {
-            east_m: -wind.from_rad.sin() * wind.speed_mps * seconds,
-            north_m: -wind.from_rad.cos() * wind.speed_mps * seconds,
+            east_m: east_mps * seconds,
+            north_m: north_mps * seconds,
         };
         let off = downwind(share * climb_s);
         for chord in &mut self.trajectory.chords {
