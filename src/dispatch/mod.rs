@@ -1,6 +1,10 @@
 //! Plan, encode, verify, and plan again where a limit is violated, in bounded rounds.
 
+mod crowd;
+mod deconfliction;
 mod tighten;
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
@@ -70,8 +74,30 @@ pub fn dispatch(
     done
 }
 
-/// Dispatches a fleet whose stops are in the order in which they are visited.
+/// Dispatches a fleet whose stops are in the order in which they are visited: a crowd as a whole,
+/// and others so only where planning one after the other leaves vehicles too near.
 fn dispatch_ordered(
+    spec: &MissionSpec,
+    world: &World,
+    seed: u64,
+    watch: &(dyn Fn(Stage) + Sync),
+) -> Dispatched {
+    let is_crowd = crowd::is_crowd(spec, world);
+    let together = || planned_together(spec, world, seed, watch);
+    let passes = |found: &Dispatched| found.review.passes();
+    if let Some(found) = is_crowd.then(together).flatten().filter(passes) {
+        return found;
+    }
+    let one_by_one = dispatch_in_rounds(spec, world, seed, watch);
+    let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
+    let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
+    let is_worth_it = !is_crowd && are_too_near && spec.vehicles.len() <= crowd::MOST;
+    let found = is_worth_it.then(together).flatten().filter(passes);
+    found.unwrap_or(one_by_one)
+}
+
+/// Dispatches a fleet one vehicle after the other, with those that fail planned again.
+fn dispatch_in_rounds(
     spec: &MissionSpec,
     world: &World,
     seed: u64,
@@ -129,6 +155,36 @@ fn dispatch_ordered(
     best
 }
 
+/// Plans every vehicle alone, and then all of them on variants of these paths. None where paths
+/// cannot be varied, or where one breaks a limit alone.
+fn planned_together(
+    spec: &MissionSpec,
+    world: &World,
+    seed: u64,
+    watch: &(dyn Fn(Stage) + Sync),
+) -> Option<Dispatched> {
+    let progress = |at| watch(Stage::Planning(1, at));
+    let request = Request {
+        seed,
+        margins: Strictness::first(spec).margins,
+        extra_parameters: Vec::new(),
+        progress: &progress,
+    };
+    let alone = plan::plan_each_alone(spec, world, &request).vehicles;
+    if alone.iter().any(|plan| !plan.terms.is_clean()) {
+        return None;
+    }
+    let plan = deconfliction::resolved(spec, world, seed, &alone)?;
+    watch(Stage::Verifying(1));
+    let (missions, review) = encode_and_verify(spec, world, &plan);
+    Some(Dispatched {
+        plan,
+        missions,
+        review,
+        rounds: 1,
+    })
+}
+
 impl Dispatched {
     /// Adds a margin for every vehicle without a path, if other vehicles are the reason.
     fn add_blockers(
@@ -146,6 +202,7 @@ impl Dispatched {
         };
         let at_first = Strictness::first(spec).margins;
         self.plan.name_blockers(spec, world, &request, &at_first);
+        self.name_those_too_near(spec);
         for (vehicle, plan) in spec.vehicles.iter().zip(&self.plan.vehicles) {
             let others = plan.blocked_by.iter();
             let others = others.filter_map(|&other| spec.vehicles.get(other));
@@ -159,6 +216,28 @@ impl Dispatched {
             );
             let margin = Margin::unjudged(&vehicle.id, Limit::Path, why);
             self.review.margins.push(margin);
+        }
+    }
+
+    /// Those before a vehicle that its mission comes too near to are in its way, where nothing
+    /// else is known to be.
+    fn name_those_too_near(&mut self, spec: &MissionSpec) {
+        let index = |id: &str| spec.vehicles.iter().position(|vehicle| vehicle.id == id);
+        let broken = self.review.margins.iter().filter(|margin| !margin.ok);
+        let near = broken.filter(|margin| margin.limit == Limit::Separation);
+        let pairs = near.filter_map(|margin| {
+            let (a, b) = (index(&margin.vehicle)?, index(margin.other.as_deref()?)?);
+            Some((a.max(b), a.min(b)))
+        });
+        let mut in_the_way: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        for (vehicle, other) in pairs {
+            in_the_way.entry(vehicle).or_default().insert(other);
+        }
+        for (vehicle, others) in in_the_way {
+            let blocked_by = &mut self.plan.vehicles[vehicle].blocked_by;
+            if blocked_by.is_empty() {
+                blocked_by.extend(others);
+            }
         }
     }
 }

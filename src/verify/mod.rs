@@ -160,11 +160,13 @@
 //! clearance over arcs and separation come out short by that, never long.
 
 mod execute;
+mod judge;
 mod limit;
 mod limits;
 mod measure;
 mod review;
 
+pub use judge::{Conflict, Executed, Judge, Others};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use limits::distant::{distant_from_area, distant_from_home};
 pub use review::review;

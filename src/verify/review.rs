@@ -21,7 +21,7 @@ use super::measure::timeline::Timeline;
 use super::{Limit, Margin, Moment, Review, Track};
 
 /// One mission and the vehicle it is for.
-struct Sortie<'a> {
+pub(super) struct Sortie<'a> {
     vehicle: &'a Vehicle,
     stations: &'a Stations,
     mission: &'a VehicleMission,
@@ -30,7 +30,7 @@ struct Sortie<'a> {
     /// Where it takes off, and the altitude that altitudes above home are measured from.
     stands: PlanPoint,
     fence: Result<Fence, String>,
-    flight: Flight,
+    pub(super) flight: Flight,
 }
 
 /// Judges encoded missions of any source against a spec.
@@ -115,7 +115,7 @@ fn roll_call(spec: &MissionSpec, missions: &[(usize, &VehicleMission)]) -> Vec<M
 }
 
 impl<'a> Sortie<'a> {
-    fn new(
+    pub(super) fn new(
         spec: &MissionSpec,
         world: &World,
         vehicle: &'a Vehicle,
@@ -140,7 +140,12 @@ impl<'a> Sortie<'a> {
         }
     }
 
-    fn margins(&self, spec: &MissionSpec, world: &World, space: &Space<'_>) -> Vec<Margin> {
+    pub(super) fn margins(
+        &self,
+        spec: &MissionSpec,
+        world: &World,
+        space: &Space<'_>,
+    ) -> Vec<Margin> {
         let id = &self.vehicle.id;
         let none = Fence::default();
         let fence = self.fence.as_ref().unwrap_or(&none);

@@ -27,7 +27,10 @@ pub(super) mod columns;
 pub(super) mod pairs;
 pub(super) mod prioritised;
 pub(super) mod retiming;
+pub(super) mod shapes;
 pub(super) mod vehicle;
+
+use rayon::prelude::*;
 
 use super::bound::{self, RouteCertificate, proven};
 use super::route_context::RouteContext;
@@ -154,6 +157,19 @@ pub fn plan_fleet_with(
     };
     with_bounds(spec, world, || {
         Fleet::new(planning, &[], Vec::new()).plan_in_parallel()
+    })
+}
+
+/// Plans every vehicle as if it were alone.
+#[must_use]
+pub fn plan_each_alone(spec: &MissionSpec, world: &World, request: &Request<'_>) -> FleetPlan {
+    let planning = Planning::new(spec, world, request);
+    let fleet = (0..spec.vehicles.len()).into_par_iter();
+    with_bounds(spec, world, || FleetPlan {
+        seed: request.seed,
+        vehicles: fleet
+            .map(|index| planning.plan_vehicle(index, Vec::new(), &[], None))
+            .collect(),
     })
 }
 

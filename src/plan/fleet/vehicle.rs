@@ -105,7 +105,7 @@ impl<'a> Planning<'a> {
     }
 
     /// A plan without routes.
-    fn empty_plan(&self, index: usize, avoids: Vec<usize>) -> VehiclePlan {
+    pub(super) fn empty_plan(&self, index: usize, avoids: Vec<usize>) -> VehiclePlan {
         let vehicle = &self.spec.vehicles[index];
         VehiclePlan {
             depart_s: vehicle.depart_s,
@@ -117,7 +117,7 @@ impl<'a> Planning<'a> {
     }
 
     /// The context of the next route of a plan, at the speed that a spec has for it.
-    fn context<'c>(
+    pub(super) fn context<'c>(
         &'c self,
         spec: &'c MissionSpec,
         index: usize,
@@ -139,7 +139,7 @@ impl<'a> Planning<'a> {
 
 impl VehiclePlan {
     /// Adds what was found for its next leg.
-    fn add(&mut self, context: &RouteContext<'_>, found: &Found) {
+    pub(super) fn add(&mut self, context: &RouteContext<'_>, found: &Found) {
         self.terms = sum(&self.terms, &found.terms);
         self.evaluations += found.evaluations;
         self.routes.push(route(context, found));

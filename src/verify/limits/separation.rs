@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::geodesy::LocalFrame;
 use crate::numeric::tracks::{Nearness, Track, Tracks};
 use crate::path::{most_shift_s, takeoff_shift_s, with_stops_s};
-use crate::spec::{Separation, Span};
+use crate::spec::{Separation, Span, Vehicle};
 
 use crate::verify::measure::segment::Chord;
 use crate::verify::measure::timeline::{Distance, Metric, Nearest, Timeline, motion, nearest};
@@ -106,6 +106,40 @@ pub(crate) fn assumption(fleet: usize, separation: &Separation) -> Option<String
             NEAR * separation.distance_m
         )
     })
+}
+
+/// Flights of other vehicles, ready for many questions.
+pub(crate) struct Traffic<'a> {
+    timelines: Vec<Timeline<'a>>,
+}
+
+impl<'a> Traffic<'a> {
+    pub(crate) fn new(flights: impl Iterator<Item = (&'a Vehicle, &'a [Chord])>) -> Self {
+        Self {
+            timelines: flights
+                .map(|(vehicle, chords)| Timeline::new(vehicle, chords))
+                .collect(),
+        }
+    }
+}
+
+/// With which others a flight breaks the separation, and when: exactly where [`margins`] has a
+/// margin that is not kept. A flight without chords breaks none.
+pub(crate) fn conflicts(
+    (vehicle, chords): (&Vehicle, &[Chord]),
+    others: &Traffic<'_>,
+    separation: &Separation,
+    frame: &LocalFrame,
+) -> Vec<(usize, f64)> {
+    let own = Timeline::new(vehicle, chords);
+    let worst = |other: &Timeline<'_>| {
+        let margin = pair_margin(&own, other, separation, frame, separation.distance_m)?;
+        (!margin.ok).then(|| margin.at.map_or(0.0, |at| at.t_s))
+    };
+    let others = others.timelines.iter().enumerate();
+    others
+        .filter_map(|(other, timeline)| Some((other, worst(timeline)?)))
+        .collect()
 }
 
 fn pair_margin(

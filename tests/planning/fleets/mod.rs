@@ -1,5 +1,6 @@
 //! Fleets: from their compact form to files, and the conflicts between vehicles.
 
 mod conflicts;
+mod crowds;
 mod retiming;
 mod table;

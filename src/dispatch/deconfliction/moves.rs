@@ -1,0 +1,140 @@
+//! Other shapes of the path that a vehicle would fly alone: bent aside, and raised for a while.
+
+use std::iter::once;
+
+use crate::geodesy::PlanPoint;
+use crate::plan::Shape;
+use crate::spec::Separation;
+
+/// How far a path is bent to either side, in separations.
+const ASIDE: [f64; 8] = [0.4, 0.8, 1.2, 1.7, 2.3, 3.0, 4.0, 5.5];
+/// Where on a route it is furthest aside, as a share of it.
+const PEAKS: [f64; 3] = [0.5, 0.3, 0.7];
+/// How far a path is raised, in vertical separations.
+const RAISED: [f64; 6] = [1.15, 1.5, 2.3, 2.8, 3.5, 4.6];
+/// Where on a route it is raised, as the middle and half of the length, as shares of it.
+const RAISED_FROM: [(f64, f64); 4] = [(0.5, 0.1), (0.28, 0.1), (0.72, 0.1), (0.5, 0.3)];
+/// How far a path that is raised is bent at the same time, in separations.
+const BOTH: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+/// Highest that is combined with a bend, in vertical separations.
+const BOTH_UP_TO: f64 = 3.0;
+
+/// Least share of a route over which it rises, and metres for each metre that it rises.
+const RAMP: f64 = 0.12;
+const GENTLE: f64 = 4.5;
+
+/// Shares of the way to a cheaper shape that are tried.
+const SHARES: [f64; 4] = [0.7, 0.4, 0.2, 0.08];
+
+/// How far control points move, metres.
+#[derive(Clone, Copy)]
+struct Move {
+    aside_m: f64,
+    /// Share of the route at which it is furthest aside.
+    peak: f64,
+    up_m: f64,
+    /// Middle and half of the length over which it is raised.
+    raised: (f64, f64),
+}
+
+/// The shape itself and others around it.
+pub(super) fn shapes(shape: &Shape, separation: &Separation) -> Vec<Shape> {
+    let (side_m, up_m) = (
+        separation.distance_m,
+        separation.vertical_m.unwrap_or(separation.distance_m),
+    );
+    let still = Move {
+        aside_m: 0.0,
+        peak: 0.5,
+        up_m: 0.0,
+        raised: RAISED_FROM[0],
+    };
+    let mut moves = Vec::new();
+    for aside in ASIDE.into_iter().flat_map(|aside| [aside, -aside]) {
+        moves.extend(PEAKS.map(|peak| Move {
+            aside_m: aside * side_m,
+            peak,
+            ..still
+        }));
+    }
+    for raised in RAISED_FROM {
+        for up in RAISED {
+            let level = Move {
+                up_m: up * up_m,
+                raised,
+                ..still
+            };
+            moves.push(level);
+            if up < BOTH_UP_TO {
+                moves.extend(BOTH.map(|aside| Move {
+                    aside_m: aside * side_m,
+                    ..level
+                }));
+            }
+        }
+    }
+    let routes = 0..shape.control_points.len();
+    let moved = routes.flat_map(|route| {
+        let moves = moves.iter();
+        moves.map(move |change| moved(shape, route, change))
+    });
+    once(shape.clone()).chain(moved).collect()
+}
+
+/// Shapes between one and a cheaper one, the nearest to the cheaper one first.
+pub(super) fn between(shape: &Shape, cheaper: &Shape) -> Vec<Shape> {
+    SHARES.map(|share| blend(shape, cheaper, share)).to_vec()
+}
+
+fn blend(shape: &Shape, cheaper: &Shape, share: f64) -> Shape {
+    let mut blended = shape.clone();
+    let routes = (blended.control_points.iter_mut()).zip(&cheaper.control_points);
+    for (point, to) in routes.flat_map(|(own, other)| own.iter_mut().zip(other)) {
+        point.at.east_m += share * (to.at.east_m - point.at.east_m);
+        point.at.north_m += share * (to.at.north_m - point.at.north_m);
+        point.amsl.0 += share * (to.amsl.0 - point.amsl.0);
+    }
+    blended
+}
+
+/// A shape with the inner control points of one route moved.
+fn moved(shape: &Shape, route: usize, change: &Move) -> Shape {
+    let mut shape = shape.clone();
+    let points = &mut shape.control_points[route];
+    let (Some(first), Some(last)) = (points.first().copied(), points.last().copied()) else {
+        return shape;
+    };
+    let (left_east, left_north) = left(first, last);
+    let length_m = first.at.distance_m(last.at);
+    let count = points.len();
+    for (step, point) in points.iter_mut().enumerate() {
+        if step == 0 || step + 1 == count {
+            continue;
+        }
+        #[expect(clippy::cast_precision_loss, reason = "few control points")]
+        let share = step as f64 / (count - 1) as f64;
+        let aside_m =
+            change.aside_m * (share / change.peak).min((1.0 - share) / (1.0 - change.peak));
+        point.at.east_m += aside_m * left_east;
+        point.at.north_m += aside_m * left_north;
+        let (middle, half) = change.raised;
+        let ramp = (GENTLE * change.up_m / length_m.max(1.0)).max(RAMP);
+        let up = ((half + ramp - (share - middle).abs()) / ramp).clamp(0.0, 1.0);
+        point.amsl.0 += up * change.up_m;
+    }
+    shape
+}
+
+/// The unit vector to the left of the straight line between two points; north over one place.
+fn left(from: PlanPoint, to: PlanPoint) -> (f64, f64) {
+    let (east_m, north_m) = (
+        to.at.east_m - from.at.east_m,
+        to.at.north_m - from.at.north_m,
+    );
+    let length_m = east_m.hypot(north_m);
+    if length_m > 0.0 {
+        (-north_m / length_m, east_m / length_m)
+    } else {
+        (0.0, 1.0)
+    }
+}

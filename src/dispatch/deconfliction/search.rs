@@ -1,0 +1,245 @@
+//! Who flies which variant: without conflicts first, and then as cheap as possible.
+
+use rand::RngExt;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+
+use super::conflicts::{Conflicts, Flown};
+
+/// Changes of one vehicle for each vehicle of the fleet, at most, until no conflict is left.
+const REPAIRS: usize = 60;
+/// Beginnings from other orders of vehicles.
+const BEGINNINGS: usize = 3;
+/// Groups that are tried for a cheaper fleet, for each vehicle.
+const GROUPS: usize = 12;
+/// Most vehicles of a group.
+const GROUP: usize = 4;
+/// How often all shapes are drawn towards the path alone.
+const DRAWN: usize = 3;
+/// Variants that are judged at once, where the first without a conflict is enough.
+const CHUNK: usize = 16;
+
+/// The variant of each vehicle.
+pub(super) type Choice = Vec<usize>;
+
+pub(super) struct Search<'s, 'a> {
+    pub(super) conflicts: &'s mut Conflicts<'a>,
+    pub(super) rng: ChaCha8Rng,
+    /// What a conflict of two costs: more, the longer it lasted.
+    weights: Vec<Vec<f64>>,
+}
+
+impl<'s, 'a> Search<'s, 'a> {
+    pub(super) fn new(conflicts: &'s mut Conflicts<'a>, rng: ChaCha8Rng) -> Self {
+        let count = conflicts.vehicles();
+        Self {
+            conflicts,
+            rng,
+            weights: vec![vec![1.0; count]; count],
+        }
+    }
+
+    /// Variants of all vehicles, and how many pairs are left in conflict. None where a vehicle has
+    /// no variant that keeps its own limits.
+    pub(super) fn run(&mut self) -> Option<(Choice, usize)> {
+        let count = self.conflicts.vehicles();
+        let mut best: Option<(Choice, usize)> = None;
+        for beginning in 0..BEGINNINGS {
+            let mut order: Vec<usize> = (0..count).collect();
+            if beginning > 0 {
+                order.shuffle(&mut self.rng);
+            }
+            let mut choice = self.in_order(&order)?;
+            let left = self.repair(&mut choice);
+            if best.as_ref().is_none_or(|(_, least)| left < *least) {
+                best = Some((choice, left));
+            }
+            if left == 0 {
+                break;
+            }
+        }
+        let (mut choice, left) = best?;
+        if left == 0 {
+            self.improve(&mut choice);
+        }
+        Some((choice, left))
+    }
+
+    /// Vehicles get the cheapest variants with the fewest conflicts, one after the other.
+    fn in_order(&mut self, order: &[usize]) -> Option<Choice> {
+        let mut choice = vec![0; self.conflicts.vehicles()];
+        for (number, &vehicle) in order.iter().enumerate() {
+            let others: Vec<Flown> = order[..number]
+                .iter()
+                .map(|&other| (other, choice[other]))
+                .collect();
+            choice[vehicle] = match self.free(vehicle, &others) {
+                Some(variant) => variant,
+                None => self.least_in_conflict(vehicle, &others, None)?,
+            };
+        }
+        Some(choice)
+    }
+
+    /// The cheapest variant without a conflict.
+    fn free(&mut self, vehicle: usize, others: &[Flown]) -> Option<usize> {
+        let order = self.conflicts.cheapest_first(vehicle);
+        for chunk in order.chunks(CHUNK) {
+            self.conflicts.judge(vehicle, chunk, others);
+            let found = chunk.iter().find(|&&variant| {
+                let own = (vehicle, variant);
+                let mut others = others.iter();
+                self.conflicts.can_fly(own)
+                    && others.all(|&other| !self.conflicts.are_in_conflict(own, other))
+            });
+            if let Some(&found) = found {
+                return Some(found);
+            }
+        }
+        None
+    }
+
+    /// The variant with the least weight of conflicts, and of equals the cheapest; not the
+    /// one that is `left`.
+    fn least_in_conflict(
+        &mut self,
+        vehicle: usize,
+        others: &[Flown],
+        left: Option<usize>,
+    ) -> Option<usize> {
+        let mut order = self.conflicts.cheapest_first(vehicle);
+        self.conflicts.judge(vehicle, &order, others);
+        order.retain(|&variant| self.conflicts.can_fly((vehicle, variant)));
+        if order.len() > 1 {
+            order.retain(|&variant| Some(variant) != left);
+        }
+        let weight = |variant: usize| -> f64 {
+            let near = others.iter();
+            near.filter(|&&other| self.conflicts.are_in_conflict((vehicle, variant), other))
+                .map(|&(other, _)| self.weights[vehicle][other])
+                .sum()
+        };
+        let weighed = order.into_iter().map(|variant| (variant, weight(variant)));
+        let least = weighed.reduce(|best, next| if next.1 < best.1 { next } else { best });
+        least.map(|(variant, _)| variant)
+    }
+
+    /// Gives other variants to vehicles in conflict, until none is left or the changes are spent.
+    /// The best choice that was met, and its number of conflicts.
+    fn repair(&mut self, choice: &mut Choice) -> usize {
+        let mut best = (self.pairs(choice).len(), choice.clone());
+        for _ in 0..REPAIRS * choice.len() {
+            let pairs = self.pairs(choice);
+            if pairs.len() < best.0 {
+                best = (pairs.len(), choice.clone());
+            }
+            if pairs.is_empty() {
+                break;
+            }
+            let (a, b) = pairs[self.rng.random_range(0..pairs.len())];
+            for &(a, b) in &pairs {
+                self.weights[a][b] += 0.2;
+                self.weights[b][a] += 0.2;
+            }
+            let vehicle = if self.rng.random_range(0..2) == 0 {
+                a
+            } else {
+                b
+            };
+            let others = others(choice, &[vehicle]);
+            if let Some(found) = self.least_in_conflict(vehicle, &others, Some(choice[vehicle])) {
+                choice[vehicle] = found;
+            }
+        }
+        let left = self.pairs(choice).len();
+        if left <= best.0 {
+            return left;
+        }
+        *choice = best.1;
+        best.0
+    }
+
+    /// Pairs in conflict.
+    pub(super) fn pairs(&mut self, choice: &Choice) -> Vec<(usize, usize)> {
+        let all: Vec<Flown> = choice.iter().copied().enumerate().collect();
+        let mut pairs = Vec::new();
+        for (number, &own) in all.iter().enumerate() {
+            let later = &all[number + 1..];
+            self.conflicts.judge(own.0, &[own.1], later);
+            let near = later
+                .iter()
+                .filter(|&&other| self.conflicts.are_in_conflict(own, other));
+            pairs.extend(near.map(|other| (own.0, other.0)));
+        }
+        pairs
+    }
+
+    /// Gives new variants to groups, and draws shapes towards the path alone, as long as the fleet
+    /// becomes cheaper.
+    fn improve(&mut self, choice: &mut Choice) {
+        for _ in 0..DRAWN {
+            for _ in 0..GROUPS * choice.len() {
+                self.regroup(choice);
+            }
+            for vehicle in 0..choice.len() {
+                if choice[vehicle] != 0 {
+                    self.conflicts.add_between((vehicle, choice[vehicle]));
+                }
+                let found = self.free(vehicle, &others(choice, &[vehicle]));
+                choice[vehicle] = found.unwrap_or(choice[vehicle]);
+            }
+        }
+    }
+
+    /// Gives new variants to a dear vehicle and a few others, one after the other, if that is
+    /// cheaper.
+    fn regroup(&mut self, choice: &mut Choice) {
+        let Some(first) = self.dear(choice) else {
+            return;
+        };
+        let mut rest: Vec<usize> = (0..choice.len()).filter(|&other| other != first).collect();
+        rest.shuffle(&mut self.rng);
+        let size = self.rng.random_range(1..GROUP);
+        let mut group = vec![first];
+        group.extend(rest.into_iter().take(size));
+        let mut next = choice.clone();
+        let mut set = others(choice, &group);
+        for &vehicle in &group {
+            let Some(found) = self.free(vehicle, &set) else {
+                return;
+            };
+            next[vehicle] = found;
+            set.push((vehicle, found));
+        }
+        if self.cost(&next) <= self.cost(choice) {
+            *choice = next;
+        }
+    }
+
+    /// One of the vehicles that cost more than alone, by how much.
+    fn dear(&mut self, choice: &Choice) -> Option<usize> {
+        let over = |vehicle: usize| {
+            self.conflicts.cost((vehicle, choice[vehicle])) - self.conflicts.cost((vehicle, 0))
+        };
+        let all = (0..choice.len()).map(|vehicle| (vehicle, over(vehicle)));
+        let dear: Vec<(usize, f64)> = all.filter(|(_, over)| *over > 1e-6).collect();
+        let sum: f64 = dear.iter().map(|(_, over)| over).sum();
+        let mut left = self.rng.random::<f64>() * sum;
+        let found = dear.iter().find(|(_, over)| {
+            left -= over;
+            left <= 0.0
+        });
+        found.or(dear.last()).map(|(vehicle, _)| *vehicle)
+    }
+
+    pub(super) fn cost(&self, choice: &Choice) -> f64 {
+        let all = choice.iter().copied().enumerate();
+        all.map(|flown| self.conflicts.cost(flown)).sum()
+    }
+}
+
+/// What all but some vehicles fly.
+fn others(choice: &Choice, but: &[usize]) -> Vec<Flown> {
+    let all = choice.iter().copied().enumerate();
+    all.filter(|(vehicle, _)| !but.contains(vehicle)).collect()
+}

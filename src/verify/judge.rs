@@ -1,0 +1,148 @@
+//! What is a conflict: one answer for resolving conflicts and for the verdict.
+//!
+//! [`Judge::conflicts`] flies encoded missions by the same model, and measures them by the same
+//! function as the margins of [`super::review`]: distance, vertical rule, allowed shifts, what
+//! autopilots are late, and buffers.
+
+use crate::mission::VehicleMission;
+use crate::spec::{MissionSpec, Separation, Vehicle};
+use crate::world::World;
+
+use super::execute::flight::Flight;
+use super::limits::separation::{self, Traffic};
+use super::limits::space::Space;
+use super::measure::segment::Chord;
+use super::review::Sortie;
+use super::{Limit, Margin};
+
+/// Later than any flight, seconds: a stay lasts until then.
+const HORIZON_S: f64 = 1e6;
+
+/// Judges single missions of one spec, and pairs of them.
+pub struct Judge<'a> {
+    spec: &'a MissionSpec,
+    world: &'a World,
+    space: Space<'a>,
+    separation: Separation,
+}
+
+/// The flight that an encoded mission makes in the model of the verdict.
+#[derive(Clone, Debug)]
+pub struct Executed<'a> {
+    vehicle: &'a Vehicle,
+    flight: Flight,
+}
+
+/// Executed flights, ready for many questions.
+pub struct Others<'a> {
+    traffic: Traffic<'a>,
+}
+
+/// A conflict with another vehicle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Conflict {
+    /// Which of the others, by its position.
+    pub other: usize,
+    /// Where the two are nearest, seconds after T0.
+    pub t_s: f64,
+}
+
+impl<'a> Judge<'a> {
+    /// A judge of the missions of a spec.
+    #[must_use]
+    pub fn new(spec: &'a MissionSpec, world: &'a World) -> Self {
+        Self {
+            spec,
+            world,
+            space: Space::new(spec, world),
+            separation: spec.buffered_separation(),
+        }
+    }
+
+    /// Flies a mission of the vehicle at an index; none for an index that the spec does not have.
+    #[must_use]
+    pub fn execute(&self, index: usize, mission: &VehicleMission) -> Option<Executed<'a>> {
+        let sortie = self.sortie(index, mission)?;
+        let mut flight = sortie.flight;
+        flight.stay_until(HORIZON_S);
+        let vehicle = self.spec.vehicles.get(index)?;
+        Some(Executed { vehicle, flight })
+    }
+
+    /// Whether a mission keeps every limit that concerns its vehicle alone.
+    #[must_use]
+    pub fn keeps_limits(&self, index: usize, mission: &VehicleMission) -> bool {
+        let margins = self
+            .sortie(index, mission)
+            .map(|sortie| sortie.margins(self.spec, self.world, &self.space));
+        margins.is_some_and(|margins| {
+            let is_of_others = |margin: &Margin| margin.limit == Limit::Separation;
+            margins
+                .iter()
+                .all(|margin| margin.ok || is_of_others(margin))
+        })
+    }
+
+    fn sortie<'m>(&self, index: usize, mission: &'m VehicleMission) -> Option<Sortie<'m>>
+    where
+        'a: 'm,
+    {
+        let vehicle = self.spec.vehicles.get(index)?;
+        let stations = self.world.stations.get(index)?;
+        Some(Sortie::new(
+            self.spec, self.world, vehicle, stations, mission,
+        ))
+    }
+
+    /// The others of some flights, in their order.
+    #[must_use]
+    pub fn others<'e>(&self, flights: &'e [&'e Executed<'a>]) -> Others<'e> {
+        let flights = flights
+            .iter()
+            .map(|executed| (executed.vehicle, &executed.flight.chords[..]));
+        Others {
+            traffic: Traffic::new(flights),
+        }
+    }
+
+    /// The conflicts of a flight with others, in their order.
+    #[must_use]
+    pub fn conflicts(&self, own: &Executed<'_>, others: &Others<'_>) -> Vec<Conflict> {
+        let own = (own.vehicle, &own.flight.chords[..]);
+        let found =
+            separation::conflicts(own, &others.traffic, &self.separation, &self.world.frame);
+        found
+            .into_iter()
+            .map(|(other, t_s)| Conflict { other, t_s })
+            .collect()
+    }
+}
+
+impl Executed<'_> {
+    /// The same flight, begun later.
+    #[must_use]
+    pub fn delayed(&self, by_s: f64) -> Self {
+        self.changed(|chord| {
+            chord.from_s += by_s;
+            chord.to_s += by_s;
+        })
+    }
+
+    /// The same flight, all of it but takeoff and landing higher.
+    #[must_use]
+    pub fn raised(&self, by_m: f64) -> Self {
+        let is_vertical = |chord: &Chord| chord.from.at.distance_m(chord.to.at) < 1.0;
+        self.changed(|chord| {
+            if !is_vertical(chord) {
+                chord.from.amsl.0 += by_m;
+                chord.to.amsl.0 += by_m;
+            }
+        })
+    }
+
+    fn changed(&self, change: impl Fn(&mut Chord)) -> Self {
+        let mut changed = self.clone();
+        changed.flight.chords.iter_mut().for_each(change);
+        changed
+    }
+}

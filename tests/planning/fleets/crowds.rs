@@ -1,0 +1,64 @@
+//! Fleets in which everybody meets everybody, over flat ground.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::spec::SpecFile;
+use sortie::world;
+
+/// Copters on a circle, each with its goal opposite of its start.
+fn circle(count: u32, seed: u64) -> Dispatched {
+    let mut text = "sortie: 1\nname: circle\narea:\n  \
+        south_west: {lat: -35.387, lon: 149.132}\n  \
+        north_east: {lat: -35.333, lon: 149.198}\n  \
+        min_agl_m: 40\n  max_amsl_m: 904\nterrain: {flat: {amsl_m: 584}}\n\
+        separation: {distance_m: 50, time_slack_s: 5}\n\
+        planner: {evaluations: 2000}\nvehicles:\n"
+        .to_owned();
+    for number in 0..count {
+        let angle = std::f64::consts::TAU * f64::from(number) / f64::from(count);
+        let (north, east) = (0.0135 * angle.sin(), 0.01652 * angle.cos());
+        let place = |sign: f64| {
+            let (lat, lon) = (-35.36 + sign * north, 149.165 + sign * east);
+            format!("{{lat: {lat:.6}, lon: {lon:.6}, agl_m: 60}}")
+        };
+        writeln!(
+            text,
+            "  - {{id: v{number}, sysid: {}, autopilot: ardupilot, link: sim, start: {}, \
+             goal: {}, finish: land, speed_mps: 9}}",
+            number + 1,
+            place(1.0),
+            place(-1.0)
+        )
+        .expect("text");
+    }
+    let file = SpecFile::parse(Path::new("circle.yaml"), text);
+    let file = file.unwrap_or_else(|error| panic!("{error}"));
+    let world = world::load(&file).unwrap_or_else(|error| panic!("{error}"));
+    dispatch(&file.spec, &world, seed, &|_| ())
+}
+
+#[test]
+fn fourteen_that_cross_at_one_place_pass() {
+    let found = circle(14, 1);
+    let broken = found.review.margins.iter().filter(|margin| !margin.ok);
+    let broken: Vec<_> = broken.collect();
+    assert!(broken.is_empty(), "{broken:#?}");
+    let (cost, bound) = (found.plan.vehicles.iter())
+        .map(|plan| (plan.terms.total(), plan.bound))
+        .fold((0.0, 0.0), |sum, own| (sum.0 + own.0, sum.1 + own.1));
+    assert!(
+        cost >= bound && cost < 1.06 * bound,
+        "{cost}, bound {bound}"
+    );
+}
+
+#[test]
+fn the_plan_of_a_crowd_is_the_same_on_any_number_of_threads() {
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads").install(|| circle(8, 2).plan)
+    };
+    assert!(on(1) == on(2));
+}
