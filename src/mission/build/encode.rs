@@ -6,7 +6,7 @@
 //! can lower it.
 
 use crate::autopilot::{command, frame};
-use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::item::{Home, Item};
 use crate::spec::{AltitudeReference, EndPoint, Placement};
 use crate::world::{NoData, World};
@@ -116,10 +116,6 @@ impl<'a> Encoder<'a> {
             Placement::Agl(agl) => agl.over(self.world.terrain.height(end.place)?),
         };
         let at = self.world.frame.to_plan(end.place);
-        let at = EastNorth {
-            east_m: at.east_m,
-            north_m: at.north_m,
-        };
         self.item(command, [0.0; 4], PlanPoint { at, amsl })
     }
 
