@@ -34,8 +34,30 @@ pub mod command {
     pub const DO_JUMP: u16 = 177;
     /// Change the speed.
     pub const DO_CHANGE_SPEED: u16 = 178;
+    /// Switch a relay.
+    pub const DO_SET_RELAY: u16 = 181;
+    /// Set the pulse of a servo.
+    pub const DO_SET_SERVO: u16 = 183;
     /// Where a landing sequence begins.
     pub const DO_LAND_START: u16 = 189;
+    /// Point camera or nose at a place.
+    pub const DO_SET_ROI_LOCATION: u16 = 195;
+    /// No longer point at a place.
+    pub const DO_SET_ROI_NONE: u16 = 197;
+    /// Open or close a gripper.
+    pub const DO_GRIPPER: u16 = 211;
+    /// Turn a gimbal.
+    pub const DO_GIMBAL_MANAGER_PITCHYAW: u16 = 1000;
+    /// Who controls a gimbal.
+    pub const DO_GIMBAL_MANAGER_CONFIGURE: u16 = 1001;
+    /// Take pictures.
+    pub const IMAGE_START_CAPTURE: u16 = 2000;
+    /// Start a video.
+    pub const VIDEO_START_CAPTURE: u16 = 2500;
+    /// Stop a video.
+    pub const VIDEO_STOP_CAPTURE: u16 = 2501;
+    /// Let a line out or in.
+    pub const DO_WINCH: u16 = 42600;
     /// Change between rotors and wing.
     pub const DO_VTOL_TRANSITION: u16 = 3000;
     /// Fence: where to return to.

@@ -10,7 +10,7 @@ use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
 use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
-use crate::spec::{MissionSpec, Vehicle};
+use crate::spec::{MissionSpec, StopAction, Vehicle};
 use crate::verify::{Margin, Moment, Review};
 use crate::world::World;
 
@@ -41,6 +41,9 @@ pub struct PlannedStop {
     pub t_s: Option<f64>,
     /// How long it rests there, seconds.
     pub rest_s: f64,
+    /// What it does there: keys of the spec, in order.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub actions: Vec<&'static str>,
 }
 
 /// One vehicle of `plan.json`.
@@ -338,6 +341,7 @@ fn stops(vehicle: &Vehicle, planned: &VehiclePlan) -> Vec<PlannedStop> {
             id: stop.id.clone(),
             t_s: (route.path.last()).and_then(|last| rounded(last.t_s, METRE_DIGITS)),
             rest_s: stop.rest_s(),
+            actions: stop.actions.iter().map(StopAction::key).collect(),
         })
         .collect()
 }

@@ -1,10 +1,12 @@
 //! A vehicle of the checked spec: identity, route and performance.
 
+mod action;
 mod endurance;
 mod stop;
 
+pub use action::StopAction;
 pub use endurance::{Capacity, Endurance, Energy};
-pub use stop::{MAX_STOPS, Order, Stop};
+pub use stop::{ACTION_S, MAX_STOPS, Order, Stop};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

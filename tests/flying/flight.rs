@@ -481,6 +481,7 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
             hold_s,
             acceptance_radius_m: Some(3.0),
             heading_rad: None,
+            actions: Vec::new(),
             speed_mps: None,
         };
         vehicle.speed_mps = 8.0;

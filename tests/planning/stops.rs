@@ -24,6 +24,7 @@ pub(crate) fn stop(id: &str, place: LatLon, hold_s: f64) -> Stop {
         hold_s,
         acceptance_radius_m: None,
         heading_rad: None,
+        actions: Vec::new(),
         speed_mps: None,
     }
 }
@@ -296,4 +297,139 @@ fn a_free_order_costs_less_than_the_listed_one_and_its_bound_holds_for_all_order
     assert_eq!(ids, ["s0.2", "s0.4", "s0.6", "s0.8"]);
     // An upload judges against the spec as it is listed.
     assert!(review(&spec, &world, &[(0, &free.missions[0].1)]).passes());
+}
+
+/// One of each action that an autopilot runs.
+fn actions(autopilot: Autopilot) -> Vec<StopAction> {
+    let mut actions = vec![
+        StopAction::Gimbal {
+            pitch_deg: -45,
+            yaw_deg: 30,
+        },
+        StopAction::Roi(EndPoint {
+            place: WEST,
+            altitude: Placement::Agl(Agl(0.0)),
+        }),
+        StopAction::Photo,
+        StopAction::Video { starts: true },
+        StopAction::Video { starts: false },
+        StopAction::RoiNone,
+        StopAction::Gripper { grabs: false },
+        StopAction::Winch {
+            length_m: 5.0,
+            rate_mps: 0.5,
+        },
+    ];
+    if autopilot == Autopilot::ArduPilot {
+        actions.push(StopAction::Servo {
+            channel: 9,
+            pwm_us: 1900,
+        });
+        actions.push(StopAction::Relay {
+            number: 1,
+            closed: true,
+        });
+    }
+    actions
+}
+
+#[test]
+fn actions_stand_between_two_waypoints_of_their_stop_and_each_is_judged() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut spec = round(autopilot);
+        let listed = actions(autopilot);
+        let south = &mut spec.vehicles[0].stops[1];
+        south.actions.clone_from(&listed);
+        let rest_s = south.rest_s();
+        // 1 s to come to rest, 1 s more, and half a second for each of them.
+        let expected_s = if autopilot == Autopilot::ArduPilot {
+            7.0
+        } else {
+            6.0
+        };
+        assert_eq!(f64::from(expected_s), rest_s);
+        let (world, done) = dispatched(&spec);
+        let mission = &done.missions[0].1;
+        let first = listed[0].command();
+        let items = &mission.items;
+        let found = items.iter().position(|item| item.command == first);
+        let begin = found.expect("encoded");
+        let commands: Vec<u16> = items[begin..].iter().map(|item| item.command).collect();
+        let expected: Vec<u16> = listed.iter().map(StopAction::command).collect();
+        assert_eq!(commands[..listed.len()], expected);
+        let after = &items[begin + listed.len()];
+        assert_eq!(
+            (after.command, after.params[0]),
+            (command::NAV_WAYPOINT, expected_s - 1.0)
+        );
+        assert_eq!(holds(mission)[1..], [1.0, expected_s - 1.0]);
+        let judged = |change: &dyn Fn(&mut Vec<Item>)| {
+            let mut changed = mission.clone();
+            change(&mut changed.items);
+            failed(&review(&spec, &world, &[(0, &changed)]))
+        };
+        for (index, action) in listed.iter().enumerate() {
+            let name = format!(
+                "actions at stop south: action {} ({}): no item does it",
+                index + 1,
+                action.key()
+            );
+            let at = begin + index;
+            let none = judged(&|items| {
+                items.remove(at);
+            });
+            assert_eq!(none, [name.as_str()]);
+            // On the way to the next stop it would be done elsewhere.
+            let late = judged(&|items| {
+                let item = items.remove(at);
+                items.insert(begin + listed.len(), item);
+            });
+            assert_eq!(late, [name.as_str()]);
+            // Another value is another action.
+            let other = judged(&|items| match action {
+                StopAction::Roi(_) => items[at].x += 1000,
+                StopAction::Video { .. } | StopAction::RoiNone => {
+                    items[at].command = command::DO_SET_SERVO;
+                }
+                StopAction::Photo => items[at].params[2] = 0.0,
+                _ => items[at].params[1] += 2.0,
+            });
+            assert!(other.contains(&name), "{other:?}");
+        }
+        if autopilot == Autopilot::Px4 {
+            let free = judged(&|items| {
+                items.remove(begin - 1);
+            });
+            let name = "actions at stop south: action 1 (gimbal): no item takes control of it";
+            assert_eq!(free, [name]);
+        }
+    }
+}
+
+#[test]
+fn actions_that_arducopter_would_drop_at_the_end_of_a_hold_fail() {
+    let mut spec = round(Autopilot::ArduPilot);
+    spec.vehicles[0].stops[1].actions = actions(Autopilot::ArduPilot);
+    let (world, done) = dispatched(&spec);
+    let mut mission = done.missions[0].1.clone();
+    let items = &mut mission.items;
+    let photo = items
+        .iter()
+        .position(|item| item.command == command::IMAGE_START_CAPTURE)
+        .expect("encoded");
+    let after = items[photo..]
+        .iter_mut()
+        .find(|item| item.command == command::NAV_WAYPOINT);
+    after.expect("a second waypoint").params[0] = 2.0;
+    let failed = failed(&review(&spec, &world, &[(0, &mission)]));
+    let dropped: Vec<String> = (5..=10)
+        .map(|number| {
+            let key = spec.vehicles[0].stops[1].actions[number - 1].key();
+            format!("action {number} ({key}): the hold after it ends before it")
+        })
+        .collect();
+    assert_eq!(
+        failed,
+        [format!("actions at stop south: {}", dropped.join("; "))]
+    );
 }

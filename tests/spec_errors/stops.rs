@@ -136,3 +136,43 @@ fn a_stop_keeps_the_height_that_a_start_keeps() {
     assert_eq!(found[0].path, "vehicles[0].stops[0]");
     assert!(found[0].found.contains("stop is 40"), "{found:?}");
 }
+
+#[test]
+fn actions_are_read_and_what_is_wrong_with_one_is_reported_at_its_place() {
+    let at = |actions: &str| {
+        stops(&format!(
+            "{{id: t1, lat: 36.22, lon: -84.30, agl_m: 80, actions: [{actions}]}}"
+        ))
+    };
+    let all = "{photo: {}}, {video: start}, {video: stop}, {gimbal: {pitch_deg: -45}}, \
+               {roi: {lat: 36.22, lon: -84.31, agl_m: 0}}, {roi_none: {}}, {servo: {channel: 9, pwm_us: 1900}}, \
+               {relay: {number: 0, closed: true}}, {gripper: release}, {winch: {length_m: 5, rate_mps: 0.5}}";
+    let stop = &good(&with(ALPHA, &at(all))).vehicles[0].stops[0];
+    assert_eq!(stop.actions.len(), 10);
+    assert!((stop.rest_s() - 7.0).abs() < 1e-9);
+    let own = "vehicles[0].stops[0].actions[0]";
+    for (actions, path, found) in [
+        ("{}", own, "0 actions"),
+        ("{photo: {}, video: start}", own, "2 actions"),
+        ("{gimbal: {yaw_deg: 3}}", ".gimbal", "pitch_deg"),
+        ("{gimbal: {pitch_deg: -91}}", ".gimbal.pitch_deg", "-91"),
+        ("{servo: {channel: 9, pwm_us: 100}}", ".servo.pwm_us", "100"),
+        ("{roi: {lat: 36.22, lon: -84.31}}", ".roi", "no altitude"),
+        ("{video: begin}", "", "start"),
+        ("{foto: {}}", "", "photo"),
+    ] {
+        let (at, text) = only(ALPHA, &at(actions));
+        let is_there = path.is_empty() || at == path || at == format!("{own}{path}");
+        assert!(is_there, "{at}: {text}");
+        assert!(text.contains(found), "{text}");
+    }
+    let on_px4 = with(ALPHA, &at("{servo: {channel: 9, pwm_us: 1900}}")).replacen(
+        "autopilot: ardupilot",
+        "autopilot: px4",
+        1,
+    );
+    let found = issues(&on_px4);
+    let is_refused = |issue: &&sortie::spec::Issue| issue.path == format!("{own}.servo");
+    let issue = found.iter().find(is_refused).expect("refused");
+    assert!(issue.found.contains("DO_SET_SERVO"), "{}", issue.found);
+}

@@ -5,6 +5,7 @@ use crate::support;
 use crate::support::missions;
 use missions::{land, mission, speed, takeoff, waypoint};
 use proptest::prelude::*;
+use sortie::autopilot::{CornerLaw, Cornering, Turn};
 use sortie::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use sortie::mission::VehicleMission;
 use sortie::numeric::SpeedProfile;
@@ -15,8 +16,8 @@ use support::{copter, empty_spec, place};
 
 const SPEED_MPS: f64 = 15.0;
 const ACCEL_MPS2: f64 = 2.5;
-/// 15^2 / 2.5, larger than what a load factor of 1.2 asks for.
-const RADIUS_M: f64 = 90.0;
+/// Default of `WPNAV_RADIUS`.
+const ACCEPT_M: f64 = 2.0;
 /// Between samples: in space they are looked at alone, in time the straight line between two
 /// is flown, which cuts an arc by the square of this over eight radii, a third of a millimetre.
 const STEP_M: f64 = 2.0;
@@ -72,7 +73,8 @@ fn points(
         .collect()
 }
 
-/// Samples of the horizontal flight, at most `step_m` apart: legs with their corners rounded.
+/// Samples of the horizontal flight, at most `step_m` apart: legs with their corners rounded as far
+/// as the flown law of corners says.
 fn rounded(frame: &LocalFrame, points: &[(LatLon, f64)], step_m: f64) -> Vec<PlanPoint> {
     let knots: Vec<PlanPoint> = points
         .iter()
@@ -86,26 +88,32 @@ fn rounded(frame: &LocalFrame, points: &[(LatLon, f64)], step_m: f64) -> Vec<Pla
     for trio in knots.windows(3) {
         let (into, out) = (unit(trio[0], trio[1]), unit(trio[1], trio[2]));
         let turn = (into.0 * out.1 - into.1 * out.0).atan2(into.0 * out.0 + into.1 * out.1);
-        let cut_m = RADIUS_M * (0.5 * turn.abs()).tan();
+        let corner = Turn {
+            angle_rad: turn.abs(),
+            speed_mps: SPEED_MPS,
+            radius_m: ACCEPT_M,
+        };
+        let cut_m = Cornering::new(CornerLaw::Overlap, ACCEL_MPS2).taken_m(&corner);
+        let radius_m = cut_m / (0.5 * turn.abs()).tan();
         let entry = between(trio[1], trio[0], cut_m);
         let exit = between(trio[1], trio[2], cut_m);
         line(from, entry, step_m, &mut samples);
         // The centre lies on the bisector; the arc is the pencil of directions between the ends.
         let (bx, by) = (out.0 - into.0, out.1 - into.1);
-        let scale = RADIUS_M / (0.5 * turn).cos() / bx.hypot(by).max(1e-12);
+        let scale = radius_m / (0.5 * turn).cos() / bx.hypot(by).max(1e-12);
         let centre = (
             trio[1].at.east_m + bx * scale,
             trio[1].at.north_m + by * scale,
         );
         let start = (entry.at.north_m - centre.1).atan2(entry.at.east_m - centre.0);
-        let count = (RADIUS_M * turn.abs() / step_m).ceil().max(1.0);
+        let count = (radius_m * turn.abs() / step_m).ceil().max(1.0);
         let mut index = 0.0;
         while index < count {
             let share = index / count;
             let angle = start + turn * share;
             samples.push(PlanPoint::new(
-                centre.0 + RADIUS_M * angle.cos(),
-                centre.1 + RADIUS_M * angle.sin(),
+                centre.0 + radius_m * angle.cos(),
+                centre.1 + radius_m * angle.sin(),
                 Amsl(entry.amsl.0 + (exit.amsl.0 - entry.amsl.0) * share),
             ));
             index += 1.0;

@@ -12,7 +12,7 @@ use super::outline::{circle, ring, rounded};
 use crate::geodesy::{Geoid, LatLon, PlanPoint};
 use crate::mission::command_name;
 use crate::path::TimedPoint;
-use crate::spec::{MissionSpec, Placement, Zone};
+use crate::spec::{MissionSpec, Placement, StopAction, Zone};
 use crate::world::World;
 
 /// The fleet as GeoJSON text; `paths` are vehicle ids with their paths.
@@ -52,13 +52,15 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
     for (vehicle, stations) in spec.vehicles.iter().zip(&world.stations) {
         for (stop, station) in vehicle.stops.iter().zip(&stations.stops) {
             let coordinates = position(MapPoint::of(world, *station));
-            features.push(feature(
-                GeometryValue::Point { coordinates },
-                &json!({
-                    "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
-                    "amsl_m": metres(*station), "hold_s": stop.hold_s,
-                }),
-            ));
+            let mut properties = json!({
+                "kind": "stop", "id": stop.id, "vehicle": vehicle.id,
+                "amsl_m": metres(*station), "hold_s": stop.hold_s,
+            });
+            if !stop.actions.is_empty() {
+                let actions = stop.actions.iter().map(StopAction::key);
+                properties["actions"] = actions.collect();
+            }
+            features.push(feature(GeometryValue::Point { coordinates }, &properties));
         }
     }
     for (vehicle, path) in paths {

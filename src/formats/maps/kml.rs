@@ -8,7 +8,7 @@ use super::drawing::{Drawing, DrawnItem, MapPoint};
 use super::outline::{circle, ring};
 use crate::geodesy::{Amsl, LatLon};
 use crate::path::TimedPoint;
-use crate::spec::{MissionSpec, Placement};
+use crate::spec::{MissionSpec, Placement, StopAction};
 use crate::world::World;
 
 /// Line colours of the vehicles in turn (`aabbggrr`), distinct for colour-blind eyes too.
@@ -54,7 +54,12 @@ pub fn write(spec: &MissionSpec, world: &World, paths: &[(&str, &[TimedPoint])])
         }
         for (stop, station) in vehicle.stops.iter().zip(&stations.stops) {
             let point = MapPoint::of(world, *station);
-            kml.placemark(&format!("{} stop {}", vehicle.id, stop.id), point);
+            let actions: Vec<&str> = stop.actions.iter().map(StopAction::key).collect();
+            let done = match actions.is_empty() {
+                true => String::new(),
+                false => format!(" ({})", actions.join(", ")),
+            };
+            kml.placemark(&format!("{} stop {}{done}", vehicle.id, stop.id), point);
         }
         kml.close("Folder");
     }

@@ -8,7 +8,7 @@
 use crate::autopilot::{command, frame};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::item::{Home, Item};
-use crate::spec::AltitudeReference;
+use crate::spec::{AltitudeReference, EndPoint, Placement};
 use crate::world::{NoData, World};
 
 /// Furthest that encoding moves a point, metres: a quarter up, half of 1e-7 degrees aside;
@@ -107,6 +107,16 @@ impl<'a> Encoder<'a> {
                 z => z,
             },
         })
+    }
+
+    /// An item at a place with an altitude of its own.
+    pub(crate) fn place(&self, command: u16, end: EndPoint) -> Result<Item, NoData> {
+        let amsl = match end.altitude {
+            Placement::Amsl(amsl) => amsl,
+            Placement::Agl(agl) => agl.over(self.world.terrain.height(end.place)?),
+        };
+        let at = self.world.frame.to_plan(end.place);
+        self.item(command, [0.0; 4], PlanPoint { at, amsl })
     }
 
     /// The same item with its altitude above home, whatever the reference of the mission:

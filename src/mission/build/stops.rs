@@ -4,7 +4,7 @@ use super::{ItemWriter, float};
 use crate::autopilot::{Autopilot, command};
 use crate::geodesy::PlanPoint;
 use crate::mission::item::Item;
-use crate::spec::Stop;
+use crate::spec::{Stop, StopAction};
 use crate::world::NoData;
 
 /// Rest before anything is done at a stop, seconds.
@@ -13,10 +13,12 @@ const FIRST_REST_S: f64 = 1.0;
 impl ItemWriter<'_> {
     /// The items of a stop at its point.
     ///
-    /// ArduPilot runs commands without a location at the begin of the waypoint after them: a stop
-    /// with commands ends in a second waypoint at the same place.
+    /// ArduPilot runs commands without a location while it holds at the waypoint after them, and PX4
+    /// when the hold before them ends: a stop with commands ends in a second waypoint at the same
+    /// place.
     pub(super) fn stop(&self, stop: &Stop, point: PlanPoint) -> Result<Vec<Item>, NoData> {
-        let turns = self.turn_to(stop);
+        let mut turns = self.turn_to(stop);
+        turns.extend(self.actions(stop)?);
         let mut items = if turns.is_empty() {
             vec![self.rest(stop, stop.rest_s(), point)?]
         } else {
@@ -51,5 +53,45 @@ impl ItemWriter<'_> {
             Item::without_place(command::CONDITION_YAW, [heading_deg, 0.0, 0.0, 0.0])
         });
         turn.into_iter().collect()
+    }
+
+    /// The items of the actions, in their order.
+    fn actions(&self, stop: &Stop) -> Result<Vec<Item>, NoData> {
+        let is_gimbal = |action: &StopAction| matches!(action, StopAction::Gimbal { .. });
+        let mut items = Vec::new();
+        if self.vehicle.autopilot == Autopilot::Px4 && stop.actions.iter().any(is_gimbal) {
+            // PX4 turns a gimbal for whom controls it: -2 is the autopilot itself.
+            let itself = [-2.0, -2.0, -1.0, -1.0];
+            let configure = command::DO_GIMBAL_MANAGER_CONFIGURE;
+            items.push(Item::without_place(configure, itself));
+        }
+        for action in &stop.actions {
+            items.push(self.action(action)?);
+        }
+        Ok(items)
+    }
+
+    fn action(&self, action: &StopAction) -> Result<Item, NoData> {
+        let params = match *action {
+            // One picture, at once.
+            StopAction::Photo => [0.0, 0.0, 1.0, 0.0],
+            StopAction::Roi(end) => return self.encoder.place(action.command(), end),
+            StopAction::Gimbal { pitch_deg, yaw_deg } => {
+                [f32::from(pitch_deg), f32::from(yaw_deg), 0.0, 0.0]
+            }
+            StopAction::Servo { channel, pwm_us } => {
+                [f32::from(channel), f32::from(pwm_us), 0.0, 0.0]
+            }
+            StopAction::Relay { number, closed } => {
+                [f32::from(number), f32::from(u8::from(closed)), 0.0, 0.0]
+            }
+            StopAction::Gripper { grabs } => [1.0, f32::from(u8::from(grabs)), 0.0, 0.0],
+            // WINCH_RELATIVE_LENGTH_CONTROL.
+            StopAction::Winch { length_m, rate_mps } => {
+                [1.0, 1.0, float(length_m), float(rate_mps)]
+            }
+            StopAction::Video { .. } | StopAction::RoiNone => [0.0; 4],
+        };
+        Ok(Item::without_place(action.command(), params))
     }
 }

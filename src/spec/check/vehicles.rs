@@ -1,5 +1,6 @@
 //! The vehicles, each alone and against each other.
 
+mod actions;
 mod altitudes;
 mod endurance;
 mod stops;

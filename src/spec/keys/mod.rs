@@ -4,6 +4,7 @@
 //! `range` attributes are the ranges that [`check`](super::check) enforces. A key that must be
 //! given is an `Option` with the attribute `required`; the check reports where it is missing.
 
+mod actions;
 mod airspace;
 mod endurance;
 mod fleet;
@@ -14,6 +15,7 @@ mod stops;
 mod vehicle;
 mod zones;
 
+pub use actions::{Gimbal, Gripper, Photo, Relay, RoiNone, Servo, StopAction, Video, Winch};
 pub use airspace::{AirspaceFile, ObstacleFile, Only};
 pub use endurance::{Endurance, Energy};
 pub use fleet::{Fleet, Grid};

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::StopAction;
+
 /// A place that a vehicle visits between start and goal: with agl_m or with amsl_m, not both.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -31,6 +33,10 @@ pub struct Stop {
     /// Where its nose points while it stays there, 5 s at least, degrees clockwise from north.
     #[schemars(range(min = 0, max = 360))]
     pub heading_deg: Option<f64>,
+    /// What it does there, one after the other, at rest and with its nose turned.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 20))]
+    pub actions: Vec<StopAction>,
     /// Planned speed from there on, m/s.
     #[schemars(range(min = 0.5, max = 100))]
     pub speed_mps: Option<f64>,

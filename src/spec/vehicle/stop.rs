@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{EndPoint, Vehicle};
+use super::{EndPoint, StopAction, Vehicle};
 use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
@@ -15,6 +15,10 @@ const LEAST_REST_S: f64 = 1.0;
 /// A copter that turns its nose there rests at least this long: 1 s to come to rest, and 180 degrees
 /// at 45 degrees a second.
 const LEAST_TURN_S: f64 = 5.0;
+
+/// Time for an action to begin, seconds: ArduPilot runs commands one after the other while it holds
+/// at the waypoint after them, and drops those that have not run when that hold ends.
+pub const ACTION_S: f64 = 0.5;
 
 /// Most stops of one vehicle.
 pub const MAX_STOPS: usize = 100;
@@ -32,20 +36,27 @@ pub struct Stop {
     pub acceptance_radius_m: Option<f64>,
     /// Where its nose points while it stays, radians clockwise from north; absent: anywhere.
     pub heading_rad: Option<f64>,
+    /// What it does there, in this order.
+    pub actions: Vec<StopAction>,
     /// Planned speed from there on, m/s; absent: as before.
     pub speed_mps: Option<f64>,
 }
 
 impl Stop {
     /// How long a copter rests there, seconds: whole ones, which ArduPilot keeps, at least 1, and
-    /// at least 5 with a heading.
+    /// at least 5 with a heading, and more by 0.5 for each action.
     #[must_use]
     pub fn rest_s(&self) -> f64 {
         let least_s = match self.heading_rad {
             Some(_) => LEAST_TURN_S,
             None => LEAST_REST_S,
         };
-        self.hold_s.ceil().max(least_s)
+        let count = u32::try_from(self.actions.len()).unwrap_or(u32::MAX);
+        let acting_s = match count {
+            0 => 0.0,
+            _ => 1.0 + ACTION_S * f64::from(count),
+        };
+        self.hold_s.max(least_s + acting_s).ceil()
     }
 }
 

@@ -1,6 +1,7 @@
 //! What the spec says of a mission besides where it may go: home, start, goal,
 //! finish, departure, speed, slopes, turns, number of items.
 
+mod actions;
 mod ends;
 mod stops;
 

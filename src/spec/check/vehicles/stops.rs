@@ -60,12 +60,14 @@ impl Checker {
             self.clear(path, "stop", end.place, map);
         }
         self.stop_speed(&format!("{path}.speed_mps"), stop, vehicle);
+        let actions = self.actions(path, &stop.actions, vehicle.autopilot);
         Some(Stop {
             id: id?,
             end: end?,
             hold_s: stop.hold_s.unwrap_or(0.0),
             acceptance_radius_m: stop.acceptance_radius_m,
             heading_rad: stop.heading_deg.map(f64::to_radians),
+            actions,
             speed_mps: stop.speed_mps,
         })
     }

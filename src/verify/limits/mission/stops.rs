@@ -1,15 +1,12 @@
 //! Stops: each is visited, in order, for its time, and what the spec wants is done there.
 
 use super::Contract;
-use crate::autopilot::Autopilot;
-use crate::mission::{self, Item, command};
+use crate::mission;
 use crate::spec::{Order, Stop};
 use crate::verify::execute::flight::Rest;
 use crate::verify::measure::worst::Worst;
-use crate::verify::{Limit, Margin, Requirement};
+use crate::verify::{Limit, Margin};
 
-/// A heading may differ from the planned one by this, degrees.
-const HEADING_DEG: f64 = 1.0;
 /// A rest may be shorter than planned by this, seconds: rounding of sums.
 const REST_S: f64 = 1e-6;
 
@@ -100,34 +97,7 @@ impl Contract<'_> {
         .into_iter()
         .flatten()
         .collect();
-        margins.extend(self.turned(visit.stop, rest));
+        margins.extend(self.done(visit.stop, rest));
         margins
-    }
-
-    /// Whether the items of a stop turn the nose as the spec says.
-    fn turned(&self, stop: &Stop, rest: &Rest) -> Option<Margin> {
-        let heading_deg = stop.heading_rad?.to_degrees();
-        let (first, last) = rest.rows;
-        let items = self.mission.items.get(first - 1..last).unwrap_or_default();
-        let is_heading = |deg: f32| {
-            let off_deg = (f64::from(deg) - heading_deg).rem_euclid(360.0);
-            off_deg.min(360.0 - off_deg) <= HEADING_DEG
-        };
-        let turns = |item: &Item| match self.mission.autopilot {
-            Autopilot::ArduPilot => {
-                let [deg, _, _, relative] = item.params;
-                item.command == command::CONDITION_YAW && relative == 0.0 && is_heading(deg)
-            }
-            Autopilot::Px4 => item.command == command::NAV_WAYPOINT && is_heading(item.params[3]),
-        };
-        let is_turned = items.iter().any(turns);
-        let required = Requirement::at_most(Limit::StopActions(stop.id.clone()), 0.0, "missing");
-        let missing = if is_turned { 0.0 } else { 1.0 };
-        let at = self.moment(rest.point, rest.from_s, first);
-        let mut margin = required.margin(self.id(), missing, Some(at));
-        if !is_turned {
-            margin.note = format!("no item turns it to {heading_deg:.0} degrees");
-        }
-        Some(margin)
     }
 }

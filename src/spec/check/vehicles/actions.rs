@@ -1,0 +1,111 @@
+//! The actions at a stop.
+
+use super::Checker;
+use crate::autopilot::{Autopilot, command_name, command_row};
+use crate::spec::keys;
+use crate::spec::{EndPoint, StopAction};
+
+const KEYS: &str =
+    "one of photo, video, gimbal, roi, roi_none, servo, relay, gripper, winch in each item";
+
+impl Checker {
+    /// The actions of a stop that are whole and that the autopilot runs.
+    pub(super) fn actions(
+        &mut self,
+        path: &str,
+        listed: &[keys::StopAction],
+        autopilot: Option<Autopilot>,
+    ) -> Vec<StopAction> {
+        let mut actions = Vec::new();
+        for (index, keys) in listed.iter().enumerate() {
+            let path = format!("{path}.actions[{index}]");
+            let mut found = self.action(&path, keys);
+            if found.len() > 1 || (found.is_empty() && *keys == keys::StopAction::default()) {
+                self.report(&path, format!("{} actions", found.len()), KEYS);
+                continue;
+            }
+            let Some(action) = found.pop() else { continue };
+            self.runs(&path, &action, autopilot);
+            actions.push(action);
+        }
+        actions
+    }
+
+    /// An autopilot must not refuse the command of an action.
+    fn runs(&mut self, path: &str, action: &StopAction, autopilot: Option<Autopilot>) {
+        let Some(autopilot) = autopilot else { return };
+        let number = action.command();
+        let is_known = command_row(number).is_some_and(|row| row.rule(autopilot).is_some());
+        if !is_known {
+            let name = command_name(number).unwrap_or_default();
+            let found = format!(
+                "{}, and {} refuses {name} in a mission",
+                action.key(),
+                autopilot.name()
+            );
+            self.report(&format!("{path}.{}", action.key()), found, "another action");
+        }
+    }
+
+    /// All actions that one item has; broken ones are reported.
+    fn action(&mut self, path: &str, keys: &keys::StopAction) -> Vec<StopAction> {
+        let mut found = Vec::new();
+        found.extend(keys.photo.map(|_| StopAction::Photo));
+        found.extend(keys.video.map(|video| StopAction::Video {
+            starts: video == keys::Video::Start,
+        }));
+        found.extend(keys.gimbal.and_then(|gimbal| self.gimbal(path, gimbal)));
+        found.extend(keys.roi.and_then(|roi| self.roi(path, roi)));
+        found.extend(keys.roi_none.map(|_| StopAction::RoiNone));
+        found.extend(keys.servo.and_then(|servo| self.servo(path, servo)));
+        found.extend(keys.relay.and_then(|relay| self.relay(path, relay)));
+        found.extend(keys.gripper.map(|gripper| StopAction::Gripper {
+            grabs: gripper == keys::Gripper::Grab,
+        }));
+        found.extend(keys.winch.and_then(|winch| self.winch(path, winch)));
+        found
+    }
+
+    fn gimbal(&mut self, path: &str, keys: keys::Gimbal) -> Option<StopAction> {
+        let pitch_deg = self.required(&format!("{path}.gimbal"), "pitch_deg", keys.pitch_deg)?;
+        Some(StopAction::Gimbal {
+            pitch_deg: i16::try_from(pitch_deg).ok()?,
+            yaw_deg: i16::try_from(keys.yaw_deg.unwrap_or(0)).ok()?,
+        })
+    }
+
+    fn roi(&mut self, path: &str, keys: keys::EndPoint) -> Option<StopAction> {
+        let end: EndPoint = self.end_point(&format!("{path}.roi"), keys)?;
+        Some(StopAction::Roi(end))
+    }
+
+    fn servo(&mut self, path: &str, keys: keys::Servo) -> Option<StopAction> {
+        let path = format!("{path}.servo");
+        let channel = self.required(&path, "channel", keys.channel);
+        let pwm_us = self.required(&path, "pwm_us", keys.pwm_us);
+        Some(StopAction::Servo {
+            channel: u8::try_from(channel?).ok()?,
+            pwm_us: u16::try_from(pwm_us?).ok()?,
+        })
+    }
+
+    fn relay(&mut self, path: &str, keys: keys::Relay) -> Option<StopAction> {
+        let path = format!("{path}.relay");
+        let number = self.required(&path, "number", keys.number);
+        let closed = self.required(&path, "closed", keys.closed);
+        Some(StopAction::Relay {
+            number: u8::try_from(number?).ok()?,
+            closed: closed?,
+        })
+    }
+
+    fn winch(&mut self, path: &str, keys: keys::Winch) -> Option<StopAction> {
+        let path = format!("{path}.winch");
+        let length_m = self.required(&path, "length_m", keys.length_m);
+        let rate_mps = self.required(&path, "rate_mps", keys.rate_mps);
+        Some(StopAction::Winch {
+            length_m: length_m?,
+            rate_mps: rate_mps?,
+        })
+    }
+}

@@ -1,0 +1,88 @@
+//! What a vehicle does at a stop.
+
+use super::EndPoint;
+use crate::autopilot::command;
+
+/// One action at a stop.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StopAction {
+    /// Takes one picture.
+    Photo,
+    /// Starts a video, or stops it.
+    Video {
+        /// Whether it starts.
+        starts: bool,
+    },
+    /// Turns the gimbal, whole degrees.
+    Gimbal {
+        /// Above the horizon.
+        pitch_deg: i16,
+        /// Clockwise from the nose.
+        yaw_deg: i16,
+    },
+    /// Camera or nose point at this place from now on.
+    Roi(EndPoint),
+    /// No longer.
+    RoiNone,
+    /// Sets a servo.
+    Servo {
+        /// Number of the output, from 1.
+        channel: u8,
+        /// Length of the pulse, microseconds.
+        pwm_us: u16,
+    },
+    /// Sets a relay.
+    Relay {
+        /// From 0.
+        number: u8,
+        /// Whether it is switched on.
+        closed: bool,
+    },
+    /// Moves the gripper.
+    Gripper {
+        /// Whether it closes.
+        grabs: bool,
+    },
+    /// Lets a line out.
+    Winch {
+        /// Metres out, negative in.
+        length_m: f64,
+        /// Speed of the line, m/s.
+        rate_mps: f64,
+    },
+}
+
+impl StopAction {
+    /// The `MAV_CMD` that does it.
+    #[must_use]
+    pub fn command(&self) -> u16 {
+        match self {
+            Self::Photo => command::IMAGE_START_CAPTURE,
+            Self::Video { starts: true } => command::VIDEO_START_CAPTURE,
+            Self::Video { starts: false } => command::VIDEO_STOP_CAPTURE,
+            Self::Gimbal { .. } => command::DO_GIMBAL_MANAGER_PITCHYAW,
+            Self::Roi(_) => command::DO_SET_ROI_LOCATION,
+            Self::RoiNone => command::DO_SET_ROI_NONE,
+            Self::Servo { .. } => command::DO_SET_SERVO,
+            Self::Relay { .. } => command::DO_SET_RELAY,
+            Self::Gripper { .. } => command::DO_GRIPPER,
+            Self::Winch { .. } => command::DO_WINCH,
+        }
+    }
+
+    /// The key of the spec.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            Self::Photo => "photo",
+            Self::Video { .. } => "video",
+            Self::Gimbal { .. } => "gimbal",
+            Self::Roi(_) => "roi",
+            Self::RoiNone => "roi_none",
+            Self::Servo { .. } => "servo",
+            Self::Relay { .. } => "relay",
+            Self::Gripper { .. } => "gripper",
+            Self::Winch { .. } => "winch",
+        }
+    }
+}

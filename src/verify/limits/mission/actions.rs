@@ -1,0 +1,148 @@
+//! What is done at a stop: the heading and the actions, in their order, where they are run.
+
+use super::Contract;
+use crate::autopilot::Autopilot;
+use crate::geodesy::Amsl;
+use crate::mission::{Item, command};
+use crate::spec::{ACTION_S, EndPoint, Placement, Stop, StopAction};
+use crate::verify::execute::flight::Rest;
+use crate::verify::execute::item::{self, Height};
+use crate::verify::{Limit, Margin, Requirement};
+
+/// A heading may differ from the planned one by this, degrees.
+const HEADING_DEG: f64 = 1.0;
+/// A region of interest may be this far from the planned one, metres: encoding moves it less.
+const ROI_M: f64 = 1.0;
+/// A turn of the nose by 180 degrees, seconds.
+const TURN_S: f64 = 4.0;
+
+impl Contract<'_> {
+    /// Whether the items of a stop turn the nose and do what the spec says.
+    pub(super) fn done(&self, stop: &Stop, rest: &Rest) -> Option<Margin> {
+        if stop.heading_rad.is_none() && stop.actions.is_empty() {
+            return None;
+        }
+        let (first, last) = rest.rows;
+        let items = self.mission.items.get(first - 1..last).unwrap_or_default();
+        let mut missing: Vec<String> = Vec::new();
+        if let Some(heading_rad) = stop.heading_rad {
+            let heading_deg = heading_rad.to_degrees();
+            if !items.iter().any(|item| self.turns_nose(item, heading_deg)) {
+                missing.push(format!("no item turns it to {heading_deg:.0} degrees"));
+            }
+        }
+        missing.extend(self.not_done(stop, items));
+        let required = Requirement::at_most(Limit::StopActions(stop.id.clone()), 0.0, "missing");
+        let count = u32::try_from(missing.len()).unwrap_or(u32::MAX);
+        let at = self.moment(rest.point, rest.from_s, first);
+        let mut margin = required.margin(self.id(), f64::from(count), Some(at));
+        margin.note = missing.join("; ");
+        Some(margin)
+    }
+
+    fn turns_nose(&self, item: &Item, heading_deg: f64) -> bool {
+        let is_heading = |deg: f32| {
+            let off_deg = (f64::from(deg) - heading_deg).rem_euclid(360.0);
+            off_deg.min(360.0 - off_deg) <= HEADING_DEG
+        };
+        match self.mission.autopilot {
+            Autopilot::ArduPilot => {
+                let [deg, _, _, relative] = item.params;
+                item.command == command::CONDITION_YAW && relative == 0.0 && is_heading(deg)
+            }
+            Autopilot::Px4 => item.command == command::NAV_WAYPOINT && is_heading(item.params[3]),
+        }
+    }
+
+    /// The actions without an item that does them, in their order, and those that would be dropped.
+    fn not_done(&self, stop: &Stop, items: &[Item]) -> Vec<String> {
+        let mut missing = Vec::new();
+        let mut next = 0;
+        for (index, action) in stop.actions.iter().enumerate() {
+            let name = || format!("action {} ({})", index + 1, action.key());
+            let rest = items.get(next..).unwrap_or_default();
+            match rest.iter().position(|item| self.does(item, action)) {
+                Some(offset) => {
+                    next += offset + 1;
+                    let is_steered = !matches!(action, StopAction::Gimbal { .. })
+                        || self.steers_gimbal(&items[..next]);
+                    if !is_steered {
+                        missing.push(format!("{}: no item takes control of it", name()));
+                    } else if !self.is_run(items, next - 1) {
+                        missing.push(format!("{}: the hold after it ends before it", name()));
+                    }
+                }
+                None => missing.push(format!("{}: no item does it", name())),
+            }
+        }
+        missing
+    }
+
+    /// PX4 turns a gimbal only for whom controls it.
+    fn steers_gimbal(&self, items: &[Item]) -> bool {
+        let configures = |item: &Item| item.command == command::DO_GIMBAL_MANAGER_CONFIGURE;
+        self.mission.autopilot != Autopilot::Px4 || items.iter().any(configures)
+    }
+
+    /// ArduPilot runs commands while it holds at the waypoint after them, and drops those that have
+    /// not run when that hold ends.
+    fn is_run(&self, items: &[Item], index: usize) -> bool {
+        if self.mission.autopilot != Autopilot::ArduPilot {
+            return true;
+        }
+        let is_waypoint = |item: &&Item| item.command == command::NAV_WAYPOINT;
+        let before = items[..index].iter().rev();
+        let mut needed_s = ACTION_S;
+        for item in before.take_while(|item| !is_waypoint(item)) {
+            needed_s += match item.command {
+                command::CONDITION_YAW => TURN_S,
+                _ => ACTION_S,
+            };
+        }
+        let after = items[index..].iter().find(is_waypoint);
+        after.is_some_and(|item| f64::from(item.params[0]) >= needed_s)
+    }
+
+    /// Whether an item does an action as the autopilot reads it.
+    fn does(&self, item: &Item, action: &StopAction) -> bool {
+        let has = |expected: &[f64]| {
+            let pairs = item.params.iter().zip(expected);
+            pairs
+                .into_iter()
+                .all(|(param, expected)| (f64::from(*param) - expected).abs() < 1e-3)
+        };
+        let is_done = match *action {
+            StopAction::Photo => has(&[0.0, 0.0, 1.0]),
+            StopAction::Video { .. } | StopAction::RoiNone => true,
+            StopAction::Gimbal { pitch_deg, yaw_deg } => {
+                has(&[f64::from(pitch_deg), f64::from(yaw_deg)]) && item.x == 0
+            }
+            StopAction::Servo { channel, pwm_us } => has(&[f64::from(channel), f64::from(pwm_us)]),
+            StopAction::Relay { number, closed } => {
+                has(&[f64::from(number), f64::from(u8::from(closed))])
+            }
+            StopAction::Gripper { grabs } => has(&[1.0, f64::from(u8::from(grabs))]),
+            StopAction::Winch { length_m, rate_mps } => has(&[1.0, 1.0, length_m, rate_mps]),
+            StopAction::Roi(end) => self.is_at(item, end),
+        };
+        item.command == action.command() && is_done
+    }
+
+    /// Whether an item has this place and altitude.
+    fn is_at(&self, item: &Item, end: EndPoint) -> bool {
+        let (Some(place), Ok(ground)) = (item.place(), self.world.terrain.height(end.place)) else {
+            return false;
+        };
+        let home = Amsl(f64::from(self.mission.home.amsl_m));
+        let amsl_m = match item::height(item, self.mission.autopilot, home) {
+            Ok(Height::Sea(amsl)) => amsl.0,
+            Ok(Height::Ground(agl)) => agl.over(ground).0,
+            _ => return false,
+        };
+        let expected_m = match end.altitude {
+            Placement::Amsl(amsl) => amsl.0,
+            Placement::Agl(agl) => agl.over(ground).0,
+        };
+        place.chord_m(end.place) <= ROI_M && (amsl_m - expected_m).abs() <= ROI_M
+    }
+}
