@@ -63,8 +63,8 @@ fn check_lists_what_a_feed_holds_and_what_its_fence_needs() {
     );
     // Four corners of the area, and four of each zone.
     assert!(
-        err.contains("the fence needs 124 items and alpha keeps 70"),
-        "{err}"
+        out.contains("fence: needs 124 items, alpha keeps 70 (ArduCopter): zones"),
+        "{out}"
     );
 }
 
