@@ -22,21 +22,28 @@ pub(super) struct ZoneCells {
 impl ZoneCells {
     /// The raster; none where there are few zones.
     pub(super) fn new(zones: &[ClosedZone]) -> Option<Self> {
-        if zones.len() < MIN_ZONES {
+        let boxes: Vec<(Point, Point)> = zones.iter().map(ClosedZone::bounds).collect();
+        Self::around(&boxes)
+    }
+
+    /// The raster over the boxes of zones.
+    fn around(boxes: &[(Point, Point)]) -> Option<Self> {
+        if boxes.len() < MIN_ZONES {
             return None;
         }
         let none = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let (low, high) = zones.iter().fold(none, |(low, high), zone| {
-            let (zone_low, zone_high) = zone.bounds();
-            let axis = |axis: usize| {
-                (
-                    low[axis].min(zone_low[axis]),
-                    high[axis].max(zone_high[axis]),
-                )
-            };
-            let (x, y) = (axis(0), axis(1));
-            ([x.0, y.0], [x.1, y.1])
-        });
+        let (low, high) = boxes
+            .iter()
+            .fold(none, |(low, high), (zone_low, zone_high)| {
+                let axis = |axis: usize| {
+                    (
+                        low[axis].min(zone_low[axis]),
+                        high[axis].max(zone_high[axis]),
+                    )
+                };
+                let (x, y) = (axis(0), axis(1));
+                ([x.0, y.0], [x.1, y.1])
+            });
         #[expect(clippy::cast_precision_loss, reason = "a small constant")]
         let side = SIDE as f64;
         let cell_m = [(high[0] - low[0]) / side, (high[1] - low[1]) / side];
@@ -51,8 +58,7 @@ impl ZoneCells {
             cell_m,
             zones: vec![Vec::new(); SIDE * SIDE],
         };
-        for (index, zone) in (0..).zip(zones) {
-            let (zone_low, zone_high) = zone.bounds();
+        for (index, &(zone_low, zone_high)) in (0..).zip(boxes) {
             let ((east, north), (last_east, last_north)) =
                 (cells.at(zone_low), cells.at(zone_high));
             for row in north.saturating_sub(1)..=last_north {
@@ -86,5 +92,39 @@ impl ZoneCells {
         let is_short = |axis: usize| (a[axis] - b[axis]).abs() < 0.999 * self.cell_m[axis];
         let (column, row) = self.at(low);
         (is_short(0) && is_short(1)).then(|| self.zones[row * SIDE + column].as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_cell_lists_every_zone_that_a_short_piece_meets(
+            corners in prop::collection::vec((-900.0..900.0_f64, -900.0..900.0_f64, 5.0..300.0_f64), 12..40),
+            a in (-1500.0..1500.0_f64, -1500.0..1500.0_f64),
+            by in (-60.0..60.0_f64, -60.0..60.0_f64),
+        ) {
+            let boxes: Vec<(Point, Point)> = corners
+                .iter()
+                .map(|&(east, north, side)| ([east, north], [east + side, north + side]))
+                .collect();
+            let Some(cells) = ZoneCells::around(&boxes) else {
+                return Ok(());
+            };
+            let (a, b) = ([a.0, a.1], [a.0 + by.0, a.1 + by.1]);
+            let Some(near) = cells.near(a, b) else {
+                return Ok(());
+            };
+            prop_assert!(near.is_sorted());
+            for (index, (low, high)) in (0..).zip(&boxes) {
+                let meets = (0..2).all(|axis| {
+                    a[axis].min(b[axis]) <= high[axis] && a[axis].max(b[axis]) >= low[axis]
+                });
+                prop_assert!(!meets || near.contains(&index), "{index}");
+            }
+        }
     }
 }
