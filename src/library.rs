@@ -154,6 +154,7 @@ pub fn upload(
             Link::Sim => {
                 let simulated = simulator::spawn(&Simulated {
                     airframe: this.airframe,
+                    fence_points: this.fence_points,
                     ..Simulated::on_loopback(this.autopilot.into(), this.sysid, Some(items.home))
                 })?;
                 let address = simulated.address().to_string();

@@ -1,12 +1,13 @@
 //! `sortie check`: the spec alone.
 
+use std::collections::BTreeMap;
+
 use super::args;
 use super::print::console::{note, out};
 use super::print::failure::Failure;
-use crate::autopilot::facts;
 use crate::mission;
 use crate::path::lean_note;
-use crate::spec::{Document, MissionSpec, Survey};
+use crate::spec::{Document, MissionSpec, Survey, Vehicle};
 use crate::verify;
 use crate::world;
 
@@ -15,6 +16,7 @@ const MAX_LISTED: usize = 20;
 
 pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     let mut surveys = Vec::new();
+    let mut needs = Vec::new();
     let (kind, vehicles, threats, zones) = match Document::read(&arguments.spec)? {
         Document::Mission(file) => {
             world::load(&file)?;
@@ -28,9 +30,7 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
             for text in verify::distant_from_area(spec, &[]) {
                 note(&format!("warning: {text}"));
             }
-            for text in full_fences(spec) {
-                note(&format!("warning: {text}"));
-            }
+            needs = fences(spec);
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
             surveys.clone_from(&file.surveys);
             ("", vehicles, threats, spec.no_fly.len())
@@ -54,6 +54,9 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         count(threats, "threat", "threats"),
         count(zones, "no-fly zone", "no-fly zones"),
     ))?;
+    for line in needs {
+        out(&line)?;
+    }
     for survey in &surveys {
         for line in described(survey) {
             out(&line)?;
@@ -62,20 +65,43 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The vehicles whose autopilot does not keep the fence of a spec: their missions would be
-/// rejected after planning.
-fn full_fences(spec: &MissionSpec) -> Vec<String> {
+/// What the fence of a spec needs, and what each kind of vehicle keeps.
+fn fences(spec: &MissionSpec) -> Vec<String> {
     let needs = mission::fence_needs(spec);
-    let vehicles = spec.vehicles.iter().filter_map(|vehicle| {
-        let keeps = facts(vehicle.autopilot, vehicle.airframe).capacity.fence;
-        (needs > keeps).then(|| {
-            format!(
-                "the fence needs {needs} items and {} keeps {keeps}: leave zones out (only, skip), or set mission.fence: false",
-                vehicle.id
-            )
-        })
+    if needs == 0 {
+        return vec!["  fence: none (mission.fence: false)".to_owned()];
+    }
+    let mut kinds: BTreeMap<(usize, u64), Vec<&Vehicle>> = BTreeMap::new();
+    for vehicle in &spec.vehicles {
+        let reach_m = mission::FENCE_REACH_S * vehicle.top_speed_mps();
+        let key = (vehicle.fence_capacity(), reach_m.to_bits());
+        kinds.entry(key).or_default().push(vehicle);
+    }
+    let lines = kinds.into_iter().filter_map(|((keeps, reach_bits), vehicles)| {
+        let first = vehicles.first()?;
+        let others = match vehicles.len() - 1 {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        let how = match first.fence_points {
+            Some(_) => "fence_points",
+            None => first.facts().firmware,
+        };
+        let mut line = format!(
+            "  fence: needs {needs} items, {}{others} keeps {keeps} ({how})",
+            first.id
+        );
+        if needs > keeps {
+            line += &format!(
+                ": zones and threats more than {} s at top speed ({:.0} m) from the path and every way back may be left out, \
+                 others have wider boundaries",
+                mission::FENCE_REACH_S,
+                f64::from_bits(reach_bits)
+            );
+        }
+        Some(line)
     });
-    vehicles.collect()
+    lines.collect()
 }
 
 /// What became of the shapes of a file.

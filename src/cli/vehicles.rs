@@ -107,6 +107,7 @@ fn start(
     };
     let simulated = Simulated {
         airframe: this.airframe,
+        fence_points: this.fence_points,
         weather: Weather {
             loss: arguments.loss / 100.0,
             delay_ms: arguments.delay,

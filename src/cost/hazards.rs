@@ -1,5 +1,7 @@
 //! What a path must not cross: threats, zones, the edge of the area.
 
+mod zone_cells;
+
 use geo::Polygon;
 
 use super::closed_zone::ClosedZone;
@@ -9,6 +11,7 @@ use super::relief::Relief;
 use super::{Margins, RouteEnds};
 use crate::numeric::geometry::{Point, Ring, disc_chord};
 use crate::world::{Disc, PlanZone, World};
+use zone_cells::ZoneCells;
 
 /// A threat, widened by its margin.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +43,7 @@ pub(crate) struct Bounds {
 pub(crate) struct Hazards {
     pub(crate) threats: Vec<Threat>,
     pub(crate) zones: Vec<ClosedZone>,
+    cells: Option<ZoneCells>,
     pub(crate) bounds: Bounds,
     /// What floors and ceilings above ground are measured from.
     pub(crate) relief: Relief,
@@ -62,9 +66,11 @@ impl Hazards {
             Threat::new(center, disc.radius_m + widest(room_m))
         };
         let zone = |zone: &PlanZone| ClosedZone::new(zone, (world, route), margins);
+        let zones: Vec<ClosedZone> = world.zones.iter().map(zone).collect();
         Self {
             threats: world.threats.iter().map(threat).collect(),
-            zones: world.zones.iter().map(zone).collect(),
+            cells: ZoneCells::new(&zones),
+            zones,
             bounds: Bounds::new(&world.area),
             relief: relief.clone(),
         }
@@ -79,8 +85,19 @@ impl Hazards {
         mut exposure: f64,
         crossings: &mut Vec<(f64, i32)>,
     ) -> f64 {
-        for zone in &self.zones {
-            exposure += zone.exposure(piece, &self.relief, crossings);
+        let near = self.cells.as_ref();
+        match near.and_then(|cells| cells.near(piece.a, piece.b)) {
+            // In the same order, so that the sum is the same.
+            Some(near) => {
+                for &index in near {
+                    exposure += self.zones[index as usize].exposure(piece, &self.relief, crossings);
+                }
+            }
+            None => {
+                for zone in &self.zones {
+                    exposure += zone.exposure(piece, &self.relief, crossings);
+                }
+            }
         }
         exposure + self.bounds.exposure(piece, crossings)
     }

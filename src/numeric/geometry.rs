@@ -1,5 +1,6 @@
 //! Geometry in the plane: segments, discs, polygons. Points are `[x, y]`.
 
+pub mod cover;
 mod offset;
 mod ring;
 

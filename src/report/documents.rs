@@ -11,7 +11,7 @@ use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
 use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, StopAction, Vehicle};
-use crate::verify::{Margin, Moment, Review};
+use crate::verify::{Limit, Margin, Moment, Review};
 use crate::world::World;
 
 /// The paths of a fleet: `plan.json`.
@@ -91,10 +91,22 @@ pub struct PlannedVehicle {
     /// The stops in the order in which they are visited.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stops: Vec<PlannedStop>,
+    /// What its autopilot has no space for in the fence, the nearest first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub left_out_of_fence: Vec<LeftOut>,
     /// Control points of the splines, one route after the other.
     pub control_points: Vec<ControlPoint>,
     /// The path, one route after the other.
     pub path: Vec<PathPoint>,
+}
+
+/// A zone or threat that is not in the fence of a vehicle.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// Such as `zone town`.
+    pub what: String,
+    /// Least distance to the flight and to the straight ways back from it, metres.
+    pub distance_m: Option<f64>,
 }
 
 /// A limit that the best path found violates.
@@ -255,6 +267,24 @@ fn ids(spec: &MissionSpec, indices: &[usize]) -> Vec<String> {
     known.map(|vehicle| vehicle.id.clone()).collect()
 }
 
+/// What the verdict found left out of the fence of a vehicle, the nearest first.
+#[must_use]
+pub fn left_out_of_fence(review: &Review, vehicle: &str) -> Vec<LeftOut> {
+    let own = review.margins.iter().filter(|m| m.vehicle == vehicle);
+    let mut found: Vec<(f64, LeftOut)> = own
+        .filter_map(|margin| {
+            let Limit::FenceLeftOut(what) = &margin.limit else {
+                return None;
+            };
+            let what = what.clone();
+            let distance_m = rounded(margin.value, 10.0);
+            Some((margin.value, LeftOut { what, distance_m }))
+        })
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|(_, left_out)| left_out).collect()
+}
+
 /// The content of `review.json`.
 #[must_use]
 pub fn review_json(review: &Review) -> ReviewDocument {
@@ -307,6 +337,7 @@ fn planned_vehicle(
             .map(|relaxation| relaxation.words(vehicle))
             .collect(),
         stops: stops(vehicle, planned),
+        left_out_of_fence: Vec::new(),
         control_points: planned
             .routes
             .iter()

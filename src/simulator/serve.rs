@@ -31,6 +31,8 @@ pub struct Simulated {
     pub profile: Profile,
     /// What flies.
     pub airframe: Airframe,
+    /// Fence items that it keeps; none: those of its autopilot.
+    pub fence_points: Option<usize>,
     /// Its system id.
     pub sysid: u8,
     /// Its home, once it has one.
@@ -50,6 +52,7 @@ impl Simulated {
         Self {
             profile,
             airframe: Airframe::Copter,
+            fence_points: None,
             sysid,
             home,
             listen: (Ipv4Addr::LOCALHOST, 0).into(),
@@ -95,7 +98,8 @@ pub fn spawn_in(
         surroundings,
         Time::default(),
     )
-    .on(simulated.airframe);
+    .on(simulated.airframe)
+    .keeps(simulated.fence_points);
     let vehicle = Arc::new(Mutex::new(vehicle));
     let stop = Arc::new(AtomicBool::new(false));
     let server = Server {

@@ -36,6 +36,7 @@ const STATE_BOOT: u8 = 1;
 pub struct Vehicle {
     profile: Profile,
     airframe: Airframe,
+    fence_points: Option<usize>,
     us: Address,
     home: Option<Home>,
     lists: BTreeMap<List, Vec<Item>>,
@@ -109,6 +110,7 @@ impl Vehicle {
         Self {
             profile,
             airframe: Airframe::Copter,
+            fence_points: None,
             us: Address {
                 system: sysid,
                 component: 1,
@@ -137,6 +139,15 @@ impl Vehicle {
         self.faults.take(fault);
         if let (Fault::Wind { wind, airspeed_mps }, Some(pilot)) = (fault, &mut self.pilot) {
             pilot.blow(wind, airspeed_mps);
+        }
+    }
+
+    /// The same with space for this number of fence items; none: for those of its autopilot.
+    #[must_use]
+    pub fn keeps(self, fence_points: Option<usize>) -> Self {
+        Self {
+            fence_points,
+            ..self
         }
     }
 

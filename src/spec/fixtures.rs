@@ -41,6 +41,7 @@ pub(crate) fn copter() -> Vehicle {
         retiming: Retiming::default(),
         altitudes: AltitudeLimits::default(),
         endurance: None,
+        fence_points: None,
         return_amsl: None,
         wing: None,
     }

@@ -70,6 +70,8 @@ pub struct Vehicle {
     pub retiming: Retiming,
     /// Its limits of altitude besides `min_agl` and the ceiling of the area.
     pub altitudes: AltitudeLimits,
+    /// Fence items that it keeps; none: [`crate::autopilot::Capacity::fence`].
+    pub fence_points: Option<usize>,
     /// How long or how far it flies; none: not judged.
     pub endurance: Option<Endurance>,
     /// Only with it may NAV_RETURN_TO_LAUNCH be written.
@@ -170,6 +172,21 @@ impl Vehicle {
     #[must_use]
     pub fn facts(&self) -> &'static Facts {
         facts(self.autopilot, self.airframe)
+    }
+
+    /// Fence items that it keeps: what the spec states, or what its autopilot keeps.
+    #[must_use]
+    pub fn fence_capacity(&self) -> usize {
+        self.fence_points.unwrap_or(self.facts().capacity.fence)
+    }
+
+    /// The greatest speed over the ground that the spec lets it have, m/s.
+    #[must_use]
+    pub fn top_speed_mps(&self) -> f64 {
+        let stated_mps = self.max_airspeed_mps.unwrap_or(0.0);
+        let ceiling = self.wing.map_or(Amsl(0.0), |wing| wing.ceiling);
+        self.fastest_at_mps(self.speeds().most, ceiling)
+            .max(stated_mps)
     }
 
     /// Whether it may come straight down to a goal below the least height above ground: it does so

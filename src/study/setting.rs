@@ -288,6 +288,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         retiming: Retiming::default(),
         altitudes: AltitudeLimits::default(),
         endurance: None,
+        fence_points: None,
         return_amsl: None,
         wing: None,
     }

@@ -50,6 +50,11 @@ pub enum Limit {
     Fence,
     /// Whether the fence of the mission holds the fence of the spec.
     FenceComplete,
+    /// Distance of the flight to boundaries of the fence that are wider than those of the spec.
+    FenceWider,
+    /// Distance of the flight and its ways back to a boundary that the fence leaves out, such as
+    /// `zone town`.
+    FenceLeftOut(String),
     /// Height of a rally point above the ground; rally points count from 1.
     RallyClearance(usize),
     /// Distance of a rally point to threats and zones.
@@ -281,7 +286,7 @@ impl Limit {
 
     /// One row for each limit. No wildcard: a new limit must state how it is treated.
     fn class(&self) -> (Topic, Option<Repair>, Basis) {
-        use Topic::Other;
+        use {Basis::Separation, Topic::Other};
         match self {
             Self::TerrainClearance => (Topic::Clearance, Some(Repair::Clearance), Basis::Terrain),
             Self::Ceiling => (Other, Some(Repair::Clearance), Basis::Ceiling),
@@ -291,11 +296,7 @@ impl Limit {
             Self::Zone(_) => (Topic::Zone, Some(Repair::Obstacle), Basis::Mission),
             Self::Area => (Other, Some(Repair::Obstacle), Basis::Spec),
             Self::Fence => (Other, Some(Repair::Obstacle), Basis::Mission),
-            Self::Separation => (
-                Topic::Separation,
-                Some(Repair::Separation),
-                Basis::Separation,
-            ),
+            Self::Separation => (Topic::Separation, Some(Repair::Separation), Separation),
             Self::ClimbAngle => (Other, Some(Repair::Slope), Basis::ClimbAngle),
             Self::DescentAngle => (Other, Some(Repair::Slope), Basis::DescentAngle),
             Self::ClimbSpeed => (Other, Some(Repair::Slope), Basis::ClimbSpeed),
@@ -322,6 +323,8 @@ impl Limit {
             | Self::ItemCount
             | Self::FenceMargin
             | Self::FenceComplete
+            | Self::FenceWider
+            | Self::FenceLeftOut(_)
             | Self::RallyArea(_) => (Other, None, Basis::Spec),
             Self::TakeoffLandingClearance
             | Self::LandingHeading
@@ -350,6 +353,7 @@ impl fmt::Display for Limit {
             Self::Stop(id) => return write!(f, "stop {id}"),
             Self::StopHold(id) => return write!(f, "hold at stop {id}"),
             Self::StopActions(id) => return write!(f, "actions at stop {id}"),
+            Self::FenceLeftOut(name) => return write!(f, "{name} left out of the fence"),
             Self::RallyClearance(point) => return write!(f, "rally {point}"),
             Self::RallyObstacles(point) => {
                 return write!(f, "rally {point} to threats and zones");
@@ -368,6 +372,7 @@ impl fmt::Display for Limit {
             Self::Area => "area",
             Self::Fence => "fence",
             Self::FenceComplete => "fence complete",
+            Self::FenceWider => "wider fence",
             Self::FenceMargin => "waypoint radius in the fence margin",
             Self::HomePosition => "home position",
             Self::HomeAltitude => "home altitude",

@@ -159,6 +159,7 @@ impl<'a> Sortie<'a> {
         };
         let mut margins = contract.margins(self.home, fence);
         let layer = Layer::of(self.vehicle.altitudes, &spec.buffers);
+        let layer = layer.over_lower_ground(world.terrain.raised_m());
         margins.extend(space.margins(id, layer, &self.flight, fence));
         if home::counts_from_home(self.mission) {
             home::note_cost(&mut margins, self.stands.amsl);
@@ -416,6 +417,7 @@ fn assumptions(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec
     let texts = ASSUMED.into_iter().chain(used).chain(unknown);
     let mut list: Vec<String> = texts.map(with_figures).collect();
     let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
+    list.extend(assumptions::raised_ground(world.terrain.raised_m()));
     list.extend(assumptions::windy_copters(flown(), spec.wind));
     list.extend(assumptions::leaning_copters(flown(), spec));
     list.extend(assumptions::carried_wings(

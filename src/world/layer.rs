@@ -30,6 +30,15 @@ impl Layer {
         }
     }
 
+    /// The same where the ground may be lower than the terrain has it, metres.
+    #[must_use]
+    pub fn over_lower_ground(self, by_m: f64) -> Self {
+        Self {
+            max_agl_m: self.max_agl_m - by_m,
+            ..self
+        }
+    }
+
     /// Whether nothing is limited.
     #[must_use]
     pub fn is_open(&self) -> bool {

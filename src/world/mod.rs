@@ -179,6 +179,7 @@ impl World {
             max_amsl: Amsl(spec.area.max_amsl.0 - buffers.ceiling_m),
             layers: (spec.vehicles.iter())
                 .map(|vehicle| Layer::of(vehicle.altitudes, &buffers))
+                .map(|layer| layer.over_lower_ground(self.terrain.raised_m()))
                 .collect(),
             ..self
         }

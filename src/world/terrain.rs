@@ -44,9 +44,21 @@ pub struct TerrainGrid {
     pub columns: usize,
     /// Heights above mean sea level, metres, row by row; NaN where there is no data.
     pub heights_m: Vec<f32>,
+    /// How far a height may be above the ground, metres: what files of other projections or spacings
+    /// were raised by, and what is uncertain of them; 0 for nodes as a file has them.
+    pub raised_m: f64,
 }
 
 impl Terrain {
+    /// How far a height may be above the ground, metres: see [`TerrainGrid::raised_m`].
+    #[must_use]
+    pub fn raised_m(&self) -> f64 {
+        match self {
+            Self::Grid(grid) => grid.raised_m,
+            Self::Flat(_) | Self::Analytic { .. } | Self::Unknown => 0.0,
+        }
+    }
+
     /// The height of the ground at a place.
     ///
     /// # Errors

@@ -63,8 +63,41 @@ fn check_lists_what_a_feed_holds_and_what_its_fence_needs() {
     );
     // Four corners of the area, and four of each zone.
     assert!(
-        err.contains("the fence needs 124 items and alpha keeps 70"),
-        "{err}"
+        out.contains("fence: needs 124 items, alpha keeps 70 (ArduCopter): zones"),
+        "{out}"
+    );
+}
+
+#[test]
+fn plan_lists_what_the_fence_leaves_out_with_its_distance() {
+    let folder = tempfile::tempdir().unwrap();
+    let spec = SPEC.replace("speed_mps: 15", "speed_mps: 9, fence_points: 10");
+    fs::write(folder.path().join("zones.yaml"), spec).unwrap();
+    fs::write(folder.path().join("feed.json"), feed(30)).unwrap();
+    let planned = sortie(folder.path(), &["plan", "zones.yaml", "--out", "o"]);
+    let out = text(&planned.stdout);
+    assert_eq!(planned.status.code(), Some(0), "{out}");
+    assert!(
+        out.contains("24 of 30 zones and threats are left out"),
+        "{out}"
+    );
+    let plan = fs::read_to_string(folder.path().join("o/plan.json")).unwrap();
+    let plan: serde_json::Value = serde_json::from_str(&plan).unwrap();
+    let left_out = plan["vehicles"][0]["left_out_of_fence"].as_array().unwrap();
+    assert_eq!(left_out.len(), 24);
+    let distances: Vec<f64> = left_out
+        .iter()
+        .map(|zone| zone["distance_m"].as_f64().unwrap())
+        .collect();
+    assert!(
+        distances.is_sorted() && distances[0] > 540.0,
+        "{distances:?}"
+    );
+    let page = fs::read_to_string(folder.path().join("o/review.html")).unwrap();
+    let what = left_out[0]["what"].as_str().unwrap();
+    assert!(
+        page.contains(&format!("{what} left out of the fence")),
+        "{what}"
     );
 }
 

@@ -5,6 +5,7 @@ mod support;
 
 mod geodesy_truth;
 mod geotiff_tags;
+mod projections;
 mod terrain;
 mod terrain_commands;
 mod terrain_folder;

@@ -319,13 +319,17 @@ fn folders_that_cannot_be_one_ground_are_refused_by_the_names_of_their_files() {
     let folder = tempfile::tempdir().expect("a folder");
     put(folder.path(), "N36W085.hgt", &bytes);
     put(folder.path(), "N36W084.hgt", &finer);
-    let mixed = read_terrain(folder.path(), around)
-        .expect_err("mixed")
-        .to_string();
-    assert!(
-        mixed.contains("N36W084.hgt and N36W085.hgt") && mixed.contains("one spacing"),
-        "{mixed}"
-    );
+    // Of two spacings, the highest counts where they meet.
+    let mixed = read_terrain(folder.path(), around).expect("both");
+    let coarse = read_terrain(&folder.path().join("N36W085.hgt"), None).expect("one");
+    let at = |lon_deg| LatLon {
+        lat_deg: 36.25,
+        lon_deg,
+    };
+    let (west, east) = (at(-84.05), at(-83.95));
+    let over_m = mixed.height_m(west).expect("west") - coarse.height_m(west).expect("west");
+    assert!((0.0..=mixed.raised_m + 1e-3).contains(&over_m), "{over_m}");
+    assert_eq!(mixed.height_m(east), Some(0.0));
     let nothing = with(&[("N46E008.hgt", &bytes), ("notes.txt", b"")]).expect_err("elsewhere");
     assert!(
         nothing.contains("none of the 1 elevation files"),

@@ -347,16 +347,10 @@ fn too_many_items_are_told_with_count_and_limit() {
         "{error}"
     );
     spec.mission.max_items = 200;
-    let threat = Threat {
-        id: "t".to_owned(),
-        kind: "sam".to_owned(),
-        place: place(36.35, -84.32),
-        radius_m: 9.0,
-    };
-    spec.threats = vec![threat; 67];
+    spec.vehicles[0].fence_points = Some(3);
     let error = mission::build(&spec, &world, 0, &[out]).expect_err("too many");
     assert!(
-        error.to_string().contains("71 fence items (allowed: 70"),
+        error.to_string().contains("4 fence items (allowed: 3"),
         "{error}"
     );
 }

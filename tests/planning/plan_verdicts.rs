@@ -258,6 +258,7 @@ fn with_voids(spec: &MissionSpec, is_void: impl Fn(usize, usize) -> bool) -> Wor
         })
         .collect();
     let grid = TerrainGrid {
+        raised_m: 0.0,
         north_west: place(36.36, -84.335),
         row_step_deg: step_deg,
         column_step_deg: step_deg,

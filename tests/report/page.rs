@@ -99,6 +99,7 @@ fn ground_without_data_is_a_hole_and_not_a_plain_at_sea_level() {
     let mut heights_m = vec![500.0; rows * columns];
     heights_m[..columns * 10].fill(f32::NAN);
     facts.world.terrain = Terrain::Grid(TerrainGrid {
+        raised_m: 0.0,
         north_west: place(36.40, -84.37),
         row_step_deg: 0.2 / 39.0,
         column_step_deg: 0.24 / 39.0,

@@ -98,3 +98,18 @@ fn an_endurance_has_one_capacity_and_ascending_speeds() {
         );
     }
 }
+
+#[test]
+fn fence_points_hold_at_least_the_area() {
+    let spec = good(&limited("", "    fence_points: 200\n"));
+    assert_eq!(spec.vehicles[0].fence_capacity(), 200);
+    let found = issues(&limited("", "    fence_points: 3\n"));
+    let points = found
+        .iter()
+        .find(|issue| issue.path == "vehicles[0].fence_points");
+    let points = points.expect("an issue");
+    assert_eq!(
+        (points.found.as_str(), points.allowed.as_str()),
+        ("3", "4 to 5000")
+    );
+}

@@ -86,6 +86,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         retiming: Retiming::default(),
         altitudes: AltitudeLimits::default(),
         endurance: None,
+        fence_points: None,
         return_amsl: None,
         wing: None,
     }

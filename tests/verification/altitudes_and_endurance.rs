@@ -73,6 +73,26 @@ proptest! {
 }
 
 #[test]
+fn ground_that_may_stand_too_high_makes_the_greatest_height_tighter() {
+    let (spec, mission) = over_hill(0.0, 800.0, at_most(115.0));
+    let mut world = world(&spec);
+    world.terrain = sortie::world::Terrain::Grid(sortie::world::TerrainGrid {
+        north_west: place(36.40, -84.40),
+        row_step_deg: 0.1,
+        column_step_deg: 0.1,
+        rows: 3,
+        columns: 4,
+        heights_m: vec![400.0; 12],
+        raised_m: 7.0,
+    });
+    let review = review(&spec, &world, &[(0, &mission)]);
+    let margin = of(&review, &Limit::MaxHeight).expect("judged");
+    assert!((margin.bound - 108.0).abs() < 1e-9, "{margin:?}");
+    let mut assumptions = review.assumptions.iter();
+    assert!(assumptions.any(|text| text.contains("stands up to 7.0 m above them")));
+}
+
+#[test]
 fn without_the_limits_nothing_is_judged_and_with_buffers_they_are_tighter() {
     let (mut spec, mission) = over_hill(-30.0, 800.0, AltitudeLimits::default());
     let without = judged(&spec, &mission);

@@ -383,6 +383,7 @@ fn void_grid() -> Terrain {
     // The column at 84.23 W on the way has no data.
     heights_m[10 * columns + 17] = f32::NAN;
     Terrain::Grid(TerrainGrid {
+        raised_m: 0.0,
         north_west: place(36.40, -84.40),
         row_step_deg: 0.01,
         column_step_deg: 0.01,

@@ -287,6 +287,7 @@ fn rough() -> Terrain {
         }
     }
     Terrain::Grid(TerrainGrid {
+        raised_m: 0.0,
         north_west: place(36.40, -84.375),
         row_step_deg: 1.0 / 1200.0,
         column_step_deg: 1.0 / 1200.0,

@@ -38,10 +38,15 @@ pub(super) fn plan_document(
     dispatched: &Dispatched,
 ) -> PlanDocument {
     let (spec, passes) = (&file.spec, dispatched.review.passes());
-    PlanDocument {
+    let sha256 = sha256(&file.text);
+    let mut document = PlanDocument {
         table_sha256: table_sha256(file),
-        ..report::plan_json(&sha256(&file.text), spec, world, &dispatched.plan, passes)
+        ..report::plan_json(&sha256, spec, world, &dispatched.plan, passes)
+    };
+    for vehicle in &mut document.vehicles {
+        vehicle.left_out_of_fence = report::left_out_of_fence(&dispatched.review, &vehicle.id);
     }
+    document
 }
 
 /// SHA-256 of the table of vehicles that a spec names.

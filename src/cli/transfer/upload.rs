@@ -202,6 +202,7 @@ fn simulate(file: &SpecFile, vehicle: usize, mission: &VehicleMission) -> Result
     let this = &file.spec.vehicles[vehicle];
     simulator::spawn(&Simulated {
         airframe: this.airframe,
+        fence_points: this.fence_points,
         ..Simulated::on_loopback(this.autopilot.into(), this.sysid, Some(mission.home))
     })
     .map_err(|error| {

@@ -150,6 +150,7 @@ impl FlightPlan {
             };
             let vehicle = Simulated {
                 airframe: this.airframe,
+                fence_points: this.fence_points,
                 ..Simulated::on_loopback(this.autopilot.into(), this.sysid, Some(mission.home))
             };
             let started = simulator::spawn_in(&vehicle, surroundings, speedup);

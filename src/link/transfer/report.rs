@@ -108,7 +108,7 @@ pub enum Failure {
         after_s: u64,
     },
     /// Sending a list failed.
-    #[error("{list}: {error}")]
+    #[error("{list}: {error}{}", way_out(*.list, error))]
     Upload {
         /// Which.
         list: List,
@@ -231,6 +231,19 @@ fn heard_text(heard: &[u8]) -> String {
 
 fn list_text(list: Option<List>) -> String {
     list.map_or_else(|| "all lists".to_owned(), |list| list.to_string())
+}
+
+/// What helps where a vehicle has less space for a fence than the spec or its autopilot says.
+fn way_out(list: List, error: &UploadError) -> &'static str {
+    match error {
+        UploadError::Rejected {
+            result: MissionResult::NO_SPACE,
+            ..
+        } if list == List::Fence => {
+            ": this vehicle keeps fewer; state how many in fence_points of the vehicle, and plan again"
+        }
+        _ => "",
+    }
 }
 
 fn said(complaint: Option<MissionResult>) -> String {

@@ -7,19 +7,9 @@ use crate::mission::item::{Item, VehicleMission};
 /// Problems of the fence and the rally points.
 pub(crate) fn problems(mission: &VehicleMission, capacity: Capacity) -> Vec<AcceptanceProblem> {
     let mut found = Vec::new();
-    for (list, items, limit) in [
-        (List::Fence, &mission.fence, capacity.fence),
-        (List::Rally, &mission.rally, capacity.rally),
-    ] {
-        if items.len() > limit {
-            found.push(AcceptanceProblem {
-                list,
-                item: 0,
-                rule: "item count",
-                found: format!("{} items", items.len()),
-                allowed: limit.to_string(),
-            });
-        }
+    found.extend(AcceptanceProblem::fence_count(mission, capacity.fence));
+    found.extend(count(List::Rally, &mission.rally, capacity.rally));
+    for (list, items) in [(List::Fence, &mission.fence), (List::Rally, &mission.rally)] {
         for (index, item) in items.iter().enumerate() {
             found.extend(place(list, index + 1, item));
         }
@@ -27,6 +17,31 @@ pub(crate) fn problems(mission: &VehicleMission, capacity: Capacity) -> Vec<Acce
     found.extend(polygons(&mission.fence));
     found.extend(kinds(mission));
     found
+}
+
+const ITEM_COUNT: &str = "item count";
+
+impl AcceptanceProblem {
+    /// Whether it is that of [`Self::fence_count`].
+    pub(crate) fn is_fence_count(&self) -> bool {
+        self.list == List::Fence && self.rule == ITEM_COUNT
+    }
+
+    /// That a fence has more items than a vehicle keeps.
+    pub(crate) fn fence_count(mission: &VehicleMission, capacity: usize) -> Option<Self> {
+        count(List::Fence, &mission.fence, capacity)
+    }
+}
+
+/// That a list has more items than a vehicle keeps.
+fn count(list: List, items: &[Item], capacity: usize) -> Option<AcceptanceProblem> {
+    (items.len() > capacity).then(|| AcceptanceProblem {
+        list,
+        item: 0,
+        rule: ITEM_COUNT,
+        found: format!("{} items", items.len()),
+        allowed: capacity.to_string(),
+    })
 }
 
 /// Checks that the item is at a place on earth, in a frame with latitude and longitude.

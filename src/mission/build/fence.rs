@@ -1,49 +1,229 @@
 //! The fence and the rally points of a spec as items.
 
+mod clear;
+mod fit;
+
 use super::encode::{Encoder, degrees_e7, up};
 use crate::autopilot::{command, frame};
 use crate::geodesy::LatLon;
 use crate::mission::item::Item;
-use crate::spec::{MissionSpec, Zone};
+use crate::numeric::geometry::cover::twice_area;
+use crate::spec::{MissionSpec, Vehicle, Zone};
 use crate::world::{NoData, World};
+use clear::{Clear, Plane, Shape};
+use fit::Piece;
 
-/// Fence items: the area, zones without a height, threats. In the order in which
-/// a `.plan` keeps them: polygons, then circles.
-pub(crate) fn fence(spec: &MissionSpec) -> Vec<Item> {
-    let pieces = pieces(spec);
-    pieces.into_iter().flat_map(|(_, items)| items).collect()
+/// Seconds at top speed beyond which a boundary may be left out of a full fence.
+pub const FENCE_REACH_S: f64 = 60.0;
+/// Boundaries that a note names.
+const MAX_NAMED: usize = 3;
+
+/// One boundary of a spec's fence.
+struct Boundary<'a> {
+    /// Such as `threat radar-1`.
+    name: String,
+    items: Vec<Item>,
+    outline: Outline<'a>,
+}
+
+/// The shape of a boundary.
+enum Outline<'a> {
+    /// What a vehicle stays inside of.
+    Area,
+    Polygon(&'a [LatLon]),
+    Circle(LatLon, f64),
+}
+
+/// Fence items of one vehicle, and what they do not say, in sentences: the area, zones without a
+/// height, threats. In the order in which a `.plan` keeps them: polygons, then circles. `flown`
+/// are the items of its mission.
+pub(crate) fn fence(
+    spec: &MissionSpec,
+    vehicle: &Vehicle,
+    flown: &[Item],
+) -> (Vec<Item>, Vec<String>) {
+    let boundaries = boundaries(spec);
+    let needs: usize = boundaries.iter().map(|boundary| boundary.items.len()).sum();
+    let mut notes = not_encoded(spec);
+    if needs <= vehicle.fence_capacity() {
+        let items = boundaries.into_iter().flat_map(|boundary| boundary.items);
+        return (items.collect(), notes);
+    }
+    let (items, more) = fitted(spec, vehicle, flown, &boundaries);
+    notes.extend(more);
+    (items, notes)
 }
 
 /// How many fence items a spec needs; none if it wants no fence.
 #[must_use]
 pub fn fence_needs(spec: &MissionSpec) -> usize {
     match spec.mission.fence {
-        true => fence(spec).len(),
+        true => boundaries(spec).iter().map(|b| b.items.len()).sum(),
         false => 0,
     }
 }
 
-/// Each boundary of a spec's fence with its name, such as `threat radar-1`.
-fn pieces(spec: &MissionSpec) -> Vec<(String, Vec<Item>)> {
-    let area = polygon(command::FENCE_POLYGON_INCLUSION, &spec.area.outline());
-    let mut pieces = vec![("area".to_owned(), area)];
+/// Each boundary of a spec's fence.
+fn boundaries(spec: &MissionSpec) -> Vec<Boundary<'_>> {
+    let mut found = vec![Boundary {
+        name: "area".to_owned(),
+        items: polygon(command::FENCE_POLYGON_INCLUSION, &spec.area.outline()),
+        outline: Outline::Area,
+    }];
     let mut circles = Vec::new();
+    let circle_named = |name: String, center: LatLon, radius_m: f64| Boundary {
+        name,
+        items: vec![circle(center, radius_m)],
+        outline: Outline::Circle(center, radius_m),
+    };
     for zone in spec.no_fly.iter().filter(|zone| is_encoded(zone)) {
         let name = format!("zone {}", zone.id);
         match zone.circle {
-            Some((center, radius_m)) => circles.push((name, vec![circle(center, radius_m)])),
-            None => {
-                let corners = polygon(command::FENCE_POLYGON_EXCLUSION, &zone.polygon);
-                pieces.push((name, corners));
-            }
+            Some((center, radius_m)) => circles.push(circle_named(name, center, radius_m)),
+            None => found.push(Boundary {
+                name,
+                items: polygon(command::FENCE_POLYGON_EXCLUSION, &zone.polygon),
+                outline: Outline::Polygon(&zone.polygon),
+            }),
         }
     }
-    pieces.append(&mut circles);
-    for threat in &spec.threats {
-        let circle = circle(threat.place, threat.radius_m);
-        pieces.push((format!("threat {}", threat.id), vec![circle]));
+    found.append(&mut circles);
+    let threats = spec.threats.iter();
+    found.extend(threats.map(|threat| {
+        let name = format!("threat {}", threat.id);
+        circle_named(name, threat.place, threat.radius_m)
+    }));
+    found
+}
+
+/// The fence within what the vehicle keeps.
+fn fitted(
+    spec: &MissionSpec,
+    vehicle: &Vehicle,
+    flown: &[Item],
+    boundaries: &[Boundary<'_>],
+) -> (Vec<Item>, Vec<String>) {
+    let plane = Plane::new(spec.area.south_west, spec.area.north_east);
+    let clear = clear(spec, vehicle, flown, &plane);
+    let capacity = vehicle.fence_capacity();
+    let reach_m = FENCE_REACH_S * vehicle.top_speed_mps();
+    let mut items: Vec<Item> = Vec::new();
+    let mut exclusions: Vec<&Boundary<'_>> = Vec::new();
+    let mut pieces = Vec::new();
+    for boundary in boundaries {
+        let shape = match boundary.outline {
+            Outline::Area => {
+                items.extend(&boundary.items);
+                continue;
+            }
+            Outline::Circle(center, radius_m) => Shape::Circle(plane.flat(center), radius_m),
+            Outline::Polygon(corners) => {
+                let mut corners: Vec<_> = corners.iter().map(|&at| plane.flat(at)).collect();
+                if twice_area(&corners) < 0.0 {
+                    corners.reverse();
+                }
+                Shape::Polygon(corners)
+            }
+        };
+        exclusions.push(boundary);
+        pieces.push(Piece::new(shape, &clear));
     }
-    pieces
+    let left = capacity.saturating_sub(items.len());
+    // The verdict measures from what is flown, which leaves the legs by the tolerance.
+    let far_m = plane.at_least_m(reach_m) + spec.mission.tolerance_m + FAR_M;
+    let covers = fit::fit(&pieces, (&plane, &clear), (left, far_m));
+    let mut circles = Vec::new();
+    for cover in &covers {
+        let exact = cover.pieces.first().map(|&piece| &exclusions[piece].items);
+        let wider = cover.wider.as_ref().map(|shape| encoded(shape, &plane));
+        let written = wider.or_else(|| exact.cloned()).unwrap_or_default();
+        match written.len() {
+            1 => circles.extend(written),
+            _ => items.extend(written),
+        }
+    }
+    items.append(&mut circles);
+    let mut left_out: Vec<(f64, &str)> = (pieces.iter().zip(&exclusions).enumerate())
+        .filter(|(index, _)| !covers.iter().any(|cover| cover.pieces.contains(index)))
+        .map(|(_, (piece, boundary))| (piece.distance_m, boundary.name.as_str()))
+        .collect();
+    left_out.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let wider = covers.iter().filter(|cover| cover.wider.is_some());
+    let wider = wider.map(|cover| cover.pieces.len()).sum();
+    let notes = notes(vehicle, (pieces.len(), wider), &left_out);
+    (items, notes)
+}
+
+/// Distance by which this measure and that of the verdict may differ, metres.
+const FAR_M: f64 = 50.0;
+
+/// Where wider boundaries must not be.
+fn clear(spec: &MissionSpec, vehicle: &Vehicle, flown: &[Item], plane: &Plane) -> Clear {
+    let home = plane.flat(vehicle.home);
+    let mut route = vec![home];
+    for item in flown {
+        match item.command {
+            command::NAV_RETURN_TO_LAUNCH => route.push(home),
+            // Something to look at.
+            command::DO_SET_ROI_LOCATION => {}
+            _ => route.extend(item.place().map(|place| plane.flat(place))),
+        }
+    }
+    let pads: Vec<_> = (spec.rally.iter())
+        .map(|rally| plane.flat(rally.place))
+        .collect();
+    let turn_m = vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
+    let keep_m = spec.fence_margin_m() + spec.mission.tolerance_m + turn_m;
+    Clear::new(&route, &pads, plane.at_least_m(keep_m))
+}
+
+/// What the fence is instead of the spec's.
+fn notes(vehicle: &Vehicle, (all, wider): (usize, usize), left_out: &[(f64, &str)]) -> Vec<String> {
+    let capacity = vehicle.fence_capacity();
+    let mut notes = Vec::new();
+    if !left_out.is_empty() {
+        let named = left_out.iter().take(MAX_NAMED);
+        let named: Vec<String> = named
+            .map(|(distance_m, name)| format!("{name} ({distance_m:.0} m)"))
+            .collect();
+        let more = match left_out.len().checked_sub(MAX_NAMED) {
+            Some(more @ 1..) => format!(" and {more} more"),
+            _ => String::new(),
+        };
+        let (speed_mps, count) = (vehicle.top_speed_mps(), left_out.len());
+        let reach_m = FENCE_REACH_S * speed_mps;
+        notes.push(format!(
+            "the fence keeps {capacity} items: {count} of {all} zones and threats are left out, each more than \
+             {FENCE_REACH_S} s at {speed_mps:.1} m/s ({reach_m:.0} m) from the path and every way back: {}{more}",
+            named.join(", ")
+        ));
+    }
+    if wider > 0 {
+        notes.push(format!(
+            "the fence keeps {capacity} items: {wider} of {all} zones and threats are inside of wider, simpler boundaries"
+        ));
+    }
+    notes
+}
+
+/// The items of a wider boundary.
+fn encoded(shape: &Shape, plane: &Plane) -> Vec<Item> {
+    match shape {
+        Shape::Circle(center, radius_m) => vec![circle(plane.place(*center), *radius_m)],
+        Shape::Polygon(corners) => {
+            let corners: Vec<LatLon> = corners.iter().map(|&at| plane.place(at)).collect();
+            polygon(command::FENCE_POLYGON_EXCLUSION, &corners)
+        }
+    }
+}
+
+/// The items of each exclusion of a spec's fence, with its name, such as `threat radar-1`, and
+/// first those of its area.
+#[must_use]
+pub fn fence_pieces(spec: &MissionSpec) -> Vec<(String, Vec<Item>)> {
+    let all = boundaries(spec).into_iter();
+    all.map(|boundary| (boundary.name, boundary.items))
+        .collect()
 }
 
 /// Whether a zone can be in a fence, which has no height, no time and no holes.
@@ -61,66 +241,8 @@ fn circle(center: LatLon, radius_m: f64) -> Item {
     corner(command::FENCE_CIRCLE_EXCLUSION, radius_m, center)
 }
 
-/// Names of what the spec wants in a fence (its area, zones without a height,
-/// threats) and these fence items do not hold.
-#[must_use]
-pub fn missing_from_fence(spec: &MissionSpec, fence: &[Item]) -> Vec<String> {
-    let held = boundaries(fence);
-    pieces(spec)
-        .into_iter()
-        .filter(|(_, required)| !held.iter().any(|items| holds(items, required)))
-        .map(|(name, _)| name)
-        .collect()
-}
-
-/// Splits fence items into boundaries: a circle is one item, a polygon as many as its first says.
-fn boundaries(mut fence: &[Item]) -> Vec<&[Item]> {
-    let mut found = Vec::new();
-    while let Some(first) = fence.first() {
-        let is_polygon = [
-            command::FENCE_POLYGON_INCLUSION,
-            command::FENCE_POLYGON_EXCLUSION,
-        ]
-        .contains(&first.command);
-        let corners = (1_u16..)
-            .zip(fence)
-            .take_while(|(number, item)| {
-                item.command == first.command && f32::from(*number) <= first.params[0]
-            })
-            .count();
-        let (boundary, rest) = fence.split_at(if is_polygon { corners.max(1) } else { 1 });
-        found.push(boundary);
-        fence = rest;
-    }
-    found
-}
-
-/// Two points of a fence are the same within this, 1e-7 degrees: 5 cm.
-const SAME_PLACE_E7: u32 = 5;
-/// A circle may be this much smaller than the threat it keeps out of, metres.
-const RADIUS_M: f32 = 0.01;
-
-/// Whether a boundary is the required one: its corners in either direction from any of them, a
-/// circle no smaller.
-fn holds(boundary: &[Item], required: &[Item]) -> bool {
-    let is = |item: &Item, required: &Item| {
-        item.command == required.command
-            && item.x.abs_diff(required.x) <= SAME_PLACE_E7
-            && item.y.abs_diff(required.y) <= SAME_PLACE_E7
-            && item.params[0] >= required.params[0] - RADIUS_M
-    };
-    let around = |first: usize| required.iter().cycle().skip(first).take(required.len());
-    boundary.len() == required.len()
-        && (0..required.len()).any(|first| {
-            let mut ahead = boundary.iter().zip(around(first));
-            let mut back = boundary.iter().rev().zip(around(first));
-            ahead.all(|(item, corner)| is(item, corner))
-                || back.all(|(item, corner)| is(item, corner))
-        })
-}
-
 /// What the fence leaves out, one sentence for each zone: fences are two-dimensional.
-pub(crate) fn not_encoded(spec: &MissionSpec) -> Vec<String> {
+fn not_encoded(spec: &MissionSpec) -> Vec<String> {
     spec.no_fly
         .iter()
         .filter(|zone| !is_encoded(zone))

@@ -143,7 +143,7 @@ pub fn build_course(
     let items = items.map_err(no_ground)?;
     let rally = fence::rally(spec, world, &encoder).map_err(no_ground)?;
     let (fence, notes) = if spec.mission.fence {
-        (fence::fence(spec), fence::not_encoded(spec))
+        fence::fence(spec, vehicle, &items)
     } else {
         (Vec::new(), Vec::new())
     };
@@ -221,7 +221,7 @@ fn count(
     let too_many = [
         (List::Mission, items, max_items, "mission.max_items"),
         (List::Mission, items, allowed.items, storage),
-        (List::Fence, fence, allowed.fence, storage),
+        (List::Fence, fence, vehicle.fence_capacity(), storage),
         (List::Rally, rally, allowed.rally, storage),
     ]
     .into_iter()

@@ -61,7 +61,9 @@ impl Vehicle {
             (Profile::ArduPilot, Some(_)) | (_, None) => {}
         }
         let is_starting = self.profile == Profile::ArduPilot && self.is_booting(now);
-        if usize::from(count) > self.profile.capacity(list, self.airframe) || is_starting {
+        let stated = self.fence_points.filter(|_| list == List::Fence);
+        let capacity = stated.unwrap_or_else(|| self.profile.capacity(list, self.airframe));
+        if usize::from(count) > capacity || is_starting {
             return self.acknowledge(from, list, MissionResult::NO_SPACE);
         }
         if let (Profile::ArduPilot, List::Mission, Some(rows)) =

@@ -175,6 +175,7 @@ impl Checker {
             retiming,
             altitudes,
             endurance,
+            fence_points: keys.fence_points,
             return_amsl: keys.return_amsl_m.map(Amsl),
             id: id?,
             sysid: u8::try_from(sysid?).ok()?,

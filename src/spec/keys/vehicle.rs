@@ -124,6 +124,9 @@ pub struct Vehicle {
     /// Least altitude from start to goal, metres above mean sea level; the higher one of this and the area's counts.
     #[schemars(range(min = -500, max = 20000))]
     pub min_amsl_m: Option<f64>,
+    /// Fence items that it keeps; absent: what its autopilot keeps without further storage.
+    #[schemars(range(min = 4, max = 5000))]
+    pub fence_points: Option<usize>,
     /// How long or how far it flies; absent: not judged.
     pub endurance: Option<Endurance>,
     /// Only with it may the autopilot's own return be written: its altitude, metres above mean sea level.

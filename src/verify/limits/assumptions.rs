@@ -160,3 +160,14 @@ pub(crate) fn rally_limit(furthest_m: f64) -> Option<String> {
         )
     })
 }
+
+/// That the ground of the verdict may stand above the real one.
+pub(crate) fn raised_ground(raised_m: f64) -> Option<String> {
+    (raised_m > 0.0).then(|| {
+        format!(
+            "the ground is made of files in a projection or of several spacings: no lower than any of their nodes, with \
+             what is uncertain of their places and heights on top, so that it stands up to {raised_m:.1} m above them; \
+             greatest heights above ground are judged by as much more"
+        )
+    })
+}

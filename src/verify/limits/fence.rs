@@ -82,13 +82,126 @@ impl Fence {
 
     /// The margin of one place, metres.
     pub(crate) fn place_margin_m(&self, place: LatLon) -> f64 {
-        let stretch = Stretch {
-            u: (0.0, 1.0),
-            from: place,
-            to: place,
-        };
-        self.margin_m(&stretch, f64::INFINITY).0
+        self.margin_m(&at(place), f64::INFINITY).0
     }
+}
+
+/// Splits fence items into boundaries: a circle is one item, a polygon as many as its first says.
+pub(crate) fn boundaries(mut fence: &[Item]) -> Vec<&[Item]> {
+    let mut found = Vec::new();
+    while let Some(first) = fence.first() {
+        let is_polygon = [
+            command::FENCE_POLYGON_INCLUSION,
+            command::FENCE_POLYGON_EXCLUSION,
+        ]
+        .contains(&first.command);
+        let corners = (1_u16..)
+            .zip(fence)
+            .take_while(|(number, item)| {
+                item.command == first.command && f32::from(*number) <= first.params[0]
+            })
+            .count();
+        let (boundary, rest) = fence.split_at(if is_polygon { corners.max(1) } else { 1 });
+        found.push(boundary);
+        fence = rest;
+    }
+    found
+}
+
+/// Two points of a fence are the same within this, 1e-7 degrees: 5 cm.
+const SAME_PLACE_E7: u32 = 5;
+/// A circle may be this much smaller than the threat it keeps out of, metres.
+const RADIUS_M: f32 = 0.01;
+
+/// Whether a boundary is the required one: its corners in either direction from any of them, a
+/// circle no smaller.
+pub(crate) fn holds(boundary: &[Item], required: &[Item]) -> bool {
+    let is = |item: &Item, required: &Item| {
+        item.command == required.command
+            && item.x.abs_diff(required.x) <= SAME_PLACE_E7
+            && item.y.abs_diff(required.y) <= SAME_PLACE_E7
+            && item.params[0] >= required.params[0] - RADIUS_M
+    };
+    let around = |first: usize| required.iter().cycle().skip(first).take(required.len());
+    boundary.len() == required.len()
+        && (0..required.len()).any(|first| {
+            let mut ahead = boundary.iter().zip(around(first));
+            let mut back = boundary.iter().rev().zip(around(first));
+            ahead.all(|(item, corner)| is(item, corner))
+                || back.all(|(item, corner)| is(item, corner))
+        })
+}
+
+/// A boundary may be this far inside of what it covers, metres: both are encoded in 1e-7 degrees.
+const COVER_M: f64 = 0.05;
+/// Parts of an edge of a polygon that are measured against a circle.
+const EDGE_PARTS: u32 = 8;
+
+/// Whether an exclusion boundary covers another one, both as items.
+pub(crate) fn covers(boundary: &[Item], covered: &[Item]) -> bool {
+    let read = |items: &[Item]| match Fence::read(items) {
+        Ok(Fence { mut boundaries }) if boundaries.len() == 1 => boundaries.pop(),
+        _ => None,
+    };
+    let (Some((wide, Keep::Outside)), Some((inner, Keep::Outside))) =
+        (read(boundary), read(covered))
+    else {
+        return false;
+    };
+    let corners_of = |items: &[Item]| items.iter().filter_map(Item::place).collect::<Vec<_>>();
+    let (around, within) = (corners_of(boundary), corners_of(covered));
+    let is_in = |place: &LatLon| match &wide {
+        Boundary::Outline(outline) => outline.margin_m(&at(*place), Keep::Outside).0 <= COVER_M,
+        Boundary::Cylinder(circle) => circle.margin_m(&at(*place), Keep::Inside).0 >= -COVER_M,
+    };
+    // Corners, or the middle of a circle.
+    if !within.iter().all(is_in) {
+        return false;
+    }
+    match (&wide, &inner) {
+        // What holds a corner of a polygon and has no edge in it holds all of it.
+        (Boundary::Outline(_), Boundary::Outline(outline)) => {
+            edges(&around, 1).all(|edge| outline.margin_m(&edge, Keep::Outside).0 >= -COVER_M)
+        }
+        (Boundary::Outline(_), Boundary::Cylinder(circle)) => edges(&around, EDGE_PARTS)
+            .all(|edge| circle.margin_m(&edge, Keep::Outside).0 >= -COVER_M),
+        (Boundary::Cylinder(circle), Boundary::Outline(_)) => edges(&within, EDGE_PARTS)
+            .all(|edge| circle.margin_m(&edge, Keep::Inside).0 >= -COVER_M),
+        (Boundary::Cylinder(circle), Boundary::Cylinder(_)) => {
+            let radius_m = f64::from(covered.first().map_or(0.0, |item| item.params[0]));
+            let mut middles = within.iter();
+            middles
+                .all(|middle| circle.margin_m(&at(*middle), Keep::Inside).0 >= radius_m - COVER_M)
+        }
+    }
+}
+
+/// A place as a stretch.
+fn at(place: LatLon) -> Stretch {
+    Stretch {
+        u: (0.0, 1.0),
+        from: place,
+        to: place,
+    }
+}
+
+/// The edges of a polygon, each in parts.
+fn edges(corners: &[LatLon], parts: u32) -> impl Iterator<Item = Stretch> + '_ {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).flat_map(move |(from, to)| {
+        let along = move |part: u32| {
+            let share = f64::from(part) / f64::from(parts);
+            LatLon {
+                lat_deg: from.lat_deg + (to.lat_deg - from.lat_deg) * share,
+                lon_deg: from.lon_deg + (to.lon_deg - from.lon_deg) * share,
+            }
+        };
+        (0..parts).map(move |part| Stretch {
+            u: (0.0, 1.0),
+            from: along(part),
+            to: along(part + 1),
+        })
+    })
 }
 
 fn corner(item: &Item, index: usize) -> Result<LatLon, String> {

@@ -3,6 +3,7 @@
 
 mod actions;
 mod ends;
+mod fence;
 mod stops;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
@@ -54,7 +55,7 @@ impl Contract<'_> {
         margins.extend(self.wing());
         margins.extend(self.acceptance_radius());
         margins.extend(self.fence_margin());
-        margins.extend(self.fence_complete());
+        margins.extend(self.fence());
         margins.extend(self.endurance());
         margins
     }
@@ -154,11 +155,15 @@ impl Contract<'_> {
 
     /// What the autopilot would refuse or misread: one margin for each problem.
     fn acceptance(&self) -> Vec<Margin> {
-        let problems = if self.stations.departure.is_airborne() {
+        let mut problems = if self.stations.departure.is_airborne() {
             mission::problems_in_flight(self.mission)
         } else {
             mission::problems(self.mission)
         };
+        // The spec may know what this one keeps.
+        problems.retain(|problem| !problem.is_fence_count());
+        let capacity = self.vehicle.fence_capacity();
+        problems.extend(AcceptanceProblem::fence_count(self.mission, capacity));
         let required = Requirement::at_most(Limit::Acceptance, 0.0, "problems");
         let margin = |at, note| Margin {
             note,
@@ -311,43 +316,6 @@ impl Contract<'_> {
             worst.at_most(radius_m, limit_m, || chord.moment(&self.world.frame, 1.0));
         }
         worst.margin(self.id(), Limit::AcceptanceRadius, "m")
-    }
-
-    /// How far a copter may be from the places of its waypoints in corners, against the margin
-    /// of its fence. Wings turn before a waypoint, on a way that is judged by itself.
-    fn fence_margin(&self) -> Option<Margin> {
-        let is_wing = self.vehicle.airframe.has_wing();
-        if self.spec.buffers.is_none() || is_wing || self.mission.fence.is_empty() {
-            return None;
-        }
-        let mut params = self.mission.params.iter();
-        let in_file = params.find(|param| param.name == "FENCE_MARGIN");
-        let in_file_m = in_file.map(|param| f64::from(param.value));
-        let margin_m = in_file_m.unwrap_or_else(|| self.spec.fence_margin_m());
-        let mut worst = Worst::default();
-        for (index, item) in self.mission.items.iter().enumerate() {
-            let row = index + 1;
-            let chord = self.flight.chords.iter().rfind(|chord| chord.row == row);
-            if let Some(chord) = chord.filter(|_| item.command == command::NAV_WAYPOINT) {
-                let radius_m = mission::acceptance_m(self.mission, row);
-                worst.at_most(radius_m, margin_m, || chord.moment(&self.world.frame, 1.0));
-            }
-        }
-        worst.margin(self.id(), Limit::FenceMargin, "m")
-    }
-
-    /// What of the spec's fence the mission's does not hold, where it could hold one.
-    fn fence_complete(&self) -> Option<Margin> {
-        if !self.spec.mission.fence || !self.mission.is_fence_known {
-            return None;
-        }
-        let missing = mission::missing_from_fence(self.spec, &self.mission.fence);
-        let required = Requirement::at_most(Limit::FenceComplete, 0.0, "missing");
-        let mut margin = required.margin(self.id(), count(missing.len()), None);
-        if !missing.is_empty() {
-            margin.note = format!("not in the fence: {}", missing.join(", "));
-        }
-        Some(margin)
     }
 }
 

@@ -192,6 +192,7 @@ mod tests {
 
     fn grid(heights_m: &[f32]) -> Terrain {
         Terrain::Grid(TerrainGrid {
+            raised_m: 0.0,
             north_west: LatLon {
                 lat_deg: 47.0,
                 lon_deg: 8.0,

@@ -1,4 +1,4 @@
-//! GeoTIFF in degrees of WGS84.
+//! GeoTIFF in degrees or in a map projection.
 
 mod meaning;
 mod vertical;
@@ -12,6 +12,8 @@ use geotiff_reader::geokeys;
 use meaning::SampleMeaning;
 use vertical::check_heights;
 
+use super::blend::Nodes;
+use super::plane::{PlaneLattice, Projection};
 use super::{Lattice, TerrainError, Window, ground_m};
 use crate::geodesy::LatLon;
 use crate::numeric::text::open_regular;
@@ -25,7 +27,7 @@ const MIN_NODES: u32 = 2;
 /// A GeoTIFF before its heights are read.
 pub(super) struct GeoTiff {
     file: GeoTiffFile,
-    pub(super) lattice: Lattice,
+    pub(super) nodes: Nodes,
     no_data: Option<f64>,
     meaning: SampleMeaning,
 }
@@ -36,7 +38,7 @@ impl GeoTiff {
         open_regular(path)?;
         let file =
             GeoTiffFile::open(path).map_err(|error| TerrainError::Decode(error.to_string()))?;
-        check_coordinates(&file)?;
+        let projection = projection(&file)?;
         if let Some(vertical) = file.crs().vertical() {
             check_heights(vertical)?;
         }
@@ -49,7 +51,10 @@ impl GeoTiff {
             }
         };
         Ok(Self {
-            lattice: lattice(&file)?,
+            nodes: match projection {
+                None => Nodes::Degrees(lattice(&file)?),
+                Some(projection) => Nodes::Plane(Box::new(plane_lattice(&file, projection)?)),
+            },
             meaning: SampleMeaning::read(&file, path)?,
             file,
             no_data,
@@ -66,11 +71,26 @@ impl GeoTiff {
         })
     }
 
+    /// By how much heights may be wrong for what they are measured from, metres. In degrees of WGS84
+    /// what a file does not say is taken for mean sea level.
+    pub(super) fn datum_error_m(&self) -> f64 {
+        let vertical = self.file.crs().vertical();
+        match (&self.nodes, vertical.and_then(|vertical| vertical.epsg)) {
+            (Nodes::Degrees(_), _) | (_, Some(5773)) => 0.0,
+            (_, Some(3855)) => 1.0,
+            _ => 2.0,
+        }
+    }
+
     /// What the heights are measured from, as far as the file says it.
     pub(super) fn datum(&self) -> String {
         let vertical = self.file.crs().vertical();
         let citation = vertical.and_then(|vertical| vertical.citation.clone());
-        match (vertical.and_then(|vertical| vertical.epsg), citation) {
+        let name = match &self.nodes {
+            Nodes::Degrees(_) => "WGS84".to_owned(),
+            Nodes::Plane(lattice) => lattice.projection.name(),
+        };
+        let text = match (vertical.and_then(|vertical| vertical.epsg), citation) {
             (Some(5773), _) => "WGS84, metres above EGM96 (EPSG:5773)".to_owned(),
             (Some(3855), _) => {
                 "WGS84, metres above EGM2008 (EPSG:3855), mostly within 1 m of EGM96".to_owned()
@@ -82,7 +102,8 @@ impl GeoTiff {
                 format!("WGS84, metres above `{citation}`, taken for mean sea level")
             }
             _ => "WGS84, metres taken for above mean sea level: the file does not say".to_owned(),
-        }
+        };
+        text.replacen("WGS84", &name, 1)
     }
 }
 
@@ -91,12 +112,17 @@ fn is_same(sample: f64, no_data: f64) -> bool {
     (sample - no_data).abs() <= no_data.abs() * 1e-6
 }
 
-fn check_coordinates(file: &GeoTiffFile) -> Result<(), TerrainError> {
+/// The system of its coordinates; none for degrees of WGS84.
+fn projection(file: &GeoTiffFile) -> Result<Option<Projection>, TerrainError> {
     let crs: &CrsInfo = file.crs();
     let name = |code: Option<u16>, citation: Option<&String>| match (code, citation) {
         (Some(code), _) if code != 32767 && code != 0 => format!("EPSG:{code}"),
         (_, Some(citation)) => citation.clone(),
         _ => "no EPSG code".to_owned(),
+    };
+    let known = |code: Option<u16>, name: String| {
+        let projection = code.and_then(Projection::of_epsg);
+        projection.map(Some).ok_or(TerrainError::Crs(name))
     };
     let Some(horizontal) = crs.horizontal() else {
         return Err(TerrainError::Crs("no coordinate system at all".to_owned()));
@@ -104,39 +130,38 @@ fn check_coordinates(file: &GeoTiffFile) -> Result<(), TerrainError> {
     match crs.model_type_enum() {
         ModelType::Geographic => {}
         ModelType::Projected => {
-            let name = name(
-                horizontal.projected_epsg,
-                horizontal.projection_citation.as_ref(),
-            );
-            return Err(TerrainError::Crs(format!("projection {name}")));
+            let code = horizontal.projected_epsg;
+            let name = name(code, horizontal.projection_citation.as_ref());
+            return known(code, format!("projection {name}"));
         }
         ModelType::Geocentric => return Err(TerrainError::Crs("a geocentric system".to_owned())),
         ModelType::Unknown(code) => return Err(TerrainError::Crs(format!("model type {code}"))),
     }
-    if horizontal.geodetic_epsg != Some(EPSG_WGS84) {
-        return Err(TerrainError::Crs(name(
-            horizontal.geodetic_epsg,
-            horizontal.geodetic_citation.as_ref(),
-        )));
-    }
     match file.geokeys().get_short(geokeys::GEOG_ANGULAR_UNITS) {
-        None | Some(DEGREE) => Ok(()),
-        Some(unit) => Err(TerrainError::Crs(format!("angular unit EPSG:{unit}"))),
+        None | Some(DEGREE) => {}
+        Some(unit) => return Err(TerrainError::Crs(format!("angular unit EPSG:{unit}"))),
+    }
+    match horizontal.geodetic_epsg {
+        Some(EPSG_WGS84) => Ok(None),
+        code => known(code, name(code, horizontal.geodetic_citation.as_ref())),
     }
 }
 
+/// The first node, and the steps between columns and rows.
+type Steps = ((f64, f64), (f64, f64));
+
 /// Where the nodes are: pixel centres, whether pixels are areas or points (the
 /// reader's transform is of pixel corners in both cases).
-fn lattice(file: &GeoTiffFile) -> Result<Lattice, TerrainError> {
+fn steps(file: &GeoTiffFile) -> Result<Steps, TerrainError> {
     let transform = file
         .transform()
         .ok_or_else(|| TerrainError::Layout("no place and scale of its pixels".to_owned()))?;
     if transform.skew_x.abs() > 0.0 || transform.skew_y.abs() > 0.0 {
         return Err(TerrainError::Layout("rotated".to_owned()));
     }
-    let (column_step_deg, row_step_deg) = (transform.pixel_width, -transform.pixel_height);
+    let (column_step, row_step) = (transform.pixel_width, -transform.pixel_height);
     let positive = |step: f64| step.is_finite() && step > 0.0;
-    if !positive(column_step_deg) || !positive(row_step_deg) {
+    if !positive(column_step) || !positive(row_step) {
         return Err(TerrainError::Layout("mirrored".to_owned()));
     }
     if file.width() < MIN_NODES || file.height() < MIN_NODES {
@@ -146,7 +171,34 @@ fn lattice(file: &GeoTiffFile) -> Result<Lattice, TerrainError> {
             file.height()
         )));
     }
-    let (mut lon_deg, lat_deg) = transform.pixel_to_geo(0.5, 0.5);
+    Ok((transform.pixel_to_geo(0.5, 0.5), (column_step, row_step)))
+}
+
+fn size(pixels: u32) -> Result<usize, TerrainError> {
+    usize::try_from(pixels).map_err(|_| TerrainError::TooLarge(usize::MAX))
+}
+
+fn plane_lattice(file: &GeoTiffFile, projection: Projection) -> Result<PlaneLattice, TerrainError> {
+    let (first, step) = steps(file)?;
+    let lattice = PlaneLattice {
+        projection,
+        first,
+        step,
+        rows: size(file.height())?,
+        columns: size(file.width())?,
+    };
+    match lattice.extent() {
+        Some(_) => Ok(lattice),
+        None => Err(TerrainError::Layout(format!(
+            "pixels at {}, {}, which are nowhere on earth",
+            first.0, first.1
+        ))),
+    }
+}
+
+/// The nodes of a file in degrees.
+fn lattice(file: &GeoTiffFile) -> Result<Lattice, TerrainError> {
+    let ((mut lon_deg, lat_deg), (column_step_deg, row_step_deg)) = steps(file)?;
     if lon_deg >= 180.0 {
         lon_deg -= 360.0;
     }
@@ -164,8 +216,6 @@ fn lattice(file: &GeoTiffFile) -> Result<Lattice, TerrainError> {
         );
         return Err(TerrainError::Layout(found));
     }
-    let size =
-        |pixels: u32| usize::try_from(pixels).map_err(|_| TerrainError::TooLarge(usize::MAX));
     Ok(Lattice {
         north_west: LatLon { lat_deg, lon_deg },
         row_step_deg,

@@ -39,14 +39,16 @@ pub struct TerrainInfo {
 /// [`TerrainError`], as for reading it.
 pub fn inspect(path: &Path) -> Result<TerrainInfo, TerrainError> {
     let source = Source::open(path)?;
-    let lattice = source.lattice();
+    let nodes = source.nodes();
+    let (rows, columns) = nodes.size();
     let (mut voids, mut range) = (0, None::<(f32, f32)>);
-    let step = (AT_ONCE / lattice.columns).max(1);
-    for first_row in (0..lattice.rows).step_by(step) {
+    let step = (AT_ONCE / columns).max(1);
+    for first_row in (0..rows).step_by(step) {
         let part = Window {
             first_row,
-            rows: step.min(lattice.rows - first_row),
-            ..lattice.whole()
+            rows: step.min(rows - first_row),
+            first_column: 0,
+            columns,
         };
         for height_m in source.read(part)? {
             if height_m.is_nan() {
@@ -57,24 +59,17 @@ pub fn inspect(path: &Path) -> Result<TerrainInfo, TerrainError> {
             }
         }
     }
-    let (north_west, south_east) = (
-        lattice.north_west,
-        lattice.node(lattice.rows - 1, lattice.columns - 1),
-    );
+    let nowhere = || TerrainError::Layout("pixels that are nowhere on earth".to_owned());
+    let extent = nodes.extent().ok_or_else(nowhere)?;
+    let (row_step_deg, column_step_deg) = nodes.steps_deg(extent).ok_or_else(nowhere)?;
     Ok(TerrainInfo {
         format: source.format(),
-        south_west: LatLon {
-            lat_deg: south_east.lat_deg,
-            lon_deg: north_west.lon_deg,
-        },
-        north_east: LatLon {
-            lat_deg: north_west.lat_deg,
-            lon_deg: south_east.lon_deg,
-        },
-        rows: lattice.rows,
-        columns: lattice.columns,
-        row_step_deg: lattice.row_step_deg,
-        column_step_deg: lattice.column_step_deg,
+        south_west: extent.south_west,
+        north_east: extent.north_east,
+        rows,
+        columns,
+        row_step_deg,
+        column_step_deg,
         voids,
         range: range.map(|(low, high)| (Amsl(f64::from(low)), Amsl(f64::from(high)))),
         datum: source.datum(),

@@ -94,6 +94,7 @@ impl Lattice {
             rows: window.rows,
             columns: window.columns,
             heights_m,
+            raised_m: 0.0,
         }
     }
 }

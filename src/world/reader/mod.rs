@@ -1,17 +1,20 @@
 //! Elevation files: SRTM tiles and GeoTIFF, one or a folder of them, cut to the part a
 //! mission needs. Only that part is ever in memory.
 
+mod blend;
 mod geotiff;
 mod hgt;
 mod info;
 mod lattice;
 mod mosaic;
+mod plane;
 
 pub use info::{TerrainInfo, inspect};
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use blend::Nodes;
 use geotiff::GeoTiff;
 use hgt::{Hgt, Packing};
 use lattice::{Lattice, Window};
@@ -82,10 +85,16 @@ pub enum TerrainError {
     #[error("not a readable GeoTIFF: {0}")]
     Decode(String),
     /// The coordinates are not degrees of WGS84.
-    #[error("coordinates in {0} (allowed: EPSG:4326, degrees of WGS84)")]
+    #[error(
+        "coordinates in {0} (allowed: EPSG:4326, or an EPSG code with a way to WGS84 that needs no grid of shifts; \
+         `gdalwarp -t_srs EPSG:4326 -r bilinear FILE NEW.tif` converts it)"
+    )]
     Crs(String),
     /// The heights are not metres above the sea.
-    #[error("heights in {0} (allowed: metres above mean sea level)")]
+    #[error(
+        "heights in {0} (allowed: metres above mean sea level; `gdalwarp -t_srs EPSG:9707 FILE NEW.tif` converts heights \
+         of a known system to EGM96)"
+    )]
     Heights(String),
     /// A tag or a file next to it changes what its samples mean.
     #[error("{0} (allowed: heights in metres, with at most a scale and an offset that GDAL wrote)")]
@@ -150,17 +159,25 @@ impl Bounds {
 
 /// Reads what an elevation file, or a folder of them, holds within `bounds`; all of it without.
 ///
-/// In a folder the files must share rows and columns; neighbours meet at the nodes that
-/// both have, or at nodes next to each other. Nodes that no file has are without data.
+/// In a folder neighbours meet at the nodes that both have, or at nodes next to each other. Nodes
+/// that no file has are without data. Files in a projection, and folders of several spacings, become
+/// one grid that is no lower than any of their nodes; [`TerrainGrid::raised_m`] bounds the rest.
 ///
 /// # Errors
 /// [`TerrainError`], which says what is wrong and what is allowed.
 pub fn read_terrain(path: &Path, bounds: Option<Bounds>) -> Result<TerrainGrid, TerrainError> {
     if path.is_dir() {
-        return Mosaic::open(path, bounds)?.read(bounds);
+        return match Mosaic::open(path, bounds) {
+            Err(TerrainError::Mixed { .. }) => {
+                blend::read(blend::open_folder(path, bounds)?, bounds)
+            }
+            mosaic => mosaic?.read(bounds),
+        };
     }
     let source = Source::open(path)?;
-    let lattice = source.lattice();
+    let Some(lattice) = source.lattice() else {
+        return blend::read(vec![(name_of(path), source)], bounds);
+    };
     let window = lattice.window(bounds)?;
     Ok(lattice.grid(window, source.read(window)?))
 }
@@ -173,7 +190,13 @@ pub fn terrain_files(path: &Path, bounds: Option<Bounds>) -> Result<Vec<PathBuf>
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);
     }
-    let mosaic = Mosaic::open(path, bounds)?;
+    let mosaic = match Mosaic::open(path, bounds) {
+        Err(TerrainError::Mixed { .. }) => {
+            let files = blend::open_folder(path, bounds)?.into_iter();
+            return Ok(files.map(|(name, _)| path.join(name)).collect());
+        }
+        mosaic => mosaic?,
+    };
     Ok(mosaic.names().map(|name| path.join(name)).collect())
 }
 
@@ -218,10 +241,26 @@ impl Source {
         }
     }
 
-    fn lattice(&self) -> Lattice {
+    /// Its nodes, if they lie on parallels and meridians of WGS84.
+    fn lattice(&self) -> Option<Lattice> {
+        match self.nodes() {
+            Nodes::Degrees(lattice) => Some(lattice),
+            Nodes::Plane(_) => None,
+        }
+    }
+
+    fn nodes(&self) -> Nodes {
         match self {
-            Self::Hgt(file) => file.lattice,
-            Self::GeoTiff(file) => file.lattice,
+            Self::Hgt(file) => Nodes::Degrees(file.lattice),
+            Self::GeoTiff(file) => file.nodes.clone(),
+        }
+    }
+
+    /// By how much heights may be wrong for what they are measured from, metres.
+    fn datum_error_m(&self) -> f64 {
+        match self {
+            Self::Hgt(_) => 0.0,
+            Self::GeoTiff(file) => file.datum_error_m(),
         }
     }
 

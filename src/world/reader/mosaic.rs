@@ -16,9 +16,13 @@ pub(super) struct Mosaic {
     lattice: Lattice,
 }
 
+/// A file with its name, its nodes, and its row and column from those of another.
+type Placed = (String, (Source, Lattice), (i64, i64));
+
 struct Tile {
     name: String,
     source: Source,
+    lattice: Lattice,
     /// Row and column of its first node.
     row: usize,
     column: usize,
@@ -35,35 +39,36 @@ impl Mosaic {
                 continue;
             }
             let source = Source::open(&folder.join(name)).map_err(|error| in_file(name, error))?;
-            if source.lattice().cut(bounds).is_some() {
-                sources.push((name.clone(), source));
+            let Some(lattice) = source.lattice() else {
+                return Err(TerrainError::Mixed {
+                    first: name.clone(),
+                    second: name.clone(),
+                });
+            };
+            if lattice.cut(bounds).is_some() {
+                sources.push((name.clone(), lattice, source));
             }
         }
-        let Some((first, reference)) = sources.first() else {
+        let Some((first, reference, _)) = sources.first() else {
             return Err(TerrainError::NoneHere(names.len()));
         };
-        let (first, reference) = (first.clone(), reference.lattice());
+        let (first, reference) = (first.clone(), *reference);
         let mut placed = Vec::new();
-        for (name, source) in sources {
-            let place =
-                offset(&reference, &source.lattice()).ok_or_else(|| TerrainError::Mixed {
-                    first: first.clone(),
-                    second: name.clone(),
-                })?;
-            placed.push((name, source, place));
+        for (name, lattice, source) in sources {
+            let place = offset(&reference, &lattice).ok_or_else(|| TerrainError::Mixed {
+                first: first.clone(),
+                second: name.clone(),
+            })?;
+            placed.push((name, (source, lattice), place));
         }
         Self::join(&reference, placed)
     }
 
     /// The smallest lattice that holds all, each at its row and column from `reference`.
-    fn join(
-        reference: &Lattice,
-        placed: Vec<(String, Source, (i64, i64))>,
-    ) -> Result<Self, TerrainError> {
+    fn join(reference: &Lattice, placed: Vec<Placed>) -> Result<Self, TerrainError> {
         let mut north_west = (i64::MAX, i64::MAX);
         let mut south_east = (i64::MIN, i64::MIN);
-        for (_, source, (row, column)) in &placed {
-            let lattice = source.lattice();
+        for (_, (_, lattice), (row, column)) in &placed {
             let size = |nodes: usize| i64::try_from(nodes).unwrap_or(i64::MAX);
             north_west = (north_west.0.min(*row), north_west.1.min(*column));
             south_east = (
@@ -77,15 +82,16 @@ impl Mosaic {
             usize::try_from(to.saturating_sub(from)).map_err(|_| TerrainError::TooLarge(usize::MAX))
         };
         let mut tiles: Vec<Tile> = Vec::new();
-        for (name, source, (row, column)) in placed {
+        for (name, (source, lattice), (row, column)) in placed {
             let tile = Tile {
                 row: count(north_west.0, row)?,
                 column: count(north_west.1, column)?,
                 name,
                 source,
+                lattice,
             };
             let same = |other: &&Tile| {
-                let (a, b) = (other.source.lattice(), tile.source.lattice());
+                let (a, b) = (other.lattice, tile.lattice);
                 let place = |tile: &Tile| (tile.row, tile.column);
                 place(other) == place(&tile) && (a.rows, a.columns) == (b.rows, b.columns)
             };
@@ -123,7 +129,7 @@ impl Mosaic {
         let window = self.lattice.window(bounds)?;
         let mut heights_m = vec![f32::NAN; window.rows * window.columns];
         for tile in &self.tiles {
-            let lattice = tile.source.lattice();
+            let lattice = tile.lattice;
             let rows = overlap(window.first_row, window.rows, tile.row, lattice.rows);
             let columns = overlap(
                 window.first_column,
@@ -155,7 +161,7 @@ impl Mosaic {
     }
 }
 
-fn in_file(name: &str, error: TerrainError) -> TerrainError {
+pub(super) fn in_file(name: &str, error: TerrainError) -> TerrainError {
     TerrainError::InFile {
         name: name.to_owned(),
         error: Box::new(error),
