@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::plan::VehiclePlan;
@@ -62,6 +63,11 @@ impl<'a> Conflicts<'a> {
             by_cost.then(all[a].later_s.abs().total_cmp(&all[b].later_s.abs()))
         });
         order
+    }
+
+    /// Adds variants of a vehicle at random.
+    pub(super) fn add_random(&mut self, vehicle: usize, count: usize, rng: &mut ChaCha8Rng) {
+        self.fleet[vehicle].add_random(count, rng);
     }
 
     /// Adds variants between one and the path alone.

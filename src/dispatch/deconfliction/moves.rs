@@ -1,6 +1,10 @@
 //! Other shapes of the path that a vehicle would fly alone: bent aside, and raised for a while.
 
+use std::f64::consts::TAU;
 use std::iter::once;
+
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 use crate::geodesy::PlanPoint;
 use crate::plan::Shape;
@@ -23,6 +27,9 @@ const BOTH_UP_TO: f64 = 3.0;
 const RAMP: f64 = 0.12;
 const GENTLE: f64 = 4.5;
 
+/// Most that a path sways to either side, in separations.
+const MOST_SWAY: f64 = 4.0;
+
 /// Shares of the way to a cheaper shape that are tried.
 const SHARES: [f64; 4] = [0.7, 0.4, 0.2, 0.08];
 
@@ -35,19 +42,20 @@ struct Move {
     up_m: f64,
     /// Middle and half of the length over which it is raised.
     raised: (f64, f64),
+    /// How far it sways, to one side and then to the other: later from the middle on, and not
+    /// elsewhere.
+    sway_m: f64,
 }
 
 /// The shape itself and others around it.
 pub(super) fn shapes(shape: &Shape, separation: &Separation) -> Vec<Shape> {
-    let (side_m, up_m) = (
-        separation.distance_m,
-        separation.vertical_m.unwrap_or(separation.distance_m),
-    );
+    let (side_m, up_m) = units(separation);
     let still = Move {
         aside_m: 0.0,
         peak: 0.5,
         up_m: 0.0,
         raised: RAISED_FROM[0],
+        sway_m: 0.0,
     };
     let mut moves = Vec::new();
     for aside in ASIDE.into_iter().flat_map(|aside| [aside, -aside]) {
@@ -79,6 +87,31 @@ pub(super) fn shapes(shape: &Shape, separation: &Separation) -> Vec<Shape> {
         moves.map(move |change| moved(shape, route, change))
     });
     once(shape.clone()).chain(moved).collect()
+}
+
+/// One more shape around a shape, bent, swaying and raised at random.
+pub(super) fn random(shape: &Shape, separation: &Separation, rng: &mut ChaCha8Rng) -> Shape {
+    let (side_m, up_m) = units(separation);
+    let is = |rng: &mut ChaCha8Rng, share: f64| f64::from(u8::from(rng.random_bool(share)));
+    let most_aside = *ASIDE.last().unwrap_or(&0.0) * side_m;
+    let change = Move {
+        aside_m: is(rng, 0.7) * rng.random_range(-most_aside..most_aside),
+        peak: rng.random_range(0.2..0.8),
+        up_m: is(rng, 0.7) * rng.random_range(RAISED[0]..RAISED[RAISED.len() - 1]) * up_m,
+        raised: (rng.random_range(0.25..0.75), rng.random_range(0.05..0.35)),
+        sway_m: is(rng, 0.5) * rng.random_range(-MOST_SWAY..MOST_SWAY) * side_m,
+    };
+    moved(
+        shape,
+        rng.random_range(0..shape.control_points.len()),
+        &change,
+    )
+}
+
+/// What paths are moved by, aside and up, metres.
+fn units(separation: &Separation) -> (f64, f64) {
+    let side_m = separation.distance_m;
+    (side_m, separation.vertical_m.unwrap_or(side_m))
 }
 
 /// Shapes between one and a cheaper one, the nearest to the cheaper one first.
@@ -113,8 +146,8 @@ fn moved(shape: &Shape, route: usize, change: &Move) -> Shape {
         }
         #[expect(clippy::cast_precision_loss, reason = "few control points")]
         let share = step as f64 / (count - 1) as f64;
-        let aside_m =
-            change.aside_m * (share / change.peak).min((1.0 - share) / (1.0 - change.peak));
+        let bend = (share / change.peak).min((1.0 - share) / (1.0 - change.peak));
+        let aside_m = change.aside_m * bend + change.sway_m * (TAU * share).sin();
         point.at.east_m += aside_m * left_east;
         point.at.north_m += aside_m * left_north;
         let (middle, half) = change.raised;

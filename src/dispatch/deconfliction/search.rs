@@ -9,7 +9,7 @@ use super::conflicts::{Conflicts, Flown};
 /// Changes of one vehicle for each vehicle of the fleet, at most, until no conflict is left.
 const REPAIRS: usize = 60;
 /// Beginnings from other orders of vehicles.
-const BEGINNINGS: usize = 3;
+const BEGINNINGS: usize = 8;
 /// Groups that are tried for a cheaper fleet, for each vehicle.
 const GROUPS: usize = 12;
 /// Most vehicles of a group.
@@ -18,6 +18,8 @@ const GROUP: usize = 4;
 const DRAWN: usize = 3;
 /// Variants that are judged at once, where the first without a conflict is enough.
 const CHUNK: usize = 16;
+/// Variants that a vehicle in conflict gets besides, at random, from the second beginning on.
+const MORE: usize = 8;
 
 /// The variant of each vehicle.
 pub(super) type Choice = Vec<usize>;
@@ -50,7 +52,7 @@ impl<'s, 'a> Search<'s, 'a> {
                 order.shuffle(&mut self.rng);
             }
             let mut choice = self.in_order(&order)?;
-            let left = self.repair(&mut choice);
+            let left = self.repair(&mut choice, if beginning > 0 { MORE } else { 0 });
             if best.as_ref().is_none_or(|(_, least)| left < *least) {
                 best = Some((choice, left));
             }
@@ -125,8 +127,9 @@ impl<'s, 'a> Search<'s, 'a> {
     }
 
     /// Gives other variants to vehicles in conflict, until none is left or the changes are spent.
-    /// The best choice that was met, and its number of conflicts.
-    fn repair(&mut self, choice: &mut Choice) -> usize {
+    /// The best choice that was met, and its number of conflicts. With each change the vehicle gets
+    /// `more` variants.
+    fn repair(&mut self, choice: &mut Choice, more: usize) -> usize {
         let mut best = (self.pairs(choice).len(), choice.clone());
         for _ in 0..REPAIRS * choice.len() {
             let pairs = self.pairs(choice);
@@ -146,6 +149,7 @@ impl<'s, 'a> Search<'s, 'a> {
             } else {
                 b
             };
+            self.conflicts.add_random(vehicle, more, &mut self.rng);
             let others = others(choice, &[vehicle]);
             if let Some(found) = self.least_in_conflict(vehicle, &others, Some(choice[vehicle])) {
                 choice[vehicle] = found;

@@ -1,5 +1,7 @@
 //! What one vehicle may fly, each as its encoded mission is flown.
 
+use rand_chacha::ChaCha8Rng;
+
 use crate::cost::CostTerms;
 use crate::mission;
 use crate::path::TimedPoint;
@@ -8,7 +10,7 @@ use crate::spec::{MissionSpec, Span};
 use crate::verify::{Executed, Judge};
 use crate::world::World;
 
-use super::moves::{between, shapes};
+use super::moves::{between, random, shapes};
 
 /// Departures of a window that are tried with the path alone.
 const DEPARTURES: u32 = 30;
@@ -86,6 +88,17 @@ impl<'a> Variants<'a> {
                 }));
             }
         }
+    }
+
+    /// Adds shapes around the first, at random.
+    pub(super) fn add_random(&mut self, count: usize, rng: &mut ChaCha8Rng) {
+        let Some((shape, later_s)) = self.all.first().map(|first| (&first.shape, first.later_s))
+        else {
+            return;
+        };
+        let separation = self.shapers[0].spec().buffered_separation();
+        let shapes = (0..count).map(|_| random(shape, &separation, rng));
+        self.add(shapes.collect(), 0, &[later_s]);
     }
 
     /// Adds shapes between that of a variant and the first.
