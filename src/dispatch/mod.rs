@@ -8,7 +8,7 @@ use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::MissionSpec;
-use crate::tasks::{free_orders, in_order};
+use crate::tasks::{Assigner, FleetTasks, free_orders, in_order};
 use crate::verify::{self, Limit, Margin, Review};
 use crate::world::World;
 
@@ -25,6 +25,8 @@ pub struct Dispatched {
     pub review: Review,
     /// How often the fleet was planned, at least once.
     pub rounds: usize,
+    /// Who does which task; none where the spec has no tasks.
+    pub tasks: Option<Box<FleetTasks>>,
 }
 
 /// The stage of a dispatch, for progress reports.
@@ -42,13 +44,16 @@ const ROUNDS: usize = 5;
 /// Most rounds, as long as each has fewer violations than all before. In a large fleet a vehicle
 /// that gives way to a repaired one may fail for the first time in a late round.
 const MAX_ROUNDS: usize = 12;
+/// Most assignments of tasks that are planned.
+const ASSIGNMENTS: usize = 4;
 
 /// Plans the fleet, and plans again the vehicles that fail, with stricter margins.
 ///
 /// An infeasible mission is not an error: the review names the violated limits. It is that of the
 /// best round, the earliest of those with the fewest violations.
 ///
-/// Where the spec leaves the order of stops free, it is found first; the plan has it.
+/// Where the spec leaves the order of stops free, it is found first; the plan has it. Tasks are
+/// assigned then, and become stops of their vehicles: [`Dispatched::flown`].
 #[must_use]
 pub fn dispatch(
     spec: &MissionSpec,
@@ -57,10 +62,14 @@ pub fn dispatch(
     watch: &(dyn Fn(Stage) + Sync),
 ) -> Dispatched {
     let Some(orders) = free_orders(spec, world, seed) else {
-        return dispatch_ordered(spec, world, seed, watch);
+        return with_tasks(spec, world, seed, watch);
     };
     let (ordered, moved) = in_order(spec, world, &orders);
-    let mut done = dispatch_ordered(&ordered, &moved, seed, watch);
+    let mut done = with_tasks(&ordered, &moved, seed, watch);
+    if done.tasks.is_some() {
+        // The spec that is flown has its stops in order, and more of them.
+        return done;
+    }
     for (plan, found) in done.plan.vehicles.iter_mut().zip(orders) {
         if !found.order.is_empty() {
             plan.set_bound(found.bound);
@@ -70,10 +79,74 @@ pub fn dispatch(
     done
 }
 
-/// Dispatches a fleet whose stops are in the order in which they are visited.
-fn dispatch_ordered(
+/// Dispatches a fleet whose stops are in the order in which they are visited: assigns its tasks,
+/// and assigns them again where a vehicle uses more on its way than was estimated.
+fn with_tasks(
     spec: &MissionSpec,
     world: &World,
+    seed: u64,
+    watch: &(dyn Fn(Stage) + Sync),
+) -> Dispatched {
+    let Some(mut assigner) = Assigner::new(spec, world, seed) else {
+        return dispatch_ordered((spec, world), (spec, world), seed, watch);
+    };
+    let mut best: Option<Dispatched> = None;
+    for _ in 0..ASSIGNMENTS {
+        let tasks = assigner.assign();
+        let flown = (&tasks.spec, &tasks.world);
+        let mut done = dispatch_ordered(flown, (spec, world), seed, watch);
+        for left in &tasks.left {
+            let limit = Limit::Task(left.id.clone());
+            let mut margins = done.review.margins.iter_mut();
+            if let Some(margin) = margins.find(|margin| !margin.ok && margin.limit == limit) {
+                margin.note = format!("{}: {}", margin.note, left.why);
+            }
+        }
+        let used = over_endurance(spec, &done.review);
+        let learns = assigner.learn(&tasks, &used);
+        done.tasks = Some(Box::new(tasks));
+        if best
+            .as_ref()
+            .is_none_or(|best| severity(&done) < severity(best))
+        {
+            best = Some(done);
+        }
+        if !learns {
+            break;
+        }
+    }
+    best.unwrap_or_else(|| dispatch_ordered((spec, world), (spec, world), seed, watch))
+}
+
+/// Violated limits of flights, then tasks that are not done.
+fn severity(done: &Dispatched) -> (usize, usize) {
+    let failed = done.review.margins.iter().filter(|margin| !margin.ok);
+    let (tasks, others): (Vec<_>, Vec<_>) =
+        failed.partition(|margin| matches!(margin.limit, Limit::Task(_)));
+    (others.len(), tasks.len())
+}
+
+/// The vehicles that use more than they may, by their indices, and what they use as a share of it.
+fn over_endurance(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
+    let fleet = spec.vehicles.iter().enumerate();
+    fleet
+        .filter_map(|(index, vehicle)| {
+            let mut margins = review.margins.iter();
+            let is_over = |margin: &&Margin| {
+                margin.vehicle == vehicle.id && margin.limit == Limit::Endurance && !margin.ok
+            };
+            let margin = margins.find(is_over)?;
+            let share = margin.value / margin.bound;
+            (share.is_finite() && share > 1.0).then_some((index, share))
+        })
+        .collect()
+}
+
+/// Dispatches a fleet whose stops are those that it makes, in their order. The verdict is given on
+/// the second spec, which may have tasks instead.
+fn dispatch_ordered(
+    (spec, world): (&MissionSpec, &World),
+    judged: (&MissionSpec, &World),
     seed: u64,
     watch: &(dyn Fn(Stage) + Sync),
 ) -> Dispatched {
@@ -94,8 +167,9 @@ fn dispatch_ordered(
         };
     let judge = |round: usize, plan: FleetPlan| {
         watch(Stage::Verifying(round));
-        let (missions, review) = encode_and_verify(spec, world, &plan);
+        let (missions, review) = encode_and_verify(spec, world, judged, &plan);
         Dispatched {
+            tasks: None,
             plan,
             missions,
             review,
@@ -130,6 +204,20 @@ fn dispatch_ordered(
 }
 
 impl Dispatched {
+    /// The spec and world that the plan is of: those given, or with tasks those whose vehicles
+    /// have a stop for each task that they do.
+    #[must_use]
+    pub fn flown<'a>(
+        &'a self,
+        spec: &'a MissionSpec,
+        world: &'a World,
+    ) -> (&'a MissionSpec, &'a World) {
+        match &self.tasks {
+            Some(tasks) => (&tasks.spec, &tasks.world),
+            None => (spec, world),
+        }
+    }
+
     /// Adds a margin for every vehicle without a path, if other vehicles are the reason.
     fn add_blockers(
         &mut self,
@@ -177,6 +265,7 @@ fn failures(dispatched: &Dispatched) -> usize {
 fn encode_and_verify(
     spec: &MissionSpec,
     world: &World,
+    judged_by: (&MissionSpec, &World),
     plan: &FleetPlan,
 ) -> (Vec<(usize, VehicleMission)>, Review) {
     let retimed = plan.retimed(spec);
@@ -202,7 +291,7 @@ fn encode_and_verify(
         .iter()
         .map(|(index, mission)| (*index, mission))
         .collect();
-    let mut review = verify::review(spec, world, &judged);
+    let mut review = verify::review(judged_by.0, judged_by.1, &judged);
     // The encoding error replaces "mission missing".
     let is_known = |margin: &Margin| {
         let mut known = problems.iter();
