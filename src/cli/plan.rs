@@ -23,11 +23,15 @@ use crate::dispatch::{self, Dispatched, Stage};
 use crate::link::TransferReport;
 use crate::report::{infeasibilities, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
+use crate::tasks::AssignedTask;
 use crate::verify::{self, Margin, Review, Topic};
 use crate::world::{self, World};
 
 /// Vehicles that the table lists: of a larger fleet, those with the tightest margins.
 const MAX_LISTED: usize = 40;
+
+/// Tasks of a vehicle that the table names.
+const MAX_TASKS_LISTED: usize = 6;
 
 /// Seconds spent in each stage: printed and written to `timing.json`, never to a result.
 struct Stopwatch {
@@ -186,7 +190,8 @@ fn print_result(
     ))?;
     print_fleet(file, dispatched, delivery)?;
     if !review.passes() {
-        for reason in infeasibilities(spec, world, &dispatched.plan) {
+        let (flown, flown_in) = dispatched.flown(spec, world);
+        for reason in infeasibilities(flown, flown_in, &dispatched.plan) {
             out(&format!("{} {reason}", paint.bad("FAIL")))?;
         }
         out_lines(&table::failures(review, paint))?;
@@ -239,6 +244,9 @@ fn print_fleet(
         "separation",
     ];
     heads.extend(more.iter().map(|(head, _)| head));
+    if dispatched.tasks.is_some() {
+        heads.push("tasks");
+    }
     heads.push("on board");
     let mut rows = Rows::new(&heads);
     let shown = tightest_first(spec, review);
@@ -265,18 +273,37 @@ fn print_fleet(
             table::tightest(review, id, &[Topic::Separation]),
         ];
         cells.extend((more.iter()).map(|(_, topic)| table::tightest(review, id, &[*topic])));
+        cells.extend((dispatched.tasks.iter()).map(|tasks| tasks_of(&tasks.done[index])));
         cells.push(on_board(review.accepts(id), report));
         rows.add(cells);
     }
     rows.print()?;
-    if shown.len() < spec.vehicles.len() {
-        let left = spec.vehicles.len() - shown.len();
+    print_unlisted(spec.vehicles.len(), shown.len())?;
+    table::print_no_buffers(spec)
+}
+
+/// Prints how many vehicles the table leaves out.
+fn print_unlisted(vehicles: usize, shown: usize) -> Result<(), Failure> {
+    if shown < vehicles {
+        let left = vehicles - shown;
         out(&format!(
-            "the {} vehicles with the tightest margins; {left} more keep every limit and are in review.html",
-            shown.len()
+            "the {shown} vehicles with the tightest margins; {left} more keep every limit and are in review.html"
         ))?;
     }
-    table::print_no_buffers(spec)
+    Ok(())
+}
+
+/// The tasks of a vehicle, in the order in which it begins them; of many the first.
+fn tasks_of(done: &[AssignedTask]) -> String {
+    let shown = done.iter().take(MAX_TASKS_LISTED);
+    let mut ids: Vec<&str> = shown.map(|task| task.id.as_str()).collect();
+    if done.len() > MAX_TASKS_LISTED {
+        ids.push("...");
+    }
+    match done {
+        [] => "-".to_owned(),
+        _ => format!("{}: {}", done.len(), ids.join(", ")),
+    }
 }
 
 /// Whether the table of the fleet has a column for a topic.

@@ -2,9 +2,8 @@
 
 mod crowd;
 mod deconfliction;
+mod rounds;
 mod tighten;
-
-use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
@@ -12,10 +11,11 @@ use crate::mission::{self, VehicleMission};
 use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::MissionSpec;
-use crate::tasks::{free_orders, in_order};
+use crate::tasks::{Assigner, FleetTasks, free_orders, in_order};
 use crate::verify::{self, Limit, Margin, Review};
 use crate::world::World;
 
+use rounds::dispatch_in_rounds;
 use tighten::Strictness;
 
 /// A fleet planned, encoded and judged.
@@ -29,6 +29,8 @@ pub struct Dispatched {
     pub review: Review,
     /// How often the fleet was planned, at least once.
     pub rounds: usize,
+    /// Who does which task; none where the spec has no tasks.
+    pub tasks: Option<Box<FleetTasks>>,
 }
 
 /// The stage of a dispatch, for progress reports.
@@ -40,19 +42,27 @@ pub enum Stage {
     Verifying(usize),
 }
 
-/// Rounds of planning that every fleet has. A violation that remains after them is a conflict in
-/// the spec, and the operator should see it soon.
-const ROUNDS: usize = 5;
-/// Most rounds, as long as each has fewer violations than all before. In a large fleet a vehicle
-/// that gives way to a repaired one may fail for the first time in a late round.
-const MAX_ROUNDS: usize = 12;
+/// What a fleet is planned from. The spec has stops, in their order, for the tasks that are done;
+/// the verdict is given on the second one, which may have the tasks instead.
+#[derive(Clone, Copy)]
+struct Job<'a> {
+    spec: &'a MissionSpec,
+    world: &'a World,
+    judged: (&'a MissionSpec, &'a World),
+    seed: u64,
+    watch: &'a (dyn Fn(Stage) + Sync),
+}
+
+/// Most assignments of tasks that are planned.
+const ASSIGNMENTS: usize = 4;
 
 /// Plans the fleet, and plans again the vehicles that fail, with stricter margins.
 ///
 /// An infeasible mission is not an error: the review names the violated limits. It is that of the
 /// best round, the earliest of those with the fewest violations.
 ///
-/// Where the spec leaves the order of stops free, it is found first; the plan has it.
+/// Where the spec leaves the order of stops free, it is found first; the plan has it. Tasks are
+/// assigned then, and become stops of their vehicles: [`Dispatched::flown`].
 #[must_use]
 pub fn dispatch(
     spec: &MissionSpec,
@@ -61,10 +71,14 @@ pub fn dispatch(
     watch: &(dyn Fn(Stage) + Sync),
 ) -> Dispatched {
     let Some(orders) = free_orders(spec, world, seed) else {
-        return dispatch_ordered(spec, world, seed, watch);
+        return with_tasks(spec, world, seed, watch);
     };
     let (ordered, moved) = in_order(spec, world, &orders);
-    let mut done = dispatch_ordered(&ordered, &moved, seed, watch);
+    let mut done = with_tasks(&ordered, &moved, seed, watch);
+    if done.tasks.is_some() {
+        // The spec that is flown has its stops in order, and more of them.
+        return done;
+    }
     for (plan, found) in done.plan.vehicles.iter_mut().zip(orders) {
         if !found.order.is_empty() {
             plan.set_bound(found.bound);
@@ -74,95 +88,114 @@ pub fn dispatch(
     done
 }
 
-/// Dispatches a fleet whose stops are in the order in which they are visited: a crowd as a whole,
-/// and others so only where planning one after the other leaves vehicles too near.
-fn dispatch_ordered(
+/// Dispatches a fleet whose stops are in the order in which they are visited: assigns its tasks,
+/// and assigns them again where a vehicle uses more on its way than was estimated.
+fn with_tasks(
     spec: &MissionSpec,
     world: &World,
     seed: u64,
     watch: &(dyn Fn(Stage) + Sync),
 ) -> Dispatched {
-    let is_crowd = crowd::is_crowd(spec, world);
-    let together = || planned_together(spec, world, seed, watch);
-    let passes = |found: &Dispatched| found.review.passes();
-    if let Some(found) = is_crowd.then(together).flatten().filter(passes) {
-        return found;
+    let Some(mut assigner) = Assigner::new(spec, world, seed) else {
+        return dispatch_ordered(Job {
+            spec,
+            world,
+            judged: (spec, world),
+            seed,
+            watch,
+        });
+    };
+    let mut best: Option<Dispatched> = None;
+    for _ in 0..ASSIGNMENTS {
+        let tasks = assigner.assign();
+        let mut done = dispatch_ordered(Job {
+            spec: &tasks.spec,
+            world: &tasks.world,
+            judged: (spec, world),
+            seed,
+            watch,
+        });
+        for left in &tasks.left {
+            let limit = Limit::Task(left.id.clone());
+            let mut margins = done.review.margins.iter_mut();
+            if let Some(margin) = margins.find(|margin| !margin.ok && margin.limit == limit) {
+                margin.note = format!("{}: {}", margin.note, left.why);
+            }
+        }
+        let used = over_endurance(spec, &done.review);
+        let learns = assigner.learn(&tasks, &used);
+        done.tasks = Some(Box::new(tasks));
+        if best
+            .as_ref()
+            .is_none_or(|best| severity(&done) < severity(best))
+        {
+            best = Some(done);
+        }
+        if !learns {
+            break;
+        }
     }
-    let one_by_one = dispatch_in_rounds(spec, world, seed, watch);
-    let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
-    let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
-    let is_worth_it = !is_crowd && are_too_near && spec.vehicles.len() <= crowd::MOST;
-    let found = is_worth_it.then(together).flatten().filter(passes);
-    found.unwrap_or(one_by_one)
+    best.unwrap_or_else(|| {
+        dispatch_ordered(Job {
+            spec,
+            world,
+            judged: (spec, world),
+            seed,
+            watch,
+        })
+    })
 }
 
-/// Dispatches a fleet one vehicle after the other, with those that fail planned again.
-fn dispatch_in_rounds(
-    spec: &MissionSpec,
-    world: &World,
-    seed: u64,
-    watch: &(dyn Fn(Stage) + Sync),
-) -> Dispatched {
-    let mut strictness = Strictness::first(spec);
-    let plan_again =
-        |round: usize, strictness: &Strictness, previous: Option<(&FleetPlan, &[usize])>| {
-            let progress = |at| watch(Stage::Planning(round, at));
-            let request = Request {
-                seed,
-                margins: strictness.margins.clone(),
-                extra_parameters: strictness.parameters.clone(),
-                progress: &progress,
+/// Violated limits of flights, then tasks that are not done.
+fn severity(done: &Dispatched) -> (usize, usize) {
+    let failed = done.review.margins.iter().filter(|margin| !margin.ok);
+    let (tasks, others): (Vec<_>, Vec<_>) =
+        failed.partition(|margin| matches!(margin.limit, Limit::Task(_)));
+    (others.len(), tasks.len())
+}
+
+/// The vehicles that use more than they may, by their indices, and what they use as a share of it.
+fn over_endurance(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
+    let fleet = spec.vehicles.iter().enumerate();
+    fleet
+        .filter_map(|(index, vehicle)| {
+            let mut margins = review.margins.iter();
+            let is_over = |margin: &&Margin| {
+                margin.vehicle == vehicle.id && margin.limit == Limit::Endurance && !margin.ok
             };
-            match previous {
-                None => plan::plan_fleet(spec, world, &request),
-                Some((plan, again)) => plan::replan(plan, again, spec, world, &request),
-            }
-        };
-    let judge = |round: usize, plan: FleetPlan| {
-        watch(Stage::Verifying(round));
-        let (missions, review) = encode_and_verify(spec, world, &plan);
-        Dispatched {
-            plan,
-            missions,
-            review,
-            rounds: round,
-        }
-    };
-    let mut latest = judge(1, plan_again(1, &strictness, None));
-    let mut best = latest.clone();
-    let mut improves = true;
-    for round in 2..=MAX_ROUNDS {
-        if latest.review.passes() || round > ROUNDS && !improves {
-            break;
-        }
-        let again = strictness.tighten(spec, world, &latest.plan, &latest.review);
-        if again.is_empty() {
-            break;
-        }
-        latest = judge(
-            round,
-            plan_again(round, &strictness, Some((&latest.plan, &again))),
-        );
-        improves = failures(&latest) < failures(&best);
-        if improves {
-            best = latest.clone();
-        }
-        best.rounds = round;
+            let margin = margins.find(is_over)?;
+            let share = margin.value / margin.bound;
+            (share.is_finite() && share > 1.0).then_some((index, share))
+        })
+        .collect()
+}
+
+/// Dispatches a fleet whose stops are those that it makes, in their order: a crowd as a whole, and
+/// others so only where planning one after the other leaves vehicles too near.
+fn dispatch_ordered(job: Job<'_>) -> Dispatched {
+    let is_crowd = crowd::is_crowd(job.spec, job.world);
+    let passes = |found: &Dispatched| found.review.passes();
+    let together = || planned_together(job).filter(passes);
+    if let Some(found) = is_crowd.then(together).flatten() {
+        return found;
     }
-    if !best.review.passes() {
-        best.add_blockers(spec, world, seed, strictness);
-    }
-    best
+    let one_by_one = dispatch_in_rounds(job);
+    let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
+    let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
+    let is_worth_it = !is_crowd && are_too_near && job.spec.vehicles.len() <= crowd::MOST;
+    is_worth_it.then(together).flatten().unwrap_or(one_by_one)
 }
 
 /// Plans every vehicle alone, and then all of them on variants of these paths. None where paths
 /// cannot be varied, or where one breaks a limit alone.
-fn planned_together(
-    spec: &MissionSpec,
-    world: &World,
-    seed: u64,
-    watch: &(dyn Fn(Stage) + Sync),
-) -> Option<Dispatched> {
+fn planned_together(job: Job<'_>) -> Option<Dispatched> {
+    let Job {
+        spec,
+        world,
+        seed,
+        watch,
+        ..
+    } = job;
     let progress = |at| watch(Stage::Planning(1, at));
     let request = Request {
         seed,
@@ -175,89 +208,47 @@ fn planned_together(
         return None;
     }
     let plan = deconfliction::resolved(spec, world, seed, &alone)?;
-    watch(Stage::Verifying(1));
-    let (missions, review) = encode_and_verify(spec, world, &plan);
-    Some(Dispatched {
+    Some(judged(job, 1, plan))
+}
+
+/// Encodes the missions of a plan and judges them.
+fn judged(job: Job<'_>, round: usize, plan: FleetPlan) -> Dispatched {
+    (job.watch)(Stage::Verifying(round));
+    let (missions, review) = encode_and_verify(job, &plan);
+    Dispatched {
         plan,
         missions,
         review,
-        rounds: 1,
-    })
+        rounds: round,
+        tasks: None,
+    }
 }
 
 impl Dispatched {
-    /// Adds a margin for every vehicle without a path, if other vehicles are the reason.
-    fn add_blockers(
-        &mut self,
-        spec: &MissionSpec,
-        world: &World,
-        seed: u64,
-        strictness: Strictness,
-    ) {
-        let request = Request {
-            seed,
-            margins: strictness.margins,
-            extra_parameters: strictness.parameters,
-            progress: &|_| (),
-        };
-        let at_first = Strictness::first(spec).margins;
-        self.plan.name_blockers(spec, world, &request, &at_first);
-        self.name_those_too_near(spec);
-        for (vehicle, plan) in spec.vehicles.iter().zip(&self.plan.vehicles) {
-            let others = plan.blocked_by.iter();
-            let others = others.filter_map(|&other| spec.vehicles.get(other));
-            let others: Vec<&str> = others.map(|other| other.id.as_str()).collect();
-            if others.is_empty() || self.review.accepts(&vehicle.id) {
-                continue;
-            }
-            let why = format!(
-                "no path was found that keeps every limit; in its way: {}",
-                others.join(", ")
-            );
-            let margin = Margin::unjudged(&vehicle.id, Limit::Path, why);
-            self.review.margins.push(margin);
+    /// The spec and world that the plan is of: those given, or with tasks those whose vehicles
+    /// have a stop for each task that they do.
+    #[must_use]
+    pub fn flown<'a>(
+        &'a self,
+        spec: &'a MissionSpec,
+        world: &'a World,
+    ) -> (&'a MissionSpec, &'a World) {
+        match &self.tasks {
+            Some(tasks) => (&tasks.spec, &tasks.world),
+            None => (spec, world),
         }
     }
-
-    /// Those before a vehicle that its mission comes too near to are in its way, where nothing
-    /// else is known to be.
-    fn name_those_too_near(&mut self, spec: &MissionSpec) {
-        let index = |id: &str| spec.vehicles.iter().position(|vehicle| vehicle.id == id);
-        let broken = self.review.margins.iter().filter(|margin| !margin.ok);
-        let near = broken.filter(|margin| margin.limit == Limit::Separation);
-        let pairs = near.filter_map(|margin| {
-            let (a, b) = (index(&margin.vehicle)?, index(margin.other.as_deref()?)?);
-            Some((a.max(b), a.min(b)))
-        });
-        let mut in_the_way: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
-        for (vehicle, other) in pairs {
-            in_the_way.entry(vehicle).or_default().insert(other);
-        }
-        for (vehicle, others) in in_the_way {
-            let blocked_by = &mut self.plan.vehicles[vehicle].blocked_by;
-            if blocked_by.is_empty() {
-                blocked_by.extend(others);
-            }
-        }
-    }
-}
-
-fn failures(dispatched: &Dispatched) -> usize {
-    dispatched
-        .review
-        .margins
-        .iter()
-        .filter(|margin| !margin.ok)
-        .count()
 }
 
 /// Encodes the routes of every vehicle and judges the missions. A mission that cannot be encoded
 /// is absent from the list, and the review gives the reason.
-fn encode_and_verify(
-    spec: &MissionSpec,
-    world: &World,
-    plan: &FleetPlan,
-) -> (Vec<(usize, VehicleMission)>, Review) {
+fn encode_and_verify(job: Job<'_>, plan: &FleetPlan) -> (Vec<(usize, VehicleMission)>, Review) {
+    let Job {
+        spec,
+        world,
+        judged: (judged, judged_world),
+        ..
+    } = job;
     let retimed = plan.retimed(spec);
     let encoded: Vec<_> = (plan.vehicles.par_iter().enumerate())
         .map(|(index, vehicle)| {
@@ -277,11 +268,11 @@ fn encode_and_verify(
             }
         }
     }
-    let judged: Vec<(usize, &VehicleMission)> = missions
+    let all: Vec<(usize, &VehicleMission)> = missions
         .iter()
         .map(|(index, mission)| (*index, mission))
         .collect();
-    let mut review = verify::review(spec, world, &judged);
+    let mut review = verify::review(judged, judged_world, &all);
     // The encoding error replaces "mission missing".
     let is_known = |margin: &Margin| {
         let mut known = problems.iter();

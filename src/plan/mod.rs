@@ -19,7 +19,7 @@ pub use crate::plan::diagnosis::relaxations::{Change, Relaxation};
 pub use crate::plan::diagnosis::violations::{Violation, violations};
 pub use bound::RouteCertificate;
 pub use fleet::columns::ColumnConflict;
-pub use fleet::pairs::{route_bounds, route_costs};
+pub use fleet::pairs::{least_lengths_m, route_bounds, route_costs};
 pub use fleet::shapes::{Shape, Shaper};
 pub use fleet::{
     Progress, Request, certify, plan_each_alone, plan_fleet, plan_fleet_with, plan_one_at_a_time,

@@ -11,6 +11,7 @@ use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
 use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, StopAction, Vehicle};
+use crate::tasks::FleetTasks;
 use crate::verify::{Limit, Margin, Moment, Review};
 use crate::world::World;
 
@@ -30,6 +31,29 @@ pub struct PlanDocument {
     pub verdict: &'static str,
     /// In the order of the spec.
     pub vehicles: Vec<PlannedVehicle>,
+    /// The tasks that no vehicle does, and why.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tasks_left: Vec<LeftTask>,
+}
+
+/// A task that a vehicle does.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlannedTask {
+    /// Name in the spec.
+    pub id: String,
+    /// When its vehicle is at its first place, seconds after T0.
+    pub from_s: Option<f64>,
+    /// When it has rested at the last one, seconds after T0.
+    pub until_s: Option<f64>,
+}
+
+/// A task that no vehicle does.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LeftTask {
+    /// Name in the spec.
+    pub id: String,
+    /// Why.
+    pub why: String,
 }
 
 /// A stop of a planned vehicle.
@@ -91,6 +115,9 @@ pub struct PlannedVehicle {
     /// The stops in the order in which they are visited.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub stops: Vec<PlannedStop>,
+    /// The tasks that it does, in the order in which it begins them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub tasks: Vec<PlannedTask>,
     /// What its autopilot has no space for in the fence, the nearest first.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub left_out_of_fence: Vec<LeftOut>,
@@ -242,6 +269,30 @@ pub fn plan_json(
                 ..planned_vehicle(spec, vehicle, planned, world)
             })
             .collect(),
+        tasks_left: Vec::new(),
+    }
+}
+
+impl PlanDocument {
+    /// Adds who does which task.
+    pub fn add_tasks(&mut self, tasks: &FleetTasks) {
+        for (vehicle, done) in self.vehicles.iter_mut().zip(&tasks.done) {
+            let stops = &vehicle.stops;
+            let planned = done.iter().map(|task| {
+                let last = stops.get(task.last);
+                PlannedTask {
+                    id: task.id.clone(),
+                    from_s: stops.get(task.first).and_then(|stop| stop.t_s),
+                    until_s: last.and_then(|stop| rounded(stop.t_s? + stop.rest_s, METRE_DIGITS)),
+                }
+            });
+            vehicle.tasks = planned.collect();
+        }
+        let left = tasks.left.iter().map(|task| LeftTask {
+            id: task.id.clone(),
+            why: task.why.clone(),
+        });
+        self.tasks_left = left.collect();
     }
 }
 
@@ -337,6 +388,7 @@ fn planned_vehicle(
             .map(|relaxation| relaxation.words(vehicle))
             .collect(),
         stops: stops(vehicle, planned),
+        tasks: Vec::new(),
         left_out_of_fence: Vec::new(),
         control_points: planned
             .routes

@@ -71,6 +71,7 @@ impl MissionSpec {
             rally: Vec::new(),
             vehicles: Vec::new(),
             fleet: None,
+            tasks: Vec::new(),
             separation: super::Separation::default(),
             buffer_m: None,
             planner: keys::Planner::default(),

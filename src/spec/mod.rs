@@ -45,9 +45,9 @@ pub use issue::{Issue, SpecError};
 pub use keys::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub(crate) use model::BufferedLimit;
 pub use model::{
-    Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MOST_CONTROL_POINTS,
-    MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally, Separation,
-    THREAT_RADIUS_M, TerrainSource, Threat, Weights,
+    Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MAX_TASKS,
+    MOST_CONTROL_POINTS, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally,
+    Separation, THREAT_RADIUS_M, Task, TerrainSource, Threat, Weights,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;

@@ -1,9 +1,11 @@
 //! The checked spec. A [`MissionSpec`] holds values that passed every check without the ground.
 
 mod buffers;
+mod task;
 
 pub(crate) use buffers::BufferedLimit;
 pub use buffers::Buffers;
+pub use task::{MAX_TASKS, Task};
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -41,6 +43,8 @@ pub struct MissionSpec {
     pub rally: Vec<Rally>,
     /// The fleet, in order of priority.
     pub vehicles: Vec<Vehicle>,
+    /// Tasks for whichever of its copters can do them.
+    pub tasks: Vec<Task>,
     /// How far apart vehicles must stay; [`MissionSpec::buffered_separation`] has the buffer.
     pub separation: Separation,
     /// What a plan keeps beyond threats, zones, area, ground, ceiling and separation.

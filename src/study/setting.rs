@@ -181,6 +181,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
         amsl: Amsl(scenario.surface.height_m(at)),
     };
     World {
+        tasks: Vec::new(),
         frame,
         // Only verification reads the terrain; searches read the grid.
         terrain: Terrain::Flat(Amsl(0.0)),
@@ -238,6 +239,7 @@ fn mission(scenario: &Scenario, frame: &LocalFrame) -> MissionSpec {
             .zip(1..)
             .map(|(mover, sysid)| vehicle(mover, sysid, frame))
             .collect(),
+        tasks: Vec::new(),
         separation: Separation {
             distance_m: 1000.0,
             time_slack_s: 0.0,

@@ -79,6 +79,8 @@ pub enum Limit {
     StopHold(String),
     /// What the mission does not do at the stop with this id.
     StopActions(String),
+    /// Places of the task with this id that one vehicle visits in their order.
+    Task(String),
     /// Distance of the end of the mission to where the spec ends it.
     Finish,
     /// Delay before the takeoff.
@@ -314,6 +316,7 @@ impl Limit {
             | Self::Stop(_)
             | Self::StopHold(_)
             | Self::StopActions(_)
+            | Self::Task(_)
             | Self::Finish
             | Self::Departure
             | Self::Speed
@@ -353,6 +356,7 @@ impl fmt::Display for Limit {
             Self::Stop(id) => return write!(f, "stop {id}"),
             Self::StopHold(id) => return write!(f, "hold at stop {id}"),
             Self::StopActions(id) => return write!(f, "actions at stop {id}"),
+            Self::Task(id) => return write!(f, "task {id}"),
             Self::FenceLeftOut(name) => return write!(f, "{name} left out of the fence"),
             Self::RallyClearance(point) => return write!(f, "rally {point}"),
             Self::RallyObstacles(point) => {

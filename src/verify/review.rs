@@ -14,7 +14,7 @@ use super::execute::flight::{End, Flight};
 use super::execute::home;
 use super::limits::assumptions;
 use super::limits::fence::Fence;
-use super::limits::mission::Contract;
+use super::limits::mission::{Contract, tasks};
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::timeline::Timeline;
@@ -70,6 +70,11 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         .map(|sortie| sortie.margins(spec, world, &space))
         .collect();
     margins.extend(own.into_iter().flatten());
+    let contracts: Vec<Contract<'_>> = sorties
+        .iter()
+        .map(|sortie| sortie.contract(spec, world))
+        .collect();
+    margins.extend(tasks::margins(spec, world, &contracts));
     let timelines: Vec<Timeline<'_>> = sorties
         .iter()
         .filter(|sortie| !sortie.flight.chords.is_empty())
@@ -140,6 +145,17 @@ impl<'a> Sortie<'a> {
         }
     }
 
+    fn contract<'c>(&'c self, spec: &'c MissionSpec, world: &'c World) -> Contract<'c> {
+        Contract {
+            spec,
+            world,
+            vehicle: self.vehicle,
+            stations: self.stations,
+            mission: self.mission,
+            flight: &self.flight,
+        }
+    }
+
     pub(super) fn margins(
         &self,
         spec: &MissionSpec,
@@ -149,14 +165,7 @@ impl<'a> Sortie<'a> {
         let id = &self.vehicle.id;
         let none = Fence::default();
         let fence = self.fence.as_ref().unwrap_or(&none);
-        let contract = Contract {
-            spec,
-            world,
-            vehicle: self.vehicle,
-            stations: self.stations,
-            mission: self.mission,
-            flight: &self.flight,
-        };
+        let contract = self.contract(spec, world);
         let mut margins = contract.margins(self.home, fence);
         let layer = Layer::of(self.vehicle.altitudes, &spec.buffers);
         let layer = layer.over_lower_ground(world.terrain.raised_m());

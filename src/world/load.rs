@@ -1,6 +1,7 @@
 //! From a spec file to its world: reads the terrain, then checks what needs ground.
 
 mod altitudes;
+mod tasks;
 
 use std::path::PathBuf;
 
@@ -39,6 +40,7 @@ pub fn load(file: &SpecFile) -> Result<World, SpecError> {
     for (index, vehicle) in file.spec.vehicles.iter().enumerate() {
         check.vehicle(&format!("vehicles[{index}]"), vehicle);
     }
+    check.tasks();
     for (index, rally) in file.spec.rally.iter().enumerate() {
         check.rally(&format!("rally[{index}]"), rally.place, rally.agl.0);
     }

@@ -26,7 +26,7 @@ use geo::{Contains, Intersects, Point, Polygon};
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::numeric::geometry::Ring;
-use crate::spec::{Buffers, EndPoint, Finish, MissionSpec, Placement, Threat, Vehicle, Zone};
+use crate::spec::{Buffers, EndPoint, Finish, MissionSpec, Placement, Task, Threat, Vehicle, Zone};
 
 /// A threat in planning coordinates: a vertical cylinder of infinite height.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,6 +83,8 @@ pub struct World {
     pub layers: Vec<Layer>,
     /// Home, start and goal of each vehicle.
     pub stations: Vec<Stations>,
+    /// The places of each task.
+    pub tasks: Vec<Vec<PlanPoint>>,
 }
 
 impl Disc {
@@ -127,6 +129,17 @@ impl World {
                 })
             })
             .collect::<Result<_, NoData>>()?;
+        let sites = |task: &Task| {
+            let stops = task.stops.iter();
+            stops
+                .map(|stop| resolve(&frame, &terrain, stop.end))
+                .collect()
+        };
+        let tasks = spec
+            .tasks
+            .iter()
+            .map(sites)
+            .collect::<Result<_, NoData>>()?;
         let ground = Arc::new(Ground::sample(&terrain, &frame, &area));
         let world = Self {
             frame,
@@ -140,6 +153,7 @@ impl World {
             max_amsl: spec.area.max_amsl,
             layers: Vec::new(),
             stations,
+            tasks,
         };
         Ok(world.with_limits(spec, true))
     }

@@ -19,3 +19,4 @@ mod shipped_missions;
 mod stops;
 mod study;
 mod study_fleet;
+mod tasks;

@@ -10,6 +10,7 @@ mod on_alarm;
 mod ranges;
 mod stops;
 mod structure;
+mod tasks;
 mod wings;
 mod zones;
 

@@ -138,6 +138,7 @@ pub fn empty_spec(vehicles: Vec<Vehicle>) -> MissionSpec {
             altitudes: AltitudeLimits::default(),
         },
         terrain: TerrainSource::Flat(Amsl(400.0)),
+        tasks: Vec::new(),
         threats: Vec::new(),
         no_fly: Vec::new(),
         rally: Vec::new(),

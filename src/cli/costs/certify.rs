@@ -43,6 +43,10 @@ pub(in crate::cli) fn run(arguments: &args::Certify) -> Result<(), Failure> {
         );
         return Err(Failure::new(Failure::INPUT, text));
     }
+    if !file.spec.tasks.is_empty() {
+        let text = "`tasks`: only the routes of a spec without tasks are certified";
+        return Err(Failure::new(Failure::INPUT, text.to_owned()));
+    }
     let hash = folder::sha256(&file.text);
     let plan = planned(&arguments.folder, &hash)?;
     let progress = Progress::start();

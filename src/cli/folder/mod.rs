@@ -37,12 +37,16 @@ pub(super) fn plan_document(
     world: &World,
     dispatched: &Dispatched,
 ) -> PlanDocument {
-    let (spec, passes) = (&file.spec, dispatched.review.passes());
+    let (spec, world) = dispatched.flown(&file.spec, world);
+    let passes = dispatched.review.passes();
     let sha256 = sha256(&file.text);
     let mut document = PlanDocument {
         table_sha256: table_sha256(file),
         ..report::plan_json(&sha256, spec, world, &dispatched.plan, passes)
     };
+    if let Some(tasks) = &dispatched.tasks {
+        document.add_tasks(tasks);
+    }
     for vehicle in &mut document.vehicles {
         vehicle.left_out_of_fence = report::left_out_of_fence(&dispatched.review, &vehicle.id);
     }
@@ -88,7 +92,8 @@ fn write_documents(
     world: &World,
     dispatched: &Dispatched,
 ) -> Result<(), Failure> {
-    let (spec, review) = (&file.spec, &dispatched.review);
+    let review = &dispatched.review;
+    let (spec, flown_in) = dispatched.flown(&file.spec, world);
     let paths: Vec<(&str, Vec<TimedPoint>)> = spec
         .vehicles
         .iter()
@@ -107,7 +112,7 @@ fn write_documents(
     let hash = sha256(&file.text);
     let input = ReviewInput {
         spec,
-        world,
+        world: flown_in,
         plan: Some(&dispatched.plan),
         missions: &missions,
         review,
@@ -118,8 +123,8 @@ fn write_documents(
     let (page, (kml, geojson)) = rayon::join(
         || report::review_html(&input),
         || {
-            let kml = formats::kml::write(spec, world, &paths);
-            (kml, formats::geojson::write(spec, world, &paths))
+            let kml = formats::kml::write(spec, flown_in, &paths);
+            (kml, formats::geojson::write(spec, flown_in, &paths))
         },
     );
     folder.write("fleet.kml", kml.as_bytes())?;

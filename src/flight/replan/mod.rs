@@ -84,6 +84,11 @@ pub struct Replanner<'a> {
 /// # Errors
 /// [`FlightError::Verdict`]
 pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
+    if !spec.tasks.is_empty() {
+        let message = "the spec has tasks: only vehicles that fly from start to goal are led onto new paths; \
+                       nothing was sent, and the flight of every vehicle is judged against the threat";
+        return Err(FlightError::Verdict(message.to_owned()));
+    }
     for vehicle in &spec.vehicles {
         let why = match vehicle.airframe {
             Airframe::Plane => "is a plane: only copters and VTOL are led onto new paths",

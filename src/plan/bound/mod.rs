@@ -19,6 +19,8 @@ pub(super) use estimate::estimate;
 pub use potential::RouteCertificate;
 pub(super) use potential::certify;
 
+use rayon::prelude::*;
+
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::free_space::{FreeSpace, Sights};
 use crate::numeric::geometry::{Point, Ring};
@@ -57,6 +59,27 @@ pub(super) fn proven(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]
             spec.planner.weights.length * km.sum::<f64>()
         })
         .collect()
+}
+
+/// No path that keeps the limits is shorter: for each two of these places, metres, in three
+/// dimensions.
+pub(super) fn shortest_m(spec: &MissionSpec, world: &World, sites: &[PlanPoint]) -> Vec<Vec<f64>> {
+    let ends: VehicleRoutes = sites
+        .chunks(2)
+        .map(|two| (two[0], two[two.len() - 1]))
+        .collect();
+    let sights = sights(spec, world, &[ends]);
+    let between = |one: usize, other: usize| {
+        let (from, to) = (sites[one], sites[other]);
+        let plane_m = (sights.as_ref())
+            .and_then(|sights| sights.shortest(one.min(other), one.max(other), MAX_STEPS))
+            .map_or(0.0, |found| found.length_m);
+        plane_m
+            .hypot(to.amsl.0 - from.amsl.0)
+            .max(from.distance_m(to))
+    };
+    let row = |one| (0..sites.len()).map(|other| between(one, other)).collect();
+    (0..sites.len()).into_par_iter().map(row).collect()
 }
 
 /// Sights past all that is closed, with a place at each end of each route.

@@ -6,7 +6,7 @@ use super::{Planning, Request};
 use crate::cost::RouteEnds;
 use crate::geodesy::PlanPoint;
 use crate::numeric::Seed;
-use crate::plan::bound::proven;
+use crate::plan::bound::{proven, shortest_m};
 use crate::plan::search::{Run, search};
 use crate::spec::MissionSpec;
 use crate::world::World;
@@ -20,6 +20,13 @@ pub fn route_bounds(
 ) -> Vec<f64> {
     let each: Vec<_> = routes.iter().map(|&ends| vec![ends]).collect();
     proven(spec, world, &each)
+}
+
+/// How long the route between each two of these places is at least, metres: past all that is closed
+/// at every altitude.
+#[must_use]
+pub fn least_lengths_m(spec: &MissionSpec, world: &World, sites: &[PlanPoint]) -> Vec<Vec<f64>> {
+    shortest_m(spec, world, sites)
 }
 
 /// The cost of each route of a vehicle, planned without other vehicles. The routes share its budget.

@@ -240,11 +240,40 @@ fn facts(input: &ReviewInput<'_>, scene: &Scene) -> String {
         };
         facts.push(format!("{apart} m apart{shifted}"));
     }
+    facts.extend(tasks(input));
     facts.extend(endings(&scene.vehicles));
     facts
         .iter()
         .map(|fact| format!("<li>{}</li>", escaped(fact)))
         .collect()
+}
+
+/// Who does which task; none where the spec has no tasks.
+fn tasks(input: &ReviewInput<'_>) -> Option<String> {
+    let mut done: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut total = 0;
+    for margin in &input.review.margins {
+        if let Limit::Task(id) = &margin.limit {
+            total += 1;
+            if margin.ok {
+                done.entry(&margin.vehicle).or_default().push(id);
+            }
+        }
+    }
+    let count: usize = done.values().map(Vec::len).sum();
+    let vehicles: Vec<String> = done
+        .iter()
+        .map(|(vehicle, ids)| match ids.len() > MAX_NAMED {
+            true => format!("{vehicle}: {} tasks", ids.len()),
+            false => format!("{vehicle}: {}", ids.join(", ")),
+        })
+        .collect();
+    let named = match vehicles.len() {
+        0 => String::new(),
+        1..=MAX_NAMED => format!(" ({})", vehicles.join("; ")),
+        many => format!(" by {many} vehicles"),
+    };
+    (total > 0).then(|| format!("{count} of {total} tasks done{named}"))
 }
 
 /// The time of the last landing, and the vehicles that stay in the air; none without a track.

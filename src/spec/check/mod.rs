@@ -100,6 +100,7 @@ impl Checker {
             speed_mps: wind.speed_mps,
         });
         let vehicles = self.vehicles(keys, map.as_ref(), wind);
+        let tasks = self.tasks(keys, map.as_ref(), &vehicles);
         let planner = self.planner(&keys.planner);
         self.on_alarm(keys, &vehicles);
         let map = map?;
@@ -114,6 +115,7 @@ impl Checker {
             no_fly: map.no_fly,
             rally: map.rally,
             vehicles,
+            tasks,
             separation: keys.separation,
             buffers,
             planner,

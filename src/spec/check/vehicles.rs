@@ -4,6 +4,7 @@ mod actions;
 mod altitudes;
 mod endurance;
 mod stops;
+mod tasks;
 
 use std::collections::BTreeMap;
 

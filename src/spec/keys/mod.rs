@@ -12,6 +12,7 @@ mod on_alarm;
 mod options;
 mod scenario;
 mod stops;
+mod tasks;
 mod vehicle;
 mod zones;
 
@@ -23,6 +24,7 @@ pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use stops::Stop;
+pub use tasks::{Deliver, Task, TaskPlace};
 pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
 pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
 
@@ -80,6 +82,9 @@ pub struct Spec {
     pub vehicles: Vec<Vehicle>,
     /// More vehicles, in a compact form.
     pub fleet: Option<Fleet>,
+    /// Tasks for whichever copters can do them; version 2.
+    #[serde(default)]
+    pub tasks: Vec<Task>,
     /// How far apart vehicles stay from takeoff to touchdown.
     #[serde(default)]
     pub separation: Separation,

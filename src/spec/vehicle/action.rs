@@ -1,7 +1,7 @@
 //! What a vehicle does at a stop.
 
 use super::EndPoint;
-use crate::autopilot::command;
+use crate::autopilot::{Autopilot, command, command_row};
 
 /// One action at a stop.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,6 +68,12 @@ impl StopAction {
             Self::Gripper { .. } => command::DO_GRIPPER,
             Self::Winch { .. } => command::DO_WINCH,
         }
+    }
+
+    /// Whether an autopilot accepts it in a mission.
+    #[must_use]
+    pub fn is_run_by(&self, autopilot: Autopilot) -> bool {
+        command_row(self.command()).is_some_and(|row| row.rule(autopilot).is_some())
     }
 
     /// The key of the spec.

@@ -60,6 +60,15 @@ impl Stop {
     }
 }
 
+impl Stop {
+    /// Makes it one stop with another at the same place, which is made after it.
+    pub fn join(&mut self, other: &Self) {
+        self.id = format!("{} + {}", self.id, other.id);
+        self.hold_s += other.hold_s;
+        self.actions.extend(other.actions.iter().cloned());
+    }
+}
+
 /// In which order stops are visited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]

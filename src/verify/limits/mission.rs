@@ -5,6 +5,7 @@ mod actions;
 mod ends;
 mod fence;
 mod stops;
+pub(crate) mod tasks;
 
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{self, AcceptanceProblem, List, VehicleMission, command};

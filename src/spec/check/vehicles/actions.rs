@@ -1,7 +1,7 @@
 //! The actions at a stop.
 
 use super::Checker;
-use crate::autopilot::{Autopilot, command_name, command_row};
+use crate::autopilot::{Autopilot, command_name};
 use crate::spec::keys;
 use crate::spec::{EndPoint, StopAction};
 
@@ -34,10 +34,8 @@ impl Checker {
     /// An autopilot must not refuse the command of an action.
     fn runs(&mut self, path: &str, action: &StopAction, autopilot: Option<Autopilot>) {
         let Some(autopilot) = autopilot else { return };
-        let number = action.command();
-        let is_known = command_row(number).is_some_and(|row| row.rule(autopilot).is_some());
-        if !is_known {
-            let name = command_name(number).unwrap_or_default();
+        if !action.is_run_by(autopilot) {
+            let name = command_name(action.command()).unwrap_or_default();
             let found = format!(
                 "{}, and {} refuses {name} in a mission",
                 action.key(),

@@ -8,7 +8,7 @@ use crate::verify::measure::worst::Worst;
 use crate::verify::{Limit, Margin};
 
 /// A rest may be shorter than planned by this, seconds: rounding of sums.
-const REST_S: f64 = 1e-6;
+pub(super) const REST_S: f64 = 1e-6;
 
 /// A stop and where the vehicle rests for it.
 struct Visit<'a> {
@@ -81,15 +81,31 @@ impl Contract<'_> {
             };
             return vec![Margin::unjudged(self.id(), Limit::Stop(id.clone()), why)];
         };
+        self.visited(visit.stop, rest, visit.away_m)
+    }
+
+    /// The rests that its own stops are made in, by their indices.
+    pub(super) fn own_rests(&self) -> Vec<usize> {
+        let rests = &self.flight.rests;
+        let own = self.visits();
+        let is_own = |rest: &Rest| own.iter().any(|visit| visit.rest == Some(rest));
+        (0..rests.len())
+            .filter(|&index| is_own(&rests[index]))
+            .collect()
+    }
+
+    /// Distance, time and actions of a stop in a rest.
+    pub(super) fn visited(&self, stop: &Stop, rest: &Rest, away_m: f64) -> Vec<Margin> {
+        let id = &stop.id;
         let at = || self.moment(rest.point, rest.from_s, rest.rows.0);
         let usual_m = mission::corner_cut_m(&self.spec.mission).max(self.spec.mission.tolerance_m);
-        let radius_m = visit.stop.acceptance_radius_m.unwrap_or(usual_m);
+        let radius_m = stop.acceptance_radius_m.unwrap_or(usual_m);
         // A rest may begin anywhere within the radius of the autopilot.
         let accept_m = mission::acceptance_m(self.mission, rest.rows.0);
         let mut near = Worst::default();
-        near.at_most(visit.away_m.max(accept_m), radius_m, at);
+        near.at_most(away_m.max(accept_m), radius_m, at);
         let mut held = Worst::default();
-        held.at_least(rest.until_s - rest.from_s + REST_S, visit.stop.hold_s, at);
+        held.at_least(rest.until_s - rest.from_s + REST_S, stop.hold_s, at);
         let mut margins: Vec<Margin> = [
             near.margin(self.id(), Limit::Stop(id.clone()), "m"),
             held.margin(self.id(), Limit::StopHold(id.clone()), "s"),
@@ -97,7 +113,7 @@ impl Contract<'_> {
         .into_iter()
         .flatten()
         .collect();
-        margins.extend(self.done(visit.stop, rest));
+        margins.extend(self.done(stop, rest));
         margins
     }
 }

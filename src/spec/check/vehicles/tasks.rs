@@ -1,0 +1,135 @@
+//! The tasks of the fleet: each alone, and whether any vehicle may do it.
+
+use super::Checker;
+use crate::spec::check::map::Map;
+use crate::spec::keys;
+use crate::spec::{MAX_TASKS, Stop, Task, Vehicle};
+
+const KINDS: &str = "either visit or deliver";
+
+impl Checker {
+    /// The tasks, as far as each is whole.
+    pub(in crate::spec::check) fn tasks(
+        &mut self,
+        keys: &keys::Spec,
+        map: Option<&Map>,
+        fleet: &[Vehicle],
+    ) -> Vec<Task> {
+        if keys.tasks.is_empty() {
+            return Vec::new();
+        }
+        if keys.sortie < 2 {
+            self.report("tasks", "tasks, in version 1", "sortie: 2");
+        }
+        if keys.tasks.len() > MAX_TASKS {
+            let found = format!("{} tasks", keys.tasks.len());
+            self.report("tasks", found, format!("at most {MAX_TASKS}"));
+        }
+        let is_copter = |one: &keys::Vehicle| !one.airframe.unwrap_or_default().has_wing();
+        if !keys.vehicles.is_empty() && !keys.vehicles.iter().any(is_copter) {
+            let found = "tasks, on wings: planes and VTOL fly from start to goal";
+            self.report("tasks", found, "at least one copter, or no tasks");
+        }
+        self.unique("tasks", keys.tasks.iter().map(|task| task.id.as_deref()));
+        let mut tasks = Vec::new();
+        for (index, task) in keys.tasks.iter().enumerate() {
+            let path = format!("tasks[{index}]");
+            if let Some(task) = self.task(&path, task, map) {
+                self.has_vehicle(&path, &task, fleet);
+                tasks.push(task);
+            }
+        }
+        tasks
+    }
+
+    fn task(&mut self, path: &str, keys: &keys::Task, map: Option<&Map>) -> Option<Task> {
+        let id = self.required(path, "id", keys.id.clone());
+        if let Some(id) = &id {
+            self.label(&format!("{path}.id"), id);
+        }
+        let name = id.clone().unwrap_or_default();
+        let stops = match (&keys.visit, &keys.deliver) {
+            (Some(visit), None) => {
+                let stop = self.task_stop(&format!("{path}.visit"), (name, visit), map);
+                vec![stop]
+            }
+            (None, Some(deliver)) => {
+                let path = format!("{path}.deliver");
+                let ends = [("from", &deliver.from), ("to", &deliver.to)];
+                let stops = ends.map(|(key, place)| {
+                    let place = self.required(&path, key, place.as_ref())?;
+                    let named = (format!("{name}.{key}"), place);
+                    self.task_stop(&format!("{path}.{key}"), named, map)
+                });
+                self.carried(&path, &stops);
+                stops.to_vec()
+            }
+            (Some(_), Some(_)) | (None, None) => {
+                let found = match keys.visit {
+                    Some(_) => "two kinds of task",
+                    None => "no kind of task",
+                };
+                self.report(path, found, KINDS);
+                return None;
+            }
+        };
+        let stops = stops.into_iter().collect::<Option<Vec<Stop>>>()?;
+        Some(Task { id: id?, stops })
+    }
+
+    /// There must be a path to plan from where a load is picked up to where it is dropped.
+    fn carried(&mut self, path: &str, stops: &[Option<Stop>; 2]) {
+        let [Some(from), Some(to)] = stops else {
+            return;
+        };
+        let least_m = super::MIN_START_TO_GOAL_M;
+        let apart_m = from.end.place.chord_m(to.end.place);
+        if apart_m < least_m {
+            let apart = crate::numeric::digits::distinct_from(apart_m, least_m, 1);
+            let found = format!("{apart} m from `from`");
+            let allowed = format!("at least {least_m} m from `from`");
+            self.report(&format!("{path}.to"), found, allowed);
+        }
+    }
+
+    fn task_stop(
+        &mut self,
+        path: &str,
+        (id, keys): (String, &keys::TaskPlace),
+        map: Option<&Map>,
+    ) -> Option<Stop> {
+        let (lat, lon, agl_m, amsl_m) = (keys.lat, keys.lon, keys.agl_m, keys.amsl_m);
+        let point = keys::EndPoint {
+            lat,
+            lon,
+            agl_m,
+            amsl_m,
+        };
+        let end = self.end_point(path, point);
+        if let (Some(map), Some(end)) = (map, end) {
+            self.clear(path, "task", end.place, map);
+        }
+        let actions = self.actions(path, &keys.actions, None);
+        Some(Stop {
+            id,
+            end: end?,
+            hold_s: keys.hold_s.unwrap_or(0.0),
+            acceptance_radius_m: None,
+            heading_rad: None,
+            actions,
+            speed_mps: None,
+        })
+    }
+
+    /// The autopilot of one copter at least must run the actions of a task.
+    fn has_vehicle(&mut self, path: &str, task: &Task, fleet: &[Vehicle]) {
+        let copters = fleet.iter().filter(|one| !one.airframe.has_wing());
+        let mut autopilots: Vec<&str> = copters.map(|one| one.autopilot.name()).collect();
+        autopilots.sort_unstable();
+        autopilots.dedup();
+        if !autopilots.is_empty() && !fleet.iter().any(|vehicle| task.is_for(vehicle)) {
+            let found = format!("actions that {} refuses", autopilots.join(" and "));
+            self.report(path, found, "actions that one copter runs");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Tasks of a fleet as YAML has them.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::StopAction;
+
+/// A task for whichever copter can do it: exactly one of visit and deliver.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Task {
+    /// Name, unique among the tasks.
+    #[schemars(required, length(min = 1, max = 64))]
+    pub id: Option<String>,
+    /// A place to be visited.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub visit: Option<TaskPlace>,
+    /// A delivery: one vehicle visits both places, from before to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub deliver: Option<Deliver>,
+}
+
+/// A delivery. Its vehicle may do other tasks in between.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Deliver {
+    /// Where the load is picked up.
+    #[schemars(required)]
+    pub from: Option<TaskPlace>,
+    /// Where it is dropped.
+    #[schemars(required)]
+    pub to: Option<TaskPlace>,
+}
+
+/// A place of a task: with agl_m or with amsl_m, not both.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TaskPlace {
+    /// Latitude, degrees north.
+    #[schemars(required, range(min = -90, max = 90))]
+    pub lat: Option<f64>,
+    /// Longitude, degrees east.
+    #[schemars(required, range(min = -180, max = 180))]
+    pub lon: Option<f64>,
+    /// Height above the ground there, metres.
+    #[schemars(range(min = 0, max = 20000))]
+    pub agl_m: Option<f64>,
+    /// Metres above mean sea level.
+    #[schemars(range(min = -500, max = 20000))]
+    pub amsl_m: Option<f64>,
+    /// How long the vehicle stays there, seconds, rounded up to whole ones; absent: 1, to come to rest.
+    #[schemars(range(min = 0, max = 3600))]
+    pub hold_s: Option<f64>,
+    /// What it does there, one after the other, at rest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 20))]
+    pub actions: Vec<StopAction>,
+}

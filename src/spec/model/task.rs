@@ -1,0 +1,31 @@
+//! Tasks of a fleet.
+
+use crate::spec::{Autopilot, Stop, Vehicle};
+
+/// Most tasks of one spec.
+pub const MAX_TASKS: usize = 200;
+
+/// A task for whichever copter can do it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Task {
+    /// Unique among the tasks.
+    pub id: String,
+    /// Its places in the order in which one vehicle visits them: one of a visit, whose id is that
+    /// of the task; of a delivery `ID.from` and `ID.to`.
+    pub stops: Vec<Stop>,
+}
+
+impl Task {
+    /// Whether a vehicle may be given it: a copter whose autopilot runs its actions.
+    #[must_use]
+    pub fn is_for(&self, vehicle: &Vehicle) -> bool {
+        !vehicle.airframe.has_wing() && self.is_run_by(vehicle.autopilot)
+    }
+
+    /// Whether an autopilot runs all of its actions.
+    #[must_use]
+    pub fn is_run_by(&self, autopilot: Autopilot) -> bool {
+        let mut actions = self.stops.iter().flat_map(|stop| &stop.actions);
+        actions.all(|action| action.is_run_by(autopilot))
+    }
+}

@@ -1,0 +1,201 @@
+//! Tasks: one vehicle visits the places of each in order, for its time, and does there what the
+//! spec wants. Any vehicle may do a task; several may be done in one rest.
+
+use super::Contract;
+use super::stops::REST_S;
+use crate::mission;
+use crate::spec::{MissionSpec, Stop, Task};
+use crate::verify::{Limit, Margin, Requirement};
+use crate::world::World;
+
+/// Most steps of the search for the rests of all tasks.
+const MAX_STEPS: usize = 20_000;
+
+/// Where a task may be done: the vehicle, and for each of its places one of the rests.
+#[derive(Clone)]
+struct Claim {
+    contract: usize,
+    rests: Vec<usize>,
+}
+
+/// The margins of all tasks.
+pub(crate) fn margins(
+    spec: &MissionSpec,
+    world: &World,
+    contracts: &[Contract<'_>],
+) -> Vec<Margin> {
+    if spec.tasks.is_empty() {
+        return Vec::new();
+    }
+    let near_m = mission::corner_cut_m(&spec.mission).max(spec.mission.tolerance_m);
+    let search = Search::new(spec, world, contracts, near_m);
+    let claims = search.claims();
+    let mut margins: Vec<Margin> = (spec.tasks.iter().zip(&claims))
+        .map(|(task, claim)| {
+            let sites = count(task.stops.len());
+            let required = Requirement::at_least(Limit::Task(task.id.clone()), sites, "places");
+            match claim {
+                Some(claim) => {
+                    let contract = &contracts[claim.contract];
+                    let rest = &contract.flight.rests[claim.rests[0]];
+                    let at = contract.moment(rest.point, rest.from_s, rest.rows.0);
+                    required.margin(contract.id(), sites, Some(at))
+                }
+                None => Margin {
+                    note: "no vehicle does it".to_owned(),
+                    ..required.margin("", 0.0, None)
+                },
+            }
+        })
+        .collect();
+    for (index, contract) in contracts.iter().enumerate() {
+        for rest in 0..contract.flight.rests.len() {
+            let done = search.merged(&claims, index, rest);
+            if let Some((stop, away_m)) = done {
+                margins.extend(contract.visited(&stop, &contract.flight.rests[rest], away_m));
+            }
+        }
+    }
+    margins
+}
+
+struct Search<'a> {
+    spec: &'a MissionSpec,
+    world: &'a World,
+    contracts: &'a [Contract<'a>],
+    /// Of each task.
+    possible: Vec<Vec<Claim>>,
+}
+
+impl<'a> Search<'a> {
+    fn new(
+        spec: &'a MissionSpec,
+        world: &'a World,
+        contracts: &'a [Contract<'a>],
+        near_m: f64,
+    ) -> Self {
+        let own: Vec<Vec<usize>> = contracts.iter().map(Contract::own_rests).collect();
+        let of_task = |(index, task): (usize, &Task)| {
+            let mut claims = Vec::new();
+            for (at, contract) in contracts.iter().enumerate() {
+                if !task.is_for(contract.vehicle) {
+                    continue;
+                }
+                let near = |place: usize| -> Vec<usize> {
+                    let point = world.tasks[index][place];
+                    let rests = contract.flight.rests.iter().enumerate();
+                    let near = rests.filter(|(rest, of)| {
+                        !own[at].contains(rest) && of.point.distance_m(point) <= near_m
+                    });
+                    near.map(|(rest, _)| rest).collect()
+                };
+                let first: Vec<Vec<usize>> = near(0).into_iter().map(|rest| vec![rest]).collect();
+                let later = 1..task.stops.len();
+                let rests = later.fold(first, |before, place| extended(&before, &near(place)));
+                claims.extend(rests.into_iter().map(|rests| Claim {
+                    contract: at,
+                    rests,
+                }));
+            }
+            claims
+        };
+        Self {
+            spec,
+            world,
+            contracts,
+            possible: spec.tasks.iter().enumerate().map(of_task).collect(),
+        }
+    }
+
+    /// A claim for each task, such that no rest has to be longer than it is and all is done there;
+    /// where the search finds none, the first possible one.
+    fn claims(&self) -> Vec<Option<Claim>> {
+        // Those with few choices first, then by the last rest, which is that of a drop.
+        let mut order: Vec<usize> = (0..self.possible.len()).collect();
+        order.retain(|&task| !self.possible[task].is_empty());
+        order.sort_by_key(|&task| {
+            let of = &self.possible[task];
+            (of[0].contract, of[0].rests.last().copied(), of.len())
+        });
+        let mut chosen: Vec<Option<Claim>> = vec![None; self.possible.len()];
+        let mut steps = MAX_STEPS;
+        if !self.choose(&order, &mut chosen, &mut steps) {
+            for (chosen, possible) in chosen.iter_mut().zip(&self.possible) {
+                *chosen = possible.first().cloned();
+            }
+        }
+        chosen
+    }
+
+    fn choose(&self, open: &[usize], chosen: &mut Vec<Option<Claim>>, steps: &mut usize) -> bool {
+        let Some((&task, open)) = open.split_first() else {
+            return true;
+        };
+        for claim in &self.possible[task] {
+            if *steps == 0 {
+                break;
+            }
+            *steps -= 1;
+            chosen[task] = Some(claim.clone());
+            let fits = |&rest: &usize| self.fits(chosen, claim.contract, rest);
+            if claim.rests.iter().all(fits) && self.choose(open, chosen, steps) {
+                return true;
+            }
+        }
+        chosen[task] = None;
+        false
+    }
+
+    /// Whether a rest is long enough for what is claimed to be done in it, and it is done.
+    fn fits(&self, claims: &[Option<Claim>], contract: usize, rest: usize) -> bool {
+        let Some((stop, _)) = self.merged(claims, contract, rest) else {
+            return true;
+        };
+        let (contract, rest) = (&self.contracts[contract], rest);
+        let rest = &contract.flight.rests[rest];
+        rest.until_s - rest.from_s + REST_S >= stop.hold_s
+            && contract.done(&stop, rest).is_none_or(|margin| margin.ok)
+    }
+
+    /// All that is claimed to be done in a rest as one stop, and how far it is from the places.
+    fn merged(
+        &self,
+        claims: &[Option<Claim>],
+        contract: usize,
+        rest: usize,
+    ) -> Option<(Stop, f64)> {
+        let at = self.contracts[contract].flight.rests[rest].point;
+        let mut merged: Option<(Stop, f64)> = None;
+        for (index, (task, claim)) in self.spec.tasks.iter().zip(claims).enumerate() {
+            let claim = claim.iter().filter(|claim| claim.contract == contract);
+            for place in claim.flat_map(|claim| claim.rests.iter()).enumerate() {
+                let (place, _) = match *place.1 == rest {
+                    true => place,
+                    false => continue,
+                };
+                let away_m = at.distance_m(self.world.tasks[index][place]);
+                match &mut merged {
+                    Some((stop, furthest_m)) => {
+                        stop.join(&task.stops[place]);
+                        *furthest_m = furthest_m.max(away_m);
+                    }
+                    None => merged = Some((task.stops[place].clone(), away_m)),
+                }
+            }
+        }
+        merged
+    }
+}
+
+/// Each of the sequences with each later rest at its end.
+fn extended(before: &[Vec<usize>], after: &[usize]) -> Vec<Vec<usize>> {
+    let longer = before.iter().flat_map(|rests| {
+        let later = after.iter().filter(|rest| rests.last() < Some(*rest));
+        later.map(|rest| [rests.as_slice(), &[*rest]].concat())
+    });
+    longer.collect()
+}
+
+fn count(sites: usize) -> f64 {
+    f64::from(u32::try_from(sites).unwrap_or(u32::MAX))
+}

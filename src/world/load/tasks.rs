@@ -1,0 +1,41 @@
+//! The places of tasks over the ground.
+
+use super::Check;
+use crate::geodesy::{Agl, Amsl};
+use crate::spec::{AltitudeLimits, Vehicle};
+
+impl Check<'_> {
+    /// Every place of a task must be one that some vehicle may fly at.
+    pub(super) fn tasks(&mut self) {
+        let spec = &self.file.spec;
+        let copters = || spec.vehicles.iter().filter(|one| !one.airframe.has_wing());
+        let Some(first) = copters().next() else {
+            return;
+        };
+        let widest = copters().map(|one| one.altitudes).reduce(wider);
+        let vehicle = Vehicle {
+            altitudes: widest.unwrap_or_default(),
+            ..first.clone()
+        };
+        for (index, task) in spec.tasks.iter().enumerate() {
+            let keys: &[&str] = match task.stops.len() {
+                1 => &["visit"],
+                _ => &["deliver.from", "deliver.to"],
+            };
+            for (key, stop) in keys.iter().zip(&task.stops) {
+                let path = format!("tasks[{index}].{key}");
+                self.airborne((&path, "task"), &vehicle, stop.end);
+            }
+        }
+    }
+}
+
+/// What one of two keeps.
+fn wider(one: AltitudeLimits, other: AltitudeLimits) -> AltitudeLimits {
+    let agl = one.max_agl.zip(other.max_agl);
+    let amsl = one.min_amsl.zip(other.min_amsl);
+    AltitudeLimits {
+        max_agl: agl.map(|(one, other)| Agl(one.0.max(other.0))),
+        min_amsl: amsl.map(|(one, other)| Amsl(one.0.min(other.0))),
+    }
+}

@@ -1,0 +1,175 @@
+//! Tasks of a fleet: assigned, flown as stops, and found again in the encoded items.
+
+use crate::support;
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::geodesy::LatLon;
+use sortie::mission::{VehicleMission, command};
+use sortie::spec::*;
+use sortie::verify::{Limit, Review, review};
+use sortie::world::World;
+use support::plans::{EAST, NORTH, SOUTH, WEST};
+use support::{copter, empty_spec, world};
+
+use super::stops::stop;
+
+fn at(lat_deg: f64, lon_deg: f64) -> LatLon {
+    LatLon { lat_deg, lon_deg }
+}
+
+fn task(id: &str, places: &[LatLon]) -> Task {
+    let release = |place: usize| StopAction::Gripper { grabs: place == 0 };
+    let stops = places.iter().enumerate().map(|(index, place)| Stop {
+        actions: vec![release(index)],
+        ..stop(&format!("{id}.{index}"), *place, 4.0)
+    });
+    Task {
+        id: id.to_owned(),
+        stops: stops.collect(),
+    }
+}
+
+/// Two copters in the west and in the east, two deliveries from one place, and a visit.
+fn shared(autopilot: Autopilot) -> MissionSpec {
+    let ends = [
+        ("west", WEST, at(36.302, -84.32)),
+        ("east", EAST, at(36.302, -84.18)),
+    ];
+    let vehicles = ends.into_iter().zip(1..).map(|((id, start, goal), sysid)| {
+        let mut vehicle = copter(id, sysid, start, goal);
+        (vehicle.autopilot, vehicle.speed_mps) = (autopilot, 10.0);
+        vehicle
+    });
+    let mut spec = empty_spec(vehicles.collect());
+    spec.planner.evaluations = 4000;
+    let depot = at(36.31, -84.29);
+    spec.tasks = vec![
+        task("visit", &[at(36.31, -84.19)]),
+        task("first", &[depot, at(36.32, -84.28)]),
+        task("second", &[depot, at(36.29, -84.28)]),
+    ];
+    spec
+}
+
+fn dispatched(spec: &MissionSpec) -> (World, Dispatched) {
+    let world = world(spec);
+    let done = dispatch(spec, &world, 1, &|_| ());
+    (world, done)
+}
+
+fn failed(review: &Review) -> Vec<String> {
+    let failed = review.margins.iter().filter(|margin| !margin.ok);
+    failed
+        .map(|margin| format!("{}: {}: {}", margin.vehicle, margin.limit, margin.note))
+        .collect()
+}
+
+fn ids(done: &Dispatched, vehicle: usize) -> Vec<&str> {
+    let tasks = done.tasks.as_ref().expect("tasks");
+    let of_vehicle = tasks.done[vehicle].iter();
+    of_vehicle.map(|task| task.id.as_str()).collect()
+}
+
+#[test]
+fn each_vehicle_does_the_tasks_on_its_side_and_loads_of_one_place_at_once() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let spec = shared(autopilot);
+        let (world, done) = dispatched(&spec);
+        assert!(done.review.passes(), "{:?}", failed(&done.review));
+        assert_eq!(ids(&done, 1), ["visit"]);
+        let mut west = ids(&done, 0);
+        west.sort_unstable();
+        assert_eq!(west, ["first", "second"]);
+        let (flown, _) = done.flown(&spec, &world);
+        let stops = &flown.vehicles[0].stops;
+        assert_eq!(stops.len(), 3);
+        assert_eq!((stops[0].actions.len(), stops[0].hold_s.round()), (2, 8.0));
+        // The verdict finds both tasks in the items alone, and who does them.
+        for (id, vehicle) in [("visit", "east"), ("first", "west"), ("second", "west")] {
+            let limit = Limit::Task(id.to_owned());
+            let margin = done.review.margins.iter().find(|one| one.limit == limit);
+            assert_eq!(margin.expect("judged").vehicle, vehicle);
+        }
+    }
+}
+
+#[test]
+fn a_task_left_out_cut_short_or_without_its_actions_fails() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let spec = shared(autopilot);
+        let (world, done) = dispatched(&spec);
+        let judged = |change: &dyn Fn(&mut VehicleMission)| {
+            let mut changed: Vec<(usize, VehicleMission)> = done.missions.clone();
+            change(&mut changed[0].1);
+            let missions: Vec<_> = changed.iter().map(|(index, one)| (*index, one)).collect();
+            failed(&review(&spec, &world, &missions))
+        };
+        assert_eq!(judged(&|_| ()), Vec::<String>::new());
+        let is_hold = |item: &&mut sortie::mission::Item| {
+            item.command == command::NAV_WAYPOINT && item.params[0] > 1.0
+        };
+        let passed = judged(&|mission| {
+            let last = mission.items.iter_mut().rfind(is_hold);
+            last.expect("a drop").params[0] = 1.0;
+        });
+        assert!(
+            passed.iter().any(|what| what.contains("stop")),
+            "cut short: {passed:?}"
+        );
+        let elsewhere = judged(&|mission| {
+            let items = mission.items.iter_mut();
+            for item in items.filter(|item| item.command == command::NAV_WAYPOINT) {
+                item.x += i32::from(item.params[0] > 0.5) * 5000;
+            }
+        });
+        let left = elsewhere
+            .iter()
+            .filter(|what| what.contains("no vehicle does it"));
+        assert_eq!(left.count(), 2, "{elsewhere:?}");
+        let full_handed = judged(&|mission| {
+            let released = |item: &sortie::mission::Item| {
+                item.command == command::DO_GRIPPER && item.params[1].abs() < 0.5
+            };
+            mission.items.retain(|item| !released(item));
+        });
+        assert!(
+            full_handed
+                .iter()
+                .any(|what| what.contains("actions at stop")),
+            "{full_handed:?}"
+        );
+    }
+}
+
+#[test]
+fn a_task_beyond_the_endurance_of_all_is_left_with_the_reason_and_the_plan_fails() {
+    let mut spec = shared(Autopilot::ArduPilot);
+    for vehicle in &mut spec.vehicles {
+        vehicle.endurance = Some(Endurance {
+            capacity: Capacity::Time(2000.0),
+            reserve: 0.2,
+        });
+    }
+    spec.tasks.push(task("far", &[SOUTH]));
+    let (_, done) = dispatched(&spec);
+    let tasks = done.tasks.as_ref().expect("tasks");
+    let left: Vec<&str> = tasks.left.iter().map(|task| task.id.as_str()).collect();
+    assert_eq!(left, ["far"]);
+    assert!(tasks.left[0].why.contains("of 1600 s"), "{:?}", tasks.left);
+    let failed = failed(&done.review);
+    assert_eq!(failed.len(), 1, "{failed:?}");
+    assert!(
+        failed[0].contains("task far: no vehicle does it: out of reach"),
+        "{failed:?}"
+    );
+    // Its own stops stay with a vehicle, between its tasks.
+    spec.tasks.pop();
+    spec.vehicles[1].stops = vec![stop("own", NORTH, 0.0)];
+    for vehicle in &mut spec.vehicles {
+        vehicle.endurance = None;
+    }
+    let (world, done) = dispatched(&spec);
+    assert!(done.review.passes(), "{:?}", done.review.passes());
+    let (flown, _) = done.flown(&spec, &world);
+    assert!(flown.vehicles[1].stops.iter().any(|stop| stop.id == "own"));
+}
