@@ -123,7 +123,9 @@ fn with_tasks(
             }
         }
         let used = over_endurance(spec, &done.review);
-        let learns = assigner.learn(&tasks, &used);
+        let late = missed_windows(spec, &done.review);
+        assigner.hurry(&late);
+        let learns = assigner.learn(&tasks, &used) || !late.is_empty();
         done.tasks = Some(Box::new(tasks));
         if best
             .as_ref()
@@ -168,6 +170,17 @@ fn over_endurance(spec: &MissionSpec, review: &Review) -> Vec<(usize, f64)> {
             (share.is_finite() && share > 1.0).then_some((index, share))
         })
         .collect()
+}
+
+/// The vehicles that come too late for a window.
+fn missed_windows(spec: &MissionSpec, review: &Review) -> Vec<usize> {
+    let is_missed = |margin: &&Margin| !margin.ok && matches!(margin.limit, Limit::TaskWindow(_));
+    let fleet = spec.vehicles.iter().enumerate();
+    let late = fleet.filter(|(_, vehicle)| {
+        let mut missed = review.margins.iter().filter(is_missed);
+        missed.any(|margin| margin.vehicle == vehicle.id)
+    });
+    late.map(|(index, _)| index).collect()
 }
 
 /// Dispatches a fleet whose stops are those that it makes, in their order: a crowd as a whole, and

@@ -5,6 +5,8 @@ use rand_chacha::ChaCha8Rng;
 
 /// Rounds of removal and new insertion after the first insertion.
 const ROUNDS: u64 = 3000;
+/// How long ways take at least, in thousandths of their times.
+const SOONEST: u64 = 995;
 /// All jobs are taken out in one round of this number.
 const RESTART: u32 = 12;
 /// Most that a sharing may cost above the best to be gone on from, at first; percent.
@@ -39,6 +41,13 @@ pub struct Carrier<'a> {
     pub rest_uses: u64,
     /// Most places that it visits.
     pub most_visits: usize,
+    /// When it is at its start.
+    pub begins: u64,
+    /// How long its ways may take, in thousandths of their times: windows hold for that and for
+    /// the times themselves.
+    pub slowest: u64,
+    /// Waits are whole numbers of this.
+    pub wait_step: u64,
 }
 
 /// A way from one place to another.
@@ -67,6 +76,8 @@ pub struct Visit {
     pub place: usize,
     /// How long the vehicle stays there.
     pub rest: u32,
+    /// When its rest may begin, first and last; who comes earlier waits.
+    pub window: Option<(u64, u64)>,
 }
 
 /// Who does what.
@@ -259,20 +270,55 @@ impl Assignment<'_> {
             .collect()
     }
 
-    /// Time and use of a vehicle with these visits; none where there is no way.
+    /// Time and use of a vehicle with these visits; none where there is no way, or a window is
+    /// missed.
     #[must_use]
     pub fn go(
         &self,
         vehicle: usize,
         visits: impl Iterator<Item = (usize, usize)>,
     ) -> Option<Spent> {
+        self.walk(vehicle, visits, &mut |_| ())
+    }
+
+    /// How long a vehicle with these visits waits at each.
+    #[must_use]
+    pub fn waits(&self, vehicle: usize, visits: &[(usize, usize)]) -> Vec<u64> {
+        let mut waits = Vec::with_capacity(visits.len());
+        let visits = visits.iter().copied();
+        self.walk(vehicle, visits, &mut |wait| waits.push(wait));
+        waits
+    }
+
+    fn walk(
+        &self,
+        vehicle: usize,
+        visits: impl Iterator<Item = (usize, usize)>,
+        waits: &mut dyn FnMut(u64),
+    ) -> Option<Spent> {
         let own = &self.vehicles[vehicle];
         let mut spent = Spent::default();
         let mut at = own.start;
+        // A wait is as long as it is in the plan, whether the vehicle comes early or late.
+        let (mut early, mut late) = (own.begins, own.begins);
         for (job, position) in visits {
             let visit = self.jobs[job].visits[position];
-            spent.add(own.ways[at][visit.place]?);
-            let rest = u64::from(visit.rest);
+            let way = own.ways[at][visit.place]?;
+            spent.add(way);
+            early += u64::from(way.time) * SOONEST / 1000;
+            late += (u64::from(way.time) * own.slowest).div_ceil(1000);
+            let mut rest = u64::from(visit.rest);
+            if let Some((first, last)) = visit.window {
+                let wait = first.saturating_sub(early).div_ceil(own.wait_step) * own.wait_step;
+                if late + wait > last {
+                    return None;
+                }
+                waits(wait);
+                rest += wait;
+            } else {
+                waits(0);
+            }
+            (early, late) = (early + rest, late + rest);
             spent.rest += rest;
             spent.uses += rest * own.rest_uses;
             at = visit.place;
@@ -392,11 +438,18 @@ mod tests {
             budget,
             rest_uses: 0,
             most_visits: 100,
+            begins: 0,
+            slowest: 1000,
+            wait_step: 1,
         }
     }
 
     fn job(sites: Vec<usize>, vehicles: usize) -> Job {
-        let visit = |place| Visit { place, rest: 0 };
+        let visit = |place| Visit {
+            place,
+            rest: 0,
+            window: None,
+        };
         Job {
             visits: sites.into_iter().map(visit).collect(),
             vehicles: vec![true; vehicles],

@@ -7,7 +7,7 @@
 use super::assignment::{Assigned, Assignment, Carrier, Job, Spent, Visit, Way};
 use crate::geodesy::PlanPoint;
 use crate::numeric::SpeedProfile;
-use crate::path::{TimedPoint, flight, route_ends, way_speed_mps};
+use crate::path::{TimedPoint, flight, route_ends, route_start_s, way_speed_mps};
 use crate::plan::least_lengths_m;
 use crate::spec::{MAX_STOPS, MissionSpec, Order, Stop, Vehicle};
 use crate::world::World;
@@ -18,6 +18,10 @@ const LEAST_ROUTE_M: f64 = 10.0;
 const BUDGET: f64 = 1e9;
 /// Units of time in a second.
 const PER_SECOND: f64 = 10.0;
+/// How long ways may take at first, in thousandths of their estimates.
+const SLOWEST: u64 = 1030;
+/// By how much more where a window was missed.
+const SLOWER: u64 = 30;
 /// Raised estimates are raised by this more.
 const SURPLUS: f64 = 1.01;
 
@@ -71,6 +75,8 @@ pub struct Assigner<'a> {
     lengths_m: Vec<Vec<f64>>,
     /// How much more each vehicle uses on its ways than the shortest ones would.
     factors: Vec<f64>,
+    /// How long the ways of each vehicle may take, in thousandths of their estimates.
+    slowest: Vec<u64>,
 }
 
 impl<'a> Assigner<'a> {
@@ -108,6 +114,7 @@ impl<'a> Assigner<'a> {
             lengths_m: least_lengths_m(spec, world, &points),
             points,
             factors: vec![1.0; spec.vehicles.len()],
+            slowest: vec![SLOWEST; spec.vehicles.len()],
         })
     }
 
@@ -150,7 +157,8 @@ impl<'a> Assigner<'a> {
             estimated: estimated.collect(),
         };
         for (vehicle, visits) in assigned.visits.iter().enumerate() {
-            self.expand(&mut tasks, vehicle, visits);
+            let waits = assignment.waits(vehicle, visits);
+            self.expand(&mut tasks, vehicle, (visits, &waits));
         }
         tasks
     }
@@ -275,6 +283,9 @@ impl<'a> Assigner<'a> {
             },
             rest_uses: whole(rest).into(),
             most_visits: MAX_STOPS,
+            begins: whole(route_start_s(own, &self.world.stations[vehicle]) * PER_SECOND).into(),
+            slowest: self.slowest[vehicle],
+            wait_step: 10,
         }
     }
 
@@ -309,6 +320,13 @@ impl<'a> Assigner<'a> {
         (whole - route).max(0.0)
     }
 
+    /// Expects longer ways of these vehicles, whose plans miss windows.
+    pub fn hurry(&mut self, late: &[usize]) {
+        for &vehicle in late {
+            self.slowest[vehicle] += SLOWER;
+        }
+    }
+
     /// Why a task found no vehicle.
     fn why(&self, assignment: &Assignment<'_>, task: usize) -> String {
         let fleet = self.spec.vehicles.iter().enumerate();
@@ -317,7 +335,11 @@ impl<'a> Assigner<'a> {
             Some((float(spent.uses) + self.overhead(vehicle), own))
         });
         let Some((uses, vehicle)) = alone.min_by(|a, b| a.0.total_cmp(&b.0)) else {
-            return "no vehicle runs its actions and may fly to its places".to_owned();
+            return match self.has_window(task) {
+                true => "no vehicle is there in its window, runs its actions and may fly there",
+                false => "no vehicle runs its actions and may fly to its places",
+            }
+            .to_owned();
         };
         match &vehicle.endurance {
             Some(endurance) if uses > BUDGET => format!(
@@ -327,23 +349,39 @@ impl<'a> Assigner<'a> {
                 endurance.usable(),
                 endurance.capacity.unit()
             ),
+            _ if self.has_window(task) => {
+                "no vehicle has the time in its window, and enough endurance left for it".to_owned()
+            }
             _ => "no vehicle has enough endurance left for it".to_owned(),
         }
     }
 
+    fn has_window(&self, task: usize) -> bool {
+        let mut stops = self.spec.tasks[task].stops.iter();
+        stops.any(|stop| stop.window_s.is_some())
+    }
+
     /// Gives a vehicle its stops. Visits at one place that follow each other become one stop.
-    fn expand(&self, tasks: &mut FleetTasks, vehicle: usize, visits: &[(usize, usize)]) {
+    fn expand(
+        &self,
+        tasks: &mut FleetTasks,
+        vehicle: usize,
+        (visits, waits): (&[(usize, usize)], &[u64]),
+    ) {
         let count = self.spec.tasks.len();
         let place = |visit: &(usize, usize)| match visit.0 < count {
             true => (0, self.task_sites[visit.0][visit.1]),
             // Stops of its own are never merged.
             false => (1, visit.1),
         };
-        let (mut stops, mut points) = (Vec::new(), Vec::new());
+        let (mut stops, mut points) = (Vec::<Stop>::new(), Vec::new());
+        let mut next = 0;
         for group in visits.chunk_by(|one, other| place(one) == place(other)) {
-            let mut group = group.to_vec();
+            let waits = &waits[next..next + group.len()];
+            next += group.len();
+            let mut group: Vec<_> = group.iter().copied().zip(waits.iter().copied()).collect();
             group.sort_unstable();
-            for &(job, position) in group.iter().filter(|visit| visit.0 < count) {
+            for &((job, position), _) in group.iter().filter(|visit| visit.0.0 < count) {
                 let done = &mut tasks.done[vehicle];
                 match position {
                     0 => done.push(AssignedTask {
@@ -356,13 +394,17 @@ impl<'a> Assigner<'a> {
                         .for_each(|task| task.last = stops.len()),
                 }
             }
-            let (first, position) = group[0];
+            let (first, position) = group[0].0;
             if first < count {
-                let mut stop = self.spec.tasks[first].stops[position].clone();
-                for &(job, at) in &group[1..] {
-                    stop.join(&self.spec.tasks[job].stops[at]);
-                }
-                stops.push(stop);
+                let parts = group.iter().map(|&((job, at), wait)| Stop {
+                    wait_s: float(wait) / PER_SECOND,
+                    ..self.spec.tasks[job].stops[at].clone()
+                });
+                let merged = parts.reduce(|mut merged, part| {
+                    merged.join(&part);
+                    merged
+                });
+                stops.extend(merged);
                 points.push(self.world.tasks[first][position]);
             } else {
                 stops.push(self.spec.vehicles[vehicle].stops[position].clone());
@@ -380,6 +422,12 @@ fn visits(stops: &[Stop], sites: impl Iterator<Item = usize>) -> Vec<Visit> {
     let visit = |(stop, place): (&Stop, usize)| Visit {
         place,
         rest: whole(stop.rest_s() * PER_SECOND),
+        window: (stop.window_s).map(|window| {
+            let units = |s: f64| u64::from(whole(s * PER_SECOND));
+            // Actions begin a second after the vehicle has come to rest.
+            let last_s = window.most - f64::from(u8::from(!stop.actions.is_empty()));
+            (units(window.least), units(last_s))
+        }),
     };
     stops.iter().zip(sites).map(visit).collect()
 }

@@ -81,6 +81,8 @@ pub enum Limit {
     StopActions(String),
     /// Places of the task with this id that one vehicle visits in their order.
     Task(String),
+    /// By how much what is done for the task with this id begins outside of its window.
+    TaskWindow(String),
     /// Distance of the end of the mission to where the spec ends it.
     Finish,
     /// Delay before the takeoff.
@@ -317,6 +319,7 @@ impl Limit {
             | Self::StopHold(_)
             | Self::StopActions(_)
             | Self::Task(_)
+            | Self::TaskWindow(_)
             | Self::Finish
             | Self::Departure
             | Self::Speed
@@ -357,11 +360,10 @@ impl fmt::Display for Limit {
             Self::StopHold(id) => return write!(f, "hold at stop {id}"),
             Self::StopActions(id) => return write!(f, "actions at stop {id}"),
             Self::Task(id) => return write!(f, "task {id}"),
+            Self::TaskWindow(id) => return write!(f, "window of task {id}"),
             Self::FenceLeftOut(name) => return write!(f, "{name} left out of the fence"),
             Self::RallyClearance(point) => return write!(f, "rally {point}"),
-            Self::RallyObstacles(point) => {
-                return write!(f, "rally {point} to threats and zones");
-            }
+            Self::RallyObstacles(at) => return write!(f, "rally {at} to threats and zones"),
             Self::RallyArea(point) => return write!(f, "rally {point} in the area"),
             Self::RallyFence(point) => return write!(f, "rally {point} in the fence"),
             Self::Flown(flown) => return flown.fmt(f),

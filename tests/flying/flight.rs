@@ -482,6 +482,8 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
             acceptance_radius_m: Some(3.0),
             heading_rad: None,
             actions: Vec::new(),
+            window_s: None,
+            wait_s: 0.0,
             speed_mps: None,
         };
         vehicle.speed_mps = 8.0;

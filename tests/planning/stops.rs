@@ -26,6 +26,8 @@ pub(crate) fn stop(id: &str, place: LatLon, hold_s: f64) -> Stop {
         heading_rad: None,
         actions: Vec::new(),
         speed_mps: None,
+        window_s: None,
+        wait_s: 0.0,
     }
 }
 

@@ -173,3 +173,51 @@ fn a_task_beyond_the_endurance_of_all_is_left_with_the_reason_and_the_plan_fails
     let (flown, _) = done.flown(&spec, &world);
     assert!(flown.vehicles[1].stops.iter().any(|stop| stop.id == "own"));
 }
+
+#[test]
+fn a_vehicle_waits_for_a_window_and_the_verdict_holds_the_begin_against_it() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut spec = shared(autopilot);
+        let window = |least: f64, most: f64| Some(Span { least, most });
+        spec.tasks[0].stops[0].window_s = window(300.0, 330.0);
+        let (world, done) = dispatched(&spec);
+        assert!(done.review.passes(), "{:?}", failed(&done.review));
+        let (flown, _) = done.flown(&spec, &world);
+        let stop = &flown.vehicles[1].stops[0];
+        assert!(stop.wait_s > 60.0, "{}", stop.wait_s);
+        let missions: Vec<_> = done
+            .missions
+            .iter()
+            .map(|(index, one)| (*index, one))
+            .collect();
+        // The same flight comes too early and too late for other windows.
+        for (from, to) in [(340.0, 400.0), (0.0, 290.0)] {
+            let mut other = spec.clone();
+            other.tasks[0].stops[0].window_s = window(from, to);
+            let failed = failed(&review(&other, &world, &missions));
+            assert_eq!(failed.len(), 1, "{failed:?}");
+            assert!(failed[0].contains("window of task visit"), "{failed:?}");
+        }
+        // Nobody can be there so early.
+        spec.tasks[0].stops[0].window_s = window(0.0, 10.0);
+        let (_, done) = dispatched(&spec);
+        let left = &done.tasks.as_ref().expect("tasks").left;
+        assert_eq!(left.len(), 1);
+        assert!(left[0].why.contains("window"), "{left:?}");
+        assert!(!done.review.passes());
+    }
+}
+
+#[test]
+fn the_deliveries_mission_does_all_tasks_in_their_windows() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/deliveries.yaml");
+    let file = SpecFile::read(&path).expect("a good spec");
+    let world = sortie::world::load(&file).expect("good over the ground");
+    let done = dispatch(&file.spec, &world, 1, &|_| ());
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+    let tasks = done.tasks.as_ref().expect("tasks");
+    assert_eq!(tasks.done.iter().map(Vec::len).sum::<usize>(), 20);
+    let windows = done.review.margins.iter();
+    let windows = windows.filter(|margin| matches!(margin.limit, Limit::TaskWindow(_)));
+    assert_eq!(windows.count(), 6);
+}

@@ -78,6 +78,11 @@ fn what_is_wrong_with_a_task_is_reported_at_its_place() {
             "actions that PX4 refuses",
         ),
         (
+            "{id: t, visit: {lat: 36.29, lon: -84.27, agl_m: 80, window_s: {from: 9, to: 8}}}",
+            "tasks[0].visit.window_s",
+            "to not before from",
+        ),
+        (
             &format!("{{id: t, deliver: {{from: {to}}}}}"),
             "tasks[0].deliver",
             "to",

@@ -22,9 +22,10 @@ impl ItemWriter<'_> {
         let mut items = if turns.is_empty() {
             vec![self.rest(stop, stop.rest_s(), point)?]
         } else {
-            let mut items = vec![self.rest(stop, FIRST_REST_S, point)?];
+            let first_s = FIRST_REST_S + stop.wait_s;
+            let mut items = vec![self.rest(stop, first_s, point)?];
             items.extend(turns);
-            items.push(self.rest(stop, stop.rest_s() - FIRST_REST_S, point)?);
+            items.push(self.rest(stop, stop.rest_s() - first_s, point)?);
             items
         };
         items.extend(stop.speed_mps.map(|speed_mps| self.change_speed(speed_mps)));

@@ -30,6 +30,21 @@ pub struct Deliver {
     /// Where it is dropped.
     #[schemars(required)]
     pub to: Option<TaskPlace>,
+    /// When it may be dropped, seconds after T0; absent: at any time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_s: Option<TaskWindow>,
+}
+
+/// From when until when a task may be begun, seconds after T0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TaskWindow {
+    /// Not before; a vehicle that comes earlier waits.
+    #[schemars(range(min = 0, max = 1_000_000))]
+    pub from: f64,
+    /// Not after.
+    #[schemars(range(min = 0, max = 1_000_000))]
+    pub to: f64,
 }
 
 /// A place of a task: with agl_m or with amsl_m, not both.
@@ -55,4 +70,8 @@ pub struct TaskPlace {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 20))]
     pub actions: Vec<StopAction>,
+    /// When what is done there may begin, seconds after T0; absent: at any time. A delivery has its
+    /// window beside from and to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub window_s: Option<TaskWindow>,
 }

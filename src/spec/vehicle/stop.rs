@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{EndPoint, StopAction, Vehicle};
+use super::{EndPoint, Span, StopAction, Vehicle};
 use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
@@ -40,6 +40,10 @@ pub struct Stop {
     pub actions: Vec<StopAction>,
     /// Planned speed from there on, m/s; absent: as before.
     pub speed_mps: Option<f64>,
+    /// Of a task: when what is done there may begin, seconds after T0.
+    pub window_s: Option<Span>,
+    /// Of a task: how long the vehicle waits there before, seconds; whole ones.
+    pub wait_s: f64,
 }
 
 impl Stop {
@@ -56,7 +60,7 @@ impl Stop {
             0 => 0.0,
             _ => 1.0 + ACTION_S * f64::from(count),
         };
-        self.hold_s.max(least_s + acting_s).ceil()
+        self.wait_s + self.hold_s.max(least_s + acting_s).ceil()
     }
 }
 
@@ -66,6 +70,14 @@ impl Stop {
         self.id = format!("{} + {}", self.id, other.id);
         self.hold_s += other.hold_s;
         self.actions.extend(other.actions.iter().cloned());
+        self.wait_s = self.wait_s.max(other.wait_s);
+        self.window_s = match (self.window_s, other.window_s) {
+            (Some(one), Some(two)) => Some(Span {
+                least: one.least.max(two.least),
+                most: one.most.min(two.most),
+            }),
+            (one, two) => one.or(two),
+        };
     }
 }
 

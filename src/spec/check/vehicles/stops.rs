@@ -69,6 +69,8 @@ impl Checker {
             heading_rad: stop.heading_deg.map(f64::to_radians),
             actions,
             speed_mps: stop.speed_mps,
+            window_s: None,
+            wait_s: 0.0,
         })
     }
 

@@ -3,7 +3,7 @@
 use super::Checker;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{MAX_TASKS, Stop, Task, Vehicle};
+use crate::spec::{MAX_TASKS, Span, Stop, Task, Vehicle};
 
 const KINDS: &str = "either visit or deliver";
 
@@ -62,7 +62,14 @@ impl Checker {
                     self.task_stop(&format!("{path}.{key}"), named, map)
                 });
                 self.carried(&path, &stops);
-                stops.to_vec()
+                let window = self.task_window(&format!("{path}.window_s"), deliver.window_s);
+                self.one_window(&path, deliver);
+                let [from, to] = stops;
+                let to = to.map(|to| Stop {
+                    window_s: window.or(to.window_s),
+                    ..to
+                });
+                vec![from, to]
             }
             (Some(_), Some(_)) | (None, None) => {
                 let found = match keys.visit {
@@ -75,6 +82,28 @@ impl Checker {
         };
         let stops = stops.into_iter().collect::<Option<Vec<Stop>>>()?;
         Some(Task { id: id?, stops })
+    }
+
+    /// A window of the right way round.
+    fn task_window(&mut self, path: &str, keys: Option<keys::TaskWindow>) -> Option<Span> {
+        let keys::TaskWindow { from, to } = keys?;
+        if to < from {
+            let found = format!("from {from} to {to}");
+            self.report(path, found, "to not before from");
+        }
+        Some(Span {
+            least: from,
+            most: to,
+        })
+    }
+
+    /// The window of a delivery is that of its drop.
+    fn one_window(&mut self, path: &str, deliver: &keys::Deliver) {
+        let to = deliver.to.as_ref().and_then(|place| place.window_s);
+        if to.is_some() && deliver.window_s.is_some() {
+            let allowed = "one of them: both are that of the drop";
+            self.report(&format!("{path}.window_s"), "two windows", allowed);
+        }
     }
 
     /// There must be a path to plan from where a load is picked up to where it is dropped.
@@ -118,6 +147,8 @@ impl Checker {
             heading_rad: None,
             actions,
             speed_mps: None,
+            window_s: self.task_window(&format!("{path}.window_s"), keys.window_s),
+            wait_s: 0.0,
         })
     }
 

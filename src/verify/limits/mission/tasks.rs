@@ -3,8 +3,9 @@
 
 use super::Contract;
 use super::stops::REST_S;
-use crate::mission;
+use crate::mission::{self, command};
 use crate::spec::{MissionSpec, Stop, Task};
+use crate::verify::execute::flight::Rest;
 use crate::verify::{Limit, Margin, Requirement};
 use crate::world::World;
 
@@ -48,6 +49,14 @@ pub(crate) fn margins(
             }
         })
         .collect();
+    for (task, claim) in spec.tasks.iter().zip(&claims) {
+        let Some(claim) = claim else { continue };
+        let contract = &contracts[claim.contract];
+        for (stop, &rest) in task.stops.iter().zip(&claim.rests) {
+            let rest = &contract.flight.rests[rest];
+            margins.extend(contract.window(&task.id, stop, rest));
+        }
+    }
     for (index, contract) in contracts.iter().enumerate() {
         for rest in 0..contract.flight.rests.len() {
             let done = search.merged(&claims, index, rest);
@@ -154,6 +163,9 @@ impl<'a> Search<'a> {
         let (contract, rest) = (&self.contracts[contract], rest);
         let rest = &contract.flight.rests[rest];
         rest.until_s - rest.from_s + REST_S >= stop.hold_s
+            && contract
+                .window("", &stop, rest)
+                .is_none_or(|margin| margin.ok)
             && contract.done(&stop, rest).is_none_or(|margin| margin.ok)
     }
 
@@ -184,6 +196,42 @@ impl<'a> Search<'a> {
             }
         }
         merged
+    }
+}
+
+impl Contract<'_> {
+    /// When what is done in a rest begins, against the window of its stop.
+    fn window(&self, task: &str, stop: &Stop, rest: &Rest) -> Option<Margin> {
+        let window = stop.window_s?;
+        // Actions begin after the holds before them; a hold alone may begin at any time of the rest.
+        let begins_s = match stop.actions.is_empty() {
+            true => rest.from_s.max(window.least),
+            false => rest.from_s + self.held_before_actions_s(rest),
+        };
+        let missed_s = window.miss(begins_s);
+        let holds_from_s = rest.from_s.max(window.least);
+        let cut_s = (stop.hold_s - REST_S - (rest.until_s - holds_from_s)).max(0.0);
+        let required = Requirement::at_most(Limit::TaskWindow(task.to_owned()), 0.0, "s");
+        let at = self.moment(rest.point, begins_s, rest.rows.0);
+        let note = format!(
+            "begins at {begins_s:.0} s, {} to {} s in the spec",
+            window.least, window.most
+        );
+        Some(Margin {
+            note,
+            ..required.margin(self.id(), missed_s.max(cut_s), Some(at))
+        })
+    }
+
+    /// The holds of a rest before the first item that is no waypoint.
+    fn held_before_actions_s(&self, rest: &Rest) -> f64 {
+        let (first, last) = rest.rows;
+        let items = self.mission.items.get(first - 1..last).unwrap_or_default();
+        let before = items
+            .iter()
+            .take_while(|item| item.command == command::NAV_WAYPOINT);
+        let holds = before.map(|item| f64::from(item.params[0]));
+        holds.sum::<f64>().min(rest.until_s - rest.from_s)
     }
 }
 
