@@ -43,6 +43,9 @@ const COPTER_ACCEPTANCE: Acceptance = Acceptance {
         command::NAV_LAND,
         command::NAV_TAKEOFF,
         command::NAV_LOITER_TO_ALT,
+        command::NAV_LOITER_TURNS,
+        command::NAV_SPLINE_WAYPOINT,
+        command::NAV_PAYLOAD_PLACE,
     ],
     any_nan: false,
     // Altitudes are 24 bit centimetres.

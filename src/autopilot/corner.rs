@@ -11,6 +11,8 @@
 //! waypoint to that of a circle that touches both legs at the acceptance radius, with a share of
 //! the acceleration. This is from its sources and was not measured.
 
+use super::command;
+
 /// How the copters of an autopilot fly around a waypoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornerLaw {
@@ -31,6 +33,8 @@ pub struct Stops {
     pub between_altitude_kinds: bool,
     /// At `NAV_LOITER_TIME` of 0 s.
     pub at_timed_loiter: bool,
+    /// At the waypoint before these commands.
+    pub before: &'static [u16],
 }
 
 impl Stops {
@@ -39,6 +43,7 @@ impl Stops {
         before_landing: false,
         between_altitude_kinds: false,
         at_timed_loiter: false,
+        before: &[],
     };
     /// Wherever the next waypoint is not given to the navigation (`ModeAuto::set_next_wp`,
     /// `AC_WPNav::set_wp_destination_next`). Before a landing 0.03 m/s were flown on 4.6.3.
@@ -46,6 +51,7 @@ impl Stops {
         before_landing: true,
         between_altitude_kinds: true,
         at_timed_loiter: true,
+        before: &[command::NAV_LOITER_TURNS, command::NAV_LOITER_TO_ALT],
     };
 }
 

@@ -44,8 +44,12 @@ pub mod command {
     pub const DO_SET_ROI_LOCATION: u16 = 195;
     /// No longer point at a place.
     pub const DO_SET_ROI_NONE: u16 = 197;
+    /// Enable, disable or release a parachute.
+    pub const DO_PARACHUTE: u16 = 208;
     /// Open or close a gripper.
     pub const DO_GRIPPER: u16 = 211;
+    /// What a switch of the transmitter does.
+    pub const DO_AUX_FUNCTION: u16 = 218;
     /// Turn a gimbal.
     pub const DO_GIMBAL_MANAGER_PITCHYAW: u16 = 1000;
     /// Who controls a gimbal.

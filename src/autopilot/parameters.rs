@@ -100,6 +100,8 @@ pub(super) const ARDUCOPTER: &[ParameterRow] = &[
     p("WPNAV_SPEED_UP", 250.0, CmPs),
     p("WPNAV_SPEED_DN", 150.0, CmPs),
     p("WPNAV_RADIUS", 200.0, Cm),
+    p("CIRCLE_RADIUS", 1000.0, Cm),
+    p("CIRCLE_RATE", 20.0, Deg),
     p("LAND_SPEED_HIGH", 0.0, CmPs),
     p("LAND_ALT_LOW", 1000.0, Cm),
     p("LAND_SPEED", 50.0, CmPs),

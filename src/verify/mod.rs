@@ -79,13 +79,38 @@
 //! | waypoint, hold there 0 s | passes | passes | passes |
 //! | the same, one altitude above terrain and the other not | stops | passes (no such frame) | passes |
 //! | waypoint with a hold (of the waypoint itself) | stops | stops | passes: ignores holds |
-//! | `NAV_LOITER_TIME` | stops there, also for 0 s | stops there, passes with 0 s | not judged |
+//! | `NAV_LOITER_TIME` | stops there, also for 0 s | stops there, passes with 0 s | circles, goes on |
 //! | `NAV_LOITER_UNLIM` | passes, stays there | passes, stays there | circles there |
 //! | `NAV_DELAY` | stops | stops | not judged, ArduPilot: ignores it |
 //! | `NAV_LAND` at another place | stops, then flies there | passes, stops there | glides, descends there |
 //! | `NAV_RETURN_TO_LAUNCH` | stops | stops | not judged |
+//! | `NAV_LOITER_TO_ALT` | stops, and stops there | not judged | circles, goes on |
+//! | `NAV_LOITER_TURNS` | stops | no such command | ArduPilot: circles, goes on |
+//! | `NAV_SPLINE_WAYPOINT` | passes, on the curve below | no such command | not judged |
+//! | `NAV_PAYLOAD_PLACE` | passes, stops there | no such command | not judged |
 //! | conditions, commands without motion | passes | passes | passes |
-//! | spline, loiter turns | not judged | not judged | not judged |
+//!
+//! **Splines** (ArduCopter, by its sources). The curve is the Hermite polynomial in place and altitude (above ground
+//! where both ends are) from the place before to that of the item. At its begin its tangent is the vector of
+//! the leg before, or the tangent at the end of the spline before, and zero at rest. At its end it is the vector from the
+//! place before to the next one where the next item is a spline, else that from its own place to the next one; zero
+//! with a hold, before a return and at the end of the mission. Where both tangents together are longer than four times
+//! the distance, both are shortened to that. Before other items the end is not judged. Speed is at most that of the leg, what
+//! `climb_mps` and `descent_mps` allow, and `sqrt(0.5 a r)` in bends of radius `r`; it changes with `0.5 a`.
+//!
+//! **Circles on rotors** (ArduCopter `NAV_LOITER_TURNS`, by its sources). From rest straight to the edge of the circle,
+//! at the altitude of the item: on the line to the middle, `r` times the horizontal over the spatial distance from it. Rest
+//! there. The turns with the slower of the speed, `sqrt(0.5 a r)` and `CIRCLE_RATE` (20 degrees a second), then
+//! along the tangent to rest within `a / 2 + v^2 / 2a`, or `v` times a second where `v < a`. Without a radius that of
+//! the circle before, or `CIRCLE_RADIUS` (10 m). Not judged from within 3 m of the middle.
+//!
+//! **Circles that a wing leaves.** In space the orbit, and the hull of circle and next place: of ArduPlane, which leaves
+//! towards the next place (`Plane::verify_loiter_heading`), a circle of 1.2 radii, else one wider by two turn radii, as
+//! for who begins inside of its circle. To an altitude, all altitudes on the circle. In time the vehicle is on the
+//! circle for its turns or time, and as late as 1.25 orbits more take.
+//!
+//! **Payload.** Down from the altitude that it has, with a speed between `descent_mps` and that of a landing, to the ground
+//! or by param1 at most, and up again with `climb_mps`.
 //!
 //! Items after `NAV_LOITER_UNLIM` are never flown, and fail the count of judged items unless
 //! the spec says loiter. So do items after a landing, but for further returns and landings, and items after a
@@ -134,7 +159,8 @@
 //! are there: ArduCopter at `RTL_ALT` above home or its own altitude if that is more, near home no higher than
 //! `RTL_CONE_SLOPE` times the distance, but 2.5 m of climb at least; PX4 at `RTL_RETURN_ALT` within the cone of
 //! `RTL_CONE_ANG`. ArduPlane returns so, and when its mission ends in the air, to a circle of `WP_LOITER_RAD` at
-//! `RTL_ALTITUDE` over home. A vehicle that loiters, or whose mission
+//! `RTL_ALTITUDE` over home. A wing of PX4 whose mission ends in the air circles around its last place with
+//! `NAV_LOITER_RAD`. A vehicle that loiters, or whose mission
 //! ends in the air, stays for ever.
 //!
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,

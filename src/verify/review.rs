@@ -268,6 +268,27 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
          it stops before a landing at another place and where altitudes above terrain begin or end",
     ),
     (
+        |s| {
+            s.holds(command::NAV_SPLINE_WAYPOINT)
+                || s.holds(command::NAV_LOITER_TURNS)
+                || s.holds(command::NAV_PAYLOAD_PLACE)
+        },
+        "splines, turns and the placing of payloads are flown as the sources of ArduCopter 4.7 say (CIRCLE_RADIUS {CIRCLE_RADIUS} m and CIRCLE_RATE {CIRCLE_RATE} degrees a second \
+         where the .params file has none); none of them was measured, and each may take {copter.stop_late_s} longer",
+    ),
+    (
+        |s| {
+            let circles = [
+                command::NAV_LOITER_TURNS,
+                command::NAV_LOITER_TIME,
+                command::NAV_LOITER_TO_ALT,
+            ];
+            s.vehicle.airframe.has_wing() && circles.into_iter().any(|circle| s.holds(circle))
+        },
+        "a wing that leaves a circle is judged anywhere between that circle and its next place, and as late as 1.25 orbits more take: ArduPlane circles until it heads for the next place, \
+         PX4 leaves on any course (by their sources, not measured)",
+    ),
+    (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
         "PX4 copters fly corners as arcs within NAV_ACC_RAD, at the speed that half of accel_mps2 allows across (by its sources, not measured)",
     ),

@@ -300,6 +300,20 @@ fn a_glide_that_is_steeper_or_aside_fails() {
     assert!(aside.contains(&"landing heading".to_owned()), "{aside:?}");
 }
 
+/// The glide ends at the altitude of the item: below the ground it meets that on the way.
+#[test]
+fn a_landing_at_another_altitude_than_that_of_the_ground_is_not_judged() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        for (by_m, fails) in [(-40.0, true), (40.0, true), (3.0, false)] {
+            let failed = tampered(plane(autopilot), |items| {
+                items.last_mut().expect("items").z += by_m;
+            });
+            let is_unjudged = failed.contains(&"items judged".to_owned());
+            assert_eq!(is_unjudged, fails, "{autopilot:?} {by_m}: {failed:?}");
+        }
+    }
+}
+
 #[test]
 fn px4_takes_off_towards_the_place_of_its_item() {
     let aside = tampered(plane(Autopilot::Px4), |items| items[0].x += 3000);
@@ -320,7 +334,7 @@ fn a_circle_tighter_than_the_spec_says_fails() {
 fn what_a_wing_does_on_its_own_is_not_judged() {
     for (command, why) in [
         (command::NAV_RETURN_TO_LAUNCH, "circle over home"),
-        (command::NAV_LOITER_TIME, "no known course"),
+        (command::NAV_PAYLOAD_PLACE, "on a wing is not known"),
         (command::NAV_VTOL_LAND, "another kind of airframe"),
     ] {
         let mut spec = empty_spec(vec![plane(Autopilot::ArduPilot)]);

@@ -7,6 +7,7 @@ mod airspeed;
 mod altitudes_and_endurance;
 mod buffers;
 mod copter_corners;
+mod curves;
 mod fences;
 mod verify;
 mod verify_independent;

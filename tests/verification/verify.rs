@@ -693,8 +693,13 @@ fn what_cannot_be_judged_fails_and_names_the_item_and_the_reason() {
         assert!(!margin.ok, "{margin:?}");
         margin.note
     };
-    let cases: [(&str, usize, Change<'_>); 8] = [
-        ("NAV_SPLINE_WAYPOINT", 4, &|m| m.items[3].command = 82),
+    let cases: [(&str, usize, Change<'_>); 9] = [
+        ("NAV_GUIDED_ENABLE", 4, &|m| m.items[3].command = 92),
+        // The emergency stop of the motors.
+        ("DO_AUX_FUNCTION 31", 4, &|m| {
+            let stop = [31.0, 2.0, 0.0, 0.0];
+            m.items.insert(3, Item::without_place(218, stop));
+        }),
         ("altitude is NaN", 3, &|m| m.items[2].z = f32::NAN),
         ("altitude is inf", 4, &|m| m.items[3].z = f32::INFINITY),
         ("frame 2", 3, &|m| m.items[2].frame = frame::MISSION),

@@ -44,6 +44,31 @@ pub(crate) struct Orders {
     pub(crate) repeats: Option<(usize, usize)>,
 }
 
+/// What is obeyed after an order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum After<'a> {
+    /// This navigates.
+    Step(&'a Step),
+    /// Nothing: the mission ends.
+    End,
+    /// That is not known.
+    Unread,
+}
+
+impl Orders {
+    /// The next order after one that navigates.
+    pub(crate) fn after(&self, index: usize, mission: &VehicleMission) -> After<'_> {
+        let navigates = |step: &&Step| mission.items[step.row - 1].command <= NAV_LAST;
+        let again = self.repeats.map_or(self.steps.len(), |(_, again)| again);
+        let rest = self.steps[index + 1..].iter().chain(&self.steps[again..]);
+        match (rest.into_iter().find(navigates), &self.unread) {
+            (Some(step), _) => After::Step(step),
+            (None, None) => After::End,
+            (None, Some(_)) => After::Unread,
+        }
+    }
+}
+
 /// The orders of a mission in sequence, with its jumps executed, up to the first item that
 /// cannot be read; of what repeats for ever one lap more.
 pub(crate) fn decode(mission: &VehicleMission, home: Amsl) -> Orders {

@@ -1,17 +1,23 @@
 //! The vehicle as its orders are obeyed, one after the other.
 
+mod circle;
 mod ends;
+mod motions;
+mod payload;
+mod spline;
+mod takeoff;
+
+use nalgebra::Vector3;
 
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
 use crate::mission::{VehicleMission, acceptance_m, cruise_speed_mps};
-use crate::path::{heading_rad, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
-use super::decode::{self, Orders, Step, Unknown};
-use super::flight::{End, Flight, Last, Legs, Mark, Rest, Slope};
-use super::item::{Height, Order};
-use super::legs::{self, Knot};
+use super::decode::{self, After, Orders, Step, Unknown};
+use super::flight::{End, Flight, Hull, Last, Mark};
+use super::item::{self, Height, Order};
+use super::legs::Knot;
 use super::trajectory::TrajectoryBuilder;
 use super::wing::altitude_lag;
 use super::wing::l1::Guidance;
@@ -19,8 +25,6 @@ use crate::verify::measure::segment::Phase;
 
 /// Knots nearer than this are one place: two units of 1e-7 degrees.
 const SAME_PLACE_M: f64 = 0.025;
-/// Default of PX4's `MIS_TAKEOFF_ALT`, metres.
-const LEAST_TAKEOFF_M: f64 = 2.5;
 /// Places further from the origin than this are beyond the local frame.
 const REACH_M: f64 = 500_000.0;
 
@@ -55,6 +59,9 @@ pub(crate) fn fly(
         accept_m: acceptance_m(mission, 0),
         lag_s: altitude_lag::lag_s(mission),
         early_m: altitude_lag::early_m(vehicle, mission),
+        circle_m: None,
+        tangent: None,
+        hull: None,
     };
     pilot.depart();
     pilot.flight.unknown = pilot.fly(&orders, mission);
@@ -101,6 +108,12 @@ pub(crate) struct Pilot<'a> {
     pub(crate) lag_s: f64,
     /// So far before a waypoint it has its altitude, metres.
     pub(crate) early_m: f64,
+    /// The radius of the circle before on rotors, metres.
+    circle_m: Option<f64>,
+    /// The tangent at the end of the spline that it comes from, if it does not stop there.
+    tangent: Option<Vector3<f64>>,
+    /// The circle that it leaves, until it goes on from there.
+    pub(crate) hull: Option<Hull>,
 }
 
 impl Pilot<'_> {
@@ -123,7 +136,7 @@ impl Pilot<'_> {
             if orders.repeats.is_some_and(|(_, again)| again == index) {
                 first = self.trajectory.chords.len();
             }
-            if let Err(unknown) = self.obey(step, mission) {
+            if let Err(unknown) = self.obey(step, &orders.after(index, mission), mission) {
                 // What is flown before it is still judged; troubles on the way there come first.
                 return self.stop().err().or(Some(unknown));
             }
@@ -156,7 +169,12 @@ impl Pilot<'_> {
         result.err().or_else(|| orders.unread.clone())
     }
 
-    fn obey(&mut self, step: &Step, mission: &VehicleMission) -> Result<(), Unknown> {
+    fn obey(
+        &mut self,
+        step: &Step,
+        next: &After<'_>,
+        mission: &VehicleMission,
+    ) -> Result<(), Unknown> {
         let row = step.row;
         let unknown = |why: &str| Unknown::err(row, why);
         self.accept_m = acceptance_m(mission, row);
@@ -165,6 +183,10 @@ impl Pilot<'_> {
             && !mission.facts().acceptance.needs_takeoff
         {
             self.lift_itself(row, height, mission.autopilot)?;
+        }
+        let stops = self.vehicle.facts().stops;
+        if self.airborne && stops.before.contains(&mission.items[row - 1].command) {
+            self.stop()?;
         }
         match step.order {
             Order::Nothing => {}
@@ -185,6 +207,21 @@ impl Pilot<'_> {
             }
             Order::Takeoff { at, height } => self.take_off(row, at, height, mission.autopilot)?,
             _ if !self.airborne => return unknown("no takeoff before it"),
+            _ => self.navigate(step, next, mission)?,
+        }
+        Ok(())
+    }
+
+    /// Obeys an order that moves a vehicle in the air.
+    fn navigate(
+        &mut self,
+        step: &Step,
+        next: &After<'_>,
+        mission: &VehicleMission,
+    ) -> Result<(), Unknown> {
+        let row = step.row;
+        match step.order {
+            Order::Nothing | Order::Speed { .. } | Order::Wait { .. } | Order::Takeoff { .. } => {}
             Order::Fly { at, height, hold_s } => {
                 self.head_for(row, self.or_here(at), height)?;
                 if let Some(hold_s) = hold_s {
@@ -204,8 +241,21 @@ impl Pilot<'_> {
                 self.head_for(row, self.or_here(at), height)?;
                 self.finish(row, mission)?;
             }
+            Order::Spline { at, height, hold_s } => {
+                self.spline((row, self.or_here(at), height), hold_s, (next, mission))?;
+            }
+            Order::Circle { at, height, circle } if self.vehicle.airframe.has_wing() => {
+                self.circle_a_while((row, self.or_here(at), height), circle, next)?;
+            }
+            Order::Circle { at, height, circle } => {
+                self.circle_on_rotors((row, self.or_here(at), height), circle, mission)?;
+            }
+            Order::Place { at, most_m } => self.place_payload(row, self.or_here(at), most_m)?,
             Order::Land { at: Some(at) } if self.vehicle.airframe == Airframe::Plane => {
-                self.glide(row, at)?;
+                let item = &mission.items[row - 1];
+                let height = item::height(item, mission.autopilot, self.home.amsl);
+                let height = height.map_err(|why| Unknown { row, why })?;
+                self.glide(row, at, height)?;
             }
             Order::Land { at } => self.land(row, at)?,
             Order::Return => self.return_home(row, mission)?,
@@ -218,63 +268,6 @@ impl Pilot<'_> {
         at.unwrap_or_else(|| self.world.frame.from_plan(self.last().at))
     }
 
-    /// PX4 climbs over its home, to the altitude of the first item and `MIS_TAKEOFF_ALT` at least,
-    /// before it flies there (`Mission::do_need_vertical_takeoff`).
-    fn lift_itself(
-        &mut self,
-        row: usize,
-        height: Height,
-        autopilot: Autopilot,
-    ) -> Result<(), Unknown> {
-        let place = self.world.frame.from_plan(self.home.at);
-        let (amsl_m, _) = self.resolve(row, place, height)?;
-        let least_m = self.home.amsl.0 + LEAST_TAKEOFF_M;
-        self.take_off(row, None, Height::Sea(Amsl(amsl_m.max(least_m))), autopilot)
-    }
-
-    fn take_off(
-        &mut self,
-        row: usize,
-        at: Option<LatLon>,
-        height: Height,
-        autopilot: Autopilot,
-    ) -> Result<(), Unknown> {
-        // The encoded delay is the departure.
-        self.trajectory.t_s = match (self.flight.delay_s, autopilot) {
-            (Some(delay_s), _) => delay_s,
-            (None, autopilot) if is_launched(self.vehicle, autopilot) => self.vehicle.depart_s,
-            (None, _) => 0.0,
-        };
-        let home = self.home;
-        let place = self.world.frame.from_plan(home.at);
-        let (amsl_m, _) = self.resolve(row, place, height)?;
-        if amsl_m <= home.amsl.0 || home.amsl.0.is_nan() {
-            let home_m = home.amsl.0;
-            let why = format!("takeoff to {amsl_m:.2} m AMSL, not above home at {home_m:.2} m");
-            return Unknown::err(row, why);
-        }
-        self.airborne = true;
-        self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
-        self.lift(row, amsl_m, self.vehicle.climb_mps, true);
-        self.drift_up(row, self.here());
-        if let Some(at) = at {
-            let at = self.reach(row, at)?;
-            if at.distance_m(home.at) > self.tolerance_m {
-                let knot = self.knot(row, at, amsl_m, None);
-                self.append(knot)?;
-                self.stop()?;
-                // That was still the takeoff, not the route.
-                self.flight.route.clear();
-            }
-        }
-        let start = self.stations.start;
-        if self.here().distance_m(start) <= self.tolerance_m {
-            self.phase = Phase::Route;
-            self.mark();
-        }
-        Ok(())
-    }
-
     /// Adds a leg to a place at a height.
     fn head_for(&mut self, row: usize, place: LatLon, height: Height) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
@@ -285,11 +278,15 @@ impl Pilot<'_> {
             self.stop()?;
         }
         self.append(knot)?;
+        self.phase_in();
+        Ok(())
+    }
+
+    /// The first place after the takeoff is the start of the route.
+    pub(crate) fn phase_in(&mut self) {
         if self.phase == Phase::Join {
-            // The first place after the takeoff is the start of the route.
             self.phase = Phase::Route;
         }
-        Ok(())
     }
 
     pub(crate) fn append(&mut self, knot: Knot) -> Result<(), Unknown> {
@@ -306,133 +303,6 @@ impl Pilot<'_> {
             self.mark();
         }
         Ok(())
-    }
-
-    /// Climbs or descends to an altitude.
-    pub(crate) fn climb(&mut self, row: usize, to_m: f64) {
-        let rise_m = to_m - self.last().amsl_m;
-        self.flight.slopes.push(Slope {
-            chord: self.trajectory.chords.len(),
-            phase: self.phase,
-            run_m: 0.0,
-            rise_m,
-            speed_mps: 0.0,
-            top_m: to_m.max(to_m - rise_m),
-        });
-        let rate_mps = if rise_m > 0.0 {
-            self.vehicle.climb_mps
-        } else {
-            self.vehicle.descent_mps
-        };
-        self.lift(row, to_m, rate_mps, false);
-    }
-
-    /// A vertical motion at a given rate.
-    fn lift(&mut self, row: usize, to_m: f64, rate_mps: f64, grounded: bool) {
-        let from = self.here();
-        let to = PlanPoint {
-            at: from.at,
-            amsl: Amsl(to_m),
-        };
-        let duration_s = (to_m - from.amsl.0).abs() / rate_mps;
-        self.trajectory
-            .straight((row, self.phase), (from, to), duration_s, grounded);
-        self.knots = vec![self.knot(row, to.at, to_m, None)];
-    }
-
-    fn hold(&mut self, row: usize, hold_s: f64) {
-        let (here, from_s) = (self.here(), self.trajectory.t_s);
-        self.trajectory
-            .straight((row, self.phase), (here, here), hold_s, false);
-        let until_s = self.trajectory.t_s;
-        match self.flight.rests.last_mut() {
-            Some(last) if last.until_s >= from_s && last.point == here => {
-                (last.until_s, last.rows.1) = (until_s, row);
-            }
-            _ => self.flight.rests.push(Rest {
-                point: here,
-                from_s,
-                until_s,
-                rows: (row, row),
-            }),
-        }
-    }
-
-    /// Flies the legs that were gathered, to a stop at the last knot.
-    pub(crate) fn stop(&mut self) -> Result<(), Unknown> {
-        self.fly_to_last(0.0)
-    }
-
-    /// Flies the legs that were gathered, and has a speed at the last knot.
-    pub(crate) fn fly_to_last(&mut self, last_mps: f64) -> Result<(), Unknown> {
-        let first_mps = self.moving_mps;
-        let knots = std::mem::take(&mut self.knots);
-        if let Some(&last) = knots.last() {
-            self.knots = vec![last];
-        }
-        if knots.len() < 2 {
-            return Ok(());
-        }
-        self.moving_mps = last_mps;
-        let grounds_mps = legs::ground_speeds(&knots, self.vehicle)?;
-        // At its ends the wind carries it as on the leg there.
-        let carried = |speed_mps: f64, leg: usize| {
-            if speed_mps > 0.0 {
-                speed_mps * (grounds_mps[leg] / knots[leg + 1].speed_mps)
-            } else {
-                speed_mps
-            }
-        };
-        let first_mps = match self.initial_mps(&knots) {
-            Some(initial_mps) => initial_mps.min(grounds_mps[0]),
-            None => carried(first_mps, 0),
-        };
-        let ends_mps = (first_mps, carried(last_mps, knots.len() - 2));
-        let run = legs::run(&knots, self.vehicle, &grounds_mps, ends_mps);
-        let lines = knots
-            .windows(2)
-            .map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]))
-            .collect::<Result<Vec<_>, _>>()?;
-        let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
-        let mut leg = usize::MAX;
-        for piece in &run.pieces {
-            if piece.leg != leg {
-                leg = piece.leg;
-                self.trajectory.late_s += leg_late_s(self.vehicle);
-                firsts[leg] = self.trajectory.chords.len();
-            }
-            self.trajectory.lay_piece(piece, &knots, &lines)?;
-        }
-        let legs = Legs {
-            knots: &knots,
-            lines: &lines,
-            run: &run,
-            firsts: &firsts,
-        };
-        self.flight
-            .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
-        self.lay_altitude_offsets(&knots, &firsts)?;
-        self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
-        self.drift_onto(&knots, &firsts);
-        if last_mps <= 0.0 {
-            self.trajectory.late_s += stop_late_s(self.vehicle);
-        }
-        Ok(())
-    }
-
-    /// The ground speed of an airborne departure along the first leg, m/s; none on later legs.
-    fn initial_mps(&self, knots: &[Knot]) -> Option<f64> {
-        let Departure::Airborne {
-            course_rad,
-            speed_mps,
-            ..
-        } = self.stations.departure
-        else {
-            return None;
-        };
-        let turn_rad = heading_rad(knots[0].at, knots[1].at) - course_rad;
-        let is_first = self.trajectory.chords.is_empty();
-        is_first.then(|| speed_mps * turn_rad.cos().max(0.0))
     }
 
     /// Altitude above the sea, and above the ground if the item says so.

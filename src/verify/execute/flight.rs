@@ -66,6 +66,17 @@ pub(crate) struct Circle {
     pub(crate) chord: usize,
 }
 
+/// A circle that a wing leaves somewhere: on its way to the next place it is within the hull of both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hull {
+    pub(crate) middle: PlanPoint,
+    /// How far from the middle it may be as it leaves, metres.
+    pub(crate) reach_m: f64,
+    /// When it may be there, seconds.
+    pub(crate) from_s: f64,
+    pub(crate) until_s: f64,
+}
+
 /// How the flight ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum End {

@@ -16,6 +16,25 @@ pub(crate) enum Height {
     Keep { follows: bool },
 }
 
+/// How a vehicle flies around a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Circling {
+    /// Metres, clockwise where positive. 0: of the circle before, or of the parameters.
+    pub(crate) radius_m: f64,
+    pub(crate) until: Until,
+    /// Whether it leaves the circle on the way to the next place, at no other course.
+    pub(crate) leaves_aligned: bool,
+}
+
+/// When a vehicle leaves a circle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Until {
+    Turns(f64),
+    Seconds(f64),
+    /// At the altitude of the item.
+    Altitude,
+}
+
 /// What one item makes the vehicle do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Order {
@@ -35,6 +54,25 @@ pub(crate) enum Order {
         at: Option<LatLon>,
         height: Height,
         radius_m: Option<f64>,
+    },
+    /// Fly a curve to a place that also depends on the places around it, and stop there for a
+    /// time if there is one (`NAV_SPLINE_WAYPOINT`).
+    Spline {
+        at: Option<LatLon>,
+        height: Height,
+        hold_s: Option<f64>,
+    },
+    /// Fly around a place for a while, then go on.
+    Circle {
+        at: Option<LatLon>,
+        height: Height,
+        circle: Circling,
+    },
+    /// Fly to a place, or stay at the present one, descend to the ground, no further than so many
+    /// metres, and rise again.
+    Place {
+        at: Option<LatLon>,
+        most_m: Option<f64>,
     },
     /// Wait where the vehicle is.
     Wait { hold_s: f64 },
@@ -83,13 +121,14 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
             height: own_height(item, autopilot, home)?,
             radius_m: None,
         }),
-        // ArduCopter goes there as to a waypoint, stops, and continues at its altitude
-        // (`ModeAuto::loiter_to_alt_run`).
-        command::NAV_LOITER_TO_ALT if autopilot == Autopilot::ArduPilot => Ok(Order::Fly {
-            at: own_place(item, here)?,
-            height: own_height(item, autopilot, home)?,
-            hold_s: Some(0.0),
-        }),
+        command::NAV_LOITER_TO_ALT
+        | command::NAV_SPLINE_WAYPOINT
+        | command::NAV_LOITER_TURNS
+        | command::NAV_PAYLOAD_PLACE
+            if autopilot == Autopilot::ArduPilot =>
+        {
+            of_arducopter(item, here, home)
+        }
         command::NAV_LAND if here => Ok(Order::Land { at: None }),
         command::NAV_LAND => {
             height(item, autopilot, home)?;
@@ -102,13 +141,51 @@ pub(crate) fn read(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Orde
             hold_s: delay_s(item, autopilot)?,
         }),
         command::DO_CHANGE_SPEED => speed(item),
-        other => without_order(other),
+        _ => without_order(item),
     }
 }
 
+/// The order of an item that ArduCopter alone flies.
+fn of_arducopter(item: &Item, here: bool, home: Amsl) -> Result<Order, String> {
+    let autopilot = Autopilot::ArduPilot;
+    let at = own_place(item, here)?;
+    let height = own_height(item, autopilot, home)?;
+    Ok(match item.command {
+        // It goes there as to a waypoint, stops, and continues at its altitude
+        // (`ModeAuto::loiter_to_alt_run`).
+        command::NAV_LOITER_TO_ALT => Order::Fly {
+            at,
+            height,
+            hold_s: Some(0.0),
+        },
+        command::NAV_LOITER_TURNS => Order::Circle {
+            at,
+            height,
+            circle: turns(item)?,
+        },
+        command::NAV_PAYLOAD_PLACE => Order::Place {
+            at,
+            most_m: most_descent_m(item.params[0])?,
+        },
+        _ => Order::Spline {
+            at,
+            height,
+            hold_s: Some(hold_s(item.params[0], autopilot)?).filter(|&hold_s| hold_s > 0.0),
+        },
+    })
+}
+
 /// What a command without an order of its own does, if that is nothing.
-fn without_order(command: u16) -> Result<Order, String> {
+fn without_order(item: &Item) -> Result<Order, String> {
+    let (command, first) = (item.command, item.params[0]);
     match command_row(command).map(|row| (row.motion, row.name)) {
+        // 0 and 1 disable and enable it.
+        _ if command == command::DO_PARACHUTE && (0.0..2.0).contains(&first) => Ok(Order::Nothing),
+        Some((Motion::NoMotion, name))
+            if command == command::DO_AUX_FUNCTION && !is_harmless_function(first) =>
+        {
+            Err(format!("{name} {first} may do anything"))
+        }
         Some((Motion::NoMotion, _)) => Ok(Order::Nothing),
         Some((Motion::Unknown(why), _)) => Err(why.to_owned()),
         Some((Motion::Moves, name)) => Err(format!("the motion of {name} is not known")),
@@ -131,6 +208,50 @@ fn speed(item: &Item) -> Result<Order, String> {
     } else {
         Err(format!("DO_CHANGE_SPEED to {speed_mps} m/s"))
     }
+}
+
+/// The circles of `NAV_LOITER_TURNS` as ArduPilot keeps them: whole turns up to 255 or 256ths of
+/// one, whole metres of radius up to 255 or tens of metres up to 2550.
+pub(crate) fn turns(item: &Item) -> Result<Circling, String> {
+    let [turns, _, radius_m, aligned] = item.params.map(f64::from);
+    if !(turns >= 0.0 && turns.is_finite() && radius_m.is_finite()) {
+        return Err(format!("{turns} turns with a radius of {radius_m} m"));
+    }
+    let turns = match turns {
+        part if part < 1.0 => (256.0 * part).trunc() / 256.0,
+        whole => whole.trunc().min(255.0),
+    };
+    let stored_m = match radius_m.abs() {
+        near if near <= 255.0 => near.trunc(),
+        far => (far / 10.0).trunc().min(255.0) * 10.0,
+    };
+    Ok(Circling {
+        radius_m: stored_m.copysign(radius_m),
+        until: Until::Turns(turns),
+        leaves_aligned: !aligned.is_nan(),
+    })
+}
+
+/// Whether an auxiliary function (`RC_Channel::AUX_FUNC`) moves nothing but a payload: cameras,
+/// sprayer, gripper, relays, mounts.
+fn is_harmless_function(function: f32) -> bool {
+    const HARMLESS: [f32; 16] = [
+        9.0, 15.0, 19.0, 27.0, 28.0, 34.0, 35.0, 36.0, 66.0, 67.0, 113.0, 163.0, 166.0, 167.0,
+        168.0, 169.0,
+    ];
+    HARMLESS
+        .iter()
+        .any(|known| known.to_bits() == function.to_bits())
+}
+
+/// How far a vehicle descends at most to place a payload, metres; none: until it feels the ground.
+/// ArduPilot keeps centimetres in 16 bits.
+fn most_descent_m(param: f32) -> Result<Option<f64>, String> {
+    let most_m = seconds(param).map_err(|_| format!("a descent of {param} m at most"))?;
+    if most_m > 655.0 {
+        return Err(format!("a descent of {most_m} m at most"));
+    }
+    Ok(Some(most_m).filter(|most_m| *most_m > 0.0))
 }
 
 /// The place that an item is flown to; none is the present one.
@@ -251,7 +372,7 @@ fn delay_s(item: &Item, autopilot: Autopilot) -> Result<f64, String> {
     .map_err(|()| "a delay until a time of day is not known after T0".to_owned())
 }
 
-fn seconds(param: f32) -> Result<f64, String> {
+pub(crate) fn seconds(param: f32) -> Result<f64, String> {
     if param >= 0.0 && param.is_finite() {
         Ok(f64::from(param))
     } else {

@@ -30,6 +30,11 @@ pub(crate) struct AltitudeLine {
 }
 
 impl AltitudeLine {
+    /// From one value to another, metres: heights above the ground if it follows that.
+    pub(crate) fn between(follows: bool, value_m: (f64, f64)) -> Self {
+        Self { follows, value_m }
+    }
+
     fn value_m(&self, fraction: f64) -> f64 {
         self.value_m.0 + (self.value_m.1 - self.value_m.0) * fraction
     }
@@ -235,6 +240,19 @@ impl<'a> TrajectoryBuilder<'a> {
         line: &AltitudeLine,
     ) -> Result<(), Unknown> {
         self.lay(chord, &line.part(fractions))
+    }
+
+    /// Flies a chord, at altitudes along a line, from the present time to its own end.
+    pub(crate) fn curve(&mut self, chord: Chord, line: &AltitudeLine) -> Result<(), Unknown> {
+        let to_s = chord.to_s;
+        let flown = Chord {
+            late_s: self.late_s,
+            flown: true,
+            ..chord
+        };
+        self.lay(flown, line)?;
+        self.t_s = to_s;
+        Ok(())
     }
 
     /// Lays one chord with its altitudes; over terrain that is followed, several.

@@ -1,7 +1,7 @@
 //! What a flight uses from takeoff to touchdown, against what the vehicle has.
 
 use crate::numeric::digits;
-use crate::spec::{Capacity, Endurance};
+use crate::spec::Endurance;
 use crate::verify::execute::flight::End;
 use crate::verify::limits::mission::Contract;
 use crate::verify::measure::segment::Chord;
@@ -28,13 +28,8 @@ impl Contract<'_> {
         let aloft = self.aloft(stays);
         let last = aloft.last()?;
         let used: f64 = aloft.iter().map(|chord| self.used(endurance, chord)).sum();
-        let late = match endurance.capacity {
-            // A vehicle that is late hovers or circles for so long.
-            Capacity::Time(_) | Capacity::Energy(_) => {
-                endurance.capacity.used(last.late_s, self.idle_mps(), 0.0)
-            }
-            Capacity::Range(_) => 0.0,
-        };
+        // A vehicle that is late hovers or circles for so long.
+        let late = endurance.capacity.used(last.late_s, self.idle_mps(), 0.0);
         let mut note = format!(
             "{} {unit} less a reserve of {} %",
             digits::plain(endurance.capacity.total()),

@@ -29,12 +29,18 @@ pub(super) fn returns(
         command::NAV_VTOL_LAND,
         command::NAV_LOITER_UNLIM,
     ];
+    let circles = [
+        command::NAV_LOITER_UNLIM,
+        command::NAV_LOITER_TURNS,
+        command::NAV_LOITER_TIME,
+        command::NAV_LOITER_TO_ALT,
+    ];
     let names: &[&str] = match (mission.autopilot, has_wing) {
         (Autopilot::ArduPilot, true) if returns || !holds(&ends) => {
             &["RTL_ALTITUDE", "WP_LOITER_RAD"]
         }
-        (Autopilot::ArduPilot, true) if holds(&[command::NAV_LOITER_UNLIM]) => &["WP_LOITER_RAD"],
-        (Autopilot::Px4, true) if holds(&[command::NAV_LOITER_UNLIM]) => &["NAV_LOITER_RAD"],
+        (Autopilot::ArduPilot, true) if holds(&circles) => &["WP_LOITER_RAD"],
+        (Autopilot::Px4, true) if holds(&circles) || !holds(&ends) => &["NAV_LOITER_RAD"],
         (_, true) => &[],
         _ if !returns || limits.return_amsl.is_some() => &[],
         (Autopilot::ArduPilot, false) => &["RTL_ALT", "RTL_CONE_SLOPE", "RTL_LOIT_TIME"],

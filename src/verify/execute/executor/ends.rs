@@ -18,7 +18,7 @@ const LEAST_CONE_SLOPE: f64 = 0.5;
 const LEAST_CLIMB_M: f64 = 2.5;
 
 /// A parameter of the mission in SI units (angles in degrees), if it is given.
-fn held(mission: &VehicleMission, name: &str) -> Option<f64> {
+pub(crate) fn held(mission: &VehicleMission, name: &str) -> Option<f64> {
     let found = mission.params.iter().find(|param| param.name == name)?;
     let value = f64::from(found.value) / parameter(name)?.unit.per_si();
     value.is_finite().then_some(value)
@@ -233,6 +233,17 @@ impl Pilot<'_> {
         }
         if self.vehicle.airframe.has_wing() {
             // ArduPlane returns then (`Plane::exit_mission_callback`).
+            if mission.autopilot == Autopilot::Px4 {
+                // It loiters around the place that it flew to last (`MissionBase::setEndOfMissionItems`).
+                let last = self.last();
+                let Some(radius_m) = held(mission, "NAV_LOITER_RAD") else {
+                    let why = "the mission ends in a circle, and NAV_LOITER_RAD is not known";
+                    return Unknown::err(row, why);
+                };
+                let place = self.world.frame.from_plan(last.at);
+                self.fly_to_last(last.speed_mps)?;
+                return self.circle(row, place, Height::Sea(Amsl(last.amsl_m)), radius_m);
+            }
             return match held(mission, "RTL_ALTITUDE") {
                 Some(_) => self.return_home(row, mission),
                 None => Unknown::err(row, "the mission ends in the air, and a wing does not stay"),

@@ -4,7 +4,7 @@ use crate::geodesy::{AboveHome, Amsl};
 use crate::mission::{Item, VehicleMission, command};
 use crate::spec::{Airframe, Autopilot};
 
-use crate::verify::execute::item::{self, Height, Order, place};
+use crate::verify::execute::item::{self, Circling, Height, Order, Until, place};
 
 /// What one item makes a plane or vtol do.
 ///
@@ -15,7 +15,7 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
     if autopilot.conventions().waits_without_autocontinue && !item.autocontinue {
         return Err("autocontinue is off: the vehicle waits for a command there".to_owned());
     }
-    let [first, _, third, _] = item.params.map(f64::from);
+    let [first, second, third, _] = item.params.map(f64::from);
     match item.command {
         command::NAV_VTOL_TAKEOFF if is_vtol => takeoff(item, autopilot, home),
         command::NAV_TAKEOFF if !is_vtol => takeoff(item, autopilot, home),
@@ -44,15 +44,21 @@ pub(crate) fn read(item: &Item, mission: &VehicleMission, home: Amsl) -> Result<
             height: item::height(item, autopilot, home)?,
             radius_m: Some(radius_m(third, mission)?),
         }),
-        command::NAV_LOITER_TIME => {
-            Err("NAV_LOITER_TIME leaves its circle on no known course".to_owned())
+        command::NAV_LOITER_TURNS if autopilot == Autopilot::ArduPilot => {
+            let circle = item::turns(item)?;
+            circled(item, mission, home, (circle.until, circle.radius_m))
         }
+        command::NAV_LOITER_TIME => {
+            let seconds = Until::Seconds(item::seconds(item.params[0])?);
+            circled(item, mission, home, (seconds, third))
+        }
+        command::NAV_LOITER_TO_ALT => circled(item, mission, home, (Until::Altitude, second)),
         command::NAV_RETURN_TO_LAUNCH if autopilot == Autopilot::ArduPilot => Ok(Order::Return),
         command::NAV_RETURN_TO_LAUNCH => Err(
             "NAV_RETURN_TO_LAUNCH ends in a circle over home, or a landing of its own".to_owned(),
         ),
-        command::NAV_LOITER_TO_ALT => {
-            Err("NAV_LOITER_TO_ALT leaves its circle on no known course".to_owned())
+        command::NAV_SPLINE_WAYPOINT | command::NAV_PAYLOAD_PLACE => {
+            Err("its motion on a wing is not known".to_owned())
         }
         // Over at once: the rules of acceptance refuse it.
         command::NAV_DELAY if mission.facts().acceptance.never_waits => Ok(Order::Nothing),
@@ -86,6 +92,38 @@ fn landing(item: &Item, autopilot: Autopilot, home: Amsl) -> Result<Order, Strin
     item::height(item, autopilot, home)?;
     Ok(Order::Land {
         at: Some(place(item)?),
+    })
+}
+
+/// A circle that is left again.
+///
+/// ArduPlane keeps no radius of `NAV_LOITER_TIME` but its sign, and takes one of a metre for none.
+/// PX4 waits for its course only where param1 (of a time, param2) says so, and not always then.
+fn circled(
+    item: &Item,
+    mission: &VehicleMission,
+    home: Amsl,
+    (until, stated_m): (Until, f64),
+) -> Result<Order, String> {
+    let is_px4 = mission.autopilot == Autopilot::Px4;
+    let own_m = match until {
+        Until::Seconds(_) if !is_px4 => 0.0_f64.copysign(stated_m),
+        _ if stated_m.abs() > 1.0 => stated_m,
+        _ => 0.0_f64.copysign(stated_m),
+    };
+    let held_m = radius_m(own_m, mission)?;
+    let radius_m = match own_m.is_sign_negative() {
+        true => -held_m.abs(),
+        false => held_m,
+    };
+    Ok(Order::Circle {
+        at: Some(place(item)?),
+        height: item::height(item, mission.autopilot, home)?,
+        circle: Circling {
+            radius_m,
+            until,
+            leaves_aligned: !is_px4,
+        },
     })
 }
 

@@ -14,6 +14,9 @@ use crate::verify::limits::space::SLOPE_SHARE;
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::world::Terrain;
 
+/// A plane finds the ground within this of the altitude that it lands at: it flares by its own
+/// measurements of height.
+const LANDING_M: f64 = 10.0;
 /// Chords of a circle are never further off than this, metres.
 const CHORD_ERROR_M: f64 = 0.02;
 
@@ -89,14 +92,27 @@ impl Pilot<'_> {
         });
     }
 
-    /// Glides from where it is to the ground at a place.
-    pub(crate) fn glide(&mut self, row: usize, place: LatLon) -> Result<(), Unknown> {
+    /// Glides from where it is to a place, at the altitude of the item: that of the ground there.
+    pub(crate) fn glide(
+        &mut self,
+        row: usize,
+        place: LatLon,
+        height: Height,
+    ) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
-        let ground_m = match self.world.terrain {
+        let ground_m = match (&self.world.terrain, height) {
             // Where it touches down is then not judged.
-            Terrain::Unknown => self.home.amsl.0,
+            (Terrain::Unknown, Height::Sea(amsl)) => amsl.0,
+            (Terrain::Unknown, _) => self.home.amsl.0,
             _ => self.trajectory.ground_m(row, place)?,
         };
+        if let Height::Sea(Amsl(amsl_m)) = height
+            && (amsl_m - ground_m).abs() > LANDING_M
+        {
+            let why =
+                format!("a landing at {amsl_m:.1} m AMSL, where the ground is at {ground_m:.1} m");
+            return Unknown::err(row, why);
+        }
         let from = self.last();
         self.phase = Phase::Finish;
         let down = self.knot(row, at, ground_m, None);
@@ -174,35 +190,12 @@ impl Pilot<'_> {
         height: Height,
         radius_m: f64,
     ) -> Result<(), Unknown> {
-        let middle = self.reach(row, place)?;
-        let (amsl_m, agl_m) = self.resolve(row, place, height)?;
-        if agl_m.is_some() {
-            return Unknown::err(row, "a circle at a height above terrain");
-        }
-        let from = self.last();
-        let away_m = from.at.distance_m(middle);
+        let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
         let rim_m = radius_m.abs();
-        let rim_at = if away_m > rim_m {
-            // Clockwise the middle is to the right of the tangent.
-            let aside_rad = (rim_m / away_m).asin() * radius_m.signum();
-            let course_rad = heading_rad(from.at, middle) - aside_rad;
-            let tangent_m = (away_m * away_m - rim_m * rim_m).sqrt();
-            along(from.at, course_rad, tangent_m)
-        } else if self.stations.departure.is_airborne() {
-            // It is on its circle already.
-            along(middle, heading_rad(middle, from.at), rim_m)
-        } else {
-            return Unknown::err(row, "a circle that begins inside of it");
-        };
-        let rim = self.knot(row, rim_at, amsl_m, None);
-        self.append(rim)?;
-        let speed_mps = rim.speed_mps;
-        self.fly_to_last(speed_mps)?;
-        self.straight_in(row, from, middle, amsl_m);
         self.orbit(row, middle, rim, radius_m)?;
         let over = PlanPoint {
             at: middle,
-            amsl: Amsl(amsl_m),
+            amsl: Amsl(rim.amsl_m),
         };
         self.flight.route.push(Mark {
             point: over,
@@ -224,6 +217,51 @@ impl Pilot<'_> {
         Ok(())
     }
 
+    /// Flies to the rim of a circle: its middle, and the place on the rim.
+    pub(crate) fn enter_circle(
+        &mut self,
+        (row, place, height): (usize, LatLon, Height),
+        radius_m: f64,
+    ) -> Result<(EastNorth, Knot), Unknown> {
+        let middle = self.reach(row, place)?;
+        let (amsl_m, agl_m) = self.resolve(row, place, height)?;
+        if agl_m.is_some() {
+            return Unknown::err(row, "a circle at a height above terrain");
+        }
+        let from = self.last();
+        let away_m = from.at.distance_m(middle);
+        let rim_m = radius_m.abs();
+        let mut within = None;
+        let rim_at = if away_m > rim_m {
+            // Clockwise the middle is to the right of the tangent.
+            let aside_rad = (rim_m / away_m).asin() * radius_m.signum();
+            let course_rad = heading_rad(from.at, middle) - aside_rad;
+            let tangent_m = (away_m * away_m - rim_m * rim_m).sqrt();
+            along(from.at, course_rad, tangent_m)
+        } else if self.stations.departure.is_airborne() {
+            // It is on its circle already.
+            along(middle, heading_rad(middle, from.at), rim_m)
+        } else {
+            // It comes to its rim somewhere, and turns on to it beyond at worst.
+            within = Some(self.wide_reach_m(rim_m));
+            along(middle, heading_rad(middle, from.at), rim_m)
+        };
+        let first = self.trajectory.chords.len();
+        let rim = self.knot(row, rim_at, amsl_m, None);
+        self.append(rim)?;
+        let speed_mps = rim.speed_mps;
+        self.fly_to_last(speed_mps)?;
+        self.straight_in(row, from, middle, amsl_m);
+        if let Some(reach_m) = within {
+            self.widen_from(first, reach_m);
+            let times_s = (self.trajectory.t_s, self.trajectory.t_s);
+            for amsl in [Amsl(from.amsl_m), Amsl(amsl_m)] {
+                self.lay_disc(row, PlanPoint { at: middle, amsl }, reach_m, times_s);
+            }
+        }
+        Ok((middle, rim))
+    }
+
     /// How an autopilot comes to the rim is its own affair: somewhere between the tangent and
     /// the straight way to the middle, which is judged in space alone.
     fn straight_in(&mut self, row: usize, from: Knot, middle: EastNorth, amsl_m: f64) {
@@ -237,7 +275,7 @@ impl Pilot<'_> {
     }
 
     /// Once around.
-    fn orbit(
+    pub(crate) fn orbit(
         &mut self,
         row: usize,
         middle: EastNorth,

@@ -1,0 +1,142 @@
+//! Motions between two places, and stays.
+
+use crate::geodesy::{Amsl, PlanPoint};
+use crate::path::{heading_rad, leg_late_s, stop_late_s};
+use crate::verify::execute::decode::Unknown;
+use crate::verify::execute::flight::{Legs, Rest, Slope};
+use crate::verify::execute::legs::{self, Knot};
+use crate::world::Departure;
+
+use super::Pilot;
+
+impl Pilot<'_> {
+    /// Climbs or descends to an altitude.
+    pub(crate) fn climb(&mut self, row: usize, to_m: f64) {
+        let rise_m = to_m - self.last().amsl_m;
+        self.flight.slopes.push(Slope {
+            chord: self.trajectory.chords.len(),
+            phase: self.phase,
+            run_m: 0.0,
+            rise_m,
+            speed_mps: 0.0,
+            top_m: to_m.max(to_m - rise_m),
+        });
+        let rate_mps = if rise_m > 0.0 {
+            self.vehicle.climb_mps
+        } else {
+            self.vehicle.descent_mps
+        };
+        self.lift(row, to_m, rate_mps, false);
+    }
+
+    /// A vertical motion at a given rate.
+    pub(crate) fn lift(&mut self, row: usize, to_m: f64, rate_mps: f64, grounded: bool) {
+        let from = self.here();
+        let to = PlanPoint {
+            at: from.at,
+            amsl: Amsl(to_m),
+        };
+        let duration_s = (to_m - from.amsl.0).abs() / rate_mps;
+        self.trajectory
+            .straight((row, self.phase), (from, to), duration_s, grounded);
+        (self.moving_mps, self.tangent) = (0.0, None);
+        self.knots = vec![self.knot(row, to.at, to_m, None)];
+    }
+
+    pub(crate) fn hold(&mut self, row: usize, hold_s: f64) {
+        let (here, from_s) = (self.here(), self.trajectory.t_s);
+        self.trajectory
+            .straight((row, self.phase), (here, here), hold_s, false);
+        let until_s = self.trajectory.t_s;
+        match self.flight.rests.last_mut() {
+            Some(last) if last.until_s >= from_s && last.point == here => {
+                (last.until_s, last.rows.1) = (until_s, row);
+            }
+            _ => self.flight.rests.push(Rest {
+                point: here,
+                from_s,
+                until_s,
+                rows: (row, row),
+            }),
+        }
+    }
+
+    /// Flies the legs that were gathered, to a stop at the last knot.
+    pub(crate) fn stop(&mut self) -> Result<(), Unknown> {
+        self.fly_to_last(0.0)
+    }
+
+    /// Flies the legs that were gathered, and has a speed at the last knot.
+    pub(crate) fn fly_to_last(&mut self, last_mps: f64) -> Result<(), Unknown> {
+        let first_mps = self.moving_mps;
+        let knots = std::mem::take(&mut self.knots);
+        if let Some(&last) = knots.last() {
+            self.knots = vec![last];
+        }
+        if knots.len() < 2 {
+            return Ok(());
+        }
+        self.moving_mps = last_mps;
+        self.tangent = None;
+        let grounds_mps = legs::ground_speeds(&knots, self.vehicle)?;
+        // At its ends the wind carries it as on the leg there.
+        let carried = |speed_mps: f64, leg: usize| {
+            if speed_mps > 0.0 {
+                speed_mps * (grounds_mps[leg] / knots[leg + 1].speed_mps)
+            } else {
+                speed_mps
+            }
+        };
+        let first_mps = match self.initial_mps(&knots) {
+            Some(initial_mps) => initial_mps.min(grounds_mps[0]),
+            None => carried(first_mps, 0),
+        };
+        let ends_mps = (first_mps, carried(last_mps, knots.len() - 2));
+        let run = legs::run(&knots, self.vehicle, &grounds_mps, ends_mps);
+        let lines = knots
+            .windows(2)
+            .map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]))
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut firsts = vec![self.trajectory.chords.len(); lines.len()];
+        let mut leg = usize::MAX;
+        for piece in &run.pieces {
+            if piece.leg != leg {
+                leg = piece.leg;
+                self.trajectory.late_s += leg_late_s(self.vehicle);
+                firsts[leg] = self.trajectory.chords.len();
+            }
+            self.trajectory.lay_piece(piece, &knots, &lines)?;
+        }
+        let legs = Legs {
+            knots: &knots,
+            lines: &lines,
+            run: &run,
+            firsts: &firsts,
+        };
+        self.flight
+            .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
+        self.lay_altitude_offsets(&knots, &firsts)?;
+        self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
+        self.drift_onto(&knots, &firsts);
+        self.leave_hull(&knots, &firsts);
+        if last_mps <= 0.0 {
+            self.trajectory.late_s += stop_late_s(self.vehicle);
+        }
+        Ok(())
+    }
+
+    /// The ground speed of an airborne departure along the first leg, m/s; none on later legs.
+    pub(crate) fn initial_mps(&self, knots: &[Knot]) -> Option<f64> {
+        let Departure::Airborne {
+            course_rad,
+            speed_mps,
+            ..
+        } = self.stations.departure
+        else {
+            return None;
+        };
+        let turn_rad = heading_rad(knots[0].at, knots[1].at) - course_rad;
+        let is_first = self.trajectory.chords.is_empty();
+        is_first.then(|| speed_mps * turn_rad.cos().max(0.0))
+    }
+}

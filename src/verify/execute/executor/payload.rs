@@ -1,0 +1,50 @@
+//! `NAV_PAYLOAD_PLACE` of ArduCopter: down until it feels the ground, and up again, by its sources
+//! (`PayloadPlace::run`).
+
+use super::Pilot;
+use crate::geodesy::LatLon;
+use crate::verify::execute::decode::Unknown;
+use crate::world::Terrain;
+
+/// What release and the measurement of the thrust take, seconds.
+const RELEASE_S: f64 = 5.0;
+
+impl Pilot<'_> {
+    /// Flies to a place at the present altitude, descends, and rises to where it was.
+    pub(crate) fn place_payload(
+        &mut self,
+        row: usize,
+        place: LatLon,
+        most_m: Option<f64>,
+    ) -> Result<(), Unknown> {
+        let last = self.last();
+        let at = self.reach(row, place)?;
+        if let Some(agl_m) = last.agl_m {
+            let amsl_m = self.trajectory.ground_m(row, place)? + agl_m;
+            self.append(self.knot(row, at, amsl_m, Some(agl_m)))?;
+        } else {
+            self.append(self.knot(row, at, last.amsl_m, None))?;
+        }
+        self.stop()?;
+        let top_m = self.last().amsl_m;
+        let ground_m = match self.world.terrain {
+            // How far down it is then is not judged.
+            Terrain::Unknown => self.home.amsl.0,
+            _ => self.trajectory.ground_m(row, place)?,
+        };
+        if ground_m >= top_m {
+            return Unknown::err(row, "a place for a payload that is not below the vehicle");
+        }
+        let bottom_m = most_m.map_or(ground_m, |most_m| ground_m.max(top_m - most_m));
+        // `PLDP_SPEED_DN`, else the speed of a landing: down with the one, as late as with the other.
+        let slow_mps = self.vehicle.facts().behaviour.slow_landing_mps;
+        let down_mps = self.vehicle.descent_mps;
+        let slower_s = (top_m - bottom_m) * (1.0 / slow_mps.min(down_mps) - 1.0 / down_mps);
+        self.trajectory.late_s += slower_s + RELEASE_S;
+        self.lift(row, bottom_m, down_mps, true);
+        self.lift(row, top_m, self.vehicle.climb_mps, true);
+        self.mark();
+        self.phase_in();
+        Ok(())
+    }
+}

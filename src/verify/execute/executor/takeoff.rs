@@ -1,0 +1,71 @@
+//! Takeoffs on rotors.
+
+use crate::geodesy::{Amsl, LatLon};
+use crate::spec::Autopilot;
+use crate::verify::execute::decode::Unknown;
+use crate::verify::execute::item::Height;
+use crate::verify::measure::segment::Phase;
+
+use super::{Pilot, is_launched};
+
+/// Default of PX4's `MIS_TAKEOFF_ALT`, metres.
+const LEAST_TAKEOFF_M: f64 = 2.5;
+
+impl Pilot<'_> {
+    /// PX4 climbs over its home, to the altitude of the first item and `MIS_TAKEOFF_ALT` at least,
+    /// before it flies there (`Mission::do_need_vertical_takeoff`).
+    pub(crate) fn lift_itself(
+        &mut self,
+        row: usize,
+        height: Height,
+        autopilot: Autopilot,
+    ) -> Result<(), Unknown> {
+        let place = self.world.frame.from_plan(self.home.at);
+        let (amsl_m, _) = self.resolve(row, place, height)?;
+        let least_m = self.home.amsl.0 + LEAST_TAKEOFF_M;
+        self.take_off(row, None, Height::Sea(Amsl(amsl_m.max(least_m))), autopilot)
+    }
+
+    pub(crate) fn take_off(
+        &mut self,
+        row: usize,
+        at: Option<LatLon>,
+        height: Height,
+        autopilot: Autopilot,
+    ) -> Result<(), Unknown> {
+        // The encoded delay is the departure.
+        self.trajectory.t_s = match (self.flight.delay_s, autopilot) {
+            (Some(delay_s), _) => delay_s,
+            (None, autopilot) if is_launched(self.vehicle, autopilot) => self.vehicle.depart_s,
+            (None, _) => 0.0,
+        };
+        let home = self.home;
+        let place = self.world.frame.from_plan(home.at);
+        let (amsl_m, _) = self.resolve(row, place, height)?;
+        if amsl_m <= home.amsl.0 || home.amsl.0.is_nan() {
+            let home_m = home.amsl.0;
+            let why = format!("takeoff to {amsl_m:.2} m AMSL, not above home at {home_m:.2} m");
+            return Unknown::err(row, why);
+        }
+        self.airborne = true;
+        self.knots = vec![self.knot(row, home.at, home.amsl.0, None)];
+        self.lift(row, amsl_m, self.vehicle.climb_mps, true);
+        self.drift_up(row, self.here());
+        if let Some(at) = at {
+            let at = self.reach(row, at)?;
+            if at.distance_m(home.at) > self.tolerance_m {
+                let knot = self.knot(row, at, amsl_m, None);
+                self.append(knot)?;
+                self.stop()?;
+                // That was still the takeoff, not the route.
+                self.flight.route.clear();
+            }
+        }
+        let start = self.stations.start;
+        if self.here().distance_m(start) <= self.tolerance_m {
+            self.phase = Phase::Route;
+            self.mark();
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,225 @@
+//! Circles that a wing leaves again: `NAV_LOITER_TURNS`, `NAV_LOITER_TIME`, `NAV_LOITER_TO_ALT`.
+//!
+//! When it has flown its turns, its time, or has its altitude, ArduPlane circles on until it heads for
+//! the next place, within 10 degrees (`Plane::verify_loiter_heading`). PX4 leaves on any course. Where on
+//! its circle it is at a time is not known, and on its way on it is within the hull of the circle and the
+//! next place.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use crate::path::{VehicleLimits, along, heading_rad};
+
+use crate::verify::execute::decode::{After, Unknown};
+use crate::verify::execute::executor::Pilot;
+use crate::verify::execute::flight::Hull;
+use crate::verify::execute::item::{Circling, Height, Order, Until};
+use crate::verify::execute::legs::Knot;
+use crate::verify::measure::segment::Chord;
+
+/// Lines and columns that stand for a region are no further apart, metres.
+const APART_M: f64 = 15.0;
+/// A wing that leaves its circle on course keeps within this many radii of the middle.
+const ALIGNED_REACH: f64 = 1.2;
+/// What it may circle longer until it is on course, turns.
+const ALIGNED_TURNS: f64 = 1.25;
+
+impl Pilot<'_> {
+    /// Circles for a while, then goes on.
+    pub(crate) fn circle_a_while(
+        &mut self,
+        (row, place, height): (usize, LatLon, Height),
+        circle: Circling,
+        next: &After<'_>,
+    ) -> Result<(), Unknown> {
+        let from = self.last();
+        let (middle, rim) = self.enter_circle((row, place, height), circle.radius_m)?;
+        let rim_m = circle.radius_m.abs();
+        let begin_s = self.trajectory.t_s;
+        let first = self.trajectory.chords.len();
+        self.orbit(row, middle, rim, circle.radius_m)?;
+        let orbit_s = self.trajectory.t_s - begin_s;
+        let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
+        let reach_m = match is_aligned {
+            true => ALIGNED_REACH * rim_m,
+            false => self.wide_reach_m(rim_m),
+        };
+        let climb_m = rim.amsl_m - from.amsl_m;
+        let (needed_s, more_s) = match circle.until {
+            Until::Turns(turns) => (turns * orbit_s, 0.0),
+            Until::Seconds(seconds) => (seconds, 0.0),
+            Until::Altitude => (0.0, self.climb_s(climb_m)),
+        };
+        // It may leave from the side of its circle that is nearest to the next place.
+        let sooner_s = orbit_s * reach_m / (TAU * rim_m);
+        let lasts_s = (needed_s - sooner_s).max(0.0);
+        for chord in &mut self.trajectory.chords[first..] {
+            // One orbit in space; in time it is somewhere on it.
+            (chord.flown, chord.from_s, chord.to_s) = (false, begin_s, begin_s + needed_s);
+        }
+        self.trajectory.t_s = begin_s;
+        let late_s =
+            ALIGNED_TURNS * orbit_s + 2.0 * sooner_s + more_s + (sooner_s - needed_s).max(0.0);
+        self.trajectory.late_s += late_s;
+        let over = PlanPoint {
+            at: middle,
+            amsl: Amsl(rim.amsl_m),
+        };
+        let stay = self.trajectory.chords.len();
+        self.trajectory
+            .straight((row, self.phase), (over, over), lasts_s, false);
+        self.widen_from(stay, reach_m);
+        let hull = Hull {
+            middle: over,
+            reach_m,
+            from_s: begin_s,
+            until_s: begin_s + needed_s + late_s,
+        };
+        let times_s = (hull.from_s, hull.until_s);
+        if circle.until == Until::Altitude {
+            self.lay_columns((row, over), reach_m, from.amsl_m, times_s);
+        }
+        if !is_aligned {
+            self.lay_disc(row, over, reach_m, times_s);
+        }
+        self.leave(Knot { at: middle, ..rim }, hull);
+        Ok(())
+    }
+
+    /// Goes on from a circle, which the knot at its middle stands for.
+    fn leave(&mut self, middle: Knot, hull: Hull) {
+        (self.knots, self.moving_mps) = (vec![middle], middle.speed_mps);
+        self.hull = Some(hull);
+        self.mark();
+        self.phase_in();
+    }
+
+    /// Whether the next place is one that it can head for from its circle.
+    fn goes_elsewhere(&self, next: &After<'_>, middle: EastNorth, rim_m: f64) -> bool {
+        let After::Step(step) = next else {
+            return false;
+        };
+        let (Order::Fly { at: Some(at), .. }
+        | Order::Stay { at: Some(at), .. }
+        | Order::Circle { at: Some(at), .. }
+        | Order::Land { at: Some(at) }) = step.order
+        else {
+            return false;
+        };
+        self.reach(step.row, at)
+            .is_ok_and(|at| at.distance_m(middle) > rim_m)
+    }
+
+    /// How long a climb or descent takes, seconds: the one by the slower of the two rates.
+    fn climb_s(&self, climb_m: f64) -> f64 {
+        climb_m.abs() / self.vehicle.climb_mps.min(self.vehicle.descent_mps)
+    }
+
+    /// How far from its middle a wing may be that comes to a circle or leaves it on any course,
+    /// metres: it turns outside of it at worst.
+    pub(crate) fn wide_reach_m(&self, rim_m: f64) -> f64 {
+        rim_m + 2.0 * VehicleLimits::of(self.vehicle).turn_radius_m
+    }
+
+    /// Widens the chords from one on by a distance, for the separation.
+    pub(crate) fn widen_from(&mut self, first: usize, by_m: f64) {
+        for chord in &mut self.trajectory.chords[first..] {
+            if chord.flown {
+                chord.wide_m = chord.wide_m.max(by_m);
+            }
+        }
+    }
+
+    /// Lays a disc, to be judged in space: lines across it.
+    pub(crate) fn lay_disc(
+        &mut self,
+        row: usize,
+        middle: PlanPoint,
+        radius_m: f64,
+        times_s: (f64, f64),
+    ) {
+        for (aside_m, half_m) in slices(radius_m) {
+            let line = along(middle.at, 0.0, aside_m);
+            let ends = [-half_m, half_m].map(|half_m| PlanPoint {
+                at: along(line, FRAC_PI_2, half_m),
+                ..middle
+            });
+            let chord = Chord::unflown((row, self.phase), times_s, (ends[0], ends[1]));
+            self.trajectory.chords.push(chord);
+        }
+    }
+
+    /// Lays columns around a circle, to be judged in space: there it climbs or descends.
+    fn lay_columns(
+        &mut self,
+        (row, over): (usize, PlanPoint),
+        radius_m: f64,
+        from_m: f64,
+        times_s: (f64, f64),
+    ) {
+        let steps = steps(TAU * radius_m);
+        for step in 0..steps {
+            let course_rad = TAU * f64::from(step) / f64::from(steps);
+            let top = PlanPoint {
+                at: along(over.at, course_rad, radius_m),
+                ..over
+            };
+            let foot = PlanPoint {
+                amsl: Amsl(from_m),
+                ..top
+            };
+            let chord = Chord::unflown((row, self.phase), times_s, (foot, top));
+            self.trajectory.chords.push(chord);
+        }
+        let foot = PlanPoint {
+            amsl: Amsl(from_m),
+            ..over
+        };
+        self.lay_disc(row, foot, radius_m, times_s);
+    }
+
+    /// Lays the hull of a circle and the first leg from it, to be judged in space; for the
+    /// separation, widens the chords of that leg by as much.
+    pub(crate) fn leave_hull(&mut self, knots: &[Knot], firsts: &[usize]) {
+        let (Some(hull), [_, to, ..]) = (self.hull.take(), knots) else {
+            return;
+        };
+        let (first, end) = (firsts.first().copied(), firsts.get(1).copied());
+        let end = end.unwrap_or(self.trajectory.chords.len());
+        for chord in &mut self.trajectory.chords[first.unwrap_or(end)..end] {
+            chord.wide_m = chord.wide_m.max(hull.reach_m);
+        }
+        let course_rad = heading_rad(hull.middle.at, to.at);
+        let times_s = (hull.from_s, hull.until_s.max(self.trajectory.t_s));
+        for (aside_m, half_m) in slices(hull.reach_m) {
+            let side = along(hull.middle.at, course_rad + FRAC_PI_2, aside_m);
+            let back = PlanPoint {
+                at: along(side, course_rad, -half_m),
+                ..hull.middle
+            };
+            let chord = Chord::unflown((to.row, to.phase), times_s, (back, to.point()));
+            self.trajectory.chords.push(chord);
+        }
+    }
+}
+
+/// Lines across a disc: how far each is aside of the middle, and half its length, metres.
+fn slices(radius_m: f64) -> impl Iterator<Item = (f64, f64)> {
+    let steps = steps(2.0 * radius_m);
+    (0..=steps).map(move |step| {
+        let aside_m = radius_m * (2.0 * f64::from(step) / f64::from(steps) - 1.0);
+        let half_m = (radius_m * radius_m - aside_m * aside_m).max(0.0).sqrt();
+        (aside_m, half_m)
+    })
+}
+
+/// Into how many steps a length is cut.
+fn steps(length_m: f64) -> u32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a small positive count"
+    )]
+    let steps = (length_m / APART_M).ceil().clamp(2.0, 1e4) as u32;
+    steps
+}
