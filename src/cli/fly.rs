@@ -20,9 +20,9 @@ use super::print::failure::Failure;
 use super::print::flight::report;
 use super::print::table;
 use crate::flight::{
-    self, Driver, Fleet, FlightError, FlightPlan, Journal, Line, Options, Outcome, Underway,
+    self, Driver, Fleet, FlightError, FlightPlan, Journal, Launch, Line, Options, Outcome, Underway,
 };
-use crate::link::Links;
+use crate::link::{Links, Time};
 use crate::spec::{Link, SpecFile};
 use crate::world;
 
@@ -81,6 +81,11 @@ pub(super) fn run(arguments: &args::Fly) -> Result<(), Failure> {
         force: arguments.force,
         on_alarm: plan.spec().answers(),
         position_s: POSITION_S,
+        launch: launch(
+            &plan.file,
+            driver.now(),
+            simulated.len() == plan.missions.len(),
+        )?,
     };
     let assignments = plan.assignments(&references, &open, is_uploaded);
     let fleet = Fleet::new(assignments, options, open.us(), driver.now());
@@ -139,7 +144,6 @@ pub(super) fn read(spec: &Path, dir: Option<&Path>) -> Result<FlightPlan, Failur
 pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
     let (file, files, folder) = missions::from_folder(&[folder], false)?;
     flight::refuse_shared_sysids(&file.spec)?;
-    refuse_times(&file)?;
     let world = world::load(&file)?;
     let missions = missions::read(&file, &files)?;
     let plan = FlightPlan::verify(file, folder, world, missions);
@@ -149,18 +153,36 @@ pub(super) fn read_folder(folder: PathBuf) -> Result<FlightPlan, Failure> {
     Ok(plan?)
 }
 
-/// Refuses zones with times: they hold for the T0 of the spec alone, and a launch is when its
-/// vehicles are ready.
-fn refuse_times(file: &SpecFile) -> Result<(), Failure> {
+/// When a plan may be launched whose zones have times: at `t0` of its spec, and no later than
+/// departures may be shifted. Simulated vehicles begin at once, as if it were then.
+fn launch(file: &SpecFile, now: Time, is_simulated: bool) -> Result<Option<Launch>, Failure> {
     let mut zones = file.spec.no_fly.iter();
-    let Some(zone) = zones.find(|zone| zone.active_s.is_some()) else {
-        return Ok(());
+    let timed = zones.find(|zone| zone.active_s.is_some());
+    let Some((zone, t0_ms)) = timed.zip(file.t0_unix_ms).filter(|_| !is_simulated) else {
+        return Ok(None);
     };
-    let message = format!(
-        "zone {} is closed {zone} only, and the launch cannot keep to t0; plan without t0, so that zones are always active",
-        zone.id
+    let (unix_ms, slack_ms) = (
+        flight::unix_ms(),
+        1000.0 * file.spec.separation.time_slack_s,
     );
-    Err(Failure::new(Failure::INPUT, message))
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "checked with the spec: not negative, and small"
+    )]
+    let until_ms = t0_ms + slack_ms as u64;
+    if unix_ms > until_ms {
+        let ago_s = (unix_ms - t0_ms) / 1000;
+        let message = format!(
+            "t0 was {ago_s} s ago, and zone {} is closed {zone} only: the plan does not hold any more; plan with another t0, or without, so that zones are always active; nothing was started",
+            zone.id
+        );
+        return Err(Failure::new(Failure::INPUT, message));
+    }
+    Ok(Some(Launch {
+        from: now + t0_ms.saturating_sub(unix_ms),
+        until: now + (until_ms - unix_ms),
+    }))
 }
 
 /// Prints the verdict on what was flown.

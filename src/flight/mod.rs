@@ -35,6 +35,7 @@ pub use record::{Fix, Flight, Flown, Plan, PopUp, RaisedAlarm, Record};
 pub use session::diversion::{Diversion, Onward};
 pub use session::driver::{Driver, Judged, Operator};
 pub use session::end::End;
+pub use session::start::Launch;
 pub use session::status::Status;
 pub use session::vehicle::Assignment;
 pub use session::{Fleet, Intervention, Options, Outcome};

@@ -31,6 +31,8 @@ pub struct SpecFile {
     pub attached: Vec<AttachedFile>,
     /// What became of the shapes of each of them.
     pub surveys: Vec<Survey>,
+    /// Its `t0`, milliseconds since 1970.
+    pub t0_unix_ms: Option<u64>,
     sources: ValueSources,
 }
 
@@ -87,6 +89,8 @@ impl SpecFile {
         let table = csv.map(|name| read_table(path, name, &positions));
         let (file, table) = table.transpose().map_err(all)?.unzip();
         let attached = airspace::read(path, &keys, &positions).map_err(all)?;
+        // Whether it is one is checked below.
+        let t0: Option<jiff::Timestamp> = keys.t0.as_deref().and_then(|text| text.parse().ok());
         let (checked, sources) =
             check::check(keys, positions, table.unwrap_or_default(), &attached).map_err(all)?;
         Ok(Self {
@@ -96,6 +100,7 @@ impl SpecFile {
             table: file,
             attached,
             surveys: checked.surveys,
+            t0_unix_ms: t0.and_then(|t0| u64::try_from(t0.as_millisecond()).ok()),
             sources,
         })
     }

@@ -120,6 +120,16 @@ impl Planned {
     }
 
     pub fn fleet(&self, set_params: bool, upload: bool) -> Fleet<'_> {
+        self.fleet_launched(set_params, upload, None)
+    }
+
+    /// The same, that may be launched at a time only.
+    pub fn fleet_launched(
+        &self,
+        set_params: bool,
+        upload: bool,
+        launch: Option<Launch>,
+    ) -> Fleet<'_> {
         let missions = self.dispatched.missions.iter().zip(self.references());
         let assignments = missions
             .enumerate()
@@ -139,6 +149,7 @@ impl Planned {
             force: false,
             on_alarm: self.spec.answers(),
             position_s: 0.2,
+            launch,
         };
         Fleet::new(assignments, options, US, Time(0)).watched(&self.spec, &self.world)
     }

@@ -51,6 +51,7 @@ pub(in crate::cli) fn take_over(
         force: false,
         on_alarm: plan.spec().answers(),
         position_s: POSITION_S,
+        launch: None,
     };
     let assignments = plan.assignments(&plan.references(), &open, |_| false);
     let at = (driver.now(), unix_ms());

@@ -9,7 +9,7 @@ pub(super) mod driver;
 pub(super) mod end;
 pub(super) mod modes;
 pub(super) mod orbit;
-mod start;
+pub(super) mod start;
 pub(super) mod status;
 mod takeover;
 pub(super) mod vehicle;
@@ -47,6 +47,8 @@ pub struct Options {
     pub on_alarm: OnAlarm,
     /// Between two positions of a vehicle in flight, seconds.
     pub position_s: f64,
+    /// When it may begin; absent: as soon as all are ready.
+    pub launch: Option<start::Launch>,
 }
 
 /// What an operator may want in flight.
@@ -95,6 +97,8 @@ pub struct Fleet<'a> {
     outbox: VecDeque<(u8, Message)>,
     events: VecDeque<Event>,
     outcome: Option<Outcome>,
+    /// Whether all are ready before they may be armed.
+    waits: bool,
     /// Why nothing is started.
     refusals: Vec<(String, String)>,
     /// When [`Fleet::handle_timeout`] was last called.
@@ -130,6 +134,7 @@ impl<'a> Fleet<'a> {
             outbox: VecDeque::new(),
             events: VecDeque::new(),
             outcome: None,
+            waits: false,
             refusals: Vec::new(),
             last: now,
             stops: VecDeque::new(),

@@ -7,6 +7,15 @@ use crate::link::Time;
 /// After the time for arming heartbeats are waited for this long, milliseconds.
 const CONFIRMING_MS: u64 = 10_000;
 
+/// When a flight may begin whose limits hold at certain times.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Launch {
+    /// None is armed before.
+    pub from: Time,
+    /// T0 is no later.
+    pub until: Time,
+}
+
 impl Fleet<'_> {
     fn refusals(&self) -> Vec<(String, String)> {
         self.vehicles
@@ -57,6 +66,13 @@ impl Fleet<'_> {
         if !refusals.is_empty() {
             return self.abandon(now, refusals);
         }
+        if let Some(launch) = self.options.launch.filter(|launch| now < launch.from) {
+            if !std::mem::replace(&mut self.waits, true) {
+                let wait_s = (launch.from - now).div_ceil(1000);
+                self.say(now, None, format!("all are ready; t0 is in {wait_s} s"));
+            }
+            return;
+        }
         self.say(now, None, "all are ready".to_owned());
         self.vehicles
             .iter_mut()
@@ -75,7 +91,11 @@ impl Fleet<'_> {
         let waits = |c: &&FlightVehicle<'_>| !c.is_armed_now(now, speedup);
         let waiting = self.vehicles.iter().filter(waits);
         let waiting: Vec<String> = waiting.map(|c| c.of.vehicle.to_owned()).collect();
-        if waiting.is_empty() {
+        let is_late = |launch: Launch| now > launch.until;
+        if waiting.is_empty() && self.options.launch.is_some_and(is_late) {
+            let why = "all are armed too late for the times of the zones, which are those after t0";
+            self.abandon(now, vec![(String::new(), why.to_owned())]);
+        } else if waiting.is_empty() {
             let t0_ms = self.flight_ms(now);
             self.phase = Phase::Flying { t0_ms };
             self.say(now, None, "all are armed: T0".to_owned());
