@@ -18,7 +18,7 @@ mod write;
 #[cfg(test)]
 mod tests;
 
-pub use write::write;
+pub use write::{Format, Rewritten, write, write_as};
 
 use jiff::Timestamp;
 

@@ -1,6 +1,6 @@
 //! Files of every format, as their publishers lay them out.
 
-use super::{Collection, Geometry, Height, Shape, read, write};
+use super::{Collection, Format, Geometry, Height, Shape, read, write, write_as};
 use crate::geodesy::{LatLon, LocalFrame};
 
 fn shapes(name: &str, text: &str) -> Collection {
@@ -259,5 +259,88 @@ fn a_file_of_another_kind_is_an_error() {
         ("a.plan", "{}"),
     ] {
         assert!(read(name, text.as_bytes()).is_err(), "{name}");
+    }
+}
+
+fn corner(lat_deg: f64, lon_deg: f64) -> LatLon {
+    LatLon { lat_deg, lon_deg }
+}
+
+/// A polygon with a hole, a circle, and a zone to stay in.
+fn to_write() -> [Shape; 3] {
+    let shape = |name: &str, geometry| Shape {
+        name: name.to_owned(),
+        classes: vec!["R".to_owned()],
+        geometry,
+        floor: Some(Height::Amsl(100.3)),
+        ceiling: Some(Height::Agl(120.1)),
+        active: (None, None),
+        keep_in: false,
+        numbers: Vec::new(),
+    };
+    let hole = [(47.06, -8.15), (47.07, -8.15), (47.07, -8.14)];
+    let outer = [(47.0, -8.2), (47.1, -8.2), (47.1, -8.1)];
+    let ring = |corners: [(f64, f64); 3]| corners.map(|(lat, lon)| corner(lat, lon)).to_vec();
+    let polygon = Geometry::Polygon {
+        outer: ring(outer),
+        holes: vec![ring(hole)],
+    };
+    let circle = Geometry::Circle {
+        center: corner(-33.9, 151.2),
+        radius_m: 777.7,
+    };
+    let keep = Shape {
+        keep_in: true,
+        ..shape("stay", circle.clone())
+    };
+    [shape("a<b&c", polygon), shape("disc", circle), keep]
+}
+
+#[test]
+fn zones_in_openair_are_no_smaller_and_what_is_lost_is_said() {
+    let all = to_write();
+    let openair = write_as(Format::OpenAir, &all);
+    let lost = ("a<b&c".to_owned(), "without its holes: OpenAir has none");
+    assert_eq!((openair.changed, openair.left_out.len()), (vec![lost], 1));
+    let read_back = shapes("x.txt", &openair.text);
+    let ring = named(&read_back, "a<b&c");
+    assert_eq!(ring.floor, Some(Height::Amsl(329.0 * 0.3048)));
+    assert_eq!(ring.ceiling, Some(Height::Agl(395.0 * 0.3048)));
+    let (Geometry::Polygon { outer: was, .. }, Geometry::Polygon { outer: is, holes }) =
+        (&all[0].geometry, &ring.geometry)
+    else {
+        panic!("{ring:?}")
+    };
+    assert!(holes.is_empty() && was.len() == is.len());
+    for (was, is) in was.iter().zip(is) {
+        assert!(was.chord_m(*is) < 0.03, "{was:?} {is:?}");
+    }
+    let Geometry::Circle { radius_m, center } = named(&read_back, "disc").geometry else {
+        panic!("{read_back:?}")
+    };
+    assert!((777.7..778.0).contains(&radius_m), "{radius_m}");
+    assert!(center.chord_m(corner(-33.9, 151.2)) < 0.03);
+}
+
+#[test]
+fn zones_in_kml_are_no_smaller_and_what_is_lost_is_said() {
+    let kml = write_as(Format::Kml, &to_write());
+    assert_eq!((kml.changed.len(), kml.left_out.len()), (2, 1));
+    let read_back = shapes("x.kml", &kml.text);
+    let ring = named(&read_back, "a<b&c");
+    assert_eq!((ring.floor, ring.ceiling), (None, Some(Height::Agl(120.1))));
+    let Geometry::Polygon { holes, .. } = &ring.geometry else {
+        panic!("{ring:?}")
+    };
+    assert_eq!(holes.len(), 1);
+    let Geometry::Polygon { outer, .. } = &named(&read_back, "disc").geometry else {
+        panic!("{read_back:?}")
+    };
+    for pair in outer.windows(2) {
+        let middle = corner(
+            0.5 * (pair[0].lat_deg + pair[1].lat_deg),
+            0.5 * (pair[0].lon_deg + pair[1].lon_deg),
+        );
+        assert!(middle.chord_m(corner(-33.9, 151.2)) > 777.69, "{middle:?}");
     }
 }

@@ -1,12 +1,64 @@
-//! Shapes as GeoJSON: heights are properties, as a spec has them, so that no file loses any.
+//! Shapes as GeoJSON: heights are properties, as a spec has them, so that no file loses any. As KML and
+//! OpenAir, which have less, each comes out no smaller, and what is lost is said.
+
+mod kml;
+mod openair;
 
 use ::geojson::{Feature, FeatureCollection, Geometry as Written, GeometryValue, Position};
 use serde_json::{Value, json};
 
-use super::{Geometry, Height, Shape};
+use super::{Geometry, Height, Refused, Shape};
 use crate::geodesy::LatLon;
 
-/// The text of a file; reading it gives the same shapes.
+/// A format that shapes are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// GeoJSON, which keeps all.
+    GeoJson,
+    /// KML: no floors, times and flight levels.
+    Kml,
+    /// OpenAir: no holes and times, whole feet.
+    OpenAir,
+}
+
+/// A file of shapes, and what it could not keep of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rewritten {
+    /// The text.
+    pub text: String,
+    /// Shapes that came out larger: name and how.
+    pub changed: Vec<(String, &'static str)>,
+    /// Shapes that are not in it.
+    pub left_out: Vec<Refused>,
+}
+
+impl Rewritten {
+    fn change(&mut self, shape: &Shape, how: &'static str) {
+        self.changed.push((shape.name.clone(), how));
+    }
+
+    fn leave_out(&mut self, shape: &Shape, why: &str) {
+        self.left_out.push(Refused {
+            name: shape.name.clone(),
+            why: why.to_owned(),
+        });
+    }
+}
+
+/// The shapes in a format; reading them again gives shapes that are no smaller.
+#[must_use]
+pub fn write_as(format: Format, shapes: &[Shape]) -> Rewritten {
+    match format {
+        Format::GeoJson => Rewritten {
+            text: write(shapes),
+            ..Rewritten::default()
+        },
+        Format::Kml => kml::write(shapes),
+        Format::OpenAir => openair::write(shapes),
+    }
+}
+
+/// The text of a GeoJSON file; reading it gives the same shapes.
 #[must_use]
 pub fn write(shapes: &[Shape]) -> String {
     let collection = FeatureCollection {

@@ -118,6 +118,16 @@ fn zones_are_converted_with_their_heights() {
     let properties = &written["features"][0]["properties"];
     assert_eq!(properties["ceiling"]["fl"], 65.0);
     assert_eq!(properties["radius_m"], 1852.0);
-    let refused = sortie(folder.path(), &["convert", "a.txt", "a.kml"]);
+    // KML has no floors and flight levels: what is lost makes the zone larger, and is said.
+    let larger = sortie(folder.path(), &["convert", "a.geojson", "a.kml"]);
+    let said = text(&larger.stderr);
+    assert_eq!(larger.status.code(), Some(0), "{said}");
+    assert!(said.contains("larger: CTR: from the ground"), "{said}");
+    assert!(said.contains("larger: CTR: at all heights"), "{said}");
+    let back = sortie(folder.path(), &["convert", "a.geojson", "b.txt"]);
+    assert_eq!(back.status.code(), Some(0), "{}", text(&back.stderr));
+    let again = sortie(folder.path(), &["convert", "b.txt", "b.geojson"]);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+    let refused = sortie(folder.path(), &["convert", "a.txt", "a.shp"]);
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
 }

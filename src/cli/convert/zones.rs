@@ -10,7 +10,7 @@ use crate::cli::folder::replace;
 use crate::cli::print::console::{note, out, out_json};
 use crate::cli::print::failure::Failure;
 use crate::numeric::text::escaped;
-use crate::shapes::{self, ShapesError};
+use crate::shapes::{self, Format, ShapesError};
 
 /// The report of a conversion.
 #[derive(Debug, Serialize)]
@@ -20,6 +20,18 @@ struct Report {
     shapes: usize,
     open: usize,
     refused: Vec<String>,
+    changed: Vec<String>,
+}
+
+/// The format of a file by its name.
+fn format(path: &Path) -> Option<Format> {
+    let ending = path.extension()?.to_str()?.to_lowercase();
+    match ending.as_str() {
+        "geojson" => Some(Format::GeoJson),
+        "kml" => Some(Format::Kml),
+        "txt" | "openair" => Some(Format::OpenAir),
+        _ => None,
+    }
 }
 
 /// Whether a file holds shapes, not a mission: by its name, and a `.txt` by its content.
@@ -35,29 +47,34 @@ pub(super) fn is_shapes(path: &Path) -> bool {
     }
 }
 
-/// Writes the shapes of a file as GeoJSON; shapes that cannot be read are reported.
+/// Writes the shapes of a file in another format; what is not read or not kept is reported.
 pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     let (input, output) = (&arguments.input, &arguments.output);
-    if output.extension().is_none_or(|ending| ending != "geojson") {
+    let Some(format) = format(output) else {
         let message = format!(
-            "{}: zones are written as .geojson, which keeps all their heights",
+            "{}: zones are written as .geojson, which keeps all of them, .kml or .txt (OpenAir)",
             output.display()
         );
         return Err(Failure::new(Failure::USAGE, message));
-    }
+    };
     let bad = |what: String| Failure::new(Failure::INPUT, format!("{}: {what}", input.display()));
     let bytes = fs::read(input).map_err(|error| bad(error.to_string()))?;
     let collection = shapes::read(&input.to_string_lossy(), &bytes)
         .map_err(|error: ShapesError| bad(error.to_string()))?;
-    replace::write_file(output, shapes::write(&collection.shapes).as_bytes())?;
-    let refused = collection.refused.iter();
+    let written = shapes::write_as(format, &collection.shapes);
+    replace::write_file(output, written.text.as_bytes())?;
+    let refused = collection.refused.iter().chain(&written.left_out);
+    let changed = written.changed.iter();
     let report = Report {
         input: input.display().to_string(),
         output: output.display().to_string(),
-        shapes: collection.shapes.len(),
+        shapes: collection.shapes.len() - written.left_out.len(),
         open: collection.open,
         refused: refused
             .map(|of| format!("{}: {}", escaped(&of.name), escaped(&of.why)))
+            .collect(),
+        changed: changed
+            .map(|(name, how)| format!("{}: {how}", escaped(name)))
             .collect(),
     };
     if arguments.json {
@@ -65,6 +82,9 @@ pub(super) fn run(arguments: &args::Convert) -> Result<(), Failure> {
     }
     for refused in &report.refused {
         note(&format!("refused: {refused}"));
+    }
+    for changed in &report.changed {
+        note(&format!("larger: {changed}"));
     }
     out(&format!(
         "{}: {} shapes; {} that forbid nothing, {} refused",
