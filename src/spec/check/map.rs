@@ -2,7 +2,7 @@
 
 use geo::{Contains, Intersects, Point, Polygon};
 
-use super::super::airspace::{AttachedFile, Survey};
+use super::super::airspace::{AttachedFile, Survey, dome_layers};
 use super::super::keys;
 use super::super::{
     AltitudeLimits, Area, BufferedLimit, Buffers, Placement, Rally, TerrainSource, Threat, Zone,
@@ -44,19 +44,12 @@ impl Checker {
         let origin = keys.origin.map(|at| self.place("origin", at));
         let area = self.area(&keys.area);
         self.unique(
-            "threats",
-            keys.threats.iter().map(|threat| Some(threat.id.as_str())),
-        );
-        self.unique(
             "no_fly",
             (keys.no_fly.iter()).map(|zone| Some(zone.id.as_str())),
         );
         self.unique_zones(keys);
         let references = self.references(keys);
-        let threats = keys.threats.iter().enumerate();
-        let threats: Vec<Threat> = threats
-            .filter_map(|(index, threat)| self.threat(&format!("threats[{index}]"), threat))
-            .collect();
+        let (threats, domes) = self.threats(keys, &buffers);
         let zones = keys.no_fly.iter().enumerate();
         let corners: Vec<Option<Vec<LatLon>>> = zones
             .map(|(index, zone)| self.corners(&format!("no_fly[{index}]"), zone))
@@ -67,6 +60,7 @@ impl Checker {
         self.near(keys, &area, frame.origin())?;
         let mut no_fly = self.zones(keys, &frame, corners);
         no_fly.extend(self.shaped_zones(keys, &frame, (&area, references)));
+        no_fly.extend(domes);
         let outline = frame.outline(&area.outline());
         let mut map = Map {
             frame,
@@ -90,6 +84,25 @@ impl Checker {
             map.rally.push(Rally { place, agl });
         }
         Some(map)
+    }
+
+    /// The threats that are cylinders, and the zones of those that are domes.
+    fn threats(&mut self, keys: &keys::Spec, buffers: &Buffers) -> (Vec<Threat>, Vec<Zone>) {
+        self.unique(
+            "threats",
+            keys.threats.iter().map(|threat| Some(threat.id.as_str())),
+        );
+        let (mut cylinders, mut domes) = (Vec::new(), Vec::new());
+        for (index, of) in keys.threats.iter().enumerate() {
+            let threat = self.threat(&format!("threats[{index}]"), of);
+            match of.shape {
+                Some(keys::ThreatShape::Dome) => {
+                    domes.extend(threat.iter().flat_map(|of| dome_layers(of, buffers)));
+                }
+                Some(keys::ThreatShape::Cylinder) | None => cylinders.extend(threat),
+            }
+        }
+        (cylinders, domes)
     }
 
     /// A rally point keeps the least height over ground and its buffer.

@@ -215,7 +215,18 @@ pub struct Hill {
     pub radius_m: f64,
 }
 
-/// A vertical cylinder of infinite height.
+/// What of space a threat takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ThreatShape {
+    /// Every height within the radius.
+    #[default]
+    Cylinder,
+    /// Up to the radius over the ground at the place, and less beside it: a half sphere.
+    Dome,
+}
+
+/// A vertical cylinder of infinite height, or a dome.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Threat {
@@ -232,6 +243,8 @@ pub struct Threat {
     /// Radius, metres.
     #[schemars(range(min = 1, max = 500_000))]
     pub radius_m: f64,
+    /// Cylinder or dome; absent: a cylinder.
+    pub shape: Option<ThreatShape>,
 }
 
 /// A polygon that must not be entered.

@@ -1,0 +1,66 @@
+//! Domes: threats that reach less high the further away they are.
+//!
+//! A dome is a stack of zones, each the disc at its lower end, closed up to its upper end. It is so a
+//! little larger than the half sphere, nowhere smaller. Heights count from the ground below.
+
+use crate::geodesy::{Agl, LocalFrame};
+use crate::spec::{Buffers, Placement, Threat, Zone};
+
+/// Discs of a dome, at even steps of elevation: the widest step is a tenth of its radius.
+const LAYERS: u32 = 15;
+
+/// The zones of a dome. They keep the buffer of threats.
+pub(crate) fn dome_layers(threat: &Threat, buffers: &Buffers) -> Vec<Zone> {
+    let frame = LocalFrame::new(threat.place);
+    let elevation_rad =
+        |layer: u32| std::f64::consts::FRAC_PI_2 * f64::from(layer) / f64::from(LAYERS);
+    let layer = |layer: u32| {
+        let radius_m = threat.radius_m * elevation_rad(layer).cos();
+        let top_m = threat.radius_m * elevation_rad(layer + 1).sin();
+        // Each disc is closed from the ground up: a wider one lies below it.
+        Zone {
+            circle: Some((threat.place, radius_m)),
+            ceiling: Some(Placement::Agl(Agl(top_m))),
+            buffer_m: buffers.threats_m,
+            ..Zone::closed(
+                format!("{} below {top_m:.0} m", threat.id),
+                frame.circumscribed(radius_m),
+            )
+        }
+    };
+    (0..LAYERS).map(layer).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geodesy::LatLon;
+
+    #[test]
+    fn a_dome_holds_the_half_sphere_and_little_more() {
+        let threat = Threat {
+            id: "radar".to_owned(),
+            kind: "radar".to_owned(),
+            place: LatLon {
+                lat_deg: 47.0,
+                lon_deg: 8.0,
+            },
+            radius_m: 1000.0,
+        };
+        let layers = dome_layers(&threat, &Buffers::NONE);
+        let is_in = |away_m: f64, up_m: f64| {
+            layers.iter().any(|zone| {
+                let (_, radius_m) = zone.circle.expect("a circle");
+                let Some(Placement::Agl(Agl(top_m))) = zone.ceiling else {
+                    panic!("{zone:?}")
+                };
+                away_m <= radius_m && up_m < top_m
+            })
+        };
+        for step in 0..900 {
+            let (sin, cos) = (f64::from(step) / 10.0).to_radians().sin_cos();
+            assert!(is_in(999.9 * cos, 999.9 * sin), "{step}");
+            assert!(!is_in(1101.0 * cos, 1101.0 * sin), "{step}");
+        }
+    }
+}
