@@ -11,7 +11,8 @@ use sortie::geodesy::Amsl;
 use sortie::link::*;
 use sortie::simulator::Fault;
 use sortie::spec::{
-    Action, AlarmKind, Answer, Autopilot, Buffers, OnAlarm, OnLinkLoss, Vehicle as Spec, Who, Wind,
+    Action, AlarmKind, Answer, Autopilot, Buffers, Capacity, Endurance, OnAlarm, OnLinkLoss,
+    Vehicle as Spec, Who, Wind,
 };
 use sortie::world::Disc;
 
@@ -240,6 +241,21 @@ fn a_battery_below_its_reserve_is_an_alarm() {
         sky.vehicles[1].fail(Fault::BatteryDrain { percent_s: 81.0 });
     });
     assert!(text.contains("% left, reserve 20 %"), "{text}");
+}
+
+#[test]
+fn the_reserve_of_the_endurance_is_that_of_the_battery() {
+    let mut plan = two_with(OnAlarm::default());
+    plan.spec.vehicles[1].endurance = Some(Endurance {
+        capacity: Capacity::Time(1e5),
+        reserve: 0.5,
+    });
+    let mut sky = sky(&plan);
+    sky.fly_to(FAULT_S);
+    sky.vehicles[1].fail(Fault::BatteryDrain { percent_s: 40.0 });
+    sky.fly_to(FAULT_S + AT_ONCE_S);
+    let found = alarms(&sky, AlarmKind::Battery);
+    assert!(found[0].2.contains("% left, reserve 50 %"), "{found:?}");
 }
 
 #[test]

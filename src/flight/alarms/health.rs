@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::link::{FlightMessage, Health, Message, SystemStatus};
+use crate::spec::Vehicle;
 
 /// `MAV_SEVERITY_CRITICAL`: texts up to this are alarms.
 const CRITICAL: u8 = 2;
@@ -31,6 +32,8 @@ const ACCEL_ERROR: u16 = 2048;
 /// The last reports of one vehicle.
 #[derive(Debug, Default)]
 pub(super) struct HealthState {
+    /// Share of the battery that must be left, where the spec says so.
+    reserve: Option<f64>,
     /// Percent left, the least of its batteries, by the number of the battery; 255 for `SYS_STATUS`.
     batteries: Vec<(u8, i8)>,
     charge: u8,
@@ -47,6 +50,17 @@ pub(super) struct HealthState {
 }
 
 impl HealthState {
+    /// Of a vehicle that has said nothing yet.
+    pub(super) fn of(vehicle: &Vehicle) -> Self {
+        Self {
+            reserve: vehicle
+                .endurance
+                .as_ref()
+                .map(|endurance| endurance.reserve),
+            ..Self::default()
+        }
+    }
+
     pub(super) fn handle(&mut self, t_s: f64, message: &Message) {
         match message {
             Message::StatusText { severity, text } if *severity <= CRITICAL => {
@@ -126,7 +140,7 @@ impl HealthState {
     }
 
     pub(super) fn battery(&self) -> Option<String> {
-        let reserve = 100.0 * RESERVE;
+        let reserve = 100.0 * self.reserve.unwrap_or(RESERVE);
         let low = self.remaining().filter(|left| f64::from(*left) < reserve);
         let low = low.map(|left| format!("{left} % left, reserve {reserve:.0} %"));
         let says = (CHARGE_CRITICAL..=CHARGE_UNHEALTHY).contains(&self.charge);

@@ -154,7 +154,7 @@ impl<'a> Alarms<'a> {
             onboard: Onboard::new(of.mission.items.len()),
             plan: of.reference,
             duty: Duty::default(),
-            health: HealthState::default(),
+            health: HealthState::of(of.vehicle),
             motion: Motion::default(),
             here: None,
             silent_s: 0.0,
