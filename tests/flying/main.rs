@@ -14,6 +14,7 @@ mod flight_trouble;
 mod flight_vehicle;
 mod flight_watch;
 mod flight_wings;
+mod hostile_fleet;
 mod launch_time;
 mod replan_trouble;
 mod replan_wings;
