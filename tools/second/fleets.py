@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 from .earth import A, distance
-from .flight import DELAY, HOLD, LAND, RETURN, SPEED, STAY, TAKEOFF, WAYPOINT
+from .flight import DELAY, HOLD, LAND, RETURN, SPEED, STAY, TAKEOFF, TO_ALT, WAYPOINT
 
 SOUTH, NORTH, WEST, EAST = 36.19, 36.42, -84.38, -84.11
 
@@ -105,7 +105,9 @@ def zigzag(rng, ground, vehicle, heart):
         at = round(at[0], 7), round(at[1], 7)
         agl = rng.choice([rng.uniform(20, 250), rng.uniform(60, 120), rng.uniform(1, 40)])
         hold = round(rng.uniform(0.5, 30), 1) if rng.random() < 0.15 else 0.0
-        rows.append(item(WAYPOINT, at, agl, hold))
+        # Without a draw of its own, so that fleets stay what they were.
+        to_altitude = ardupilot and hold == 0.0 and int(agl * 1000) % 6 == 0
+        rows.append(item(TO_ALT if to_altitude else WAYPOINT, at, agl, hold))
         if rng.random() < 0.1:
             rows.append(item(WAYPOINT, at, agl + rng.uniform(-20, 60)))
         if rng.random() < 0.05:

@@ -16,7 +16,7 @@ JERK, PX4_TURNING = 1.0, 0.5
 # Change of course, degrees, and the seconds more than overlapping profiles take.
 MORE_DEG = [0, 20, 30, 45, 60, 75, 90, 105, 120, 135, 150, 180]
 MORE_S = [0, 0, -0.4, -0.4, -0.1, 0, 0.1, 0.2, 0.3, 0.4, 0.55, 0.8]
-WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 93, 178
+WAYPOINT, STAY, HOLD, RETURN, LAND, TAKEOFF, TO_ALT, DELAY, SPEED = 16, 17, 19, 20, 21, 22, 31, 93, 178
 
 
 def read_radius(path, ardupilot):
@@ -201,6 +201,11 @@ class Flight:
             elif command == TAKEOFF:
                 self.t = delay if delay is not None else 0.0 if self.ardupilot else self.vehicle.get("depart_s", 0.0)
                 self.takeoff(item)
+            elif command == TO_ALT:
+                self.stop()
+                self.head(item)
+                self.stop()
+                self.hold(0.0)
             elif command in (WAYPOINT, HOLD, STAY):
                 self.head(item)
                 hold = math.inf if command == STAY else math.trunc(p1) if self.ardupilot and command == WAYPOINT else p1
