@@ -9,6 +9,7 @@ mod buffers;
 mod copter_corners;
 mod curves;
 mod fences;
+mod other_world;
 mod verify;
 mod verify_independent;
 mod verify_sampled;
