@@ -28,6 +28,8 @@ pub mod command {
     pub const NAV_DELAY: u16 = 93;
     /// Descend until the payload stands, and release it.
     pub const NAV_PAYLOAD_PLACE: u16 = 94;
+    /// The last of the commands that navigate.
+    pub const NAV_LAST: u16 = 95;
     /// Turn the nose, and wait for that before the commands that follow.
     pub const CONDITION_YAW: u16 = 115;
     /// Jump to another item.

@@ -14,5 +14,6 @@ mod flight_trouble;
 mod flight_vehicle;
 mod flight_watch;
 mod flight_wings;
+mod replan_stops;
 mod replan_trouble;
 mod replan_wings;

@@ -14,6 +14,7 @@ pub mod ports;
 pub mod sky;
 pub mod tile_server;
 pub mod transfers;
+pub mod wings;
 
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;

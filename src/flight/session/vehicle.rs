@@ -19,6 +19,7 @@ use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
+use crate::geodesy::LatLon;
 use crate::link::{
     AUTOPILOT_INVALID, Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order,
     Position, Reading, Session, Time,
@@ -31,6 +32,8 @@ use texts::TextLimit;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
+/// So near to a stop a vehicle is at it when it reports an item, metres.
+const STOP_M: f64 = 25.0;
 
 /// What one vehicle shall do.
 #[derive(Clone, Debug)]
@@ -50,6 +53,8 @@ pub struct Assignment<'a> {
     pub start_s: f64,
     /// Whether its mission is transferred first, instead of only read.
     pub upload: bool,
+    /// The stops of its own, by id.
+    pub stops: Vec<(&'a str, LatLon)>,
 }
 
 /// Where it is on the way to its flight, and in it.
@@ -341,7 +346,10 @@ impl<'a> FlightVehicle<'a> {
                 let row = self.row(*seq);
                 let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
                 if flies && self.flown.reach(row, t_s) {
-                    self.said.push_back(format!("item {row} reached"));
+                    let at = self
+                        .stop_here()
+                        .map_or_else(String::new, |id| format!(" (stop {id})"));
+                    self.said.push_back(format!("item {row} reached{at}"));
                 }
             }
             FlightMessage::CommandAck {
@@ -360,6 +368,15 @@ impl<'a> FlightVehicle<'a> {
             }
             _ => {}
         }
+    }
+
+    /// The stop that it is at.
+    fn stop_here(&self) -> Option<&'a str> {
+        let (_, fix) = self.latest?;
+        let away_m = |place: &LatLon| place.chord_m(fix.place);
+        let nearest = self.of.stops.iter();
+        let nearest = nearest.min_by(|a, b| away_m(&a.1).total_cmp(&away_m(&b.1)))?;
+        (away_m(&nearest.1) < STOP_M).then_some(nearest.0)
     }
 
     /// The row of a sequence number.

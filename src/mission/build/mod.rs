@@ -354,6 +354,17 @@ impl ItemWriter<'_> {
         number: usize,
         route: &[TimedPoint],
     ) -> Result<Vec<PlanPoint>, NoData> {
+        let chosen = self.waypoints(number, route, &[])?;
+        Ok(chosen.into_iter().map(|index| route[index].point).collect())
+    }
+
+    /// The indices of those samples, some of them given.
+    pub(super) fn waypoints(
+        &self,
+        number: usize,
+        route: &[TimedPoint],
+        through: &[usize],
+    ) -> Result<Vec<usize>, NoData> {
         let path = route
             .iter()
             .map(|sample| {
@@ -371,10 +382,7 @@ impl ItemWriter<'_> {
             limits: VehicleLimits::of(&self.vehicle.on_route(number)),
             zero: self.encoder.zero(),
         };
-        Ok(waypoints(&path, &keep)
-            .into_iter()
-            .map(|index| route[index].point)
-            .collect())
+        Ok(waypoints(&path, through, &keep))
     }
 }
 

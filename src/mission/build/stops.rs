@@ -57,7 +57,7 @@ impl ItemWriter<'_> {
     }
 
     /// The items of the actions, in their order.
-    fn actions(&self, stop: &Stop) -> Result<Vec<Item>, NoData> {
+    pub(super) fn actions(&self, stop: &Stop) -> Result<Vec<Item>, NoData> {
         let is_gimbal = |action: &StopAction| matches!(action, StopAction::Gimbal { .. });
         let mut items = Vec::new();
         if self.vehicle.autopilot == Autopilot::Px4 && stop.actions.iter().any(is_gimbal) {

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{EndPoint, Span, StopAction, Vehicle};
+use crate::geodesy::LatLon;
 use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
@@ -19,6 +20,9 @@ const LEAST_TURN_S: f64 = 5.0;
 /// Time for an action to begin, seconds: ArduPilot runs commands one after the other while it holds
 /// at the waypoint after them, and drops those that have not run when that hold ends.
 pub const ACTION_S: f64 = 0.5;
+
+/// How near a wing comes to a stop by default, metres: it turns onto its legs, and off them.
+const WING_RADIUS_M: f64 = 20.0;
 
 /// Most stops of one vehicle.
 pub const MAX_STOPS: usize = 100;
@@ -116,9 +120,46 @@ impl Vehicle {
         }
     }
 
-    /// How long the vehicle rests at the stop at the end of a route, seconds; 0 where there is none.
+    /// How long the vehicle stays at the stop at the end of a route, seconds: a copter rests, a wing
+    /// circles. 0 where there is none.
     #[must_use]
     pub fn rest_after_s(&self, route: usize) -> f64 {
-        self.stops.get(route).map_or(0.0, Stop::rest_s)
+        self.stops.get(route).map_or(0.0, |stop| self.stay_s(stop))
+    }
+
+    /// How long the vehicle stays at a stop, seconds; 0 where it flies past it.
+    #[must_use]
+    pub fn stay_s(&self, stop: &Stop) -> f64 {
+        match (self.wing, stop.hold_s > 0.0) {
+            (None, _) => stop.rest_s(),
+            (Some(_), false) => 0.0,
+            (Some(_), true) => stop.rest_s(),
+        }
+    }
+
+    /// Ids and places of its stops.
+    #[must_use]
+    pub fn stop_places(&self) -> Vec<(&str, LatLon)> {
+        let stops = self.stops.iter();
+        stops
+            .map(|stop| (stop.id.as_str(), stop.end.place))
+            .collect()
+    }
+
+    /// Whether a route ends at a stop that the vehicle flies past.
+    #[must_use]
+    pub fn passes_after(&self, route: usize) -> bool {
+        self.wing.is_some() && self.stops.get(route).is_some_and(|stop| stop.hold_s <= 0.0)
+    }
+
+    /// How near the vehicle must come to a stop, metres, where the tolerance of the mission is
+    /// `tolerance_m`.
+    #[must_use]
+    pub fn radius_at_m(&self, stop: &Stop, tolerance_m: f64) -> f64 {
+        let usual_m = match self.wing {
+            Some(_) => tolerance_m.max(WING_RADIUS_M),
+            None => tolerance_m,
+        };
+        stop.acceptance_radius_m.unwrap_or(usual_m)
     }
 }
