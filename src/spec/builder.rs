@@ -12,11 +12,11 @@ use super::{MissionSpec, SpecError, SpecFile};
 /// use sortie::spec::{Autopilot, Finish, MissionSpec, keys};
 ///
 /// let place = |lat, lon| keys::Place { lat: Some(lat), lon: Some(lon) };
-/// let end = |lat, lon| keys::EndPoint {
+/// let end = |lat, lon| keys::Station {
 ///     lat: Some(lat),
 ///     lon: Some(lon),
 ///     agl_m: Some(80.0),
-///     amsl_m: None,
+///     ..keys::Station::default()
 /// };
 /// let area = keys::Area {
 ///     south_west: place(36.2, -84.4),

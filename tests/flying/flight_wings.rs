@@ -148,6 +148,7 @@ fn wings_fly_past_their_stops() {
             );
             since_s = nearest.t_s;
         }
+        assert!(sky.says("heron", "picture 1 (stop t1)"), "{:?}", sky.events);
     }
 }
 

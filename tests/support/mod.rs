@@ -73,6 +73,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         goal: airborne(goal),
         stops: Vec::new(),
         order: Order::Fixed,
+        on_way: OnWay::default(),
         finish: Finish::Land,
         autopilot_version: None,
         speed_mps: 15.0,

@@ -158,6 +158,8 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) flown: Flown,
     outbox: VecDeque<Message>,
     said: VecDeque<String>,
+    /// The number of its last picture.
+    pictures: Option<u32>,
     set_params: bool,
     force: bool,
 }
@@ -226,6 +228,7 @@ impl<'a> FlightVehicle<'a> {
             flown: Flown::default(),
             outbox: VecDeque::new(),
             said: VecDeque::new(),
+            pictures: None,
             set_params,
             force,
         }
@@ -352,6 +355,8 @@ impl<'a> FlightVehicle<'a> {
                     self.said.push_back(format!("item {row} reached{at}"));
                 }
             }
+            FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
+            FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
             FlightMessage::CommandAck {
                 target,
                 command,
@@ -367,6 +372,18 @@ impl<'a> FlightVehicle<'a> {
                 }
             }
             _ => {}
+        }
+    }
+
+    /// It has taken a picture; of many along the way every tenth is said.
+    fn pictured(&mut self, number: u32) {
+        let is_new = self.pictures != Some(number);
+        self.pictures = Some(number);
+        if is_new && (number <= 3 || number.is_multiple_of(10)) {
+            let at = self
+                .stop_here()
+                .map_or_else(String::new, |id| format!(" (stop {id})"));
+            self.said.push_back(format!("picture {number}{at}"));
         }
     }
 

@@ -40,6 +40,13 @@ fn all() -> Vec<FlightMessage> {
             seq: 300,
         },
         FlightMessage::ItemReached { seq: 300 },
+        FlightMessage::CameraTrigger { seq: 70_000 },
+        FlightMessage::CameraFeedback {
+            index: 7,
+            x: 363_000_000,
+            y: -842_500_000,
+            amsl_m: 412.5,
+        },
         FlightMessage::Position(Position {
             boot_ms: 70_001,
             x: 363_000_001,

@@ -1,6 +1,7 @@
 //! The items of planes and vtol: takeoff along a course or on rotors, turns onto the routes
 //! and off them, circles, glides.
 
+use super::stops::trigger;
 use super::{ItemWriter, float};
 use crate::autopilot::command;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
@@ -74,6 +75,9 @@ impl ItemWriter<'_> {
                 self.fly(&mut list, &chain)?;
                 chain = Chain::default();
             }
+            if index == self.vehicle.stops.len() {
+                list.items.extend(self.trigger_off());
+            }
         }
         if circles {
             let item = self.at(command::NAV_LOITER_UNLIM, 0.0, stations.goal)?;
@@ -146,8 +150,14 @@ impl ItemWriter<'_> {
         };
         self.turn(list, first.at, heading_rad(first.at, second.at), first.amsl)?;
         let is_here = list.at.distance_m(first.at) <= 0.0;
+        if is_here && chain.first == 0 {
+            list.items.extend(self.begin()?);
+        }
         for (&index, &point) in chosen.iter().zip(&route).skip(usize::from(is_here)) {
             list.items.push(self.at(command::NAV_WAYPOINT, 0.0, point)?);
+            if index == 0 && chain.first == 0 {
+                list.items.extend(self.begin()?);
+            }
             let passed = chain.stops.iter().position(|&stop| stop == index);
             if let Some(stop) = passed.and_then(|at| self.vehicle.stops.get(chain.first + at)) {
                 list.items.extend(self.actions(stop)?);
@@ -158,6 +168,16 @@ impl ItemWriter<'_> {
             list.course_rad = Some(heading_rad(before.at, last.at));
         }
         Ok(())
+    }
+
+    /// What is done at the start.
+    fn begin(&self) -> Result<Vec<Item>, NoData> {
+        let mut items = match self.vehicle.start_stop() {
+            Some(stop) => self.actions(&stop)?,
+            None => Vec::new(),
+        };
+        items.extend(self.vehicle.on_way.trigger_m.map(trigger));
+        Ok(items)
     }
 
     /// Waypoints of the turns that lead to a place on a course, level.

@@ -152,6 +152,7 @@ impl Checker {
         let speed_mps = self.required(path, "speed_mps", keys.speed_mps);
         let ends = self.ends(path, keys, map);
         let stops = self.stops(path, keys, map);
+        let on_way = self.on_way(path, keys);
         if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
             let least_m = least_apart_m(keys);
             self.stops_apart(path, keys, (start.place, goal.place), (&stops, least_m));
@@ -203,6 +204,7 @@ impl Checker {
             start: ends.start?,
             goal: ends.goal?,
             stops,
+            on_way,
             order: keys.order.unwrap_or_default(),
             finish,
         })
@@ -255,14 +257,14 @@ impl Checker {
     /// Home, start and goal: apart, and where something may stand.
     fn ends(&mut self, path: &str, keys: &keys::Vehicle, map: Option<&Map>) -> Ends {
         let at = |key: &str| format!("{path}.{key}");
-        let start = self.required(path, "start", keys.start);
-        let start = start.and_then(|end| self.end_point(&at("start"), end));
+        let start = self.required(path, "start", keys.start.as_ref());
+        let start = start.and_then(|end| self.end_point(&at("start"), end.point()));
         let is_round = keys.goal.is_none() && !keys.stops.is_empty();
         let goal = if is_round {
             start
         } else {
-            let goal = self.required(path, "goal", keys.goal);
-            goal.and_then(|end| self.end_point(&at("goal"), end))
+            let goal = self.required(path, "goal", keys.goal.as_ref());
+            goal.and_then(|end| self.end_point(&at("goal"), end.point()))
         };
         let own_home = keys.home.and_then(|home| self.place(&at("home"), home));
         let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));

@@ -85,6 +85,17 @@ impl Stop {
     }
 }
 
+/// What is done at start and goal, and on the way between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OnWay {
+    /// At the start, in this order.
+    pub start: Vec<StopAction>,
+    /// At the goal.
+    pub goal: Vec<StopAction>,
+    /// Distance from one picture to the next, metres; none: no pictures.
+    pub trigger_m: Option<f64>,
+}
+
 /// In which order stops are visited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -95,6 +106,21 @@ pub enum Order {
     Fixed,
     /// In the order that costs least; the planner finds it.
     Free,
+}
+
+/// An end of the path as a stop, if something is done there.
+fn acting(id: &str, end: EndPoint, actions: &[StopAction]) -> Option<Stop> {
+    (!actions.is_empty()).then(|| Stop {
+        id: id.to_owned(),
+        end,
+        hold_s: 0.0,
+        acceptance_radius_m: None,
+        heading_rad: None,
+        actions: actions.to_vec(),
+        speed_mps: None,
+        window_s: None,
+        wait_s: 0.0,
+    })
 }
 
 impl Vehicle {
@@ -120,11 +146,30 @@ impl Vehicle {
         }
     }
 
-    /// How long the vehicle stays at the stop at the end of a route, seconds: a copter rests, a wing
-    /// circles. 0 where there is none.
+    /// How long the vehicle stays at the stop or goal at the end of a route, seconds: a copter rests,
+    /// a wing circles. 0 where there is none.
     #[must_use]
     pub fn rest_after_s(&self, route: usize) -> f64 {
-        self.stops.get(route).map_or(0.0, |stop| self.stay_s(stop))
+        match self.stops.get(route) {
+            Some(stop) => self.stay_s(stop),
+            None if route == self.stops.len() => {
+                let stop = self.goal_stop();
+                stop.map_or(0.0, |stop| self.stay_s(&stop))
+            }
+            None => 0.0,
+        }
+    }
+
+    /// Its start as a stop, if something is done there.
+    #[must_use]
+    pub fn start_stop(&self) -> Option<Stop> {
+        acting("start", self.start, &self.on_way.start)
+    }
+
+    /// Its goal as a stop, if something is done there.
+    #[must_use]
+    pub fn goal_stop(&self) -> Option<Stop> {
+        acting("goal", self.goal, &self.on_way.goal)
     }
 
     /// How long the vehicle stays at a stop, seconds; 0 where it flies past it.

@@ -5,7 +5,7 @@ use crate::geodesy::LatLon;
 use crate::numeric::digits;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{MAX_STOPS, Order, Stop};
+use crate::spec::{MAX_STOPS, OnWay, Order, Stop};
 
 impl Checker {
     /// The stops of a vehicle, as far as each is whole.
@@ -71,6 +71,31 @@ impl Checker {
             window_s: None,
             wait_s: 0.0,
         })
+    }
+
+    /// What is done at start and goal, and along the way.
+    pub(super) fn on_way(&mut self, path: &str, keys: &keys::Vehicle) -> OnWay {
+        let mut at_end = |key: &str, station: Option<&keys::Station>| {
+            let listed = station.map_or(&[][..], |station| &station.actions);
+            self.actions(&format!("{path}.{key}"), listed, keys.autopilot)
+        };
+        let start = at_end("start", keys.start.as_ref());
+        let goal = at_end("goal", keys.goal.as_ref());
+        let has_wing = keys.airframe.unwrap_or_default().has_wing();
+        if has_wing && !goal.is_empty() {
+            let found = "actions at the goal, on a wing, which lands or circles there";
+            self.report(&format!("{path}.goal.actions"), found, "a stop before it");
+        }
+        let camera = keys.camera.as_ref();
+        let trigger_m = camera.and_then(|camera| {
+            let path = format!("{path}.camera");
+            self.required(&path, "trigger_distance_m", camera.trigger_distance_m)
+        });
+        OnWay {
+            start,
+            goal,
+            trigger_m,
+        }
     }
 
     /// A wing does not hover: its nose points where it flies.

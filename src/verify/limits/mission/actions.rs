@@ -2,7 +2,7 @@
 
 use super::Contract;
 use crate::autopilot::Autopilot;
-use crate::geodesy::Amsl;
+use crate::geodesy::{Amsl, PlanPoint};
 use crate::mission::{self, Item, command};
 use crate::spec::{ACTION_S, EndPoint, Placement, Stop, StopAction};
 use crate::verify::execute::flight::Rest;
@@ -37,6 +37,40 @@ impl Contract<'_> {
         let at = self.moment(rest.point, rest.from_s, first);
         let mut margin = required.margin(self.id(), f64::from(count), Some(at));
         margin.note = missing.join("; ");
+        Some(margin)
+    }
+
+    /// Whether pictures are taken at their distance on every leg from start to goal, and no longer.
+    pub(crate) fn camera(&self) -> Option<Margin> {
+        let trigger_m = self.vehicle.on_way.trigger_m?;
+        let row_at = |station: PlanPoint| {
+            let away = self.flight.route.iter();
+            let away = away.map(|mark| (mark.point.distance_m(station), mark.row));
+            away.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |of| of.1)
+        };
+        let (from, to) = (row_at(self.stations.start), row_at(self.stations.goal));
+        let (mut set_m, mut wrong) = (0.0, Vec::new());
+        for (index, item) in self.mission.items.iter().enumerate() {
+            let row = index + 1;
+            let misses = |expected_m: f64| (set_m - expected_m).abs() > 1e-3;
+            match item.command {
+                command::DO_SET_CAM_TRIGG_DIST => set_m = f64::from(item.params[0]),
+                command if command > command::NAV_LAST => {}
+                _ if row > to && misses(0.0) => {
+                    wrong.push(format!("pictures on the way to item {row}"));
+                }
+                _ if row > from && row <= to && misses(trigger_m) => {
+                    wrong.push(format!(
+                        "pictures every {set_m} m on the way to item {row}, not every {trigger_m} m"
+                    ));
+                }
+                _ => {}
+            }
+        }
+        let required = Requirement::at_most(Limit::CameraTrigger, 0.0, "legs");
+        let count = u32::try_from(wrong.len()).unwrap_or(u32::MAX);
+        let mut margin = required.margin(self.id(), f64::from(count), None);
+        margin.note = wrong.into_iter().next().unwrap_or_default();
         Some(margin)
     }
 

@@ -15,8 +15,8 @@ pub(super) const REST_S: f64 = 1e-6;
 const NEAR_S: f64 = 5.0;
 
 /// A stop and where the vehicle rests for it, or flies past it.
-struct Visit<'a> {
-    stop: &'a Stop,
+struct Visit {
+    stop: Stop,
     rest: Option<Rest>,
     away_m: f64,
 }
@@ -49,23 +49,24 @@ impl Contract<'_> {
 
     /// Each stop with the nearest rest, or where it is passed; in a fixed order after the stop
     /// before, in a free order a rest that no other stop has.
-    fn visits(&self) -> Vec<Visit<'_>> {
+    fn visits(&self) -> Vec<Visit> {
         let rests = &self.flight.rests;
         let mut is_taken = vec![false; rests.len()];
         let mut since_s = f64::NEG_INFINITY;
         let is_fixed = self.vehicle.order == Order::Fixed;
-        let mut visits = Vec::with_capacity(self.vehicle.stops.len());
-        let stops = self.vehicle.stops.iter().zip(&self.stations.stops);
-        for (number, (stop, point)) in stops.enumerate() {
+        let stops = self.with_ends();
+        let mut visits = Vec::with_capacity(stops.len());
+        for (stop, point) in stops {
             let after_s = if is_fixed { since_s } else { f64::NEG_INFINITY };
-            let best = if self.vehicle.passes_after(number) {
-                self.pass(stop, *point, after_s)
+            let passes = self.vehicle.wing.is_some() && stop.hold_s <= 0.0;
+            let best = if passes {
+                self.pass(&stop, point, after_s)
             } else {
                 let best = rests
                     .iter()
                     .enumerate()
                     .filter(|(index, rest)| !is_taken[*index] && rest.until_s > after_s)
-                    .map(|(index, rest)| (index, rest, rest.point.distance_m(*point)))
+                    .map(|(index, rest)| (index, rest, rest.point.distance_m(point)))
                     .min_by(|a, b| a.2.total_cmp(&b.2));
                 best.map(|(index, rest, away_m)| {
                     is_taken[index] = true;
@@ -82,6 +83,21 @@ impl Contract<'_> {
             });
         }
         visits
+    }
+
+    /// The stops, and start and goal where something is done there.
+    fn with_ends(&self) -> Vec<(Stop, PlanPoint)> {
+        let (vehicle, stations) = (self.vehicle, self.stations);
+        let is_on_ground = !stations.departure.is_airborne();
+        let start = vehicle.start_stop().filter(|_| is_on_ground);
+        let stops = vehicle
+            .stops
+            .iter()
+            .cloned()
+            .zip(stations.stops.iter().copied());
+        let goal = vehicle.goal_stop().map(|stop| (stop, stations.goal));
+        let start = start.map(|stop| (stop, stations.start));
+        start.into_iter().chain(stops).chain(goal).collect()
     }
 
     /// Where a wing flies past a stop for the first time after another one: as a rest of no length,
@@ -130,7 +146,7 @@ impl Contract<'_> {
         self.vehicle.radius_at_m(stop, usual_m)
     }
 
-    fn visit(&self, visit: &Visit<'_>) -> Vec<Margin> {
+    fn visit(&self, visit: &Visit) -> Vec<Margin> {
         let id = &visit.stop.id;
         let Some(rest) = &visit.rest else {
             let why = match self.vehicle.order {
@@ -139,7 +155,7 @@ impl Contract<'_> {
             };
             return vec![Margin::unjudged(self.id(), Limit::Stop(id.clone()), why)];
         };
-        self.visited(visit.stop, rest, visit.away_m)
+        self.visited(&visit.stop, rest, visit.away_m)
     }
 
     /// The rests that its own stops are made in, by their indices.
