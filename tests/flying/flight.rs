@@ -8,11 +8,15 @@
 use crate::support::{self, sky};
 use sky::{Sky, US, lane, parameters, plan, plan_shipped};
 use sortie::flight::*;
+use sortie::geodesy::Agl;
 use sortie::link::*;
 use sortie::mission::{Item, command};
 use sortie::simulator::{Surroundings, Vehicle};
-use sortie::spec::{Autopilot, EndPoint, OnLinkLoss, Order, Stop, Vehicle as Spec};
+use sortie::spec::{
+    Autopilot, EndPoint, OnLinkLoss, Order, Placement, Stop, StopAction, Vehicle as Spec,
+};
 use sortie::verify::{Flown, Limit};
+use support::place;
 
 /// Three side by side, a kilometre each; the second is a PX4, the third starts later.
 fn three() -> Vec<Spec> {
