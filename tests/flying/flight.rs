@@ -568,3 +568,25 @@ fn a_copter_takes_pictures_along_its_way() {
     assert!(sky.says("alpha", "picture 20"), "{:?}", sky.events);
     assert!(!sky.says("alpha", "picture 30"), "{:?}", sky.events);
 }
+
+#[test]
+fn the_inspection_mission_makes_its_stops_and_takes_its_pictures() {
+    let plan = plan_shipped("inspection", |_| {});
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    for (vehicle, pictures) in [("alpha", 4), ("bravo", 4)] {
+        assert!(sky.says(vehicle, "(stop south)"), "{:?}", sky.events);
+        let numbers = |number: u32| sky.says(vehicle, &format!("picture {number}"));
+        // Of many pictures every tenth is said, of few the first three.
+        assert!((1..=3.min(pictures)).all(numbers), "{:?}", sky.events);
+    }
+    for vehicle in &report.vehicles {
+        assert!(vehicle.stops.len() == 4, "{vehicle:?}");
+        assert!(
+            vehicle.stops.iter().all(|stop| stop.distance_m < 2.0),
+            "{vehicle:?}"
+        );
+    }
+}
