@@ -76,7 +76,7 @@ impl Checker {
     /// What is done at start and goal, and along the way.
     pub(super) fn on_way(&mut self, path: &str, keys: &keys::Vehicle) -> OnWay {
         let mut at_end = |key: &str, station: Option<&keys::Station>| {
-            let listed = station.map_or(&[][..], |station| &station.actions);
+            let listed = station.map_or(&[][..], |station| station.actions.as_slice());
             self.actions(&format!("{path}.{key}"), listed, keys.autopilot)
         };
         let start = at_end("start", keys.start.as_ref());
