@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Planning;
+use crate::cost::Margins;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::path::{
     Pose, VehicleLimits, along, heading_rad, route_start_s, time_route, turns_sampled,
@@ -187,13 +188,14 @@ impl Planning<'_> {
     fn broken_m(&self, index: usize, points: &[PlanPoint]) -> f64 {
         let world = self.world;
         let layer = world.layers.get(index).copied().unwrap_or(Layer::OPEN);
+        let limits = (layer, self.request.margins_of(index));
         let mut broken_m = 0.0;
         for pair in points.windows(2) {
             let length_m = pair[0].at.distance_m(pair[1].at);
             let mut gone_m = 0.0;
             while gone_m < length_m {
                 let here = pair[0].toward(pair[1], gone_m / length_m);
-                if is_broken(world, layer, here) {
+                if is_broken(world, limits, here) {
                     broken_m += STEP_M.min(length_m - gone_m);
                 }
                 gone_m += STEP_M;
@@ -203,17 +205,25 @@ impl Planning<'_> {
     }
 }
 
-/// Whether a vehicle with limits of its own must not be there, at any time.
-fn is_broken(world: &World, layer: Layer, point: PlanPoint) -> bool {
+/// Whether a vehicle with limits of its own must not be there, at any time, or is nearer to it than
+/// the margins.
+fn is_broken(world: &World, (layer, margins): (Layer, Margins), point: PlanPoint) -> bool {
     let ground_m = world.ground.height_m(point.at);
-    let floor_m = layer.floor_m(ground_m + world.min_agl.0);
-    let ceiling_m = layer.ceiling_m(ground_m, world.max_amsl.0);
+    let floor_m = layer.floor_m(ground_m + world.min_agl.0) + margins.clearance_m;
+    let ceiling_m = layer.ceiling_m(ground_m, world.max_amsl.0) - margins.under_m;
     let amsl_m = point.amsl.0;
-    let in_zone = |zone: &PlanZone| zone.is_closed_at(point, ground_m, f64::NAN);
-    !(amsl_m >= floor_m && amsl_m <= ceiling_m)
-        || !world.in_area(point.at)
-        || world.threats.iter().any(|threat| threat.contains(point.at))
-        || world.zones.iter().any(in_zone)
+    let is_level = amsl_m >= floor_m && amsl_m <= ceiling_m;
+    let is_closed = |point: PlanPoint| {
+        let in_zone = |zone: &PlanZone| zone.is_closed_at(point, ground_m, f64::NAN);
+        !world.in_area(point.at)
+            || world.threats.iter().any(|threat| threat.contains(point.at))
+            || world.zones.iter().any(in_zone)
+    };
+    let aside = [0.0, 0.25, 0.5, 0.75].map(|turn| PlanPoint {
+        at: along(point.at, turn * TAU, margins.threat_m),
+        ..point
+    });
+    !is_level || is_closed(point) || aside.into_iter().any(is_closed)
 }
 
 fn length_m(points: &[PlanPoint]) -> f64 {
