@@ -28,6 +28,8 @@ pub mod command {
     pub const NAV_DELAY: u16 = 93;
     /// Descend until the payload stands, and release it.
     pub const NAV_PAYLOAD_PLACE: u16 = 94;
+    /// The last of the commands that navigate.
+    pub const NAV_LAST: u16 = 95;
     /// Turn the nose, and wait for that before the commands that follow.
     pub const CONDITION_YAW: u16 = 115;
     /// Jump to another item.
@@ -44,6 +46,8 @@ pub mod command {
     pub const DO_SET_ROI_LOCATION: u16 = 195;
     /// No longer point at a place.
     pub const DO_SET_ROI_NONE: u16 = 197;
+    /// Take pictures at a distance from each other.
+    pub const DO_SET_CAM_TRIGG_DIST: u16 = 206;
     /// Enable, disable or release a parachute.
     pub const DO_PARACHUTE: u16 = 208;
     /// Open or close a gripper.

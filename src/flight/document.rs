@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::conformance::report::{FlightReport, Passage, Spread, VehicleReport};
+use super::conformance::report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
 use super::record::{RaisedAlarm, Record};
 use crate::report::{MarginEntry, review_json};
 use crate::spec::AlarmKind;
@@ -63,6 +63,20 @@ pub struct FlownVehicle {
     pub time_error_s: Option<SpreadEntry>,
     /// Each waypoint that was passed.
     pub waypoints: Vec<PassageEntry>,
+    /// Each stop of its own, if it has any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stops: Vec<StopEntry>,
+}
+
+/// A stop of the spec, and when the vehicle was nearest to it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StopEntry {
+    /// Name in the spec.
+    pub id: String,
+    /// Seconds after T0.
+    pub flown_s: f64,
+    /// How near it came, metres.
+    pub distance_m: f64,
 }
 
 /// Median, 95 % and worst.
@@ -132,6 +146,15 @@ fn vehicle(report: &VehicleReport) -> FlownVehicle {
         altitude_error_m: report.altitude_error_m.map(spread),
         time_error_s: Spread::of(late.collect()).map(spread),
         waypoints: report.passages.iter().map(passage).collect(),
+        stops: report.stops.iter().map(stop).collect(),
+    }
+}
+
+fn stop(of: &MadeStop) -> StopEntry {
+    StopEntry {
+        id: of.id.clone(),
+        flown_s: rounded(of.flown_s),
+        distance_m: rounded(of.distance_m),
     }
 }
 

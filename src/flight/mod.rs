@@ -19,7 +19,7 @@ mod session;
 pub use clock::unix_ms;
 pub use conformance::judge;
 pub use conformance::reference::{Deviation, Reference, Waypoint};
-pub use conformance::report::{FlightReport, Passage, Spread, VehicleReport};
+pub use conformance::report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
 pub use document::{FlightDocument, flight_json};
 pub use error::FlightError;
 pub use event::{AlarmMark, Event};

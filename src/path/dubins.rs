@@ -53,28 +53,10 @@ const CLOSE: f64 = 1e-6;
 #[must_use]
 pub fn turns(from: Pose, to: Pose, radius_m: f64) -> Turns {
     let start = State::of(from);
-    let end = State::of(to);
-    let (east_m, north_m) = (end.east_m - start.east_m, end.north_m - start.north_m);
-    let along_rad = north_m.atan2(east_m);
-    let (alpha, beta) = (start.course_rad - along_rad, end.course_rad - along_rad);
-    let distance = east_m.hypot(north_m) / radius_m;
-    let best = WORDS
-        .iter()
-        .filter_map(|word| Some((word, lengths(word, distance, alpha, beta)?)))
-        .filter(|(word, lengths)| {
-            let reached = word
-                .iter()
-                .zip(lengths)
-                .fold(start, |state, (step, length)| {
-                    state.moved(*step, *length, radius_m)
-                });
-            reached.misses_m(&end) <= CLOSE * radius_m * (1.0 + distance)
-        })
-        .min_by(|a, b| a.1.iter().sum::<f64>().total_cmp(&b.1.iter().sum()));
-    let Some((word, lengths)) = best else {
+    let Some((word, lengths)) = shortest(start, State::of(to), radius_m) else {
         // Two poses always have a way; only rounding far beyond any map could lose it.
         return Turns {
-            length_m: distance * radius_m,
+            length_m: from.at.distance_m(to.at),
             corners: Vec::new(),
         };
     };
@@ -98,6 +80,52 @@ pub fn turns(from: Pose, to: Pose, radius_m: f64) -> Turns {
         length_m: lengths.iter().sum::<f64>() * radius_m,
         corners,
     }
+}
+
+/// The places of the same way, no more than `step_m` apart on its arcs, both ends included.
+#[must_use]
+pub fn turns_sampled(from: Pose, to: Pose, radius_m: f64, step_m: f64) -> Vec<EastNorth> {
+    let mut state = State::of(from);
+    let mut places = vec![from.at];
+    if let Some((word, lengths)) = shortest(state, State::of(to), radius_m) {
+        for (step, length) in word.iter().zip(lengths) {
+            let pieces = match step {
+                Straight => 1.0,
+                Left | Right => (length * radius_m / step_m).ceil(),
+            };
+            let mut piece = 1.0;
+            while length * radius_m > 1e-6 && piece <= pieces {
+                let part = state.moved(*step, length * piece / pieces, radius_m);
+                places.push(part.at());
+                piece += 1.0;
+            }
+            state = state.moved(*step, length, radius_m);
+        }
+        places.pop();
+    }
+    places.push(to.at);
+    places
+}
+
+/// The moves of the shortest way between two states, and their lengths in radii and radians.
+fn shortest(start: State, end: State, radius_m: f64) -> Option<(&'static [Move; 3], [f64; 3])> {
+    let (east_m, north_m) = (end.east_m - start.east_m, end.north_m - start.north_m);
+    let along_rad = north_m.atan2(east_m);
+    let (alpha, beta) = (start.course_rad - along_rad, end.course_rad - along_rad);
+    let distance = east_m.hypot(north_m) / radius_m;
+    WORDS
+        .iter()
+        .filter_map(|word| Some((word, lengths(word, distance, alpha, beta)?)))
+        .filter(|(word, lengths)| {
+            let reached = word
+                .iter()
+                .zip(lengths)
+                .fold(start, |state, (step, length)| {
+                    state.moved(*step, *length, radius_m)
+                });
+            reached.misses_m(&end) <= CLOSE * radius_m * (1.0 + distance)
+        })
+        .min_by(|a, b| a.1.iter().sum::<f64>().total_cmp(&b.1.iter().sum()))
 }
 
 /// A pose with its course counter-clockwise from east.

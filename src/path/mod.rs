@@ -8,7 +8,7 @@ mod routes;
 mod timeline;
 mod wing;
 
-pub use dubins::{Pose, Turns, turns};
+pub use dubins::{Pose, Turns, turns, turns_sampled};
 pub use flyable::lean_note;
 pub use lateness::{
     corner_late_s, leg_late_s, most_shift_s, stop_late_s, takeoff_shift_s, with_stops_s,

@@ -250,6 +250,8 @@ fn take_off(points: &mut Vec<TimedPoint>, vehicle: &Vehicle, stations: &Stations
             Departure::Ground,
         );
     }
+    let start = vehicle.start_stop();
+    rest(points, start.map_or(0.0, |stop| vehicle.stay_s(&stop)));
 }
 
 /// Vertically to the ground, the last metres slowly.

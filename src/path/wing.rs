@@ -228,13 +228,17 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
     let mut points = vec![first];
     let level =
         |corners: Vec<EastNorth>, amsl| corners.into_iter().map(move |at| PlanPoint { at, amsl });
-    for route in routes {
+    for (number, route) in routes.iter().enumerate() {
         let [first, second, ..] = route.as_slice() else {
             continue;
         };
-        let onto = (first.at, Some(heading_rad(first.at, second.at)));
-        points.extend(level(join(vehicle, (at, course), onto), first.amsl));
-        points.extend(route);
+        if number > 0 && vehicle.passes_after(number - 1) {
+            points.extend(&route[1..]);
+        } else {
+            let onto = (first.at, Some(heading_rad(first.at, second.at)));
+            points.extend(level(join(vehicle, (at, course), onto), first.amsl));
+            points.extend(route);
+        }
         if let [.., before, last] = route.as_slice() {
             (at, course) = (last.at, Some(heading_rad(before.at, last.at)));
         }

@@ -423,7 +423,7 @@ fn stops(vehicle: &Vehicle, planned: &VehiclePlan) -> Vec<PlannedStop> {
         .map(|(stop, route)| PlannedStop {
             id: stop.id.clone(),
             t_s: (route.path.last()).and_then(|last| rounded(last.t_s, METRE_DIGITS)),
-            rest_s: stop.rest_s(),
+            rest_s: vehicle.stay_s(stop),
             actions: stop.actions.iter().map(StopAction::key).collect(),
         })
         .collect()

@@ -3,6 +3,7 @@
 //! It reads its items itself, as integers, and shares nothing with the model of the
 //! verdict: what one of them has wrong, the other shows.
 
+mod camera;
 mod mission;
 mod orders;
 mod wing;
@@ -71,6 +72,8 @@ pub(crate) enum Event {
     Reached(usize),
     /// A text.
     Says(&'static str),
+    /// A picture was taken: its number, from 1.
+    Picture(u32),
 }
 
 /// The autopilot and its vehicle.
@@ -99,6 +102,7 @@ pub(crate) struct Pilot {
     speed_mps: Option<f64>,
     clock: Time,
     events: Vec<Event>,
+    camera: camera::Camera,
     /// A wind that it cannot hold its speed in, to the east and the north, and its greatest
     /// airspeed, m/s.
     gale: Option<([f64; 2], f64)>,
@@ -141,6 +145,7 @@ impl Pilot {
             under_way: false,
             speed_mps: None,
             clock: now,
+            camera: camera::Camera::default(),
             events: Vec::new(),
             gale: None,
         };
@@ -235,6 +240,7 @@ impl Pilot {
             self.clock = self.clock + STEP_MS;
             self.weathering.step(STEP_S);
             self.step(items);
+            self.watch_camera();
         }
         if !self.armed {
             self.clock = now;

@@ -18,8 +18,8 @@ use super::{MissionSpec, SpecError, SpecFile};
 ///     sysid: Some(1),
 ///     autopilot: Some(Autopilot::ArduPilot),
 ///     link: Some("sim".to_owned()),
-///     start: Some(keys::EndPoint::above_ground(36.25, -84.35, 80.0)),
-///     goal: Some(keys::EndPoint::above_ground(36.35, -84.15, 80.0)),
+///     start: Some(keys::EndPoint::above_ground(36.25, -84.35, 80.0).into()),
+///     goal: Some(keys::EndPoint::above_ground(36.35, -84.15, 80.0).into()),
 ///     finish: Some(Finish::Land),
 ///     speed_mps: Some(15.0),
 ///     ..keys::Vehicle::default()

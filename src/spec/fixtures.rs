@@ -1,7 +1,7 @@
 //! Vehicles for the tests of other folders.
 
 use super::{
-    Airframe, AltitudeLimits, Autopilot, EndPoint, Finish, Link, Order, Placement, Retiming,
+    Airframe, AltitudeLimits, Autopilot, EndPoint, Finish, Link, OnWay, Order, Placement, Retiming,
     Vehicle,
 };
 use crate::geodesy::{Agl, LatLon};
@@ -28,6 +28,7 @@ pub(crate) fn copter() -> Vehicle {
         goal: end,
         stops: Vec::new(),
         order: Order::Fixed,
+        on_way: OnWay::default(),
         finish: Finish::Land,
         speed_mps: 10.0,
         max_load_factor: 1.2,

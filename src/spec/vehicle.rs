@@ -6,7 +6,7 @@ mod stop;
 
 pub use action::StopAction;
 pub use endurance::{Capacity, Endurance, Energy};
-pub use stop::{ACTION_S, MAX_STOPS, Order, Stop};
+pub use stop::{ACTION_S, MAX_STOPS, OnWay, Order, Stop};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,6 +44,8 @@ pub struct Vehicle {
     pub stops: Vec<Stop>,
     /// In which order they are visited.
     pub order: Order,
+    /// What is done at start and goal, and on the way.
+    pub on_way: OnWay,
     /// What happens at the goal.
     pub finish: Finish,
     /// Planned speed, m/s: over the ground, on a wing the indicated airspeed.

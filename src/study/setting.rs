@@ -12,8 +12,8 @@ use crate::path::{Flight, time_route};
 use crate::spec::AltitudeReference;
 use crate::spec::{
     Airframe, AltitudeLimits, Area, Autopilot, Buffers, EndPoint, Finish, Link, MissionOptions,
-    MissionSpec, Mover, OnAlarm, OnLinkLoss, Order, Placement, Retiming, Scenario, Separation,
-    TerrainSource, Vehicle,
+    MissionSpec, Mover, OnAlarm, OnLinkLoss, OnWay, Order, Placement, Retiming, Scenario,
+    Separation, TerrainSource, Vehicle,
 };
 use crate::world::{Departure, Disc, Ground, Layer, Stations, Terrain, World};
 
@@ -276,6 +276,7 @@ fn vehicle(mover: &Mover, sysid: u8, frame: &LocalFrame) -> Vehicle {
         goal: end(mover.goal),
         stops: Vec::new(),
         order: Order::Fixed,
+        on_way: OnWay::default(),
         finish: Finish::Loiter,
         speed_mps: mover.speed_mps,
         max_load_factor: mover.max_load_factor,

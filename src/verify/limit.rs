@@ -80,6 +80,8 @@ pub enum Limit {
     StopHold(String),
     /// What the mission does not do at the stop with this id.
     StopActions(String),
+    /// Legs from start to goal without pictures along the way, or after it with them.
+    CameraTrigger,
     /// Places of the task with this id that one vehicle visits in their order.
     Task(String),
     /// By how much what is done for the task with this id begins outside of its window.
@@ -319,6 +321,7 @@ impl Limit {
             | Self::Stop(_)
             | Self::StopHold(_)
             | Self::StopActions(_)
+            | Self::CameraTrigger
             | Self::Task(_)
             | Self::TaskWindow(_)
             | Self::Finish
@@ -368,6 +371,7 @@ impl fmt::Display for Limit {
             Self::RallyArea(point) => return write!(f, "rally {point} in the area"),
             Self::RallyFence(point) => return write!(f, "rally {point} in the fence"),
             Self::Flown(flown) => return flown.fmt(f),
+            Self::CameraTrigger => "pictures along the way",
             Self::TerrainClearance => "terrain clearance",
             Self::TakeoffLandingClearance => "takeoff and landing clearance",
             Self::GroundContact => "ground contact",

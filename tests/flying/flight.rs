@@ -8,11 +8,15 @@
 use crate::support::{self, sky};
 use sky::{Sky, US, lane, parameters, plan, plan_shipped};
 use sortie::flight::*;
+use sortie::geodesy::Agl;
 use sortie::link::*;
 use sortie::mission::{Item, command};
 use sortie::simulator::{Surroundings, Vehicle};
-use sortie::spec::{Autopilot, EndPoint, OnLinkLoss, Order, Stop, Vehicle as Spec};
+use sortie::spec::{
+    Autopilot, EndPoint, OnLinkLoss, Order, Placement, Stop, StopAction, Vehicle as Spec,
+};
 use sortie::verify::{Flown, Limit};
+use support::place;
 
 /// Three side by side, a kilometre each; the second is a PX4, the third starts later.
 fn three() -> Vec<Spec> {
@@ -513,5 +517,76 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
             let rested_s = times.last().expect("it was there") - times[0];
             assert!(rested_s >= stop.hold_s - 1.0, "{}: {rested_s} s", stop.id);
         }
+    }
+}
+
+/// A copter with a stop, and pictures along its way.
+#[test]
+fn a_copter_takes_its_pictures_and_says_so() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let mut alpha = sky::lane("alpha", 1, 36.30);
+        alpha.autopilot = autopilot;
+        alpha.speed_mps = 9.0;
+        alpha.stops = vec![Stop {
+            id: "mast".to_owned(),
+            end: EndPoint {
+                place: place(36.302, -84.254),
+                altitude: Placement::Agl(Agl(80.0)),
+            },
+            hold_s: 4.0,
+            acceptance_radius_m: None,
+            heading_rad: None,
+            actions: vec![StopAction::Photo],
+            speed_mps: None,
+            window_s: None,
+            wait_s: 0.0,
+        }];
+        let plan = plan(vec![alpha], OnLinkLoss::Continue);
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        assert!(
+            sky.says("alpha", "picture 1 (stop mast)"),
+            "{:?}",
+            sky.events
+        );
+        let report = plan.judge(&sky);
+        assert!(report.passes(), "{report:#?}");
+        let stop = &report.vehicles[0].stops[0];
+        assert!(stop.id == "mast" && stop.distance_m < 2.0, "{stop:?}");
+    }
+}
+
+#[test]
+fn a_copter_takes_pictures_along_its_way() {
+    let mut alpha = sky::lane("alpha", 1, 36.30);
+    alpha.speed_mps = 9.0;
+    alpha.on_way.trigger_m = Some(50.0);
+    let plan = plan(vec![alpha], OnLinkLoss::Continue);
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    // 1.1 km at 50 m: a first, one every 50 m, and a last.
+    assert!(sky.says("alpha", "picture 20"), "{:?}", sky.events);
+    assert!(!sky.says("alpha", "picture 30"), "{:?}", sky.events);
+}
+
+#[test]
+fn the_inspection_mission_makes_its_stops_and_takes_its_pictures() {
+    let plan = plan_shipped("inspection", |_| {});
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+    let report = plan.judge(&sky);
+    assert!(report.passes(), "{report:#?}");
+    for (vehicle, pictures) in [("alpha", 4), ("bravo", 4)] {
+        assert!(sky.says(vehicle, "(stop south)"), "{:?}", sky.events);
+        let numbers = |number: u32| sky.says(vehicle, &format!("picture {number}"));
+        // Of many pictures every tenth is said, of few the first three.
+        assert!((1..=3.min(pictures)).all(numbers), "{:?}", sky.events);
+    }
+    for vehicle in &report.vehicles {
+        assert!(vehicle.stops.len() == 4, "{vehicle:?}");
+        assert!(
+            vehicle.stops.iter().all(|stop| stop.distance_m < 2.0),
+            "{vehicle:?}"
+        );
     }
 }

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Output, Stdio};
 
 use serde_json::Value;
 
-use sky::{Planned, Sky, plan, plan_shipped};
+use sky::{Planned, Sky, plan, plan_shipped, plan_spec};
 use sortie::flight::*;
 use sortie::spec::*;
 use sortie::verify::Limit;
@@ -114,6 +114,41 @@ fn every_shipped_wing_flies_its_mission_in_wind_too() {
         let again = judge(&plan.spec, &plan.world, &captured);
         assert!(again.passes(), "{name}: {again:#?}");
         assert_eq!(again.vehicles[0].end, end);
+    }
+}
+
+#[test]
+fn wings_fly_past_their_stops() {
+    for (autopilot, airframe) in support::wings::KINDS {
+        let plan = plan_spec(support::wings::wing_with_stops(autopilot, airframe));
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        let report = plan.judge(&sky);
+        assert!(report.passes(), "{autopilot} {airframe}: {report:#?}");
+        assert_eq!(report.vehicles[0].end, "landed");
+        let (_, flown) = sky.fleet.flown().next().expect("flown");
+        let mut since_s = 0.0;
+        for (stop, point) in (plan.spec.vehicles[0].stops.iter()).zip(&plan.world.stations[0].stops)
+        {
+            let after = flown.fixes.iter().filter(|fix| fix.t_s > since_s);
+            let away = |fix: &Fix| {
+                fix.place
+                    .chord_m(stop.end.place)
+                    .hypot(fix.amsl.0 - point.amsl.0)
+            };
+            let nearest = after
+                .min_by(|a, b| away(a).total_cmp(&away(b)))
+                .expect("positions");
+            // Positions come twice a second.
+            assert!(
+                away(nearest) < 25.0,
+                "{autopilot} {airframe} {}: {}",
+                stop.id,
+                away(nearest)
+            );
+            since_s = nearest.t_s;
+        }
+        assert!(sky.says("heron", "picture 1 (stop t1)"), "{:?}", sky.events);
     }
 }
 

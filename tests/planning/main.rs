@@ -17,6 +17,7 @@ mod plan_fleet;
 mod plan_verdicts;
 mod shipped_missions;
 mod stops;
+mod stops_wings;
 mod study;
 mod study_fleet;
 mod tasks;

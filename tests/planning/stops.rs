@@ -435,3 +435,80 @@ fn actions_that_arducopter_would_drop_at_the_end_of_a_hold_fail() {
         [format!("actions at stop south: {}", dropped.join("; "))]
     );
 }
+
+#[test]
+fn start_and_goal_have_actions_and_pictures_are_taken_along_the_way() {
+    for (autopilot, finish) in [
+        (Autopilot::ArduPilot, Finish::Land),
+        (Autopilot::Px4, Finish::Land),
+        (Autopilot::ArduPilot, Finish::Return),
+    ] {
+        let mut spec = round(autopilot);
+        let vehicle = &mut spec.vehicles[0];
+        vehicle.finish = finish;
+        vehicle.on_way = OnWay {
+            start: vec![StopAction::Video { starts: true }],
+            goal: vec![StopAction::Video { starts: false }],
+            trigger_m: Some(25.0),
+        };
+        let (world, done) = dispatched(&spec);
+        let mission = &done.missions[0].1;
+        let at = |command: u16| -> Vec<usize> {
+            let items = mission.items.iter().enumerate();
+            let found = items.filter(|(_, item)| item.command == command);
+            found.map(|(index, _)| index).collect()
+        };
+        let triggers = at(command::DO_SET_CAM_TRIGG_DIST);
+        let values: Vec<f32> = triggers
+            .iter()
+            .map(|&index| mission.items[index].params[0])
+            .collect();
+        assert_eq!(values, [25.0, 0.0]);
+        let [start, stop] = [command::VIDEO_START_CAPTURE, command::VIDEO_STOP_CAPTURE].map(at);
+        assert!(
+            start[0] < triggers[0] && stop[0] < triggers[1],
+            "{start:?} {triggers:?} {stop:?}"
+        );
+        let judged = |change: &dyn Fn(&mut Vec<Item>)| {
+            let mut changed = mission.clone();
+            change(&mut changed.items);
+            failed(&review(&spec, &world, &[(0, &changed)]))
+        };
+        let named =
+            |failed: &[String], what: &str| failed.iter().any(|line| line.starts_with(what));
+        for (index, what) in [
+            (
+                start[0],
+                "actions at stop start: action 1 (video): no item does it",
+            ),
+            (
+                stop[0],
+                "actions at stop goal: action 1 (video): no item does it",
+            ),
+            (triggers[0], "pictures along the way: pictures every 0 m"),
+            (
+                triggers[1],
+                "pictures along the way: pictures on the way to item",
+            ),
+        ] {
+            let dropped = judged(&|items| {
+                items.remove(index);
+            });
+            assert!(named(&dropped, what), "{dropped:?}");
+        }
+        let other = judged(&|items| items[triggers[0]].params[0] = 50.0);
+        assert!(
+            named(&other, "pictures along the way: pictures every 50 m"),
+            "{other:?}"
+        );
+        let late = judged(&|items| {
+            let item = items.remove(triggers[0]);
+            items.insert(triggers[0] + 1, item);
+        });
+        assert!(named(&late, "pictures along the way"), "{late:?}");
+        // The rests are in the planned times.
+        let track = done.review.tracks[0].moments.last().expect("flown");
+        let flight = &done.plan.flights(&spec, &world)[0];
+        assert!((track.t_s - flight.points.last().expect("planned").t_s).abs() < 15.0);
+    }
+}

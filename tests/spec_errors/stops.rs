@@ -107,11 +107,35 @@ fn an_order_needs_stops_and_a_speed_from_a_stop_on_a_fixed_order() {
 }
 
 #[test]
-fn wings_have_no_stops_and_copters_not_too_many() {
-    let wing = with("airframe: copter", "airframe: vtol").replace(ALPHA, &stops(GOOD));
-    let found = issues(&wing);
-    let is_told = found.iter().any(|issue| issue.path == "vehicles[0].stops");
-    assert!(is_told, "{found:?}");
+fn a_wing_does_not_hover_at_its_stops_and_has_them_far_apart() {
+    let wing = |listed: &str| {
+        let text = with("airframe: copter", "airframe: vtol").replace(ALPHA, &stops(listed));
+        text.replace("    return_amsl_m: 900\n", "")
+    };
+    let good_ones = GOOD.replace(", hold_s: 3", "");
+    let alpha = good(&wing(&good_ones)).vehicles.remove(0);
+    assert!(alpha.passes_after(0) && !alpha.passes_after(2));
+    for (key, path) in [
+        ("hold_s: 3", "hold_s"),
+        ("heading_deg: 90", "heading_deg"),
+        ("speed_mps: 8", "speed_mps"),
+        (
+            "actions: [{winch: {length_m: 5, rate_mps: 0.5}}]",
+            "actions[0].winch",
+        ),
+    ] {
+        let found = issues(&wing(&GOOD.replace("hold_s: 3", key)));
+        let paths: Vec<&str> = found.iter().map(|issue| issue.path.as_str()).collect();
+        assert_eq!(paths, [format!("vehicles[0].stops[0].{path}")]);
+    }
+    let near = good_ones.replace("lon: -84.20", "lon: -84.298");
+    let found = issues(&wing(&near));
+    assert_eq!(found[0].path, "vehicles[0].stops[1]");
+    assert!(found[0].found.contains("m from stop `t1`"), "{found:?}");
+}
+
+#[test]
+fn stops_are_not_too_many() {
     let many: Vec<String> = (0..=MAX_STOPS)
         .map(|n| {
             format!(

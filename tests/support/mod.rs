@@ -14,6 +14,7 @@ pub mod ports;
 pub mod sky;
 pub mod tile_server;
 pub mod transfers;
+pub mod wings;
 
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
@@ -72,6 +73,7 @@ pub fn copter(id: &str, sysid: u8, start: LatLon, goal: LatLon) -> Vehicle {
         goal: airborne(goal),
         stops: Vec::new(),
         order: Order::Fixed,
+        on_way: OnWay::default(),
         finish: Finish::Land,
         autopilot_version: None,
         speed_mps: 15.0,

@@ -50,6 +50,20 @@ pub fn plan(vehicles: Vec<Spec>, on_link_loss: OnLinkLoss) -> Planned {
     }
 }
 
+/// A spec, planned.
+pub fn plan_spec(spec: MissionSpec) -> Planned {
+    let world = world(&spec);
+    let dispatched = dispatch(&spec, &world, 1, &|_| {});
+    let failed = dispatched.review.margins.iter().filter(|margin| !margin.ok);
+    let failed: Vec<_> = failed.collect();
+    assert!(failed.is_empty(), "{failed:?}");
+    Planned {
+        spec,
+        world,
+        dispatched,
+    }
+}
+
 /// A shipped mission, planned after a change of its spec.
 pub fn plan_shipped(name: &str, change: impl FnOnce(&mut MissionSpec)) -> Planned {
     let missions = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions");
@@ -141,6 +155,7 @@ impl Planned {
                 reference,
                 start_s: 0.0,
                 upload,
+                stops: self.spec.vehicles[*index].stop_places(),
             })
             .collect();
         let options = Options {

@@ -170,11 +170,11 @@ fn prototype(
     };
     let end = |share: f64| {
         let keys::Place { lat, lon } = between(share);
-        keys::EndPoint {
+        keys::Station {
             lat,
             lon,
-            agl_m: None,
             amsl_m: Some(100.0),
+            ..keys::Station::default()
         }
     };
     let takeoff_heading_deg = match airframe {

@@ -17,7 +17,7 @@ use leg::leg_at;
 use limits::separation;
 use proof::CROSS_TRACK_M;
 use reference::{Deviation, Reference, to_segment};
-use report::{FlightReport, Passage, Spread, VehicleReport};
+use report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
 
 /// Around home and the place of landing the minimum height does not hold, metres.
 pub(super) const COLUMN_M: f64 = 25.0;
@@ -289,6 +289,30 @@ impl<'a> FlownTrack<'a> {
             cross_track_m: spread(|deviation| deviation.cross_track_m),
             altitude_error_m: spread(|deviation| deviation.above_m.abs()),
             passages: self.parts().flat_map(|part| self.passages(&part)).collect(),
+            stops: self.stops(),
         }
+    }
+
+    /// How near it came to each of its stops, and when.
+    fn stops(&self) -> Vec<MadeStop> {
+        let (Some(vehicle), Some(stations)) = (self.vehicle, &self.stations) else {
+            return Vec::new();
+        };
+        let stops = vehicle.stops.iter().zip(&stations.stops);
+        let made = stops.filter_map(|(stop, &point)| {
+            let pairs = self.points.windows(2).zip(self.fixes().windows(2));
+            let nearest = pairs.map(|(points, fixes)| {
+                let (distance_m, share) = to_segment(point, points[0], points[1]);
+                let t_s = fixes[0].t_s + share * (fixes[1].t_s - fixes[0].t_s);
+                (distance_m, t_s)
+            });
+            let (distance_m, flown_s) = nearest.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            Some(MadeStop {
+                id: stop.id.clone(),
+                flown_s,
+                distance_m,
+            })
+        });
+        made.collect()
     }
 }

@@ -28,6 +28,19 @@ pub struct VehicleReport {
     pub altitude_error_m: Option<Spread>,
     /// When it passed its waypoints.
     pub passages: Vec<Passage>,
+    /// When it was at its stops, in the order of the spec.
+    pub stops: Vec<MadeStop>,
+}
+
+/// A stop of the spec, and when the vehicle was nearest to it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MadeStop {
+    /// Id in the spec.
+    pub id: String,
+    /// Seconds after T0.
+    pub flown_s: f64,
+    /// How near it came, metres.
+    pub distance_m: f64,
 }
 
 /// Median, 95 % and worst of many values.

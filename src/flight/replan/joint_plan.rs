@@ -8,14 +8,14 @@ mod unaffected;
 
 use super::assessment::{Assessment, NoPath};
 use super::new_mission::{NewMission, head_len};
-use super::state::{Branch, VehicleState};
+use super::state::{Branch, VehicleState, Via};
 use crate::cost::Margins;
 use crate::flight::conformance::reference::Reference;
 use crate::geodesy::{Amsl, PlanPoint};
-use crate::mission::{self, Item, MissionError, VehicleMission};
+use crate::mission::{self, Item, MissionError, VehicleMission, command};
 use crate::path::{Departure, TimedPoint, heading_rad, time_route_from};
 use crate::plan::{FleetPlan, Request, Route, VehiclePlan, replan_from};
-use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, Vehicle};
+use crate::spec::{AltitudeReference, Buffers, Finish, MissionSpec, Order, Vehicle};
 use crate::verify::{self, Limit, Margin, Review};
 use crate::world::{Stations, World};
 
@@ -94,8 +94,10 @@ impl<'a> JointPlan<'a> {
         let (spec, world) = (given.plan.spec(), &given.plan.world);
         let mut joint = Self {
             given,
+            // What is left of tasks stays in the missions as it is on board.
             spec: MissionSpec {
                 vehicles: Vec::new(),
+                tasks: Vec::new(),
                 ..spec.clone()
             },
             world: world.clone(),
@@ -157,10 +159,13 @@ impl<'a> JointPlan<'a> {
         lands: bool,
         departure: Departure,
     ) {
+        let (vehicle, stations) = (self.vehicle(state), self.stations(state));
         self.spec.vehicles.push(Vehicle {
             finish: if lands { Finish::Land } else { Finish::Loiter },
             stops: Vec::new(),
-            ..self.vehicle(state).clone()
+            order: Order::Fixed,
+            speed_mps: state.speed_now_mps(vehicle, stations),
+            ..vehicle.clone()
         });
         self.world.stations.push(Stations {
             departure,
@@ -169,8 +174,34 @@ impl<'a> JointPlan<'a> {
             landing: to.at,
             goal_ground: ground(&self.world, to),
             stops: Vec::new(),
-            ..self.given.plan.world.stations[state.vehicle]
+            ..stations.clone()
         });
+    }
+
+    /// Adds one that has its stops ahead still to visit.
+    fn add_with_stops(
+        &mut self,
+        state: &VehicleState,
+        ends: (PlanPoint, PlanPoint),
+        departure: Departure,
+    ) {
+        let (vehicle, stations) = (self.vehicle(state), self.stations(state));
+        self.add(state, ends, state.lands, departure);
+        let ahead = state.stops_ahead(vehicle, stations);
+        if let (Some(own), Some(at)) = (
+            self.spec.vehicles.last_mut(),
+            self.world.stations.last_mut(),
+        ) {
+            own.stops = ahead
+                .iter()
+                .map(|&stop| vehicle.stops[stop].clone())
+                .collect();
+            at.stops = ahead.iter().map(|&stop| stations.stops[stop]).collect();
+        }
+    }
+
+    fn stations(&self, state: &VehicleState) -> &'a Stations {
+        &self.given.plan.world.stations[state.vehicle]
     }
 
     fn drop_last(&mut self) {
@@ -193,11 +224,39 @@ impl<'a> JointPlan<'a> {
         self.plan.vehicles.push(VehiclePlan {
             depart_s: added.depart_s,
             speed_mps: added.speed_mps,
-            routes: vec![self.route(state, path)],
+            routes: self.routes(state, path),
             ..VehiclePlan::default()
         });
         self.missions.push(mission);
         self.rows.push((state.at + 1, rows));
+    }
+
+    /// The routes of the last vehicle that was added: its path from stop to stop.
+    fn routes(&self, state: &VehicleState, path: &[PlanPoint]) -> Vec<Route> {
+        let (Some(own), Some(at)) = (self.spec.vehicles.last(), self.world.stations.last()) else {
+            return Vec::new();
+        };
+        let mut pieces = Vec::new();
+        let mut rest = path;
+        for point in &at.stops {
+            let is_there = |of: &PlanPoint| of.distance_m(*point) < self.spec.mission.tolerance_m;
+            let Some(end) = rest.iter().position(is_there) else {
+                return vec![self.route(state, path)];
+            };
+            pieces.push(&rest[..=end]);
+            rest = &rest[end..];
+        }
+        pieces.push(rest);
+        let mut routes: Vec<Route> = Vec::new();
+        for (number, piece) in pieces.into_iter().enumerate() {
+            let mut route = self.route(state, piece);
+            if let Some(before) = routes.last() {
+                let begin = (before.end_s() + own.rest_after_s(number - 1), 0.0);
+                route.path = time_route_from(piece, begin, own.speed_mps, own.accel_mps2);
+            }
+            routes.push(route);
+        }
+        routes
     }
 
     /// A path of the last vehicle that was added, timed from its departure.
@@ -233,7 +292,10 @@ impl<'a> JointPlan<'a> {
         let last = routes.last().and_then(|route| route.last()).copied()?;
         routes.first_mut()?.insert(0, turn);
         let built = match self.encode(state, &routes) {
-            Ok(built) => built,
+            Ok(mut built) => {
+                keep_stays(&mut built.items, state.vias_after(branch));
+                built
+            }
             Err(error) => {
                 self.problem(state, Limit::Encoding, error.to_string());
                 return None;
@@ -255,7 +317,7 @@ impl<'a> JointPlan<'a> {
             .chain(routes.concat().into_iter().skip(1))
             .collect();
         let departure = state.departure(self.given.now_s);
-        self.add(state, (state.here, last), state.lands, departure);
+        self.add_with_stops(state, (state.here, last), departure);
         self.commit(state, &path, VehicleMission { items, ..built }, rows);
         if found.is_none() {
             let why = "its items ahead are not one after the other";
@@ -312,6 +374,7 @@ impl<'a> JointPlan<'a> {
         // It passes the branch, and rests where it turns back.
         let mut speed_mps = cruise_mps;
         let ends = state.routes(branch);
+        let vias: Vec<&Via> = state.vias_after(branch).collect();
         let mut paths = Vec::new();
         for (number, (from, to)) in ends.iter().copied().enumerate() {
             let is_last = number + 1 == ends.len();
@@ -336,7 +399,8 @@ impl<'a> JointPlan<'a> {
                 .get(first)
                 .map(VehiclePlan::path)
                 .unwrap_or_default();
-            (at_s, speed_mps) = (timed.last().map_or(at_s, |last| last.t_s), 0.0);
+            let rest_s = vias.get(number).map_or(0.0, |via| rest_s(&via.items));
+            (at_s, speed_mps) = (timed.last().map_or(at_s, |last| last.t_s) + rest_s, 0.0);
             paths.push(timed.iter().map(|timed| timed.point).collect());
         }
         paths
@@ -367,6 +431,28 @@ impl<'a> JointPlan<'a> {
         }
         (new, review)
     }
+}
+
+/// Puts what is done at the places that a new path leads over instead of the turns there.
+fn keep_stays<'a>(items: &mut Vec<Item>, vias: impl Iterator<Item = &'a Via>) {
+    let is_turn = |item: &Item| item.command == command::NAV_WAYPOINT && item.params[0] > 0.0;
+    let mut from = 0;
+    for via in vias.filter(|via| !via.items.is_empty()) {
+        let Some(turn) = items.iter().skip(from).position(is_turn) else {
+            return;
+        };
+        let at = from + turn;
+        items.splice(at..=at, via.items.iter().copied());
+        from = at + via.items.len();
+    }
+}
+
+/// How long the items of a place hold, seconds.
+fn rest_s(items: &[Item]) -> f64 {
+    let waypoints = items
+        .iter()
+        .filter(|item| item.command == command::NAV_WAYPOINT);
+    waypoints.map(|item| f64::from(item.params[0])).sum()
 }
 
 /// The ground below a point; where there is no data it is not a number, and nothing passes.

@@ -78,25 +78,19 @@ pub struct Replanner<'a> {
     clock: Clock,
 }
 
-/// Refuses fleets that cannot be led onto new paths: planes, VTOL with an approach, and vehicles
-/// with stops.
+/// Refuses fleets that cannot be led onto new paths: planes, VTOL with an approach or with stops.
 ///
 /// # Errors
 /// [`FlightError::Verdict`]
 pub fn refuse_unsupported(spec: &MissionSpec) -> Result<(), FlightError> {
-    if !spec.tasks.is_empty() {
-        let message = "the spec has tasks: only vehicles that fly from start to goal are led onto new paths; \
-                       nothing was sent, and the flight of every vehicle is judged against the threat";
-        return Err(FlightError::Verdict(message.to_owned()));
-    }
     for vehicle in &spec.vehicles {
         let why = match vehicle.airframe {
             Airframe::Plane => "is a plane: only copters and VTOL are led onto new paths",
             Airframe::Vtol if vehicle.wing.is_some_and(|wing| wing.landing.is_some()) => {
                 "has an approach: only VTOL that land from anywhere are led onto new paths"
             }
-            _ if !vehicle.stops.is_empty() => {
-                "has stops: only vehicles that fly from start to goal are led onto new paths"
+            Airframe::Vtol if !vehicle.stops.is_empty() => {
+                "is a VTOL with stops: those of copters alone are kept on new paths"
             }
             Airframe::Vtol | Airframe::Copter => continue,
         };

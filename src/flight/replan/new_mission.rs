@@ -40,11 +40,8 @@ impl NewMission {
             Autopilot::ArduPilot => 0,
             Autopilot::Px4 => state.at,
         };
-        let first = retained_end - branch.retained;
-        let is_contiguous = state
-            .ahead
-            .first()
-            .is_none_or(|(index, _)| branch.retained == 0 || *index == first);
+        let first = state.first_ahead(branch);
+        let is_contiguous = state.is_contiguous(branch);
         let before = held.items.get(begin..retained_end)?;
         if before.len() + new.len() == held.items.len() {
             // A record identifies the plan that a vehicle flies by its number of items.

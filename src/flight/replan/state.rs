@@ -7,13 +7,16 @@ use crate::flight::session::modes;
 use crate::geodesy::{Amsl, EastNorth, LocalFrame, PlanPoint};
 use crate::link::Position;
 use crate::mission::{Home, Item, VehicleMission, command, frame};
+use crate::spec::{Stop, Vehicle};
 use crate::verify::Track;
-use crate::world::Departure;
+use crate::world::{Departure, Stations};
 
 /// Lower above its home than this a vehicle stands on the ground, metres.
 const AIRBORNE_M: f64 = 1.5;
 /// A waypoint this near a goal is the goal, metres.
 const GOAL_M: f64 = 2.0;
+/// Waypoints nearer than this are at one place, metres.
+const SAME_M: f64 = 0.5;
 
 /// One vehicle in flight.
 #[derive(Clone, Debug)]
@@ -43,10 +46,21 @@ pub struct VehicleState {
     pub(super) lands: bool,
     /// Whether it still stands on the ground.
     pub stands: bool,
-    /// Index into `ahead` of a goal at which it turns back.
-    pub(super) via: Option<usize>,
+    /// Where it stays on its way or turns back, in order.
+    pub(super) vias: Vec<Via>,
     /// Radius of the circle on which a wing stays where it is, metres; 0 without a wing.
     stay_radius_m: f32,
+}
+
+/// A place that a new path leads over.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Via {
+    /// Index into `ahead` of its first waypoint.
+    first: usize,
+    /// What is done there, as it is on board with altitudes AMSL: holds and actions.
+    pub(super) items: Vec<Item>,
+    /// Where.
+    pub(super) point: PlanPoint,
 }
 
 /// Where a new path branches off the present one.
@@ -131,11 +145,7 @@ impl VehicleState {
         #[expect(clippy::cast_possible_truncation, reason = "parameters are float32")]
         let stay_radius_m = wing.map_or(0.0, |wing| wing.loiter_radius_m as f32);
         let station = plan.world.stations.get(vehicle);
-        let via = station.and_then(|station| {
-            let is_goal = |(_, point): &(usize, PlanPoint)| point.distance_m(station.goal) < GOAL_M;
-            let found = ahead.iter().position(is_goal)?;
-            (found + 1 < ahead.len()).then_some(found)
-        });
+        let vias = station.map_or_else(Vec::new, |of| vias(&held, &ahead, (of.start, of.goal)));
         Ok(Self {
             vehicle,
             held,
@@ -150,7 +160,7 @@ impl VehicleState {
             ahead,
             lands: reference.lands,
             stands,
-            via,
+            vias,
             stay_radius_m,
         })
     }
@@ -219,11 +229,27 @@ impl VehicleState {
         let Some(&(_, last)) = self.ahead.last() else {
             return Vec::new();
         };
-        let via = self.via.filter(|via| *via >= branch.retained);
-        match via.and_then(|via| self.ahead.get(via)) {
-            Some(&(_, via)) => vec![(branch.point, via), (via, last)],
-            None => vec![(branch.point, last)],
-        }
+        let mut points = vec![branch.point];
+        points.extend(self.vias_after(branch).map(|via| via.point));
+        points.push(last);
+        points.windows(2).map(|pair| (pair[0], pair[1])).collect()
+    }
+
+    /// The places behind a branch that a new path leads over.
+    pub(super) fn vias_after(&self, branch: &Branch) -> impl Iterator<Item = &Via> {
+        let retained = branch.retained;
+        self.vias.iter().filter(move |via| via.first >= retained)
+    }
+
+    /// The stops of its own that are ahead, in the order in which it visits them, by their indices in
+    /// the spec. One at which it rests already is none: it is not done twice.
+    pub(super) fn stops_ahead(&self, vehicle: &Vehicle, stations: &Stations) -> Vec<usize> {
+        let at = |via: &Via| {
+            let is_whole = |stop: &Stop| stop.actions.is_empty() || via.items.len() > 1;
+            let mut stops = vehicle.stops.iter().zip(&stations.stops);
+            stops.position(|(stop, point)| via.point.distance_m(*point) < GOAL_M && is_whole(stop))
+        };
+        self.vias.iter().filter_map(at).collect()
     }
 
     /// Items that it flies from where it is, with altitudes AMSL instead of above home, each with its
@@ -253,11 +279,35 @@ impl VehicleState {
         speed.into_iter().chain(ahead).collect()
     }
 
-    /// Items of the waypoints before a branch, with altitudes AMSL.
+    /// Items ahead before a branch, with altitudes AMSL: waypoints, and what is done on the way.
     pub(super) fn retained_items(&self, branch: &Branch) -> Vec<Item> {
-        let waypoints = self.ahead.iter().take(branch.retained);
-        let items = waypoints.filter_map(|(index, _)| self.held.items.get(*index));
+        let end = self.retained_end(branch);
+        let items = self.held.items.get(self.first_ahead(branch)..end);
+        let items = items.unwrap_or_default().iter();
         items.map(|item| with_amsl(item, &self.held.home)).collect()
+    }
+
+    /// The speed that it flies with now: that of the last stop behind it that has one, m/s.
+    pub(super) fn speed_now_mps(&self, vehicle: &Vehicle, stations: &Stations) -> f64 {
+        let ahead = self.stops_ahead(vehicle, stations);
+        let behind = vehicle.stops.iter().enumerate().rev();
+        let mut behind = behind.filter(|(index, _)| !ahead.contains(index));
+        let own_mps = behind.find_map(|(_, stop)| stop.speed_mps);
+        own_mps.unwrap_or(vehicle.speed_mps)
+    }
+
+    /// Whether the items that are retained are waypoints one after the other, and what is done there.
+    pub(super) fn is_contiguous(&self, branch: &Branch) -> bool {
+        let retained = self.ahead.iter().take(branch.retained);
+        let indices: Vec<usize> = retained.map(|(index, _)| *index).collect();
+        let mut pairs = indices.windows(2);
+        pairs.all(|pair| after_actions(&self.held.items, pair[0]) == pair[1])
+    }
+
+    /// Index of the first item ahead that is retained, or of the first that is not.
+    pub(super) fn first_ahead(&self, branch: &Branch) -> usize {
+        let first = self.ahead.first().filter(|_| branch.retained > 0);
+        first.map_or_else(|| self.retained_end(branch), |(index, _)| *index)
     }
 
     /// Index of the first item that is not retained.
@@ -270,8 +320,57 @@ impl VehicleState {
             let stays = |item: &&Item| is_takeoff(item) || item.place().is_none();
             self.at + items.take_while(stays).count()
         };
-        last.map_or_else(none, |(index, _)| index + 1)
+        last.map_or_else(none, |(index, _)| after_actions(&self.held.items, *index))
     }
+}
+
+/// Index of the first item after a waypoint that is more than something done there.
+fn after_actions(items: &[Item], waypoint: usize) -> usize {
+    let rest = items.iter().skip(waypoint + 1);
+    let is_action = |item: &&Item| item.command > command::NAV_LAST;
+    waypoint + 1 + rest.take_while(is_action).count()
+}
+
+/// Where a mission stays or turns back ahead, but for its start.
+fn vias(
+    held: &VehicleMission,
+    ahead: &[(usize, PlanPoint)],
+    (start, goal): (PlanPoint, PlanPoint),
+) -> Vec<Via> {
+    let item = |at: usize| ahead.get(at).and_then(|(index, _)| held.items.get(*index));
+    let holds = |at: usize| {
+        let is_hold = |item: &Item| item.command == command::NAV_WAYPOINT && item.params[0] > 0.0;
+        item(at).is_some_and(is_hold)
+    };
+    let is_waypoint = |item: &Item| item.command == command::NAV_WAYPOINT;
+    let begin = held.items.iter().position(is_waypoint);
+    let mut vias: Vec<Via> = Vec::new();
+    let mut at = 0;
+    while let Some(&(index, point)) = ahead.get(at) {
+        let is_start = begin == Some(index) && point.distance_m(start) < GOAL_M;
+        let is_turn = point.distance_m(goal) < GOAL_M && at + 1 < ahead.len();
+        let mut last = at;
+        while holds(at)
+            && holds(last + 1)
+            && ahead
+                .get(last + 1)
+                .is_some_and(|(_, next)| next.distance_m(point) < SAME_M)
+        {
+            last += 1;
+        }
+        if !is_start && (holds(at) || is_turn) && last + 1 < ahead.len() {
+            let end = after_actions(&held.items, ahead[last].0);
+            let done = held.items.get(index..end).filter(|_| holds(at));
+            let done = done.unwrap_or_default().iter();
+            vias.push(Via {
+                first: at,
+                items: done.map(|item| with_amsl(item, &held.home)).collect(),
+                point,
+            });
+        }
+        at = last + 1;
+    }
+    vias
 }
 
 /// Where the leg to the item of a row begins, unless at home; and the waypoints ahead in the air,

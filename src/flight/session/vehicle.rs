@@ -19,6 +19,7 @@ use crate::autopilot::{Autopilot, Version};
 use crate::flight::conformance::reference::Reference;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
+use crate::geodesy::LatLon;
 use crate::link::{
     AUTOPILOT_INVALID, Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order,
     Position, Reading, Session, Time,
@@ -31,6 +32,8 @@ use texts::TextLimit;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
+/// So near to a stop a vehicle is at it when it reports an item, metres.
+const STOP_M: f64 = 25.0;
 
 /// What one vehicle shall do.
 #[derive(Clone, Debug)]
@@ -50,6 +53,8 @@ pub struct Assignment<'a> {
     pub start_s: f64,
     /// Whether its mission is transferred first, instead of only read.
     pub upload: bool,
+    /// The stops of its own, by id.
+    pub stops: Vec<(&'a str, LatLon)>,
 }
 
 /// Where it is on the way to its flight, and in it.
@@ -153,6 +158,8 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) flown: Flown,
     outbox: VecDeque<Message>,
     said: VecDeque<String>,
+    /// The number of its last picture.
+    pictures: Option<u32>,
     set_params: bool,
     force: bool,
 }
@@ -221,6 +228,7 @@ impl<'a> FlightVehicle<'a> {
             flown: Flown::default(),
             outbox: VecDeque::new(),
             said: VecDeque::new(),
+            pictures: None,
             set_params,
             force,
         }
@@ -341,9 +349,14 @@ impl<'a> FlightVehicle<'a> {
                 let row = self.row(*seq);
                 let flies = matches!(self.stage, Stage::Flying | Stage::Starting);
                 if flies && self.flown.reach(row, t_s) {
-                    self.said.push_back(format!("item {row} reached"));
+                    let at = self
+                        .stop_here()
+                        .map_or_else(String::new, |id| format!(" (stop {id})"));
+                    self.said.push_back(format!("item {row} reached{at}"));
                 }
             }
+            FlightMessage::CameraTrigger { seq } => self.pictured(*seq),
+            FlightMessage::CameraFeedback { index, .. } => self.pictured(u32::from(*index)),
             FlightMessage::CommandAck {
                 target,
                 command,
@@ -360,6 +373,27 @@ impl<'a> FlightVehicle<'a> {
             }
             _ => {}
         }
+    }
+
+    /// It has taken a picture; of many along the way every tenth is said.
+    fn pictured(&mut self, number: u32) {
+        let is_new = self.pictures != Some(number);
+        self.pictures = Some(number);
+        if is_new && (number <= 3 || number.is_multiple_of(10)) {
+            let at = self
+                .stop_here()
+                .map_or_else(String::new, |id| format!(" (stop {id})"));
+            self.said.push_back(format!("picture {number}{at}"));
+        }
+    }
+
+    /// The stop that it is at.
+    fn stop_here(&self) -> Option<&'a str> {
+        let (_, fix) = self.latest?;
+        let away_m = |place: &LatLon| place.chord_m(fix.place);
+        let nearest = self.of.stops.iter();
+        let nearest = nearest.min_by(|a, b| away_m(&a.1).total_cmp(&away_m(&b.1)))?;
+        (away_m(&nearest.1) < STOP_M).then_some(nearest.0)
     }
 
     /// The row of a sequence number.

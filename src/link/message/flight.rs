@@ -46,6 +46,22 @@ pub enum FlightMessage {
         /// Which.
         seq: u16,
     },
+    /// `CAMERA_TRIGGER` (112): PX4 has taken a picture.
+    CameraTrigger {
+        /// Its number.
+        seq: u32,
+    },
+    /// `CAMERA_FEEDBACK` (180): ArduPilot has taken a picture.
+    CameraFeedback {
+        /// Its number.
+        index: u16,
+        /// Latitude, 1e-7 degrees.
+        x: i32,
+        /// Longitude, 1e-7 degrees.
+        y: i32,
+        /// Metres above mean sea level.
+        amsl_m: f32,
+    },
     /// `GLOBAL_POSITION_INT` (33).
     Position(Position),
     /// What a vehicle says of its own health.

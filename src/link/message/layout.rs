@@ -150,6 +150,24 @@ fn flight_layout(id: u32, message: &mut FlightMessage, fields: &mut dyn Fields) 
             fields.address(target);
         }
         FlightMessage::ItemReached { seq } => fields.u16(seq),
+        FlightMessage::CameraTrigger { seq } => {
+            fields.unused(&[0; 8]);
+            fields.u32(seq);
+        }
+        FlightMessage::CameraFeedback {
+            index,
+            x,
+            y,
+            amsl_m,
+        } => {
+            fields.unused(&[0; 8]);
+            fields.i32(x);
+            fields.i32(y);
+            fields.f32(amsl_m);
+            fields.unused(&[0; 20]);
+            fields.u16(index);
+            fields.unused(&[0; 3]);
+        }
         FlightMessage::Position(position) => position_layout(position, fields),
         FlightMessage::Health(health) => health.layout(fields),
         FlightMessage::Landed(state) => {

@@ -40,6 +40,13 @@ fn all() -> Vec<FlightMessage> {
             seq: 300,
         },
         FlightMessage::ItemReached { seq: 300 },
+        FlightMessage::CameraTrigger { seq: 70_000 },
+        FlightMessage::CameraFeedback {
+            index: 7,
+            x: 363_000_000,
+            y: -842_500_000,
+            amsl_m: 412.5,
+        },
         FlightMessage::Position(Position {
             boot_ms: 70_001,
             x: 363_000_001,
@@ -140,6 +147,14 @@ fn the_fields_are_where_the_dialect_has_them() {
             "SET_MODE" => &["custom_mode: 67305985", "target_system: 7"],
             "MISSION_SET_CURRENT" => &["seq: 300", "target_system: 7"],
             "MISSION_ITEM_REACHED" => &["seq: 300"],
+            "CAMERA_TRIGGER" => &["seq: 70000"],
+            "CAMERA_FEEDBACK" => &[
+                "lat: 363000000",
+                "lng: -842500000",
+                "alt_msl: 412.5",
+                "img_idx: 7",
+                "target_system: 0",
+            ],
             "GLOBAL_POSITION_INT" => &[
                 "time_boot_ms: 70001",
                 "lat: 363000001",

@@ -70,10 +70,13 @@ struct Name {
 
 impl<'a> Legs<'a> {
     /// The path may be further from a leg than the points are, by `slack_m`.
-    pub(crate) fn new(points: &[Point], slack_m: f64, keep: &'a Keep) -> Self {
+    /// No leg passes a point that is needed.
+    pub(crate) fn new(points: &[Point], needed: &[bool], slack_m: f64, keep: &'a Keep) -> Self {
         let from = (0..points.len())
             .map(|from| {
-                (from + 1..points.len().min(from + 1 + REACH))
+                let rest = needed.iter().skip(from + 1);
+                let next = rest.take_while(|is_needed| !**is_needed).count() + from + 2;
+                (from + 1..points.len().min(from + 1 + REACH).min(next))
                     .filter_map(|to| Leg::new(&points[from..=to], to, slack_m, keep))
                     .collect()
             })

@@ -261,20 +261,34 @@ impl ItemWriter<'_> {
             Departure::Ground => self.takeoff(stations.home, start)?,
             Departure::Airborne { .. } => self.speed().into_iter().collect(),
         };
+        items.extend(self.vehicle.on_way.trigger_m.map(stops::trigger));
+        let to_goal = match self.vehicle.finish {
+            Finish::Return => routes.len().min(self.vehicle.stops.len() + 1),
+            Finish::Land | Finish::Loiter => routes.len(),
+        };
         let mut last = start;
         let mut leg = onward.to_vec();
         for number in 0.. {
             let next = legs.next();
             for (index, &point) in leg.iter().enumerate() {
-                let is_end = next.is_some() && index + 1 == leg.len();
-                match self.vehicle.stops.get(number).filter(|_| is_end) {
-                    Some(stop) => items.extend(self.stop(stop, point)?),
+                let is_end = index + 1 == leg.len();
+                let stop = match (is_end, number + 1 == to_goal) {
+                    (true, true) => self.vehicle.goal_stop(),
+                    (true, false) => self.vehicle.stops.get(number).cloned(),
+                    (false, _) => None,
+                };
+                match stop {
+                    Some(stop) => items.extend(self.stop(&stop, point)?),
                     None => {
-                        let hold_s = if is_end { HOLD_S } else { 0.0 };
+                        let rests = is_end && next.is_some();
+                        let hold_s = if rests { HOLD_S } else { 0.0 };
                         items.push(self.at(command::NAV_WAYPOINT, hold_s, point)?);
                     }
                 }
                 last = point;
+            }
+            if number + 1 == to_goal {
+                items.extend(self.trigger_off());
             }
             match next {
                 Some(points) => leg = points[points.len().min(1)..].to_vec(),
@@ -299,10 +313,18 @@ impl ItemWriter<'_> {
         };
         items.push(self.at(command::NAV_TAKEOFF, 0.0, above_home)?);
         items.extend(self.speed());
-        if !self.encoder.is_over_home(start) {
+        if let Some(stop) = self.vehicle.start_stop() {
+            items.extend(self.stop(&stop, start)?);
+        } else if !self.encoder.is_over_home(start) {
             items.push(self.at(command::NAV_WAYPOINT, HOLD_S, start)?);
         }
         Ok(items)
+    }
+
+    /// The last picture along the way, if there are any.
+    pub(super) fn trigger_off(&self) -> Option<Item> {
+        let trigger_m = self.vehicle.on_way.trigger_m;
+        trigger_m.map(|_| stops::trigger(0.0))
     }
 
     /// Waits on the ground. The other parameters would be a time of day; -1 means none.
@@ -354,6 +376,17 @@ impl ItemWriter<'_> {
         number: usize,
         route: &[TimedPoint],
     ) -> Result<Vec<PlanPoint>, NoData> {
+        let chosen = self.waypoints(number, route, &[])?;
+        Ok(chosen.into_iter().map(|index| route[index].point).collect())
+    }
+
+    /// The indices of those samples, some of them given.
+    pub(super) fn waypoints(
+        &self,
+        number: usize,
+        route: &[TimedPoint],
+        through: &[usize],
+    ) -> Result<Vec<usize>, NoData> {
         let path = route
             .iter()
             .map(|sample| {
@@ -371,10 +404,7 @@ impl ItemWriter<'_> {
             limits: VehicleLimits::of(&self.vehicle.on_route(number)),
             zero: self.encoder.zero(),
         };
-        Ok(waypoints(&path, &keep)
-            .into_iter()
-            .map(|index| route[index].point)
-            .collect())
+        Ok(waypoints(&path, through, &keep))
     }
 }
 

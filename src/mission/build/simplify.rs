@@ -14,28 +14,33 @@ use super::legs::{Keep, Legs, Point, distance_m};
 /// Share of the tolerance that the choice of candidates among the samples uses.
 const CANDIDATE_SHARE: f64 = 0.05;
 
-/// Indices of the samples that become waypoints, first and last included.
+/// Indices of the samples that become waypoints: first and last, those of some indices in ascending
+/// order, and others.
 ///
 /// The fewest candidates whose legs and arcs keep the limits. Where none do, those that miss them
 /// least, which the verdict rejects. The ends are flown from and to rest.
-pub(crate) fn waypoints(path: &[Point], keep: &Keep) -> Vec<usize> {
+pub(crate) fn waypoints(path: &[Point], through: &[usize], keep: &Keep) -> Vec<usize> {
     let slack_m = CANDIDATE_SHARE * keep.tolerance_m;
-    let candidates = douglas_peucker(path, slack_m);
+    let candidates = douglas_peucker(path, through, slack_m);
     let points: Vec<Point> = candidates.iter().map(|&index| path[index]).collect();
-    Legs::new(&points, slack_m, keep)
+    let is_needed = |index: &usize| through.binary_search(index).is_ok();
+    let needed: Vec<bool> = candidates.iter().map(is_needed).collect();
+    Legs::new(&points, &needed, slack_m, keep)
         .fewest()
         .into_iter()
         .map(|index| candidates[index])
         .collect()
 }
 
-/// Indices of a subset of the samples within `tolerance_m` of every sample.
-fn douglas_peucker(path: &[Point], tolerance_m: f64) -> Vec<usize> {
+/// Indices of a subset of the samples within `tolerance_m` of every sample, some of them given.
+fn douglas_peucker(path: &[Point], given: &[usize], tolerance_m: f64) -> Vec<usize> {
     let Some(last) = path.len().checked_sub(1) else {
         return Vec::new();
     };
-    let mut chosen = vec![0, last];
-    let mut open = vec![(0, last)];
+    let mut chosen = vec![0];
+    chosen.extend(given);
+    chosen.push(last);
+    let mut open: Vec<(usize, usize)> = chosen.windows(2).map(|pair| (pair[0], pair[1])).collect();
     while let Some((from, to)) = open.pop() {
         let farthest = (from + 1..to)
             .map(|index| (index, distance_m(path[index], path[from], path[to])))
@@ -82,7 +87,7 @@ mod tests {
     }
 
     fn simplified(path: &[Point]) -> Vec<Point> {
-        waypoints(path, &keep())
+        waypoints(path, &[], &keep())
             .into_iter()
             .map(|index| path[index])
             .collect()
@@ -121,7 +126,7 @@ mod tests {
         let path: Vec<Point> = (0..=100)
             .map(|i| Point::new(f64::from(i) * 10.0, f64::from(i) * 3.0, 500.0))
             .collect();
-        assert_eq!(waypoints(&path, &keep()), [0, 100]);
+        assert_eq!(waypoints(&path, &[], &keep()), [0, 100]);
     }
 
     #[test]
@@ -129,7 +134,7 @@ mod tests {
         let path: Vec<Point> = (0..=100)
             .map(|i| Point::new(f64::from(i) * 10.0, 0.0, 500.0 + f64::from((i - 50).max(0))))
             .collect();
-        let chosen = waypoints(&path, &keep());
+        let chosen = waypoints(&path, &[], &keep());
         assert_eq!(chosen.len(), 3);
         assert!(chosen[1].abs_diff(50) <= 10, "bend at {}", chosen[1]);
     }
@@ -177,7 +182,7 @@ mod tests {
                 let run_m = 300.0 * std::f64::consts::PI * f64::from(step) / 4000.0;
                 point.z = 500.1 + slope * run_m;
             }
-            let chosen: Vec<Point> = waypoints(&path, &keep)
+            let chosen: Vec<Point> = waypoints(&path, &[], &keep)
                 .into_iter()
                 .map(|index| path[index])
                 .collect();
@@ -194,7 +199,7 @@ mod tests {
             Point::new(30.0, 0.0, 500.0),
             Point::new(0.0, 1.0, 500.0),
         ];
-        assert_eq!(waypoints(&path, &keep()), [0, 1, 2]);
+        assert_eq!(waypoints(&path, &[], &keep()), [0, 1, 2]);
     }
 
     #[test]
@@ -244,7 +249,7 @@ mod tests {
             .map(|subset| subset.len())
             .min();
         // The choice of candidates takes a twentieth of the tolerance; this path has no choice that close to it.
-        assert_eq!(Some(waypoints(&path, &keep()).len()), fewest);
+        assert_eq!(Some(waypoints(&path, &[], &keep()).len()), fewest);
     }
 
     proptest! {
@@ -259,7 +264,7 @@ mod tests {
                 let last = path[path.len() - 1];
                 path.push(last + Point::new(length * heading.cos(), length * heading.sin(), climb));
             }
-            let chosen = waypoints(&path, &keep());
+            let chosen = waypoints(&path, &[], &keep());
             prop_assert_eq!((chosen[0], chosen[chosen.len() - 1]), (0, path.len() - 1));
             for leg in chosen.windows(2) {
                 for index in leg[0]..=leg[1] {

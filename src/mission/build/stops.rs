@@ -10,6 +10,15 @@ use crate::world::NoData;
 /// Rest before anything is done at a stop, seconds.
 const FIRST_REST_S: f64 = 1.0;
 
+/// A picture at once and then one every so many metres; 0 m: a last one and no more.
+///
+/// Both autopilots take `param1` as the distance, switch pictures by distance off at 0, and take one
+/// at once where `param3` is 1 (`AP_Mission` `DO_SET_CAM_TRIGG_DIST`, PX4 `camera_trigger`).
+pub(super) fn trigger(distance_m: f64) -> Item {
+    let params = [float(distance_m), 0.0, 1.0, 0.0];
+    Item::without_place(command::DO_SET_CAM_TRIGG_DIST, params)
+}
+
 impl ItemWriter<'_> {
     /// The items of a stop at its point.
     ///
@@ -57,7 +66,7 @@ impl ItemWriter<'_> {
     }
 
     /// The items of the actions, in their order.
-    fn actions(&self, stop: &Stop) -> Result<Vec<Item>, NoData> {
+    pub(super) fn actions(&self, stop: &Stop) -> Result<Vec<Item>, NoData> {
         let is_gimbal = |action: &StopAction| matches!(action, StopAction::Gimbal { .. });
         let mut items = Vec::new();
         if self.vehicle.autopilot == Autopilot::Px4 && stop.actions.iter().any(is_gimbal) {

@@ -1,6 +1,7 @@
 //! The items of planes and vtol: takeoff along a course or on rotors, turns onto the routes
 //! and off them, circles, glides.
 
+use super::stops::trigger;
 use super::{ItemWriter, float};
 use crate::autopilot::command;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
@@ -19,6 +20,28 @@ struct ItemList {
     at: EastNorth,
     /// Course there, radians clockwise from north; none where any will do.
     course_rad: Option<f64>,
+}
+
+/// Routes that meet at stops that are flown past, as one path.
+#[derive(Default)]
+struct Chain {
+    /// The first of them.
+    first: usize,
+    path: Vec<TimedPoint>,
+    /// Where in the path the stops are.
+    stops: Vec<usize>,
+}
+
+impl Chain {
+    fn append(&mut self, number: usize, route: &[TimedPoint]) {
+        if self.path.is_empty() {
+            self.first = number;
+            self.path.extend(route);
+        } else {
+            self.stops.push(self.path.len() - 1);
+            self.path.extend(route.iter().skip(1));
+        }
+    }
 }
 
 impl ItemWriter<'_> {
@@ -41,12 +64,20 @@ impl ItemWriter<'_> {
             (false, None) => speed_mps * speed_mps / (2.0 * self.vehicle.accel_mps2),
             (false, Some(_)) => 0.0,
         };
+        let mut chain = Chain::default();
         for (index, route) in routes.iter().enumerate() {
             let route = match route.last() {
                 Some(end) if index + 1 == routes.len() => outside(route, end.point.at, left_out_m),
                 _ => route.clone(),
             };
-            self.fly(&mut list, &self.route(index, &route)?)?;
+            chain.append(index, &route);
+            if !self.vehicle.passes_after(index) {
+                self.fly(&mut list, &chain)?;
+                chain = Chain::default();
+            }
+            if index == self.vehicle.stops.len() {
+                list.items.extend(self.trigger_off());
+            }
         }
         if circles {
             let item = self.at(command::NAV_LOITER_UNLIM, 0.0, stations.goal)?;
@@ -110,22 +141,43 @@ impl ItemWriter<'_> {
         })
     }
 
-    /// Turns onto a route and flies it.
-    fn fly(&self, list: &mut ItemList, route: &[PlanPoint]) -> Result<(), NoData> {
-        let [first, second, ..] = route else {
+    /// Turns onto a chain of routes and flies it.
+    fn fly(&self, list: &mut ItemList, chain: &Chain) -> Result<(), NoData> {
+        let chosen = self.waypoints(chain.first, &chain.path, &chain.stops)?;
+        let route: Vec<PlanPoint> = chosen.iter().map(|&at| chain.path[at].point).collect();
+        let [first, second, ..] = route.as_slice() else {
             return Ok(());
         };
         self.turn(list, first.at, heading_rad(first.at, second.at), first.amsl)?;
         let is_here = list.at.distance_m(first.at) <= 0.0;
-        let onward = if is_here { &route[1..] } else { route };
-        for &point in onward {
-            list.items.push(self.at(command::NAV_WAYPOINT, 0.0, point)?);
+        if is_here && chain.first == 0 {
+            list.items.extend(self.begin()?);
         }
-        if let [.., before, last] = route {
+        for (&index, &point) in chosen.iter().zip(&route).skip(usize::from(is_here)) {
+            list.items.push(self.at(command::NAV_WAYPOINT, 0.0, point)?);
+            if index == 0 && chain.first == 0 {
+                list.items.extend(self.begin()?);
+            }
+            let passed = chain.stops.iter().position(|&stop| stop == index);
+            if let Some(stop) = passed.and_then(|at| self.vehicle.stops.get(chain.first + at)) {
+                list.items.extend(self.actions(stop)?);
+            }
+        }
+        if let [.., before, last] = route.as_slice() {
             list.at = last.at;
             list.course_rad = Some(heading_rad(before.at, last.at));
         }
         Ok(())
+    }
+
+    /// What is done at the start.
+    fn begin(&self) -> Result<Vec<Item>, NoData> {
+        let mut items = match self.vehicle.start_stop() {
+            Some(stop) => self.actions(&stop)?,
+            None => Vec::new(),
+        };
+        items.extend(self.vehicle.on_way.trigger_m.map(trigger));
+        Ok(items)
     }
 
     /// Waypoints of the turns that lead to a place on a course, level.

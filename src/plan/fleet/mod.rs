@@ -25,6 +25,7 @@
 
 pub(super) mod columns;
 pub(super) mod pairs;
+pub(super) mod passing;
 pub(super) mod prioritised;
 pub(super) mod retiming;
 pub(super) mod shapes;

@@ -139,6 +139,7 @@ impl Planning<'_> {
             };
             plan.add(&context, &found);
         }
+        self.meet(index, &mut plan);
         plan.routes
     }
 }

@@ -74,6 +74,7 @@ impl<'a> Planning<'a> {
             plan.add(&context, &found);
         }
         plan.estimate = estimated.unwrap_or(plan.estimate);
+        self.meet(index, &mut plan);
         plan
     }
 
@@ -101,6 +102,7 @@ impl<'a> Planning<'a> {
             plan.add(&context, &lifted(&context, &outline)?);
         }
         plan.estimate = old.estimate;
+        self.meet(index, &mut plan);
         Some(plan)
     }
 

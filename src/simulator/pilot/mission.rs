@@ -56,6 +56,7 @@ impl Pilot {
                 self.doing = doing;
                 return;
             }
+            self.act(item);
             self.pass_item();
         }
         // The mission is over. In the air, the vehicle stays where it came to.

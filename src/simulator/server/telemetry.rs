@@ -123,6 +123,25 @@ impl Vehicle {
         self.tell(FlightMessage::Position(position));
     }
 
+    /// What an autopilot says when it has taken a picture.
+    fn tell_picture(&mut self, number: u32) {
+        let Some(pilot) = &self.pilot else { return };
+        let message = match self.profile {
+            Profile::Px4 => FlightMessage::CameraTrigger { seq: number },
+            Profile::ArduPilot | Profile::Generic => {
+                let (place, amsl_m, _) = pilot.position(self.faults.off_m);
+                #[expect(clippy::cast_possible_truncation, reason = "the message has float32")]
+                FlightMessage::CameraFeedback {
+                    index: u16::try_from(number).unwrap_or(u16::MAX),
+                    x: degrees(place.lat_deg),
+                    y: degrees(place.lon_deg),
+                    amsl_m: amsl_m as f32,
+                }
+            }
+        };
+        self.tell(message);
+    }
+
     /// Positions as often as they were asked for; on the ground once a second.
     pub(crate) fn position_interval_ms(&self) -> u64 {
         if self.is_armed() || self.position_ms == u64::MAX {
@@ -155,6 +174,7 @@ impl Vehicle {
         for event in events {
             match event {
                 Event::Says(text) => self.warn(text),
+                Event::Picture(number) => self.tell_picture(number),
                 Event::Reached(index) => {
                     let seq = self.seq(index);
                     self.tell(FlightMessage::ItemReached { seq });

@@ -13,6 +13,7 @@ use nalgebra::Vector3;
 use super::super::keys;
 use super::super::{
     AltitudeReference, BufferedLimit, EndPoint, Link, Placement, Separation, Vehicle, Wind,
+    turn_radius_by_load_m,
 };
 use super::Checker;
 use super::map::Map;
@@ -26,6 +27,8 @@ const DEFAULT_LOAD_FACTOR: f64 = 1.15;
 
 /// Least horizontal distance from start to goal, metres.
 const MIN_START_TO_GOAL_M: f64 = 10.0;
+/// Stops of a wing are this far apart at least, in radii of its circles.
+const TURNS_APART: f64 = 8.0;
 
 /// System ids for vehicles: those above belong to ground stations.
 const SYSTEM_IDS: usize = 240;
@@ -37,6 +40,17 @@ struct Ends {
     goal: Option<EndPoint>,
     /// From a home of its own, metres.
     home_to_start_m: Option<f64>,
+}
+
+/// How far stops must be apart at least, metres: a wing needs a few turns from one to the next.
+fn least_apart_m(keys: &keys::Vehicle) -> f64 {
+    if !keys.airframe.unwrap_or_default().has_wing() {
+        return MIN_START_TO_GOAL_M;
+    }
+    let load_factor = keys.max_load_factor.unwrap_or(DEFAULT_LOAD_FACTOR);
+    let turn_m = turn_radius_by_load_m(keys.speed_mps.unwrap_or(0.0), load_factor);
+    let circle_m = keys.loiter_radius_m.unwrap_or(turn_m).max(turn_m);
+    MIN_START_TO_GOAL_M.max((TURNS_APART * circle_m).ceil())
 }
 
 impl Checker {
@@ -138,8 +152,10 @@ impl Checker {
         let speed_mps = self.required(path, "speed_mps", keys.speed_mps);
         let ends = self.ends(path, keys, map);
         let stops = self.stops(path, keys, map);
+        let on_way = self.on_way(path, keys);
         if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
-            self.stops_apart(path, keys, (start.place, goal.place), &stops);
+            let least_m = least_apart_m(keys);
+            self.stops_apart(path, keys, (start.place, goal.place), (&stops, least_m));
         }
         let (autopilot, speed_mps, finish) = (autopilot?, speed_mps?, finish?);
         let airframe = keys.airframe.unwrap_or_default();
@@ -188,6 +204,7 @@ impl Checker {
             start: ends.start?,
             goal: ends.goal?,
             stops,
+            on_way,
             order: keys.order.unwrap_or_default(),
             finish,
         })
@@ -240,14 +257,14 @@ impl Checker {
     /// Home, start and goal: apart, and where something may stand.
     fn ends(&mut self, path: &str, keys: &keys::Vehicle, map: Option<&Map>) -> Ends {
         let at = |key: &str| format!("{path}.{key}");
-        let start = self.required(path, "start", keys.start);
-        let start = start.and_then(|end| self.end_point(&at("start"), end));
+        let start = self.required(path, "start", keys.start.as_ref());
+        let start = start.and_then(|end| self.end_point(&at("start"), end.point()));
         let is_round = keys.goal.is_none() && !keys.stops.is_empty();
         let goal = if is_round {
             start
         } else {
-            let goal = self.required(path, "goal", keys.goal);
-            goal.and_then(|end| self.end_point(&at("goal"), end))
+            let goal = self.required(path, "goal", keys.goal.as_ref());
+            goal.and_then(|end| self.end_point(&at("goal"), end.point()))
         };
         let own_home = keys.home.and_then(|home| self.place(&at("home"), home));
         let (from, to) = (start.map(|end| end.place), goal.map(|end| end.place));

@@ -25,7 +25,7 @@ pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use stops::Stop;
 pub use tasks::{Deliver, Task, TaskPlace, TaskWindow};
-pub use vehicle::{EndPoint, Landing, SpeedRange, Vehicle, Window};
+pub use vehicle::{EndPoint, Landing, OnboardCamera, SpeedRange, Station, Vehicle, Window};
 pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
 
 use schemars::{JsonSchema, Schema};

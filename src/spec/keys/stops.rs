@@ -24,20 +24,20 @@ pub struct Stop {
     /// Metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub amsl_m: Option<f64>,
-    /// How long it stays there, seconds, rounded up to whole ones; absent: 1, to come to rest.
+    /// How long a copter stays there, seconds, rounded up to whole ones; absent: 1, to come to rest.
     #[schemars(range(min = 0, max = 3600))]
     pub hold_s: Option<f64>,
-    /// How near it must come, metres; absent: mission.tolerance_m.
+    /// How near it must come, metres; absent: mission.tolerance_m, and on planes and VTOLs 20 or more.
     #[schemars(range(min = 0.5, max = 100))]
     pub acceptance_radius_m: Option<f64>,
-    /// Where its nose points while it stays there, 5 s at least, degrees clockwise from north.
+    /// Where the nose of a copter points while it stays there, 5 s at least, degrees clockwise from north.
     #[schemars(range(min = 0, max = 360))]
     pub heading_deg: Option<f64>,
     /// What it does there, one after the other, at rest and with its nose turned.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 20))]
     pub actions: Vec<StopAction>,
-    /// Planned speed from there on, m/s.
+    /// Planned speed of a copter from there on, m/s.
     #[schemars(range(min = 0.5, max = 100))]
     pub speed_mps: Option<f64>,
 }

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-use super::{Endurance, Place, Stop};
+use super::{Endurance, Place, Stop, StopAction};
 use crate::autopilot::{Airframe, Autopilot};
 use crate::spec::{Finish, Order};
 
@@ -72,6 +72,64 @@ impl EndPoint {
     }
 }
 
+/// An end of the planned path: with agl_m or with amsl_m, not both.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 3, "maxProperties" = 4))]
+pub struct Station {
+    /// Latitude, degrees north.
+    #[schemars(required, range(min = -90, max = 90))]
+    pub lat: Option<f64>,
+    /// Longitude, degrees east.
+    #[schemars(required, range(min = -180, max = 180))]
+    pub lon: Option<f64>,
+    /// Height above the ground there, metres.
+    #[schemars(range(min = 0, max = 20000))]
+    pub agl_m: Option<f64>,
+    /// Metres above mean sea level.
+    #[schemars(range(min = -500, max = 20000))]
+    pub amsl_m: Option<f64>,
+    /// What is done there, one after the other. A copter stays for it, as at a stop; planes and VTOLs
+    /// do it at the start alone.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 20))]
+    pub actions: Vec<StopAction>,
+}
+
+impl Station {
+    /// Where it is.
+    #[must_use]
+    pub fn point(&self) -> EndPoint {
+        EndPoint {
+            lat: self.lat,
+            lon: self.lon,
+            agl_m: self.agl_m,
+            amsl_m: self.amsl_m,
+        }
+    }
+}
+
+impl From<EndPoint> for Station {
+    fn from(point: EndPoint) -> Self {
+        Self {
+            lat: point.lat,
+            lon: point.lon,
+            agl_m: point.agl_m,
+            amsl_m: point.amsl_m,
+            actions: Vec::new(),
+        }
+    }
+}
+
+/// Pictures along the way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OnboardCamera {
+    /// Distance over the ground from one picture to the next, from start to goal, metres.
+    #[schemars(required, range(min = 1, max = 1000))]
+    pub trigger_distance_m: Option<f64>,
+}
+
 /// One vehicle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -95,14 +153,16 @@ pub struct Vehicle {
     /// Where it stands, on the ground; absent: under start. A plane needs one, away from start.
     pub home: Option<Place>,
     /// The planned path begins here, airborne.
-    #[schemars(with = "EndPoint")]
-    pub start: Option<EndPoint>,
+    #[schemars(with = "Station")]
+    pub start: Option<Station>,
     /// The planned path ends here, airborne. A plane that lands touches down at this place,
     /// and its glide begins at this height. Absent, which needs stops: the start.
-    pub goal: Option<EndPoint>,
-    /// Copters: places to visit between start and goal.
+    pub goal: Option<Station>,
+    /// Places to visit between start and goal.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stops: Vec<Stop>,
+    /// Pictures on the way from start to goal.
+    pub camera: Option<OnboardCamera>,
     /// Whether stops are visited as they are listed, or in the order that costs least; absent: fixed.
     pub order: Option<Order>,
     /// At the goal: land; loiter there for ever; or return along a planned path and land at home.

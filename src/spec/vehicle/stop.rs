@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{EndPoint, Span, StopAction, Vehicle};
+use crate::geodesy::LatLon;
 use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
@@ -19,6 +20,9 @@ const LEAST_TURN_S: f64 = 5.0;
 /// Time for an action to begin, seconds: ArduPilot runs commands one after the other while it holds
 /// at the waypoint after them, and drops those that have not run when that hold ends.
 pub const ACTION_S: f64 = 0.5;
+
+/// How near a wing comes to a stop by default, metres: it turns onto its legs, and off them.
+const WING_RADIUS_M: f64 = 20.0;
 
 /// Most stops of one vehicle.
 pub const MAX_STOPS: usize = 100;
@@ -81,6 +85,17 @@ impl Stop {
     }
 }
 
+/// What is done at start and goal, and on the way between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct OnWay {
+    /// At the start, in this order.
+    pub start: Vec<StopAction>,
+    /// At the goal.
+    pub goal: Vec<StopAction>,
+    /// Distance from one picture to the next, metres; none: no pictures.
+    pub trigger_m: Option<f64>,
+}
+
 /// In which order stops are visited.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -91,6 +106,21 @@ pub enum Order {
     Fixed,
     /// In the order that costs least; the planner finds it.
     Free,
+}
+
+/// An end of the path as a stop, if something is done there.
+fn acting(id: &str, end: EndPoint, actions: &[StopAction]) -> Option<Stop> {
+    (!actions.is_empty()).then(|| Stop {
+        id: id.to_owned(),
+        end,
+        hold_s: 0.0,
+        acceptance_radius_m: None,
+        heading_rad: None,
+        actions: actions.to_vec(),
+        speed_mps: None,
+        window_s: None,
+        wait_s: 0.0,
+    })
 }
 
 impl Vehicle {
@@ -116,9 +146,65 @@ impl Vehicle {
         }
     }
 
-    /// How long the vehicle rests at the stop at the end of a route, seconds; 0 where there is none.
+    /// How long the vehicle stays at the stop or goal at the end of a route, seconds: a copter rests,
+    /// a wing circles. 0 where there is none.
     #[must_use]
     pub fn rest_after_s(&self, route: usize) -> f64 {
-        self.stops.get(route).map_or(0.0, Stop::rest_s)
+        match self.stops.get(route) {
+            Some(stop) => self.stay_s(stop),
+            None if route == self.stops.len() => {
+                let stop = self.goal_stop();
+                stop.map_or(0.0, |stop| self.stay_s(&stop))
+            }
+            None => 0.0,
+        }
+    }
+
+    /// Its start as a stop, if something is done there.
+    #[must_use]
+    pub fn start_stop(&self) -> Option<Stop> {
+        acting("start", self.start, &self.on_way.start)
+    }
+
+    /// Its goal as a stop, if something is done there.
+    #[must_use]
+    pub fn goal_stop(&self) -> Option<Stop> {
+        acting("goal", self.goal, &self.on_way.goal)
+    }
+
+    /// How long the vehicle stays at a stop, seconds; 0 where it flies past it.
+    #[must_use]
+    pub fn stay_s(&self, stop: &Stop) -> f64 {
+        match (self.wing, stop.hold_s > 0.0) {
+            (None, _) => stop.rest_s(),
+            (Some(_), false) => 0.0,
+            (Some(_), true) => stop.rest_s(),
+        }
+    }
+
+    /// Ids and places of its stops.
+    #[must_use]
+    pub fn stop_places(&self) -> Vec<(&str, LatLon)> {
+        let stops = self.stops.iter();
+        stops
+            .map(|stop| (stop.id.as_str(), stop.end.place))
+            .collect()
+    }
+
+    /// Whether a route ends at a stop that the vehicle flies past.
+    #[must_use]
+    pub fn passes_after(&self, route: usize) -> bool {
+        self.wing.is_some() && self.stops.get(route).is_some_and(|stop| stop.hold_s <= 0.0)
+    }
+
+    /// How near the vehicle must come to a stop, metres, where the tolerance of the mission is
+    /// `tolerance_m`.
+    #[must_use]
+    pub fn radius_at_m(&self, stop: &Stop, tolerance_m: f64) -> f64 {
+        let usual_m = match self.wing {
+            Some(_) => tolerance_m.max(WING_RADIUS_M),
+            None => tolerance_m,
+        };
+        stop.acceptance_radius_m.unwrap_or(usual_m)
     }
 }

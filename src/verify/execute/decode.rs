@@ -6,6 +6,9 @@ use super::wing::items;
 use crate::geodesy::Amsl;
 use crate::mission::{VehicleMission, command};
 
+/// Commands with greater numbers do not navigate.
+const NAV_LAST: u16 = command::NAV_LAST;
+
 /// An order and the row it comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Step {
@@ -31,9 +34,6 @@ impl Unknown {
 
 /// Most orders of a mission; each repetition of a jump counts.
 const MAX_ORDERS: usize = 200_000;
-/// `MAV_CMD_NAV_LAST`: commands with greater numbers do not navigate.
-const NAV_LAST: u16 = 95;
-
 /// The orders of a mission in the sequence in which they are obeyed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Orders {

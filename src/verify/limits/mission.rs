@@ -47,6 +47,7 @@ impl Contract<'_> {
         margins.extend(self.above_home());
         margins.extend(self.route());
         margins.extend(self.stops());
+        margins.extend(self.camera());
         margins.extend(self.finish());
         margins.extend(self.departure());
         margins.extend(self.speed());

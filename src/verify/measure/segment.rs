@@ -100,6 +100,28 @@ impl Chord {
         }
     }
 
+    /// The fraction of the chord at which it is nearest to a point.
+    pub(crate) fn nearest(&self, point: PlanPoint) -> f64 {
+        let (from, to) = (self.from, self.to);
+        let along = [
+            to.at.east_m - from.at.east_m,
+            to.at.north_m - from.at.north_m,
+            to.amsl.0 - from.amsl.0,
+        ];
+        let gone = [
+            point.at.east_m - from.at.east_m,
+            point.at.north_m - from.at.north_m,
+            point.amsl.0 - from.amsl.0,
+        ];
+        let square: f64 = along.iter().map(|part| part * part).sum();
+        let dot: f64 = along.iter().zip(gone).map(|(a, b)| a * b).sum();
+        if square > 0.0 {
+            (dot / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        }
+    }
+
     /// The moment at a fraction of the chord.
     pub(crate) fn moment(&self, frame: &LocalFrame, u: f64) -> Moment {
         let point = self.at(u);

@@ -27,6 +27,7 @@ impl Pilot {
                 self.doing = doing;
                 return;
             }
+            self.act(item);
             self.pass_item();
         }
         self.at = items.len().saturating_sub(1);

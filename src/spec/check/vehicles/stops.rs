@@ -1,11 +1,11 @@
 //! The stops of a vehicle: each alone, and apart from the places before and after it.
 
-use super::{Checker, MIN_START_TO_GOAL_M};
+use super::Checker;
 use crate::geodesy::LatLon;
 use crate::numeric::digits;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{MAX_STOPS, Order, Stop};
+use crate::spec::{MAX_STOPS, OnWay, Order, Stop};
 
 impl Checker {
     /// The stops of a vehicle, as far as each is whole.
@@ -22,10 +22,6 @@ impl Checker {
         if keys.stops.len() > MAX_STOPS {
             let found = format!("{} stops", keys.stops.len());
             self.report(&at("stops"), found, format!("at most {MAX_STOPS}"));
-        }
-        if !keys.stops.is_empty() && keys.airframe.unwrap_or_default().has_wing() {
-            let found = "stops, on a wing: planes and VTOL fly from start to goal";
-            self.report(&at("stops"), found, "a copter, or no stops");
         }
         let ids = keys.stops.iter().map(|stop| stop.id.as_deref());
         self.unique(&at("stops"), ids);
@@ -60,6 +56,9 @@ impl Checker {
             self.clear(path, "stop", end.place, map);
         }
         self.stop_speed(&format!("{path}.speed_mps"), stop, vehicle);
+        if vehicle.airframe.unwrap_or_default().has_wing() {
+            self.stop_on_wing(path, stop);
+        }
         let actions = self.actions(path, &stop.actions, vehicle.autopilot);
         Some(Stop {
             id: id?,
@@ -72,6 +71,65 @@ impl Checker {
             window_s: None,
             wait_s: 0.0,
         })
+    }
+
+    /// What is done at start and goal, and along the way.
+    pub(super) fn on_way(&mut self, path: &str, keys: &keys::Vehicle) -> OnWay {
+        let mut at_end = |key: &str, station: Option<&keys::Station>| {
+            let listed = station.map_or(&[][..], |station| station.actions.as_slice());
+            self.actions(&format!("{path}.{key}"), listed, keys.autopilot)
+        };
+        let start = at_end("start", keys.start.as_ref());
+        let goal = at_end("goal", keys.goal.as_ref());
+        let has_wing = keys.airframe.unwrap_or_default().has_wing();
+        if has_wing && !goal.is_empty() {
+            let found = "actions at the goal, on a wing, which lands or circles there";
+            self.report(&format!("{path}.goal.actions"), found, "a stop before it");
+        }
+        let camera = keys.camera.as_ref();
+        let trigger_m = camera.and_then(|camera| {
+            let path = format!("{path}.camera");
+            self.required(&path, "trigger_distance_m", camera.trigger_distance_m)
+        });
+        OnWay {
+            start,
+            goal,
+            trigger_m,
+        }
+    }
+
+    /// A wing does not hover: its nose points where it flies.
+    fn stop_on_wing(&mut self, path: &str, stop: &keys::Stop) {
+        if stop.heading_deg.is_some() {
+            let found = "a heading, on a wing: it flies past a stop, or around it";
+            self.report(&format!("{path}.heading_deg"), found, "no heading_deg");
+        }
+        if stop.hold_s.is_some_and(|hold_s| hold_s > 0.0) {
+            let found = "a hold, on a wing, which does not hover";
+            self.report(
+                &format!("{path}.hold_s"),
+                found,
+                "0: it flies past the stop",
+            );
+        }
+        if stop.speed_mps.is_some() {
+            let found = "a speed from a stop on, on a wing";
+            self.report(
+                &format!("{path}.speed_mps"),
+                found,
+                "speed_mps of the vehicle",
+            );
+        }
+        for (index, action) in stop.actions.iter().enumerate() {
+            if action.winch.is_some() {
+                let path = format!("{path}.actions[{index}].winch");
+                self.report(
+                    &path,
+                    "winch, on a wing, which does not hover",
+                    "another action",
+                );
+            }
+        }
     }
 
     /// A speed from a stop on needs a known order, and is no choice of the planner.
@@ -96,7 +154,7 @@ impl Checker {
         path: &str,
         keys: &keys::Vehicle,
         (start, goal): (LatLon, LatLon),
-        stops: &[Stop],
+        (stops, least_m): (&[Stop], f64),
     ) {
         if stops.len() != keys.stops.len() {
             // A broken one is reported already.
@@ -117,12 +175,12 @@ impl Checker {
             before.extend(others);
             for (what, place) in before {
                 let apart_m = stop.end.place.chord_m(place);
-                if apart_m < MIN_START_TO_GOAL_M {
+                if apart_m < least_m {
                     let found = format!(
                         "{} m from {what}",
-                        digits::distinct_from(apart_m, MIN_START_TO_GOAL_M, 1)
+                        digits::distinct_from(apart_m, least_m, 1)
                     );
-                    let allowed = format!("at least {MIN_START_TO_GOAL_M} m from {what}");
+                    let allowed = format!("at least {least_m} m from {what}");
                     self.report(&format!("{path}.stops[{index}]"), found, allowed);
                 }
             }

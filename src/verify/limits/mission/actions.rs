@@ -2,8 +2,8 @@
 
 use super::Contract;
 use crate::autopilot::Autopilot;
-use crate::geodesy::Amsl;
-use crate::mission::{Item, command};
+use crate::geodesy::{Amsl, PlanPoint};
+use crate::mission::{self, Item, command};
 use crate::spec::{ACTION_S, EndPoint, Placement, Stop, StopAction};
 use crate::verify::execute::flight::Rest;
 use crate::verify::execute::item::{self, Height};
@@ -31,12 +31,46 @@ impl Contract<'_> {
                 missing.push(format!("no item turns it to {heading_deg:.0} degrees"));
             }
         }
-        missing.extend(self.not_done(stop, items));
+        missing.extend(self.not_done(stop, rest, items));
         let required = Requirement::at_most(Limit::StopActions(stop.id.clone()), 0.0, "missing");
         let count = u32::try_from(missing.len()).unwrap_or(u32::MAX);
         let at = self.moment(rest.point, rest.from_s, first);
         let mut margin = required.margin(self.id(), f64::from(count), Some(at));
         margin.note = missing.join("; ");
+        Some(margin)
+    }
+
+    /// Whether pictures are taken at their distance on every leg from start to goal, and no longer.
+    pub(crate) fn camera(&self) -> Option<Margin> {
+        let trigger_m = self.vehicle.on_way.trigger_m?;
+        let row_at = |station: PlanPoint| {
+            let away = self.flight.route.iter();
+            let away = away.map(|mark| (mark.point.distance_m(station), mark.row));
+            away.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |of| of.1)
+        };
+        let (from, to) = (row_at(self.stations.start), row_at(self.stations.goal));
+        let (mut set_m, mut wrong) = (0.0, Vec::new());
+        for (index, item) in self.mission.items.iter().enumerate() {
+            let row = index + 1;
+            let misses = |expected_m: f64| (set_m - expected_m).abs() > 1e-3;
+            match item.command {
+                command::DO_SET_CAM_TRIGG_DIST => set_m = f64::from(item.params[0]),
+                command if command > command::NAV_LAST => {}
+                _ if row > to && misses(0.0) => {
+                    wrong.push(format!("pictures on the way to item {row}"));
+                }
+                _ if row > from && row <= to && misses(trigger_m) => {
+                    wrong.push(format!(
+                        "pictures every {set_m} m on the way to item {row}, not every {trigger_m} m"
+                    ));
+                }
+                _ => {}
+            }
+        }
+        let required = Requirement::at_most(Limit::CameraTrigger, 0.0, "legs");
+        let count = u32::try_from(wrong.len()).unwrap_or(u32::MAX);
+        let mut margin = required.margin(self.id(), f64::from(count), None);
+        margin.note = wrong.into_iter().next().unwrap_or_default();
         Some(margin)
     }
 
@@ -55,7 +89,7 @@ impl Contract<'_> {
     }
 
     /// The actions without an item that does them, in their order, and those that would be dropped.
-    fn not_done(&self, stop: &Stop, items: &[Item]) -> Vec<String> {
+    fn not_done(&self, stop: &Stop, stay: &Rest, items: &[Item]) -> Vec<String> {
         let mut missing = Vec::new();
         let mut next = 0;
         for (index, action) in stop.actions.iter().enumerate() {
@@ -68,8 +102,12 @@ impl Contract<'_> {
                         || self.steers_gimbal(&items[..next]);
                     if !is_steered {
                         missing.push(format!("{}: no item takes control of it", name()));
-                    } else if !self.is_run(items, next - 1) {
-                        missing.push(format!("{}: the hold after it ends before it", name()));
+                    } else if !self.is_run(stay, items, next - 1) {
+                        let why = match stay.until_s > stay.from_s {
+                            true => "the hold after it ends before it",
+                            false => "the next waypoint is reached before it",
+                        };
+                        missing.push(format!("{}: {why}", name()));
                     }
                 }
                 None => missing.push(format!("{}: no item does it", name())),
@@ -84,13 +122,14 @@ impl Contract<'_> {
         self.mission.autopilot != Autopilot::Px4 || items.iter().any(configures)
     }
 
-    /// ArduPilot runs commands while it holds at the waypoint after them, and drops those that have
-    /// not run when that hold ends.
-    fn is_run(&self, items: &[Item], index: usize) -> bool {
+    /// ArduPilot runs commands while it is on its way to the waypoint after them or holds there, and
+    /// drops those that have not run when it goes on from there. At a stop of a copter the hold counts.
+    fn is_run(&self, stay: &Rest, items: &[Item], index: usize) -> bool {
         if self.mission.autopilot != Autopilot::ArduPilot {
             return true;
         }
-        let is_waypoint = |item: &&Item| item.command == command::NAV_WAYPOINT;
+        let holds = [command::NAV_WAYPOINT, command::NAV_LOITER_TIME];
+        let is_waypoint = |item: &&Item| holds.contains(&item.command);
         let before = items[..index].iter().rev();
         let mut needed_s = ACTION_S;
         for item in before.take_while(|item| !is_waypoint(item)) {
@@ -99,8 +138,20 @@ impl Contract<'_> {
                 _ => ACTION_S,
             };
         }
+        if stay.until_s <= stay.from_s {
+            return self.until_next_s(stay) >= needed_s;
+        }
         let after = items[index..].iter().find(is_waypoint);
         after.is_some_and(|item| f64::from(item.params[0]) >= needed_s)
+    }
+
+    /// How long a wing flies past a stop until its autopilot turns to the leg after the next
+    /// waypoint: as early as its turn radius before that, seconds.
+    fn until_next_s(&self, pass: &Rest) -> f64 {
+        let mut chords = self.flight.chords.iter();
+        let last = chords.rfind(|chord| chord.flown && chord.row == pass.rows.1);
+        let early_s = mission::turn_radius_m(self.vehicle) / self.vehicle.speed_mps;
+        last.map_or(0.0, |chord| chord.to_s - pass.from_s - early_s)
     }
 
     /// Whether an item does an action as the autopilot reads it.

@@ -1,7 +1,8 @@
 //! Stops: each is visited, in order, for its time, and what the spec wants is done there.
 
 use super::Contract;
-use crate::mission;
+use crate::geodesy::PlanPoint;
+use crate::mission::{self, command};
 use crate::spec::{Order, Stop};
 use crate::verify::execute::flight::Rest;
 use crate::verify::measure::worst::Worst;
@@ -10,10 +11,13 @@ use crate::verify::{Limit, Margin};
 /// A rest may be shorter than planned by this, seconds: rounding of sums.
 pub(super) const REST_S: f64 = 1e-6;
 
-/// A stop and where the vehicle rests for it.
-struct Visit<'a> {
-    stop: &'a Stop,
-    rest: Option<&'a Rest>,
+/// The waypoint of a stop is reached this near to the time when the vehicle is nearest, seconds.
+const NEAR_S: f64 = 5.0;
+
+/// A stop and where the vehicle rests for it, or flies past it.
+struct Visit {
+    stop: Stop,
+    rest: Option<Rest>,
     away_m: f64,
 }
 
@@ -36,59 +40,129 @@ impl Contract<'_> {
             return None;
         }
         let visits = self.visits();
-        let before = visits.iter().rev().filter(|visit| {
-            let rest = visit.rest;
-            rest.is_some_and(|rest| rest.until_s <= t_s + REST_S)
-        });
+        let before = visits
+            .iter()
+            .rev()
+            .filter(|visit| visit.rest.is_some_and(|rest| rest.until_s <= t_s + REST_S));
         before.filter_map(|visit| visit.stop.speed_mps).next()
     }
 
-    /// Each stop with the nearest rest; in a fixed order after that of the stop before, in a free
-    /// order one that no other stop has.
-    fn visits(&self) -> Vec<Visit<'_>> {
+    /// Each stop with the nearest rest, or where it is passed; in a fixed order after the stop
+    /// before, in a free order a rest that no other stop has.
+    fn visits(&self) -> Vec<Visit> {
         let rests = &self.flight.rests;
         let mut is_taken = vec![false; rests.len()];
-        let mut next = 0;
+        let mut since_s = f64::NEG_INFINITY;
         let is_fixed = self.vehicle.order == Order::Fixed;
-        let mut visits = Vec::with_capacity(self.vehicle.stops.len());
-        for (stop, point) in self.vehicle.stops.iter().zip(&self.stations.stops) {
-            let best = rests
-                .iter()
-                .enumerate()
-                .skip(if is_fixed { next } else { 0 })
-                .filter(|(index, _)| !is_taken[*index])
-                .map(|(index, rest)| (index, rest, rest.point.distance_m(*point)))
-                .min_by(|a, b| a.2.total_cmp(&b.2));
-            if let Some((index, ..)) = best {
-                is_taken[index] = true;
-                next = index + 1;
+        let stops = self.with_ends();
+        let mut visits = Vec::with_capacity(stops.len());
+        for (stop, point) in stops {
+            let after_s = if is_fixed { since_s } else { f64::NEG_INFINITY };
+            let passes = self.vehicle.wing.is_some() && stop.hold_s <= 0.0;
+            let best = if passes {
+                self.pass(&stop, point, after_s)
+            } else {
+                let best = rests
+                    .iter()
+                    .enumerate()
+                    .filter(|(index, rest)| !is_taken[*index] && rest.until_s > after_s)
+                    .map(|(index, rest)| (index, rest, rest.point.distance_m(point)))
+                    .min_by(|a, b| a.2.total_cmp(&b.2));
+                best.map(|(index, rest, away_m)| {
+                    is_taken[index] = true;
+                    (*rest, away_m)
+                })
+            };
+            if let Some((rest, _)) = best {
+                since_s = rest.until_s;
             }
             visits.push(Visit {
                 stop,
-                rest: best.map(|(_, rest, _)| rest),
-                away_m: best.map_or(f64::INFINITY, |(.., away_m)| away_m),
+                rest: best.map(|(rest, _)| rest),
+                away_m: best.map_or(f64::INFINITY, |(_, away_m)| away_m),
             });
         }
         visits
     }
 
-    fn visit(&self, visit: &Visit<'_>) -> Vec<Margin> {
+    /// The stops, and start and goal where something is done there.
+    fn with_ends(&self) -> Vec<(Stop, PlanPoint)> {
+        let (vehicle, stations) = (self.vehicle, self.stations);
+        let is_on_ground = !stations.departure.is_airborne();
+        let start = vehicle.start_stop().filter(|_| is_on_ground);
+        let stops = vehicle
+            .stops
+            .iter()
+            .cloned()
+            .zip(stations.stops.iter().copied());
+        let goal = vehicle.goal_stop().map(|stop| (stop, stations.goal));
+        let start = start.map(|stop| (stop, stations.start));
+        start.into_iter().chain(stops).chain(goal).collect()
+    }
+
+    /// Where a wing flies past a stop for the first time after another one: as a rest of no length,
+    /// and how far from the stop it may be there.
+    fn pass(&self, stop: &Stop, point: PlanPoint, after_s: f64) -> Option<(Rest, f64)> {
+        let radius_m = self.radius_m(stop);
+        let mut best: Option<(f64, PlanPoint, f64, usize)> = None;
+        let chords = self.flight.chords.iter();
+        for chord in chords.filter(|chord| chord.flown && chord.to_s > after_s) {
+            let u = chord.nearest(point);
+            let there = chord.at(u);
+            let away_m = there.distance_m(point) + chord.error_m + chord.wide_m;
+            if best.is_some_and(|best| best.0 <= radius_m) && away_m > radius_m {
+                break;
+            }
+            if best.is_none_or(|best| away_m < best.0) {
+                best = Some((away_m, there, chord.time_s(u), chord.row));
+            }
+        }
+        let (away_m, there, t_s, row) = best?;
+        // The waypoint of the stop, if there is one.
+        let marks = self.flight.route.iter();
+        let marked = marks
+            .filter(|mark| (mark.t_s - t_s).abs() <= NEAR_S)
+            .map(|mark| (mark.point.distance_m(point), mark.row))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let first = marked.filter(|of| of.0 <= radius_m).map_or(row, |of| of.1);
+        let items = self.mission.items.iter().enumerate();
+        let next = items
+            .skip(first)
+            .find(|(_, item)| item.command <= command::NAV_LAST)
+            .map_or(self.mission.items.len(), |(index, _)| index + 1);
+        let rest = Rest {
+            point: there,
+            from_s: t_s,
+            until_s: t_s,
+            rows: (first, next),
+        };
+        Some((rest, away_m))
+    }
+
+    /// How near the vehicle must come to a stop, metres.
+    fn radius_m(&self, stop: &Stop) -> f64 {
+        let options = &self.spec.mission;
+        let usual_m = mission::corner_cut_m(options).max(options.tolerance_m);
+        self.vehicle.radius_at_m(stop, usual_m)
+    }
+
+    fn visit(&self, visit: &Visit) -> Vec<Margin> {
         let id = &visit.stop.id;
-        let Some(rest) = visit.rest else {
+        let Some(rest) = &visit.rest else {
             let why = match self.vehicle.order {
                 Order::Fixed => "the mission does not stop after the stop before it",
                 Order::Free => "the mission stops too seldom",
             };
             return vec![Margin::unjudged(self.id(), Limit::Stop(id.clone()), why)];
         };
-        self.visited(visit.stop, rest, visit.away_m)
+        self.visited(&visit.stop, rest, visit.away_m)
     }
 
     /// The rests that its own stops are made in, by their indices.
     pub(super) fn own_rests(&self) -> Vec<usize> {
         let rests = &self.flight.rests;
         let own = self.visits();
-        let is_own = |rest: &Rest| own.iter().any(|visit| visit.rest == Some(rest));
+        let is_own = |rest: &Rest| own.iter().any(|visit| visit.rest.as_ref() == Some(rest));
         (0..rests.len())
             .filter(|&index| is_own(&rests[index]))
             .collect()
@@ -98,10 +172,12 @@ impl Contract<'_> {
     pub(super) fn visited(&self, stop: &Stop, rest: &Rest, away_m: f64) -> Vec<Margin> {
         let id = &stop.id;
         let at = || self.moment(rest.point, rest.from_s, rest.rows.0);
-        let usual_m = mission::corner_cut_m(&self.spec.mission).max(self.spec.mission.tolerance_m);
-        let radius_m = stop.acceptance_radius_m.unwrap_or(usual_m);
-        // A rest may begin anywhere within the radius of the autopilot.
-        let accept_m = mission::acceptance_m(self.mission, rest.rows.0);
+        let radius_m = self.radius_m(stop);
+        // The rest of a copter may begin anywhere within the radius of the autopilot.
+        let accept_m = match self.vehicle.wing {
+            None => mission::acceptance_m(self.mission, rest.rows.0),
+            Some(_) => 0.0,
+        };
         let mut near = Worst::default();
         near.at_most(away_m.max(accept_m), radius_m, at);
         let mut held = Worst::default();
