@@ -82,7 +82,7 @@ pub mod cli;
 
 mod library;
 
-pub use library::{Mission, files, plan, upload, verify};
+pub use library::{Mission, files, improve, plan, upload, verify};
 
 /// The examples of the README.
 #[cfg(doctest)]

@@ -24,8 +24,9 @@
 
 use std::io;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
-use crate::dispatch::{Dispatched, dispatch};
+use crate::dispatch::{Dispatched, Improving, dispatch};
 use crate::formats;
 use crate::link::{Job, TransferReport, upload_fleet};
 use crate::mission::VehicleMission;
@@ -96,6 +97,23 @@ pub fn plan(mission: &Mission) -> Dispatched {
     dispatch(spec, &mission.world, spec.planner.seed, &|_| {})
 }
 
+/// Plans of rising quality with the seed of the spec, each encoded and verified: the first soon, the
+/// last with the evaluations of the spec. Warm with an `earlier` plan, of this mission or of one that
+/// differs a little. Ends early once `cancel` is set.
+pub fn improve<'a>(
+    mission: &'a Mission,
+    earlier: Option<&'a Dispatched>,
+    cancel: &'a AtomicBool,
+) -> impl Iterator<Item = Dispatched> + 'a {
+    let spec = mission.spec();
+    let plans = Improving::new(spec, &mission.world, spec.planner.seed, cancel);
+    let plans = match earlier {
+        Some(earlier) => plans.from_earlier(&earlier.plan),
+        None => plans,
+    };
+    plans.map(|improved| improved.dispatched)
+}
+
 /// The verdict on encoded missions, with the index of the vehicle in the spec.
 #[must_use]
 pub fn verify(mission: &Mission, missions: &[(usize, VehicleMission)]) -> Review {
@@ -111,9 +129,10 @@ pub fn verify(mission: &Mission, missions: &[(usize, VehicleMission)]) -> Review
 #[must_use]
 pub fn files(mission: &Mission, planned: &Dispatched) -> Vec<(String, String)> {
     let mut files = Vec::new();
+    let accepted = planned.review.accepted();
     for (vehicle, items) in &planned.missions {
         let id = &mission.spec().vehicles[*vehicle].id;
-        files.extend(mission_files(id, items, planned.review.accepts(id)));
+        files.extend(mission_files(id, items, accepted.contains(id.as_str())));
     }
     files
 }
