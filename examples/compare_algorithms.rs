@@ -29,12 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     ] {
         let mut spec = file.spec.clone();
         spec.planner.algorithm = algorithm;
-        let request = Request {
-            seed: spec.planner.seed,
-            margins: Vec::new(),
-            extra_parameters: Vec::new(),
-            progress: &|_| {},
-        };
+        let request = Request::new(spec.planner.seed);
         let fleet = plan_fleet(&spec, &world, &request);
         let cost: f64 = fleet.vehicles.iter().map(|plan| plan.terms.total()).sum();
         let length_km: f64 = fleet

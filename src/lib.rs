@@ -89,7 +89,9 @@ pub mod cli;
 
 mod library;
 
-pub use library::{Mission, UploadError, files, plan, plan_with, upload, upload_with, verify};
+pub use library::{
+    Mission, UploadError, files, improve, plan, plan_with, upload, upload_with, verify,
+};
 
 /// The examples of the README.
 #[cfg(doctest)]

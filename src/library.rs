@@ -3,8 +3,9 @@
 
 use std::io;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
-use crate::dispatch::{Dispatched, Stage, dispatch};
+use crate::dispatch::{Dispatched, Improving, Stage, dispatch};
 use crate::formats;
 use crate::link::{Job, Progress, TransferReport, upload_fleet};
 use crate::mission::VehicleMission;
@@ -97,6 +98,23 @@ pub fn plan_with(mission: &Mission, seed: u64, progress: &(dyn Fn(Stage) + Sync)
     dispatch(mission.spec(), &mission.world, seed, progress)
 }
 
+/// Plans of rising quality with the seed of the spec, each encoded and verified: the first soon, the
+/// last with the evaluations of the spec. Warm with an `earlier` plan, of this mission or of one that
+/// differs a little. Ends early once `cancel` is set.
+pub fn improve<'a>(
+    mission: &'a Mission,
+    earlier: Option<&'a Dispatched>,
+    cancel: &'a AtomicBool,
+) -> impl Iterator<Item = Dispatched> + 'a {
+    let spec = mission.spec();
+    let plans = Improving::new(spec, &mission.world, spec.planner.seed, cancel);
+    let plans = match earlier {
+        Some(earlier) => plans.from_earlier(&earlier.plan),
+        None => plans,
+    };
+    plans.map(|improved| improved.dispatched)
+}
+
 /// The verdict on encoded missions, with the index of the vehicle in the spec.
 #[must_use]
 pub fn verify(mission: &Mission, missions: &[(usize, VehicleMission)]) -> Review {
@@ -111,12 +129,7 @@ pub fn verify(mission: &Mission, missions: &[(usize, VehicleMission)]) -> Review
 /// have `.REJECTED` in their names.
 #[must_use]
 pub fn files(mission: &Mission, planned: &Dispatched) -> Vec<(String, String)> {
-    let vehicles = &mission.spec().vehicles;
-    let missions = planned.missions.iter();
-    missions
-        .filter_map(|(vehicle, items)| Some((&vehicles.get(*vehicle)?.id, items)))
-        .flat_map(|(id, items)| mission_files(id, items, planned.review.accepts(id)))
-        .collect()
+    use crate::dispatch::{Dispatched, Improving, Stage, dispatch};
 }
 
 /// Names and texts of the files of one vehicle.

@@ -68,12 +68,7 @@ fn measure() -> Result<(), Box<dyn Error>> {
         let mut spec = file.spec.clone();
         spec.vehicles.truncate(vehicles);
         let took_s = least_s(3, || {
-            let request = Request {
-                seed: 1,
-                margins: Vec::new(),
-                extra_parameters: Vec::new(),
-                progress: &|_| (),
-            };
+            let request = Request::new(1);
             black_box(plan_fleet(&spec, &world, &request));
         });
         writeln!(out, "seconds for {vehicles} of jacksboro {took_s:19.3}")?;

@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Mutex;
-use std::time::Instant;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, mpsc};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
@@ -19,7 +21,7 @@ use super::transfer::delivery;
 use super::transfer::delivery::Delivery;
 use super::transfer::upload;
 use super::usage;
-use crate::dispatch::{self, Dispatched, Stage};
+use crate::dispatch::{self, Dispatched, Improving, Stage};
 use crate::link::TransferReport;
 use crate::report::{infeasibilities, worst_first};
 use crate::spec::{MissionSpec, OnLinkLoss, SpecFile};
@@ -76,11 +78,9 @@ impl Stopwatch {
 
 pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
     let mut watch = Stopwatch::start();
-    let file = SpecFile::read(&arguments.spec)?;
-    let target = arguments
-        .out
-        .clone()
-        .unwrap_or_else(|| PathBuf::from("out").join(&file.spec.name));
+    let file = read_spec(arguments)?;
+    let default = || PathBuf::from("out").join(&file.spec.name);
+    let target = arguments.out.clone().unwrap_or_else(default);
     if runs::is_flown(&target) {
         let message = format!("{} is being flown, and not replaced", target.display());
         return Err(Failure::new(Failure::OUTPUT, message));
@@ -91,7 +91,10 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
     }
     watch.split("read_s");
     let seed = arguments.seed.unwrap_or(file.spec.planner.seed);
-    let dispatched = plan(&file, &world, seed);
+    let dispatched = match arguments.within {
+        Some(within_s) => plan_within(&file, &world, seed, within_s)?,
+        None => plan(&file, &world, seed),
+    };
     watch.split("plan_s");
     folder::write(&target, &file, &world, &dispatched, &|| watch.json())?;
     watch.split("write_s");
@@ -131,6 +134,62 @@ pub(super) fn run(arguments: &args::Plan) -> Result<(), Failure> {
         Some(delivery) => delivery.verdict(),
         None => Ok(()),
     }
+}
+
+/// The spec, with the evaluations of the command line.
+fn read_spec(arguments: &args::Plan) -> Result<SpecFile, Failure> {
+    let mut file = SpecFile::read(&arguments.spec)?;
+    if let Some(evaluations) = arguments.evaluations {
+        file.spec.planner.evaluations = usize::try_from(evaluations).unwrap_or(usize::MAX);
+    }
+    Ok(file)
+}
+
+/// Plans with more and more evaluations until time is up; the first plan is always made. Prints the
+/// evaluations of the best.
+fn plan_within(
+    file: &SpecFile,
+    world: &World,
+    seed: u64,
+    within_s: f64,
+) -> Result<Dispatched, Failure> {
+    let within = Duration::try_from_secs_f64(within_s)
+        .map_err(|error| Failure::new(Failure::USAGE, format!("--within {within_s}: {error}")))?;
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "the operator asks for a time; the printed evaluations give the same plan again"
+    )]
+    let started = Instant::now();
+    let progress = Progress::start();
+    let cancel = AtomicBool::new(false);
+    let (is_done, done) = mpsc::channel::<()>();
+    let best = thread::scope(|scope| {
+        let mut plans = Improving::new(&file.spec, world, seed, &cancel).without_end();
+        let mut best = plans.next();
+        let left = within.saturating_sub(started.elapsed());
+        let cancel = &cancel;
+        scope.spawn(move || {
+            if done.recv_timeout(left) == Err(mpsc::RecvTimeoutError::Timeout) {
+                cancel.store(true, Ordering::Relaxed);
+            }
+        });
+        for plan in plans {
+            let cost = plan.dispatched.plan.cost();
+            progress.say(&format!(
+                "cost {cost:.3} with {} evaluations",
+                plan.evaluations
+            ));
+            best = Some(plan);
+        }
+        drop(is_done);
+        best
+    });
+    let best = best.ok_or_else(|| Failure::new(Failure::OUTPUT, "no plan was made"))?;
+    note(&format!(
+        "{0} evaluations for each vehicle; `--evaluations {0}` gives the same plan",
+        best.evaluations
+    ));
+    Ok(best.dispatched)
 }
 
 /// Plans with a progress line.
@@ -279,7 +338,22 @@ fn print_fleet(
     }
     rows.print()?;
     print_unlisted(spec.vehicles.len(), shown.len())?;
+    print_fleet_cost(dispatched)?;
     table::print_no_buffers(spec)
+}
+
+/// Prints what a fleet costs together, and how near that is to the proven bound.
+fn print_fleet_cost(dispatched: &Dispatched) -> Result<(), Failure> {
+    let plan = &dispatched.plan;
+    if plan.vehicles.len() < 2 {
+        return Ok(());
+    }
+    let above = match plan.gap() {
+        Some(gap) => format!("{:.1} % above the proven bound", 100.0 * gap),
+        None => "limits are violated; the proven bound is".to_owned(),
+    };
+    let (cost, bound) = (plan.cost(), plan.bound());
+    out(&format!("the fleet: cost {cost:.3}, {above} {bound:.3}"))
 }
 
 /// Prints how many vehicles the table leaves out.

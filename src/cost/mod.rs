@@ -24,6 +24,7 @@ pub use crate::cost::kernel::scratch::Scratch;
 pub use model::CostModel;
 pub use paper::{PaperOptions, ThreatForm};
 pub use relief::Relief;
+pub use traffic::EarlierFlights;
 
 use serde::{Deserialize, Serialize};
 

@@ -6,7 +6,7 @@ use super::paper::{Paper, PaperOptions};
 use super::relief::Relief;
 use super::sampling::Sampling;
 use super::timing::Timing;
-use super::traffic::Traffic;
+use super::traffic::{EarlierFlights, Traffic};
 use super::{Margins, RouteEnds};
 use crate::path::{Flight, VehicleLimits};
 use crate::spec::{MissionSpec, Objective, Weights};
@@ -74,7 +74,7 @@ impl CostModel {
         spec: &MissionSpec,
         vehicle: usize,
         ends: RouteEnds,
-        earlier: &[Flight],
+        earlier: &EarlierFlights,
         margins: Margins,
         parameters: &[f64],
     ) -> Self {
@@ -82,6 +82,11 @@ impl CostModel {
         let limits = VehicleLimits::of(&spec.vehicles[vehicle]);
         let straight_m = ends.from.distance_m(ends.to);
         let path = Sampling::new(spec, parameters, straight_m, world.ground.spacing_m);
+        // The operational objective never reads the paper's collision term.
+        let in_paper: &[Flight] = match spec.planner.objective {
+            Objective::Operational => &[],
+            Objective::Paper => earlier,
+        };
         let relief = Relief::new(&world.ground, world.max_amsl.0 + WALL_OVER_CEILING_M);
         let layer = world.layers.get(vehicle).copied().unwrap_or(Layer::OPEN);
         let heights = Heights::new((world, layer), &relief, &ends, &margins);
@@ -91,7 +96,7 @@ impl CostModel {
             hazards: Hazards::new((world, &relief), &ends, &margins),
             traffic: Traffic::new(&spec.buffered_separation(), &margins, earlier),
             timing: Timing::new(world, spec, vehicle, &ends),
-            paper: Paper::new(PaperOptions::default(), &ends, earlier),
+            paper: Paper::new(PaperOptions::default(), &ends, in_paper),
             per_turn_radius: 1.0 / (limits.turn_radius_m * (1.0 + margins.turn_fraction)),
             per_substep: path.per_substep(),
             slope_share: 1.0 - margins.climb_fraction,

@@ -1,6 +1,7 @@
 //! The flights of earlier vehicles, found by time and place.
 
-use std::ops::Range;
+use std::ops::{Deref, Range};
+use std::sync::{Arc, OnceLock};
 
 use super::Margins;
 use crate::numeric::approach::{
@@ -10,8 +11,51 @@ use crate::numeric::cells::{Cells, Extent};
 use crate::path::Flight;
 use crate::spec::Separation;
 
-/// All motions of earlier flights, and which runs of them may matter in which cell of
-/// time, east and north.
+/// The flights that a vehicle has to keep apart from. Their index is made once, for all
+/// objectives that read them.
+#[derive(Clone, Debug, Default)]
+pub struct EarlierFlights {
+    flights: Vec<Flight>,
+    index: OnceLock<Arc<Index>>,
+}
+
+impl EarlierFlights {
+    /// No flight.
+    #[must_use]
+    pub fn none() -> &'static Self {
+        static NONE: EarlierFlights = EarlierFlights {
+            flights: Vec::new(),
+            index: OnceLock::new(),
+        };
+        &NONE
+    }
+
+    fn index(&self, separation: &Separation) -> Arc<Index> {
+        let made = self
+            .index
+            .get_or_init(|| Arc::new(Index::new(separation, &self.flights)));
+        Arc::clone(made)
+    }
+}
+
+impl From<Vec<Flight>> for EarlierFlights {
+    fn from(flights: Vec<Flight>) -> Self {
+        Self {
+            flights,
+            index: OnceLock::new(),
+        }
+    }
+}
+
+impl Deref for EarlierFlights {
+    type Target = [Flight];
+
+    fn deref(&self) -> &[Flight] {
+        &self.flights
+    }
+}
+
+/// Earlier flights as one objective keeps apart from them.
 #[derive(Clone, Debug)]
 pub(super) struct Traffic {
     distance_m: f64,
@@ -19,11 +63,17 @@ pub(super) struct Traffic {
     slack_s: f64,
     /// Motions further apart than this are in no conflict, metres.
     reach_m: f64,
+    index: Arc<Index>,
+}
+
+/// All motions of earlier flights, and which runs of them are in which cell of time, east and
+/// north.
+#[derive(Debug)]
+struct Index {
     segments: Vec<Segment>,
     /// Balls around the motions.
     balls: Vec<Ball>,
     runs: Vec<Run>,
-    /// Where the runs may matter.
     cells: Cells,
 }
 
@@ -31,7 +81,7 @@ pub(super) struct Traffic {
 #[derive(Clone, Debug)]
 struct Run {
     ball: Ball,
-    /// When it may matter, with the slack, seconds.
+    /// When it is flown, seconds.
     times_s: (f64, f64),
     segments: Range<usize>,
 }
@@ -127,42 +177,27 @@ fn mean(own: &Segment, severity: impl Fn(&Segment) -> Severity) -> f64 {
 }
 
 impl Traffic {
-    pub(super) fn new(separation: &Separation, margins: &Margins, earlier: &[Flight]) -> Self {
-        let segments: Vec<Segment> = earlier.iter().flat_map(Flight::segments).collect();
+    pub(super) fn new(
+        separation: &Separation,
+        margins: &Margins,
+        earlier: &EarlierFlights,
+    ) -> Self {
         let Separation {
             distance_m,
             vertical_m,
             time_slack_s: slack_s,
         } = margins.beyond(separation);
-        let balls: Vec<Ball> = segments.iter().map(Ball::around).collect();
-        let runs = runs(earlier, &segments, &balls, slack_s);
-        let reach: Vec<Extent> = runs
-            .iter()
-            .map(|run| {
-                let segments = segments[run.segments.clone()].iter();
-                let extents = segments.map(|segment| extent(segment, slack_s, distance_m));
-                extents.reduce(both).unwrap_or_default()
-            })
-            .collect();
-        let least = [
-            4.0 * slack_s.max(5.0),
-            4.0 * separation.distance_m,
-            4.0 * separation.distance_m,
-        ];
         Self {
             distance_m,
             vertical_m,
             reach_m: distance_m.hypot(vertical_m.unwrap_or(0.0)),
             slack_s,
-            balls,
-            runs,
-            cells: Cells::new(&reach, least),
-            segments,
+            index: earlier.index(separation),
         }
     }
 
     pub(super) fn is_empty(&self) -> bool {
-        self.segments.is_empty()
+        self.index.segments.is_empty()
     }
 
     /// Mean severity along a motion: the trapezoidal rule over its ends and its
@@ -175,24 +210,30 @@ impl Traffic {
     pub(super) fn mean_severity_by_all(&self, own: &Segment) -> f64 {
         mean(own, |own| {
             let ball = Ball::around(own);
-            (0..self.segments.len())
+            (0..self.index.segments.len())
                 .map(|other| self.severity_of(own, &ball, other, 0.0))
                 .fold(Severity::default(), Severity::worse)
         })
     }
 
     /// Whether no motion is near anything in a box of time, east and north.
-    pub(super) fn is_clear(&self, extent: &Extent) -> bool {
-        self.cells.is_clear(extent)
+    pub(super) fn is_clear(&self, &[times, easts, norths]: &Extent) -> bool {
+        let wider = |(low, high): (f64, f64), by: f64| (low - by, high + by);
+        self.index.cells.is_clear(&[
+            wider(times, self.slack_s),
+            wider(easts, self.distance_m),
+            wider(norths, self.distance_m),
+        ])
     }
 
     fn severity(&self, own: &Segment) -> Severity {
         let ball = Ball::around(own);
         let mut worst = Severity::default();
-        self.cells.each(&extent(own, 0.0, 0.0), |run| {
-            let run = &self.runs[run];
+        let reach = extent(own, self.slack_s, self.distance_m);
+        self.index.cells.each(&reach, |run| {
+            let run = &self.index.runs[run];
             let (from_s, to_s) = run.times_s;
-            if to_s < own.t0_s || from_s > own.t1_s {
+            if to_s + self.slack_s < own.t0_s || from_s - self.slack_s > own.t1_s {
                 return;
             }
             if ball.is_apart(&run.ball, self.reach_m) {
@@ -210,10 +251,10 @@ impl Traffic {
         /// More than rounding may take from a ratio.
         const TOLERANCE: f64 = 1e-9;
         let most = (1.0 - worst + TOLERANCE).min(1.0);
-        if ball.is_apart(&self.balls[other], most * self.reach_m) {
+        if ball.is_apart(&self.index.balls[other], most * self.reach_m) {
             return Severity::default();
         }
-        let other = &self.segments[other];
+        let other = &self.index.segments[other];
         let distance_m = most * self.distance_m;
         let height_m = self.vertical_m.map_or(distance_m, |limit_m| most * limit_m);
         if are_surely_apart(own, other, self.slack_s, distance_m, height_m) {
@@ -236,12 +277,36 @@ impl Traffic {
     }
 }
 
+impl Index {
+    fn new(separation: &Separation, earlier: &[Flight]) -> Self {
+        let segments: Vec<Segment> = earlier.iter().flat_map(Flight::segments).collect();
+        let balls: Vec<Ball> = segments.iter().map(Ball::around).collect();
+        let runs = runs(earlier, &segments, &balls);
+        let extents: Vec<Extent> = runs
+            .iter()
+            .map(|run| {
+                let segments = segments[run.segments.clone()].iter();
+                let extents = segments.map(|segment| extent(segment, 0.0, 0.0));
+                extents.reduce(both).unwrap_or_default()
+            })
+            .collect();
+        let side_m = 4.0 * separation.distance_m;
+        let least = [4.0 * separation.time_slack_s.max(5.0), side_m, side_m];
+        Self {
+            balls,
+            runs,
+            cells: Cells::new(&extents, least),
+            segments,
+        }
+    }
+}
+
 /// The motions of each flight in runs.
-fn runs(earlier: &[Flight], segments: &[Segment], balls: &[Ball], slack_s: f64) -> Vec<Run> {
+fn runs(earlier: &[Flight], segments: &[Segment], balls: &[Ball]) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut first = 0;
     for flight in earlier {
-        let end = first + flight.segments().count();
+        let end = first + flight.points.len().saturating_sub(1);
         for start in (first..end).step_by(RUN) {
             let members = start..(start + RUN).min(end);
             let of_run = &segments[members.clone()];
@@ -250,8 +315,8 @@ fn runs(earlier: &[Flight], segments: &[Segment], balls: &[Ball], slack_s: f64) 
             runs.push(Run {
                 ball: Ball::over(&balls[members.clone()]),
                 times_s: (
-                    from_s.fold(f64::INFINITY, f64::min) - slack_s,
-                    to_s.fold(f64::NEG_INFINITY, f64::max) + slack_s,
+                    from_s.fold(f64::INFINITY, f64::min),
+                    to_s.fold(f64::NEG_INFINITY, f64::max),
                 ),
                 segments: members,
             });

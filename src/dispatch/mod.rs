@@ -1,9 +1,12 @@
 //! Plan, encode, verify, and plan again where a limit is violated, in bounded rounds.
 
+mod anytime;
 mod crowd;
 mod deconfliction;
 mod rounds;
 mod tighten;
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -12,11 +15,13 @@ use crate::path::TimedPoint;
 use crate::plan::{self, FleetPlan, Progress, Request};
 use crate::spec::MissionSpec;
 use crate::tasks::{Assigner, FleetTasks, free_orders, in_order};
-use crate::verify::{self, Limit, Margin, Review};
+use crate::verify::{Limit, Margin, Review, Reviewer};
 use crate::world::World;
 
 use rounds::dispatch_in_rounds;
 use tighten::Strictness;
+
+pub use anytime::{Improved, Improving};
 
 /// A fleet planned, encoded and judged.
 #[derive(Clone, Debug)]
@@ -51,8 +56,24 @@ struct Job<'a> {
     spec: &'a MissionSpec,
     world: &'a World,
     judged: (&'a MissionSpec, &'a World),
+    run: Run<'a>,
+}
+
+/// How a fleet is dispatched.
+#[derive(Clone, Copy)]
+struct Run<'a> {
     seed: u64,
     watch: &'a (dyn Fn(Stage) + Sync),
+    /// Once it is set, the dispatch ends at once, and its result is of no use.
+    cancel: Option<&'a AtomicBool>,
+    /// An earlier plan to begin with.
+    earlier: Option<&'a FleetPlan>,
+}
+
+impl Run<'_> {
+    fn is_cancelled(&self) -> bool {
+        (self.cancel).is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+    }
 }
 
 /// Most assignments of tasks that are planned.
@@ -72,11 +93,25 @@ pub fn dispatch(
     seed: u64,
     watch: &(dyn Fn(Stage) + Sync),
 ) -> Dispatched {
-    let Some(orders) = free_orders(spec, world, seed) else {
-        return with_tasks(spec, world, seed, watch);
+    let run = Run {
+        seed,
+        watch,
+        cancel: None,
+        earlier: None,
+    };
+    dispatch_as(spec, world, run)
+}
+
+fn dispatch_as(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
+    let Some(orders) = free_orders(spec, world, run.seed) else {
+        return with_tasks(spec, world, run);
     };
     let (ordered, moved) = in_order(spec, world, &orders);
-    let mut done = with_tasks(&ordered, &moved, seed, watch);
+    let run = Run {
+        earlier: None,
+        ..run
+    };
+    let mut done = with_tasks(&ordered, &moved, run);
     if done.tasks.is_some() {
         // The spec that is flown has its stops in order, and more of them.
         return done;
@@ -92,20 +127,19 @@ pub fn dispatch(
 
 /// Dispatches a fleet whose stops are in the order in which they are visited: assigns its tasks,
 /// and assigns them again where a vehicle uses more on its way than was estimated.
-fn with_tasks(
-    spec: &MissionSpec,
-    world: &World,
-    seed: u64,
-    watch: &(dyn Fn(Stage) + Sync),
-) -> Dispatched {
-    let Some(mut assigner) = Assigner::new(spec, world, seed) else {
-        return dispatch_ordered(Job {
-            spec,
-            world,
-            judged: (spec, world),
-            seed,
-            watch,
-        });
+fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
+    let whole = Job {
+        spec,
+        world,
+        judged: (spec, world),
+        run,
+    };
+    let Some(mut assigner) = Assigner::new(spec, world, run.seed) else {
+        return dispatch_ordered(whole);
+    };
+    let run = Run {
+        earlier: None,
+        ..run
     };
     let mut best: Option<Dispatched> = None;
     for _ in 0..ASSIGNMENTS {
@@ -114,8 +148,7 @@ fn with_tasks(
             spec: &tasks.spec,
             world: &tasks.world,
             judged: (spec, world),
-            seed,
-            watch,
+            run,
         });
         for left in &tasks.left {
             let limit = Limit::Task(left.id.clone());
@@ -135,19 +168,11 @@ fn with_tasks(
         {
             best = Some(done);
         }
-        if !learns {
+        if !learns || run.is_cancelled() {
             break;
         }
     }
-    best.unwrap_or_else(|| {
-        dispatch_ordered(Job {
-            spec,
-            world,
-            judged: (spec, world),
-            seed,
-            watch,
-        })
-    })
+    best.unwrap_or_else(|| dispatch_ordered(whole))
 }
 
 /// Violated limits of flights, then tasks that are not done.
@@ -189,8 +214,10 @@ fn missed_windows(spec: &MissionSpec, review: &Review) -> Vec<usize> {
 /// others so only where planning one after the other leaves vehicles too near.
 fn dispatch_ordered(job: Job<'_>) -> Dispatched {
     let is_crowd = crowd::is_crowd(job.spec, job.world);
-    let passes = |found: &Dispatched| found.review.passes();
-    let together = || planned_together(job).filter(passes);
+    let together = || planned_together(job);
+    if job.run.earlier.is_some() {
+        return dispatch_in_rounds(job);
+    }
     if let Some(found) = is_crowd.then(together).flatten() {
         return found;
     }
@@ -201,19 +228,16 @@ fn dispatch_ordered(job: Job<'_>) -> Dispatched {
     is_worth_it.then(together).flatten().unwrap_or(one_by_one)
 }
 
-/// Plans every vehicle alone, and then all of them on variants of these paths. None where paths
-/// cannot be varied, or where one breaks a limit alone.
+/// Plans every vehicle alone, and then all of them on variants of these paths. None where no such
+/// plan passes.
 fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     let Job {
-        spec,
-        world,
-        seed,
-        watch,
-        ..
+        spec, world, run, ..
     } = job;
-    let progress = |at| watch(Stage::Planning(1, at));
+    let progress = |at| (run.watch)(Stage::Planning(1, at));
     let request = Request {
-        seed,
+        seed: run.seed,
+        cancel: run.cancel,
         margins: Strictness::first(spec).margins,
         extra_parameters: Vec::new(),
         progress: &progress,
@@ -222,14 +246,24 @@ fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     if alone.iter().any(|plan| !plan.terms.is_clean()) {
         return None;
     }
-    let plan = deconfliction::resolved(spec, world, seed, &alone)?;
-    Some(judged(job, 1, plan))
+    let (judged_spec, judged_world) = job.judged;
+    let mut reviewer = Reviewer::new(judged_spec, judged_world);
+    let plans = deconfliction::resolved(spec, world, run.seed, &alone).into_iter();
+    plans
+        .map(|plan| judged(job, &mut reviewer, (1, plan), None))
+        .find(|found| found.review.passes())
 }
 
-/// Encodes the missions of a plan and judges them.
-fn judged(job: Job<'_>, round: usize, plan: FleetPlan) -> Dispatched {
-    (job.watch)(Stage::Verifying(round));
-    let (missions, review) = encode_and_verify(job, &plan);
+/// Encodes the missions of the plan of a round and judges them. Those of paths that are as they
+/// were in the round before are as before.
+fn judged(
+    job: Job<'_>,
+    reviewer: &mut Reviewer<'_>,
+    (round, plan): (usize, FleetPlan),
+    before: Option<&Dispatched>,
+) -> Dispatched {
+    (job.run.watch)(Stage::Verifying(round));
+    let (missions, review) = encode_and_verify(job, reviewer, &plan, before);
     Dispatched {
         plan,
         missions,
@@ -257,16 +291,26 @@ impl Dispatched {
 
 /// Encodes the routes of every vehicle and judges the missions. A mission that cannot be encoded
 /// is absent from the list, and the review gives the reason.
-fn encode_and_verify(job: Job<'_>, plan: &FleetPlan) -> (Vec<(usize, VehicleMission)>, Review) {
-    let Job {
-        spec,
-        world,
-        judged: (judged, judged_world),
-        ..
-    } = job;
+fn encode_and_verify(
+    job: Job<'_>,
+    reviewer: &mut Reviewer<'_>,
+    plan: &FleetPlan,
+    before: Option<&Dispatched>,
+) -> (Vec<(usize, VehicleMission)>, Review) {
+    let Job { spec, world, .. } = job;
     let retimed = plan.retimed(spec);
-    let encoded: Vec<_> = (plan.vehicles.par_iter().enumerate())
-        .map(|(index, vehicle)| {
+    let mut unchanged: Vec<Option<&VehicleMission>> = vec![None; plan.vehicles.len()];
+    if let Some(before) = before {
+        for (index, mission) in &before.missions {
+            let flown = &before.plan.vehicles[*index];
+            unchanged[*index] = flown.flies_as(&plan.vehicles[*index]).then_some(mission);
+        }
+    }
+    let encoded: Vec<_> = (plan.vehicles.par_iter().zip(unchanged).enumerate())
+        .map(|(index, (vehicle, unchanged))| {
+            if let Some(mission) = unchanged {
+                return Ok(mission.clone());
+            }
             let paths = vehicle.routes.iter().map(|route| route.path.clone());
             let routes: Vec<Vec<TimedPoint>> = paths.collect();
             mission::build(&retimed, world, index, &routes)
@@ -287,7 +331,7 @@ fn encode_and_verify(job: Job<'_>, plan: &FleetPlan) -> (Vec<(usize, VehicleMiss
         .iter()
         .map(|(index, mission)| (*index, mission))
         .collect();
-    let mut review = verify::review(judged, judged_world, &all);
+    let mut review = reviewer.review(&all);
     // The encoding error replaces "mission missing".
     let is_known = |margin: &Margin| {
         let mut known = problems.iter();

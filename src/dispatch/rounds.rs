@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::plan::{self, FleetPlan, Request};
 use crate::spec::MissionSpec;
-use crate::verify::{Limit, Margin};
+use crate::verify::{Limit, Margin, Reviewer};
 use crate::world::World;
 
 use super::tighten::Strictness;
@@ -19,51 +19,56 @@ const MAX_ROUNDS: usize = 12;
 /// Dispatches a fleet one vehicle after the other, with those that fail planned again.
 pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
     let Job {
-        spec,
-        world,
-        seed,
-        watch,
-        ..
+        spec, world, run, ..
     } = job;
     let mut strictness = Strictness::first(spec);
     let plan_again =
         |round: usize, strictness: &Strictness, previous: Option<(&FleetPlan, &[usize])>| {
-            let progress = |at| watch(Stage::Planning(round, at));
+            let progress = |at| (run.watch)(Stage::Planning(round, at));
             let request = Request {
-                seed,
+                seed: run.seed,
+                cancel: run.cancel,
                 margins: strictness.margins.clone(),
                 extra_parameters: strictness.parameters.clone(),
                 progress: &progress,
             };
-            match previous {
-                None => plan::plan_fleet(spec, world, &request),
-                Some((plan, again)) => plan::replan(plan, again, spec, world, &request),
+            match (previous, run.earlier) {
+                (Some((plan, again)), _) => plan::replan(plan, again, spec, world, &request),
+                (None, Some(earlier)) => plan::plan_from(earlier, spec, world, &request),
+                (None, None) => plan::plan_fleet(spec, world, &request),
             }
         };
-    let mut latest = judged(job, 1, plan_again(1, &strictness, None));
-    let mut best = latest.clone();
+    let (judged_spec, judged_world) = job.judged;
+    let mut reviewer = Reviewer::new(judged_spec, judged_world);
+    let plan = plan_again(1, &strictness, None);
+    let mut latest = judged(job, &mut reviewer, (1, plan), None);
+    // The best round, where that is not the latest.
+    let mut best: Option<Dispatched> = None;
     let mut improves = true;
+    let mut rounds = 1;
     for round in 2..=MAX_ROUNDS {
-        if latest.review.passes() || round > ROUNDS && !improves {
+        if latest.review.passes() || round > ROUNDS && !improves || run.is_cancelled() {
             break;
         }
         let again = strictness.tighten(spec, world, &latest.plan, &latest.review);
         if again.is_empty() {
             break;
         }
-        latest = judged(
-            job,
-            round,
-            plan_again(round, &strictness, Some((&latest.plan, &again))),
-        );
-        improves = failures(&latest) < failures(&best);
-        if improves {
-            best = latest.clone();
-        }
-        best.rounds = round;
+        let plan = plan_again(round, &strictness, Some((&latest.plan, &again)));
+        let next = judged(job, &mut reviewer, (round, plan), Some(&latest));
+        improves = failures(&next) < failures(best.as_ref().unwrap_or(&latest));
+        let before = std::mem::replace(&mut latest, next);
+        best = if improves {
+            None
+        } else {
+            best.or(Some(before))
+        };
+        rounds = round;
     }
-    if !best.review.passes() {
-        best.add_blockers(spec, world, seed, strictness);
+    let mut best = best.unwrap_or(latest);
+    best.rounds = rounds;
+    if !best.review.passes() && !run.is_cancelled() {
+        best.add_blockers(spec, world, run.seed, strictness);
     }
     best
 }
@@ -78,10 +83,9 @@ impl Dispatched {
         strictness: Strictness,
     ) {
         let request = Request {
-            seed,
             margins: strictness.margins,
             extra_parameters: strictness.parameters,
-            progress: &|_| (),
+            ..Request::new(seed)
         };
         let at_first = Strictness::first(spec).margins;
         self.plan.name_blockers(spec, world, &request, &at_first);

@@ -30,6 +30,13 @@ struct Member {
     first: [u16; 3],
 }
 
+impl Member {
+    /// Whether a cell of a range is the first in which the item is: there it is reported.
+    fn is_first_in(&self, at: [usize; 3], range: &Range) -> bool {
+        (0..3).all(|axis| at[axis] == range[axis].0.max(usize::from(self.first[axis])))
+    }
+}
+
 /// First and last cell along each axis.
 type Range = [(usize, usize); 3];
 
@@ -88,14 +95,33 @@ impl Cells {
         self.visit(&range, |[cell, at @ ..]| {
             let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
             for member in &self.members[members] {
-                // An item in several of these cells is reported in the first of them.
-                let is_first = (0..3)
-                    .all(|axis| at[axis] == range[axis].0.max(usize::from(member.first[axis])));
-                if is_first {
+                if member.is_first_in(at, &range) {
                     act(member.item as usize);
                 }
             }
         });
+    }
+
+    /// Whether `is_it` holds for anything in the cells that an extent touches, which are gone
+    /// through until it does.
+    pub fn any(&self, extent: &Extent, mut is_it: impl FnMut(usize) -> bool) -> bool {
+        let range = self.range(extent);
+        for time in range[0].0..range[0].1 + 1 {
+            for east in range[1].0..range[1].1 + 1 {
+                for north in range[2].0..range[2].1 + 1 {
+                    let at = [time, east, north];
+                    let cell = self.index(at);
+                    let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
+                    let found = self.members[members].iter().any(|member| {
+                        member.is_first_in(at, &range) && is_it(member.item as usize)
+                    });
+                    if found {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
     }
 
     /// Empty cells over all extents.
@@ -205,6 +231,9 @@ mod tests {
             let mut found = vec![false; extents.len()];
             cells.each(&look, |item| assert!(!std::mem::replace(&mut found[item], true)));
             prop_assert_eq!(cells.is_clear(&look), found.iter().all(|found| !found));
+            for (item, &found) in found.iter().enumerate() {
+                prop_assert_eq!(cells.any(&look, |other| other == item), found);
+            }
             for (extent, found) in extents.iter().zip(found) {
                 prop_assert!(found || !touches(extent, &look), "{extent:?} {look:?}");
             }

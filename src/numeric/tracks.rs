@@ -1,6 +1,8 @@
 //! Which of many tracks come too near to one: a space-time index over their pieces, and
 //! the exact closest approach for the pieces it brings together.
 
+use std::ops::Range;
+
 use super::approach::{Segment, are_surely_apart, closest_approach, closest_horizontal};
 use super::cells::{Cells, Extent};
 
@@ -104,6 +106,21 @@ impl Track {
             .map(|(index, segments)| Run::around(index * RUN, segments))
             .collect();
         Self { segments, runs }
+    }
+
+    /// The same by some seconds later.
+    #[must_use]
+    pub fn delayed(&self, later_s: f64) -> Self {
+        let mut later = self.clone();
+        for segment in &mut later.segments {
+            segment.t0_s += later_s;
+            segment.t1_s += later_s;
+        }
+        for run in &mut later.runs {
+            let times = &mut run.extent[0];
+            *times = (times.0 + later_s, times.1 + later_s);
+        }
+        later
     }
 
     /// The motions.
@@ -212,17 +229,28 @@ impl Tracks {
     /// The numbers, in order, of the tracks from number `from` on that come too near.
     #[must_use]
     pub fn near(&self, own: &Track, nearness: &Nearness, from: usize) -> Vec<usize> {
+        self.near_among(own, nearness, from..self.tracks.len())
+    }
+
+    /// The same of the tracks with numbers in a range.
+    #[must_use]
+    pub fn near_among(
+        &self,
+        own: &Track,
+        nearness: &Nearness,
+        Range { start: from, end }: Range<usize>,
+    ) -> Vec<usize> {
         let mut is_near = vec![false; self.tracks.len()];
         let ends = self.parts.iter().skip(1).map(|part| part.first);
         let ends = ends.chain([self.tracks.len()]);
         let parts = self.parts.iter().zip(ends);
-        for (part, _) in parts.filter(|(_, end)| *end > from) {
+        for (part, _) in parts.filter(|(part, until)| *until > from && part.first < end) {
             for run in &own.runs {
                 let reach = run.reach(nearness);
                 part.cells.each(&reach, |item| {
                     let (track, other) = part.items[item];
                     let (track, other) = (track as usize, other as usize);
-                    if track < from || is_near[track] {
+                    if track < from || track >= end || is_near[track] {
                         return;
                     }
                     let track_of = &self.tracks[track];
@@ -233,6 +261,23 @@ impl Tracks {
             }
         }
         numbers(&is_near)
+    }
+
+    /// Whether any track comes too near.
+    #[must_use]
+    pub fn is_any_near(&self, own: &Track, nearness: &Nearness) -> bool {
+        own.runs.iter().any(|run| {
+            let reach = run.reach(nearness);
+            self.parts.iter().any(|part| {
+                part.cells.any(&reach, |item| {
+                    let (track, other) = part.items[item];
+                    let track_of = &self.tracks[track as usize];
+                    let other = &track_of.runs[other as usize];
+                    run.may_meet(&reach, other, nearness)
+                        && own.meets(run, track_of, other, nearness)
+                })
+            })
+        })
     }
 
     /// The same by looking at every motion of every track.
@@ -334,6 +379,8 @@ mod tests {
             for own in &fleet {
                 let by_all = one_by_one.near_by_all(own, &nearness, from);
                 prop_assert_eq!(one_by_one.near(own, &nearness, from), by_all);
+                let is_near = !one_by_one.near_by_all(own, &nearness, 0).is_empty();
+                prop_assert_eq!(one_by_one.is_any_near(own, &nearness), is_near);
                 prop_assert_eq!(
                     at_once.near(own, &nearness, from),
                     at_once.near_by_all(own, &nearness, from)

@@ -22,8 +22,8 @@ pub use fleet::columns::ColumnConflict;
 pub use fleet::pairs::{least_lengths_m, route_bounds, route_costs};
 pub use fleet::shapes::{Shape, Shaper};
 pub use fleet::{
-    Progress, Request, certify, plan_each_alone, plan_fleet, plan_fleet_with, plan_one_at_a_time,
-    replan, replan_from,
+    Progress, Request, certify, plan_each_alone, plan_fleet, plan_fleet_with, plan_from,
+    plan_one_at_a_time, replan, replan_from,
 };
 pub use search::objective::{objective, objective_specs};
 pub use search_options::SearchOptions;
@@ -103,6 +103,28 @@ impl Route {
 }
 
 impl FleetPlan {
+    /// Sum of the vehicles' costs.
+    #[must_use]
+    pub fn cost(&self) -> f64 {
+        self.vehicles.iter().map(|plan| plan.terms.total()).sum()
+    }
+
+    /// Proven: no plans that keep the limits cost less together, because none of them costs less
+    /// than its own bound.
+    #[must_use]
+    pub fn bound(&self) -> f64 {
+        self.vehicles.iter().map(|plan| plan.bound).sum()
+    }
+
+    /// How far the cost is above the bound, as a fraction of the bound; none where a plan breaks
+    /// limits.
+    #[must_use]
+    pub fn gap(&self) -> Option<f64> {
+        let bound = self.bound();
+        let is_bounded = bound > 0.0 && self.vehicles.iter().all(|plan| plan.gap().is_some());
+        is_bounded.then(|| (self.cost() - bound) / bound)
+    }
+
     /// The spec with the departures, speeds and orders that were chosen. Missions are made from it, and
     /// judged against the spec itself.
     #[must_use]
@@ -132,6 +154,12 @@ impl VehiclePlan {
         } else {
             &self.avoids
         }
+    }
+
+    /// Whether both fly the same paths at the same times.
+    pub(crate) fn flies_as(&self, other: &Self) -> bool {
+        let times = |plan: &Self| [plan.depart_s, plan.speed_mps].map(f64::to_bits);
+        times(self) == times(other) && self.order == other.order && self.routes == other.routes
     }
 
     /// Sets the order of stops, the departure and the speed that were chosen.

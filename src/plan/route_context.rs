@@ -1,15 +1,16 @@
 //! One leg of one vehicle's plan, and what its search needs to know of it.
 
 use std::borrow::Cow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use geo::BoundingRect;
 
 use super::search_options::SearchOptions;
 use super::spline::{Frame, Spline};
-use crate::cost::{CostModel, Margins, RouteEnds};
+use crate::cost::{CostModel, EarlierFlights, Margins, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth};
 use crate::numeric::bspline::uniform_parameters;
-use crate::path::{Flight, VehicleLimits};
+use crate::path::VehicleLimits;
 use crate::plan::altitude::floor::{FloorMaker, Slopes};
 use crate::plan::classes::field::Prices;
 use crate::spec::{MissionSpec, Objective, Vehicle};
@@ -48,14 +49,21 @@ pub(crate) struct RouteContext<'a> {
     pub spec: &'a MissionSpec,
     pub index: usize,
     pub ends: RouteEnds,
-    pub earlier: &'a [Flight],
+    pub earlier: &'a EarlierFlights,
     pub margins: Margins,
     /// Parameters at which the path is sampled besides the even ones.
     pub extra: &'a [f64],
     pub options: SearchOptions,
+    /// Set once the search is to end.
+    pub cancel: Option<&'a AtomicBool>,
 }
 
 impl<'a> RouteContext<'a> {
+    /// Whether the search is to end.
+    pub(crate) fn is_cancelled(&self) -> bool {
+        (self.cancel).is_some_and(|cancel| cancel.load(Ordering::Relaxed))
+    }
+
     /// The vehicle that flies it.
     pub(crate) fn vehicle(&self) -> &'a Vehicle {
         &self.spec.vehicles[self.index]

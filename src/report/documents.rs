@@ -4,20 +4,23 @@
 //! and metres to 1e-4, far below anything that can be flown, so that the same
 //! facts give the same bytes.
 
-use serde::Serialize;
+use std::collections::BTreeMap;
+
+use serde::{Serialize, Serializer};
 
 use crate::cost::CostTerms;
 use crate::geodesy::PlanPoint;
 use crate::path::TimedPoint;
 use crate::plan::{FleetPlan, Route, VehiclePlan, violations};
 use crate::spec::{MissionSpec, StopAction, Vehicle};
-use crate::tasks::FleetTasks;
+use crate::tasks::{AssignedTask, FleetTasks};
 use crate::verify::{Limit, Margin, Moment, Review};
 use crate::world::World;
 
-/// The paths of a fleet: `plan.json`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PlanDocument {
+/// The paths of a fleet: `plan.json`. Its vehicles are made one at a time as they are written:
+/// those of a large fleet have hundreds of megabytes.
+#[derive(Clone, Serialize)]
+pub struct PlanDocument<'a> {
     /// Version of Sortie.
     pub sortie: &'static str,
     /// SHA-256 of the spec file, hexadecimal.
@@ -29,11 +32,79 @@ pub struct PlanDocument {
     pub seed: u64,
     /// `pass` or `fail`: what `verify` says of the encoded missions.
     pub verdict: &'static str,
+    /// The whole fleet.
+    pub fleet: FleetCost,
     /// In the order of the spec.
-    pub vehicles: Vec<PlannedVehicle>,
+    pub vehicles: PlannedVehicles<'a>,
     /// The tasks that no vehicle does, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tasks_left: Vec<LeftTask>,
+}
+
+/// What a fleet costs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FleetCost {
+    /// Sum of the vehicles' costs.
+    pub cost: Option<f64>,
+    /// Proven: no plans that keep the limits cost less together. The sum of the vehicles' bounds.
+    pub bound: Option<f64>,
+    /// How far the cost is above the bound, as a fraction of it; null where limits are broken.
+    pub gap: Option<f64>,
+}
+
+impl FleetCost {
+    /// Of the plans of a fleet.
+    #[must_use]
+    pub fn of(plan: &FleetPlan) -> Self {
+        Self {
+            cost: finite(plan.cost()),
+            bound: finite(plan.bound()),
+            gap: plan.gap().and_then(finite),
+        }
+    }
+}
+
+/// The vehicles of `plan.json`.
+#[derive(Clone)]
+pub struct PlannedVehicles<'a> {
+    spec: &'a MissionSpec,
+    world: &'a World,
+    plan: &'a FleetPlan,
+    passes: bool,
+    tasks: Option<&'a FleetTasks>,
+    left_out: BTreeMap<&'a str, Vec<&'a Margin>>,
+}
+
+impl PlannedVehicles<'_> {
+    /// The vehicle of an index.
+    fn vehicle(&self, index: usize) -> PlannedVehicle {
+        let (spec, world) = (self.spec, self.world);
+        let (vehicle, planned) = (&spec.vehicles[index], &self.plan.vehicles[index]);
+        let own = self.left_out.get(vehicle.id.as_str());
+        let mut document = PlannedVehicle {
+            gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
+            blocked_by: ids(spec, &planned.blocked_by),
+            // The objective judges turns and ground more strictly than the verdict.
+            violations: if self.passes {
+                Vec::new()
+            } else {
+                violation_entries(spec, vehicle, planned, world)
+            },
+            left_out_of_fence: own.map_or_else(Vec::new, |margins| left_out_of_fence(margins)),
+            ..planned_vehicle(spec, vehicle, planned, world)
+        };
+        if let Some(done) = self.tasks.and_then(|tasks| tasks.done.get(index)) {
+            document.add_tasks(done);
+        }
+        document
+    }
+}
+
+impl Serialize for PlannedVehicles<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let count = self.spec.vehicles.len().min(self.plan.vehicles.len());
+        serializer.collect_seq((0..count).map(|index| self.vehicle(index)))
+    }
 }
 
 /// A task that a vehicle does.
@@ -240,59 +311,65 @@ pub struct Place {
 
 /// The content of `plan.json`, without the hash of a table of vehicles.
 #[must_use]
-pub fn plan_json(
+pub fn plan_json<'a>(
     spec_sha256: &str,
-    spec: &MissionSpec,
-    world: &World,
-    plan: &FleetPlan,
+    spec: &'a MissionSpec,
+    world: &'a World,
+    plan: &'a FleetPlan,
     passes: bool,
-) -> PlanDocument {
+) -> PlanDocument<'a> {
     PlanDocument {
         sortie: env!("CARGO_PKG_VERSION"),
         spec_sha256: spec_sha256.to_owned(),
         table_sha256: None,
         seed: plan.seed,
         verdict: verdict(passes),
-        vehicles: spec
-            .vehicles
-            .iter()
-            .zip(&plan.vehicles)
-            .map(|(vehicle, planned)| PlannedVehicle {
-                gives_way_to: ids(spec, planned.gives_way_to(vehicle)),
-                blocked_by: ids(spec, &planned.blocked_by),
-                // The objective judges turns and ground more strictly than the verdict.
-                violations: if passes {
-                    Vec::new()
-                } else {
-                    violation_entries(spec, vehicle, planned, world)
-                },
-                ..planned_vehicle(spec, vehicle, planned, world)
-            })
-            .collect(),
+        fleet: FleetCost::of(plan),
+        vehicles: PlannedVehicles {
+            spec,
+            world,
+            plan,
+            passes,
+            tasks: None,
+            left_out: BTreeMap::new(),
+        },
         tasks_left: Vec::new(),
     }
 }
 
-impl PlanDocument {
+impl<'a> PlanDocument<'a> {
     /// Adds who does which task.
-    pub fn add_tasks(&mut self, tasks: &FleetTasks) {
-        for (vehicle, done) in self.vehicles.iter_mut().zip(&tasks.done) {
-            let stops = &vehicle.stops;
-            let planned = done.iter().map(|task| {
-                let last = stops.get(task.last);
-                PlannedTask {
-                    id: task.id.clone(),
-                    from_s: stops.get(task.first).and_then(|stop| stop.t_s),
-                    until_s: last.and_then(|stop| rounded(stop.t_s? + stop.rest_s, METRE_DIGITS)),
-                }
-            });
-            vehicle.tasks = planned.collect();
-        }
+    pub fn add_tasks(&mut self, tasks: &'a FleetTasks) {
+        self.vehicles.tasks = Some(tasks);
         let left = tasks.left.iter().map(|task| LeftTask {
             id: task.id.clone(),
             why: task.why.clone(),
         });
         self.tasks_left = left.collect();
+    }
+
+    /// Adds what the verdict found left out of the fences.
+    pub fn add_left_out(&mut self, review: &'a Review) {
+        let is_left_out = |margin: &&Margin| matches!(margin.limit, Limit::FenceLeftOut(_));
+        for margin in review.margins.iter().filter(is_left_out) {
+            let own = self.vehicles.left_out.entry(&margin.vehicle);
+            own.or_default().push(margin);
+        }
+    }
+}
+
+impl PlannedVehicle {
+    fn add_tasks(&mut self, done: &[AssignedTask]) {
+        let stops = &self.stops;
+        let planned = done.iter().map(|task| {
+            let last = stops.get(task.last);
+            PlannedTask {
+                id: task.id.clone(),
+                from_s: stops.get(task.first).and_then(|stop| stop.t_s),
+                until_s: last.and_then(|stop| rounded(stop.t_s? + stop.rest_s, METRE_DIGITS)),
+            }
+        });
+        self.tasks = planned.collect();
     }
 }
 
@@ -318,11 +395,10 @@ fn ids(spec: &MissionSpec, indices: &[usize]) -> Vec<String> {
     known.map(|vehicle| vehicle.id.clone()).collect()
 }
 
-/// What the verdict found left out of the fence of a vehicle, the nearest first.
-#[must_use]
-pub fn left_out_of_fence(review: &Review, vehicle: &str) -> Vec<LeftOut> {
-    let own = review.margins.iter().filter(|m| m.vehicle == vehicle);
-    let mut found: Vec<(f64, LeftOut)> = own
+/// What is left out of the fence of a vehicle, the nearest first.
+fn left_out_of_fence(margins: &[&Margin]) -> Vec<LeftOut> {
+    let mut found: Vec<(f64, LeftOut)> = margins
+        .iter()
         .filter_map(|margin| {
             let Limit::FenceLeftOut(what) = &margin.limit else {
                 return None;

@@ -12,8 +12,8 @@ pub use certificate::{
     CertificateDocument, CertifiedRoute, CertifiedVehicle, certificate_document,
 };
 pub use documents::{
-    ControlPoint, Cost, LeftOut, MarginEntry, PathPoint, Place, PlanDocument, PlannedVehicle,
-    ReviewDocument, json_text, left_out_of_fence, plan_json, review_json,
+    ControlPoint, Cost, FleetCost, LeftOut, MarginEntry, PathPoint, Place, PlanDocument,
+    PlannedVehicle, PlannedVehicles, ReviewDocument, json_text, plan_json, review_json,
 };
 pub use infeasibility::{Infeasibility, infeasibilities};
 pub use map::review_svg;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use geo::Polygon;
 
-use crate::cost::{Controls, CostModel, Margins, PaperOptions, RouteEnds};
+use crate::cost::{Controls, CostModel, EarlierFlights, Margins, PaperOptions, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::numeric::Basis;
 use crate::numeric::bspline::uniform_parameters;
@@ -137,7 +137,7 @@ impl Setting {
             &self.spec,
             vehicle,
             self.leg(vehicle),
-            earlier,
+            &EarlierFlights::from(earlier.to_vec()),
             Margins::default(),
             &uniform_parameters(samples),
         )

@@ -11,7 +11,6 @@ use crate::world::World;
 use super::execute::flight::Flight;
 use super::limits::separation::{self, Traffic};
 use super::limits::space::Space;
-use super::measure::segment::Chord;
 use super::review::Sortie;
 use super::{Limit, Margin};
 
@@ -115,34 +114,5 @@ impl<'a> Judge<'a> {
             .into_iter()
             .map(|(other, t_s)| Conflict { other, t_s })
             .collect()
-    }
-}
-
-impl Executed<'_> {
-    /// The same flight, begun later.
-    #[must_use]
-    pub fn delayed(&self, by_s: f64) -> Self {
-        self.changed(|chord| {
-            chord.from_s += by_s;
-            chord.to_s += by_s;
-        })
-    }
-
-    /// The same flight, all of it but takeoff and landing higher.
-    #[must_use]
-    pub fn raised(&self, by_m: f64) -> Self {
-        let is_vertical = |chord: &Chord| chord.from.at.distance_m(chord.to.at) < 1.0;
-        self.changed(|chord| {
-            if !is_vertical(chord) {
-                chord.from.amsl.0 += by_m;
-                chord.to.amsl.0 += by_m;
-            }
-        })
-    }
-
-    fn changed(&self, change: impl Fn(&mut Chord)) -> Self {
-        let mut changed = self.clone();
-        changed.flight.chords.iter_mut().for_each(change);
-        changed
     }
 }

@@ -195,7 +195,9 @@ mod review;
 pub use judge::{Conflict, Executed, Judge, Others};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use limits::distant::{distant_from_area, distant_from_home};
-pub use review::review;
+pub use review::{Reviewer, review};
+
+use std::collections::BTreeSet;
 
 use crate::geodesy::{Amsl, LatLon};
 use crate::spec::Span;
@@ -362,6 +364,13 @@ impl Margin {
         self.vehicle == vehicle || self.other.as_deref() == Some(vehicle)
     }
 
+    /// The vehicles that the limit concerns.
+    fn ids(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(&self.vehicle)
+            .chain(&self.other)
+            .map(String::as_str)
+    }
+
     /// How far the value is on the good side of its limit; negative on the other;
     /// NaN where it cannot be judged.
     #[must_use]
@@ -383,6 +392,18 @@ impl Review {
             .filter(|margin| margin.concerns(vehicle))
             .peekable();
         concerned.peek().is_some() && concerned.all(|margin| margin.ok)
+    }
+
+    /// The vehicles that [`Self::accepts`] accepts.
+    #[must_use]
+    pub fn accepted(&self) -> BTreeSet<&str> {
+        let mut accepted: BTreeSet<&str> = self.margins.iter().flat_map(Margin::ids).collect();
+        for margin in self.margins.iter().filter(|margin| !margin.ok) {
+            for id in margin.ids() {
+                accepted.remove(id);
+            }
+        }
+        accepted
     }
 
     /// Whether every limit holds. A review without any margin has judged nothing and fails.

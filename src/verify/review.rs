@@ -1,12 +1,14 @@
 //! The review of a fleet's missions.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use crate::autopilot::{Airframe, Autopilot, facts, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command};
 use crate::path::most_shift_s;
-use crate::spec::{MissionSpec, Vehicle};
+use crate::spec::{MissionSpec, Separation, Vehicle};
 use crate::world::{Layer, Stations, Terrain, World};
 
 use super::execute::executor;
@@ -40,16 +42,144 @@ pub(super) struct Sortie<'a> {
 /// is never read.
 #[must_use]
 pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMission)]) -> Review {
-    let mut margins = roll_call(spec, missions);
-    margins.extend(other_world(spec, world));
-    let separation = spec.buffered_separation();
-    let mut sorties: Vec<Sortie<'_>> = missions
-        .par_iter()
-        .filter_map(|&(index, mission)| {
-            let (vehicle, stations) = (spec.vehicles.get(index)?, world.stations.get(index)?);
-            Some(Sortie::new(spec, world, vehicle, stations, mission))
+    Reviewer::new(spec, world).review(missions)
+}
+
+/// Judges the missions of one spec again and again. It remembers what it found of each mission
+/// until the next review, so that only those that changed are judged anew. Every review is that
+/// of [`review`].
+pub struct Reviewer<'a> {
+    spec: &'a MissionSpec,
+    world: &'a World,
+    /// Indices of the vehicles of the last review.
+    fleet: Vec<usize>,
+    /// What is known of its missions, in their order.
+    known: Vec<Option<Known>>,
+    /// Separations by the positions of two missions.
+    pairs: BTreeMap<(usize, usize), Margin>,
+}
+
+/// A mission, its flight, and the margins of its own.
+struct Known {
+    mission: VehicleMission,
+    flight: Flight,
+    margins: Vec<Margin>,
+}
+
+impl<'a> Reviewer<'a> {
+    /// One that has judged nothing yet.
+    #[must_use]
+    pub fn new(spec: &'a MissionSpec, world: &'a World) -> Self {
+        Self {
+            spec,
+            world,
+            fleet: Vec::new(),
+            known: Vec::new(),
+            pairs: BTreeMap::new(),
+        }
+    }
+
+    /// The review of a fleet's missions.
+    #[must_use]
+    pub fn review(&mut self, missions: &[(usize, &VehicleMission)]) -> Review {
+        let (spec, world) = (self.spec, self.world);
+        let mut margins = roll_call(spec, missions);
+        margins.extend(other_world(spec, world));
+        let missions: Vec<(usize, &VehicleMission)> = (missions.iter().copied())
+            .filter(|&(index, _)| index < spec.vehicles.len().min(world.stations.len()))
+            .collect();
+        let (mut sorties, mut own) = self.sorties(&missions);
+        let is_known: Vec<bool> = own.iter().map(Option::is_some).collect();
+        // How long a stay is judged depends on the other flights.
+        let ends: Vec<bool> = sorties.iter().map(|sortie| sortie.flight.ends()).collect();
+        stay_long_enough(&mut sorties, &spec.buffered_separation());
+        let space = Space::new(spec, world);
+        (sorties.par_iter().zip(&mut own))
+            .filter(|(_, own)| own.is_none())
+            .for_each(|(sortie, own)| *own = Some(sortie.margins(spec, world, &space)));
+        let own: Vec<Vec<Margin>> = own.into_iter().flatten().collect();
+        margins.extend(own.iter().flatten().cloned());
+        let contracts: Vec<Contract<'_>> = sorties
+            .iter()
+            .map(|sortie| sortie.contract(spec, world))
+            .collect();
+        margins.extend(tasks::margins(spec, world, &contracts));
+        self.separate(&sorties, &is_known);
+        margins.extend(self.pairs.values().cloned());
+        for margin in &mut margins {
+            margin.buffer += match margin.limit {
+                // Zones of files may have buffers of their own, and all of the bound is one.
+                Limit::Zone(_) if margin.bound.is_finite() => margin.bound,
+                _ => margin.limit.buffer_of(&spec.buffers, margin.unit),
+            };
+        }
+        let review = Review {
+            margins,
+            tracks: sorties.iter().map(|sortie| sortie.track(world)).collect(),
+            assumptions: assumptions(spec, world, &sorties),
+        };
+        let known = sorties.into_iter().zip(own).zip(ends);
+        self.known = known
+            .map(|((sortie, margins), ends)| ends.then(|| sortie.known(margins)))
+            .collect();
+        self.fleet = missions.iter().map(|(index, _)| *index).collect();
+        review
+    }
+
+    /// The missions as they are flown, and their own margins, as far as those are known.
+    fn sorties<'m>(
+        &mut self,
+        missions: &[(usize, &'m VehicleMission)],
+    ) -> (Vec<Sortie<'m>>, Vec<Option<Vec<Margin>>>)
+    where
+        'a: 'm,
+    {
+        let (spec, world) = (self.spec, self.world);
+        let mut known = std::mem::take(&mut self.known);
+        let is_same_fleet = (self.fleet.iter()).eq(missions.iter().map(|(index, _)| index));
+        if !is_same_fleet {
+            known.clear();
+            self.pairs.clear();
+        }
+        known.resize_with(missions.len(), || None);
+        let each = missions.par_iter().zip(known);
+        each.map(|(&(index, mission), known)| {
+            let (vehicle, stations) = (&spec.vehicles[index], &world.stations[index]);
+            let known = known.filter(|known| known.mission == *mission);
+            let (flight, margins) = known.map(|known| (known.flight, known.margins)).unzip();
+            let flown = Sortie::flown((spec, world), vehicle, stations, mission, flight);
+            (flown, margins)
         })
-        .collect();
+        .unzip()
+    }
+
+    /// Judges the separations of all pairs with one that is not known.
+    fn separate(&mut self, sorties: &[Sortie<'_>], is_known: &[bool]) {
+        let (positions, timelines): (Vec<usize>, Vec<Timeline<'_>>) = sorties
+            .iter()
+            .enumerate()
+            .filter(|(_, sortie)| !sortie.flight.chords.is_empty())
+            .map(|(position, sortie)| {
+                (
+                    position,
+                    Timeline::new(sortie.vehicle, &sortie.flight.chords),
+                )
+            })
+            .unzip();
+        let known: Vec<bool> = positions
+            .iter()
+            .map(|&position| is_known[position])
+            .collect();
+        let separation = self.spec.buffered_separation();
+        let found = separation::margins(&timelines, &known, &separation, &self.world.frame);
+        self.pairs.retain(|&(a, b), _| is_known[a] && is_known[b]);
+        let found = found.into_iter();
+        (self.pairs).extend(found.map(|((a, b), margin)| ((positions[a], positions[b]), margin)));
+    }
+}
+
+/// Lets those that stay in the air do so until every shift of the others still meets them.
+fn stay_long_enough(sorties: &mut [Sortie<'_>], separation: &Separation) {
     let last_s = sorties
         .iter()
         .map(|sortie| sortie.flight.last_s())
@@ -59,40 +189,10 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         let late_s = chords.map(|chord| chord.late_s).fold(0.0, f64::max);
         (sortie.vehicle, late_s)
     }));
-    for sortie in &mut sorties {
-        // Long enough that every shift still meets it.
+    for sortie in sorties {
         sortie
             .flight
             .stay_until(last_s + separation.time_slack_s + late_s + 1.0);
-    }
-    let space = Space::new(spec, world);
-    let own: Vec<Vec<Margin>> = sorties
-        .par_iter()
-        .map(|sortie| sortie.margins(spec, world, &space))
-        .collect();
-    margins.extend(own.into_iter().flatten());
-    let contracts: Vec<Contract<'_>> = sorties
-        .iter()
-        .map(|sortie| sortie.contract(spec, world))
-        .collect();
-    margins.extend(tasks::margins(spec, world, &contracts));
-    let timelines: Vec<Timeline<'_>> = sorties
-        .iter()
-        .filter(|sortie| !sortie.flight.chords.is_empty())
-        .map(|sortie| Timeline::new(sortie.vehicle, &sortie.flight.chords))
-        .collect();
-    margins.extend(separation::margins(&timelines, &separation, &world.frame));
-    for margin in &mut margins {
-        margin.buffer += match margin.limit {
-            // Zones of files may have buffers of their own, and all of the bound is one.
-            Limit::Zone(_) if margin.bound.is_finite() => margin.bound,
-            _ => margin.limit.buffer_of(&spec.buffers, margin.unit),
-        };
-    }
-    Review {
-        margins,
-        tracks: sorties.iter().map(|sortie| sortie.track(world)).collect(),
-        assumptions: assumptions(spec, world, &sorties),
     }
 }
 
@@ -148,6 +248,17 @@ impl<'a> Sortie<'a> {
         stations: &'a Stations,
         mission: &'a VehicleMission,
     ) -> Self {
+        Self::flown((spec, world), vehicle, stations, mission, None)
+    }
+
+    /// The same with the flight of the mission, where it is known.
+    fn flown(
+        (spec, world): (&MissionSpec, &World),
+        vehicle: &'a Vehicle,
+        stations: &'a Stations,
+        mission: &'a VehicleMission,
+        flight: Option<Flight>,
+    ) -> Self {
         let home = home_place(&mission.home);
         // Without a home row the rest is judged as if the vehicle stood where the spec says.
         let stands = home.map_or(stations.home, |place| PlanPoint {
@@ -162,7 +273,18 @@ impl<'a> Sortie<'a> {
             home,
             stands,
             fence: Fence::read(&mission.fence),
-            flight: executor::fly(vehicle, mission, world, stations, stands, tolerance_m),
+            flight: flight.unwrap_or_else(|| {
+                executor::fly(vehicle, mission, world, stations, stands, tolerance_m)
+            }),
+        }
+    }
+
+    /// What a later review needs not find again.
+    fn known(self, margins: Vec<Margin>) -> Known {
+        Known {
+            mission: self.mission.clone(),
+            flight: self.flight,
+            margins,
         }
     }
 
@@ -412,7 +534,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     ),
     (
         |s| s.vehicle.airframe == Airframe::Vtol,
-        "a vtol climbs and lands vertically over its places, with climb_mps and descent_mps, and speeds up and slows down on its way with accel_mps2",
+        "a vtol climbs and lands vertically over its positions, with climb_mps and descent_mps, and speeds up and slows down on its way with accel_mps2",
     ),
     (
         |s| s.flight.end == Some(End::Repeats),

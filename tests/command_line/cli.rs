@@ -597,3 +597,30 @@ fn a_pipe_in_the_place_of_a_file_is_refused_at_once() {
         assert!(message.contains("it is a pipe"), "{arguments:?} {message}");
     }
 }
+
+#[test]
+fn a_plan_within_some_time_is_made_again_from_the_evaluations_that_it_prints() {
+    let folder = folder_with(SPEC);
+    let within = sortie(
+        folder.path(),
+        &["plan", "hop.yaml", "--within", "0.5", "--out", "a"],
+    );
+    let said = text(&within.stderr);
+    assert_eq!(within.status.code(), Some(0), "{said}");
+    let flag = said.split("`--evaluations ").nth(1).expect("evaluations");
+    let evaluations = flag.split('`').next().expect("a number");
+    let again = [
+        "plan",
+        "hop.yaml",
+        "--evaluations",
+        evaluations,
+        "--out",
+        "b",
+    ];
+    let again = sortie(folder.path(), &again);
+    assert_eq!(again.status.code(), Some(0), "{}", text(&again.stderr));
+    for name in ["plan.json", "review.json", "alpha.waypoints", "review.html"] {
+        let read = |run: &str| fs::read(folder.path().join(run).join(name)).expect("a file");
+        assert!(read("a") == read("b"), "{name}");
+    }
+}

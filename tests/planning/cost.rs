@@ -6,8 +6,8 @@ use std::sync::{Arc, LazyLock};
 
 use proptest::prelude::*;
 use sortie::cost::{
-    Batch, Controls, CostModel, CostTerms, Dispatch, Margins, PaperOptions, RouteEnds, Scratch,
-    ThreatForm,
+    Batch, Controls, CostModel, CostTerms, Dispatch, EarlierFlights, Margins, PaperOptions,
+    RouteEnds, Scratch, ThreatForm,
 };
 use sortie::geodesy::{Agl, Amsl, LatLon, PlanPoint};
 use sortie::numeric::bspline::uniform_parameters;
@@ -104,7 +104,7 @@ fn model(
         spec,
         vehicle,
         leg,
-        earlier,
+        &EarlierFlights::from(earlier.to_vec()),
         Margins::default(),
         &parameters,
     );
@@ -423,7 +423,7 @@ proptest! {
             turn_fraction: 0.1,
             climb_fraction: 0.1,
         };
-        let strict = CostModel::new(world, spec, 1, leg, earlier, margins, &uniform_parameters(101));
+        let strict = CostModel::new(world, spec, 1, leg, &earlier.clone().into(), margins, &uniform_parameters(101));
         let path = Path::moved(&leg, &moves);
         let (plain, strict) = (plain.terms(&path.controls()), strict.terms(&path.controls()));
         for (what, pick) in TERMS {

@@ -263,7 +263,7 @@ fn contest(
     let earlier: Vec<Flight> = (0..shape.earlier).map(|_| flight(rng)).collect();
     let parameters = uniform_parameters(shape.samples);
     let margins = margins(rng);
-    let model = CostModel::new(&world, &spec, 0, leg, &earlier, margins, &parameters)
+    let model = CostModel::new(&world, &spec, 0, leg, &earlier.into(), margins, &parameters)
         .with_paper(paper_options(rng));
     let paths = (0..candidates).map(|_| path(&leg, shape.controls, rng));
     let paths = paths.collect();

@@ -39,12 +39,7 @@ fn spec(algorithm: Algorithm) -> MissionSpec {
 
 fn plan(spec: &MissionSpec, seed: u64, threads: usize) -> FleetPlan {
     let world = world(spec);
-    let request = Request {
-        seed,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    };
+    let request = Request::new(seed);
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -116,12 +111,7 @@ fn a_crowd_planned_at_once_is_the_one_planned_one_at_a_time() {
         });
     }
     for spec in [hurried, patient] {
-        let request = Request {
-            seed: 5,
-            margins: Vec::new(),
-            extra_parameters: Vec::new(),
-            progress: &|_| (),
-        };
+        let request = Request::new(5);
         let one_at_a_time = plan_one_at_a_time(&spec, &world(&spec), &request);
         let again = one_at_a_time.vehicles.iter().filter(|plan| plan.plans > 1);
         assert!(again.count() > 5, "too few meet for this to say anything");
@@ -135,12 +125,7 @@ fn a_crowd_planned_at_once_is_the_one_planned_one_at_a_time() {
 fn planning_one_again_leaves_alone_whom_it_does_not_meet() {
     let spec = crowd();
     let world = world(&spec);
-    let mut request = Request {
-        seed: 5,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    };
+    let mut request = Request::new(5);
     let first = plan_fleet(&spec, &world, &request);
     request.margins = vec![Default::default(); spec.vehicles.len()];
     request.margins[12].clearance_m = 30.0;

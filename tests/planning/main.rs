@@ -4,6 +4,7 @@
 mod support;
 
 mod altitude_limits;
+mod anytime;
 mod bound;
 mod certificates;
 mod cost;

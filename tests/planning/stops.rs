@@ -4,6 +4,7 @@
 
 use crate::support;
 
+use sortie::cost::EarlierFlights;
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::geodesy::{Agl, LatLon};
 use sortie::mission::{Item, VehicleMission, command};
@@ -238,7 +239,7 @@ fn evaluate_takes_the_routes_one_after_the_other_and_sums_their_costs() {
     spec.vehicles[0].stops[0].speed_mps = Some(7.0);
     let world = world(&spec);
     let specs = objective_specs(&spec, &world, 0);
-    let whole = objective(&specs, &world, 0, &[], 101);
+    let whole = objective(&specs, &world, 0, EarlierFlights::none(), 101);
     let each = 3 * spec.planner.control_points;
     assert_eq!(whole.dimension(), 3 * each);
     let row: Vec<f64> = (0..3 * each)
@@ -263,7 +264,7 @@ fn evaluate_takes_the_routes_one_after_the_other_and_sums_their_costs() {
         world.stations[0].stops.clear();
         (world.stations[0].start, world.stations[0].goal) = (pair[0], pair[1]);
         let specs = objective_specs(&alone, &world, 0);
-        let part = objective(&specs, &world, 0, &[], 101);
+        let part = objective(&specs, &world, 0, EarlierFlights::none(), 101);
         let mut own = [0.0];
         part.evaluate(&row[index * each..(index + 1) * each], &mut own);
         sum += own[0];

@@ -19,7 +19,15 @@ fn plan_json_has_the_keys_of_the_contract() {
     let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(
         keys(&document),
-        ["sortie", "spec_sha256", "seed", "verdict", "vehicles"].sorted()
+        [
+            "sortie",
+            "spec_sha256",
+            "seed",
+            "verdict",
+            "fleet",
+            "vehicles"
+        ]
+        .sorted()
     );
     assert_eq!(document["verdict"], "fail");
     assert_eq!(document["seed"], 7);

@@ -25,12 +25,7 @@ pub const NORTH: LatLon = LatLon {
 };
 
 pub fn request(seed: u64) -> Request<'static> {
-    Request {
-        seed,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    }
+    Request::new(seed)
 }
 
 pub fn plan(spec: &MissionSpec) -> (World, FleetPlan) {

@@ -138,6 +138,12 @@ pub(super) struct Plan {
     /// Seed instead of the spec's
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
+    /// Objective evaluations of each vehicle instead of the spec's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(super) evaluations: Option<u32>,
+    /// Plan with more and more evaluations for this time, and take the best plan
+    #[arg(long, value_name = "SECONDS", conflicts_with = "evaluations")]
+    pub(super) within: Option<f64>,
     /// Transfer to every vehicle's link; nothing is sent unless the whole fleet passes
     #[arg(long)]
     pub(super) upload: bool,

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::cli::args;
 use crate::cli::print::console::out;
 use crate::cli::print::failure::Failure;
+use crate::cost::EarlierFlights;
 use crate::optimize::Problem;
 use crate::path::Flight;
 use crate::plan::{Request, objective, objective_specs, plan_fleet};
@@ -50,10 +51,10 @@ pub(in crate::cli) fn run(arguments: &args::Evaluate) -> Result<(), Failure> {
     let specs = objective_specs(&spec, &world, vehicle);
     if arguments.dimension {
         let samples = spec.planner.samples;
-        let problem = objective(&specs, &world, vehicle, &[], samples);
+        let problem = objective(&specs, &world, vehicle, EarlierFlights::none(), samples);
         return out(&problem.dimension().to_string());
     }
-    let earlier = flights_before(&spec, &world, vehicle);
+    let earlier = flights_before(&spec, &world, vehicle).into();
     let samples = arguments.samples.unwrap_or(spec.planner.samples);
     let problem = objective(&specs, &world, vehicle, &earlier, samples);
     let input = io::stdin().lock();
@@ -110,12 +111,7 @@ impl Answers {
 fn flights_before(spec: &MissionSpec, world: &World, vehicle: usize) -> Vec<Flight> {
     let mut before = spec.clone();
     before.vehicles.truncate(vehicle);
-    let request = Request {
-        seed: spec.planner.seed,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    };
+    let request = Request::new(spec.planner.seed);
     plan_fleet(&before, world, &request).flights(&before, world)
 }
 

@@ -32,11 +32,11 @@ pub(super) fn sha256(text: &str) -> String {
 }
 
 /// The content of `plan.json`.
-pub(super) fn plan_document(
-    file: &SpecFile,
-    world: &World,
-    dispatched: &Dispatched,
-) -> PlanDocument {
+pub(super) fn plan_document<'a>(
+    file: &'a SpecFile,
+    world: &'a World,
+    dispatched: &'a Dispatched,
+) -> PlanDocument<'a> {
     let (spec, world) = dispatched.flown(&file.spec, world);
     let passes = dispatched.review.passes();
     let sha256 = sha256(&file.text);
@@ -47,9 +47,7 @@ pub(super) fn plan_document(
     if let Some(tasks) = &dispatched.tasks {
         document.add_tasks(tasks);
     }
-    for vehicle in &mut document.vehicles {
-        vehicle.left_out_of_fence = report::left_out_of_fence(&dispatched.review, &vehicle.id);
-    }
+    document.add_left_out(&dispatched.review);
     document
 }
 
@@ -75,9 +73,10 @@ pub(super) fn write(
         folder.write(&attached.name.to_string_lossy(), &attached.bytes)?;
     }
     folder.write("spec.yaml", file.text.as_bytes())?;
+    let accepted = dispatched.review.accepted();
     for (vehicle, mission) in &dispatched.missions {
         let id = &file.spec.vehicles[*vehicle].id;
-        write_mission(&folder, id, mission, dispatched.review.accepts(id))?;
+        write_mission(&folder, id, mission, accepted.contains(id.as_str()))?;
     }
     write_documents(&folder, file, world, dispatched)?;
     folder.write("timing.json", report::json_text(&timing()).as_bytes())?;
@@ -129,13 +128,11 @@ fn write_documents(
     );
     folder.write("fleet.kml", kml.as_bytes())?;
     folder.write("fleet.geojson", geojson.as_bytes())?;
-    let plan = plan_document(file, world, dispatched);
-    folder.write("plan.json", report::json_text(&plan).as_bytes())?;
-    folder.write(
-        "review.json",
-        report::json_text(&report::review_json(review)).as_bytes(),
-    )?;
+    drop((kml, geojson));
     folder.write("review.html", page.as_bytes())?;
+    drop(page);
+    folder.write_json("plan.json", &plan_document(file, world, dispatched))?;
+    folder.write_json("review.json", &report::review_json(review))?;
     Ok(())
 }
 

@@ -1,9 +1,11 @@
 //! Output folders appear whole or not at all.
 
 use std::fs;
-use std::io;
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use serde::Serialize;
 
 use crate::formats::{OutputError, sibling};
 
@@ -64,6 +66,21 @@ impl NewFolder {
             fs::create_dir_all(parent).map_err(at(parent))?;
         }
         fs::write(&path, bytes).map_err(at(&path))
+    }
+
+    /// Writes a document as [`crate::report::json_text`] has it, piece by piece.
+    pub(crate) fn write_json(
+        &self,
+        name: &str,
+        document: &impl Serialize,
+    ) -> Result<(), OutputError> {
+        let path = self.building.join(name);
+        let mut file = BufWriter::new(fs::File::create(&path).map_err(at(&path))?);
+        serde_json::to_writer_pretty(&mut file, document)
+            .map_err(io::Error::from)
+            .and_then(|()| file.write_all(b"\n"))
+            .and_then(|()| file.flush())
+            .map_err(at(&path))
     }
 
     /// Copies a file of any size; `name` may contain folders.

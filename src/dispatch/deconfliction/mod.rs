@@ -21,43 +21,66 @@ use crate::world::World;
 use conflicts::Conflicts;
 use search::{Choice, Search};
 
-/// The plan of a fleet with as few conflicts as were found, each vehicle on a variant of its path
-/// alone. None where paths cannot be varied.
+/// Plans of a fleet with as few conflicts as were found, each vehicle on a variant of its path
+/// alone, the best first. None where paths cannot be varied.
 ///
-/// Without freedom of departures and speeds first, and then with it, the cheaper of both: so such
-/// freedom makes no fleet dearer.
+/// Without the freedoms of the spec and with them, departures and speeds, and another distance
+/// in height: so that no freedom makes a fleet dearer.
 pub(super) fn resolved(
     spec: &MissionSpec,
     world: &World,
     seed: u64,
     alone: &[VehiclePlan],
-) -> Option<FleetPlan> {
+) -> Vec<FleetPlan> {
     if spec.planner.objective == Objective::Paper {
-        return None;
+        return Vec::new();
     }
+    let mut all = resolved_by_time((spec, world), seed, alone);
+    if spec.separation.vertical_m.is_some() {
+        let mut in_space = spec.clone();
+        in_space.separation.vertical_m = None;
+        all.extend(resolved_by_time((&in_space, world), seed, alone));
+    }
+    all.sort_by(|a, b| (a.left.cmp(&b.left)).then(a.cost.total_cmp(&b.cost)));
+    all.into_iter().map(|found| found.plan).collect()
+}
+
+/// A plan, how many pairs are left in conflict, and what it costs.
+struct Resolved {
+    plan: FleetPlan,
+    left: usize,
+    cost: f64,
+}
+
+/// At the specified departures and speeds, and at those that the spec allows.
+fn resolved_by_time(
+    (spec, world): (&MissionSpec, &World),
+    seed: u64,
+    alone: &[VehiclePlan],
+) -> Vec<Resolved> {
     let is_free = spec
         .vehicles
         .iter()
         .any(|vehicle| vehicle.retiming.depart_s.is_some() || vehicle.retiming.speed_mps.is_some());
-    let mut best: Option<(FleetPlan, usize, f64)> = None;
+    let mut all = Vec::new();
     for retimes in [false, true] {
         if retimes && !is_free {
             break;
         }
-        let mut conflicts = Conflicts::new((spec, world), alone, retimes)?;
+        let Some(mut conflicts) = Conflicts::new((spec, world), alone, retimes) else {
+            break;
+        };
         let rng = Seed(seed).stream("deconfliction", u64::from(retimes));
         let mut search = Search::new(&mut conflicts, rng);
         let Some((choice, left)) = search.run() else {
             continue;
         };
         let cost = search.cost(&choice);
-        let is_better = |best: &(_, usize, f64)| left < best.1 || left == best.1 && cost < best.2;
-        if best.as_ref().is_none_or(is_better) {
-            let vehicles = plans(&mut search, &choice);
-            best = Some((FleetPlan { seed, vehicles }, left, cost));
-        }
+        let vehicles = plans(&mut search, &choice);
+        let plan = FleetPlan { seed, vehicles };
+        all.push(Resolved { plan, left, cost });
     }
-    best.map(|(plan, ..)| plan)
+    all
 }
 
 /// The plans of a choice. A vehicle avoids those before it that its path alone would meet.

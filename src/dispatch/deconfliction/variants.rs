@@ -115,17 +115,18 @@ impl<'a> Variants<'a> {
         world: &World,
         variant: usize,
     ) -> Option<Executed<'a>> {
-        let own = &self.all[variant];
-        let shaper = &self.shapers[own.speed];
-        let plan = shaper.plan(&own.shape, own.terms);
+        let speed = &self.shapers[self.all[variant].speed];
+        let plan = self.plan(variant);
+        // The items of another departure are others: they hold a delay.
+        let mut spec = speed.spec().clone();
+        spec.vehicles[self.index].depart_s = plan.depart_s;
         let paths = plan.routes.iter().map(|route| route.path.clone());
         let routes: Vec<Vec<TimedPoint>> = paths.collect();
-        let mission = mission::build(shaper.spec(), world, self.index, &routes).ok()?;
+        let mission = mission::build(&spec, world, self.index, &routes).ok()?;
         if !judge.keeps_limits(self.index, &mission) {
             return None;
         }
-        let executed = judge.execute(self.index, &mission)?;
-        Some(executed.delayed(own.later_s))
+        judge.execute(self.index, &mission)
     }
 
     /// The plan of a variant.

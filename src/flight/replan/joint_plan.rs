@@ -386,6 +386,7 @@ impl<'a> JointPlan<'a> {
             };
             self.add(state, (from, to), is_last && state.lands, departure);
             let request = Request {
+                cancel: None,
                 seed: self.plan.seed,
                 margins: vec![margins; self.spec.vehicles.len()],
                 extra_parameters: Vec::new(),

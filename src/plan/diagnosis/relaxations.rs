@@ -52,6 +52,7 @@ pub(crate) fn relaxations(
         let mut all = vec![Margins::default(); index + 1];
         all[index] = margins;
         let request = Request {
+            cancel: None,
             seed,
             margins: all,
             extra_parameters: Vec::new(),

@@ -31,13 +31,16 @@ pub(super) mod retiming;
 pub(super) mod shapes;
 pub(super) mod vehicle;
 
+use std::sync::atomic::AtomicBool;
+
 use rayon::prelude::*;
 
 use super::bound::{self, RouteCertificate, proven};
 use super::route_context::RouteContext;
+use super::search::KnownClasses;
 use super::search_options::SearchOptions;
 use super::{FleetPlan, VehiclePlan};
-use crate::cost::{Margins, RouteEnds};
+use crate::cost::{EarlierFlights, Margins, RouteEnds};
 use crate::numeric::tracks::Nearness;
 use crate::path::{Flight, flight, route_ends};
 use crate::spec::MissionSpec;
@@ -55,9 +58,23 @@ pub struct Request<'a> {
     pub extra_parameters: Vec<Vec<f64>>,
     /// Called while the search goes on, from several threads at once.
     pub progress: &'a (dyn Fn(Progress) + Sync),
+    /// Once it is set, searches end at once, and the plans are of no use.
+    pub cancel: Option<&'a AtomicBool>,
 }
 
 impl Request<'_> {
+    /// Without margins.
+    #[must_use]
+    pub fn new(seed: u64) -> Self {
+        Self {
+            seed,
+            margins: Vec::new(),
+            extra_parameters: Vec::new(),
+            progress: &|_| (),
+            cancel: None,
+        }
+    }
+
     /// Margins of one vehicle.
     pub(super) fn margins_of(&self, index: usize) -> Margins {
         self.margins.get(index).copied().unwrap_or_default()
@@ -76,6 +93,10 @@ pub(super) struct Planning<'a> {
     pub world: &'a World,
     pub request: &'a Request<'a>,
     pub options: SearchOptions,
+    /// Takeoff of the vehicle that is planned, seconds after T0; none for the specified one.
+    pub depart_s: Option<f64>,
+    /// What the plans of the vehicle that is planned share.
+    pub classes: Option<&'a KnownClasses>,
 }
 
 impl<'a> Planning<'a> {
@@ -86,6 +107,8 @@ impl<'a> Planning<'a> {
             world,
             request,
             options: SearchOptions::default(),
+            depart_s: None,
+            classes: None,
         }
     }
 
@@ -94,7 +117,7 @@ impl<'a> Planning<'a> {
         &'c self,
         index: usize,
         ends: RouteEnds,
-        earlier: &'c [Flight],
+        earlier: &'c EarlierFlights,
     ) -> RouteContext<'c> {
         RouteContext {
             world: self.world,
@@ -105,6 +128,7 @@ impl<'a> Planning<'a> {
             margins: self.request.margins_of(index),
             extra: self.request.extra_parameters_of(index),
             options: self.options,
+            cancel: self.request.cancel,
         }
     }
 
@@ -169,7 +193,7 @@ pub fn plan_each_alone(spec: &MissionSpec, world: &World, request: &Request<'_>)
     with_bounds(spec, world, || FleetPlan {
         seed: request.seed,
         vehicles: fleet
-            .map(|index| planning.plan_vehicle(index, Vec::new(), &[], None))
+            .map(|index| planning.plan_vehicle(index, Vec::new(), EarlierFlights::none(), None))
             .collect(),
     })
 }
@@ -194,6 +218,32 @@ pub fn replan(
         vehicle.set_bound(previous.bound);
     }
     plan
+}
+
+/// Plans all vehicles from the paths of an earlier plan, of this spec or of one that differs a
+/// little. A path keeps its line in the plane, if the altitudes that are now required make it keep
+/// every limit; the others are searched.
+#[must_use]
+pub fn plan_from(
+    earlier: &FleetPlan,
+    spec: &MissionSpec,
+    world: &World,
+    request: &Request<'_>,
+) -> FleetPlan {
+    let fleet = earlier.vehicles.iter().take(spec.vehicles.len());
+    let previous = fleet.enumerate().map(|(index, plan)| VehiclePlan {
+        avoids: (plan.avoids.iter().copied())
+            .filter(|&other| other < index)
+            .collect(),
+        evaluations: 0,
+        plans: 0,
+        ..plan.clone()
+    });
+    let all: Vec<usize> = (0..spec.vehicles.len()).collect();
+    let planning = Planning::new(spec, world, request);
+    with_bounds(spec, world, || {
+        Fleet::new(planning, &all, previous.collect()).plan_in_parallel()
+    })
 }
 
 /// Plans the vehicle at index `first` and all after it as if they had no plan; those

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Planning, Request};
-use crate::cost::RouteEnds;
+use crate::cost::{EarlierFlights, RouteEnds};
 use crate::geodesy::PlanPoint;
 use crate::numeric::Seed;
 use crate::plan::bound::{proven, shortest_m};
@@ -38,18 +38,18 @@ pub fn route_costs(
     routes: &[(PlanPoint, PlanPoint)],
     seed: u64,
 ) -> Vec<f64> {
-    let request = Request {
-        seed,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    };
+    let request = Request::new(seed);
     let planning = Planning::new(spec, world, &request);
     let budget = spec.planner.evaluations / (spec.vehicles[vehicle].stops.len() + 1);
     let cost = |&(from, to): &(PlanPoint, PlanPoint)| {
         let start_s = 0.0;
-        let context = planning.route_context(vehicle, RouteEnds { from, to, start_s }, &[]);
+        let context = planning.route_context(
+            vehicle,
+            RouteEnds { from, to, start_s },
+            EarlierFlights::none(),
+        );
         let run = Run {
+            classes: None,
             budget,
             seed: Seed(seed),
             stream: 0,

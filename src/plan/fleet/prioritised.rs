@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use super::retiming::can_retime;
 use super::{Planning, nearness};
-use crate::cost::Margins;
+use crate::cost::{EarlierFlights, Margins};
 use crate::numeric::tracks::{Nearness, Track, Tracks};
 use crate::path::Flight;
+use crate::plan::search::KnownClasses;
 use crate::plan::{FleetPlan, VehiclePlan};
 use crate::spec::{Algorithm, Objective};
 
@@ -16,9 +17,17 @@ const HEAD: usize = 8;
 /// Vehicles planned at once, as far as they do not depend on each other.
 const WINDOW: usize = 32;
 
+/// Vehicles that get their first candidates at once.
+const AHEAD: usize = 256;
+
+/// Departures from which a vehicle is planned around others, until a path keeps every limit.
+const ATTEMPTS: usize = 4;
+
 /// A plan and the flight it makes.
 pub(crate) struct Candidate {
     plan: VehiclePlan,
+    /// The vehicles that it was to be planned around; it may be planned around others as well.
+    asked: Vec<usize>,
     flight: Flight,
     track: Track,
     /// Whether this is the plan of an earlier round.
@@ -53,6 +62,8 @@ pub(crate) struct Fleet<'a> {
     flights: Vec<Flight>,
     is_new: Vec<bool>,
     tracks: Tracks,
+    /// By vehicle, as long as it is not committed.
+    classes: Vec<KnownClasses>,
 }
 
 impl<'a> Fleet<'a> {
@@ -64,6 +75,7 @@ impl<'a> Fleet<'a> {
             }
         }
         Self {
+            classes: anew.iter().map(|_| KnownClasses::default()).collect(),
             planning,
             previous,
             again: anew,
@@ -77,18 +89,20 @@ impl<'a> Fleet<'a> {
     /// Plans and commits all vehicles, many at once.
     pub(crate) fn plan_in_parallel(mut self) -> FleetPlan {
         let count = self.planning.spec.vehicles.len();
-        // Those that are planned as if alone, and those that have a plan, wait for no one.
-        let mut chains: Vec<Vec<Candidate>> = (0..count)
-            .into_par_iter()
-            .map(|index| {
-                let mut chain = Vec::new();
-                self.advance(index, &mut chain);
-                chain
-            })
-            .collect();
+        let mut chains: Vec<Vec<Candidate>> = (0..count).map(|_| Vec::new()).collect();
+        let mut begun = 0;
         while self.plans.len() < count {
             let first = self.plans.len();
             let end = (first + WINDOW).min(count);
+            if begun < end {
+                // Those that are planned as if alone, and those that have a plan, wait for no one.
+                let ahead = (begun + AHEAD).min(count);
+                chains[begun..ahead]
+                    .par_iter_mut()
+                    .enumerate()
+                    .for_each(|(step, chain)| self.advance(begun + step, chain));
+                begun = ahead;
+            }
             chains[first..end]
                 .par_iter_mut()
                 .enumerate()
@@ -117,7 +131,12 @@ impl<'a> Fleet<'a> {
     /// vehicle that is not committed yet.
     pub(crate) fn advance(&self, index: usize, chain: &mut Vec<Candidate>) {
         while let Step::Plan(number, avoids) = self.step(index, chain) {
-            if avoids.last().is_some_and(|&last| last >= self.plans.len()) {
+            let awaited = match self.can_retime(index) && !chain.is_empty() {
+                true => first_of_window(index),
+                false => 0,
+            };
+            let others = avoids.last().map_or(0, |&last| last + 1);
+            if self.plans.len() < others.max(awaited) {
                 return;
             }
             chain.truncate(number);
@@ -129,7 +148,7 @@ impl<'a> Fleet<'a> {
     /// Goes through the candidates of a vehicle, as they hold against all commits.
     fn step(&self, index: usize, chain: &mut [Candidate]) -> Step {
         let nearness = self.planning.nearness(index);
-        let mut avoids = self.first_avoids(index);
+        let (mut avoids, mut unclean) = (self.first_avoids(index), 0);
         for (number, candidate) in chain.iter_mut().enumerate() {
             if candidate.checked < self.plans.len() {
                 candidate.near.extend(self.tracks.near(
@@ -144,10 +163,13 @@ impl<'a> Fleet<'a> {
             let is_as_before = candidate.is_retimed && candidate.near.is_empty();
             if is_as_before && number == 1 {
                 candidate.plan.avoids.clone_from(&avoids);
+                candidate.asked.clone_from(&avoids);
             }
-            if candidate.plan.avoids != avoids || (candidate.is_retimed && !is_as_before) {
+            if candidate.asked != avoids || (candidate.is_retimed && !is_as_before) {
                 return Step::Plan(number, avoids);
             }
+            avoids.clone_from(&candidate.plan.avoids);
+            unclean += usize::from(candidate.is_unclean());
             let before = avoids.len();
             for &other in &candidate.near {
                 // An old plan knows nothing of new flights, nor need it ask about old ones.
@@ -162,7 +184,8 @@ impl<'a> Fleet<'a> {
             }
             let again =
                 candidate.is_reused && candidate.near.iter().any(|&other| self.is_new[other]);
-            if avoids.len() == before && !again {
+            let retries = self.can_retime(index) && candidate.is_unclean() && unclean < ATTEMPTS;
+            if avoids.len() == before && !again && !retries {
                 let is_last = candidate.is_last || candidate.is_reused || candidate.near.is_empty();
                 if is_last || !self.can_retime(index) {
                     return Step::Commit(number);
@@ -192,6 +215,14 @@ impl<'a> Fleet<'a> {
         }
     }
 
+    /// What the plans of a vehicle are made from.
+    fn planning_of(&self, index: usize) -> Planning<'_> {
+        Planning {
+            classes: self.classes.get(index),
+            ..self.planning
+        }
+    }
+
     fn can_retime(&self, index: usize) -> bool {
         can_retime(&self.planning.spec.vehicles[index])
     }
@@ -202,7 +233,8 @@ impl<'a> Fleet<'a> {
         let is_reused = old.filter(|_| !self.again[index]);
         let around = chain
             .last()
-            .filter(|last| self.can_retime(index) && last.plan.avoids == avoids);
+            .filter(|last| self.can_retime(index) && last.plan.avoids == avoids)
+            .filter(|last| !last.is_unclean() || unclean(chain) >= ATTEMPTS);
         let at_another_time = match (chain, around) {
             ([first], _) if self.can_retime(index) => {
                 self.at_another_time(index, &avoids, &self.alone(index, first))
@@ -215,6 +247,7 @@ impl<'a> Fleet<'a> {
         let for_want = around.filter(|_| is_last).map(|last| counted(&last.plan));
         let ready = is_reused.cloned().or(at_another_time).or(for_want);
         let ready = ready.or_else(|| self.lifted(index, &avoids, old?));
+        let asked = avoids.clone();
         let plan = ready.unwrap_or_else(|| {
             let before = chain.last().map(|candidate| &candidate.plan);
             let estimated = before.or(old).map(|plan| plan.estimate);
@@ -225,6 +258,7 @@ impl<'a> Fleet<'a> {
             track: flight.track(),
             flight,
             plan,
+            asked,
             is_reused: is_reused.is_some(),
             is_retimed,
             is_last,
@@ -244,36 +278,47 @@ impl<'a> Fleet<'a> {
         self.planning.lift_vehicle(index, old, &earlier)
     }
 
-    fn flights_of(&self, vehicles: &[usize]) -> Vec<Flight> {
+    fn flights_of(&self, vehicles: &[usize]) -> EarlierFlights {
         let flights = vehicles.iter().map(|&other| self.flights[other].clone());
-        flights.collect()
+        flights.collect::<Vec<Flight>>().into()
     }
 
-    /// A plan around committed vehicles. A vehicle with retiming departs when none of them is in
-    /// the way of its takeoff and landing.
+    /// A plan around committed vehicles. A vehicle with retiming departs when the fewest of all
+    /// are in the way of the path that it would fly alone, and none in that of its takeoff and
+    /// landing; where a path from there broke a limit, at the next best time. It is planned around
+    /// those few as well. Only vehicles before its window count, so that all of a window can be
+    /// planned at once.
     fn around(
         &self,
         index: usize,
-        avoids: Vec<usize>,
+        mut avoids: Vec<usize>,
         chain: &[Candidate],
         estimated: Option<f64>,
     ) -> VehiclePlan {
-        let planning = self.planning;
-        let earlier = self.flights_of(&avoids);
+        let planning = self.planning_of(index);
         let first = chain.first().filter(|_| self.can_retime(index));
         let Some(path) = first.map(|first| &first.plan) else {
+            let earlier = self.flights_of(&avoids);
             return planning.plan_vehicle(index, avoids, &earlier, estimated);
         };
         let nearness = planning.nearness(index);
-        let mut others = Tracks::new(&nearness);
-        others.extend(earlier.iter().map(|flight| flight.track()));
-        let is_apart = |columns: &Track| others.near(columns, &nearness, 0).is_empty();
-        let mut spec = planning.spec.clone();
-        spec.vehicles[index].depart_s = planning.free_departure_s(index, path, &is_apart);
+        let known = 0..first_of_window(index);
+        let met = |track: &Track| self.tracks.near_among(track, &nearness, known.clone());
+        let departures = planning.departures_by_conflicts(index, path, &met);
+        let next = unclean(chain).min(departures.len() - 1);
+        let (depart_s, others) = &departures[next];
+        if chain.len() == 1 {
+            // Those that the path meets at the specified departure are elsewhere by then.
+            avoids.retain(|&other| other >= known.end);
+        }
+        avoids.extend(others);
+        avoids.sort_unstable();
+        avoids.dedup();
         let planning = Planning {
-            spec: &spec,
+            depart_s: Some(*depart_s),
             ..planning
         };
+        let earlier = self.flights_of(&avoids);
         planning.plan_vehicle(index, avoids, &earlier, estimated)
     }
 
@@ -286,7 +331,7 @@ impl<'a> Fleet<'a> {
         if stands || is_published || self.can_retime(index) {
             return plan;
         }
-        let planning = self.planning;
+        let planning = self.planning_of(index);
         let alone = planning.plan_alone(index, plan.estimate);
         let nearness = planning.nearness(index);
         let track = planning.flight(index, &alone).track();
@@ -314,7 +359,8 @@ impl<'a> Fleet<'a> {
         if !first.is_reused && first.plan.avoids.is_empty() {
             return counted(&first.plan);
         }
-        self.planning.plan_alone(index, first.plan.estimate)
+        self.planning_of(index)
+            .plan_alone(index, first.plan.estimate)
     }
 
     /// A path at another time, at which it has no conflict.
@@ -327,12 +373,7 @@ impl<'a> Fleet<'a> {
         let mut path = path.clone();
         // At the time that is looked for there is none.
         path.terms.collision = 0.0;
-        let nearness = self.planning.nearness(index);
-        let is_apart = |plan: &VehiclePlan| {
-            let flight = self.planning.flight(index, plan);
-            self.tracks.near(&flight.track(), &nearness, 0).is_empty()
-        };
-        let plan = self.planning.at_another_time(index, &path, &is_apart)?;
+        let plan = self.planning.at_another_time(index, &path, &self.tracks)?;
         Some(VehiclePlan {
             avoids: avoids.to_vec(),
             ..plan
@@ -358,11 +399,32 @@ impl<'a> Fleet<'a> {
         if let Some(old) = self.previous.get(self.plans.len()).filter(|_| begins_anew) {
             add(old);
         }
+        if let Some(classes) = self.classes.get_mut(self.plans.len()) {
+            *classes = KnownClasses::default();
+        }
         self.plans.push(plan);
         self.flights.push(last.flight);
         self.is_new.push(!last.is_reused);
         self.tracks.extend([last.track]);
     }
+}
+
+impl Candidate {
+    /// Whether it is a path around others that breaks a limit.
+    fn is_unclean(&self) -> bool {
+        let is_searched = !self.is_reused && !self.is_retimed && !self.is_last;
+        is_searched && !self.plan.avoids.is_empty() && !self.plan.terms.is_clean()
+    }
+}
+
+/// How many candidates are paths around others that break a limit.
+fn unclean(chain: &[Candidate]) -> usize {
+    chain.iter().filter(|one| one.is_unclean()).count()
+}
+
+/// The first vehicle of a window: departures depend on those before it alone.
+fn first_of_window(index: usize) -> usize {
+    index - index % WINDOW
 }
 
 /// The same at several times the distances.

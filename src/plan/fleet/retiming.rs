@@ -9,8 +9,8 @@ use rayon::prelude::*;
 
 use super::Planning;
 use super::vehicle::sum;
-use crate::cost::{Batch, CostTerms, Margins, RouteEnds};
-use crate::numeric::tracks::Track;
+use crate::cost::{Batch, CostTerms, EarlierFlights, Margins, RouteEnds};
+use crate::numeric::tracks::{Track, Tracks};
 use crate::path::{TimedPoint, route_start_s, time_route, way_speed_mps};
 use crate::plan::route_context::{RouteContext, with_free_controls};
 use crate::plan::search::JUDGED_SAMPLES;
@@ -20,6 +20,8 @@ use crate::spec::{Span, Vehicle};
 
 /// Departures to try, a whole number of seconds apart.
 const DEPARTURES: f64 = 200.0;
+/// The same for a path that is planned around others.
+const AROUND: f64 = 40.0;
 /// Speeds to try, at least this share of the specified one apart.
 const SPEED_STEP: f64 = 0.05;
 const SPEEDS: f64 = 8.0;
@@ -31,6 +33,8 @@ const TOLERANCE: f64 = 1e-9;
 struct Choice {
     depart_s: f64,
     speed_mps: f64,
+    /// Number of the speed.
+    speed: usize,
     terms: CostTerms,
     /// How much it changes the times of the flight, seconds.
     change_s: f64,
@@ -48,53 +52,83 @@ impl Planning<'_> {
         &self,
         index: usize,
         alone: &VehiclePlan,
-        is_apart: &(dyn Fn(&VehiclePlan) -> bool + Sync),
+        others: &Tracks,
     ) -> Option<VehiclePlan> {
         let vehicle = &self.spec.vehicles[index];
-        let mut choices = Vec::new();
-        for (speed_mps, terms) in self.speeds(index, alone) {
+        let nearness = self.nearness(index);
+        let (mut choices, mut tracks) = (Vec::new(), Vec::new());
+        for (speed, (speed_mps, terms)) in self.speeds(index, alone).into_iter().enumerate() {
             let choice = Choice {
                 depart_s: vehicle.depart_s,
                 speed_mps,
+                speed,
                 terms,
                 change_s: 0.0,
             };
             let plan = self.retimed(index, alone, choice);
+            tracks.push(self.flight(index, &plan).track());
             let longer_s = (plan.duration_s() - alone.duration_s()).abs();
-            choices.extend(departures(vehicle).into_iter().map(|depart_s| Choice {
-                depart_s,
-                change_s: longer_s + (depart_s - vehicle.depart_s).abs(),
-                ..choice
-            }));
+            choices.extend(
+                departures(vehicle, DEPARTURES)
+                    .into_iter()
+                    .map(|depart_s| Choice {
+                        depart_s,
+                        change_s: longer_s + (depart_s - vehicle.depart_s).abs(),
+                        ..choice
+                    }),
+            );
         }
         choices.sort_by(|a, b| a.change_s.total_cmp(&b.change_s));
-        let plans = choices
-            .par_iter()
-            .map(|choice| self.retimed(index, alone, *choice));
-        plans.find_first(|plan| is_apart(plan))
+        let is_apart = |track: &Track| !others.is_any_near(track, &nearness);
+        // A vehicle in the air has its times, whatever its departure.
+        let is_airborne = self.world.stations[index].departure.is_airborne();
+        choices.par_iter().find_map_first(|choice| {
+            let later_s = choice.depart_s - vehicle.depart_s;
+            if !is_airborne && !is_apart(&tracks[choice.speed].delayed(later_s)) {
+                return None;
+            }
+            // The same again but for rounding.
+            let plan = self.retimed(index, alone, *choice);
+            is_apart(&self.flight(index, &plan).track()).then_some(plan)
+        })
     }
 
-    /// The departure nearest to the specified one at which takeoff and landing of a path are
-    /// apart from others; the specified one, if there is none. A path around others begins then,
-    /// because the search cannot move takeoff and landing.
-    pub(crate) fn free_departure_s(
+    /// Departures of a path, and the vehicles that it then meets: first those at which its takeoff
+    /// and landing are free, because the search cannot move them, then by the number of vehicles,
+    /// then by the change of departure. `met` finds the vehicles that come near a track.
+    pub(crate) fn departures_by_conflicts(
         &self,
         index: usize,
         path: &VehiclePlan,
-        is_apart: &(dyn Fn(&Track) -> bool + Sync),
-    ) -> f64 {
+        met: &(dyn Fn(&Track) -> Vec<usize> + Sync),
+    ) -> Vec<(f64, Vec<usize>)> {
         let vehicle = &self.spec.vehicles[index];
-        let all = departures(vehicle);
-        let found = all.par_iter().find_first(|&&depart_s| {
-            let choice = Choice {
-                depart_s,
-                speed_mps: vehicle.speed_mps,
-                terms: path.terms,
-                change_s: 0.0,
-            };
-            is_apart(&self.columns(index, &self.retimed(index, path, choice)))
-        });
-        found.copied().unwrap_or(vehicle.depart_s)
+        let specified = Choice {
+            depart_s: vehicle.depart_s,
+            speed_mps: vehicle.speed_mps,
+            speed: 0,
+            terms: path.terms,
+            change_s: 0.0,
+        };
+        let path = self.retimed(index, path, specified);
+        let (whole, columns) = (
+            self.flight(index, &path).track(),
+            self.columns(index, &path),
+        );
+        let all = departures(vehicle, AROUND);
+        let mut found: Vec<(bool, f64, Vec<usize>)> = all
+            .into_par_iter()
+            .map(|depart_s| {
+                let later_s = depart_s - vehicle.depart_s;
+                let is_blocked = !met(&columns.delayed(later_s)).is_empty();
+                (is_blocked, depart_s, met(&whole.delayed(later_s)))
+            })
+            .collect();
+        found.sort_by_key(|(is_blocked, _, others)| (*is_blocked, others.len()));
+        let found = found.into_iter();
+        found
+            .map(|(_, depart_s, others)| (depart_s, others))
+            .collect()
     }
 
     /// The flight before and after the routes.
@@ -190,7 +224,7 @@ impl Planning<'_> {
             let spec = with_free_controls(self.spec, free);
             let context = RouteContext {
                 spec: &spec,
-                ..self.route_context(index, ends, &[])
+                ..self.route_context(index, ends, EarlierFlights::none())
             };
             let parameters = context.parameters(JUDGED_SAMPLES);
             let mut batch = Batch::new(context.controls());
@@ -204,10 +238,10 @@ impl Planning<'_> {
     }
 }
 
-/// Departures to try: the specified one first.
-fn departures(vehicle: &Vehicle) -> Vec<f64> {
+/// Departures to try, about this number: the specified one first.
+fn departures(vehicle: &Vehicle, count: f64) -> Vec<f64> {
     let span = vehicle.departures();
-    let step_s = ((span.most - span.least) / DEPARTURES).ceil().max(1.0);
+    let step_s = ((span.most - span.least) / count).ceil().max(1.0);
     around(vehicle.depart_s, span, step_s)
 }
 

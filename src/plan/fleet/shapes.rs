@@ -2,7 +2,7 @@
 
 use super::vehicle::sum;
 use super::{Planning, Request};
-use crate::cost::{Batch, CostModel, CostTerms, Margins, RouteEnds};
+use crate::cost::{Batch, CostModel, CostTerms, EarlierFlights, Margins, RouteEnds};
 use crate::geodesy::PlanPoint;
 use crate::path::route_ends;
 use crate::plan::route_context::on_route;
@@ -63,7 +63,7 @@ impl<'a> Shaper<'a> {
                     to,
                     start_s: 0.0,
                 };
-                let context = planning.route_context(index, ends, &[]);
+                let context = planning.route_context(index, ends, EarlierFlights::none());
                 context.model(Margins::default(), &context.parameters(JUDGED_SAMPLES))
             };
             ends.into_iter().map(model).collect()
@@ -130,7 +130,7 @@ impl Planning<'_> {
         let mut plan = self.empty_plan(index, Vec::new());
         for (number, (ends, points)) in ends.into_iter().zip(control_points).enumerate() {
             let spec = &*on_route(self.spec, index, number);
-            let context = self.context(spec, index, ends, &plan, &[]);
+            let context = self.context(spec, index, ends, &plan, EarlierFlights::none());
             let found = Found {
                 spline: Spline::through(points),
                 terms: CostTerms::default(),
@@ -166,11 +166,6 @@ fn with_planning<T>(
     seed: u64,
     make: impl FnOnce(Planning<'_>) -> T,
 ) -> T {
-    let request = Request {
-        seed,
-        margins: Vec::new(),
-        extra_parameters: Vec::new(),
-        progress: &|_| (),
-    };
+    let request = Request::new(seed);
     make(Planning::new(spec, world, &request))
 }

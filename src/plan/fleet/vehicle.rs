@@ -1,11 +1,11 @@
 //! One vehicle: its routes, one after the other, among given flights.
 
 use super::{Planning, Progress};
-use crate::cost::{CostTerms, RouteEnds};
+use crate::cost::{CostTerms, EarlierFlights, RouteEnds};
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::numeric::{Basis, Seed};
 use crate::optimize::TracePoint;
-use crate::path::{Flight, route_ends, route_start_s, time_route_from, way_speed_mps};
+use crate::path::{route_ends, route_start_s, time_route_from, way_speed_mps};
 use crate::plan::bound::estimate;
 use crate::plan::route_context::{RouteContext, on_route};
 use crate::plan::search::{Found, Run, lifted, search};
@@ -38,7 +38,7 @@ impl<'a> Planning<'a> {
         &self,
         index: usize,
         avoids: Vec<usize>,
-        earlier: &[Flight],
+        earlier: &EarlierFlights,
         estimated: Option<f64>,
     ) -> VehiclePlan {
         let (spec, request) = (self.spec, self.request);
@@ -64,6 +64,7 @@ impl<'a> Planning<'a> {
                 budget,
                 seed: Seed(request.seed),
                 stream: stream(index, number),
+                classes: self.classes.map(|known| (known, number)),
                 watch: &watch,
             };
             let (found, estimate) = rayon::join(
@@ -80,7 +81,7 @@ impl<'a> Planning<'a> {
 
     /// The plan of one vehicle without any other.
     pub(crate) fn plan_alone(&self, index: usize, estimate: f64) -> VehiclePlan {
-        self.plan_vehicle(index, Vec::new(), &[], Some(estimate))
+        self.plan_vehicle(index, Vec::new(), EarlierFlights::none(), Some(estimate))
     }
 
     /// The lines of an old plan in the plane at the altitudes now required, if they keep every
@@ -89,9 +90,12 @@ impl<'a> Planning<'a> {
         &self,
         index: usize,
         old: &VehiclePlan,
-        earlier: &[Flight],
+        earlier: &EarlierFlights,
     ) -> Option<VehiclePlan> {
         let routes = route_ends(&self.spec.vehicles[index], &self.world.stations[index]);
+        if old.routes.len() != routes.len() {
+            return None;
+        }
         let mut plan = self.empty_plan(index, old.avoids.clone());
         for (number, (ends, route)) in routes.into_iter().zip(&old.routes).enumerate() {
             let spec = &*on_route(self.spec, index, number);
@@ -110,7 +114,7 @@ impl<'a> Planning<'a> {
     pub(super) fn empty_plan(&self, index: usize, avoids: Vec<usize>) -> VehiclePlan {
         let vehicle = &self.spec.vehicles[index];
         VehiclePlan {
-            depart_s: vehicle.depart_s,
+            depart_s: self.depart_s.unwrap_or(vehicle.depart_s),
             speed_mps: vehicle.speed_mps,
             plans: 1,
             avoids,
@@ -125,11 +129,18 @@ impl<'a> Planning<'a> {
         index: usize,
         (from, to): (PlanPoint, PlanPoint),
         plan: &VehiclePlan,
-        earlier: &'c [Flight],
+        earlier: &'c EarlierFlights,
     ) -> RouteContext<'c> {
         let (vehicle, stations) = (&self.spec.vehicles[index], &self.world.stations[index]);
         let start_s = match plan.routes.as_slice() {
-            [] => route_start_s(vehicle, stations),
+            [] => match self.depart_s {
+                None => route_start_s(vehicle, stations),
+                Some(depart_s) => {
+                    let mut vehicle = vehicle.clone();
+                    vehicle.depart_s = depart_s;
+                    route_start_s(&vehicle, stations)
+                }
+            },
             [before @ .., last] => last.end_s() + vehicle.rest_after_s(before.len()),
         };
         RouteContext {

@@ -9,7 +9,8 @@ pub(super) mod published;
 pub(super) mod seeds;
 pub(super) mod tighten;
 
-use std::sync::Arc;
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
 
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use super::classes::narrow_zones::narrowest_zone_m;
 use super::classes::routes::{HomotopyClasses, homotopy_classes};
 use super::route_context::{RouteContext, with_free_controls};
 use super::spline::Spline;
-use crate::cost::{Batch, CostTerms, Margins};
+use crate::cost::{Batch, CostTerms, EarlierFlights, Margins};
 use crate::geodesy::EastNorth;
 use crate::numeric::Seed;
 use crate::optimize::{
@@ -50,6 +51,30 @@ const STEP: f64 = 0.08;
 /// Flies of each sub-swarm of the default.
 const FLIES: usize = 16;
 
+/// Homotopy classes of one vehicle's routes: other flights do not change them, so that all its
+/// plans share them.
+#[derive(Default)]
+pub(super) struct KnownClasses(Mutex<BTreeMap<(usize, usize), Arc<HomotopyClasses>>>);
+
+impl KnownClasses {
+    /// Those of a route, by its number and budget; made where they are not known.
+    fn of(
+        &self,
+        route: (usize, usize),
+        make: impl FnOnce() -> HomotopyClasses,
+    ) -> Arc<HomotopyClasses> {
+        let known = |classes: &BTreeMap<_, _>| classes.get(&route).cloned();
+        if let Some(classes) = self.0.lock().ok().and_then(|classes| known(&classes)) {
+            return classes;
+        }
+        let made = Arc::new(make());
+        if let Ok(mut classes) = self.0.lock() {
+            classes.insert(route, Arc::clone(&made));
+        }
+        made
+    }
+}
+
 /// The means of one search.
 #[derive(Clone, Copy)]
 pub(super) struct Run<'a> {
@@ -58,6 +83,8 @@ pub(super) struct Run<'a> {
     pub seed: Seed,
     /// Number of the random stream.
     pub stream: u64,
+    /// Classes that other plans of the vehicle share, and the number of the route.
+    pub classes: Option<(&'a KnownClasses, usize)>,
     pub watch: &'a (dyn Fn(TracePoint) + Sync),
 }
 
@@ -75,6 +102,9 @@ pub(super) struct Found {
 /// Searches one route within a budget; where that finds no path that keeps the limits, once more
 /// through the corridors of free space.
 pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
+    if context.is_cancelled() {
+        return found_among(context, Vec::new(), 0);
+    }
     corridor::or_through_corridors(context, run, search_classes(context, run))
 }
 
@@ -112,7 +142,13 @@ fn search_classes(context: &RouteContext<'_>, run: Run<'_>) -> Found {
 fn found(judged_on: &RouteContext<'_>, context: &RouteContext<'_>, run: Run<'_>) -> Found {
     let (splines, evaluations) = match context.spec.planner.algorithm {
         spec::Algorithm::Msfoa => {
-            let homotopy = homotopy_classes(context, run.budget);
+            let make = || homotopy_classes(context, run.budget);
+            // With wider voids the same route is searched in two worlds.
+            let shared = (run.classes).filter(|_| context.world.wider_voids.is_none());
+            let homotopy = match shared {
+                Some((known, route)) => known.of((route, run.budget), make),
+                None => Arc::new(make()),
+            };
             swarms(context, run, &homotopy, Vec::new())
         }
         algorithm => published(context, algorithm, run),
@@ -140,7 +176,7 @@ fn swarms(
     let problem = horizontal(context, &parameters, run.budget);
     let alone = gives_way(context).then(|| {
         let context = RouteContext {
-            earlier: &[],
+            earlier: EarlierFlights::none(),
             ..*context
         };
         horizontal(&context, &parameters, run.budget)

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use super::problem::{Sampled, Spatial};
-use crate::cost::{Margins, RouteEnds};
+use crate::cost::{EarlierFlights, Margins, RouteEnds};
 use crate::optimize::Problem;
-use crate::path::{Flight, route_ends, route_start_s, time_route, way_speed_mps};
+use crate::path::{route_ends, route_start_s, time_route, way_speed_mps};
 use crate::plan::route_context::{RouteContext, on_route};
 use crate::plan::search_options::SearchOptions;
 use crate::spec::MissionSpec;
@@ -43,7 +43,7 @@ pub fn objective<'a>(
     specs: &'a [Cow<'_, MissionSpec>],
     world: &'a World,
     vehicle: usize,
-    earlier: &'a [Flight],
+    earlier: &'a EarlierFlights,
     samples: usize,
 ) -> impl Problem + 'a {
     let (own, stations) = (&specs[0].vehicles[vehicle], &world.stations[vehicle]);
@@ -59,6 +59,7 @@ pub fn objective<'a>(
             margins: Margins::default(),
             extra: &[],
             options: SearchOptions::default(),
+            cancel: None,
         };
         let flown = &spec.vehicles[vehicle];
         let speed_mps = way_speed_mps(flown, from, to);

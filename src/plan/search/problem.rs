@@ -1,6 +1,7 @@
 //! One vehicle's path as something to minimise.
 
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::cost::{Batch, CostModel, Margins, Scratch};
 use crate::geodesy::{EastNorth, PlanPoint};
@@ -29,6 +30,8 @@ pub(crate) struct Sampled<'a> {
     controls: usize,
     /// Rooms that are not in use.
     buffers: Mutex<Vec<Buffers>>,
+    /// Once it is set, nothing is evaluated any more.
+    cancel: Option<&'a AtomicBool>,
 }
 
 /// What one thread decodes and evaluates in.
@@ -73,6 +76,7 @@ impl<'a> Sampled<'a> {
             controls,
             basis,
             buffers: Mutex::default(),
+            cancel: context.cancel,
         }
     }
 
@@ -80,6 +84,16 @@ impl<'a> Sampled<'a> {
     pub(crate) fn with_penalties(mut self, factor: f64) -> Self {
         self.model = self.model.with_penalties(factor);
         self
+    }
+
+    /// Whether the search is to end; costs are then those of paths that nobody takes.
+    fn is_cancelled(&self, costs: &mut [f64]) -> bool {
+        const COST: f64 = 1e12;
+        let is_cancelled = (self.cancel).is_some_and(|cancel| cancel.load(Ordering::Relaxed));
+        if is_cancelled {
+            costs.fill(COST);
+        }
+        is_cancelled
     }
 
     /// Works in a room that was used before, if there is one.
@@ -232,6 +246,9 @@ impl Problem for Horizontal<'_> {
     }
 
     fn evaluate(&self, candidates: &[f64], costs: &mut [f64]) {
+        if self.sampled.is_cancelled(costs) {
+            return;
+        }
         self.sampled.with_buffers(|buffer| {
             self.decode(candidates, buffer);
             self.sampled
@@ -252,6 +269,9 @@ impl Problem for Horizontal<'_> {
     /// The part of a control point is what its blocks cost, and all collisions: a detour makes
     /// the whole way behind it later. What its altitude moves beyond them is not seen.
     fn evaluate_parts(&self, candidates: &[f64], costs: &mut [f64], parts: &mut [f64]) {
+        if self.sampled.is_cancelled(costs) {
+            return parts.fill(0.0);
+        }
         if self.windows.is_empty() {
             self.evaluate(candidates, costs);
             parts.copy_from_slice(costs);

@@ -19,7 +19,7 @@ pub const DELIVERY_TERRAIN: (&str, &[u8]) = (
 );
 
 /// Largest fleet.
-pub const MAX_DELIVERIES: usize = 2000;
+pub const MAX_DELIVERIES: usize = 3000;
 
 /// Depots, each with a square of pads.
 const DEPOTS: usize = 10;
@@ -205,20 +205,23 @@ impl Draft<'_> {
 
     /// A new goal for a vehicle from a pad.
     fn place_goal(&mut self, pad: EastNorth) -> EastNorth {
-        loop {
+        for tries in 0.. {
             let at = self.anywhere();
+            // A full area takes more goals nearer to each other.
+            let spacing_m = MIN_FROM_GOAL_M * 0.8_f64.powi(tries / 20_000);
             let is_apart = |from: &[EastNorth], least_m: f64| {
                 from.iter().all(|other| other.distance_m(at) > least_m)
             };
             if pad.distance_m(at) > MIN_ROUTE_M
                 && is_apart(&self.pads, MIN_FROM_PAD_M)
-                && is_apart(&self.goals, MIN_FROM_GOAL_M)
+                && is_apart(&self.goals, spacing_m)
                 && self.is_open(at)
             {
                 self.goals.push(at);
                 return at;
             }
         }
+        pad
     }
 
     fn table(&mut self, vehicles: usize) -> String {

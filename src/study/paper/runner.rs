@@ -139,6 +139,7 @@ fn planned(setting: &Setting, budget: usize, seed: u64) -> Vec<Found> {
         &spec,
         &setting.world,
         &Request {
+            cancel: None,
             seed,
             margins: Vec::new(),
             extra_parameters: Vec::new(),

@@ -187,12 +187,7 @@ pub fn run_planner(
         let (name, options) = variants[job.variant];
         let mut spec = arenas[job.mission].spec.clone();
         spec.planner.evaluations = job.evaluations;
-        let request = Request {
-            seed: job.seed,
-            margins: Vec::new(),
-            extra_parameters: Vec::new(),
-            progress: &|_| (),
-        };
+        let request = Request::new(job.seed);
         let plan = plan_fleet_with(&spec, &arenas[job.mission].world, &request, options);
         let vehicles: Vec<f64> = plan.vehicles.iter().map(|of| of.terms.total()).collect();
         PlannerRun {

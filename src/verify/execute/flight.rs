@@ -149,6 +149,11 @@ impl Flight {
             .fold(0.0, f64::max)
     }
 
+    /// Whether it ends, as opposed to a stay in the air for ever.
+    pub(crate) fn ends(&self) -> bool {
+        self.chords.iter().all(|chord| chord.to_s.is_finite())
+    }
+
     /// Ends every stay at `horizon_s`.
     pub(crate) fn stay_until(&mut self, horizon_s: f64) {
         for chord in &mut self.chords {

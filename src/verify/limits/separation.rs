@@ -1,5 +1,7 @@
 //! Pairwise separation, from takeoff to touchdown, at the worst allowed shift.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use crate::geodesy::LocalFrame;
@@ -16,46 +18,49 @@ const LISTED_FLEET: usize = 16;
 /// "Near", in separation distances.
 const NEAR: f64 = 2.0;
 
-/// The margins of all pairs (of a large fleet: of those that come near).
+/// The margin of a pair of timelines, by their positions.
+type PairMargin = ((usize, usize), Margin);
+
+/// The margins of all pairs (of a large fleet: of those that come near), but for those of two
+/// that are known.
 pub(crate) fn margins(
     timelines: &[Timeline<'_>],
+    is_known: &[bool],
     separation: &Separation,
     frame: &LocalFrame,
-) -> Vec<Margin> {
-    if timelines.len() <= LISTED_FLEET {
-        let others = |first: usize| (first + 1..timelines.len()).collect();
-        return margins_of(timelines, &others, separation, frame, f64::INFINITY);
+) -> Vec<PairMargin> {
+    let count = timelines.len();
+    let changed: Vec<usize> = (0..count).filter(|&one| !is_known[one]).collect();
+    let pair = |one: usize, other: usize| (one.min(other), one.max(other));
+    if count <= LISTED_FLEET {
+        let each = |&one: &usize| (0..count).map(move |other| pair(one, other));
+        let pairs = changed.iter().flat_map(each).filter(|(a, b)| a != b);
+        return margins_of(timelines, pairs.collect(), separation, frame, f64::INFINITY);
     }
     let below_m = NEAR * separation.distance_m;
     let near = Near::new(timelines, separation, below_m);
-    margins_of(
-        timelines,
-        &|first| near.after(first),
-        separation,
-        frame,
-        below_m,
-    )
+    let pairs = changed.par_iter().flat_map_iter(|&one| {
+        let others = near.of(one).into_iter();
+        others.map(move |other| pair(one, other))
+    });
+    let pairs = pairs.filter(|(a, b)| a != b);
+    margins_of(timelines, pairs.collect(), separation, frame, below_m)
 }
 
-/// The margins of each vehicle with some of those after it.
+/// The margins of some pairs, in their order.
 fn margins_of(
     timelines: &[Timeline<'_>],
-    others: &(dyn Fn(usize) -> Vec<usize> + Sync),
+    pairs: BTreeSet<(usize, usize)>,
     separation: &Separation,
     frame: &LocalFrame,
     below_m: f64,
-) -> Vec<Margin> {
-    (0..timelines.len())
-        .into_par_iter()
-        .map(|first| {
-            let a = &timelines[first];
-            others(first)
-                .into_iter()
-                .filter_map(|other| pair_margin(a, &timelines[other], separation, frame, below_m))
-                .collect::<Vec<_>>()
-        })
-        .collect::<Vec<_>>()
-        .concat()
+) -> Vec<PairMargin> {
+    let pairs = pairs.into_par_iter();
+    let margins = pairs.filter_map(|(a, b)| {
+        let margin = pair_margin(&timelines[a], &timelines[b], separation, frame, below_m)?;
+        Some(((a, b), margin))
+    });
+    margins.collect()
 }
 
 /// Who comes near whom, by the index over the chords of all.
@@ -91,10 +96,9 @@ impl Near {
         Self { tracks, nearness }
     }
 
-    /// Those after a vehicle that come near it, in order.
-    fn after(&self, first: usize) -> Vec<usize> {
-        let own = &self.tracks.all()[first];
-        self.tracks.near(own, &self.nearness, first + 1)
+    /// Those that come near a vehicle, itself included.
+    fn of(&self, one: usize) -> Vec<usize> {
+        self.tracks.near(&self.tracks.all()[one], &self.nearness, 0)
     }
 }
 
@@ -306,7 +310,9 @@ mod tests {
             time_slack_s,
         };
         let frame = LocalFrame::new(vehicles[0].home);
-        margins(&timelines, &separation, &frame)[0].value
+        margins(&timelines, &[false; 2], &separation, &frame)[0]
+            .1
+            .value
     }
 
     #[test]
@@ -364,6 +370,7 @@ mod tests {
             vertical_m in prop::option::of(5.0..40.0_f64),
             time_slack_s in prop_oneof![Just(0.0), 0.0..8.0_f64],
             is_mixed in any::<bool>(),
+            known in 0..17_usize,
         ) {
             let separation = Separation { distance_m, vertical_m, time_slack_s };
             let frame = LocalFrame::new(LatLon { lat_deg: 36.0, lon_deg: -84.0 });
@@ -376,9 +383,15 @@ mod tests {
                 .enumerate()
                 .map(|(index, chords)| Timeline::new(&kinds[index % (1 + usize::from(is_mixed))], chords))
                 .collect();
-            let all = |first: usize| (first + 1..timelines.len()).collect();
-            let by_all = margins_of(&timelines, &all, &separation, &frame, NEAR * distance_m);
-            prop_assert_eq!(margins(&timelines, &separation, &frame), by_all);
+            let all = 0..timelines.len();
+            let all = all.flat_map(|first| (first + 1..timelines.len()).map(move |other| (first, other)));
+            let by_all = margins_of(&timelines, all.collect(), &separation, &frame, NEAR * distance_m);
+            let mut is_known = vec![false; timelines.len()];
+            prop_assert_eq!(&margins(&timelines, &is_known, &separation, &frame), &by_all);
+            is_known[known..].fill(true);
+            let of_others = by_all.iter().filter(|((first, _), _)| *first < known);
+            let found = margins(&timelines, &is_known, &separation, &frame);
+            prop_assert_eq!(found, of_others.cloned().collect::<Vec<_>>());
         }
     }
 }

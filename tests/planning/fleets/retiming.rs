@@ -210,6 +210,7 @@ fn what_is_chosen_is_the_same_however_many_are_planned_at_once() {
         ..Margins::default()
     };
     let request = Request {
+        cancel: None,
         seed: 1,
         margins: vec![margins; spec.vehicles.len()],
         extra_parameters: Vec::new(),

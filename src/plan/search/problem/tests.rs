@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::*;
-use crate::cost::RouteEnds;
+use crate::cost::{EarlierFlights, RouteEnds};
 use crate::optimize::Evaluator;
 use crate::spec::SpecFile;
 use crate::world::{Terrain, World};
@@ -23,10 +23,11 @@ fn with_problem(windows: bool, act: impl FnOnce(&Horizontal<'_>)) {
             to: stations.goal,
             start_s: 0.0,
         },
-        earlier: &[],
+        earlier: EarlierFlights::none(),
         margins: Margins::default(),
         extra: &[],
         options: crate::plan::SearchOptions::default(),
+        cancel: None,
     };
     let parameters = context.parameters(context.samples());
     let sampled = Sampled::new(&context, Margins::default(), &parameters);
