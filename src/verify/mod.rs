@@ -165,11 +165,13 @@ mod limit;
 mod limits;
 mod measure;
 mod review;
+mod verified;
 
 pub use judge::{Conflict, Executed, Judge, Others};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use limits::distant::{distant_from_area, distant_from_home};
 pub use review::review;
+pub use verified::{VerifiedSegment, VerifiedTrajectory, verified_trajectories};
 
 use crate::geodesy::{Amsl, LatLon};
 use crate::spec::Span;
