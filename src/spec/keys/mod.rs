@@ -142,7 +142,7 @@ pub struct Area {
     /// Ceiling, metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub max_amsl_m: f64,
-    /// Greatest height above ground from start to goal, metres; absent: none.
+    /// Greatest height above ground, everywhere, metres; absent: none.
     #[schemars(range(min = 1, max = 10000))]
     pub max_agl_m: Option<f64>,
     /// Least altitude from start to goal, metres above mean sea level; absent: none.

@@ -118,7 +118,7 @@ pub struct Vehicle {
     /// ArduPilot's copters: the planner may choose another speed in this range where that costs
     /// less than a detour around other vehicles. speed_mps lies in it.
     pub speed_range_mps: Option<SpeedRange>,
-    /// Greatest height above ground from start to goal, metres; the lower one of this and the area's counts.
+    /// Greatest height above ground, everywhere, metres; the lower one of this and the area's counts.
     #[schemars(range(min = 1, max = 10000))]
     pub max_agl_m: Option<f64>,
     /// Least altitude from start to goal, metres above mean sea level; the higher one of this and the area's counts.
