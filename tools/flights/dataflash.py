@@ -52,6 +52,8 @@ class Truth:
         self.lat, self.lon, self.amsl = (np.array(sim[name], float) for name in ("Lat", "Lng", "Alt"))
         # The navigation item that was begun last.
         started = [(t * 1e-6, row) for t, row, command in zip(item["TimeUS"], item["CNum"], item["CId"]) if command < 95]
+        # It leaves the ground when its first item is begun: how long the order took is no matter of the vehicle.
+        self.t0_s = started[0][0]
         times, rows = np.array([t for t, _ in started]), np.array([0] + [row for _, row in started])
         self.row = rows[np.searchsorted(times, self.t, side="right")]
         self.texts = found["MSG"].get("Message", [])

@@ -1,6 +1,7 @@
 """One flight: a mission is planned, flown by `sortie fly` on a real simulator, and compared."""
 
 import json
+import math
 import pathlib
 import shutil
 import subprocess
@@ -40,29 +41,30 @@ def plan(sortie, spec, folder):
     return out, json.loads((folder / "trajectories.json").read_text())
 
 
+def course(vehicle):
+    """From start to goal, whole degrees."""
+    north = vehicle["goal"]["lat"] - vehicle["start"]["lat"]
+    east = (vehicle["goal"]["lon"] - vehicle["start"]["lon"]) * math.cos(math.radians(missions.LAT))
+    return round(math.degrees(math.atan2(east, north))) % 360
+
+
 def home(out, vehicle):
     """Where a plan has a vehicle stand: latitude, longitude, metres above the sea."""
     fields = (out / f"{vehicle}.waypoints").read_text().splitlines()[1].split("\t")
     return float(fields[8]), float(fields[9]), float(fields[10])
 
 
-def t0_s(record, vehicle):
-    """T0 by the vehicle's own clock, seconds since its start: by its first positions, since a
-    simulator may slip behind the clock of the fleet later."""
-    found = []
-    for line in record.read_text().splitlines():
-        line = json.loads(line)
-        if line.get("vehicle") == vehicle and line.get("boot_ms") is not None and 0 <= line["t_s"] <= 5:
-            found.append(line["boot_ms"] / 1000 - line["t_s"])
-    return max(found)
-
-
 def fly(options, kind, seed, slot):
     """The summary of one flight, kept as a file: a campaign that is started again goes on."""
     folder = pathlib.Path(options.out) / kind / str(seed)
     summary = folder.with_suffix(".json")
-    if summary.exists():
+    if summary.exists() and not (options.again and (folder / "sim").exists()):
         return json.loads(summary.read_text())
+    if summary.exists():
+        result = json.loads(summary.read_text())
+        result.update(measured(kind, folder))
+        summary.write_text(json.dumps(result))
+        return result
     shutil.rmtree(folder, ignore_errors=True)
     spec, wind = missions.make(kind, seed)
     result = {"kind": kind, "seed": seed, "wind_mps": wind["speed_mps"], "speed_mps": spec["vehicles"][0]["speed_mps"]}
@@ -71,7 +73,7 @@ def fly(options, kind, seed, slot):
         result["not_flown"] = f"not planned: {trajectories}"
     else:
         try:
-            result.update(fly_plan(options, (kind, slot), (folder, out), (wind, spec), trajectories))
+            result.update(fly_plan(options, (kind, slot), (folder, out), (wind, spec)))
         except (OSError, ValueError, KeyError, subprocess.TimeoutExpired) as error:
             result["not_flown"] = f"{type(error).__name__}: {error}"
     summary.write_text(json.dumps(result))
@@ -80,9 +82,10 @@ def fly(options, kind, seed, slot):
     return result
 
 
-def fly_plan(options, kind_slot, folders, given, trajectories):
+def fly_plan(options, kind_slot, folders, given):
     (kind, slot), (folder, out), (wind, spec) = kind_slot, folders, given
-    heading = spec["vehicles"][0].get("takeoff_heading_deg", 0)
+    # A QuadPlane begins its transition where its nose points: along its first leg, as an operator puts it.
+    heading = spec["vehicles"][0].get("takeoff_heading_deg", course(spec["vehicles"][0]))
     binary = options.copter if kind in ("copter", "zigzag") else options.plane
     place = (*home(out, "v"), heading)
     child, link = simulator.ardupilot(binary, kind, folder / "sim", slot, place, wind, options.speedup)
@@ -99,14 +102,20 @@ def fly_plan(options, kind_slot, folders, given, trajectories):
         flight = json.loads(done.stdout)
     except ValueError:
         return {"not_flown": (done.stderr.strip().splitlines() or ["no flight"])[-1]}
-    logs = sorted((folder / "sim" / "logs").glob("*.BIN"))
-    truth = Truth(logs[-1])
-    start_s = t0_s(folder / "plan.runs" / "flight.jsonl", "v")
-    figures, escapes = compare(Tube(trajectories["vehicles"][0]), truth, start_s, BUFFER_M[kind])
     return {
-        "version": simulator.version(truth.texts), "verdict": flight["verdict"],
+        **measured(kind, folder), "verdict": flight["verdict"],
         "failed": [f"{m['what']} {m['value']} (limit {m['limit']}) {m.get('note') or ''}" for m in flight["margins"] if not m["ok"]],
         "alarms": [f"{a['alarm']}: {a['text']}" for a in flight["alarms"]],
-        "flown_s": round(float(truth.t[-1] - start_s), 1), "took_s": round(time.monotonic() - began, 1),
+        "took_s": round(time.monotonic() - began, 1),
+    }
+
+
+def measured(kind, folder):
+    """The truth of a flight that is over against its verified trajectory."""
+    truth = Truth(sorted((folder / "sim" / "logs").glob("*.BIN"))[-1])
+    trajectories = json.loads((folder / "trajectories.json").read_text())
+    figures, escapes = compare(Tube(trajectories["vehicles"][0]), truth, BUFFER_M[kind], kind == "plane")
+    return {
+        "version": simulator.version(truth.texts), "flown_s": round(float(truth.t[-1] - truth.t0_s), 1),
         "escapes": escapes, "figures": figures,
     }

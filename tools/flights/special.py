@@ -148,13 +148,11 @@ def fleet_flight(options, folder, spec, during=None, wind_mps=0, terrain=None, t
         flight = json.loads(done.stdout)
     except ValueError:
         raise ValueError(done.stderr[-2000:])
-    record = folder / "plan.runs" / "flight.jsonl"
     truths = {}
     for n, vehicle in enumerate(vehicles):
         truth = Truth(sorted((folder / f"sim{n}" / "logs").glob("*.BIN"))[-1])
-        truth.t0_s = one.t0_s(record, vehicle["id"])
         tube = next(Tube(of) for of in trajectories["vehicles"] if of["id"] == vehicle["id"])
-        truth.figures, truth.escapes = compare(tube, truth, truth.t0_s, 10.0)
+        truth.figures, truth.escapes = compare(tube, truth, 10.0)
         truths[vehicle["id"]] = truth
     return flight, truths
 
@@ -204,7 +202,8 @@ def fleet(options, folder, count=10):
     for n in range(count):
         angle = 2 * math.pi * n / count
         start, goal = (260 * math.cos(angle), 260 * math.sin(angle)), (-260 * math.cos(angle + 0.5), -260 * math.sin(angle + 0.5))
-        vehicles.append(copter(f"v{n}", n + 1, start, goal, speed_mps=7, start={**missions.place(*start), "agl_m": 50 + 4 * n}))
+        made = copter(f"v{n}", n + 1, start, goal, speed_mps=7)
+        vehicles.append({**made, "start": {**made["start"], "agl_m": 50 + 4 * n}})
     spec = spec_of("fleet", vehicles, separation={"distance_m": 30, "time_slack_s": 5})
     return summary(*fleet_flight(options, folder, spec, timeout=1500))
 

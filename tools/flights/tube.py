@@ -8,6 +8,8 @@ from second.earth import axes, ecef
 MOVES_MPS = 1.0
 # Corners of less than this are none, degrees; those nearer to each other than this are one, metres.
 CORNER_DEG, CORNER_M = 15.0, 15.0
+# Segments this much farther than the nearest lie at the same place, for the height, metres.
+NEAR_M = 10.0
 
 
 class Tube:
@@ -42,15 +44,36 @@ class Tube:
         gone = points[:, None, :] - start[None]
         share = np.clip((gone * along[None]).sum(axis=2) / squares[None], 0, 1)
         off = gone - share[..., None] * along[None]
-        nearest = np.argmin((off**2).sum(axis=2), axis=1)
+        # A circle that is flown for ever stands as its middle with its radius as the error.
+        nearest = np.argmin(np.maximum(np.sqrt((off**2).sum(axis=2)) - self.error[which], 0), axis=1)
         here = np.arange(len(points))
         off = off[here, nearest]
         return np.hypot(off[:, 0], off[:, 1]), off[:, 2], np.asarray(which)[nearest], share[here, nearest]
 
 
-def compare(tube, truth, t0_s, buffer_m):
+    def outside(self, points, which):
+        """How far points are from all that is judged: sideways, above the highest of the segments there and
+        below the lowest. Metres, beyond what the segments allow themselves; negative inside."""
+        start, along = self.start[which], (self.end - self.start)[which]
+        squares = (along[:, :2] ** 2).sum(axis=1)
+        gone = points[:, None, :2] - start[None, :, :2]
+        share = np.clip((gone * along[None, :, :2]).sum(axis=2) / np.maximum(squares, 1e-9)[None], 0, 1)
+        beside = np.linalg.norm(gone - share[..., None] * along[None, :, :2], axis=2) - self.error[which][None]
+        # A column, and a circle (its middle with its radius as the error), have all their heights at one place.
+        foot = start[None, :, 2] + share * along[None, :, 2]
+        is_point = (squares < 1e-6)[None]
+        low = np.where(is_point, np.minimum(start[:, 2], start[:, 2] + along[:, 2])[None], foot)
+        high = np.where(is_point, np.maximum(start[:, 2], start[:, 2] + along[:, 2])[None], foot)
+        nearest = beside.min(axis=1)
+        here = beside <= np.maximum(nearest, 0)[:, None] + NEAR_M
+        lowest = np.where(here, low, np.inf).min(axis=1)
+        highest = np.where(here, high, -np.inf).max(axis=1)
+        return nearest, points[:, 2] - highest, lowest - points[:, 2]
+
+
+def compare(tube, truth, buffer_m, is_plane=False):
     """The figures of one flight: lists by name, and its escapes in words."""
-    t = truth.t - t0_s
+    t = truth.t - truth.t0_s
     points = tube.metres(truth.lat, truth.lon, truth.amsl)
     ground_m = tube.start[0, 2]
     # Rows in the order of the trajectory: items without a motion have none.
@@ -62,6 +85,8 @@ def compare(tube, truth, t0_s, buffer_m):
                                    "drift_down_m", "touchdown_m")}
     escapes = []
     up = points[:, 2] - ground_m > 2.0
+    # A plane may be at the height of its start at once: judged by the ceiling.
+    climb_out = 1 if is_plane else -1
     first_late = None
     for row in range(len(order)):
         here = np.flatnonzero((rank == row) & (truth.row > 0) & up & (t > 0))
@@ -70,7 +95,7 @@ def compare(tube, truth, t0_s, buffer_m):
         if not len(here) or not len(near):
             continue
         flown = near[tube.flown[near]]
-        across, above, which, share = tube.feet(points[here], near)
+        across, above, below = tube.outside(points[here], near)
         to_flown, flown_above, segment, at = tube.feet(points[here], flown)
         is_column = row == 0 or lands and row == last
         # Not where it stays for ever: on its circle.
@@ -83,16 +108,15 @@ def compare(tube, truth, t0_s, buffer_m):
             found["across_m"] += to_flown[way].tolist()
             found["below_m"] += np.maximum(-flown_above[way], 0).tolist()
             found["above_m"] += np.maximum(flown_above[way], 0).tolist()
-        allowed = buffer_m + tube.error[which]
-        for what, value, limit in (("beside", across, allowed), ("above", above, allowed), ("below", -above, allowed)):
-            if is_column and what != "beside":
+        for what, value in (("beside", across), ("above", above), ("below", below)):
+            if is_column and what != "beside" or what == "above" and row <= climb_out:
                 continue
-            worst = int(np.argmax(value - limit))
-            if value[worst] > limit[worst]:
+            worst = int(np.argmax(value))
+            if value[worst] > buffer_m:
                 escapes.append({"what": what, "row": int(order[row]), "t_s": round(float(t[here][worst]), 1),
-                                "value": round(float(value[worst]), 2), "limit": round(float(limit[worst]), 2)})
+                                "value": round(float(value[worst]), 2), "limit": buffer_m})
         moves = (tube.speed[segment] > MOVES_MPS) & (at > 0) & (at < 1) & np.isfinite(tube.to_s[segment])
-        if is_column or not moves.any():
+        if is_column or not moves.any() or not lands and row == last:
             continue
         planned = tube.from_s[segment] + at * (tube.to_s - tube.from_s)[segment]
         late, allowed_late = (t[here] - planned)[moves], tube.late[segment][moves]
