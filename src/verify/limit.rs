@@ -23,6 +23,7 @@ use std::mem::discriminant;
 /// One limit that missions or flown tracks are judged against. Its text, as in `review.json`, is
 /// its `Display`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Limit {
     /// Height above the ground on the route.
     TerrainClearance,

@@ -41,6 +41,7 @@ pub(super) struct Sortie<'a> {
 #[must_use]
 pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMission)]) -> Review {
     let mut margins = roll_call(spec, missions);
+    margins.extend(other_world(spec, world));
     let separation = spec.buffered_separation();
     let mut sorties: Vec<Sortie<'_>> = missions
         .par_iter()
@@ -93,6 +94,26 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         tracks: sorties.iter().map(|sortie| sortie.track(world)).collect(),
         assumptions: assumptions(spec, world, &sorties),
     }
+}
+
+/// A world of another spec, whose threats, zones or vehicles would be paired wrongly.
+fn other_world(spec: &MissionSpec, world: &World) -> Option<Margin> {
+    let of_spec = [
+        spec.vehicles.len(),
+        spec.threats.len(),
+        spec.no_fly.len(),
+        spec.tasks.len(),
+    ];
+    let of_world = [
+        world.stations.len(),
+        world.threats.len(),
+        world.zones.len(),
+        world.tasks.len(),
+    ];
+    (of_spec != of_world).then(|| {
+        let why = "the world is that of another spec: numbers of vehicles, threats, zones or tasks differ";
+        Margin::unjudged("", Limit::Mission, why.to_owned())
+    })
 }
 
 /// Every vehicle has one mission, every mission a vehicle.

@@ -48,6 +48,30 @@ pub struct EndPoint {
     pub amsl_m: Option<f64>,
 }
 
+impl EndPoint {
+    /// A place by latitude and longitude, degrees, and its height above the ground there, metres.
+    #[must_use]
+    pub fn above_ground(lat: f64, lon: f64, agl_m: f64) -> Self {
+        Self {
+            lat: Some(lat),
+            lon: Some(lon),
+            agl_m: Some(agl_m),
+            ..Self::default()
+        }
+    }
+
+    /// A place by latitude and longitude, degrees, and its altitude above mean sea level, metres.
+    #[must_use]
+    pub fn above_sea(lat: f64, lon: f64, amsl_m: f64) -> Self {
+        Self {
+            lat: Some(lat),
+            lon: Some(lon),
+            amsl_m: Some(amsl_m),
+            ..Self::default()
+        }
+    }
+}
+
 /// One vehicle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
