@@ -129,7 +129,12 @@ pub fn verify(mission: &Mission, missions: &[(usize, VehicleMission)]) -> Review
 /// have `.REJECTED` in their names.
 #[must_use]
 pub fn files(mission: &Mission, planned: &Dispatched) -> Vec<(String, String)> {
-    use crate::dispatch::{Dispatched, Improving, Stage, dispatch};
+    let vehicles = &mission.spec().vehicles;
+    let missions = planned.missions.iter();
+    missions
+        .filter_map(|(vehicle, items)| Some((&vehicles.get(*vehicle)?.id, items)))
+        .flat_map(|(id, items)| mission_files(id, items, planned.review.accepts(id)))
+        .collect()
 }
 
 /// Names and texts of the files of one vehicle.

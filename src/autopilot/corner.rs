@@ -5,7 +5,10 @@
 //! late that half of this overlap passes within `WPNAV_RADIUS` of the waypoint. The speeds that follow
 //! from this are those flown on 4.6.3 within 0.2 m/s (2026-11-23, simulator, still air, 31 corners
 //! of 10 to 150 degrees at 5 and 10 m/s with radius 2 and 5 m); the cut is the flown one or
-//! up to twice as much. [`MEASURED_MORE_S`] is what the flown seconds of a leg differ by.
+//! up to twice as much. It begins the next leg no earlier than it may accelerate: in the middle of the
+//! corner by `WPNAV_ACCEL_C` at most. With less than twice `WPNAV_ACCEL`, the default, it nearly stops at
+//! sharp corners (flown on 4.7.0-dev, 2026-11-24, simulator: 1.6 m/s at 63 degrees, 0.4 m/s at 107).
+//! [`MEASURED_MORE_S`] is what the flown seconds of a leg differ by.
 //!
 //! **PX4** (1.16 to 1.18, `PositionSmoothing` and `computeMaxSpeedInWaypoint`) limits the speed at a
 //! waypoint to that of a circle that touches both legs at the acceptance radius, with a share of
@@ -86,6 +89,8 @@ const MEASURED_MORE_S: [(f64, f64); 12] = [
 pub struct Cornering {
     law: CornerLaw,
     accel_mps2: f64,
+    /// The greatest acceleration in the middle of a corner, m/s^2.
+    corner_mps2: f64,
 }
 
 /// A corner: change of course, the speed of its slower leg, and the radius within which the
@@ -111,7 +116,20 @@ impl Cornering {
     /// A law, with the acceleration of a vehicle.
     #[must_use]
     pub fn new(law: CornerLaw, accel_mps2: f64) -> Self {
-        Self { law, accel_mps2 }
+        Self {
+            law,
+            accel_mps2,
+            corner_mps2: f64::INFINITY,
+        }
+    }
+
+    /// The same with a limit on the acceleration in the middle of a corner (`WPNAV_ACCEL_C`), m/s^2.
+    #[must_use]
+    pub fn within(self, corner_mps2: f64) -> Self {
+        Self {
+            corner_mps2,
+            ..self
+        }
     }
 
     /// The highest speed on a leg of a length, m/s: the profile of `ArduCopter` must find place on it
@@ -232,6 +250,28 @@ impl Cornering {
         if self.is_full(turn) {
             return full_s;
         }
+        let by_radius_s = self.overlap_by_radius_s(turn);
+        // The two legs accelerate across each other: `2 j t sin h` in the middle.
+        let by_accel_s = self.corner_mps2 / (2.0 * JERK_MPS3 * turn.half_rad().sin());
+        if self.is_limited(turn) {
+            by_radius_s.min(by_accel_s)
+        } else {
+            by_radius_s
+        }
+    }
+
+    /// Whether the two ramps together accelerate more in a corner than it may.
+    fn is_limited(&self, turn: &Turn) -> bool {
+        let ramp_mps2 = self.accel_mps2.min((JERK_MPS3 * turn.speed_mps).sqrt());
+        2.0 * ramp_mps2 * turn.half_rad().sin() >= self.corner_mps2
+    }
+
+    /// The same as far as the acceptance radius limits it, seconds.
+    fn overlap_by_radius_s(&self, turn: &Turn) -> f64 {
+        let full_s = 0.5 * self.ramp_s(turn.speed_mps);
+        if self.is_within_radius(turn) {
+            return full_s;
+        }
         let before_m = turn.radius_m / (2.0 * turn.half_rad().sin());
         let bend_s = self.accel_mps2 / JERK_MPS3;
         let bend_m = JERK_MPS3 * bend_s.powi(3) / 6.0;
@@ -255,6 +295,10 @@ impl Cornering {
 
     /// Whether the whole of both ramps overlaps within the acceptance radius: nothing is lost.
     fn is_full(&self, turn: &Turn) -> bool {
+        self.is_within_radius(turn) && !self.is_limited(turn)
+    }
+
+    fn is_within_radius(&self, turn: &Turn) -> bool {
         let full_m = self.distance_m(0.5 * self.ramp_s(turn.speed_mps));
         2.0 * full_m * turn.half_rad().sin() <= turn.radius_m
     }
@@ -320,6 +364,50 @@ mod tests {
                 "{turn_deg}: {least_mps}"
             );
         }
+    }
+
+    /// Flown on `ArduCopter` 4.7.0-dev with 1.5 m/s^2, `WPNAV_ACCEL_C` 150 and radius 5 m: speed, m/s, change of
+    /// course, degrees, and least speed, m/s.
+    const FLOWN_WITHIN_1500_MMPS2: [(f64, f64, f64); 14] = [
+        (7.1, 18.0, 6.9),
+        (7.1, 26.0, 6.9),
+        (7.1, 63.0, 1.6),
+        (7.1, 64.0, 1.6),
+        (7.1, 89.0, 0.6),
+        (7.1, 107.0, 0.4),
+        (5.6, 34.0, 5.3),
+        (5.6, 37.0, 5.3),
+        (5.6, 66.0, 1.5),
+        (5.6, 73.0, 1.3),
+        (5.6, 81.0, 1.0),
+        (5.6, 86.0, 0.8),
+        (5.6, 121.0, 0.3),
+        (5.6, 129.0, 0.2),
+    ];
+
+    #[test]
+    fn arducopter_nearly_stops_where_it_may_not_accelerate_through_the_corner() {
+        let law = Cornering::new(CornerLaw::Overlap, 1.5).within(1.5);
+        for (speed_mps, turn_deg, flown_mps) in FLOWN_WITHIN_1500_MMPS2 {
+            let least_mps = law.least_mps(&turn(turn_deg, speed_mps, 5.0));
+            let more_mps = least_mps - flown_mps;
+            assert!(
+                (-0.1..0.25).contains(&more_mps),
+                "{turn_deg}: {least_mps}, flown {flown_mps}"
+            );
+        }
+        // A leg of 89 m between corners of 64 and 89 degrees took 16.3 s, without the limit 12.9 s.
+        let lost_s = |turn_deg: f64| {
+            let corner = turn(turn_deg, 7.1, 5.0);
+            let overlap_s = 2.0 * law.overlap_s(&corner);
+            law.ramp_s(7.1) - overlap_s + super::measured_more_s(turn_deg)
+        };
+        let leg_s = 89.0 / 7.1 + 0.5 * (lost_s(64.0) + lost_s(89.0));
+        assert!((leg_s - 16.3).abs() < 0.2, "{leg_s}");
+        // Twice the acceleration limits nothing: what the law was measured with, and what plans set.
+        let corner = turn(150.0, 7.1, 5.0);
+        let free = Cornering::new(CornerLaw::Overlap, 1.5);
+        assert!((free.within(3.0).least_mps(&corner) - free.least_mps(&corner)).abs() < 1e-12);
     }
 
     #[test]

@@ -16,6 +16,6 @@ pub use build::fence::{FENCE_REACH_S, fence_needs, fence_pieces};
 pub use build::{MissionError, build, build_course};
 pub use item::{Home, Item, Parameter, VehicleMission};
 pub use params::{
-    acceptance_m, corner_cut_m, cruise_speed_mps, is_lean_limit, lean_limit_deg, parameters,
-    turn_radius_m,
+    acceptance_m, corner_accel_mps2, corner_cut_m, cruise_speed_mps, is_lean_limit, lean_limit_deg,
+    parameters, turn_radius_m,
 };

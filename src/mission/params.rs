@@ -104,6 +104,18 @@ pub fn acceptance_m(mission: &VehicleMission, row: usize) -> f64 {
     own_m.or(held_m).unwrap_or(default_m)
 }
 
+/// The acceleration within which `ArduCopter` begins a corner, m/s^2: `WPNAV_ACCEL_C`, 0 for twice
+/// `WPNAV_ACCEL`, the default.
+#[must_use]
+pub fn corner_accel_mps2(accel_mps2: f64, mission: Option<&VehicleMission>) -> f64 {
+    let name = "WPNAV_ACCEL_C";
+    let held = mission.and_then(|of| of.params.iter().find(|param| param.name == name));
+    let per_si = parameter(name).map_or(1.0, |row| row.unit.per_si());
+    let held = held.map(|param| f64::from(param.value) / per_si);
+    let usable = held.filter(|held| held.is_finite() && *held > 0.0);
+    usable.unwrap_or(2.0 * accel_mps2)
+}
+
 /// Share of the planned airspeed below which a QuadPlane's rotors may help. With 18 at a planned
 /// 18 m/s they did some 40 times on one way, and it sank 36 m under its line (ArduPlane 4.7.0-dev of
 /// December 2025, simulated).
@@ -156,14 +168,12 @@ impl List<'_> {
 
     fn arducopter(&mut self, options: &MissionOptions, home_amsl_m: f64) {
         let v = self.vehicle;
-        // The acceleration across the path that makes the planned turn radius.
-        let corner_mps2 = v.speed_mps * v.speed_mps / turn_radius_m(v);
         self.set("WPNAV_SPEED", v.speed_mps, "planned ground speed, cm/s");
         self.set("WPNAV_ACCEL", v.accel_mps2, "planned acceleration, cm/s^2");
         self.set(
             "WPNAV_ACCEL_C",
-            corner_mps2,
-            "acceleration in corners that gives the planned turn radius, cm/s^2",
+            corner_accel_mps2(v.accel_mps2, None),
+            "acceleration in corners of the verdict, cm/s^2: with less a copter nearly stops at sharp ones",
         );
         self.set("WPNAV_SPEED_UP", v.climb_mps, "planned climb, cm/s");
         self.set("WPNAV_SPEED_DN", v.descent_mps, "planned descent, cm/s");

@@ -28,7 +28,8 @@ pub fn corner_late_s(vehicle: &Vehicle) -> f64 {
 /// By how much a vehicle may be late from its takeoff on, seconds. Any lateness in the span may
 /// be: a vehicle with lighter propellers, or a simulated one, is less late than those measured.
 /// It is taken to be the same for two vehicles of one autopilot and airframe.
-fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
+#[must_use]
+pub fn takeoff_lateness_s(vehicle: &Vehicle) -> Span {
     let behaviour = &vehicle.facts().behaviour;
     let value = |figure: crate::autopilot::Figure| figure.value(vehicle.autopilot_version);
     Span {

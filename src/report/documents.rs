@@ -551,7 +551,7 @@ fn margin_entry(margin: &Margin) -> MarginEntry {
     }
 }
 
-fn place(moment: &Moment) -> Place {
+pub(super) fn place(moment: &Moment) -> Place {
     Place {
         lat_deg: rounded(moment.place.lat_deg, DEGREE_DIGITS),
         lon_deg: rounded(moment.place.lon_deg, DEGREE_DIGITS),

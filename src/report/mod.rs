@@ -6,6 +6,7 @@ mod infeasibility;
 mod map;
 mod page;
 mod scene;
+mod trajectories;
 mod words;
 
 pub use certificate::{
@@ -19,6 +20,9 @@ pub use infeasibility::{Infeasibility, infeasibilities};
 pub use map::review_svg;
 pub use page::{flight_html, review_html};
 pub use scene::{FlownError, FlownFacts};
+pub use trajectories::{
+    TrajectoriesDocument, TrajectorySegment, VehicleTrajectory, trajectories_json,
+};
 pub use words::worst_first;
 
 use crate::mission::VehicleMission;

@@ -60,6 +60,8 @@ pub struct Vehicle {
     /// When its health was last reported, and is next.
     health_at: Time,
     health_due: Time,
+    /// Whether it reports its health: ArduPilot does not unasked.
+    reports_health: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -131,6 +133,7 @@ impl Vehicle {
             frozen: None,
             health_at: now,
             health_due: now,
+            reports_health: profile != Profile::ArduPilot,
         }
     }
 

@@ -63,6 +63,8 @@
 //!   faster than the `v` with `v p(v)` its length.
 //! - The end of one leg overlaps with the begin of the next for `2 t`: `t = p(v) / 2` if then `2 d(t) sin h
 //!   <= r`, else the `t` with `2 d(t) sin h = r`. The arc takes `2 d(t) sin h / tan(h / 2)` of each leg.
+//! - `WPNAV_ACCEL_C` of the parameters, absent or 0 for `2 a`, is `c`: where `2 min(a, sqrt(j v)) sin h >= c` the
+//!   legs overlap for no more than `c / (j sin h)`, and not all of the ramp overlaps.
 //! - Where all of the ramp overlaps, the arc is flown at `v h / tan h`: it takes as long as the way over the
 //!   waypoint. Else the corner costs `q = p(v) - 2 t + m`
 //!   seconds, at least 0; `m` is linear between 0 s at 0 and 20 degrees of `phi`, -0.4 at 30 and 45, -0.1 at 60, 0 at
@@ -191,11 +193,13 @@ mod limit;
 mod limits;
 mod measure;
 mod review;
+mod verified;
 
 pub use judge::{Conflict, Executed, Judge, Others};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use limits::distant::{distant_from_area, distant_from_home};
 pub use review::{Reviewer, review};
+pub use verified::{VerifiedSegment, VerifiedTrajectory, verified_trajectories};
 
 use std::collections::BTreeSet;
 

@@ -624,3 +624,51 @@ fn a_plan_within_some_time_is_made_again_from_the_evaluations_that_it_prints() {
         assert!(read("a") == read("b"), "{name}");
     }
 }
+
+#[test]
+fn review_writes_the_trajectories_that_it_judges() {
+    let folder = folder_with(SPEC);
+    let out = sortie(folder.path(), &["plan", "hop.yaml"]);
+    assert!(out.status.success(), "{}", text(&out.stderr));
+    let judged = sortie(
+        folder.path(),
+        &["review", "out/hop", "--trajectories", "t.json", "--json"],
+    );
+    assert!(judged.status.success(), "{}", text(&judged.stderr));
+    let review: Value = serde_json::from_slice(&judged.stdout).expect("JSON");
+    let written = fs::read(folder.path().join("t.json")).expect("it is written");
+    let document: Value = serde_json::from_slice(&written).expect("JSON");
+    let vehicle = &document["vehicles"][0];
+    assert_eq!(vehicle["takeoff_late_s"], 12.0);
+    let segments = vehicle["segments"].as_array().expect("segments");
+    let is_flown = |segment: &&Value| segment["flown"] == true;
+    let flown: Vec<&Value> = segments.iter().filter(is_flown).collect();
+    // In one piece from the ground at home to the ground at the goal.
+    assert_eq!(flown[0]["from"]["t_s"], 0.0);
+    for pair in flown.windows(2) {
+        assert_eq!(pair[0]["to"]["t_s"], pair[1]["from"]["t_s"]);
+        assert_eq!(pair[0]["to"]["lat_deg"], pair[1]["from"]["lat_deg"]);
+    }
+    let end = &flown[flown.len() - 1]["to"];
+    assert_eq!(
+        (&flown[0]["from"]["amsl_m"], &end["amsl_m"]),
+        (&300.0.into(), &300.0.into())
+    );
+    // The lowest place on the way is what the table says.
+    let margins = review["margins"].as_array().expect("margins");
+    let finish = margins
+        .iter()
+        .find(|margin| margin["what"] == "ground contact")
+        .expect("it lands");
+    let last_item = segments.iter().map(|segment| &segment["to"]["item"]);
+    assert_eq!(
+        last_item.max_by_key(|item| item.as_u64()),
+        Some(&finish["at"]["item"])
+    );
+    let refused = sortie(
+        folder.path(),
+        &["review", "out/hop", "--trajectories", "t.plan"],
+    );
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("the name of a document ends in .json"));
+}

@@ -131,7 +131,7 @@ fn an_ardupilot_copter_takes_off_sets_its_speed_flies_and_lands() {
     for (name, value) in [
         ("WPNAV_SPEED", 1500.0),
         ("WPNAV_ACCEL", 250.0),
-        ("WPNAV_ACCEL_C", 250.0),
+        ("WPNAV_ACCEL_C", 500.0),
         ("WPNAV_SPEED_UP", 500.0),
         ("WPNAV_SPEED_DN", 300.0),
         ("WPNAV_RADIUS", 500.0),

@@ -189,6 +189,9 @@ pub(super) struct Review {
     /// Write a picture of the review to this file
     #[arg(long, value_name = "FILE")]
     pub(super) svg: Option<PathBuf>,
+    /// Write the verified trajectories to this file (JSON): places, times, what is allowed around them
+    #[arg(long, value_name = "FILE")]
+    pub(super) trajectories: Option<PathBuf>,
     #[command(flatten)]
     pub(super) limits: Limits,
 }

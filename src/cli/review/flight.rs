@@ -37,7 +37,8 @@ pub(crate) fn run(
         let message = format!("review judges one flight at a time, got {}", flights.len());
         return Err(Failure::new(Failure::USAGE, message));
     };
-    if arguments.limits != args::Limits::default() || arguments.svg.is_some() {
+    let draws = arguments.svg.is_some() || arguments.trajectories.is_some();
+    if arguments.limits != args::Limits::default() || draws {
         let message = "a flight is judged by the limits of its spec, and has a page (--html)";
         return Err(Failure::new(Failure::USAGE, message));
     }

@@ -28,6 +28,7 @@ pub(super) fn run(arguments: &args::Review) -> Result<(), Failure> {
     for (flag, path, endings) in [
         ("--html", &arguments.html, ["html", "htm"]),
         ("--svg", &arguments.svg, ["svg", "svg"]),
+        ("--trajectories", &arguments.trajectories, ["json", "json"]),
     ] {
         check_name(flag, path.as_deref(), &endings)?;
     }
@@ -58,7 +59,11 @@ fn check_name(flag: &str, path: Option<&Path>, endings: &[&str]) -> Result<(), F
     {
         return Ok(());
     }
-    let what = if flag == "--svg" { "picture" } else { "page" };
+    let what = match flag {
+        "--svg" => "picture",
+        "--html" => "page",
+        _ => "document",
+    };
     let message = format!(
         "{flag} {}: the name of a {what} ends in .{}",
         path.display(),
@@ -296,6 +301,11 @@ fn deliver(
     }
     if let Some(target) = &arguments.svg {
         replace::write_file(target, report::review_svg(input).as_bytes())?;
+    }
+    if let Some(target) = &arguments.trajectories {
+        let found = verify::verified_trajectories(input.spec, input.world, input.missions);
+        let document = report::trajectories_json(&found);
+        replace::write_file(target, report::json_text(&document).as_bytes())?;
     }
     if arguments.json {
         out_json(&report::review_json(review))?;

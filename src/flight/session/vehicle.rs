@@ -21,8 +21,8 @@ use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::record::{Fix, Flown};
 use crate::geodesy::LatLon;
 use crate::link::{
-    AUTOPILOT_INVALID, Address, Command, CommandResult, FlightMessage, Heartbeat, Message, Order,
-    Position, Reading, Session, Time,
+    AUTOPILOT_INVALID, Address, Command, CommandResult, FlightMessage, Health, Heartbeat, Message,
+    Order, Position, Reading, Session, Time,
 };
 use crate::mission::{Home, VehicleMission};
 pub(super) use arming::ARMING_MS;
@@ -141,6 +141,8 @@ pub(crate) struct FlightVehicle<'a> {
     pub(crate) item: usize,
     /// When it last said which item is its current one.
     item_at: Option<Time>,
+    /// When it last reported its own health.
+    health_at: Option<Time>,
     /// Positions that are none on earth.
     invalid_positions: usize,
     texts: TextLimit,
@@ -215,6 +217,7 @@ impl<'a> FlightVehicle<'a> {
             is_fresh: false,
             item: 0,
             item_at: None,
+            health_at: None,
             invalid_positions: 0,
             texts: TextLimit::default(),
             total: None,
@@ -323,6 +326,9 @@ impl<'a> FlightVehicle<'a> {
             }
             Message::StatusText { severity, text } if t0_ms.is_some() => {
                 self.take_text(*severity, &format!("says: {text}"));
+            }
+            Message::Flight(FlightMessage::Health(Health::System(_))) => {
+                self.health_at = Some(now);
             }
             Message::Flight(message) => self.flight_message(now, flight_ms, t0_ms, t_s, message),
             _ => {}

@@ -10,6 +10,8 @@ const CUSTOM_MODE_ENABLED: u8 = 1;
 /// Message ids that are sent on request.
 const HOME_POSITION: f32 = 242.0;
 const GLOBAL_POSITION_INT: f32 = 33.0;
+/// Numbers of the messages that report health.
+const HEALTH: [f32; 6] = [1.0, 24.0, 147.0, 162.0, 193.0, 230.0];
 const MISSION_CURRENT: f32 = 42.0;
 const AUTOPILOT_VERSION: f32 = 148.0;
 
@@ -176,8 +178,13 @@ impl Vehicle {
         CommandResult::ACCEPTED
     }
 
-    /// Only positions have an interval of their own; 0 is the default, -1 none.
+    /// Only positions have an interval of their own; 0 is the default, -1 none. Reports of health begin.
     fn set_interval(&mut self, params: [f32; 7]) -> CommandResult {
+        let is = |id: &f32| params[0].to_bits() == id.to_bits();
+        if HEALTH.iter().any(is) && self.pilot.is_some() {
+            self.reports_health = true;
+            return CommandResult::ACCEPTED;
+        }
         if params[0].to_bits() != GLOBAL_POSITION_INT.to_bits() {
             return CommandResult::UNSUPPORTED;
         }

@@ -43,13 +43,13 @@ impl Vehicle {
         }
     }
 
-    /// What it reports of its own health, as often as ground stations ask for it.
+    /// What it reports of its own health, as often as ground stations ask for it, once one did.
     pub(crate) fn health_is_due(&mut self, now: Time) {
         #[expect(clippy::cast_precision_loss, reason = "milliseconds of one flight")]
         let since_s = (now - self.health_at) as f64 / 1000.0;
         self.faults.pass(since_s);
         (self.health_at, self.health_due) = (now, now + HEALTH_MS);
-        if self.pilot.is_some() {
+        if self.pilot.is_some() && self.reports_health {
             for report in self.faults.reports(self.profile) {
                 self.tell(FlightMessage::Health(report));
             }

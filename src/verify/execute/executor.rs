@@ -9,8 +9,9 @@ mod takeoff;
 
 use nalgebra::Vector3;
 
+use crate::autopilot::Cornering;
 use crate::geodesy::{Agl, Amsl, EastNorth, LatLon, PlanPoint};
-use crate::mission::{VehicleMission, acceptance_m, cruise_speed_mps};
+use crate::mission::{VehicleMission, acceptance_m, corner_accel_mps2, cruise_speed_mps};
 use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
@@ -57,6 +58,10 @@ pub(crate) fn fly(
         early_top: None,
         drift: None,
         accept_m: acceptance_m(mission, 0),
+        law: vehicle.facts().corners.map(|law| {
+            let corner_mps2 = corner_accel_mps2(vehicle.accel_mps2, Some(mission));
+            Cornering::new(law, vehicle.accel_mps2).within(corner_mps2)
+        }),
         lag_s: altitude_lag::lag_s(mission),
         early_m: altitude_lag::early_m(vehicle, mission),
         circle_m: None,
@@ -104,6 +109,8 @@ pub(crate) struct Pilot<'a> {
     pub(crate) drift: Option<EastNorth>,
     /// A copter accepts the place of the item at work within this radius, metres.
     accept_m: f64,
+    /// How a copter flies around corners.
+    law: Option<Cornering>,
     /// Lag behind a slope, seconds of the climb rate; 0 for none.
     pub(crate) lag_s: f64,
     /// So far before a waypoint it has its altitude, metres.

@@ -187,7 +187,7 @@ impl Piece {
 /// and the last (0 at rest); legs are longer than 0.
 pub(crate) fn run(
     knots: &[Knot],
-    vehicle: &Vehicle,
+    (vehicle, law): (&Vehicle, Option<Cornering>),
     grounds_mps: &[f64],
     ends_mps: (f64, f64),
 ) -> Run {
@@ -195,8 +195,6 @@ pub(crate) fn run(
         .windows(2)
         .map(|pair| pair[0].at.distance_m(pair[1].at))
         .collect();
-    let law = vehicle.facts().corners;
-    let law = law.map(|law| Cornering::new(law, vehicle.accel_mps2));
     let grounds_mps = cruise_speeds(grounds_mps, &legs, law);
     let mut corners = corners(knots, vehicle, law, &grounds_mps);
     let rooms = fit(&mut corners, &legs);

@@ -1,6 +1,7 @@
 //! What is made sure of before a vehicle flies.
 
 use super::{FlightVehicle, Stage};
+use crate::autopilot::Autopilot;
 use crate::flight::launch::parameters::SettingsCheck;
 use crate::flight::launch::readiness;
 use crate::flight::launch::readiness::STANDS_M;
@@ -13,6 +14,13 @@ const REQUEST_MS: u64 = 1000;
 /// Messages that are requested: `GLOBAL_POSITION_INT` and `MISSION_CURRENT`.
 const POSITION: f32 = 33.0;
 const CURRENT_ITEM: f32 = 42.0;
+/// Those in which it reports its health, and the time between two of each, microseconds: `SYS_STATUS`,
+/// `GPS_RAW_INT`, `BATTERY_STATUS`, then of ArduPilot `FENCE_STATUS` and `EKF_STATUS_REPORT`, of PX4
+/// `ESTIMATOR_STATUS`. A stock ArduPilot sends none of them unasked.
+const HEALTH: [f32; 3] = [1.0, 24.0, 147.0];
+const ARDUPILOT_HEALTH: [f32; 2] = [162.0, 193.0];
+const PX4_HEALTH: [f32; 1] = [230.0];
+const HEALTH_US: f32 = 500_000.0;
 /// A current item that was not said for this long is requested again, milliseconds.
 const STALE_MS: u64 = 3000;
 
@@ -132,6 +140,7 @@ impl FlightVehicle<'_> {
         }
         self.requested = now;
         let lacks_version = self.lacks_version();
+        let autopilot = self.autopilot();
         let mut ask = |order| {
             self.outbox
                 .push_back(Message::Flight(FlightMessage::Command { target, order }));
@@ -154,6 +163,18 @@ impl FlightVehicle<'_> {
             ask(Command::new(Command::REQUEST_MESSAGE, [CURRENT_ITEM]));
         } else if is_ready {
             ask(streams(CURRENT_ITEM));
+        }
+        if is_ready || self.health_at.is_none_or(|at| now - at > STALE_MS) {
+            let own: &[f32] = match autopilot {
+                Autopilot::ArduPilot => &ARDUPILOT_HEALTH,
+                Autopilot::Px4 => &PX4_HEALTH,
+            };
+            for id in HEALTH.iter().chain(own) {
+                ask(Command::new(
+                    Command::SET_MESSAGE_INTERVAL,
+                    [*id, HEALTH_US],
+                ));
+            }
         }
     }
 }

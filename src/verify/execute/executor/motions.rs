@@ -92,7 +92,7 @@ impl Pilot<'_> {
             None => carried(first_mps, 0),
         };
         let ends_mps = (first_mps, carried(last_mps, knots.len() - 2));
-        let run = legs::run(&knots, self.vehicle, &grounds_mps, ends_mps);
+        let run = legs::run(&knots, (self.vehicle, self.law), &grounds_mps, ends_mps);
         let lines = knots
             .windows(2)
             .map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]))

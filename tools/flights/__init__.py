@@ -1,0 +1,1 @@
+"""Parts of `tools/campaign`: random missions, real simulators, their own truth, figures."""
