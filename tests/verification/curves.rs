@@ -68,6 +68,9 @@ fn judged(review: &Review) -> Result<(), String> {
     if margin.ok { Ok(()) } else { Err(margin.note) }
 }
 
+/// What a case does to a clean mission.
+type Change<'a> = &'a dyn Fn(&mut VehicleMission);
+
 /// The Hermite polynomial, written down anew.
 fn hermite(t: f64, [a, b]: [(f64, f64); 2], [u, v]: [(f64, f64); 2]) -> (f64, f64) {
     let (h00, h10) = (
@@ -162,7 +165,7 @@ fn a_spline_whose_end_is_not_known_is_not_judged() {
         change(&mut mission);
         judged(&judge(&spec, &mission)).expect_err("not judged")
     };
-    let cases: [(&str, &dyn Fn(&mut VehicleMission)); 4] = [
+    let cases: [(&str, Change<'_>); 4] = [
         ("neither a waypoint nor a landing", &|m| {
             m.items.insert(3, missions::delay(4.0));
         }),
