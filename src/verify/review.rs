@@ -507,7 +507,11 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
             is_quadplane && s.vehicle.wing.is_some_and(|wing| wing.wind.is_some())
         },
         "a QuadPlane drifts downwind as it climbs, with {quadplane.drift_share} of the wind and {quadplane.drift_s} of it more until it is on its first leg (one flight, 4.7.0-dev, simulated, 5 m/s): \
-         climb and first leg are judged there too; its landing is not",
+         climb and first leg are judged there too; its landing is not. In 6 to 8 m/s others were driven off by up to 195 m, to the side too",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
+        "a QuadPlane stands with its nose along its first leg: it begins its transition where the nose points, and with the nose across the leg it was up to 276 m beside it (4.7.0-dev, simulated)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),

@@ -78,7 +78,9 @@ def compare(tube, truth, buffer_m, is_plane=False):
     ground_m = tube.start[0, 2]
     # Rows in the order of the trajectory: items without a motion have none.
     order = np.unique(tube.row)
-    rank, tube_rank = np.searchsorted(order, truth.row), np.searchsorted(order, tube.row)
+    # After its landing a vehicle may name its first item again.
+    rank = np.searchsorted(order, np.maximum.accumulate(truth.row))
+    tube_rank = np.searchsorted(order, tube.row)
     last = len(order) - 1
     lands = bool(np.isfinite(tube.to_s[tube.flown]).all())
     found = {name: [] for name in ("across_m", "below_m", "above_m", "late_s", "late_growth_s", "drift_up_m",
