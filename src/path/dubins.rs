@@ -82,11 +82,11 @@ pub fn turns(from: Pose, to: Pose, radius_m: f64) -> Turns {
     }
 }
 
-/// The places of the same way, no more than `step_m` apart on its arcs, both ends included.
+/// The points of the same way, no more than `step_m` apart on its arcs, both ends included.
 #[must_use]
 pub fn turns_sampled(from: Pose, to: Pose, radius_m: f64, step_m: f64) -> Vec<EastNorth> {
     let mut state = State::of(from);
-    let mut places = vec![from.at];
+    let mut points = vec![from.at];
     if let Some((word, lengths)) = shortest(state, State::of(to), radius_m) {
         for (step, length) in word.iter().zip(lengths) {
             let pieces = match step {
@@ -96,15 +96,15 @@ pub fn turns_sampled(from: Pose, to: Pose, radius_m: f64, step_m: f64) -> Vec<Ea
             let mut piece = 1.0;
             while length * radius_m > 1e-6 && piece <= pieces {
                 let part = state.moved(*step, length * piece / pieces, radius_m);
-                places.push(part.at());
+                points.push(part.at());
                 piece += 1.0;
             }
             state = state.moved(*step, length, radius_m);
         }
-        places.pop();
+        points.pop();
     }
-    places.push(to.at);
-    places
+    points.push(to.at);
+    points
 }
 
 /// The moves of the shortest way between two states, and their lengths in radii and radians.
@@ -175,7 +175,7 @@ impl State {
         }
     }
 
-    /// Distance of the places, and of the courses on a circle of a metre.
+    /// Distance of the points, and of the courses on a circle of a metre.
     fn misses_m(&self, other: &Self) -> f64 {
         let turn = (self.course_rad - other.course_rad + PI).rem_euclid(TAU) - PI;
         (self.east_m - other.east_m).hypot(self.north_m - other.north_m) + turn.abs()

@@ -246,10 +246,8 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
     let (touchdown, approach) = landing(vehicle, stations);
     if let Some(approach) = approach {
         let onto = (approach.entry.at, Some(approach.heading_rad));
-        points.extend(level(
-            join(vehicle, (at, course), onto),
-            approach.entry.amsl,
-        ));
+        let turns = join(vehicle, (at, course), onto);
+        points.extend(level(turns, approach.entry.amsl));
         points.push(approach.entry);
         points.push(match vehicle.airframe {
             Airframe::Plane => touchdown,

@@ -292,6 +292,7 @@ impl Limit {
     }
 
     /// One row for each limit. No wildcard: a new limit must state how it is treated.
+    #[rustfmt::skip]
     fn class(&self) -> (Topic, Option<Repair>, Basis) {
         use {Basis::Separation, Topic::Other};
         match self {
@@ -316,41 +317,17 @@ impl Limit {
             | Self::RallyFence(_) => (Other, None, Basis::Terrain),
             Self::HomePosition => (Other, None, Basis::HomeRow),
             Self::Endurance => (Topic::Endurance, None, Basis::Spec),
-            Self::Start
-            | Self::Goal
-            | Self::Stop(_)
-            | Self::StopHold(_)
-            | Self::StopActions(_)
-            | Self::CameraTrigger
-            | Self::Task(_)
-            | Self::TaskWindow(_)
-            | Self::Finish
-            | Self::Departure
-            | Self::Speed
-            | Self::FlyableSpeed
-            | Self::TakeoffHeading
-            | Self::LoiterRadius
-            | Self::ItemCount
-            | Self::FenceMargin
-            | Self::FenceComplete
-            | Self::FenceWider
-            | Self::FenceLeftOut(_)
-            | Self::RallyArea(_) => (Other, None, Basis::Spec),
-            Self::TakeoffLandingClearance
-            | Self::LandingHeading
-            | Self::GlideAngle
-            | Self::AboveHome
-            | Self::HomeFence
-            | Self::Wind
-            | Self::AcceptanceRadius
-            | Self::Acceptance
-            | Self::ItemsJudged
-            | Self::Autopilot
-            | Self::Mission
-            | Self::Encoding
-            | Self::Path
-            | Self::ItemsAhead
-            | Self::Flown(_) => (Other, None, Basis::Mission),
+            Self::Start | Self::Goal | Self::Stop(_) | Self::StopHold(_) | Self::StopActions(_)
+            | Self::CameraTrigger | Self::Task(_) | Self::TaskWindow(_) | Self::Finish
+            | Self::Departure | Self::Speed | Self::FlyableSpeed | Self::TakeoffHeading
+            | Self::LoiterRadius | Self::ItemCount | Self::FenceMargin | Self::FenceComplete
+            | Self::FenceWider | Self::FenceLeftOut(_) | Self::RallyArea(_) =>
+                (Other, None, Basis::Spec),
+            Self::TakeoffLandingClearance | Self::LandingHeading | Self::GlideAngle
+            | Self::AboveHome | Self::HomeFence | Self::Wind | Self::AcceptanceRadius
+            | Self::Acceptance | Self::ItemsJudged | Self::Autopilot | Self::Mission
+            | Self::Encoding | Self::Path | Self::ItemsAhead | Self::Flown(_) =>
+                (Other, None, Basis::Mission),
         }
     }
 }

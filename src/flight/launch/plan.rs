@@ -114,7 +114,7 @@ impl FlightPlan {
                         vehicle.depart_s
                     },
                     upload: is_uploaded(*index),
-                    stops: vehicle.stop_places(),
+                    stops: vehicle.stop_sites(),
                 }
             })
             .collect()

@@ -152,15 +152,15 @@ impl Planning<'_> {
             };
             let pose = |at, heading_rad| Pose { at, heading_rad };
             let lead_m = side.lead_m.min(MOST_SHARE * length_m);
-            let mut places = turns_sampled(
+            let mut turns = turns_sampled(
                 pose(from.at, from_rad),
                 pose(along(stop.at, course_rad, -lead_m), course_rad),
                 radius_m,
                 STEP_M,
             );
-            places.push(stop.at);
-            let flown = sloped(&places, from.amsl, stop.amsl);
-            let flown_m: f64 = places
+            turns.push(stop.at);
+            let flown = sloped(&turns, from.amsl, stop.amsl);
+            let flown_m: f64 = turns
                 .windows(2)
                 .map(|pair| pair[0].distance_m(pair[1]))
                 .sum();
@@ -238,9 +238,9 @@ fn cut(points: &[PlanPoint], cut_m: f64) -> Option<(Vec<PlanPoint>, f64)> {
         let (from, to) = (points[last - 1], points[last]);
         let leg_m = from.at.distance_m(to.at);
         if leg_m > left_m {
-            let mut kept = points[..last].to_vec();
-            kept.push(from.toward(to, 1.0 - left_m / leg_m));
-            return Some((kept, heading_rad(from.at, to.at)));
+            let mut shortened = points[..last].to_vec();
+            shortened.push(from.toward(to, 1.0 - left_m / leg_m));
+            return Some((shortened, heading_rad(from.at, to.at)));
         }
         left_m -= leg_m;
     }
@@ -248,9 +248,9 @@ fn cut(points: &[PlanPoint], cut_m: f64) -> Option<(Vec<PlanPoint>, f64)> {
 }
 
 /// Places on one slope between two altitudes.
-fn sloped(places: &[EastNorth], from: Amsl, to: Amsl) -> Vec<PlanPoint> {
+fn sloped(line: &[EastNorth], from: Amsl, to: Amsl) -> Vec<PlanPoint> {
     let mut along_m = vec![0.0];
-    for pair in places.windows(2) {
+    for pair in line.windows(2) {
         let before_m = along_m.last().copied().unwrap_or(0.0);
         along_m.push(before_m + pair[0].distance_m(pair[1]));
     }
@@ -259,5 +259,5 @@ fn sloped(places: &[EastNorth], from: Amsl, to: Amsl) -> Vec<PlanPoint> {
         at: *place,
         amsl: Amsl(from.0 + (to.0 - from.0) * gone_m / whole_m),
     };
-    places.iter().zip(along_m).map(at).collect()
+    line.iter().zip(along_m).map(at).collect()
 }

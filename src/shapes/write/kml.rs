@@ -51,9 +51,9 @@ fn placemark(shape: &Shape, rewritten: &mut Rewritten) -> Option<String> {
         Geometry::Circle { center, radius_m } => {
             polygon(&around(*center, *radius_m), &[], (mode, height_m))
         }
-        Geometry::Line(places) => format!(
+        Geometry::Line(line) => format!(
             "<LineString><coordinates>{}</coordinates></LineString>",
-            coordinates(places.iter(), None)
+            coordinates(line.iter(), None)
         ),
         Geometry::Point(at) => format!(
             "<Point><coordinates>{}</coordinates></Point>",
@@ -102,12 +102,12 @@ fn around(center: LatLon, radius_m: f64) -> Vec<LatLon> {
     corners.collect()
 }
 
-fn coordinates<'p>(places: impl Iterator<Item = &'p LatLon>, height_m: Option<f64>) -> String {
-    let places = places.map(|at| match height_m {
+fn coordinates<'p>(line: impl Iterator<Item = &'p LatLon>, height_m: Option<f64>) -> String {
+    let line = line.map(|at| match height_m {
         Some(height_m) => format!("{:.8},{:.8},{height_m}", at.lon_deg, at.lat_deg),
         None => format!("{:.8},{:.8}", at.lon_deg, at.lat_deg),
     });
-    places.collect::<Vec<_>>().join(" ")
+    line.collect::<Vec<_>>().join(" ")
 }
 
 fn escaped(text: &str) -> String {

@@ -184,7 +184,7 @@ impl Vehicle {
 
     /// Ids and places of its stops.
     #[must_use]
-    pub fn stop_places(&self) -> Vec<(&str, LatLon)> {
+    pub fn stop_sites(&self) -> Vec<(&str, LatLon)> {
         let stops = self.stops.iter();
         stops
             .map(|stop| (stop.id.as_str(), stop.end.place))

@@ -68,8 +68,8 @@ pub(crate) enum Order {
         height: Height,
         circle: Circling,
     },
-    /// Fly to a place, or stay at the present one, descend to the ground, no further than so many
-    /// metres, and rise again.
+    /// Fly to a place, or stay at the present one, descend to the ground, no further than a number
+    /// of metres, and rise again.
     Place {
         at: Option<LatLon>,
         most_m: Option<f64>,

@@ -18,7 +18,7 @@ use crate::verify::execute::legs::Knot;
 use crate::verify::execute::trajectory::AltitudeLine;
 use crate::verify::measure::segment::Chord;
 
-/// Tangents longer than so many times the distance together are shortened (`SPLINE_FACTOR`).
+/// Tangents that together are longer than this multiple of the distance are shortened (`SPLINE_FACTOR`).
 const TANGENTS: f64 = 4.0;
 /// Share of the acceleration along and across the curve (`TANGENTIAL_ACCEL_SCALER`).
 const SHARE: f64 = 0.5;
