@@ -44,6 +44,8 @@ pub mod command {
     pub const DO_SET_ROI_LOCATION: u16 = 195;
     /// No longer point at a place.
     pub const DO_SET_ROI_NONE: u16 = 197;
+    /// Take pictures at a distance from each other.
+    pub const DO_SET_CAM_TRIGG_DIST: u16 = 206;
     /// Open or close a gripper.
     pub const DO_GRIPPER: u16 = 211;
     /// Turn a gimbal.

@@ -116,9 +116,12 @@ fn with_tasks(
             watch,
         });
         for left in &tasks.left {
-            let limit = Limit::Task(left.id.clone());
+            let is_of = |limit: &Limit| match limit {
+                Limit::Task(id) | Limit::AreaCovered(id) => *id == left.id,
+                _ => false,
+            };
             let mut margins = done.review.margins.iter_mut();
-            if let Some(margin) = margins.find(|margin| !margin.ok && margin.limit == limit) {
+            if let Some(margin) = margins.find(|margin| !margin.ok && is_of(&margin.limit)) {
                 margin.note = format!("{}: {}", margin.note, left.why);
             }
         }
@@ -152,7 +155,7 @@ fn with_tasks(
 fn severity(done: &Dispatched) -> (usize, usize) {
     let failed = done.review.margins.iter().filter(|margin| !margin.ok);
     let (tasks, others): (Vec<_>, Vec<_>) =
-        failed.partition(|margin| matches!(margin.limit, Limit::Task(_)));
+        failed.partition(|margin| matches!(margin.limit, Limit::Task(_) | Limit::AreaCovered(_)));
     (others.len(), tasks.len())
 }
 

@@ -6,7 +6,7 @@ mod stop;
 
 pub use action::StopAction;
 pub use endurance::{Capacity, Endurance, Energy};
-pub use stop::{ACTION_S, MAX_STOPS, Order, Stop};
+pub use stop::{ACTION_S, Arrival, MAX_STOPS, Order, Stop};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

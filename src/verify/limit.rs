@@ -81,6 +81,8 @@ pub enum Limit {
     StopActions(String),
     /// Places of the task with this id that one vehicle visits in their order.
     Task(String),
+    /// Share of the area of the task with this id that is seen at the overlap asked for.
+    AreaCovered(String),
     /// By how much what is done for the task with this id begins outside of its window.
     TaskWindow(String),
     /// Distance of the end of the mission to where the spec ends it.
@@ -319,6 +321,7 @@ impl Limit {
             | Self::StopHold(_)
             | Self::StopActions(_)
             | Self::Task(_)
+            | Self::AreaCovered(_)
             | Self::TaskWindow(_)
             | Self::Finish
             | Self::Departure
@@ -360,6 +363,7 @@ impl fmt::Display for Limit {
             Self::StopHold(id) => return write!(f, "hold at stop {id}"),
             Self::StopActions(id) => return write!(f, "actions at stop {id}"),
             Self::Task(id) => return write!(f, "task {id}"),
+            Self::AreaCovered(id) => return write!(f, "area covered of task {id}"),
             Self::TaskWindow(id) => return write!(f, "window of task {id}"),
             Self::FenceLeftOut(name) => return write!(f, "{name} left out of the fence"),
             Self::RallyClearance(point) => return write!(f, "rally {point}"),

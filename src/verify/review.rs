@@ -14,7 +14,7 @@ use super::execute::flight::{End, Flight};
 use super::execute::home;
 use super::limits::assumptions;
 use super::limits::fence::Fence;
-use super::limits::mission::{Contract, tasks};
+use super::limits::mission::{Contract, coverage, tasks};
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::timeline::Timeline;
@@ -75,6 +75,7 @@ pub fn review(spec: &MissionSpec, world: &World, missions: &[(usize, &VehicleMis
         .map(|sortie| sortie.contract(spec, world))
         .collect();
     margins.extend(tasks::margins(spec, world, &contracts));
+    margins.extend(coverage::margins(spec, world, &contracts));
     let timelines: Vec<Timeline<'_>> = sorties
         .iter()
         .filter(|sortie| !sortie.flight.chords.is_empty())

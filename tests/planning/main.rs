@@ -19,4 +19,5 @@ mod shipped_missions;
 mod stops;
 mod study;
 mod study_fleet;
+mod surveys;
 mod tasks;

@@ -10,6 +10,15 @@ use crate::world::NoData;
 /// Rest before anything is done at a stop, seconds.
 const FIRST_REST_S: f64 = 1.0;
 
+/// A picture at once and then one every so many metres; 0 m: a last one and no more.
+///
+/// Both autopilots take `param1` as the distance, switch pictures by distance off at 0, and take one
+/// at once where `param3` is 1 (`AP_Mission` `DO_SET_CAM_TRIGG_DIST`, PX4 `camera_trigger`).
+pub(super) fn trigger(distance_m: f64) -> Item {
+    let params = [float(distance_m), 0.0, 1.0, 0.0];
+    Item::without_place(command::DO_SET_CAM_TRIGG_DIST, params)
+}
+
 impl ItemWriter<'_> {
     /// The items of a stop at its point.
     ///
@@ -29,6 +38,7 @@ impl ItemWriter<'_> {
             items
         };
         items.extend(stop.speed_mps.map(|speed_mps| self.change_speed(speed_mps)));
+        items.extend(stop.trigger_m.map(trigger));
         Ok(items)
     }
 
