@@ -3,7 +3,7 @@
     python tools/check_coverage.py SPEC DIR [--every 5]
 
 Reads the survey of a spec and the `.waypoints` of a plan, and the elevation file. Each picture is placed by the
-items alone: one where DO_SET_CAM_TRIGG_DIST switches on, one every so many metres from there, and a last one where it
+items alone: one where DO_SET_CAM_TRIGG_DIST switches on, one at each multiple of its distance from there, and a last one where it
 switches off. On a grid of places over the real ground each picture is a rectangle of its camera, by the height above
 that place. A place is seen where enough lines show it in enough pictures: 1 / (1 - overlap), rounded down. Pictures from
 more than 1.5 times the height of the spec do not count.

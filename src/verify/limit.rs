@@ -17,6 +17,7 @@
 //! 4. Read its key in `src/spec/`, and let planning respect it by a term in `src/cost/`.
 
 use crate::spec::Buffers;
+use Topic::Other;
 use std::fmt;
 use std::mem::discriminant;
 
@@ -292,7 +293,6 @@ impl Limit {
 
     /// One row for each limit. No wildcard: a new limit must state how it is treated.
     fn class(&self) -> (Topic, Option<Repair>, Basis) {
-        use {Basis::Separation, Topic::Other};
         match self {
             Self::TerrainClearance => (Topic::Clearance, Some(Repair::Clearance), Basis::Terrain),
             Self::Ceiling => (Other, Some(Repair::Clearance), Basis::Ceiling),
@@ -302,7 +302,11 @@ impl Limit {
             Self::Zone(_) => (Topic::Zone, Some(Repair::Obstacle), Basis::Mission),
             Self::Area => (Other, Some(Repair::Obstacle), Basis::Spec),
             Self::Fence => (Other, Some(Repair::Obstacle), Basis::Mission),
-            Self::Separation => (Topic::Separation, Some(Repair::Separation), Separation),
+            Self::Separation => (
+                Topic::Separation,
+                Some(Repair::Separation),
+                Basis::Separation,
+            ),
             Self::ClimbAngle => (Other, Some(Repair::Slope), Basis::ClimbAngle),
             Self::DescentAngle => (Other, Some(Repair::Slope), Basis::DescentAngle),
             Self::ClimbSpeed => (Other, Some(Repair::Slope), Basis::ClimbSpeed),

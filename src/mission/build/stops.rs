@@ -10,7 +10,7 @@ use crate::world::NoData;
 /// Rest before anything is done at a stop, seconds.
 const FIRST_REST_S: f64 = 1.0;
 
-/// A picture at once and then one every so many metres; 0 m: a last one and no more.
+/// A picture at once and then one at that distance from each other; 0 m: a last one and no more.
 ///
 /// Both autopilots take `param1` as the distance, switch pictures by distance off at 0, and take one
 /// at once where `param3` is 1 (`AP_Mission` `DO_SET_CAM_TRIGG_DIST`, PX4 `camera_trigger`).

@@ -12,7 +12,7 @@ const GAP_SWATHS: f64 = 2.0;
 const EDGE: f64 = 0.03;
 /// What a line costs besides its length, in metres: slowing down, resting, turning.
 const EACH_LINE_M: f64 = 40.0;
-/// Directions that are tried besides those of the edges, every so many degrees.
+/// Directions that are tried besides those of the edges are this far apart, degrees.
 const EVERY_DEG: u32 = 10;
 /// Most edges whose directions are tried, the longest ones.
 const MOST_EDGES: usize = 16;

@@ -42,7 +42,7 @@ impl Insertion {
 }
 
 impl Placed {
-    /// Visits with those of one more job, which has so many.
+    /// Visits with all `count` visits of one more job.
     fn merged<'a>(
         &'a self,
         visits: &'a [(usize, usize)],

@@ -14,6 +14,8 @@ use crate::world::World;
 const LEAST_PERCENT: f64 = 99.5;
 /// Gaps that are named.
 const NAMED: usize = 3;
+/// Motions that are shorter are none over the ground, metres.
+const LEAST_M: f64 = 1e-6;
 /// Distance of the places of a leg that are looked for, metres.
 const EVERY_M: f64 = 20.0;
 /// A leg is not flown where the vehicle is higher than this many times the height asked for.
@@ -92,8 +94,10 @@ impl Contract<'_> {
     fn passes(&self, sensor: &Sensor) -> Vec<Pass> {
         let mut passes: Vec<Pass> = Vec::new();
         let mut before: Option<(&Chord, Option<usize>)> = None;
-        let flown =
-            |chord: &&Chord| chord.flown && chord.to_s.is_finite() && chord.phase == Phase::Route;
+        let flown = |chord: &&Chord| {
+            let length_m = chord.from.at.distance_m(chord.to.at);
+            chord.flown && chord.phase == Phase::Route && length_m > LEAST_M
+        };
         for chord in self.flight.chords.iter().filter(flown) {
             let switch = self.switch_before(chord.row);
             let trigger_m = switch.and_then(|item| self.trigger_m(item));
@@ -134,7 +138,7 @@ impl Contract<'_> {
 
     /// Index of the last item before a row that sets the distance of pictures.
     fn switch_before(&self, row: usize) -> Option<usize> {
-        let items = self.mission.items.get(..row - 1)?;
+        let items = self.mission.items.get(..row.saturating_sub(1))?;
         items
             .iter()
             .rposition(|item| item.command == command::DO_SET_CAM_TRIGG_DIST)
