@@ -7,7 +7,14 @@
 //! ```
 //!
 //! A [`Mission`] is read or built, [`plan`](fn@plan)ned, [`verify`](fn@verify)ed and
-//! [`upload`]ed. The [`guide`] explains specs, planning, review, upload and flight; its glossary has the terms.
+//! [`upload`]ed; [`guide::library`] has an example of each step. The [`guide`] explains specs, planning,
+//! review, upload and flight; its glossary has the terms.
+//!
+//! # Stability
+//!
+//! The functions and types at the root of the crate keep their meaning within a minor version.
+//! **The modules are internal**: they are public for the program, the tests and the curious, and may change in any
+//! version.
 //!
 //! # Layers
 //!
@@ -82,7 +89,7 @@ pub mod cli;
 
 mod library;
 
-pub use library::{Mission, files, plan, upload, verify};
+pub use library::{Mission, UploadError, files, plan, plan_with, upload, upload_with, verify};
 
 /// The examples of the README.
 #[cfg(doctest)]

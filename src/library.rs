@@ -1,36 +1,15 @@
-//! The library in four steps: a [`Mission`] is read or built, planned, verified and uploaded.
-//!
-//! ```
-//! use sortie::{Mission, files, plan, upload, verify};
-//!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let mission = Mission::read("missions/first.yaml")?;
-//! let planned = plan(&mission);
-//! assert!(planned.review.passes());
-//! for (name, text) in files(&mission, &planned) {
-//!     println!("{name}: {} bytes", text.len());
-//! }
-//! // The verdict again, as after an edit of the items.
-//! assert!(verify(&mission, &planned.missions).passes());
-//! // `link: sim` starts a simulated vehicle.
-//! for report in upload(&mission, &planned.missions)? {
-//!     assert!(report.is_verified());
-//! }
-//! # Ok(())
-//! # }
-//! ```
-//!
-//! The modules below have the parts; they may change between versions, these functions do not.
+//! The library: a [`Mission`] is read or built, planned, verified, written and uploaded. The
+//! [guide](crate::guide::library) has an example of each step.
 
 use std::io;
 use std::path::Path;
 
-use crate::dispatch::{Dispatched, dispatch};
+use crate::dispatch::{Dispatched, Stage, dispatch};
 use crate::formats;
-use crate::link::{Job, TransferReport, upload_fleet};
+use crate::link::{Job, Progress, TransferReport, upload_fleet};
 use crate::mission::VehicleMission;
 use crate::simulator::{self, Running, Simulated};
-use crate::spec::{Builder, Link, MissionSpec, SpecError, SpecFile};
+use crate::spec::{Builder, Link, MissionSpec, SpecError, SpecFile, keys};
 use crate::verify::{self, Review};
 use crate::world::{self, World};
 
@@ -62,12 +41,28 @@ impl Mission {
         Self::load(SpecFile::parse(&path, yaml.into())?)
     }
 
-    /// A mission made in code; [`MissionSpec::builder`] has an example.
+    /// Begins a mission in code: version 2 of the spec, with its default buffers and without
+    /// vehicles. [`Self::build`] completes it.
+    #[must_use]
+    pub fn builder(name: &str, area: keys::Area, terrain: keys::Terrain) -> Builder {
+        MissionSpec::builder(name, area, terrain).with(|keys| keys.sortie = 2)
+    }
+
+    /// A mission made in code; files that it names are relative to a folder.
     ///
     /// # Errors
-    /// As for [`Self::read`].
-    pub fn build(builder: &Builder) -> Result<Self, SpecError> {
-        Self::parse(".", builder.yaml())
+    /// As for [`Self::read`], by path alone: there are no lines.
+    pub fn build(folder: impl AsRef<Path>, builder: &Builder) -> Result<Self, SpecError> {
+        let path = folder.as_ref().join(builder.name());
+        Self::load(builder.clone().file(&path)?)
+    }
+
+    /// The keys of the mission, to change some of them and build it again.
+    ///
+    /// # Errors
+    /// None: the keys are those that were read or built.
+    pub fn to_builder(&self) -> Result<Builder, SpecError> {
+        self.file.to_builder()
     }
 
     fn load(file: SpecFile) -> Result<Self, SpecError> {
@@ -88,12 +83,18 @@ impl Mission {
     }
 }
 
-/// Plans the fleet with the seed of the spec, encodes and verifies it. An infeasible mission is no
-/// error: its review fails and names the limits.
+/// Plans the fleet with the seed of the spec, encodes and verifies it. Infeasibility is not an
+/// error: check [`Review::passes`], whose failed margins name the limits. Uses all threads of
+/// rayon's global pool; the result does not depend on their number.
 #[must_use]
 pub fn plan(mission: &Mission) -> Dispatched {
-    let spec = mission.spec();
-    dispatch(spec, &mission.world, spec.planner.seed, &|_| {})
+    plan_with(mission, mission.spec().planner.seed, &|_| {})
+}
+
+/// [`plan`] with another seed; `progress` is called from several threads at every change.
+#[must_use]
+pub fn plan_with(mission: &Mission, seed: u64, progress: &(dyn Fn(Stage) + Sync)) -> Dispatched {
+    dispatch(mission.spec(), &mission.world, seed, progress)
 }
 
 /// The verdict on encoded missions, with the index of the vehicle in the spec.
@@ -110,12 +111,12 @@ pub fn verify(mission: &Mission, missions: &[(usize, VehicleMission)]) -> Review
 /// have `.REJECTED` in their names.
 #[must_use]
 pub fn files(mission: &Mission, planned: &Dispatched) -> Vec<(String, String)> {
-    let mut files = Vec::new();
-    for (vehicle, items) in &planned.missions {
-        let id = &mission.spec().vehicles[*vehicle].id;
-        files.extend(mission_files(id, items, planned.review.accepts(id)));
-    }
-    files
+    let vehicles = &mission.spec().vehicles;
+    let missions = planned.missions.iter();
+    missions
+        .filter_map(|(vehicle, items)| Some((&vehicles.get(*vehicle)?.id, items)))
+        .flat_map(|(id, items)| mission_files(id, items, planned.review.accepts(id)))
+        .collect()
 }
 
 /// Names and texts of the files of one vehicle.
@@ -135,16 +136,47 @@ pub(crate) fn mission_files(
     ]
 }
 
-/// Transfers missions to the vehicles' links at once, reads them back and compares. `link: sim`
-/// starts a simulated vehicle that lives until all transfers are done. Whether the missions pass
-/// is not asked: see [`verify`].
+/// Why nothing was sent.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum UploadError {
+    /// The fleet does not pass verification.
+    #[error("the fleet does not pass verification: {} limits are violated", .0.margins.iter().filter(|margin| !margin.ok).count())]
+    Rejected(Box<Review>),
+    /// A simulated vehicle, for `link: sim`, could not be started.
+    #[error("a simulated vehicle cannot be started: {0}")]
+    Simulator(#[from] io::Error),
+}
+
+/// Verifies the missions of the whole fleet again, transfers them to the vehicles' links at once,
+/// reads them back and compares. `link: sim` starts a simulated vehicle that lives until all
+/// transfers are done. Blocks until the last transfer has ended, each within two minutes and 5 s
+/// an item. Parameters are not sent.
 ///
 /// # Errors
-/// A simulated vehicle that cannot be started. A transfer that fails is a report.
+/// Missions that do not pass, or a simulated vehicle that cannot be started: nothing is sent. A
+/// transfer that fails is a report, in the order of the missions.
 pub fn upload(
     mission: &Mission,
     missions: &[(usize, VehicleMission)],
-) -> io::Result<Vec<TransferReport>> {
+) -> Result<Vec<TransferReport>, UploadError> {
+    upload_with(mission, missions, &|_, _| {})
+}
+
+/// [`upload`]; `progress` gets the id of a vehicle and its progress, from several threads.
+///
+/// # Errors
+/// As for [`upload`].
+pub fn upload_with(
+    mission: &Mission,
+    missions: &[(usize, VehicleMission)],
+    progress: &(dyn Fn(&str, Progress) + Sync),
+) -> Result<Vec<TransferReport>, UploadError> {
+    let review = verify(mission, missions);
+    if !review.passes() {
+        return Err(UploadError::Rejected(Box::new(review)));
+    }
+    // What passes has one mission for each vehicle of the spec.
     let vehicles = &mission.spec().vehicles;
     let mut running: Vec<Running> = Vec::new();
     let mut links = Vec::new();
@@ -175,5 +207,5 @@ pub fn upload(
             force: false,
         })
         .collect();
-    Ok(upload_fleet(&jobs, &|_, _| {}))
+    Ok(upload_fleet(&jobs, progress))
 }

@@ -17,6 +17,8 @@ pub enum Location {
     Needed,
     /// It does where the frame of the item has them.
     Optional,
+    /// As `Optional`, but the autopilot stores and checks them in every frame.
+    Stored,
     /// They are parameters like others.
     None,
 }
@@ -60,7 +62,7 @@ impl Rejected {
         match self {
             Self::NonZero => "0 or NaN".to_owned(),
             Self::NaN => "a number".to_owned(),
-            Self::Equal(number) => format!("another number than {number}"),
+            Self::Equal(number) => format!("any number except {number}"),
         }
     }
 }
@@ -87,7 +89,7 @@ pub struct CommandRule {
     pub versions: VersionRange,
     /// Whether it has a location.
     pub location: Location,
-    /// Whether `param1` to `param4` may be NaN.
+    /// Whether `param1` to `param4` may be NaN; not read where [`super::Acceptance::any_nan`] is set.
     pub nan: [bool; 4],
     /// Values that it must not have.
     pub params: &'static [ParamRule],
@@ -99,9 +101,15 @@ impl CommandRule {
     pub fn has_location(&self, frame: u8) -> bool {
         match self.location {
             Location::Needed => true,
-            Location::Optional => frame != frame::MISSION,
+            Location::Optional | Location::Stored => frame != frame::MISSION,
             Location::None => false,
         }
+    }
+
+    /// Whether latitude, longitude and altitude are checked in a frame, a location or not.
+    #[must_use]
+    pub fn checks_location(&self, frame: u8) -> bool {
+        self.location == Location::Stored || self.has_location(frame)
     }
 
     const fn but(self, params: &'static [ParamRule]) -> Self {
@@ -163,6 +171,8 @@ const fn at(nan: [bool; 4]) -> CommandRule {
 const ACTION: CommandRule = rule(Location::None, NEVER);
 /// A location if the frame has one.
 const OPTIONAL: CommandRule = rule(Location::Optional, NEVER);
+/// ArduPilot, `AP_Mission::stored_in_location`: a location in every frame.
+const STORED: CommandRule = rule(Location::Stored, NEVER);
 
 /// PX4 of 2026-07 and later rejects a number in a parameter that a command does not use.
 const fn unused(param: u8) -> ParamRule {
@@ -174,15 +184,6 @@ const fn unused(param: u8) -> ParamRule {
         source: "PX4 main since 2026-07 (#27541, mavlink_command_params.hpp)",
     }
 }
-
-/// ArduPilot stores a location also in the frame of commands, and its altitude must be a number.
-const STORED_LOCATION: &[ParamRule] = &[ParamRule {
-    param: 7,
-    rejected: Rejected::NaN,
-    frame: Some(frame::MISSION),
-    versions: VersionRange::ALL,
-    source: "AP_Mission stores the item as a location: z NaN is INVALID_PARAM7",
-}];
 
 /// `DO_SET_ROI` in the frame of commands cannot be the mode `MAV_ROI_LOCATION`.
 const NO_ROI_LOCATION: &[ParamRule] = &[ParamRule {
@@ -253,15 +254,15 @@ pub static COMMANDS: &[CommandRow] = &[
     both((177, "DO_JUMP"), Moves),
     row((178, "DO_CHANGE_SPEED"), Moves, Some(ACTION), Some(ACTION.but(&[unused(4)]))),
     row((179, "DO_SET_HOME"), Unknown("DO_SET_HOME moves home, and altitudes above it"),
-        Some(OPTIONAL.but(STORED_LOCATION)), Some(OPTIONAL)),
+        Some(STORED), Some(OPTIONAL)),
     ardupilot((181, "DO_SET_RELAY"), NoMotion),
     ardupilot((182, "DO_REPEAT_RELAY"), NoMotion),
     ardupilot((183, "DO_SET_SERVO"), NoMotion),
     ardupilot((184, "DO_REPEAT_SERVO"), NoMotion),
     px4((187, "DO_SET_ACTUATOR"), Moves),
-    row((188, "DO_RETURN_PATH_START"), NoMotion, Some(OPTIONAL.but(STORED_LOCATION)), None),
-    // PX4 accepts it in frame 2 alone; ArduPilot stores its location in every frame.
-    row((189, "DO_LAND_START"), NoMotion, Some(OPTIONAL.but(STORED_LOCATION)), Some(ACTION)),
+    row((188, "DO_RETURN_PATH_START"), NoMotion, Some(STORED), None),
+    // PX4: frame 2 alone (`command_frames` in px4.rs). ArduPilot: every frame.
+    row((189, "DO_LAND_START"), NoMotion, Some(STORED), Some(ACTION)),
     ardupilot((191, "DO_GO_AROUND"), Moves),
     ardupilot((193, "DO_PAUSE_CONTINUE"), Moves),
     ardupilot((194, "DO_SET_REVERSE"), Moves),
@@ -269,7 +270,7 @@ pub static COMMANDS: &[CommandRow] = &[
     px4((196, "DO_SET_ROI_WPNEXT_OFFSET"), NoMotion),
     both((197, "DO_SET_ROI_NONE"), NoMotion),
     px4((200, "DO_CONTROL_VIDEO"), NoMotion),
-    row((201, "DO_SET_ROI"), NoMotion, Some(OPTIONAL.but(STORED_LOCATION)),
+    row((201, "DO_SET_ROI"), NoMotion, Some(STORED),
         Some(OPTIONAL.but(NO_ROI_LOCATION))),
     ardupilot((202, "DO_DIGICAM_CONFIGURE"), NoMotion),
     both((203, "DO_DIGICAM_CONTROL"), NoMotion),

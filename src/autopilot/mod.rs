@@ -3,10 +3,10 @@
 //! | question | answer |
 //! |---|---|
 //! | What does ArduPlane do? | `ARDUPLANE` in `ardupilot.rs`: capacity, acceptance, modes, parameters, behaviour |
-//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`; 189 is `DO_LAND_START`), then [`Acceptance`] for rules of every command |
+//! | Which items does an autopilot accept? | the row of the command in [`COMMANDS`] (`commands.rs`), with the airframe's [`Acceptance`] (`ardupilot.rs`, `px4.rs`); applied by `mission/accept/` |
 //! | What reads back after an upload? | [`Stored`] (`stored_form.rs`), [`Conventions::packs_items`] |
 //! | How many items fit? | [`Facts::capacity`] |
-//! | Which figures does the verdict assume for a PX4 copter? | `COPTER_BEHAVIOUR` in `px4.rs`, each with version, samples and source ([`Measured`]) |
+//! | Which figures does the verdict assume for a PX4 copter? | `px4.rs`: `COPTER.defaults` (speeds, acceleration) and `COPTER_BEHAVIOUR` (lateness, lean; the rest is ArduCopter's), each with version, samples and source ([`Measured`]); corners in `corner.rs` |
 //! | How does a copter fly a corner, and where does it stop? | [`Cornering`], [`Stops`] (`corner.rs`) |
 //! | Which parameters and defaults? | `parameters.rs` ([`ParameterRow`]) |
 //! | Which mode numbers? | [`Modes`] |

@@ -95,6 +95,7 @@ const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     // Each leg may be late already.
     corner_late_s: NONE,
     slow_landing_mps: 0.7,
+    // `stop_late_s` is ArduCopter's: PX4 was measured only together with the leg to the stop.
     ..ardupilot::COPTER_BEHAVIOUR
 };
 
@@ -181,7 +182,9 @@ pub(super) static PLANE: Facts = Facts {
 pub(super) static VTOL: Facts = Facts {
     firmware: "PX4 (VTOL)",
     support: Support {
+        // `replan` works during `fly` alone.
         fly: Evidence::No,
+        replan: Evidence::No,
         ..Support::all(Evidence::Sources)
     },
     acceptance: Acceptance {

@@ -20,6 +20,7 @@ use tighten::Strictness;
 
 /// A fleet planned, encoded and judged.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Dispatched {
     /// The paths.
     pub plan: FleetPlan,
@@ -35,6 +36,7 @@ pub struct Dispatched {
 
 /// The stage of a dispatch, for progress reports.
 #[derive(Clone, Copy, Debug)]
+#[non_exhaustive]
 pub enum Stage {
     /// Searching, in this round (from 1).
     Planning(usize, Progress),

@@ -26,6 +26,8 @@ pub mod study {}
 pub mod flight_model {}
 #[doc = include_str!("glossary.md")]
 pub mod glossary {}
+#[doc = include_str!("library.md")]
+pub mod library {}
 #[doc = include_str!("design.md")]
 pub mod design {}
 #[doc = include_str!("decisions.md")]

@@ -1,7 +1,7 @@
 //! Prioritised planning: paths for a fleet, one vehicle after the other in order of priority.
 //!
 //! `fleet` commits vehicles in order; `classes` finds homotopy classes; `search` searches one
-//! route; `altitude` decodes altitudes; `bound` proves what no path can cost less than; `diagnosis` says why
+//! route; `altitude` finds the lowest altitudes over a fixed horizontal spline, by a linear program over the floor of `altitude/floor.rs`; `bound` proves what no path can cost less than; `diagnosis` says why
 //! there is no path.
 
 mod altitude;

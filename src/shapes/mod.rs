@@ -95,7 +95,7 @@ pub struct Collection {
     pub shapes: Vec<Shape>,
     /// Shapes that were not.
     pub refused: Vec<Refused>,
-    /// Shapes that forbid nothing: `NO_RESTRICTION`, and class G or unclassified airspace.
+    /// Shapes that forbid nothing: `NO_RESTRICTION`, and class G without a type.
     pub open: usize,
 }
 

@@ -1,5 +1,5 @@
-//! OpenAir: airspace of gliding and flight software. Lengths are nautical miles, heights feet,
-//! metres or flight levels; arcs are drawn with corners outside of them.
+//! OpenAir, the airspace format of gliding and flight planning. Distances are nautical miles,
+//! heights feet, metres or flight levels; arcs become polylines that enclose them.
 
 use ::openair::{Airspace, Altitude, Arc, ArcSegment, Coord, Direction, Geometry as Outline};
 use ::openair::{Class, PolygonSegment};
@@ -9,12 +9,12 @@ use super::{Collection, Geometry, Height, Refused, Shape, ShapesError, circle, m
 use super::{periods::Period, ring};
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 
-const MILE_M: f64 = 1852.0;
-const FEET_M: f64 = 0.3048;
+const NAUTICAL_MILE_M: f64 = 1852.0;
+const FOOT_M: f64 = 0.3048;
 /// Longest step of an arc, radians.
 const STEP_RAD: f64 = 0.06;
 
-/// Shapes of a file, each read for itself: what is wrong with one does not touch the next.
+/// Reads each block on its own, so that an error in one does not affect the others.
 pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
     let text = String::from_utf8_lossy(bytes);
     let mut collection = Collection::default();
@@ -31,7 +31,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Collection, ShapesError> {
             Ok([Err(why)]) => collection.refused.push(Refused { name: label, why }),
             Err(found) => {
                 let why = found.into_iter().find_map(Result::err);
-                let why = why.unwrap_or("not one airspace".to_owned());
+                let why = why.unwrap_or("not exactly one airspace".to_owned());
                 collection.refused.push(Refused { name: label, why });
             }
         }
@@ -65,7 +65,7 @@ fn name_of(block: &str) -> Option<String> {
     (!name.is_empty()).then(|| name.to_owned())
 }
 
-/// Airspace of class G and unclassified airspace without a type forbid nothing.
+/// Class G without a type forbids nothing.
 fn is_open(airspace: &Airspace) -> bool {
     airspace.type_.is_none() && matches!(airspace.class, Class::G)
 }
@@ -80,7 +80,7 @@ fn shape(name: &str, airspace: &Airspace) -> Result<Shape, String> {
             Outline::Circle {
                 centerpoint,
                 radius,
-            } => circle(coord(centerpoint)?, f64::from(*radius) * MILE_M)?,
+            } => circle(coord(centerpoint)?, f64::from(*radius) * NAUTICAL_MILE_M)?,
             Outline::Polygon { segments } => Geometry::Polygon {
                 outer: ring(corners(segments)?)?,
                 holes: Vec::new(),
@@ -104,8 +104,8 @@ fn shape(name: &str, airspace: &Airspace) -> Result<Shape, String> {
 
 fn height(of: &Altitude) -> Result<Height, String> {
     match of {
-        Altitude::FeetAmsl(feet) => Ok(Height::Amsl(f64::from(*feet) * FEET_M)),
-        Altitude::FeetAgl(feet) => Ok(Height::Agl(f64::from(*feet) * FEET_M)),
+        Altitude::FeetAmsl(feet) => Ok(Height::Amsl(f64::from(*feet) * FOOT_M)),
+        Altitude::FeetAgl(feet) => Ok(Height::Agl(f64::from(*feet) * FOOT_M)),
         Altitude::FlightLevel(level) => Ok(Height::FlightLevel(f64::from(*level))),
         other => Err(format!("a height `{other}` that cannot be read")),
     }
@@ -164,7 +164,7 @@ fn between(arc: &Arc) -> Result<Vec<LatLon>, String> {
 /// An arc of a radius between two bearings.
 fn swept(arc: &ArcSegment) -> Result<Vec<LatLon>, String> {
     let frame = LocalFrame::new(coord(&arc.centerpoint)?);
-    let radius_m = f64::from(arc.radius) * MILE_M;
+    let radius_m = f64::from(arc.radius) * NAUTICAL_MILE_M;
     circle(coord(&arc.centerpoint)?, radius_m)?;
     let rad = |degrees: f32| f64::from(degrees).to_radians();
     let bearings = (rad(arc.angle_start), rad(arc.angle_end));

@@ -11,28 +11,15 @@ use super::{MissionSpec, SpecError, SpecFile};
 /// ```
 /// use sortie::spec::{Autopilot, Finish, MissionSpec, keys};
 ///
-/// let place = |lat, lon| keys::Place { lat: Some(lat), lon: Some(lon) };
-/// let end = |lat, lon| keys::EndPoint {
-///     lat: Some(lat),
-///     lon: Some(lon),
-///     agl_m: Some(80.0),
-///     amsl_m: None,
-/// };
-/// let area = keys::Area {
-///     south_west: place(36.2, -84.4),
-///     north_east: place(36.4, -84.1),
-///     min_agl_m: 60.0,
-///     max_amsl_m: 1500.0,
-///     max_agl_m: None,
-///     min_amsl_m: None,
-/// };
+/// let (south_west, north_east) = (keys::Place::new(36.2, -84.4), keys::Place::new(36.4, -84.1));
+/// let area = keys::Area::new(south_west, north_east, 60.0, 1500.0);
 /// let copter = keys::Vehicle {
 ///     id: Some("alpha".to_owned()),
 ///     sysid: Some(1),
 ///     autopilot: Some(Autopilot::ArduPilot),
 ///     link: Some("sim".to_owned()),
-///     start: Some(end(36.25, -84.35)),
-///     goal: Some(end(36.35, -84.15)),
+///     start: Some(keys::EndPoint::above_ground(36.25, -84.35, 80.0)),
+///     goal: Some(keys::EndPoint::above_ground(36.35, -84.15, 80.0)),
 ///     finish: Some(Finish::Land),
 ///     speed_mps: Some(15.0),
 ///     ..keys::Vehicle::default()
@@ -52,7 +39,8 @@ pub struct Builder {
 }
 
 impl MissionSpec {
-    /// A mission without vehicles; every other key as where a file has none.
+    /// A mission of version 1, without buffers and vehicles; every other key as where a file has
+    /// none. [`crate::Mission::builder`] begins one of version 2.
     #[must_use]
     pub fn builder(name: &str, area: keys::Area, terrain: keys::Terrain) -> Builder {
         let keys = keys::Spec {
@@ -84,6 +72,12 @@ impl MissionSpec {
     }
 }
 
+impl From<keys::Spec> for Builder {
+    fn from(keys: keys::Spec) -> Self {
+        Self { keys }
+    }
+}
+
 impl Builder {
     /// Adds a vehicle, behind the others in priority.
     #[must_use]
@@ -97,6 +91,12 @@ impl Builder {
     pub fn with(mut self, change: impl FnOnce(&mut keys::Spec)) -> Self {
         change(&mut self.keys);
         self
+    }
+
+    /// The name of the mission.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.keys.name
     }
 
     /// Checks the mission, as far as that needs no ground.

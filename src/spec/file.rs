@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::airspace::{self, AttachedFile, Survey};
+use super::builder::Builder;
 use super::check;
 use super::keys;
 use super::positions::Positions;
@@ -35,6 +36,17 @@ pub struct SpecFile {
 }
 
 impl SpecFile {
+    /// The keys as the file has them, to change some and check them again.
+    ///
+    /// # Errors
+    /// As for [`Self::parse`]; none where this was read or built.
+    pub fn to_builder(&self) -> Result<Builder, SpecError> {
+        let yaml = self.text.strip_prefix('\u{feff}').unwrap_or(&self.text);
+        let keys = serde_yaml::from_str::<keys::Spec>(yaml);
+        let keys = keys.map_err(|error| self.error(vec![structural(&error)]))?;
+        Ok(keys.into())
+    }
+
     /// Reads and checks a spec, as far as that needs no ground. Loading the world checks the rest.
     ///
     /// # Errors

@@ -5,17 +5,19 @@
 //!
 //! # How to add a key
 //!
-//! A key is named in two places:
+//! A key is named in two places, in its line of the guide (`src/guide/spec.md`), and in `missions/schema.json` (written by
+//! `sortie schema`). A key of the spec itself is also listed in `MissionSpec::builder`, one of a struct without `Default` in
+//! every literal of it. The two places:
 //!
 //! 1. Its struct in [`keys`]: name, type, `range`, and the doc comment that becomes its
 //!    description. A key of a vehicle is an `Option`, with the attribute `required` if each vehicle
 //!    must have one. The JSON Schema (`sortie schema`), the check of the range, the key in
 //!    `fleet.defaults`, the column of a table and the builder follow from it.
-//! 2. Its check into the model, in the file of `check` that has the struct: conditions beyond a
+//! 2. Its check and conversion into the model, in the file of `check` that has the struct: conditions beyond a
 //!    range (`self.required`, `self.report`), the unit (SI), and the default. The field of the
 //!    model stands in `model.rs` or `vehicle.rs`.
 //!
-//! Enums of words are one type for file and model: they derive `Deserialize` and `JsonSchema` with
+//! Enums written as strings are one type for file and model: they derive `Deserialize` and `JsonSchema` with
 //! `transform = words`. Issues are located by path, so a message needs no code of its own for
 //! tables, grids and defaults. Do not use untagged or flattened enums: serde loses positions in
 //! them.

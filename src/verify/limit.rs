@@ -2,19 +2,19 @@
 //!
 //! # Adding a limit
 //!
-//! A maximum range, for example, takes these steps. The compiler rejects the crate until
-//! steps 1 and 2 are complete.
+//! Example: the greatest distance from home. (The distance flown is [`Limit::Endurance`].)
 //!
-//! 1. Add a variant to [`Limit`], its text in `Display`, and its row in `Limit::class`. The row
-//!    states the [`Topic`] (tables and pages), the [`Repair`] (planning again) and the [`Basis`]
-//!    (review without a spec).
-//! 2. A new `Topic`, `Repair` or `Basis` is matched in `src/report/words.rs` and
-//!    `src/cli/plan.rs`, in `src/dispatch/tighten.rs`, and in
-//!    `src/cli/review/without_spec/given.rs`.
-//! 3. Measure it: a margin in `src/verify/limits/` for missions, and one in
-//!    `src/flight/conformance/` for flown tracks. Describe it in the flight model of
-//!    `src/verify/mod.rs`.
-//! 4. Read its key in `src/spec/`, and let planning respect it by a term in `src/cost/`.
+//! 1. A variant of [`Limit`], its text in `Display` and its row in `Limit::class`: the compiler asks
+//!    for both. The row states the [`Topic`] (tables and pages), the [`Repair`] (planning again) and
+//!    the [`Basis`] (review without a spec). A limit with a buffer also needs `Limit::buffer_of`,
+//!    whose default is 0.
+//! 2. Only for a new `Topic`, `Repair` or `Basis`: `report/words.rs`, `cli/plan.rs` (`has_column`, and
+//!    `more_columns` by hand), `dispatch/tighten.rs`, `cli/review/without_spec/given.rs` (`BY_FLAG` by
+//!    hand).
+//! 3. The measurement: a margin in `verify/limits/` for missions and in `flight/conformance/` for flown
+//!    tracks. Where the flight model changes, its text in `verify/mod.rs` and
+//!    `tools/check_missions.py`.
+//! 4. Its key (see [`crate::spec`]), and a term in `cost/` if planning respects it.
 
 use crate::spec::Buffers;
 use Topic::Other;
@@ -24,6 +24,7 @@ use std::mem::discriminant;
 /// One limit that missions or flown tracks are judged against. Its text, as in `review.json`, is
 /// its `Display`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub enum Limit {
     /// Height above the ground on the route.
     TerrainClearance,
@@ -35,7 +36,7 @@ pub enum Limit {
     AboveHome,
     /// Greatest altitude.
     Ceiling,
-    /// Greatest height above the ground on the route.
+    /// Greatest height above the ground, everywhere.
     MaxHeight,
     /// Least altitude on the route.
     MinAltitude,

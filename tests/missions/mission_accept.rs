@@ -92,7 +92,7 @@ fn ardupilot_holds_650_items_with_home_and_px4_10000_without() {
     assert_eq!((item, rule), (0, "item count"));
     assert_eq!(
         text,
-        "mission: item count: 650 items (allowed: 649, home aside)"
+        "mission: item count: 650 items (allowed: 649, not counting home)"
     );
     fine(Px4, fill(10_000));
     assert_eq!(one(Px4, fill(10_001)), (0, "item count"));
@@ -307,11 +307,31 @@ fn a_landing_sequence_has_an_altitude_for_ardupilot_and_frame_2_for_px4() {
     fine(ArduPilot, start(3, 80.0));
     fine(ArduPilot, start(2, 0.0));
     assert_eq!(one(ArduPilot, start(3, f32::NAN)), (2, "altitude"));
-    let (item, rule, text) = only(ArduPilot, start(2, f32::NAN));
-    assert_eq!((item, rule), (2, "parameter value"));
-    assert!(text.contains("param7 is NaN"), "{text}");
+    assert_eq!(one(ArduPilot, start(2, f32::NAN)), (2, "altitude"));
+    assert_eq!(one(ArduPilot, start(2, 90_000.0)), (2, "altitude"));
     fine(Px4, start(2, 0.0));
     assert_eq!(one(Px4, start(3, 80.0)), (2, "frame"));
+}
+
+/// `AP_Mission::stored_in_location`: the frame does not matter.
+#[test]
+fn ardupilot_checks_the_location_of_a_landing_sequence_in_frame_2_too() {
+    let start = |x, y| {
+        move |mission: &mut VehicleMission| {
+            mission.items.insert(
+                1,
+                Item {
+                    x,
+                    y,
+                    ..at(189, 2, 0.0)
+                },
+            );
+        }
+    };
+    assert_eq!(one(ArduPilot, start(950_000_000, 0)), (2, "latitude"));
+    assert_eq!(one(ArduPilot, start(0, 1_900_000_000)), (2, "longitude"));
+    fine(ArduPilot, start(0, 0));
+    fine(Px4, start(950_000_000, 0));
 }
 
 #[test]

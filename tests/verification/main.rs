@@ -8,6 +8,7 @@ mod altitudes_and_endurance;
 mod buffers;
 mod copter_corners;
 mod fences;
+mod other_world;
 mod verify;
 mod verify_independent;
 mod verify_sampled;

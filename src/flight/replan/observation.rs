@@ -1,4 +1,4 @@
-//! What every vehicle holds, and where it is. Vehicles are only asked: nothing on board changes.
+//! What is on board of every vehicle, and where it is. Vehicles are only asked: nothing on board changes.
 
 use std::collections::BTreeMap;
 use std::time::Duration;

@@ -324,11 +324,11 @@ impl<'a> Fleet<'a> {
         let t_s = (self.flight_ms(now) - t0_ms) / 1000.0;
         let mut ends_s = 0.0_f64;
         for vehicle in &mut self.vehicles {
-            vehicle.look_whether_it_rejoins();
+            vehicle.check_rejoin();
             if matches!(vehicle.stage, Stage::Armed) && t_s >= vehicle.of.start_s {
                 vehicle.start();
             }
-            vehicle.look_whether_it_stays(t_s);
+            vehicle.check_ending(t_s);
             ends_s = ends_s.max(vehicle.of.reference.end_s);
         }
         self.look_for_the_lost(now, t_s);

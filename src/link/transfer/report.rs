@@ -12,6 +12,7 @@ use crate::mission::Item;
 
 /// The report of one vehicle's transfer.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct TransferReport {
     /// Id of the vehicle in the spec.
     pub vehicle: String,
@@ -47,6 +48,7 @@ pub struct TransferReport {
 
 /// How a transfer ended.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Verdict {
     /// The vehicle holds exactly our items: read back and compared.
     Verified,
@@ -58,6 +60,7 @@ pub enum Verdict {
 
 /// Why a transfer failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Failure {
     /// No heartbeat.
     #[error("no heartbeat from system {sysid} within {after_s} s{}", heard_text(.heard))]
@@ -191,6 +194,7 @@ pub enum Failure {
 
 /// Why nothing was sent. `force` overrides each.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Refusal {
     /// Its motors may run.
     #[error("the vehicle is armed")]

@@ -44,6 +44,7 @@ const ORDER: [List; 3] = [List::Fence, List::Rally, List::Mission];
 
 /// Progress of a transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Progress {
     /// Lists done, of three.
     pub lists: usize,

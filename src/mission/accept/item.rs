@@ -70,12 +70,12 @@ pub(crate) fn parameter_values(profile: &Profile, item: &Item) -> Option<Finding
 }
 
 pub(crate) fn latitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.has_location(item) && item.x.unsigned_abs() > 900_000_000)
+    (profile.checks_location(item) && item.x.unsigned_abs() > 900_000_000)
         .then(|| (degrees(item.x), "-90 to 90 degrees".to_owned()))
 }
 
 pub(crate) fn longitude(profile: &Profile, item: &Item) -> Option<Finding> {
-    (profile.has_location(item) && item.y.unsigned_abs() > 1_800_000_000)
+    (profile.checks_location(item) && item.y.unsigned_abs() > 1_800_000_000)
         .then(|| (degrees(item.y), "-180 to 180 degrees".to_owned()))
 }
 
@@ -86,7 +86,7 @@ pub(crate) fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
     (is_zero && profile.has_location(item) && !means_here).then(|| {
         (
             "latitude 0, longitude 0".to_owned(),
-            "a place on purpose".to_owned(),
+            "a location other than 0, 0".to_owned(),
         )
     })
 }
@@ -94,7 +94,7 @@ pub(crate) fn real_place(profile: &Profile, item: &Item) -> Option<Finding> {
 pub(crate) fn altitude(profile: &Profile, item: &Item) -> Option<Finding> {
     let limit_m = profile.facts.acceptance.max_altitude_m;
     let fits = item.z.is_finite() && item.z.abs() < limit_m;
-    (profile.has_location(item) && !fits)
+    (profile.checks_location(item) && !fits)
         .then(|| (format!("{} m", item.z), format!("within {limit_m} m")))
 }
 

@@ -174,4 +174,10 @@ impl Profile {
         self.rule(item)
             .is_some_and(|rule| rule.has_location(item.frame))
     }
+
+    /// Whether the autopilot checks latitude, longitude and altitude of the item.
+    fn checks_location(&self, item: &Item) -> bool {
+        self.rule(item)
+            .is_some_and(|rule| rule.checks_location(item.frame))
+    }
 }

@@ -11,7 +11,12 @@ pub(crate) fn something_to_fly(_: &Profile, mission: &VehicleMission) -> Option<
 
 pub(crate) fn item_count(profile: &Profile, mission: &VehicleMission) -> Option<(usize, Finding)> {
     let (count, limit) = (mission.items.len(), profile.facts.capacity.items);
-    let finding = || (format!("{count} items"), format!("{limit}, home aside"));
+    let finding = || {
+        (
+            format!("{count} items"),
+            format!("{limit}, not counting home"),
+        )
+    };
     (count > limit).then(|| (0, finding()))
 }
 

@@ -1,5 +1,4 @@
-//! From the keys of a file to a checked spec: reports every problem that shows without the
-//! ground, all at once.
+//! Checks the keys of a file into a spec. Reports every problem that needs no terrain to be found.
 
 mod airspace;
 mod buffers;
@@ -54,21 +53,19 @@ pub(super) fn check(
     }
 }
 
-/// A spec that passed, and what became of the shapes of its files.
+/// A checked spec, with the summaries of its airspace files.
 pub(super) struct Checked {
     pub(super) spec: MissionSpec,
     pub(super) surveys: Vec<Survey>,
 }
 
-/// Collects problems. Its methods return what they checked, or `None` where a
-/// problem leaves nothing to go on with; that problem is reported.
+/// Collects problems. A check returns `None` after reporting a problem that leaves no value.
 struct Checker {
     sources: ValueSources,
     issues: Vec<Issue>,
 }
 
 impl Checker {
-    /// Notes a problem.
     fn report(&mut self, path: &str, found: impl Display, allowed: impl Display) {
         let issue = self
             .sources
@@ -84,7 +81,7 @@ impl Checker {
         value
     }
 
-    /// A position on the earth; `path` holds `lat` and `lon`, their ranges are checked already.
+    /// A position; `path` has the keys `lat` and `lon`, their ranges checked already.
     fn place(&mut self, path: &str, place: keys::Place) -> Option<LatLon> {
         let lat_deg = self.required(path, "lat", place.lat);
         let lon_deg = self.required(path, "lon", place.lon);
@@ -132,7 +129,7 @@ impl Checker {
         Some(Checked { spec, surveys })
     }
 
-    /// Two words for one thing, and what a vehicle cannot do.
+    /// `on_alarm`: no conflict with `on_link_loss`, and `return_amsl_m` where it orders a return.
     fn on_alarm(&mut self, keys: &keys::Spec, fleet: &[Vehicle]) {
         if keys.on_alarm.link.is_some() && keys.on_link_loss != OnLinkLoss::Continue {
             let allowed = "one of on_link_loss and on_alarm.link: they are the same";
@@ -181,9 +178,8 @@ fn count(value: u64) -> usize {
     usize::try_from(value).unwrap_or(usize::MAX)
 }
 
-/// Free control points where a spec does not say. The default search starts near good paths, so
-/// more of them cost little time and shorten paths much; the paper's algorithms have those
-/// of its harder experiment.
+/// Default control points. The default search starts near good paths, so more of them cost little
+/// time and shorten paths; the published algorithms use the number of the paper's harder experiment.
 fn default_control_points(planner: &keys::Planner) -> usize {
     match (planner.algorithm, planner.objective) {
         (Algorithm::Msfoa, Objective::Operational) => 16,

@@ -1,4 +1,4 @@
-//! Every number of a file against the range that the schema of its key states.
+//! Checks numbers against the ranges in the schema; a range needs both a minimum and a maximum.
 
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use super::Checker;
 use crate::numeric::digits;
 
 impl Checker {
-    /// Reports each number that lies outside of its range, below each of these paths.
+    /// Reports each number outside its range, below each of these paths.
     pub(super) fn ranges<'k, T: Serialize + JsonSchema + 'k>(
         &mut self,
         parts: impl IntoIterator<Item = (String, &'k T)>,
@@ -64,7 +64,7 @@ impl Checker {
     }
 }
 
-/// The definition that a schema refers to, also as the alternative to `null`, or the schema itself.
+/// Follows the `$ref` of a schema, also inside `anyOf` with `null`; otherwise the schema itself.
 pub(super) fn resolved<'s>(schema: &'s Schema, root: &'s Schema) -> &'s Schema {
     let target = schema.pointer("/anyOf/0/$ref").or(schema.get("$ref"));
     let path = target.and_then(|target| target.as_str()?.strip_prefix('#'));

@@ -13,7 +13,7 @@ pub struct Endurance {
     /// Metres through the air from takeoff to touchdown: over the ground where no wind blows.
     #[schemars(range(min = 1, max = 10_000_000))]
     pub range_m: Option<f64>,
-    /// By what its motors draw.
+    /// Energy on board and power drawn.
     pub energy: Option<Energy>,
     /// Share that must be left at touchdown; absent: 0.2.
     #[schemars(range(min = 0, max = 0.9))]

@@ -122,6 +122,17 @@ pub struct Place {
     pub lon: Option<f64>,
 }
 
+impl Place {
+    /// A place by its latitude and longitude, degrees.
+    #[must_use]
+    pub fn new(lat: f64, lon: f64) -> Self {
+        Self {
+            lat: Some(lat),
+            lon: Some(lon),
+        }
+    }
+}
+
 impl From<LatLon> for Place {
     fn from(place: LatLon) -> Self {
         Self {
@@ -145,12 +156,27 @@ pub struct Area {
     /// Ceiling, metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub max_amsl_m: f64,
-    /// Greatest height above ground from start to goal, metres; absent: none.
+    /// Greatest height above ground, everywhere, metres; absent: none.
     #[schemars(range(min = 1, max = 10000))]
     pub max_agl_m: Option<f64>,
     /// Least altitude from start to goal, metres above mean sea level; absent: none.
     #[schemars(range(min = -500, max = 20000))]
     pub min_amsl_m: Option<f64>,
+}
+
+impl Area {
+    /// An area by its corners, the least height above ground and the ceiling, metres.
+    #[must_use]
+    pub fn new(south_west: Place, north_east: Place, min_agl_m: f64, max_amsl_m: f64) -> Self {
+        Self {
+            south_west,
+            north_east,
+            min_agl_m,
+            max_amsl_m,
+            max_agl_m: None,
+            min_amsl_m: None,
+        }
+    }
 }
 
 /// Where the ground comes from: exactly one of the keys.

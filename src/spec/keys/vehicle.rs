@@ -48,6 +48,30 @@ pub struct EndPoint {
     pub amsl_m: Option<f64>,
 }
 
+impl EndPoint {
+    /// A place by latitude and longitude, degrees, and its height above the ground there, metres.
+    #[must_use]
+    pub fn above_ground(lat: f64, lon: f64, agl_m: f64) -> Self {
+        Self {
+            lat: Some(lat),
+            lon: Some(lon),
+            agl_m: Some(agl_m),
+            ..Self::default()
+        }
+    }
+
+    /// A place by latitude and longitude, degrees, and its altitude above mean sea level, metres.
+    #[must_use]
+    pub fn above_sea(lat: f64, lon: f64, amsl_m: f64) -> Self {
+        Self {
+            lat: Some(lat),
+            lon: Some(lon),
+            amsl_m: Some(amsl_m),
+            ..Self::default()
+        }
+    }
+}
+
 /// One vehicle.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -118,7 +142,7 @@ pub struct Vehicle {
     /// ArduPilot's copters: the planner may choose another speed in this range where that costs
     /// less than a detour around other vehicles. speed_mps lies in it.
     pub speed_range_mps: Option<SpeedRange>,
-    /// Greatest height above ground from start to goal, metres; the lower one of this and the area's counts.
+    /// Greatest height above ground, everywhere, metres; the lower one of this and the area's counts.
     #[schemars(range(min = 1, max = 10000))]
     pub max_agl_m: Option<f64>,
     /// Least altitude from start to goal, metres above mean sea level; the higher one of this and the area's counts.

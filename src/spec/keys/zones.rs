@@ -17,9 +17,9 @@ pub struct ShapedZone {
     /// Polygons inside the polygon that do not belong to the zone.
     #[serde(default)]
     pub holes: Vec<Vec<[f64; 2]>>,
-    /// Open below this; absent: closed from the ground.
+    /// Lower limit; absent: the ground.
     pub floor: Option<Height>,
-    /// Open from this up; absent: closed at all heights.
+    /// Upper limit; absent: unlimited.
     pub ceiling: Option<Height>,
     /// When it is closed; absent, or without t0 in the spec: always.
     pub active: Option<Active>,
@@ -43,7 +43,7 @@ pub struct Circle {
     pub radius_m: f64,
 }
 
-/// An altitude: exactly one of the keys.
+/// A vertical limit: exactly one of the keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("minProperties" = 1, "maxProperties" = 1))]
@@ -59,24 +59,24 @@ pub struct Height {
     pub fl: Option<f64>,
 }
 
-/// A period, both ends with a date and an offset from UTC (RFC 3339).
+/// A period; both times with an offset from UTC (RFC 3339).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Active {
-    /// Closed from this time; absent: before that too.
+    /// Active from this time; absent: from the beginning.
     pub from: Option<String>,
-    /// Open from this time; absent: never again.
+    /// Active until this time; absent: without end.
     pub to: Option<String>,
 }
 
-/// Air pressure at sea level that is possible on the day, hectopascal.
+/// Range of QNH expected on the day, hPa.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Qnh {
-    /// Least.
+    /// Lowest QNH, hPa.
     #[schemars(range(min = 850, max = 1100))]
     pub min: f64,
-    /// Greatest.
+    /// Highest QNH, hPa.
     #[schemars(range(min = 850, max = 1100))]
     pub max: f64,
 }

@@ -1,9 +1,9 @@
-//! How long or how far a vehicle flies.
+//! Endurance: flight time, range or energy.
 
 /// What a vehicle may use from takeoff to touchdown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Endurance {
-    /// What it has.
+    /// Total capacity.
     pub capacity: Capacity,
     /// Share of it that must be left at touchdown.
     pub reserve: f64,
@@ -25,7 +25,7 @@ pub enum Capacity {
 pub struct Energy {
     /// On board, watt hours.
     pub wh: f64,
-    /// Additional power while climbing at `climb_mps`, watts; in proportion to slower climbs.
+    /// Additional power while climbing at `climb_mps`, watts; proportional to the climb rate.
     pub climbing_w: f64,
     /// The vertical speed that `climbing_w` belongs to, m/s.
     pub climb_mps: f64,
@@ -43,7 +43,7 @@ impl Endurance {
 }
 
 impl Capacity {
-    /// All of it: seconds, metres or watt hours.
+    /// Total capacity, in [`Self::unit`].
     #[must_use]
     pub fn total(&self) -> f64 {
         match self {
@@ -62,8 +62,8 @@ impl Capacity {
         }
     }
 
-    /// What a motion of constant velocity uses, by its duration, seconds, speed through the air,
-    /// and vertical speed, positive upwards, m/s.
+    /// What straight flight at constant velocity consumes: duration in seconds, airspeed and
+    /// vertical speed (positive up) in m/s.
     #[must_use]
     pub fn used(&self, duration_s: f64, air_mps: f64, up_mps: f64) -> f64 {
         match self {
@@ -75,9 +75,8 @@ impl Capacity {
 }
 
 impl Energy {
-    /// Power at a speed through the air and a vertical speed, watts: linear between the speeds of
-    /// the table, beyond the last in proportion to the cube of the speed. A descent draws what
-    /// level flight does.
+    /// Power at an airspeed and vertical speed, watts: linear between table entries, cubic above
+    /// the last. A descent draws as much as level flight.
     #[must_use]
     pub fn power_w(&self, air_mps: f64, up_mps: f64) -> f64 {
         let level = &self.level;

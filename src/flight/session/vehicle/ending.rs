@@ -58,15 +58,15 @@ impl FlightVehicle<'_> {
     }
 
     /// Whether it stays at the end of its mission, or where it was ordered to.
-    pub(in crate::flight) fn look_whether_it_stays(&mut self, t_s: f64) {
+    pub(in crate::flight) fn check_ending(&mut self, t_s: f64) {
         let Some((_, fix)) = self.latest else { return };
         if !matches!(self.stage, Stage::Flying) || !self.airborne {
             return;
         }
         match self.instruction {
-            Some(Instruction::Hold) => return self.look_whether_it_holds(t_s, fix),
+            Some(Instruction::Hold) => return self.check_hold(t_s, fix),
             Some(Instruction::Land | Instruction::Return) => {
-                return self.look_whether_it_obeys(t_s);
+                return self.check_landing_or_return(t_s);
             }
             None => {}
         }

@@ -1,4 +1,6 @@
-//! Whether a vehicle holds or lands as ordered: by its mode and by its positions.
+//! Whether a vehicle holds or lands as ordered: by its mode and by its positions. A copter must be
+//! in the mode with its mean position at rest (`arrival.rs`), a wing must fly one full circle in
+//! the mode (`orbit.rs`).
 
 use super::{FlightVehicle, Instruction};
 use crate::flight::record::Fix;
@@ -47,7 +49,7 @@ impl HoldWatch {
 
 impl FlightVehicle<'_> {
     /// Whether it holds as ordered, and still does: somebody else may take it over.
-    pub(super) fn look_whether_it_holds(&mut self, t_s: f64, fix: Fix) {
+    pub(super) fn check_hold(&mut self, t_s: f64, fix: Fix) {
         let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
         let in_mode = mode.is_some_and(|mode| modes::is_hold(self.of.mission, mode));
         let since_s = self.hold.in_mode_s.unwrap_or(fix.t_s);
@@ -121,7 +123,7 @@ impl FlightVehicle<'_> {
     }
 
     /// Whether its mode shows that it lands, or returns, as ordered: until then the order is repeated.
-    pub(super) fn look_whether_it_obeys(&mut self, t_s: f64) {
+    pub(super) fn check_landing_or_return(&mut self, t_s: f64) {
         let mode = self.vehicle.map(|(_, beat)| beat.custom_mode);
         let mission = self.of.mission;
         let lands = mode.is_some_and(|mode| modes::is_land(mission, mode));

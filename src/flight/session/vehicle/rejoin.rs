@@ -21,7 +21,7 @@ impl FlightVehicle<'_> {
     }
 
     /// Decides where it is on its flight, once it was heard.
-    pub(in crate::flight::session) fn look_whether_it_rejoins(&mut self) {
+    pub(in crate::flight::session) fn check_rejoin(&mut self) {
         let Stage::Rejoining { known } = self.stage else {
             return;
         };
