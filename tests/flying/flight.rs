@@ -488,6 +488,8 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
             actions: Vec::new(),
             window_s: None,
             wait_s: 0.0,
+            arrives: Arrival::Planned,
+            trigger_m: None,
             speed_mps: None,
         };
         vehicle.speed_mps = 8.0;
