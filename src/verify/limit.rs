@@ -340,6 +340,7 @@ impl Limit {
 }
 
 impl fmt::Display for Limit {
+    #[rustfmt::skip]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Threat(id) => return write!(f, "threat {id}"),
@@ -373,8 +374,7 @@ impl fmt::Display for Limit {
             Self::HomePosition => "home position",
             Self::HomeAltitude => "home altitude",
             Self::HomeFence => "home in the fence",
-            Self::Start => "start",
-            Self::Goal => "goal",
+            Self::Start => "start", Self::Goal => "goal",
             Self::Finish => "finish",
             Self::Departure => "departure",
             Self::Speed => "speed",

@@ -137,6 +137,8 @@ fn acting(id: &str, end: EndPoint, actions: &[StopAction]) -> Option<Stop> {
         speed_mps: None,
         window_s: None,
         wait_s: 0.0,
+        arrives: Arrival::default(),
+        trigger_m: None,
     })
 }
 

@@ -1,6 +1,6 @@
 //! Lines along a strip: those of each of its legs.
 
-use super::layout::{Spacing, SweepLine};
+use super::line::{Spacing, SweepLine};
 use super::survey::{at_least_long, beyond_m, offsets_m};
 use crate::geodesy::EastNorth;
 use crate::spec::Sensor;

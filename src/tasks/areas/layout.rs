@@ -2,6 +2,7 @@
 
 use geo::Polygon;
 
+use super::line::{Spacing, SweepLine};
 use super::profile::{Sampled, lifted};
 use super::seen::{Cells, Pass, seen_by};
 use super::{corridor, survey};
@@ -19,24 +20,6 @@ const PICTURES: f64 = 0.92;
 /// Steepest slope of a line, as long as no vehicle is known.
 const SLOPE: f64 = 0.25;
 
-/// A line to be flown over the ground.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SweepLine {
-    /// Where it begins, its corners, where it ends.
-    pub points: Vec<EastNorth>,
-    /// Whether it may be flown the other way round.
-    pub is_reversible: bool,
-}
-
-impl SweepLine {
-    /// Length over the ground, metres.
-    #[must_use]
-    pub fn length_m(&self) -> f64 {
-        let legs = self.points.windows(2);
-        legs.map(|pair| pair[0].distance_m(pair[1])).sum()
-    }
-}
-
 /// The lines of a task.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
@@ -44,13 +27,6 @@ pub struct Layout {
     pub lines: Vec<SweepLine>,
     /// Distance between pictures, metres; none without a camera.
     pub trigger_m: Option<f64>,
-}
-
-/// Distances of lines and of pictures, metres.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spacing {
-    pub(super) lines_m: f64,
-    pub(super) pictures_m: Option<f64>,
 }
 
 /// Lays out the lines of a task.

@@ -3,10 +3,12 @@
 
 mod corridor;
 mod layout;
+mod line;
 mod profile;
 mod seen;
 mod survey;
 
-pub use layout::{Layout, SweepLine, lay_out};
+pub use layout::{Layout, lay_out};
+pub use line::SweepLine;
 pub(super) use profile::{Sampled, lifted};
 pub use seen::{Cell, Cells, Gap, Pass, gaps, seen_by};

@@ -17,7 +17,7 @@ pub(in crate::tasks) struct Sampled {
     pub(in crate::tasks) above_m: f64,
 }
 
-/// Points along legs, each of which begins where the one before ends, at the lowest altitudes that
+/// Points along legs that follow each other without a gap, at the lowest altitudes that
 /// no steeper climb and descent (rise over run) allow. Begins and ends of legs are among them, in
 /// order. Ground without data counts as the highest known one.
 #[must_use]

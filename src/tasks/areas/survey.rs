@@ -2,7 +2,7 @@
 
 use geo::{Area as _, BooleanOps, BoundingRect, Coord, MapCoords, Polygon, Rect};
 
-use super::layout::{Spacing, SweepLine};
+use super::line::{Spacing, SweepLine};
 use crate::geodesy::EastNorth;
 use crate::spec::Sensor;
 
