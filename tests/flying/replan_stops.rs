@@ -5,7 +5,7 @@ use command::{sortie, text};
 use in_flight::{json, lines, planned, take_off, wait_for};
 use serde_json::Value;
 
-/// Two copters on parallel lanes, a kilometre apart, each past five places 300 m apart.
+/// Two copters on parallel lanes, a kilometre apart, each past four places 300 m apart.
 const SPEC: &str = "
 sortie: 1
 name: visits
@@ -13,9 +13,9 @@ area: {south_west: {lat: 36.27, lon: -84.31}, north_east: {lat: 36.34, lon: -84.
 terrain: {flat: {amsl_m: 400}}
 vehicles:
   - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 9, climb_mps: 3, descent_mps: 3, finish: land,
-     start: {lat: 36.2900, lon: -84.2800, agl_m: 60}, goal: {lat: 36.2900, lon: -84.2600, agl_m: 60}, stops: [STOPS]}
+     start: {lat: 36.2900, lon: -84.2800, agl_m: 60}, goal: {lat: 36.2900, lon: -84.2630, agl_m: 60}, stops: [STOPS]}
   - {id: bravo, sysid: 2, autopilot: px4, link: sim, speed_mps: 9, climb_mps: 3, descent_mps: 3, finish: land,
-     start: {lat: 36.3000, lon: -84.2800, agl_m: 60}, goal: {lat: 36.3000, lon: -84.2600, agl_m: 60}, stops: [STOPS]}
+     start: {lat: 36.3000, lon: -84.2800, agl_m: 60}, goal: {lat: 36.3000, lon: -84.2630, agl_m: 60}, stops: [STOPS]}
 separation: {distance_m: 100, time_slack_s: 5}
 planner: {algorithm: msfoa, seed: 1, evaluations: 4000, control_points: 4}
 ";
@@ -23,7 +23,7 @@ planner: {algorithm: msfoa, seed: 1, evaluations: 4000, control_points: 4}
 fn spec() -> String {
     let mut text = SPEC.to_owned();
     for lat in ["36.2900", "36.3000"] {
-        let stops: Vec<String> = (1..=5)
+        let stops: Vec<String> = (1..=4)
             .map(|number| {
                 let lon = -84.2800 + 0.00333 * f64::from(number);
                 format!(
@@ -52,9 +52,9 @@ fn rest_s(lines: &[Value], vehicle: &str, lat: f64, lon: f64) -> Option<f64> {
 #[test]
 fn copters_make_the_stops_that_are_left_on_their_new_paths() {
     let (folder, runs) = planned("visits", &spec());
-    let mut flight = take_off(folder.path(), "visits.yaml", "16");
-    // One stop is made, four are left; the threat is between the third and the fourth.
-    wait_for(&runs, "alpha", 75.0);
+    let mut flight = take_off(folder.path(), "visits.yaml", "8");
+    // One stop is made, three are left; the threat is between the third and the fourth.
+    wait_for(&runs, "alpha", 62.0);
     let threat = "--threat=36.2950,-84.26835,564";
     let output = sortie(folder.path(), &["replan", "visits.yaml", threat]);
     let told = text(&output.stdout);
@@ -68,7 +68,7 @@ fn copters_make_the_stops_that_are_left_on_their_new_paths() {
     for (vehicle, lat) in [("alpha", 36.29), ("bravo", 36.30)] {
         let of = |line: &&Value| line["vehicle"] == vehicle && line["plan"].is_object();
         assert_eq!(lines.iter().filter(of).count(), 2, "{vehicle}");
-        let rests: Vec<Option<f64>> = (1..=5)
+        let rests: Vec<Option<f64>> = (1..=4)
             .map(|number| rest_s(&lines, vehicle, lat, -84.28 + 0.00333 * f64::from(number)))
             .collect();
         assert!(rests.iter().all(Option::is_some), "{vehicle}: {rests:?}");

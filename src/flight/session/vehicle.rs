@@ -32,8 +32,10 @@ use texts::TextLimit;
 
 /// Above home by this much a vehicle is in the air, metres.
 const AIRBORNE_M: f64 = 1.5;
-/// So near to a stop a vehicle is at it when it reports an item, metres.
+/// So near to a stop a copter is at it when it reports an item, metres; a wing, which takes its
+/// waypoints earlier, is at it within the other.
 const STOP_M: f64 = 25.0;
+const WING_STOP_M: f64 = 150.0;
 
 /// What one vehicle shall do.
 #[derive(Clone, Debug)]
@@ -399,7 +401,11 @@ impl<'a> FlightVehicle<'a> {
         let away_m = |place: &LatLon| place.chord_m(fix.place);
         let nearest = self.of.stops.iter();
         let nearest = nearest.min_by(|a, b| away_m(&a.1).total_cmp(&away_m(&b.1)))?;
-        (away_m(&nearest.1) < STOP_M).then_some(nearest.0)
+        let within_m = match self.of.mission.airframe.has_wing() {
+            true => WING_STOP_M,
+            false => STOP_M,
+        };
+        (away_m(&nearest.1) < within_m).then_some(nearest.0)
     }
 
     /// The row of a sequence number.

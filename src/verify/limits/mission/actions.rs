@@ -13,6 +13,8 @@ use crate::verify::{Limit, Margin, Requirement};
 const HEADING_DEG: f64 = 1.0;
 /// A region of interest may be this far from the planned one, metres: encoding moves it less.
 const ROI_M: f64 = 1.0;
+/// Places nearer than this are one, metres.
+const SAME_M: f64 = 0.5;
 /// A turn of the nose by 180 degrees, seconds.
 const TURN_S: f64 = 4.0;
 
@@ -43,12 +45,7 @@ impl Contract<'_> {
     /// Whether pictures are taken at their distance on every leg from start to goal, and no longer.
     pub(crate) fn camera(&self) -> Option<Margin> {
         let trigger_m = self.vehicle.on_way.trigger_m?;
-        let row_at = |station: PlanPoint| {
-            let away = self.flight.route.iter();
-            let away = away.map(|mark| (mark.point.distance_m(station), mark.row));
-            away.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0, |of| of.1)
-        };
-        let (from, to) = (row_at(self.stations.start), row_at(self.stations.goal));
+        let (from, to) = self.rows_of_way();
         let (mut set_m, mut wrong) = (0.0, Vec::new());
         for (index, item) in self.mission.items.iter().enumerate() {
             let row = index + 1;
@@ -72,6 +69,30 @@ impl Contract<'_> {
         let mut margin = required.margin(self.id(), f64::from(count), None);
         margin.note = wrong.into_iter().next().unwrap_or_default();
         Some(margin)
+    }
+
+    /// The row after which the vehicle leaves the start, and that which ends what it does at the goal.
+    fn rows_of_way(&self) -> (usize, usize) {
+        let marks = self.flight.route.iter().map(|mark| (mark.row, mark.point));
+        let rests = self.flight.rests.iter();
+        let rests = rests.map(|rest| (rest.rows.1, rest.point));
+        let mut passed: Vec<(usize, PlanPoint)> = marks.chain(rests).collect();
+        passed.sort_by_key(|(row, _)| *row);
+        let near = |station: PlanPoint| -> Vec<bool> {
+            let away = |of: &(usize, PlanPoint)| of.1.distance_m(station);
+            let within_m = passed.iter().map(away).fold(f64::INFINITY, f64::min) + SAME_M;
+            passed.iter().map(|of| away(of) <= within_m).collect()
+        };
+        let (at_start, at_goal) = (near(self.stations.start), near(self.stations.goal));
+        let begin = at_start.iter().position(|is_there| *is_there).unwrap_or(0);
+        let stays = at_start[begin.min(at_start.len())..].iter();
+        let stays = stays.take_while(|is_there| **is_there).count();
+        let row = |index: Option<usize>| index.and_then(|at| passed.get(at)).map_or(0, |of| of.0);
+        let left = (begin + stays).checked_sub(1);
+        (
+            row(left),
+            row(at_goal.iter().rposition(|is_there| *is_there)),
+        )
     }
 
     fn turns_nose(&self, item: &Item, heading_deg: f64) -> bool {
