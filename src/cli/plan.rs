@@ -370,9 +370,14 @@ fn print_unlisted(vehicles: usize, shown: usize) -> Result<(), Failure> {
 /// The tasks of a vehicle, in the order in which it begins them; of many the first.
 fn tasks_of(done: &[AssignedTask]) -> String {
     let shown = done.iter().take(MAX_TASKS_LISTED);
-    let mut ids: Vec<&str> = shown.map(|task| task.id.as_str()).collect();
+    let name = |task: &AssignedTask| match task.lines.len() {
+        0 => task.id.clone(),
+        1 => format!("{} (1 line)", task.id),
+        lines => format!("{} ({lines} lines)", task.id),
+    };
+    let mut ids: Vec<String> = shown.map(name).collect();
     if done.len() > MAX_TASKS_LISTED {
-        ids.push("...");
+        ids.push("...".to_owned());
     }
     match done {
         [] => "-".to_owned(),

@@ -151,9 +151,12 @@ fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
             run,
         });
         for left in &tasks.left {
-            let limit = Limit::Task(left.id.clone());
+            let is_of = |limit: &Limit| match limit {
+                Limit::Task(id) | Limit::AreaCovered(id) => *id == left.id,
+                _ => false,
+            };
             let mut margins = done.review.margins.iter_mut();
-            if let Some(margin) = margins.find(|margin| !margin.ok && margin.limit == limit) {
+            if let Some(margin) = margins.find(|margin| !margin.ok && is_of(&margin.limit)) {
                 margin.note = format!("{}: {}", margin.note, left.why);
             }
         }
@@ -179,7 +182,7 @@ fn with_tasks(spec: &MissionSpec, world: &World, run: Run<'_>) -> Dispatched {
 fn severity(done: &Dispatched) -> (usize, usize) {
     let failed = done.review.margins.iter().filter(|margin| !margin.ok);
     let (tasks, others): (Vec<_>, Vec<_>) =
-        failed.partition(|margin| matches!(margin.limit, Limit::Task(_)));
+        failed.partition(|margin| matches!(margin.limit, Limit::Task(_) | Limit::AreaCovered(_)));
     (others.len(), tasks.len())
 }
 

@@ -116,6 +116,10 @@ pub struct PlannedTask {
     pub from_s: Option<f64>,
     /// When it has rested at the last one, seconds after T0.
     pub until_s: Option<f64>,
+    /// Of an area, corridor or search pattern: the lines that it flies, from 1, in order; negative
+    /// ones from their end to their begin.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<i32>,
 }
 
 /// A task that no vehicle does.
@@ -367,6 +371,7 @@ impl PlannedVehicle {
                 id: task.id.clone(),
                 from_s: stops.get(task.first).and_then(|stop| stop.t_s),
                 until_s: last.and_then(|stop| rounded(stop.t_s? + stop.rest_s, METRE_DIGITS)),
+                lines: task.lines.clone(),
             }
         });
         self.tasks = planned.collect();

@@ -44,18 +44,19 @@ pub use airspace::{AttachedFile, Survey, Zone};
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};
 pub use issue::{Issue, SpecError};
-pub use keys::{Action, AlarmKind, Answer, OnAlarm, Who};
+pub use keys::{Action, AlarmKind, Answer, OnAlarm, Pattern, Who};
 pub(crate) use model::BufferedLimit;
 pub use model::{
     Algorithm, AltitudeReference, Area, Buffers, ELEVATION_ENDINGS, Hill, MAX_TASKS,
     MOST_CONTROL_POINTS, MissionOptions, MissionSpec, Objective, OnLinkLoss, Planner, Rally,
-    Separation, THREAT_RADIUS_M, Task, TerrainSource, Threat, Weights,
+    SearchPattern, Sensor, Separation, Sweep, SweepShape, THREAT_RADIUS_M, Task, TerrainSource,
+    Threat, Weights,
 };
 pub use scenario::{Cylinder, Document, Mover, Peak, Scenario, Surface, Waves};
 pub use table::TableFile;
 pub use vehicle::{
-    ACTION_S, AltitudeLimits, ApproachLengths, Capacity, EndPoint, Endurance, Energy, Finish,
-    GRAVITY_MPS2, Landing, Link, MAX_STOPS, OnWay, Order, Placement, Retiming, Span, Stop,
+    ACTION_S, AltitudeLimits, ApproachLengths, Arrival, Capacity, EndPoint, Endurance, Energy,
+    Finish, GRAVITY_MPS2, Landing, Link, MAX_STOPS, OnWay, Order, Placement, Retiming, Span, Stop,
     StopAction, Vehicle, Wing, turn_radius_by_load_m,
 };
 pub use wind::Wind;

@@ -1,10 +1,12 @@
 //! The checked spec. A [`MissionSpec`] holds values that passed every check without the ground.
 
 mod buffers;
+mod sweep;
 mod task;
 
 pub(crate) use buffers::BufferedLimit;
 pub use buffers::Buffers;
+pub use sweep::{SearchPattern, Sensor, Sweep, SweepShape};
 pub use task::{MAX_TASKS, Task};
 
 use std::ops::RangeInclusive;

@@ -6,7 +6,7 @@ mod stop;
 
 pub use action::StopAction;
 pub use endurance::{Capacity, Endurance, Energy};
-pub use stop::{ACTION_S, MAX_STOPS, OnWay, Order, Stop};
+pub use stop::{ACTION_S, Arrival, MAX_STOPS, OnWay, Order, Stop};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -4,16 +4,16 @@
 //! planned speed from rest to rest. Where a plan uses more than that, the estimate for its vehicle
 //! is raised by [`Assigner::learn`], and the tasks are assigned again.
 
-use super::assignment::{Assigned, Assignment, Carrier, Job, Spent, Visit, Way};
-use crate::geodesy::PlanPoint;
-use crate::numeric::SpeedProfile;
-use crate::path::{TimedPoint, flight, route_ends, route_start_s, way_speed_mps};
+mod estimate;
+mod expand;
+
+use super::areas::{Layout, SweepLine, lay_out};
+use super::assignment::{Assigned, Assignment, Carrier, Form, Job, Spent, Visit, Way};
+use crate::geodesy::{Amsl, PlanPoint};
 use crate::plan::least_lengths_m;
-use crate::spec::{MAX_STOPS, MissionSpec, Order, Stop, Vehicle};
+use crate::spec::{MissionSpec, Stop, Sweep};
 use crate::world::World;
 
-/// Nearer than this there is no route between two places, metres.
-const LEAST_ROUTE_M: f64 = 10.0;
 /// Parts of a budget.
 const BUDGET: f64 = 1e9;
 /// Units of time in a second.
@@ -49,6 +49,9 @@ pub struct AssignedTask {
     pub first: usize,
     /// Index of its last stop.
     pub last: usize,
+    /// Of a task with lines: those that it flies, in this order, from 1; negative ones from their
+    /// end to their begin.
+    pub lines: Vec<i32>,
 }
 
 /// A task that no vehicle does.
@@ -60,6 +63,15 @@ pub struct TaskLeft {
     pub why: String,
 }
 
+/// What one vehicle does as a whole: a task, or a line of one.
+#[derive(Clone, Debug)]
+struct Unit {
+    task: usize,
+    line: Option<usize>,
+    /// Index of each of its places.
+    sites: Vec<usize>,
+}
+
 /// Assigns the tasks of a fleet to its vehicles.
 #[derive(Clone, Debug)]
 pub struct Assigner<'a> {
@@ -68,8 +80,10 @@ pub struct Assigner<'a> {
     seed: u64,
     /// All places: those of tasks, then start, stops and goal of each vehicle.
     points: Vec<PlanPoint>,
-    /// Index of the place of each stop of each task.
-    task_sites: Vec<Vec<usize>>,
+    /// What is assigned: in order of the tasks, and of the lines of each.
+    units: Vec<Unit>,
+    /// The lines of each task; none of those without.
+    layouts: Vec<Option<Layout>>,
     /// Index of the start of each vehicle.
     starts: Vec<usize>,
     lengths_m: Vec<Vec<f64>>,
@@ -94,10 +108,34 @@ impl<'a> Assigner<'a> {
                 points.len() - 1
             })
         };
-        let sites = world.tasks.iter();
-        let task_sites = sites
-            .map(|sites| sites.iter().map(&mut index_of).collect())
+        let mut units = Vec::new();
+        for (task, sites) in world.tasks.iter().enumerate() {
+            if spec.tasks[task].sweep.is_none() {
+                units.push(Unit {
+                    task,
+                    line: None,
+                    sites: sites.iter().map(&mut index_of).collect(),
+                });
+            }
+        }
+        let layouts: Vec<Option<Layout>> = spec
+            .tasks
+            .iter()
+            .map(|task| Some(lay_out(task.sweep.as_ref()?, world)))
             .collect();
+        for (task, layout) in layouts.iter().enumerate() {
+            let lines = layout.iter().flat_map(|layout| &layout.lines).enumerate();
+            for (number, line) in lines {
+                // Places of lines are never those of others: they are flown at their own speed.
+                let first = points.len();
+                points.extend(over_ground(line, spec.tasks[task].sweep.as_ref(), world));
+                units.push(Unit {
+                    task,
+                    line: Some(number),
+                    sites: (first..points.len()).collect(),
+                });
+            }
+        }
         let mut starts = Vec::new();
         for stations in &world.stations {
             starts.push(points.len());
@@ -109,7 +147,8 @@ impl<'a> Assigner<'a> {
             spec,
             world,
             seed,
-            task_sites,
+            units,
+            layouts,
             starts,
             lengths_m: least_lengths_m(spec, world, &points),
             points,
@@ -136,13 +175,10 @@ impl<'a> Assigner<'a> {
         };
         let assigned = assignment.assign(self.seed).unwrap_or_else(|| Assigned {
             visits: vec![Vec::new(); carriers.len()],
-            left: (0..self.spec.tasks.len()).collect(),
+            left: (0..self.units.len()).collect(),
             cost: 0,
         });
-        let left = assigned.left.iter().map(|&task| TaskLeft {
-            id: self.spec.tasks[task].id.clone(),
-            why: self.why(&assignment, task),
-        });
+        let left = self.left(&assignment, &assigned.left);
         let estimated = assigned.visits.iter().enumerate().map(|(vehicle, visits)| {
             let spent = assignment.go(vehicle, visits.iter().copied());
             let spent = spent.unwrap_or_default();
@@ -153,7 +189,7 @@ impl<'a> Assigner<'a> {
             spec: self.spec.clone(),
             world: self.world.clone(),
             done: vec![Vec::new(); carriers.len()],
-            left: left.collect(),
+            left,
             estimated: estimated.collect(),
         };
         for (vehicle, visits) in assigned.visits.iter().enumerate() {
@@ -182,18 +218,35 @@ impl<'a> Assigner<'a> {
     /// The tasks in their order, then the stops of each vehicle.
     fn jobs(&self) -> Vec<Job> {
         let fleet = &self.spec.vehicles;
-        let tasks = self.spec.tasks.iter().zip(&self.task_sites);
-        let tasks = tasks.enumerate().map(|(index, (task, sites))| Job {
-            visits: visits(&task.stops, sites.iter().copied()),
-            vehicles: (fleet.iter().enumerate())
-                .map(|(vehicle, own)| task.is_for(own) && self.is_in_layer(vehicle, index))
-                .collect(),
+        let units = self.units.iter().map(|unit| {
+            let task = &self.spec.tasks[unit.task];
+            let vehicles = fleet
+                .iter()
+                .enumerate()
+                .map(|(vehicle, own)| task.is_for(own) && self.is_in_layer(vehicle, unit.task));
+            Job {
+                visits: match self.line(unit) {
+                    Some(_) => unit.sites.iter().map(|place| at_line(*place)).collect(),
+                    None => visits(&task.stops, unit.sites.iter().copied()),
+                },
+                form: match self.line(unit) {
+                    Some(line) if line.is_reversible => Form::EitherWay,
+                    Some(_) => Form::Together,
+                    None => Form::Open,
+                },
+                vehicles: vehicles.collect(),
+            }
         });
         let own = fleet.iter().enumerate().map(|(index, vehicle)| Job {
             visits: visits(&vehicle.stops, self.own_first() + 1..),
+            form: Form::Open,
             vehicles: (0..fleet.len()).map(|other| other == index).collect(),
         });
-        tasks.chain(own).collect()
+        units.chain(own).collect()
+    }
+
+    fn line(&self, unit: &Unit) -> Option<&SweepLine> {
+        self.layouts[unit.task].as_ref()?.lines.get(unit.line?)
     }
 
     /// Number of places of tasks: the places of a vehicle have the numbers after them.
@@ -207,117 +260,15 @@ impl<'a> Assigner<'a> {
             return true;
         };
         let stops = &self.spec.tasks[task].stops;
+        let sweep = self.spec.tasks[task].sweep.as_ref();
+        if sweep.is_some_and(|sweep| sweep.agl.0 > layer.max_agl_m) {
+            return false;
+        }
         stops.iter().zip(&self.world.tasks[task]).all(|(stop, at)| {
             let ground = self.world.terrain.height(stop.end.place);
             let agl_m = ground.map_or(f64::INFINITY, |ground| at.amsl.above_ground(ground).0);
             agl_m <= layer.max_agl_m && at.amsl.0 >= layer.min_amsl_m
         })
-    }
-
-    /// The ways of a vehicle between the places of tasks, and its own start, stops and goal.
-    fn ways(&self, vehicle: usize) -> Vec<Vec<Option<Way>>> {
-        let (first, stops) = (
-            self.starts[vehicle],
-            self.spec.vehicles[vehicle].stops.len(),
-        );
-        let tasks = self.own_first();
-        let sites: Vec<usize> = (0..tasks).chain(first..first + stops + 2).collect();
-        let way = |from: usize, to: usize| self.way(vehicle, (sites[from], sites[to]), tasks);
-        let row = |from| (0..sites.len()).map(|to| way(from, to)).collect();
-        (0..sites.len()).map(row).collect()
-    }
-
-    fn way(&self, vehicle: usize, (from, to): (usize, usize), tasks: usize) -> Option<Way> {
-        if from == to {
-            return Some(Way { time: 0, uses: 0 });
-        }
-        let ends = (self.points[from], self.points[to]);
-        let has_task = from < tasks || to < tasks;
-        if has_task && ends.0.at.distance_m(ends.1.at) < LEAST_ROUTE_M {
-            return None;
-        }
-        let own = &self.spec.vehicles[vehicle];
-        let duration_s = duration_s(own, ends, self.lengths_m[from][to]);
-        let used = self.used(vehicle, duration_s, ends) * self.factors[vehicle];
-        Some(Way {
-            time: whole(duration_s * PER_SECOND),
-            uses: whole(used),
-        })
-    }
-
-    /// What a way uses, as parts of what its vehicle may.
-    fn used(&self, vehicle: usize, duration_s: f64, (from, to): (PlanPoint, PlanPoint)) -> f64 {
-        let Some(endurance) = &self.spec.vehicles[vehicle].endurance else {
-            return 0.0;
-        };
-        if duration_s <= 0.0 {
-            return 0.0;
-        }
-        let [east_mps, north_mps] = self.wind_mps();
-        let air_mps = ((to.at.east_m - from.at.east_m) / duration_s - east_mps)
-            .hypot((to.at.north_m - from.at.north_m) / duration_s - north_mps);
-        let up_mps = (to.amsl.0 - from.amsl.0) / duration_s;
-        let used = endurance.capacity.used(duration_s, air_mps, up_mps);
-        BUDGET * used / endurance.usable()
-    }
-
-    fn wind_mps(&self) -> [f64; 2] {
-        self.spec.wind.map_or([0.0; 2], |wind| wind.velocity_mps())
-    }
-
-    fn carrier<'w>(&self, vehicle: usize, ways: &'w [Vec<Option<Way>>]) -> Carrier<'w> {
-        let own = &self.spec.vehicles[vehicle];
-        let [east_mps, north_mps] = self.wind_mps();
-        let rest = own.endurance.as_ref().map_or(0.0, |endurance| {
-            let used = (endurance.capacity).used(1.0 / PER_SECOND, east_mps.hypot(north_mps), 0.0);
-            BUDGET * used / endurance.usable()
-        });
-        Carrier {
-            ways,
-            start: self.own_first(),
-            goal: self.own_first() + own.stops.len() + 1,
-            own: Some(self.spec.tasks.len() + vehicle),
-            budget: match own.endurance {
-                Some(_) => u64::from(whole(BUDGET - self.overhead(vehicle))),
-                None => u64::MAX,
-            },
-            rest_uses: whole(rest).into(),
-            most_visits: MAX_STOPS,
-            begins: whole(route_start_s(own, &self.world.stations[vehicle]) * PER_SECOND).into(),
-            slowest: self.slowest[vehicle],
-            wait_step: 10,
-        }
-    }
-
-    /// What takeoff, landing and return use, as parts of what a vehicle may use.
-    fn overhead(&self, vehicle: usize) -> f64 {
-        let (own, stations) = (&self.spec.vehicles[vehicle], &self.world.stations[vehicle]);
-        let stops: Vec<Stop> = Vec::new();
-        let (own, mut stations) = (
-            Vehicle {
-                stops,
-                ..own.clone()
-            },
-            stations.clone(),
-        );
-        stations.stops.clear();
-        let ends = route_ends(&own, &stations);
-        let routes: Vec<Vec<PlanPoint>> = ends.iter().map(|ends| vec![ends.0, ends.1]).collect();
-        let flown = flight(&own, &stations, &routes);
-        let used = |pair: &[TimedPoint]| {
-            let duration_s = pair[1].t_s - pair[0].t_s;
-            match duration_s.is_finite() {
-                true => self.used(vehicle, duration_s, (pair[0].point, pair[1].point)),
-                false => 0.0,
-            }
-        };
-        let moving = flown.points.windows(2);
-        let moving = moving.skip_while(|pair| pair[0].point == pair[1].point);
-        let whole: f64 = moving.map(used).sum();
-        let straight = (stations.start, stations.goal);
-        let straight_m = straight.0.distance_m(straight.1);
-        let route = self.used(vehicle, duration_s(&own, straight, straight_m), straight);
-        (whole - route).max(0.0)
     }
 
     /// Expects longer ways of these vehicles, whose plans miss windows.
@@ -327,11 +278,39 @@ impl<'a> Assigner<'a> {
         }
     }
 
-    /// Why a task found no vehicle.
-    fn why(&self, assignment: &Assignment<'_>, task: usize) -> String {
+    /// The tasks that are not done, or not wholly, and why.
+    fn left(&self, assignment: &Assignment<'_>, units: &[usize]) -> Vec<TaskLeft> {
+        let groups = units.chunk_by(|one, other| self.units[*one].task == self.units[*other].task);
+        let mut left: Vec<(usize, TaskLeft)> = Vec::new();
+        for group in groups {
+            let (first, task) = (group[0], self.units[group[0]].task);
+            let why = self.why(assignment, first);
+            let lines = self.layouts[task].as_ref().map(|layout| layout.lines.len());
+            let numbers: Vec<String> = group
+                .iter()
+                .filter_map(|&unit| Some((self.units[unit].line? + 1).to_string()))
+                .collect();
+            let why = match lines {
+                Some(lines) => format!(
+                    "{} of {lines} lines ({}): {why}",
+                    numbers.len(),
+                    numbers.join(", ")
+                ),
+                None => why,
+            };
+            let id = self.spec.tasks[task].id.clone();
+            left.push((task, TaskLeft { id, why }));
+        }
+        left.sort_by_key(|(task, _)| *task);
+        left.into_iter().map(|(_, left)| left).collect()
+    }
+
+    /// Why a unit found no vehicle.
+    fn why(&self, assignment: &Assignment<'_>, unit: usize) -> String {
+        let task = self.units[unit].task;
         let fleet = self.spec.vehicles.iter().enumerate();
         let alone = fleet.filter_map(|(vehicle, own)| {
-            let spent: Spent = assignment.alone(vehicle, task)?;
+            let spent: Spent = assignment.alone(vehicle, unit)?;
             Some((float(spent.uses) + self.overhead(vehicle), own))
         });
         let Some((uses, vehicle)) = alone.min_by(|a, b| a.0.total_cmp(&b.0)) else {
@@ -360,60 +339,27 @@ impl<'a> Assigner<'a> {
         let mut stops = self.spec.tasks[task].stops.iter();
         stops.any(|stop| stop.window_s.is_some())
     }
+}
 
-    /// Gives a vehicle its stops. Visits at one place that follow each other become one stop.
-    fn expand(
-        &self,
-        tasks: &mut FleetTasks,
-        vehicle: usize,
-        (visits, waits): (&[(usize, usize)], &[u64]),
-    ) {
-        let count = self.spec.tasks.len();
-        let place = |visit: &(usize, usize)| match visit.0 < count {
-            true => (0, self.task_sites[visit.0][visit.1]),
-            // Stops of its own are never merged.
-            false => (1, visit.1),
-        };
-        let (mut stops, mut points) = (Vec::<Stop>::new(), Vec::new());
-        let mut next = 0;
-        for group in visits.chunk_by(|one, other| place(one) == place(other)) {
-            let waits = &waits[next..next + group.len()];
-            next += group.len();
-            let mut group: Vec<_> = group.iter().copied().zip(waits.iter().copied()).collect();
-            group.sort_unstable();
-            for &((job, position), _) in group.iter().filter(|visit| visit.0.0 < count) {
-                let done = &mut tasks.done[vehicle];
-                match position {
-                    0 => done.push(AssignedTask {
-                        id: self.spec.tasks[job].id.clone(),
-                        first: stops.len(),
-                        last: stops.len(),
-                    }),
-                    _ => (done.iter_mut())
-                        .filter(|task| task.id == self.spec.tasks[job].id)
-                        .for_each(|task| task.last = stops.len()),
-                }
-            }
-            let (first, position) = group[0].0;
-            if first < count {
-                let parts = group.iter().map(|&((job, at), wait)| Stop {
-                    wait_s: float(wait) / PER_SECOND,
-                    ..self.spec.tasks[job].stops[at].clone()
-                });
-                let merged = parts.reduce(|mut merged, part| {
-                    merged.join(&part);
-                    merged
-                });
-                stops.extend(merged);
-                points.push(self.world.tasks[first][position]);
-            } else {
-                stops.push(self.spec.vehicles[vehicle].stops[position].clone());
-                points.push(self.world.stations[vehicle].stops[position]);
-            }
+/// Where a line is flown, at its height above the ground; without data at that of its task.
+fn over_ground(line: &SweepLine, sweep: Option<&Sweep>, world: &World) -> Vec<PlanPoint> {
+    let agl_m = sweep.map_or(0.0, |sweep| sweep.agl.0);
+    let at = line.points.iter().map(|&at| {
+        let ground = world.terrain.height(world.frame.from_plan(at));
+        PlanPoint {
+            at,
+            amsl: Amsl(ground.map_or(0.0, |ground| ground.0) + agl_m),
         }
-        let own = &mut tasks.spec.vehicles[vehicle];
-        (own.stops, own.order) = (stops, Order::Fixed);
-        tasks.world.stations[vehicle].stops = points;
+    });
+    at.collect()
+}
+
+/// The rest at a corner of a line.
+fn at_line(place: usize) -> Visit {
+    Visit {
+        place,
+        rest: whole(PER_SECOND),
+        window: None,
     }
 }
 
@@ -430,15 +376,6 @@ fn visits(stops: &[Stop], sites: impl Iterator<Item = usize>) -> Vec<Visit> {
         }),
     };
     stops.iter().zip(sites).map(visit).collect()
-}
-
-/// How long a vehicle flies from rest to rest over a length.
-fn duration_s(vehicle: &Vehicle, (from, to): (PlanPoint, PlanPoint), length_m: f64) -> f64 {
-    let speed_mps = way_speed_mps(vehicle, from, to);
-    let level_s = SpeedProfile::new(length_m, speed_mps, vehicle.accel_mps2).duration_s();
-    let rise_m = to.amsl.0 - from.amsl.0;
-    let upright_s = (rise_m / vehicle.climb_mps).max(-rise_m / vehicle.descent_mps);
-    level_s.max(upright_s)
 }
 
 /// Rounded up, within the range.

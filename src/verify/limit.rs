@@ -17,6 +17,7 @@
 //! 4. Its key (see [`crate::spec`]), and a term in `cost/` if planning respects it.
 
 use crate::spec::Buffers;
+use Topic::Other;
 use std::fmt;
 use std::mem::discriminant;
 
@@ -84,6 +85,8 @@ pub enum Limit {
     CameraTrigger,
     /// Places of the task with this id that one vehicle visits in their order.
     Task(String),
+    /// Share of the area of the task with this id that is seen at the overlap asked for.
+    AreaCovered(String),
     /// By how much what is done for the task with this id begins outside of its window.
     TaskWindow(String),
     /// Distance of the end of the mission to where the spec ends it.
@@ -294,7 +297,6 @@ impl Limit {
     /// One row for each limit. No wildcard: a new limit must state how it is treated.
     #[rustfmt::skip]
     fn class(&self) -> (Topic, Option<Repair>, Basis) {
-        use {Basis::Separation, Topic::Other};
         match self {
             Self::TerrainClearance => (Topic::Clearance, Some(Repair::Clearance), Basis::Terrain),
             Self::Ceiling => (Other, Some(Repair::Clearance), Basis::Ceiling),
@@ -304,7 +306,11 @@ impl Limit {
             Self::Zone(_) => (Topic::Zone, Some(Repair::Obstacle), Basis::Mission),
             Self::Area => (Other, Some(Repair::Obstacle), Basis::Spec),
             Self::Fence => (Other, Some(Repair::Obstacle), Basis::Mission),
-            Self::Separation => (Topic::Separation, Some(Repair::Separation), Separation),
+            Self::Separation => (
+                Topic::Separation,
+                Some(Repair::Separation),
+                Basis::Separation,
+            ),
             Self::ClimbAngle => (Other, Some(Repair::Slope), Basis::ClimbAngle),
             Self::DescentAngle => (Other, Some(Repair::Slope), Basis::DescentAngle),
             Self::ClimbSpeed => (Other, Some(Repair::Slope), Basis::ClimbSpeed),
@@ -318,7 +324,8 @@ impl Limit {
             Self::HomePosition => (Other, None, Basis::HomeRow),
             Self::Endurance => (Topic::Endurance, None, Basis::Spec),
             Self::Start | Self::Goal | Self::Stop(_) | Self::StopHold(_) | Self::StopActions(_)
-            | Self::CameraTrigger | Self::Task(_) | Self::TaskWindow(_) | Self::Finish
+            | Self::CameraTrigger | Self::Task(_) | Self::AreaCovered(_) | Self::TaskWindow(_)
+            | Self::Finish
             | Self::Departure | Self::Speed | Self::FlyableSpeed | Self::TakeoffHeading
             | Self::LoiterRadius | Self::ItemCount | Self::FenceMargin | Self::FenceComplete
             | Self::FenceWider | Self::FenceLeftOut(_) | Self::RallyArea(_) =>
@@ -333,6 +340,7 @@ impl Limit {
 }
 
 impl fmt::Display for Limit {
+    #[rustfmt::skip]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Threat(id) => return write!(f, "threat {id}"),
@@ -341,6 +349,7 @@ impl fmt::Display for Limit {
             Self::StopHold(id) => return write!(f, "hold at stop {id}"),
             Self::StopActions(id) => return write!(f, "actions at stop {id}"),
             Self::Task(id) => return write!(f, "task {id}"),
+            Self::AreaCovered(id) => return write!(f, "area covered of task {id}"),
             Self::TaskWindow(id) => return write!(f, "window of task {id}"),
             Self::FenceLeftOut(name) => return write!(f, "{name} left out of the fence"),
             Self::RallyClearance(point) => return write!(f, "rally {point}"),
@@ -365,8 +374,7 @@ impl fmt::Display for Limit {
             Self::HomePosition => "home position",
             Self::HomeAltitude => "home altitude",
             Self::HomeFence => "home in the fence",
-            Self::Start => "start",
-            Self::Goal => "goal",
+            Self::Start => "start", Self::Goal => "goal",
             Self::Finish => "finish",
             Self::Departure => "departure",
             Self::Speed => "speed",

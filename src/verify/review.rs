@@ -16,7 +16,7 @@ use super::execute::flight::{End, Flight};
 use super::execute::home;
 use super::limits::assumptions;
 use super::limits::fence::Fence;
-use super::limits::mission::{Contract, tasks};
+use super::limits::mission::{Contract, coverage, tasks};
 use super::limits::separation;
 use super::limits::space::Space;
 use super::measure::timeline::Timeline;
@@ -104,6 +104,7 @@ impl<'a> Reviewer<'a> {
             .map(|sortie| sortie.contract(spec, world))
             .collect();
         margins.extend(tasks::margins(spec, world, &contracts));
+        margins.extend(coverage::margins(spec, world, &contracts));
         self.separate(&sorties, &is_known);
         margins.extend(self.pairs.values().cloned());
         for margin in &mut margins {

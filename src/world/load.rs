@@ -351,7 +351,8 @@ impl Check<'_> {
         let closed: Vec<String> = always
             .filter(has_height)
             .filter(|zone| {
-                let shape = PlanZone::new(spec.frame.outline(&zone.outline()), zone, 0.0);
+                let outline = spec.frame.outline(&zone.outline());
+                let shape = PlanZone::new(outline, zone, 0.0, &self.terrain);
                 shape.is_closed_at(PlanPoint { at, amsl }, ground_m, f64::NAN)
             })
             .map(|zone| {
@@ -383,7 +384,8 @@ impl Check<'_> {
                 true => 0.0,
                 false => Ring::around(&outline).boundary_distance(super::point(point.at)),
             };
-            let (from_m, below_m) = PlanZone::new(outline, zone, 0.0).closed_m(ground_m);
+            let shape = PlanZone::new(outline, zone, 0.0, &self.terrain);
+            let (from_m, below_m) = shape.closed_m(ground_m);
             let past_m = (from_m - point.amsl.0).max(point.amsl.0 - below_m);
             // Either is enough.
             let value_m = away_m.max(past_m);

@@ -181,7 +181,8 @@ impl World {
         };
         let closed = |zone: &Zone| {
             let outline = frame.outline(&zone.outline());
-            let closed = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+            let slack_s = spec.separation.time_slack_s;
+            let closed = PlanZone::new(outline, zone, slack_s, &self.terrain);
             closed.buffered(zone_buffer_m(zone))
         };
         Self {

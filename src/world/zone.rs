@@ -2,7 +2,7 @@
 
 use geo::{BoundingRect, Contains, Point, Polygon, Rect};
 
-use super::covers;
+use super::{Terrain, covers};
 use crate::geodesy::{Agl, Amsl, EastNorth, PlanPoint};
 use crate::numeric::geometry::{Offset, Ring};
 use crate::spec::{Placement, Zone};
@@ -27,13 +27,20 @@ pub struct PlanZone {
 
 impl PlanZone {
     /// The zone of an outline with the heights and times of a zone of the spec, `slack_s`
-    /// longer on both sides.
+    /// longer on both sides. A ceiling above ground that has no elevation counts as none.
     #[must_use]
-    pub fn new(outline: Polygon<f64>, zone: &Zone, slack_s: f64) -> Self {
+    pub fn new(outline: Polygon<f64>, zone: &Zone, slack_s: f64, terrain: &Terrain) -> Self {
+        let from_base = |of: Placement| match (of, zone.base) {
+            (Placement::Agl(agl), Some(base)) => {
+                let ground = terrain.height(base).ok()?;
+                Some(Placement::Amsl(Amsl(ground.0 + agl.0)))
+            }
+            (of, _) => Some(of),
+        };
         Self {
             is_whole: zone.holes.is_empty(),
             floor: zone.floor,
-            ceiling: zone.ceiling,
+            ceiling: zone.ceiling.and_then(from_base),
             active_s: zone
                 .active_s
                 .map(|(from_s, to_s)| (from_s - slack_s, to_s + slack_s)),

@@ -488,6 +488,8 @@ fn copters_of_both_autopilots_rest_at_their_stops_and_their_limits_hold() {
             actions: Vec::new(),
             window_s: None,
             wait_s: 0.0,
+            arrives: sortie::spec::Arrival::Planned,
+            trigger_m: None,
             speed_mps: None,
         };
         vehicle.speed_mps = 8.0;
@@ -540,6 +542,8 @@ fn a_copter_takes_its_pictures_and_says_so() {
             speed_mps: None,
             window_s: None,
             wait_s: 0.0,
+            arrives: sortie::spec::Arrival::Planned,
+            trigger_m: None,
         }];
         let plan = plan(vec![alpha], OnLinkLoss::Continue);
         let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());

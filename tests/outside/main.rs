@@ -4,6 +4,7 @@
 mod support;
 
 mod flight_sitl;
+mod peers_assignment;
 mod peers_files;
 mod peers_flight;
 mod peers_lossy;

@@ -21,4 +21,5 @@ mod stops;
 mod stops_wings;
 mod study;
 mod study_fleet;
+mod surveys;
 mod tasks;

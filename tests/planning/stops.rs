@@ -29,6 +29,8 @@ pub(crate) fn stop(id: &str, place: LatLon, hold_s: f64) -> Stop {
         speed_mps: None,
         window_s: None,
         wait_s: 0.0,
+        arrives: Arrival::Planned,
+        trigger_m: None,
     }
 }
 

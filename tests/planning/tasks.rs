@@ -26,6 +26,7 @@ fn task(id: &str, places: &[LatLon]) -> Task {
     Task {
         id: id.to_owned(),
         stops: stops.collect(),
+        sweep: None,
     }
 }
 

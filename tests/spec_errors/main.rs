@@ -1,6 +1,7 @@
 //! What is wrong with a spec is said at once, each problem with its place.
 
 mod airspeed;
+mod areas;
 mod buffers;
 mod fleets;
 mod ground;

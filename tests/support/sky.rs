@@ -155,7 +155,7 @@ impl Planned {
                 reference,
                 start_s: 0.0,
                 upload,
-                stops: self.spec.vehicles[*index].stop_places(),
+                stops: self.spec.vehicles[*index].stop_sites(),
             })
             .collect();
         let options = Options {

@@ -8,6 +8,7 @@ mod altitudes_and_endurance;
 mod buffers;
 mod copter_corners;
 mod curves;
+mod domes;
 mod fences;
 mod other_world;
 mod verify;

@@ -117,7 +117,8 @@ impl FlownTrack<'_> {
         let none = |limit: Limit| Requirement::at_most(limit, 0.0, "positions");
         for zone in &spec.no_fly {
             let outline = world.frame.outline(&zone.outline());
-            let shape = PlanZone::new(outline, zone, spec.separation.time_slack_s);
+            let slack_s = spec.separation.time_slack_s;
+            let shape = PlanZone::new(outline, zone, slack_s, &world.terrain);
             let inside = all().filter(|(fix, point)| is_closed(&shape, world, fix, *point));
             let zone = none(Limit::Zone(zone.id.clone()));
             margins.push(self.count(zone, inside.map(|(f, _)| f)));

@@ -38,6 +38,7 @@ impl ItemWriter<'_> {
             items
         };
         items.extend(stop.speed_mps.map(|speed_mps| self.change_speed(speed_mps)));
+        items.extend(stop.trigger_m.map(trigger));
         Ok(items)
     }
 

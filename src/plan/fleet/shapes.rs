@@ -9,7 +9,7 @@ use crate::plan::route_context::on_route;
 use crate::plan::search::{Found, JUDGED_SAMPLES};
 use crate::plan::spline::Spline;
 use crate::plan::{Route, VehiclePlan};
-use crate::spec::{MissionSpec, Objective};
+use crate::spec::{Arrival, MissionSpec, Objective};
 use crate::world::World;
 
 /// What a vehicle flies, as far as it can be chosen.
@@ -46,6 +46,14 @@ impl<'a> Shaper<'a> {
         let vehicle = spec.vehicles.get_mut(index)?;
         vehicle.speed_mps = speed_mps;
         let ends = route_ends(vehicle, world.stations.get(index)?);
+        if vehicle
+            .stops
+            .iter()
+            .any(|stop| stop.arrives != Arrival::Planned)
+        {
+            // Lines over the ground stay where they are.
+            return None;
+        }
         let controls = base.routes.first()?.control_points.len();
         let is_regular = base.routes.len() == ends.len()
             && base

@@ -8,9 +8,9 @@ use crate::optimize::TracePoint;
 use crate::path::{route_ends, route_start_s, time_route_from, way_speed_mps};
 use crate::plan::bound::estimate;
 use crate::plan::route_context::{RouteContext, on_route};
-use crate::plan::search::{Found, Run, lifted, search};
+use crate::plan::search::{Found, Run, lifted, search, straight};
 use crate::plan::{Route, VehiclePlan};
-use crate::spec::MissionSpec;
+use crate::spec::{Arrival, MissionSpec};
 
 /// Points of a planned path, spread evenly over the spline's parameter.
 const PATH_POINTS: usize = 1001;
@@ -44,13 +44,27 @@ impl<'a> Planning<'a> {
         let (spec, request) = (self.spec, self.request);
         let routes = route_ends(&spec.vehicles[index], &self.world.stations[index]);
         let mut plan = self.empty_plan(index, avoids);
+        let arrivals = spec.vehicles[index].arrivals(routes.len());
+        // Those that are straight by their nature take none of the budget.
+        let is_searched = |arrival: &Arrival| *arrival == Arrival::Planned;
+        let searched = arrivals
+            .iter()
+            .filter(|arrival| is_searched(arrival))
+            .count();
+        let mut begun = 0;
         for (number, &(from, to)) in routes.iter().enumerate() {
             let spec = &*on_route(spec, index, number);
             let context = self.context(spec, index, (from, to), &plan, earlier);
+            if let Some(found) = unsearched(&context, arrivals[number]) {
+                plan.add(&context, &found);
+                continue;
+            }
             // A route through corridors may take more than its share.
-            let share = spec.planner.evaluations / routes.len() * plan.routes.len();
-            let spent = plan.evaluations.min(share);
-            let budget = (spec.planner.evaluations - spent) / (routes.len() - plan.routes.len());
+            let share = spec.planner.evaluations / searched.max(1) * begun;
+            let spent = plan.evaluations.min(share).min(spec.planner.evaluations);
+            let left = searched.saturating_sub(begun).max(1);
+            let budget = (spec.planner.evaluations - spent) / left;
+            begun += usize::from(is_searched(&arrivals[number]));
             let watch = |point: TracePoint| {
                 (request.progress)(Progress {
                     vehicle: index,
@@ -143,10 +157,19 @@ impl<'a> Planning<'a> {
             },
             [before @ .., last] => last.end_s() + vehicle.rest_after_s(before.len()),
         };
-        RouteContext {
+        let mut context = RouteContext {
             spec,
             ..self.route_context(index, RouteEnds { from, to, start_s }, earlier)
+        };
+        if let Some(Arrival::OnLine(agl)) = vehicle
+            .stops
+            .get(plan.routes.len())
+            .map(|stop| stop.arrives)
+        {
+            let above_m = agl.0 - self.world.min_agl.0;
+            context.margins.clearance_m = context.margins.clearance_m.max(above_m);
         }
+        context
     }
 }
 
@@ -156,6 +179,16 @@ impl VehiclePlan {
         self.terms = sum(&self.terms, &found.terms);
         self.evaluations += found.evaluations;
         self.routes.push(route(context, found));
+    }
+}
+
+/// A route that need not be searched: a line over the ground, and a straight route where nothing
+/// is in its way.
+fn unsearched(context: &RouteContext<'_>, arrival: Arrival) -> Option<Found> {
+    match arrival {
+        Arrival::Planned => None,
+        Arrival::Straight => Some(straight(context)).filter(|found| found.strict.is_clean()),
+        Arrival::OnLine(_) => Some(straight(context)),
     }
 }
 

@@ -26,7 +26,7 @@ use crate::optimize::{
     Algorithm, Candidate, Evaluator, MIN_RELAXED_BUDGET, MsfoaParameters, SearchSeed, SearchSeeds,
     TracePoint, minimise,
 };
-use crate::spec;
+use crate::spec::{self, MOST_CONTROL_POINTS};
 use crate::world::World;
 use fit::{Fitter, Line, Warp};
 use problem::{Horizontal, Sampled};
@@ -384,6 +384,39 @@ fn judged(context: &RouteContext<'_>, splines: &[Spline], margins: Margins) -> V
 /// The same way in the plane at the altitudes that the route's margins now ask for, if it
 /// then keeps all of them: what is too low by a hand's breadth need not be searched again.
 pub(super) fn lifted(context: &RouteContext<'_>, outline: &[EastNorth]) -> Option<Found> {
+    let found = along(context, outline);
+    found.strict.is_clean().then_some(found)
+}
+
+/// The straight route between the ends at the altitudes that its margins ask for, whatever limits
+/// that breaks.
+pub(super) fn straight(context: &RouteContext<'_>) -> Found {
+    /// Length of a straight route for each of its control points, metres.
+    const EACH_M: f64 = 40.0;
+    /// Fewest control points besides the ends.
+    const FEWEST: usize = 4;
+    let (from, to) = context.ends_at();
+    let pieces = (from.distance_m(to) / EACH_M).clamp(0.0, 1000.0);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "limited to the range before"
+    )]
+    let free = (pieces as usize).clamp(FEWEST, MOST_CONTROL_POINTS);
+    #[expect(clippy::cast_precision_loss, reason = "few control points")]
+    let point = |number: usize| {
+        let share = number as f64 / (free + 1) as f64;
+        EastNorth {
+            east_m: from.east_m + share * (to.east_m - from.east_m),
+            north_m: from.north_m + share * (to.north_m - from.north_m),
+        }
+    };
+    let outline: Vec<EastNorth> = (1..=free).map(point).collect();
+    along(context, &outline)
+}
+
+/// The way of free control points at the altitudes that the route's margins ask for.
+fn along(context: &RouteContext<'_>, outline: &[EastNorth]) -> Found {
     let spec = with_free_controls(context.spec, outline.len());
     let context = &RouteContext {
         spec: &spec,
@@ -394,12 +427,12 @@ pub(super) fn lifted(context: &RouteContext<'_>, outline: &[EastNorth]) -> Optio
     let first = |terms: Vec<CostTerms>| terms.first().copied().unwrap_or_default();
     let strict = first(judged(context, splines, context.margins));
     let terms = first(judged(context, splines, Margins::default()));
-    strict.is_clean().then_some(Found {
+    Found {
         terms,
         strict,
         spline,
         evaluations: 1,
-    })
+    }
 }
 
 /// The route as results are judged.

@@ -261,6 +261,14 @@ fn tasks(input: &ReviewInput<'_>) -> Option<String> {
         }
     }
     let count: usize = done.values().map(Vec::len).sum();
+    let areas: Vec<String> = (input.review.margins.iter())
+        .filter_map(|margin| match &margin.limit {
+            Limit::AreaCovered(id) => {
+                Some(format!("{:.2} % of area {id} seen", floored(margin.value)))
+            }
+            _ => None,
+        })
+        .collect();
     let vehicles: Vec<String> = done
         .iter()
         .map(|(vehicle, ids)| match ids.len() > MAX_NAMED {
@@ -273,7 +281,14 @@ fn tasks(input: &ReviewInput<'_>) -> Option<String> {
         1..=MAX_NAMED => format!(" ({})", vehicles.join("; ")),
         many => format!(" by {many} vehicles"),
     };
-    (total > 0).then(|| format!("{count} of {total} tasks done{named}"))
+    let tasks = (total > 0).then(|| format!("{count} of {total} tasks done{named}"));
+    let facts: Vec<String> = tasks.into_iter().chain(areas).collect();
+    (!facts.is_empty()).then(|| facts.join("; "))
+}
+
+/// Percent, cut off to two digits: less than all is not shown as all.
+fn floored(percent: f64) -> f64 {
+    (percent * 100.0).floor() / 100.0
 }
 
 /// The time of the last landing, and the vehicles that stay in the air; none without a track.

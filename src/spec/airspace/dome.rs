@@ -1,7 +1,7 @@
 //! Domes: threats that reach less high the further away they are.
 //!
 //! A dome is a stack of zones, each the disc at its lower end, closed up to its upper end. It is so a
-//! little larger than the half sphere, nowhere smaller. Heights count from the ground below.
+//! little larger than the half sphere, nowhere smaller. Heights count from the ground at its centre.
 
 use crate::geodesy::{Agl, LocalFrame};
 use crate::spec::{Buffers, Placement, Threat, Zone};
@@ -21,6 +21,7 @@ pub(crate) fn dome_layers(threat: &Threat, buffers: &Buffers) -> Vec<Zone> {
         Zone {
             circle: Some((threat.place, radius_m)),
             ceiling: Some(Placement::Agl(Agl(top_m))),
+            base: Some(threat.place),
             buffer_m: buffers.threats_m,
             ..Zone::closed(
                 format!("{} below {top_m:.0} m", threat.id),

@@ -21,6 +21,8 @@ pub struct Zone {
     pub floor: Option<Placement>,
     /// Open from this up; closed at every height if absent.
     pub ceiling: Option<Placement>,
+    /// The place whose ground its heights above ground count from; that under the vehicle if absent.
+    pub base: Option<LatLon>,
     /// Closed only from and to these times, seconds after T0, either of them possibly infinite;
     /// always if absent.
     pub active_s: Option<(f64, f64)>,

@@ -50,7 +50,13 @@ impl Checker {
                         true => format!("{least} to {most}"),
                         false => least.to_string(),
                     };
-                    self.report(path, digits::plain(value), allowed);
+                    let share = value / 100.0;
+                    let is_percent = most <= 1.0 && value > 1.0 && (least..=most).contains(&share);
+                    let hint = match is_percent {
+                        true => format!(", a share: did you mean {}?", digits::plain(share)),
+                        false => String::new(),
+                    };
+                    self.report(path, digits::plain(value), format!("{allowed}{hint}"));
                 }
             }
             _ => {}

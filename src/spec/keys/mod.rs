@@ -24,7 +24,10 @@ pub use on_alarm::{Action, AlarmKind, Answer, OnAlarm, Who};
 pub use options::{Buffers, MissionOptions, Planner, Wind};
 pub(super) use scenario::{Cylinder, End, Mover, Scenario, Surface};
 pub use stops::Stop;
-pub use tasks::{Deliver, Task, TaskPlace, TaskWindow};
+pub use tasks::{
+    Camera, Corridor, Deliver, Pattern, SearchArea, SearchPlace, SurveyArea, Task, TaskPlace,
+    TaskWindow,
+};
 pub use vehicle::{EndPoint, Landing, OnboardCamera, SpeedRange, Station, Vehicle, Window};
 pub use zones::{Active, Circle, Height, Qnh, ShapedZone};
 

@@ -5,7 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use super::StopAction;
 
-/// A task for whichever copter can do it: exactly one of visit and deliver.
+mod areas;
+
+pub use areas::{Camera, Corridor, Pattern, SearchArea, SearchPlace, SurveyArea};
+
+/// A task for whichever copter can do it: exactly one of visit, deliver, survey, corridor and
+/// search.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Task {
@@ -18,6 +23,15 @@ pub struct Task {
     /// A delivery: one vehicle visits both places, from before to.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deliver: Option<Deliver>,
+    /// An area to cover.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub survey: Option<SurveyArea>,
+    /// A line to fly along, or a strip to cover.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub corridor: Option<Corridor>,
+    /// A search pattern.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub search: Option<SearchArea>,
 }
 
 /// A delivery. Its vehicle may do other tasks in between.

@@ -1,5 +1,6 @@
 //! Tasks of a fleet.
 
+use super::Sweep;
 use crate::spec::{Autopilot, Stop, Vehicle};
 
 /// Most tasks of one spec.
@@ -13,6 +14,8 @@ pub struct Task {
     /// Its places in the order in which one vehicle visits them: one of a visit, whose id is that
     /// of the task; of a delivery `ID.from` and `ID.to`.
     pub stops: Vec<Stop>,
+    /// Lines that are flown, by several vehicles where that is possible; then it has no stops.
+    pub sweep: Option<Sweep>,
 }
 
 impl Task {

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{EndPoint, Span, StopAction, Vehicle};
-use crate::geodesy::LatLon;
+use crate::geodesy::{Agl, LatLon};
 use crate::spec::keys::words;
 
 /// A copter rests at least this long where it stops, seconds: a hold makes both autopilots come to
@@ -48,6 +48,23 @@ pub struct Stop {
     pub window_s: Option<Span>,
     /// Of a task: how long the vehicle waits there before, seconds; whole ones.
     pub wait_s: f64,
+    /// Of a task with lines: how the route to it is flown.
+    pub arrives: Arrival,
+    /// Of a task with lines: pictures are taken at this distance from there on, metres; 0: no
+    /// longer, after a last one.
+    pub trigger_m: Option<f64>,
+}
+
+/// How the route to a stop is flown.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Arrival {
+    /// As planned.
+    #[default]
+    Planned,
+    /// Straight where nothing is in the way.
+    Straight,
+    /// On a line over the ground, at least this high above it.
+    OnLine(Agl),
 }
 
 impl Stop {
@@ -120,6 +137,8 @@ fn acting(id: &str, end: EndPoint, actions: &[StopAction]) -> Option<Stop> {
         speed_mps: None,
         window_s: None,
         wait_s: 0.0,
+        arrives: Arrival::default(),
+        trigger_m: None,
     })
 }
 
@@ -136,6 +155,14 @@ impl Vehicle {
             }),
             None => Cow::Borrowed(self),
         }
+    }
+
+    /// How each of its routes is flown.
+    #[must_use]
+    pub fn arrivals(&self, routes: usize) -> Vec<Arrival> {
+        let arrival = |route: usize| self.stops.get(route).map(|stop| stop.arrives);
+        let each = (0..routes).map(|route| arrival(route).unwrap_or_default());
+        each.collect()
     }
 
     /// Puts its stops in another order, given by their indices; none changes nothing.

@@ -2,6 +2,7 @@
 //! finish, departure, speed, slopes, turns, number of items.
 
 mod actions;
+pub(crate) mod coverage;
 mod ends;
 mod fence;
 mod stops;
@@ -224,10 +225,18 @@ impl Contract<'_> {
             let at = || chord.moment(&self.world.frame, 0.0);
             match (cruise.speed_mps, self.mission.autopilot) {
                 (Some(speed_mps), _) => {
-                    let miss_mps = match self.speed_since_stop(chord.from_s) {
+                    let own_mps = match self.speed_since_stop(chord.from_s) {
                         Some(planned_mps) => (speed_mps - planned_mps).abs(),
                         None => self.vehicle.speeds().miss(speed_mps),
                     };
+                    // Lines of tasks may have a speed of their own.
+                    let on_lines = self
+                        .spec
+                        .tasks
+                        .iter()
+                        .filter_map(|task| task.sweep.as_ref()?.speed_mps);
+                    let misses = on_lines.map(|planned_mps| (speed_mps - planned_mps).abs());
+                    let miss_mps = misses.fold(own_mps, f64::min);
                     worst.at_most(miss_mps, SPEED_MPS, at)
                 }
                 // Its cruise parameter is assumed: PX4 misbehaved with speed items.

@@ -19,6 +19,7 @@ impl Check<'_> {
         };
         for (index, task) in spec.tasks.iter().enumerate() {
             let keys: &[&str] = match task.stops.len() {
+                0 => &[],
                 1 => &["visit"],
                 _ => &["deliver.from", "deliver.to"],
             };

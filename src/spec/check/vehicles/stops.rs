@@ -5,7 +5,7 @@ use crate::geodesy::LatLon;
 use crate::numeric::digits;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{MAX_STOPS, OnWay, Order, Stop};
+use crate::spec::{Arrival, MAX_STOPS, OnWay, Order, Stop};
 
 impl Checker {
     /// The stops of a vehicle, as far as each is whole.
@@ -70,6 +70,8 @@ impl Checker {
             speed_mps: stop.speed_mps,
             window_s: None,
             wait_s: 0.0,
+            arrives: Arrival::Planned,
+            trigger_m: None,
         })
     }
 

@@ -1,11 +1,13 @@
 //! The tasks of the fleet: each alone, and whether any vehicle may do it.
 
+mod areas;
+
 use super::Checker;
 use crate::spec::check::map::Map;
 use crate::spec::keys;
-use crate::spec::{MAX_TASKS, Span, Stop, Task, Vehicle};
+use crate::spec::{Arrival, MAX_TASKS, Span, Stop, Task, Vehicle};
 
-const KINDS: &str = "either visit or deliver";
+const KINDS: &str = "exactly one of visit, deliver, survey, corridor, search";
 
 impl Checker {
     /// The tasks, as far as each is whole.
@@ -48,40 +50,65 @@ impl Checker {
             self.label(&format!("{path}.id"), id);
         }
         let name = id.clone().unwrap_or_default();
-        let stops = match (&keys.visit, &keys.deliver) {
-            (Some(visit), None) => {
-                let stop = self.task_stop(&format!("{path}.visit"), (name, visit), map);
-                vec![stop]
-            }
-            (None, Some(deliver)) => {
-                let path = format!("{path}.deliver");
-                let ends = [("from", &deliver.from), ("to", &deliver.to)];
-                let stops = ends.map(|(key, place)| {
-                    let place = self.required(&path, key, place.as_ref())?;
-                    let named = (format!("{name}.{key}"), place);
-                    self.task_stop(&format!("{path}.{key}"), named, map)
-                });
-                self.carried(&path, &stops);
-                let window = self.task_window(&format!("{path}.window_s"), deliver.window_s);
-                self.one_window(&path, deliver);
-                let [from, to] = stops;
-                let to = to.map(|to| Stop {
-                    window_s: window.or(to.window_s),
-                    ..to
-                });
-                vec![from, to]
-            }
-            (Some(_), Some(_)) | (None, None) => {
-                let found = match keys.visit {
-                    Some(_) => "two kinds of task",
-                    None => "no kind of task",
-                };
-                self.report(path, found, KINDS);
-                return None;
-            }
-        };
+        let kinds = [
+            keys.visit.is_some(),
+            keys.deliver.is_some(),
+            keys.survey.is_some(),
+            keys.corridor.is_some(),
+            keys.search.is_some(),
+        ];
+        if kinds.into_iter().filter(|is_given| *is_given).count() != 1 {
+            let found = match kinds.contains(&true) {
+                true => "two kinds of task",
+                false => "no kind of task",
+            };
+            self.report(path, found, KINDS);
+            return None;
+        }
+        let at = |key: &str| format!("{path}.{key}");
+        let mut sweep = None;
+        let mut stops = Vec::new();
+        if let Some(visit) = &keys.visit {
+            stops.push(self.task_stop(&at("visit"), (name, visit), map));
+        } else if let Some(deliver) = &keys.deliver {
+            stops.extend(self.delivery(&at("deliver"), (&name, deliver), map));
+        } else if let Some(survey) = &keys.survey {
+            sweep = Some(self.survey(&at("survey"), survey, map)?);
+        } else if let Some(corridor) = &keys.corridor {
+            sweep = Some(self.corridor(&at("corridor"), corridor, map)?);
+        } else if let Some(search) = &keys.search {
+            sweep = Some(self.search(&at("search"), search, map)?);
+        }
         let stops = stops.into_iter().collect::<Option<Vec<Stop>>>()?;
-        Some(Task { id: id?, stops })
+        Some(Task {
+            id: id?,
+            stops,
+            sweep,
+        })
+    }
+
+    /// Where a load is picked up and where it is dropped.
+    fn delivery(
+        &mut self,
+        path: &str,
+        (name, deliver): (&str, &keys::Deliver),
+        map: Option<&Map>,
+    ) -> [Option<Stop>; 2] {
+        let ends = [("from", &deliver.from), ("to", &deliver.to)];
+        let stops = ends.map(|(key, place)| {
+            let place = self.required(path, key, place.as_ref())?;
+            let named = (format!("{name}.{key}"), place);
+            self.task_stop(&format!("{path}.{key}"), named, map)
+        });
+        self.carried(path, &stops);
+        let window = self.task_window(&format!("{path}.window_s"), deliver.window_s);
+        self.one_window(path, deliver);
+        let [from, to] = stops;
+        let to = to.map(|to| Stop {
+            window_s: window.or(to.window_s),
+            ..to
+        });
+        [from, to]
     }
 
     /// A window of the right way round.
@@ -149,6 +176,8 @@ impl Checker {
             speed_mps: None,
             window_s: self.task_window(&format!("{path}.window_s"), keys.window_s),
             wait_s: 0.0,
+            arrives: Arrival::Planned,
+            trigger_m: None,
         })
     }
 

@@ -31,7 +31,9 @@ pub(crate) fn margins(
     let near_m = mission::corner_cut_m(&spec.mission).max(spec.mission.tolerance_m);
     let search = Search::new(spec, world, contracts, near_m);
     let claims = search.claims();
-    let mut margins: Vec<Margin> = (spec.tasks.iter().zip(&claims))
+    let visited = spec.tasks.iter().zip(&claims);
+    let visited = visited.filter(|(task, _)| task.sweep.is_none());
+    let mut margins: Vec<Margin> = visited
         .map(|(task, claim)| {
             let sites = count(task.stops.len());
             let required = Requirement::at_least(Limit::Task(task.id.clone()), sites, "places");
@@ -86,6 +88,9 @@ impl<'a> Search<'a> {
         let own: Vec<Vec<usize>> = contracts.iter().map(Contract::own_rests).collect();
         let of_task = |(index, task): (usize, &Task)| {
             let mut claims = Vec::new();
+            if task.sweep.is_some() {
+                return claims;
+            }
             for (at, contract) in contracts.iter().enumerate() {
                 if !task.is_for(contract.vehicle) {
                     continue;

@@ -1,0 +1,276 @@
+//! Areas, corridors and search patterns: what the encoded items show of the ground, and which legs
+//! they fly.
+
+use super::Contract;
+use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::mission::{self, command};
+use crate::spec::{MissionSpec, Sensor, Sweep, SweepShape, Task};
+use crate::tasks::{Cells, Gap, Pass, SweepLine, gaps, lay_out, seen_by};
+use crate::verify::measure::segment::{Chord, Phase};
+use crate::verify::{Limit, Margin, Moment, Requirement};
+use crate::world::World;
+
+/// Least share of an area that is seen at the overlap asked for, percent.
+const LEAST_PERCENT: f64 = 99.5;
+/// Gaps that are named.
+const NAMED: usize = 3;
+/// Motions that are shorter are none over the ground, metres.
+const LEAST_M: f64 = 1e-6;
+/// Distance of the places of a leg that are looked for, metres.
+const EVERY_M: f64 = 20.0;
+/// A leg is not flown where the vehicle is higher than this many times the height asked for.
+const MOST_ABOVE: f64 = 1.5;
+
+/// The margins of all tasks with lines.
+pub(crate) fn margins(
+    spec: &MissionSpec,
+    world: &World,
+    contracts: &[Contract<'_>],
+) -> Vec<Margin> {
+    let tasks = spec.tasks.iter();
+    let with_lines = tasks.filter_map(|task| Some((task, task.sweep.as_ref()?)));
+    let margins = with_lines.map(|(task, sweep)| match &sweep.sensor {
+        Some(sensor) => covered(task, (sweep, sensor), world, contracts),
+        None => flown(task, sweep, (spec, world), contracts),
+    });
+    margins.collect()
+}
+
+/// The share of an area that is seen as often as its overlaps ask for.
+fn covered(
+    task: &Task,
+    (sweep, sensor): (&Sweep, &Sensor),
+    world: &World,
+    contracts: &[Contract<'_>],
+) -> Margin {
+    let limit = Limit::AreaCovered(task.id.clone());
+    let Some(cells) = Cells::of(sweep, world) else {
+        return Margin::unjudged("", limit, "no ground under a part of the area");
+    };
+    let able = contracts
+        .iter()
+        .filter(|contract| task.is_for(contract.vehicle));
+    let passes: Vec<Pass> = able.flat_map(|contract| contract.passes(sensor)).collect();
+    let seen = seen_by(&cells, sensor, sweep.agl.0, &passes);
+    let missing: Vec<bool> = seen.iter().map(|lines| *lines < sensor.lines()).collect();
+    let share =
+        count(missing.iter().filter(|missing| !**missing).count()) / count(missing.len().max(1));
+    let gaps = gaps(&cells, &missing);
+    let at = gaps.first().map(|gap| Moment {
+        place: world.frame.from_plan(gap.at),
+        amsl: world
+            .terrain
+            .height(world.frame.from_plan(gap.at))
+            .unwrap_or(Amsl(0.0)),
+        t_s: 0.0,
+        item: 0,
+    });
+    let required = Requirement::at_least(limit, LEAST_PERCENT, "%");
+    Margin {
+        note: named(&gaps, world),
+        ..required.margin("", 100.0 * share, at)
+    }
+}
+
+/// The largest gaps with place and size.
+fn named(gaps: &[Gap], world: &World) -> String {
+    let name = |gap: &Gap| {
+        let place = world.frame.from_plan(gap.at);
+        format!(
+            "{:.0} m2 ({:.0} m east-west, {:.0} m north-south) at {:.5}, {:.5}",
+            gap.area_m2, gap.size_m[0], gap.size_m[1], place.lat_deg, place.lon_deg
+        )
+    };
+    let largest: Vec<String> = gaps.iter().take(NAMED).map(name).collect();
+    match gaps.len() {
+        0 => String::new(),
+        1 => format!("gap of {}", largest[0]),
+        count => format!("{count} gaps, the largest: {}", largest.join("; ")),
+    }
+}
+
+impl Contract<'_> {
+    /// The parts of the flight on which a sensor sees the ground.
+    fn passes(&self, sensor: &Sensor) -> Vec<Pass> {
+        let mut passes: Vec<Pass> = Vec::new();
+        let mut before: Option<(&Chord, Option<usize>)> = None;
+        let flown = |chord: &&Chord| {
+            let length_m = chord.from.at.distance_m(chord.to.at);
+            chord.flown && chord.phase == Phase::Route && length_m > LEAST_M
+        };
+        for chord in self.flight.chords.iter().filter(flown) {
+            let switch = self.switch_before(chord.row);
+            let trigger_m = switch.and_then(|item| self.trigger_m(item));
+            let is_on = sensor.along.is_none() || trigger_m.is_some();
+            let is_same =
+                before.is_some_and(|(last, of)| of == switch && !self.rests_between(last, chord));
+            let is_first = before.is_none_or(|(_, of)| of != switch);
+            if is_on {
+                if !is_same || passes.is_empty() {
+                    passes.push(Pass {
+                        legs: Vec::new(),
+                        trigger_m,
+                        ends: [
+                            is_first && switch.is_some_and(|item| self.takes_one(item)),
+                            false,
+                        ],
+                    });
+                }
+                if let Some(pass) = passes.last_mut() {
+                    pass.legs.push((chord.from, chord.to));
+                }
+            }
+            // The picture with which a distance is ended or changed.
+            let was_on =
+                before.is_some_and(|(_, of)| of.is_some_and(|item| self.trigger_m(item).is_some()));
+            let ends_with_one =
+                is_first && was_on && switch.is_some_and(|item| self.takes_one(item));
+            if let (true, Some(pass)) = (
+                ends_with_one,
+                passes.iter_mut().rev().nth(usize::from(is_on)),
+            ) {
+                pass.ends[1] = true;
+            }
+            before = Some((chord, switch));
+        }
+        passes
+    }
+
+    /// Index of the last item before a row that sets the distance of pictures.
+    fn switch_before(&self, row: usize) -> Option<usize> {
+        let items = self.mission.items.get(..row.saturating_sub(1))?;
+        items
+            .iter()
+            .rposition(|item| item.command == command::DO_SET_CAM_TRIGG_DIST)
+    }
+
+    /// The distance of pictures that an item sets; none where it ends them.
+    fn trigger_m(&self, item: usize) -> Option<f64> {
+        let distance_m = f64::from(self.mission.items[item].params[0]);
+        (distance_m > 0.0 && distance_m.is_finite()).then_some(distance_m)
+    }
+
+    /// Whether an item takes a picture at once.
+    fn takes_one(&self, item: usize) -> bool {
+        (self.mission.items[item].params[2] - 1.0).abs() < 0.5
+    }
+
+    /// Whether the vehicle rests between two motions.
+    fn rests_between(&self, before: &Chord, after: &Chord) -> bool {
+        let is_between = |from_s: f64| (before.to_s - 1e-6..=after.from_s + 1e-6).contains(&from_s);
+        after.from_s > before.to_s + 1e-6
+            || self.flight.rests.iter().any(|rest| is_between(rest.from_s))
+    }
+}
+
+/// How many legs of a line one vehicle flies in order, and for which it is too far away.
+fn flown(
+    task: &Task,
+    sweep: &Sweep,
+    (spec, world): (&MissionSpec, &World),
+    contracts: &[Contract<'_>],
+) -> Margin {
+    let layout = lay_out(sweep, world);
+    let lines = layout.lines.iter();
+    let total: usize = lines.clone().map(|line| line.points.len() - 1).sum();
+    let near_m = mission::corner_cut_m(&spec.mission).max(spec.mission.tolerance_m) + 1.0;
+    let best = contracts
+        .iter()
+        .filter(|contract| task.is_for(contract.vehicle))
+        .map(|contract| {
+            let legs = |line: &SweepLine| {
+                let forwards = contract.legs(&line.points, sweep, near_m);
+                let backwards = match line.is_reversible {
+                    true => {
+                        let turned: Vec<EastNorth> = line.points.iter().rev().copied().collect();
+                        contract.legs(&turned, sweep, near_m)
+                    }
+                    false => 0,
+                };
+                forwards.max(backwards)
+            };
+            (lines.clone().map(legs).sum::<usize>(), contract)
+        })
+        .max_by_key(|(legs, _)| *legs);
+    let required = Requirement::at_least(Limit::Task(task.id.clone()), count(total), "legs");
+    let what = match sweep.shape {
+        SweepShape::Search(_) => "the pattern",
+        _ => "the corridor",
+    };
+    match best {
+        Some((0, _)) | None => Margin {
+            note: format!("no vehicle flies {what}"),
+            ..required.margin("", 0.0, None)
+        },
+        Some((legs, contract)) => Margin {
+            note: match legs < total {
+                true => format!(
+                    "leg {} is not flown in order within {near_m:.0} m",
+                    legs + 1
+                ),
+                false => String::new(),
+            },
+            ..required.margin(contract.id(), count(legs), None)
+        },
+    }
+}
+
+impl Contract<'_> {
+    /// How many legs of a line are flown, each after the one before it.
+    fn legs(&self, line: &[EastNorth], sweep: &Sweep, near_m: f64) -> usize {
+        let flown = |chord: &&Chord| chord.flown && chord.to_s.is_finite();
+        let chords: Vec<&Chord> = self.flight.chords.iter().filter(flown).collect();
+        let mut cursor = (0, 0.0);
+        for (number, leg) in line.windows(2).enumerate() {
+            let pieces = (leg[0].distance_m(leg[1]) / EVERY_M).ceil().max(1.0);
+            let mut piece = 0.0;
+            while piece <= pieces {
+                let share = piece / pieces;
+                let at = EastNorth {
+                    east_m: leg[0].east_m + share * (leg[1].east_m - leg[0].east_m),
+                    north_m: leg[0].north_m + share * (leg[1].north_m - leg[0].north_m),
+                };
+                match self.passed(&chords, cursor, at, (near_m, MOST_ABOVE * sweep.agl.0)) {
+                    Some(next) => cursor = next,
+                    None => return number,
+                }
+                piece += 1.0;
+            }
+        }
+        line.len() - 1
+    }
+
+    /// The first motion from a cursor on that passes a place, and where on it.
+    fn passed(
+        &self,
+        chords: &[&Chord],
+        (first, from): (usize, f64),
+        at: EastNorth,
+        (near_m, above_m): (f64, f64),
+    ) -> Option<(usize, f64)> {
+        let height_m = |point: PlanPoint| {
+            let ground = self
+                .world
+                .terrain
+                .height(self.world.frame.from_plan(point.at));
+            ground.map_or(f64::INFINITY, |ground| point.amsl.above_ground(ground).0)
+        };
+        (first..chords.len()).find_map(|index| {
+            let chord = chords[index];
+            let least = if index == first { from } else { 0.0 };
+            let (from, to) = (chord.from.at, chord.to.at);
+            let square = (to.east_m - from.east_m).powi(2) + (to.north_m - from.north_m).powi(2);
+            let along = (at.east_m - from.east_m) * (to.east_m - from.east_m)
+                + (at.north_m - from.north_m) * (to.north_m - from.north_m);
+            let share = if square > 0.0 { along / square } else { 0.0 };
+            let share = share.clamp(least, 1.0);
+            let point = chord.at(share);
+            let is_near = point.at.distance_m(at) <= near_m && height_m(point) <= above_m;
+            is_near.then_some((index, share))
+        })
+    }
+}
+
+fn count(number: usize) -> f64 {
+    f64::from(u32::try_from(number).unwrap_or(u32::MAX))
+}

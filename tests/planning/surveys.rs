@@ -1,0 +1,334 @@
+//! Areas, corridors and search patterns: laid out, shared, encoded, and counted from the items.
+
+use crate::support;
+
+use std::path::Path;
+
+use sortie::dispatch::{Dispatched, dispatch};
+use sortie::geodesy::{Agl, LatLon};
+use sortie::mission::{Item, VehicleMission, command};
+use sortie::spec::*;
+use sortie::verify::{Limit, Review, review};
+use sortie::world::World;
+use support::{copter, empty_spec, place, world};
+
+/// 359 m from west to east and 277 m from south to north.
+const FIELD: [(f64, f64); 4] = [
+    (36.3000, -84.2530),
+    (36.3000, -84.2490),
+    (36.3025, -84.2490),
+    (36.3025, -84.2530),
+];
+/// Half of the swath of the camera at 80 m, in 1e-7 degrees of latitude.
+const HALF_SWATH: i32 = 4150;
+
+fn corners(of: &[(f64, f64)]) -> Vec<LatLon> {
+    of.iter().map(|&(lat, lon)| place(lat, lon)).collect()
+}
+
+fn camera() -> Sensor {
+    Sensor {
+        across: 30_f64.to_radians().tan(),
+        along: Some((22.5_f64.to_radians().tan(), 0.7)),
+        side_overlap: 0.6,
+    }
+}
+
+fn sweep(shape: SweepShape, sensor: Option<Sensor>) -> Sweep {
+    Sweep {
+        shape,
+        sensor,
+        agl: Agl(80.0),
+        speed_mps: None,
+    }
+}
+
+fn field(holes: Vec<Vec<LatLon>>, heading_rad: Option<f64>) -> Sweep {
+    let polygon = corners(&FIELD);
+    let shape = SweepShape::Survey {
+        polygon,
+        holes,
+        heading_rad,
+    };
+    sweep(shape, Some(camera()))
+}
+
+/// Copters beside the field, and one task.
+fn spec(autopilot: Autopilot, vehicles: u8, sweep: Sweep) -> MissionSpec {
+    let vehicles = (1..=vehicles).map(|sysid| {
+        let at = |lat_deg| place(lat_deg, -84.2545 - 0.0016 * f64::from(sysid));
+        let mut vehicle = copter(&format!("copter{sysid}"), sysid, at(36.301), at(36.3015));
+        (vehicle.autopilot, vehicle.speed_mps) = (autopilot, 10.0);
+        vehicle
+    });
+    let mut spec = empty_spec(vehicles.collect());
+    spec.planner.evaluations = 1500;
+    spec.separation.distance_m = 20.0;
+    spec.tasks = vec![Task {
+        id: "field".to_owned(),
+        stops: Vec::new(),
+        sweep: Some(sweep),
+    }];
+    spec
+}
+
+fn dispatched(spec: &MissionSpec) -> (World, Dispatched) {
+    let world = world(spec);
+    let done = dispatch(spec, &world, 1, &|_| ());
+    (world, done)
+}
+
+fn failed(review: &Review) -> Vec<String> {
+    let failed = review.margins.iter().filter(|margin| !margin.ok);
+    failed
+        .map(|margin| {
+            format!(
+                "{}: {}: {} ({})",
+                margin.vehicle, margin.limit, margin.note, margin.value
+            )
+        })
+        .collect()
+}
+
+/// The verdict on the missions of a plan with the first of them changed.
+fn judged(
+    spec: &MissionSpec,
+    (world, done): &(World, Dispatched),
+    change: &dyn Fn(&mut Vec<Item>),
+) -> Vec<String> {
+    let mut changed: Vec<(usize, VehicleMission)> = done.missions.clone();
+    change(&mut changed[0].1.items);
+    let missions: Vec<_> = changed.iter().map(|(index, one)| (*index, one)).collect();
+    failed(&review(spec, world, &missions))
+}
+
+/// From the waypoint where a line begins to the item that ends its pictures.
+fn line(items: &[Item], number: usize) -> std::ops::RangeInclusive<usize> {
+    let is_switch = |item: &Item, on: bool| {
+        item.command == command::DO_SET_CAM_TRIGG_DIST && (item.params[0] > 0.0) == on
+    };
+    let on = (0..items.len()).filter(|&index| is_switch(&items[index], true));
+    let begin = on.clone().nth(number).expect("a line");
+    let end = (begin..items.len()).find(|&index| is_switch(&items[index], false));
+    begin - 1..=end.expect("its end")
+}
+
+#[test]
+fn an_area_is_seen_at_its_overlap_and_gaps_are_named_with_place_and_size() {
+    for autopilot in [Autopilot::ArduPilot, Autopilot::Px4] {
+        let spec = spec(
+            autopilot,
+            1,
+            field(Vec::new(), Some(std::f64::consts::FRAC_PI_2)),
+        );
+        let planned = dispatched(&spec);
+        assert_eq!(judged(&spec, &planned, &|_| ()), Vec::<String>::new());
+        let seen = Limit::AreaCovered("field".to_owned());
+        let margins = &planned.1.review.margins;
+        let seen = margins.iter().find(|margin| margin.limit == seen);
+        assert!(seen.expect("judged").value > 99.9);
+        // Distance and a picture at once, then a last one.
+        let items = &planned.1.missions[0].1.items;
+        let third = line(items, 3);
+        let (on, off) = (items[third.start() + 1].params, items[*third.end()].params);
+        assert!(
+            (on[0] - 18.2).abs() < 0.11 && (on[2] - 1.0).abs() < 1e-6,
+            "{on:?}"
+        );
+        assert_eq!(off, [0.0, 0.0, 1.0, 0.0]);
+        // 359 m by 277 m with lines 37 m apart.
+        let lines = items
+            .iter()
+            .filter(|item| item.command == command::DO_SET_CAM_TRIGG_DIST);
+        assert!((14..=18).contains(&lines.count()));
+        let changes: [(&str, &dyn Fn(&mut Vec<Item>)); 4] = [
+            ("a line removed", &|items| {
+                items.drain(line(items, 3));
+            }),
+            ("pictures off", &|items| {
+                let on = line(items, 3).start() + 1;
+                items[on].params[0] = 0.0;
+            }),
+            ("altitude doubled", &|items| {
+                for index in line(items, 3) {
+                    if items[index].command == command::NAV_WAYPOINT {
+                        items[index].z += 80.0;
+                    }
+                }
+            }),
+            ("shifted by half a swath", &|items| {
+                for index in line(items, 3) {
+                    if items[index].command == command::NAV_WAYPOINT {
+                        items[index].x += HALF_SWATH;
+                    }
+                }
+            }),
+        ];
+        for (what, change) in changes {
+            let failed = judged(&spec, &planned, change);
+            let named = failed
+                .iter()
+                .find(|text| text.contains("area covered of task field"));
+            let named = named.unwrap_or_else(|| panic!("{what}: {failed:?}"));
+            assert!(
+                named.contains("m2 (") && named.contains("at 36.30"),
+                "{what}: {named}"
+            );
+        }
+    }
+}
+
+#[test]
+fn copters_share_an_area_that_one_battery_does_not_suffice_for() {
+    let mut spec = spec(Autopilot::ArduPilot, 2, field(Vec::new(), None));
+    let endurance = |time_s| {
+        Some(Endurance {
+            capacity: Capacity::Time(time_s),
+            reserve: 0.2,
+        })
+    };
+    for vehicle in &mut spec.vehicles {
+        vehicle.endurance = endurance(560.0);
+    }
+    let (_, done) = dispatched(&spec);
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+    let tasks = done.tasks.as_ref().expect("tasks");
+    let mut lines: Vec<i32> = tasks
+        .done
+        .iter()
+        .flatten()
+        .flat_map(|task| &task.lines)
+        .map(|line| line.abs())
+        .collect();
+    lines.sort_unstable();
+    assert!(
+        tasks.done.iter().all(|done| done.len() == 1),
+        "{:?}",
+        tasks.done
+    );
+    let all = i32::try_from(lines.len()).expect("few");
+    assert_eq!(lines, (1..=all).collect::<Vec<_>>(), "each line once");
+    // What is left is named, and the plan fails with the gap.
+    for vehicle in &mut spec.vehicles {
+        vehicle.endurance = endurance(350.0);
+    }
+    let (_, done) = dispatched(&spec);
+    let left = &done.tasks.as_ref().expect("tasks").left;
+    assert_eq!(left.len(), 1);
+    assert!(left[0].why.contains("lines ("), "{left:?}");
+    assert!(
+        left[0].why.contains("endurance") || left[0].why.contains("out of reach"),
+        "{left:?}"
+    );
+    let failed = failed(&done.review);
+    assert!(failed.iter().any(|text| text.contains("gap")), "{failed:?}");
+}
+
+#[test]
+fn a_hole_is_not_flown_over_and_the_free_heading_is_along_the_field() {
+    let hole = corners(&[
+        (36.3003, -84.2522),
+        (36.3003, -84.2498),
+        (36.3022, -84.2498),
+        (36.3022, -84.2522),
+    ]);
+    let with_hole = spec(Autopilot::Px4, 1, field(vec![hole], None));
+    let layout = |spec: &MissionSpec| {
+        let sweep = spec.tasks[0].sweep.as_ref().expect("an area");
+        sortie::tasks::lay_out(sweep, &world(spec)).lines
+    };
+    let whole = spec(Autopilot::Px4, 1, field(Vec::new(), None));
+    let length = |spec: &MissionSpec| {
+        layout(spec)
+            .iter()
+            .map(sortie::tasks::SweepLine::length_m)
+            .sum::<f64>()
+    };
+    assert!(length(&with_hole) < 0.95 * length(&whole));
+    for line in layout(&whole) {
+        assert!(
+            (line.points[0].north_m - line.points[1].north_m).abs() < 1.0,
+            "{line:?}"
+        );
+    }
+    let (_, done) = dispatched(&with_hole);
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+}
+
+#[test]
+fn the_legs_of_a_pattern_are_flown_in_order_and_a_missing_one_is_named() {
+    for pattern in [
+        Pattern::ExpandingSquare,
+        Pattern::Sector,
+        Pattern::ParallelTrack,
+    ] {
+        let search = SearchPattern {
+            pattern,
+            at: place(36.301, -84.250),
+            heading_rad: 0.3,
+            leg_m: 120.0,
+            legs: 9,
+            spacing_m: 60.0,
+        };
+        let spec = spec(
+            Autopilot::ArduPilot,
+            1,
+            sweep(SweepShape::Search(search), None),
+        );
+        let planned = dispatched(&spec);
+        assert_eq!(judged(&spec, &planned, &|_| ()), Vec::<String>::new());
+        // Without its fifth corner the vehicle cuts from the fourth to the sixth.
+        let failed = judged(&spec, &planned, &|items| {
+            let rests = (0..items.len()).filter(|&index| {
+                items[index].command == command::NAV_WAYPOINT && items[index].params[0] > 0.5
+            });
+            let corner = rests.clone().nth(5).expect("corners");
+            let before = rests.clone().nth(4).expect("corners");
+            items.drain(before + 1..=corner);
+        });
+        let named = failed
+            .iter()
+            .any(|text| text.contains("task field") && text.contains("is not flown in order"));
+        assert!(named, "{pattern:?}: {failed:?}");
+    }
+}
+
+#[test]
+fn a_corridor_with_a_bend_is_seen_and_one_without_a_camera_is_flown_along() {
+    let line = corners(&[(36.300, -84.256), (36.303, -84.252), (36.303, -84.248)]);
+    let strip = |width_m| SweepShape::Corridor {
+        line: line.clone(),
+        width_m,
+    };
+    let spec_of = |sweep| spec(Autopilot::Px4, 1, sweep);
+    let seen = spec_of(sweep(strip(120.0), Some(camera())));
+    let (_, done) = dispatched(&seen);
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+    let swath = Sensor {
+        across: 0.5,
+        along: None,
+        side_overlap: 0.2,
+    };
+    let (_, done) = dispatched(&spec_of(sweep(strip(120.0), Some(swath))));
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+    let switches = |item: &&Item| item.command == command::DO_SET_CAM_TRIGG_DIST;
+    assert_eq!(done.missions[0].1.items.iter().filter(switches).count(), 0);
+    let along = spec_of(sweep(strip(40.0), None));
+    let (_, done) = dispatched(&along);
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+}
+
+#[test]
+fn the_survey_mission_passes_over_the_ridge() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/survey.yaml");
+    let file = SpecFile::read(&path).expect("a good spec");
+    let world = sortie::world::load(&file).expect("good over the ground");
+    let done = dispatch(&file.spec, &world, 1, &|_| ());
+    assert!(done.review.passes(), "{:?}", failed(&done.review));
+    let tasks = done.tasks.as_ref().expect("tasks");
+    assert!(
+        tasks.done.iter().all(|done| !done.is_empty()),
+        "{:?}",
+        tasks.done
+    );
+}
