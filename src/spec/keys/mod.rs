@@ -247,6 +247,7 @@ pub struct Hill {
 /// What of space a threat takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
+#[schemars(transform = words)]
 pub enum ThreatShape {
     /// Every height within the radius.
     #[default]
