@@ -88,7 +88,9 @@ fn a_reviewer_that_knows_most_missions_says_what_a_fresh_one_says() {
     let mut judged = |missions: &[(usize, VehicleMission)]| {
         let each: Vec<_> = missions.iter().map(|(index, own)| (*index, own)).collect();
         let found = reviewer.review(&each);
-        assert_eq!(found, review(&spec, &world, &each));
+        // Values that cannot be known are NaN, which equals nothing.
+        let fresh = review(&spec, &world, &each);
+        assert_eq!(format!("{found:?}"), format!("{fresh:?}"));
         found.passes()
     };
     assert!(judged(&missions) && judged(&missions));

@@ -7,7 +7,7 @@ use super::insertion::{Insertion, Noise};
 use super::{Assigned, Assignment};
 
 /// Rounds of removal and new insertion after the first insertion.
-const ROUNDS: u64 = 3000;
+const ROUNDS: u64 = 10_000;
 /// All jobs are taken out in one round of this number.
 const RESTART: u32 = 12;
 /// Most that a sharing may cost above the best to be gone on from, at first; percent.
