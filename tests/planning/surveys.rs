@@ -1,5 +1,7 @@
 //! Areas, corridors and search patterns: laid out, shared, encoded, and counted from the items.
 
+#![allow(clippy::float_cmp)]
+
 use crate::support;
 
 use std::path::Path;
