@@ -56,7 +56,7 @@ fn what_is_wrong_with_an_area_is_reported_at_its_place() {
         format!("{{id: t, search: {{at: {{lat: 36.29, lon: -84.27, agl_m: 60}}, {of}}}}}")
     };
     let crossing =
-        "polygon: [[36.29, -84.28], [36.295, -84.27], [36.29, -84.27], [36.295, -84.28]]";
+        "polygon: [[36.29, -84.28], [36.296, -84.27], [36.29, -84.27], [36.294, -84.28]]";
     let outside = "polygon: [[36.39, -84.28], [36.39, -84.27], [36.41, -84.27]]";
     let around = "polygon: [[36.30, -84.27], [36.30, -84.25], [36.32, -84.25], [36.32, -84.27]]";
     for (task, path, found) in [
@@ -126,7 +126,7 @@ fn what_is_wrong_with_an_area_is_reported_at_its_place() {
                 "{POLYGON}, swath_m: 5, side_overlap: 0.9, agl_m: 80"
             )),
             "tasks[0].survey",
-            "lines 0.5 m apart",
+            "lines 0.50 m apart",
         ),
         (
             survey(&format!("{crossing}, {CAMERA}, agl_m: 80")),
@@ -158,7 +158,7 @@ fn what_is_wrong_with_an_area_is_reported_at_its_place() {
         (
             "{id: t, corridor: {line: [[36.29, -84.29]], width_m: 80, agl_m: 60}}".to_owned(),
             "tasks[0].corridor.line",
-            "2",
+            "1 corners",
         ),
         (
             "{id: t, corridor: {line: [[36.29, -84.29], [36.29, -84.29]], width_m: 80, agl_m: 60}}"

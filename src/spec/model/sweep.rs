@@ -162,6 +162,7 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::float_cmp, reason = "rounded before")]
     fn patterns_are_those_of_the_manual() {
         let square = corners(Pattern::ExpandingSquare, 5);
         let expected = [

@@ -9,7 +9,7 @@ use crate::spec::Sensor;
 /// A line goes on over a gap that is no longer than this many swaths.
 const GAP_SWATHS: f64 = 2.0;
 /// A share of the swath at the edge of the area that is not relied on.
-const EDGE: f64 = 0.12;
+const EDGE: f64 = 0.03;
 /// What a line costs besides its length, in metres: slowing down, resting, turning.
 const EACH_LINE_M: f64 = 40.0;
 /// Directions that are tried besides those of the edges are this far apart, degrees.

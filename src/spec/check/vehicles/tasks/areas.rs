@@ -16,6 +16,8 @@ const SIDE_OVERLAP: f64 = 0.6;
 const LEAST_SPACING_M: f64 = 2.0;
 /// Most length of all lines of one task, metres.
 const MOST_LINES_M: f64 = 1_000_000.0;
+/// Most corners of a corridor.
+const MAX_CORNERS: usize = 100;
 /// Corners of a corridor are at least this far apart, metres.
 const LEAST_LEG_M: f64 = 10.0;
 
@@ -94,6 +96,11 @@ impl Checker {
         let width_m = self.required(path, "width_m", keys.width_m);
         let corners = self.required(path, "line", keys.line.as_ref());
         let line = corners.and_then(|corners| {
+            if !(2..=MAX_CORNERS).contains(&corners.len()) {
+                let found = format!("{} corners", corners.len());
+                self.report(&at("line"), found, format!("2 to {MAX_CORNERS}"));
+                return None;
+            }
             let corners = corners.iter().enumerate().map(|(index, [lat, lon])| {
                 let place = keys::Place {
                     lat: Some(*lat),
