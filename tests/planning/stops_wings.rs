@@ -102,11 +102,12 @@ fn a_stop_of_a_wing_left_out_moved_or_out_of_order_fails_and_so_do_its_actions()
         let moved = judged(&|items| move_aside(items, second, 30.0));
         assert!(names(&moved, "stop t2"), "{moved:?}");
         let mut swapped = spec.clone();
-        swapped.vehicles[0].stops.swap(0, 1);
+        // The way from the second stop to the third leads over the first.
+        swapped.vehicles[0].stops.swap(1, 2);
         let mut other = world.clone();
-        other.stations[0].stops.swap(0, 1);
+        other.stations[0].stops.swap(1, 2);
         let order = failed(&review(&swapped, &other, &[(0, mission)]));
-        assert!(names(&order, "stop t1"), "{order:?}");
+        assert!(names(&order, "stop t2"), "{order:?}");
         for (number, action) in spec.vehicles[0].stops[0].actions.iter().enumerate() {
             let at = first + 1 + number;
             let name = format!(
