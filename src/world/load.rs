@@ -352,7 +352,7 @@ impl Check<'_> {
             .filter(has_height)
             .filter(|zone| {
                 let outline = spec.frame.outline(&zone.outline());
-                let shape = PlanZone::new(outline, zone, 0.0, &self.terrain);
+                let shape = PlanZone::new(outline, zone, 0.0, self.terrain);
                 shape.is_closed_at(PlanPoint { at, amsl }, ground_m, f64::NAN)
             })
             .map(|zone| {
@@ -384,7 +384,7 @@ impl Check<'_> {
                 true => 0.0,
                 false => Ring::around(&outline).boundary_distance(super::point(point.at)),
             };
-            let shape = PlanZone::new(outline, zone, 0.0, &self.terrain);
+            let shape = PlanZone::new(outline, zone, 0.0, self.terrain);
             let (from_m, below_m) = shape.closed_m(ground_m);
             let past_m = (from_m - point.amsl.0).max(point.amsl.0 - below_m);
             // Either is enough.
