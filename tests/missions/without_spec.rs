@@ -412,3 +412,17 @@ fn flags_are_named_as_flags_and_a_folder_is_reviewed_as_its_files() {
     );
     assert_eq!(errors.matches("--autopilot").count(), 1, "{errors}");
 }
+
+#[test]
+fn a_plane_that_lands_far_below_home_is_not_judged_without_terrain() {
+    for (above_home_m, passes) in [(-100.0, false), (40.0, false), (0.0, true)] {
+        let climb = Row(22, 3, [10.0, 0.0, 0.0, 0.0], 46.0, 8.0, 50.0);
+        let way = [waypoint(46.01, 8.0, 50.0), waypoint(46.02, 8.0, 50.0)];
+        let down = Row(21, 3, [0.0; 4], 46.03, 8.0, above_home_m);
+        let mut rows = vec![climb];
+        rows.extend(way);
+        rows.push(down);
+        let (code, out, errors) = review(HOME, &rows, &["--no-terrain", "--airframe", "plane"]);
+        assert_eq!(code == Some(0), passes, "{above_home_m}: {out}{errors}");
+    }
+}

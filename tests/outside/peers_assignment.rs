@@ -36,7 +36,11 @@ fn case(seed: u64) -> (Vec<Vec<u32>>, u64) {
     let times = at.iter().map(|a| at.iter().map(|b| time(a, b)).collect());
     (
         times.collect(),
-        if seed % 2 == 0 { 1_000_000 } else { 16_000 },
+        if seed.is_multiple_of(2) {
+            1_000_000
+        } else {
+            16_000
+        },
     )
 }
 

@@ -100,10 +100,9 @@ impl Pilot<'_> {
         height: Height,
     ) -> Result<(), Unknown> {
         let at = self.reach(row, place)?;
-        let ground_m = match (&self.world.terrain, height) {
-            // Where it touches down is then not judged.
-            (Terrain::Unknown, Height::Sea(amsl)) => amsl.0,
-            (Terrain::Unknown, _) => self.home.amsl.0,
+        let ground_m = match self.world.terrain {
+            // Where it touches down is then not judged, but for a place that is not near home's height.
+            Terrain::Unknown => self.home.amsl.0,
             _ => self.trajectory.ground_m(row, place)?,
         };
         if let Height::Sea(Amsl(amsl_m)) = height
