@@ -4,7 +4,6 @@
 mod support;
 
 mod flight_sitl;
-mod peers_assignment;
 mod peers_files;
 mod peers_flight;
 mod peers_lossy;
