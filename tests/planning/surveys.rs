@@ -143,7 +143,8 @@ fn an_area_is_seen_at_its_overlap_and_gaps_are_named_with_place_and_size() {
             .iter()
             .filter(|item| item.command == command::DO_SET_CAM_TRIGG_DIST);
         assert!((14..=18).contains(&lines.count()));
-        let changes: [(&str, &dyn Fn(&mut Vec<Item>)); 4] = [
+        type Change<'a> = (&'a str, &'a dyn Fn(&mut Vec<Item>));
+        let changes: [Change<'_>; 4] = [
             ("a line removed", &|items| {
                 items.drain(line(items, 3));
             }),
