@@ -334,7 +334,12 @@ fn wing(autopilot: Autopilot, items: &[Item]) -> (MissionSpec, VehicleMission) {
         80.0,
         0.0,
     );
-    let mut all = vec![up, missions::speed(18.0)];
+    // Kind 0: the airspeed.
+    let speed = Item {
+        params: [0.0, 18.0, -1.0, 0.0],
+        ..missions::speed(18.0)
+    };
+    let mut all = vec![up, speed];
     all.extend_from_slice(items);
     let mut mission = mission(&vehicle, GROUND_M, all);
     for (name, value) in [("WP_LOITER_RAD", 80.0), ("NAV_LOITER_RAD", 80.0)] {
