@@ -413,21 +413,30 @@ fn a_wing_flies_its_turns_its_time_and_to_its_altitude_and_goes_on() {
                 nearest_m(&spec, &mission, spot(1900.0, 60.0)) < 10.0,
                 "{number}"
             );
-            // Not much further: ArduPlane leaves on course, and its swings onto it are judged too. PX4
-            // leaves on any course, within two turn radii of the circle.
-            let beside = spot(2400.0, 250.0);
-            let found_m = nearest_m(&spec, &mission, beside);
-            if autopilot == Autopilot::ArduPilot {
-                assert!(found_m > 100.0, "{number} {found_m}");
-                continue;
-            }
+            // No further: ArduPlane leaves on course, within 1.2 radii of the middle; PX4 on any
+            // course, within two turn radii of the circle. Both fly to the left rim of the next
+            // circle, which is flown clockwise.
             let turn_m = sortie::path::VehicleLimits::of(&spec.vehicles[0]).turn_radius_m;
-            let disc = ((1500.0, 0.0), radius_m + 2.0 * turn_m);
-            let expected_m = to_hull_m((2400.0, 250.0), disc, (3000.0, 0.0));
-            assert!(
-                (found_m - expected_m).abs() < 8.0,
-                "{number}: {found_m}, expected {expected_m}"
-            );
+            let reach_m = match autopilot {
+                Autopilot::ArduPilot => 1.2 * radius_m,
+                Autopilot::Px4 => radius_m + 2.0 * turn_m,
+            };
+            let (sin, cos) = (100.0_f64 / 1500.0).asin().sin_cos();
+            let rim = (3000.0 - 100.0 * sin, 100.0 * cos);
+            // The swings of ArduPlane onto its course are judged besides, on the other side.
+            let beside_it = [(2400.0, 250.0), (2400.0, -250.0), (2000.0, 400.0)];
+            let count = match autopilot {
+                Autopilot::ArduPilot => 1,
+                Autopilot::Px4 => beside_it.len(),
+            };
+            for beside in beside_it.into_iter().take(count) {
+                let expected_m = to_hull_m(beside, ((1500.0, 0.0), reach_m), rim);
+                let found_m = nearest_m(&spec, &mission, spot(beside.0, beside.1));
+                assert!(
+                    (found_m - expected_m).abs() < 8.0,
+                    "{number} {autopilot:?} {beside:?}: {found_m}, expected {expected_m}"
+                );
+            }
         }
     }
 }
