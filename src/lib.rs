@@ -32,11 +32,11 @@
 //! | 3 | [`world`] | terrain and its readers, threats, zones, area |
 //! | 4 | [`path`] | control points to a sampled, timed trajectory; turn and climb limits |
 //! | 5 | [`cost`] | the objective: named terms, weights, the fast kernel and its reference |
-//! | 6 | [`plan`] | one vehicle's search problem; the fleet in priority order; why there is no path |
+//! | 6 | [`plan`](mod@plan) | one vehicle's search problem; the fleet in priority order; why there is no path |
 //! | 7 | [`mission`] | mission items, path to items, acceptance |
 //! | 7 | [`tasks`] | the order of stops |
 //! | 8 | [`formats`] | `.waypoints`, `.plan`, KML, GeoJSON, parameter files |
-//! | 8 | [`verify`] | limits, margins, the verdict on encoded missions in continuous time |
+//! | 8 | [`verify`](mod@verify) | limits, margins, the verdict on encoded missions in continuous time |
 //! | 9 | [`dispatch`] | plan, encode, verify, repair, in bounded rounds |
 //! | 9 | [`link`] | sans-IO upload and download, codec, sockets |
 //! | 10 | [`simulator`] | the simulated vehicle |

@@ -56,7 +56,7 @@ pub struct Progress {
     pub total: usize,
 }
 
-/// The transfer to one vehicle; see the [driver contract](super#driver-contract).
+/// The transfer to one vehicle; see the driver contract of the module `transfer`.
 #[derive(Debug)]
 pub struct Session<'a> {
     order: Order<'a>,

@@ -1,7 +1,7 @@
 //! The keys of a spec as the file has them: names, units and shapes, unchecked.
 //!
 //! The JSON Schema is made of these structs: their doc comments are its descriptions, their
-//! `range` attributes are the ranges that [`check`](super::check) enforces. A key that must be
+//! `range` attributes are the ranges that `check` enforces. A key that must be
 //! given is an `Option` with the attribute `required`; the check reports where it is missing.
 
 mod actions;
