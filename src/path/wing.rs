@@ -201,6 +201,8 @@ pub(super) struct Way {
     pub(super) points: Vec<PlanPoint>,
     /// Where it touches down, if it does.
     pub(super) touchdown: PlanPoint,
+    /// Where it circles on its way, by the index of the point in the middle, and how long, seconds.
+    pub(super) circles: Vec<(usize, f64)>,
 }
 
 /// The way along some routes, each of at least two points.
@@ -226,13 +228,20 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
     };
     let (mut at, mut course) = (first.at, takeoff_rad);
     let mut points = vec![first];
+    let mut circles = Vec::new();
     let level =
         |corners: Vec<EastNorth>, amsl| corners.into_iter().map(move |at| PlanPoint { at, amsl });
     for (number, route) in routes.iter().enumerate() {
         let [first, second, ..] = route.as_slice() else {
             continue;
         };
-        if number > 0 && vehicle.passes_after(number - 1) {
+        let stop = number
+            .checked_sub(1)
+            .filter(|stop| *stop < vehicle.stops.len());
+        if let Some(stop) = stop {
+            if !vehicle.passes_after(stop) {
+                circles.push((points.len() - 1, vehicle.rest_after_s(stop)));
+            }
             points.extend(&route[1..]);
         } else {
             let onto = (first.at, Some(heading_rad(first.at, second.at)));
@@ -261,5 +270,6 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
         climb,
         points,
         touchdown,
+        circles,
     }
 }

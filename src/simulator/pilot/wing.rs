@@ -3,11 +3,13 @@
 mod items;
 mod landing;
 
+use super::mission::place;
 use super::{Doing, Event, Pilot, STEP_S};
 use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::link::LandedState;
+use crate::link::Time;
 use crate::mission::Item;
-use crate::simulator::dynamics::guidance::Motion;
+use crate::simulator::dynamics::guidance::{Motion, wrapped};
 use crate::simulator::dynamics::steering;
 use crate::simulator::dynamics::steering::Leg;
 use crate::simulator::dynamics::wing::{Demand, Wing};
@@ -16,6 +18,8 @@ use crate::simulator::parameters::{Passes, WingLimits};
 use crate::simulator::profile::Profile;
 use crate::spec::Airframe;
 
+/// A circle is left when the nose points this near to the next place, radians.
+const LINED_UP_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Slower than this on its wheels it stands, m/s.
 const STANDS_MPS: f64 = 0.1;
 
@@ -34,11 +38,22 @@ pub(in crate::simulator) enum Winged {
         leg: Leg,
         radius_m: f64,
         lands: bool,
+        /// How long, since when it is on its circle; none: for ever.
+        stay: Option<Stay>,
     },
     /// Glides to the ground at the end of a leg; since its flare from a height, with a sink.
     Gliding { leg: Leg, flare: Option<(f64, f64)> },
     /// Runs out on its wheels.
     RunningOut,
+}
+
+/// A circle that is left again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulator) struct Stay {
+    /// Milliseconds.
+    time_ms: u64,
+    /// When the time is over, once it runs.
+    until: Option<Time>,
 }
 
 /// A takeoff along a course.
@@ -63,6 +78,16 @@ pub(in crate::simulator) struct Following {
     circles: bool,
     /// At its end it goes over to its rotors and lands.
     descends: bool,
+}
+
+impl Stay {
+    /// One of so many milliseconds, which do not run yet.
+    pub(super) fn of(time_ms: u64) -> Self {
+        Self {
+            time_ms,
+            until: None,
+        }
+    }
 }
 
 impl Winged {
@@ -133,6 +158,7 @@ impl Pilot {
             leg,
             radius_m,
             lands,
+            stay: None,
         });
     }
 
@@ -164,7 +190,8 @@ impl Pilot {
                 leg,
                 radius_m,
                 lands,
-            } => self.go_round((leg, radius_m, lands), at_m, &limits),
+                stay,
+            } => self.go_round((leg, radius_m, lands, stay), at_m, items, &limits),
             Winged::Gliding { leg, flare } => self.glide(leg, flare, at_m, &limits),
             Winged::RunningOut => self.run_out(),
         }
@@ -296,8 +323,9 @@ impl Pilot {
 
     fn go_round(
         &mut self,
-        (mut leg, radius_m, lands): (Leg, f64, bool),
+        (mut leg, radius_m, lands, mut stay): (Leg, f64, bool, Option<Stay>),
         at_m: [f64; 3],
+        items: &[Item],
         limits: &WingLimits,
     ) {
         let middle_m = [leg.to_m[0], leg.to_m[1]];
@@ -316,11 +344,37 @@ impl Pilot {
             let amsl_m = altitude_m(&following, at_m, limits);
             self.fly_at(across_mps2, amsl_m, at_m, false);
         }
+        if let Some(stay) = &mut stay {
+            if circles {
+                stay.until.get_or_insert(self.clock + stay.time_ms);
+            }
+            if stay.until.is_some_and(|until| self.clock >= until) && self.heads_on(leg, items) {
+                self.complete(items);
+                return;
+            }
+        }
         self.doing = Doing::OnWing(Winged::Circling {
             leg,
             radius_m,
             lands,
+            stay,
         });
+    }
+
+    /// Whether a wing that circles heads for the next place, within 10 degrees; where that is within
+    /// its circle it goes on at once (`ModeLoiter::isHeadingLinedUp`).
+    fn heads_on(&self, leg: Leg, items: &[Item]) -> bool {
+        let mut ahead = items.iter().skip(self.at + 1);
+        let next = ahead.find_map(|item| place(item).and_then(|_| self.point_m(item, leg.to_m)));
+        let Some(next_m) = next else { return true };
+        let within_m = 1.05 * self.settings.wing().loiter_radius_m.abs();
+        if steering::across_m(leg.to_m, next_m) < within_m {
+            return true;
+        }
+        let at_m = self.body.at_m;
+        let bearing_rad = (next_m[0] - at_m[0]).atan2(next_m[1] - at_m[1]);
+        let [east, north, _] = self.body.velocity_mps;
+        wrapped(bearing_rad - east.atan2(north)).abs() <= LINED_UP_RAD
     }
 }
 
