@@ -205,9 +205,20 @@ pub(super) struct Way {
     pub(super) circles: Vec<(usize, f64)>,
 }
 
+/// Where a wing is when it begins with its routes.
+fn lifted(stations: &Stations, climb: Option<&ClimbOut>) -> PlanPoint {
+    let over_home = PlanPoint {
+        at: stations.home.at,
+        ..stations.start
+    };
+    match stations.departure {
+        Departure::Airborne { point, .. } => point,
+        Departure::Ground => climb.map_or(over_home, |climb| climb.top),
+    }
+}
+
 /// The way along some routes, each of at least two points.
 pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Way {
-    let start = stations.start;
     let takeoff_rad = vehicle
         .wing
         .and_then(|wing| wing.takeoff_heading_rad)
@@ -216,16 +227,9 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
         .filter(|_| vehicle.airframe == Airframe::Plane)
         .map(|course| {
             let (home, ground) = (stations.home.at, |_| stations.home.amsl);
-            climb_out(vehicle, home, course, ground, start.amsl)
+            climb_out(vehicle, home, course, ground, stations.start.amsl)
         });
-    let over_home = PlanPoint {
-        at: stations.home.at,
-        ..start
-    };
-    let first = match stations.departure {
-        Departure::Airborne { point, .. } => point,
-        Departure::Ground => climb.as_ref().map_or(over_home, |climb| climb.top),
-    };
+    let first = lifted(stations, climb.as_ref());
     let (mut at, mut course) = (first.at, takeoff_rad);
     let mut points = vec![first];
     let mut circles = Vec::new();

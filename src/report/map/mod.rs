@@ -299,6 +299,9 @@ fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
         for vehicle in &scene.vehicles {
             labels.avoid(view.at(&vehicle.start), size);
             labels.avoid(view.at(&vehicle.goal), size);
+            for stop in &vehicle.stops {
+                labels.avoid(view.at(&stop.at), size);
+            }
         }
     }
     for name in names(scene, view) {

@@ -34,17 +34,21 @@ pub(in crate::simulator) enum Winged {
     Following(Following),
     /// Circles around a point, onto whose altitude a leg leads, if one does; clockwise with a
     /// positive radius. On its way down it ends on the ground.
-    Circling {
-        leg: Leg,
-        radius_m: f64,
-        lands: bool,
-        /// How long, since when it is on its circle; none: for ever.
-        stay: Option<Stay>,
-    },
+    Circling(Circle),
     /// Glides to the ground at the end of a leg; since its flare from a height, with a sink.
     Gliding { leg: Leg, flare: Option<(f64, f64)> },
     /// Runs out on its wheels.
     RunningOut,
+}
+
+/// A circle around the end of a leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulator) struct Circle {
+    leg: Leg,
+    radius_m: f64,
+    lands: bool,
+    /// How long, since when it is on its circle; none: for ever.
+    stay: Option<Stay>,
 }
 
 /// A circle that is left again.
@@ -96,7 +100,7 @@ impl Winged {
             Self::Running(_) | Self::RunningOut => LandedState::ON_GROUND,
             Self::ClimbingOut(_) => LandedState::TAKEOFF,
             Self::Gliding { .. } => LandedState::LANDING,
-            Self::Following(_) | Self::Circling { .. } => LandedState::IN_AIR,
+            Self::Following(_) | Self::Circling(_) => LandedState::IN_AIR,
         }
     }
 
@@ -154,12 +158,12 @@ impl Pilot {
         };
         let radius_m = self.settings.wing().loiter_radius_m;
         self.carry(None);
-        self.doing = Doing::OnWing(Winged::Circling {
+        self.doing = Doing::OnWing(Winged::Circling(Circle {
             leg,
             radius_m,
             lands,
             stay: None,
-        });
+        }));
     }
 
     /// The wing carries from now on, if it does not yet; its nose towards a point, or where
@@ -186,12 +190,7 @@ impl Pilot {
             Winged::Running(takeoff) => self.run(takeoff, &limits),
             Winged::ClimbingOut(takeoff) => self.climb_out(takeoff, at_m, items, &limits),
             Winged::Following(following) => self.follow(following, at_m, items, &limits),
-            Winged::Circling {
-                leg,
-                radius_m,
-                lands,
-                stay,
-            } => self.go_round((leg, radius_m, lands, stay), at_m, items, &limits),
+            Winged::Circling(circle) => self.go_round(circle, at_m, items, &limits),
             Winged::Gliding { leg, flare } => self.glide(leg, flare, at_m, &limits),
             Winged::RunningOut => self.run_out(),
         }
@@ -323,18 +322,20 @@ impl Pilot {
 
     fn go_round(
         &mut self,
-        (mut leg, radius_m, lands, mut stay): (Leg, f64, bool, Option<Stay>),
+        mut circle: Circle,
         at_m: [f64; 3],
         items: &[Item],
         limits: &WingLimits,
     ) {
+        let (leg, radius_m) = (&mut circle.leg, circle.radius_m);
         let middle_m = [leg.to_m[0], leg.to_m[1]];
         let (across_mps2, circles) = self.motion(at_m).around(middle_m, radius_m, limits);
         if circles {
             leg.from_m[2] = leg.to_m[2];
         }
+        let leg = *leg;
         let following = Following::new(leg, self.profile == Profile::Px4);
-        if lands {
+        if circle.lands {
             let ground_m = self.ground_m(at_m);
             self.fly_at(across_mps2, ground_m - 10.0, at_m, true);
             if self.body.at_m[2] <= ground_m {
@@ -344,7 +345,7 @@ impl Pilot {
             let amsl_m = altitude_m(&following, at_m, limits);
             self.fly_at(across_mps2, amsl_m, at_m, false);
         }
-        if let Some(stay) = &mut stay {
+        if let Some(stay) = &mut circle.stay {
             if circles {
                 stay.until.get_or_insert(self.clock + stay.time_ms);
             }
@@ -353,12 +354,7 @@ impl Pilot {
                 return;
             }
         }
-        self.doing = Doing::OnWing(Winged::Circling {
-            leg,
-            radius_m,
-            lands,
-            stay,
-        });
+        self.doing = Doing::OnWing(Winged::Circling(circle));
     }
 
     /// Whether a wing that circles heads for the next place, within 10 degrees; where that is within

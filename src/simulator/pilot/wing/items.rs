@@ -1,6 +1,6 @@
 //! The items of a mission as a wing flies them.
 
-use super::{Following, Stay, Takeoff, Winged};
+use super::{Circle, Following, Stay, Takeoff, Winged};
 use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::mission::{Item, command};
 use crate::simulator::dynamics::steering;
@@ -106,7 +106,7 @@ impl Pilot {
         };
         let is_timed = item.command == command::NAV_LOITER_TIME;
         self.carry(Some(to_m));
-        Some(Doing::OnWing(Winged::Circling {
+        Some(Doing::OnWing(Winged::Circling(Circle {
             leg: Leg { from_m, to_m },
             radius_m: if own_m.is_finite() && own_m.abs() > 0.0 {
                 own_m
@@ -115,7 +115,7 @@ impl Pilot {
             },
             lands: false,
             stay: is_timed.then(|| Stay::of(milliseconds(item.params[0]))),
-        }))
+        })))
     }
 
     /// ArduPlane runs where it points, PX4 towards the place of the item.
