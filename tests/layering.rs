@@ -51,7 +51,6 @@ const MAX_ARGUMENTS: usize = 6;
 const STILL_LARGE: &[&str] = &[
     "cost/model.rs: new",
     "plan/classes/routes.rs: homotopy_classes",
-    "spec/check/vehicles.rs: vehicle",
     "verify/execute/legs.rs: cruise",
     "verify/limits/separation.rs: judge",
 ];
