@@ -85,7 +85,7 @@ pub(in crate::simulator) struct Following {
 }
 
 impl Stay {
-    /// One of so many milliseconds, which do not run yet.
+    /// One of this many milliseconds, which do not run yet.
     pub(super) fn of(time_ms: u64) -> Self {
         Self {
             time_ms,

@@ -151,7 +151,7 @@ impl Checker {
         let identity = self.identity(path, keys);
         let finish = self.required(path, "finish", keys.finish);
         let speed_mps = self.required(path, "speed_mps", keys.speed_mps);
-        let (ends, stops) = self.places(path, keys, map);
+        let (ends, stops) = self.ends_and_stops(path, keys, map);
         let (autopilot, speed_mps, finish) = (identity.autopilot?, speed_mps?, finish?);
         let airframe = keys.airframe.unwrap_or_default();
         let defaults = facts(autopilot, airframe).defaults;
@@ -203,7 +203,12 @@ impl Checker {
     }
 
     /// Where it stands, its path ends, and what it visits, far enough apart.
-    fn places(&mut self, path: &str, keys: &keys::Vehicle, map: Option<&Map>) -> (Ends, Vec<Stop>) {
+    fn ends_and_stops(
+        &mut self,
+        path: &str,
+        keys: &keys::Vehicle,
+        map: Option<&Map>,
+    ) -> (Ends, Vec<Stop>) {
         let ends = self.ends(path, keys, map);
         let stops = self.stops(path, keys, map);
         if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
