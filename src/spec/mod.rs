@@ -40,6 +40,7 @@ mod vehicle;
 mod wind;
 
 pub use crate::autopilot::{Airframe, Autopilot};
+pub(crate) use airspace::dome_of;
 pub use airspace::{AttachedFile, Survey, Zone};
 pub use builder::Builder;
 pub use file::{SpecFile, json_schema};

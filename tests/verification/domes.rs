@@ -41,3 +41,18 @@ fn a_dome_on_a_hill_reaches_as_high_over_the_valley_as_over_the_hill() {
         }
     }
 }
+
+#[test]
+fn a_dome_that_a_fence_cannot_hold_is_told_once() {
+    let mission = Mission::parse(".", SPEC).expect("a good spec");
+    let planned = sortie::plan(&mission);
+    let (_, alpha) = planned.missions.first().expect("planned");
+    let told: Vec<&String> = alpha
+        .notes
+        .iter()
+        .filter(|note| note.contains("not in the fence"))
+        .collect();
+    let sentence =
+        "threat radar is a dome; a fence has no height and no time, so it is not in the fence";
+    assert_eq!(told, [sentence]);
+}

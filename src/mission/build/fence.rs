@@ -8,7 +8,7 @@ use crate::autopilot::{command, frame};
 use crate::geodesy::LatLon;
 use crate::mission::item::Item;
 use crate::numeric::geometry::cover::twice_area;
-use crate::spec::{MissionSpec, Vehicle, Zone};
+use crate::spec::{MissionSpec, Vehicle, Zone, dome_of};
 use crate::world::{NoData, World};
 use clear::{Clear, Plane, Shape};
 use fit::Piece;
@@ -241,22 +241,26 @@ fn circle(center: LatLon, radius_m: f64) -> Item {
     corner(command::FENCE_CIRCLE_EXCLUSION, radius_m, center)
 }
 
-/// What the fence leaves out, one sentence for each zone: fences are two-dimensional.
+/// What the fence leaves out, one sentence for each zone or dome: fences are two-dimensional.
 fn not_encoded(spec: &MissionSpec) -> Vec<String> {
-    spec.no_fly
-        .iter()
-        .filter(|zone| !is_encoded(zone))
-        .map(|zone| match zone.is_closed_throughout() {
-            true => format!(
-                "zone {} has holes; a fence has none, so it is not in the fence",
-                zone.id
-            ),
-            false => format!(
-                "zone {} is closed {zone} only; a fence has no height and no time, so it is not in the fence",
-                zone.id
-            ),
-        })
-        .collect()
+    let left_out = spec.no_fly.iter().filter(|zone| !is_encoded(zone));
+    let sentence = |zone: &Zone| match (dome_of(zone), zone.is_closed_throughout()) {
+        (Some(id), _) => format!(
+            "threat {id} is a dome; a fence has no height and no time, so it is not in the fence"
+        ),
+        (None, true) => format!(
+            "zone {} has holes; a fence has none, so it is not in the fence",
+            zone.id
+        ),
+        (None, false) => format!(
+            "zone {} is closed {zone} only; a fence has no height and no time, so it is not in the fence",
+            zone.id
+        ),
+    };
+    let mut sentences: Vec<String> = left_out.map(sentence).collect();
+    // The layers of a dome follow each other.
+    sentences.dedup();
+    sentences
 }
 
 /// Rally items, altitudes above home in whole metres rounded up (ArduPilot keeps no more).

@@ -9,6 +9,15 @@ use crate::spec::{Buffers, Placement, Threat, Zone};
 /// Discs of a dome, at even steps of elevation: the widest step is a tenth of its radius.
 const LAYERS: u32 = 15;
 
+/// Between the id of a dome and the height up to which a layer of it is closed.
+const BELOW: &str = " below ";
+
+/// The id of the dome that a zone is a layer of.
+pub(crate) fn dome_of(zone: &Zone) -> Option<&str> {
+    let (id, _) = zone.base.and(zone.id.rsplit_once(BELOW))?;
+    Some(id)
+}
+
 /// The zones of a dome. They keep the buffer of threats.
 pub(crate) fn dome_layers(threat: &Threat, buffers: &Buffers) -> Vec<Zone> {
     let frame = LocalFrame::new(threat.place);
@@ -25,7 +34,7 @@ pub(crate) fn dome_layers(threat: &Threat, buffers: &Buffers) -> Vec<Zone> {
             base: Some(threat.place),
             buffer_m: buffers.threats_m,
             ..Zone::closed(
-                format!("{} below {top_m:.0} m", threat.id),
+                format!("{}{BELOW}{top_m:.0} m", threat.id),
                 frame.circumscribed(radius_m),
             )
         }

@@ -6,5 +6,5 @@ mod zone;
 
 pub(super) use attached::read;
 pub use attached::{AttachedFile, Survey};
-pub(crate) use dome::dome_layers;
+pub(crate) use dome::{dome_layers, dome_of};
 pub use zone::Zone;
