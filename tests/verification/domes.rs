@@ -9,6 +9,7 @@ name: dome
 area: {south_west: {lat: 46.98, lon: 7.97}, north_east: {lat: 47.02, lon: 8.03}, min_agl_m: 30, max_amsl_m: 2000}
 terrain: {analytic: {base_amsl_m: 100, hills: [{lat: 47, lon: 8, height_m: 300, radius_m: 150}]}}
 threats: [{id: radar, kind: radar, lat: 47, lon: 8, radius_m: 500, shape: dome}]
+planner: {evaluations: 1000}
 vehicles:
   - {id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 9, finish: land,
      start: {lat: 46.99, lon: 7.975, agl_m: 80}, goal: {lat: 46.99, lon: 8.025, agl_m: 80}}
