@@ -117,6 +117,14 @@ pub struct Retiming {
     pub speed_mps: Option<Span>,
 }
 
+impl Retiming {
+    /// Whether anything is left open.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.depart_s.is_some() || self.speed_mps.is_some()
+    }
+}
+
 /// All numbers from one to another, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
