@@ -10,6 +10,8 @@ use crate::support::{copter, empty_spec, place, world};
 
 /// Evaluations of each plan.
 const EVALUATIONS: usize = 600;
+/// What gives a fleet a freedom.
+type Freedom = fn(&mut MissionSpec);
 /// Largest fleet that gets several freedoms at once: a crowd is planned for long.
 const SMALL: usize = 8;
 
@@ -33,7 +35,7 @@ fn planned(spec: &MissionSpec, world: &World) -> (usize, f64) {
 
 #[test]
 fn a_freedom_never_makes_a_fleet_dearer() {
-    let freedoms: [(&str, fn(&mut MissionSpec)); 3] = [
+    let freedoms: [(&str, Freedom); 3] = [
         ("departures", |spec| {
             for vehicle in &mut spec.vehicles {
                 let (least, most) = (vehicle.depart_s, vehicle.depart_s + 45.0);
