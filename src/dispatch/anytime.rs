@@ -112,13 +112,8 @@ impl Iterator for Improving<'_> {
                 self.next = (evaluations < self.most).then_some(more);
             }
             let found = self.planned(evaluations, earlier)?;
-            let margins = found.dispatched.review.margins.iter();
-            let violated = margins.filter(|margin| !margin.ok).count();
-            let cost = found.dispatched.plan.cost();
-            let is_better =
-                |best: (usize, f64)| violated < best.0 || violated == best.0 && cost < best.1;
-            if self.best.is_none_or(is_better) {
-                self.best = Some((violated, cost));
+            if (self.best).is_none_or(|best| found.dispatched.is_better_than(best)) {
+                self.best = Some(found.dispatched.rank());
                 return Some(found);
             }
         }

@@ -3,6 +3,7 @@
 mod anytime;
 mod crowd;
 mod deconfliction;
+mod freedoms;
 mod rounds;
 mod tighten;
 
@@ -224,11 +225,32 @@ fn dispatch_ordered(job: Job<'_>) -> Dispatched {
     if let Some(found) = is_crowd.then(together).flatten() {
         return found;
     }
-    let one_by_one = dispatch_in_rounds(job);
+    let one_by_one = with_fewer_freedoms(job);
     let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
     let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
     let is_worth_it = !is_crowd && are_too_near && job.spec.vehicles.len() <= crowd::MOST;
     is_worth_it.then(together).flatten().unwrap_or(one_by_one)
+}
+
+/// Dispatches a fleet one by one, and so that none pays for others but for want of a better way: also
+/// without one or more of the freedoms of its spec.
+fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
+    let found = dispatch_in_rounds(job);
+    let count = job.spec.vehicles.len();
+    if count > crowd::MOST || count > freedoms::ALWAYS && freedoms::nobody_pays(job.spec, &found) {
+        return found;
+    }
+    let mut best = found;
+    for spec in freedoms::with_fewer(job.spec).iter().skip(1) {
+        if job.run.is_cancelled() {
+            break;
+        }
+        let fewer = dispatch_in_rounds(Job { spec, ..job });
+        if fewer.is_better_than(best.rank()) {
+            best = fewer;
+        }
+    }
+    best
 }
 
 /// Plans every vehicle alone, and then all of them on variants of these paths. None where no such
@@ -251,7 +273,8 @@ fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     }
     let (judged_spec, judged_world) = job.judged;
     let mut reviewer = Reviewer::new(judged_spec, judged_world);
-    let plans = deconfliction::resolved(spec, world, run.seed, &alone).into_iter();
+    let specs = freedoms::with_fewer(spec);
+    let plans = deconfliction::resolved(&specs, world, run.seed, &alone).into_iter();
     plans
         .map(|plan| judged(job, &mut reviewer, (1, plan), None))
         .find(|found| found.review.passes())
@@ -277,6 +300,22 @@ fn judged(
 }
 
 impl Dispatched {
+    /// Violated limits, and the cost.
+    fn rank(&self) -> (usize, f64) {
+        (self.violated(), self.plan.cost())
+    }
+
+    /// Whether fewer limits are violated, or as many at less cost.
+    fn is_better_than(&self, (violated, cost): (usize, f64)) -> bool {
+        let own = self.rank();
+        own.0 < violated || own.0 == violated && own.1 < cost
+    }
+
+    fn violated(&self) -> usize {
+        let margins = self.review.margins.iter();
+        margins.filter(|margin| !margin.ok).count()
+    }
+
     /// The spec and world that the plan is of: those given, or with tasks those whose vehicles
     /// have a stop for each task that they do.
     #[must_use]

@@ -56,7 +56,7 @@ pub(super) fn dispatch_in_rounds(job: Job<'_>) -> Dispatched {
         }
         let plan = plan_again(round, &strictness, Some((&latest.plan, &again)));
         let next = judged(job, &mut reviewer, (round, plan), Some(&latest));
-        improves = failures(&next) < failures(best.as_ref().unwrap_or(&latest));
+        improves = next.violated() < best.as_ref().unwrap_or(&latest).violated();
         let before = std::mem::replace(&mut latest, next);
         best = if improves {
             None
@@ -127,13 +127,4 @@ impl Dispatched {
             }
         }
     }
-}
-
-fn failures(dispatched: &Dispatched) -> usize {
-    dispatched
-        .review
-        .margins
-        .iter()
-        .filter(|margin| !margin.ok)
-        .count()
 }

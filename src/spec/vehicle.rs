@@ -118,6 +118,12 @@ pub struct Retiming {
 }
 
 impl Retiming {
+    /// Whether anything is left open.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.depart_s.is_some() || self.speed_mps.is_some()
+    }
+
     /// The first departure that it allows, seconds after T0.
     pub(super) fn opens_s(&self) -> f64 {
         self.depart_s.map_or(0.0, |window| window.least)

@@ -58,28 +58,20 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Flies a mission of the vehicle at an index; none for an index that the spec does not have.
+    /// Flies a mission of the vehicle at an index. None where it breaks a limit that concerns its
+    /// vehicle alone, and for an index that the spec does not have.
     #[must_use]
     pub fn execute(&self, index: usize, mission: &VehicleMission) -> Option<Executed<'a>> {
         let sortie = self.sortie(index, mission)?;
+        let margins = sortie.margins(self.spec, self.world, &self.space);
+        let is_kept = |margin: &Margin| margin.ok || margin.limit == Limit::Separation;
+        if !margins.iter().all(is_kept) {
+            return None;
+        }
         let mut flight = sortie.flight;
         flight.stay_until(HORIZON_S);
         let vehicle = self.spec.vehicles.get(index)?;
         Some(Executed { vehicle, flight })
-    }
-
-    /// Whether a mission keeps every limit that concerns its vehicle alone.
-    #[must_use]
-    pub fn keeps_limits(&self, index: usize, mission: &VehicleMission) -> bool {
-        let margins = self
-            .sortie(index, mission)
-            .map(|sortie| sortie.margins(self.spec, self.world, &self.space));
-        margins.is_some_and(|margins| {
-            let is_of_others = |margin: &Margin| margin.limit == Limit::Separation;
-            margins
-                .iter()
-                .all(|margin| margin.ok || is_of_others(margin))
-        })
     }
 
     fn sortie<'m>(&self, index: usize, mission: &'m VehicleMission) -> Option<Sortie<'m>>

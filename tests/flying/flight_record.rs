@@ -1,5 +1,9 @@
 //! A record of a flight that was not flown as planned does not pass: one honest flight, doctored.
-#![allow(clippy::cast_precision_loss)]
+#![allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss
+)]
 
 use crate::support;
 use crate::support::doctored;
@@ -274,6 +278,34 @@ fn nobody_is_somewhere_else_at_once() {
     });
     let what = "speed between two positions";
     assert!(says(&bad, "alpha", what), "{bad:?}");
+}
+
+#[test]
+fn a_step_between_the_clocks_of_fleet_and_vehicle_is_no_speed() {
+    let step = |speedup: f64, own_s: f64| {
+        failed(|record| {
+            record.speedup = speedup;
+            let fixes = &mut record.flights[0].flown.fixes;
+            for fix in fixes.iter_mut() {
+                fix.boot_ms = Some(1000 + (fix.t_s * 1000.0) as u32);
+            }
+            let from = fixes.len() / 3;
+            let gone_s = |fixes: &[Fix], to: usize| fixes[to].t_s - fixes[from].t_s;
+            let to = (from..fixes.len()).find(|&to| gone_s(fixes, to) >= own_s);
+            let to = to.expect("a later position");
+            let stepped_s = gone_s(fixes, to) - 0.1;
+            fixes.drain(from + 1..to);
+            for fix in &mut fixes[from + 1..] {
+                fix.t_s -= stepped_s;
+            }
+        })
+    };
+    let what = "speed between two positions";
+    let bad = step(20.0, 3.0);
+    assert!(!says(&bad, "alpha", what), "{bad:?}");
+    // A clock that is off by more than machines stall is no excuse.
+    assert!(says(&step(20.0, 60.0), "alpha", what));
+    assert!(says(&step(1.0, 3.0), "alpha", what));
 }
 
 #[test]

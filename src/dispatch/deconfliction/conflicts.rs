@@ -10,6 +10,7 @@ use crate::spec::MissionSpec;
 use crate::verify::{Executed, Judge};
 use crate::world::World;
 
+use super::collective::Ruled;
 use super::variants::Variants;
 
 /// A vehicle and one of its variants.
@@ -30,10 +31,9 @@ impl<'a> Conflicts<'a> {
     pub(super) fn new(
         (spec, world): (&'a MissionSpec, &'a World),
         alone: &[VehiclePlan],
-        retimes: bool,
     ) -> Option<Self> {
         let fleet: Option<Vec<_>> = (alone.par_iter().enumerate())
-            .map(|(index, plan)| Variants::new((spec, world), index, plan, retimes))
+            .map(|(index, plan)| Variants::new((spec, world), index, plan))
             .collect();
         Some(Self {
             world,
@@ -68,6 +68,21 @@ impl<'a> Conflicts<'a> {
     /// Adds variants of a vehicle at random.
     pub(super) fn add_random(&mut self, vehicle: usize, count: usize, rng: &mut ChaCha8Rng) {
         self.fleet[vehicle].add_random(count, rng);
+    }
+
+    /// Adds the variant of a vehicle by a rule for all. None if it breaks a limit of its own.
+    pub(super) fn add_ruled(&mut self, vehicle: usize, rule: Ruled) -> Option<usize> {
+        self.fleet[vehicle].add_ruled(rule)
+    }
+
+    /// Whether a vehicle may depart at another time.
+    pub(super) fn can_wait(&self) -> bool {
+        self.fleet.iter().any(Variants::can_wait)
+    }
+
+    /// The direction from the beginning of its way to the end.
+    pub(super) fn direction_rad(&self, vehicle: usize) -> f64 {
+        self.fleet[vehicle].direction_rad()
     }
 
     /// Adds variants between one and the path alone.

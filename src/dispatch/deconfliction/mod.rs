@@ -4,14 +4,17 @@
 //! that the spec leaves open, and that path bent aside or raised. Each variant is encoded and
 //! flown as the verdict flies it, so a conflict here is a conflict there, lateness included.
 //!
-//! Vehicles get variants one after the other. Where conflicts are left, those in conflict get
+//! Vehicles get variants one after the other, or all by one rule. Where conflicts are left, those in conflict get
 //! others, conflicts that last weighing more and more. Then groups of vehicles get new variants,
 //! and shapes are drawn towards the path alone, as long as the fleet becomes cheaper.
 
+mod collective;
 mod conflicts;
 mod moves;
 mod search;
 mod variants;
+
+use rayon::prelude::*;
 
 use crate::numeric::Seed;
 use crate::plan::{FleetPlan, VehiclePlan};
@@ -22,25 +25,17 @@ use conflicts::Conflicts;
 use search::{Choice, Search};
 
 /// Plans of a fleet with as few conflicts as were found, each vehicle on a variant of its path
-/// alone, the best first. None where paths cannot be varied.
-///
-/// Without the freedoms of the spec and with them, departures and speeds, and another distance
-/// in height: so that no freedom makes a fleet dearer.
+/// alone, the best first: one for each of the specs, which give the fleet more or fewer freedoms.
 pub(super) fn resolved(
-    spec: &MissionSpec,
+    specs: &[MissionSpec],
     world: &World,
     seed: u64,
     alone: &[VehiclePlan],
 ) -> Vec<FleetPlan> {
-    if spec.planner.objective == Objective::Paper {
-        return Vec::new();
-    }
-    let mut all = resolved_by_time((spec, world), seed, alone);
-    if spec.separation.vertical_m.is_some() {
-        let mut in_space = spec.clone();
-        in_space.separation.vertical_m = None;
-        all.extend(resolved_by_time((&in_space, world), seed, alone));
-    }
+    let specs = specs.par_iter();
+    let specs = specs.filter(|spec| spec.planner.objective != Objective::Paper);
+    let found = specs.filter_map(|spec| resolved_with((spec, world), seed, alone));
+    let mut all: Vec<Resolved> = found.collect();
     all.sort_by(|a, b| (a.left.cmp(&b.left)).then(a.cost.total_cmp(&b.cost)));
     all.into_iter().map(|found| found.plan).collect()
 }
@@ -52,35 +47,22 @@ struct Resolved {
     cost: f64,
 }
 
-/// At the specified departures and speeds, and at those that the spec allows.
-fn resolved_by_time(
+/// None where paths cannot be varied.
+fn resolved_with(
     (spec, world): (&MissionSpec, &World),
     seed: u64,
     alone: &[VehiclePlan],
-) -> Vec<Resolved> {
-    let is_free = spec
-        .vehicles
-        .iter()
-        .any(|vehicle| vehicle.retiming.depart_s.is_some() || vehicle.retiming.speed_mps.is_some());
-    let mut all = Vec::new();
-    for retimes in [false, true] {
-        if retimes && !is_free {
-            break;
-        }
-        let Some(mut conflicts) = Conflicts::new((spec, world), alone, retimes) else {
-            break;
-        };
-        let rng = Seed(seed).stream("deconfliction", u64::from(retimes));
-        let mut search = Search::new(&mut conflicts, rng);
-        let Some((choice, left)) = search.run() else {
-            continue;
-        };
-        let cost = search.cost(&choice);
-        let vehicles = plans(&mut search, &choice);
-        let plan = FleetPlan { seed, vehicles };
-        all.push(Resolved { plan, left, cost });
-    }
-    all
+) -> Option<Resolved> {
+    let mut fleet = spec.vehicles.iter();
+    let retimes = fleet.any(|vehicle| vehicle.retiming.is_open());
+    let mut conflicts = Conflicts::new((spec, world), alone)?;
+    let rng = Seed(seed).stream("deconfliction", u64::from(retimes));
+    let mut search = Search::new(&mut conflicts, rng);
+    let (choice, left) = search.run()?;
+    let cost = search.cost(&choice);
+    let vehicles = plans(&mut search, &choice);
+    let plan = FleetPlan { seed, vehicles };
+    Some(Resolved { plan, left, cost })
 }
 
 /// The plans of a choice. A vehicle avoids those before it that its path alone would meet.

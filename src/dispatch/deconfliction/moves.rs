@@ -10,6 +10,8 @@ use crate::geodesy::PlanPoint;
 use crate::plan::Shape;
 use crate::spec::Separation;
 
+use super::collective::Ruled;
+
 /// How far a path is bent to either side, in separations.
 const ASIDE: [f64; 8] = [0.4, 0.8, 1.2, 1.7, 2.3, 3.0, 4.0, 5.5];
 /// Where on a route it is furthest aside, as a share of it.
@@ -106,6 +108,20 @@ pub(super) fn random(shape: &Shape, separation: &Separation, rng: &mut ChaCha8Rn
         rng.random_range(0..shape.control_points.len()),
         &change,
     )
+}
+
+/// A shape with all routes moved by a rule.
+pub(super) fn ruled(shape: &Shape, separation: &Separation, rule: Ruled) -> Shape {
+    let (side_m, up_m) = units(separation);
+    let change = Move {
+        aside_m: rule.aside * side_m,
+        peak: PEAKS[0],
+        up_m: rule.up * RAISED[0] * up_m,
+        raised: RAISED_FROM[0],
+        sway_m: 0.0,
+    };
+    let routes = 0..shape.control_points.len();
+    routes.fold(shape.clone(), |shape, route| moved(&shape, route, &change))
 }
 
 /// What paths are moved by, aside and up, metres.

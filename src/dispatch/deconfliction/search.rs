@@ -4,18 +4,25 @@ use rand::RngExt;
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
+use super::collective;
 use super::conflicts::{Conflicts, Flown};
 
 /// Changes of one vehicle for each vehicle of the fleet, at most, until no conflict is left.
 const REPAIRS: usize = 60;
 /// Beginnings from other orders of vehicles.
 const BEGINNINGS: usize = 8;
+/// Beginnings by one rule for all that are improved: more than one of them end alike.
+const RULES: usize = 1;
 /// Groups that are tried for a cheaper fleet, for each vehicle.
 const GROUPS: usize = 12;
+/// Most of them in one round.
+const MOST_GROUPED: usize = 120;
 /// Most vehicles of a group.
 const GROUP: usize = 4;
-/// How often all shapes are drawn towards the path alone.
-const DRAWN: usize = 3;
+/// Most rounds in which groups get others and all shapes are drawn towards the path alone.
+const MOST_DRAWN: usize = 6;
+/// The last round makes the fleet cheaper by less than this share.
+const ENOUGH: f64 = 1e-3;
 /// Variants that are judged at once, where the first without a conflict is enough.
 const CHUNK: usize = 16;
 /// Variants that a vehicle in conflict gets besides, at random, from the second beginning on.
@@ -44,6 +51,39 @@ impl<'s, 'a> Search<'s, 'a> {
     /// Variants of all vehicles, and how many pairs are left in conflict. None where a vehicle has
     /// no variant that keeps its own limits.
     pub(super) fn run(&mut self) -> Option<(Choice, usize)> {
+        let mut free = collective::without_conflict(self.conflicts);
+        if free.is_empty() {
+            let (choice, left) = self.one_by_one()?;
+            if left > 0 {
+                return Some((choice, left));
+            }
+            free.push(choice);
+        } else {
+            free.truncate(RULES);
+            free.extend(self.all_free());
+        }
+        for choice in &mut free {
+            self.improve(choice);
+        }
+        let cheapest = free
+            .into_iter()
+            .min_by(|a, b| self.cost(a).total_cmp(&self.cost(b)))?;
+        Some((cheapest, 0))
+    }
+
+    /// Vehicles get the cheapest variants without a conflict, one after the other; none where one
+    /// has no such variant.
+    fn all_free(&mut self) -> Option<Choice> {
+        let mut choice = Choice::new();
+        for vehicle in 0..self.conflicts.vehicles() {
+            let others: Vec<Flown> = choice.iter().copied().enumerate().collect();
+            choice.push(self.free(vehicle, &others)?);
+        }
+        Some(choice)
+    }
+
+    /// Vehicles get variants one after the other, in some orders, until one leaves no conflict.
+    fn one_by_one(&mut self) -> Option<(Choice, usize)> {
         let count = self.conflicts.vehicles();
         let mut best: Option<(Choice, usize)> = None;
         for beginning in 0..BEGINNINGS {
@@ -60,11 +100,7 @@ impl<'s, 'a> Search<'s, 'a> {
                 break;
             }
         }
-        let (mut choice, left) = best?;
-        if left == 0 {
-            self.improve(&mut choice);
-        }
-        Some((choice, left))
+        best
     }
 
     /// Vehicles get the cheapest variants with the fewest conflicts, one after the other.
@@ -181,8 +217,9 @@ impl<'s, 'a> Search<'s, 'a> {
     /// Gives new variants to groups, and draws shapes towards the path alone, as long as the fleet
     /// becomes cheaper.
     fn improve(&mut self, choice: &mut Choice) {
-        for _ in 0..DRAWN {
-            for _ in 0..GROUPS * choice.len() {
+        for _ in 0..MOST_DRAWN {
+            let before = self.cost(choice);
+            for _ in 0..(GROUPS * choice.len()).min(MOST_GROUPED) {
                 self.regroup(choice);
             }
             for vehicle in 0..choice.len() {
@@ -191,6 +228,9 @@ impl<'s, 'a> Search<'s, 'a> {
                 }
                 let found = self.free(vehicle, &others(choice, &[vehicle]));
                 choice[vehicle] = found.unwrap_or(choice[vehicle]);
+            }
+            if before - self.cost(choice) < ENOUGH * before {
+                break;
             }
         }
     }
@@ -201,6 +241,7 @@ impl<'s, 'a> Search<'s, 'a> {
         let Some(first) = self.dear(choice) else {
             return;
         };
+        self.conflicts.add_random(first, 1, &mut self.rng);
         let mut rest: Vec<usize> = (0..choice.len()).filter(|&other| other != first).collect();
         rest.shuffle(&mut self.rng);
         let size = self.rng.random_range(1..GROUP);

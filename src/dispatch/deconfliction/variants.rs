@@ -1,16 +1,18 @@
 //! What one vehicle may fly, each as its encoded mission is flown.
 
+use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::cost::CostTerms;
 use crate::mission;
-use crate::path::TimedPoint;
+use crate::path::{TimedPoint, heading_rad};
 use crate::plan::{Shape, Shaper, VehiclePlan};
-use crate::spec::{MissionSpec, Span};
+use crate::spec::{MissionSpec, Span, Vehicle};
 use crate::verify::{Executed, Judge};
 use crate::world::World;
 
-use super::moves::{between, random, shapes};
+use super::collective::Ruled;
+use super::moves::{between, random, ruled, shapes};
 
 /// Departures of a window that are tried with the path alone.
 const DEPARTURES: u32 = 30;
@@ -31,29 +33,31 @@ pub(super) struct Variant {
 pub(super) struct Variants<'a> {
     index: usize,
     shapers: Vec<Shaper<'a>>,
+    /// Departures that are tried, after the specified one.
+    later_s: Vec<f64>,
     /// The first is the path alone as specified.
     pub(super) all: Vec<Variant>,
 }
 
 impl<'a> Variants<'a> {
-    /// Around the path of a vehicle alone. With `retimes` the departures and speeds that the
-    /// spec leaves open are tried too. None where paths have no shapes that could be moved.
+    /// Around the path of a vehicle alone, at the departures and speeds that the spec leaves open.
+    /// None where paths have no shapes that could be moved.
     pub(super) fn new(
         (spec, world): (&'a MissionSpec, &'a World),
         index: usize,
         alone: &VehiclePlan,
-        retimes: bool,
     ) -> Option<Self> {
         let vehicle = spec.vehicles.get(index)?;
         let speeds = choices(vehicle.speed_mps, vehicle.retiming.speed_mps, SPEEDS);
         let shapers: Option<Vec<Shaper<'a>>> = speeds
             .iter()
-            .take(if retimes { usize::MAX } else { 1 })
             .map(|&speed_mps| Shaper::new(spec, world, index, alone, speed_mps))
             .collect();
+        let times = choices(vehicle.depart_s, vehicle.retiming.depart_s, DEPARTURES);
         let mut found = Self {
             index,
             shapers: shapers?,
+            later_s: times.iter().map(|at_s| at_s - vehicle.depart_s).collect(),
             all: Vec::new(),
         };
         let shape = Shape {
@@ -61,15 +65,10 @@ impl<'a> Variants<'a> {
             ..alone.shape()
         };
         found.add(shapes(&shape, &spec.buffered_separation()), 0, &[0.0]);
-        if retimes {
-            let window = vehicle.retiming.depart_s;
-            let times = choices(vehicle.depart_s, window, DEPARTURES);
-            let times = times.iter().skip(1).map(|at| at - vehicle.depart_s);
-            let times: Vec<f64> = times.collect();
-            found.add(vec![shape.clone()], 0, &times);
-            for speed in 1..speeds.len() {
-                found.add(vec![shape.clone()], speed, &[0.0]);
-            }
+        let others = found.later_s[1..].to_vec();
+        found.add(vec![shape.clone()], 0, &others);
+        for speed in 1..speeds.len() {
+            found.add(vec![shape.clone()], speed, &[0.0]);
         }
         (!found.all.is_empty()).then_some(found)
     }
@@ -90,15 +89,59 @@ impl<'a> Variants<'a> {
         }
     }
 
-    /// Adds shapes around the first, at random.
+    /// Adds shapes around the first at random, each at one of the departures and speeds.
     pub(super) fn add_random(&mut self, count: usize, rng: &mut ChaCha8Rng) {
-        let Some((shape, later_s)) = self.all.first().map(|first| (&first.shape, first.later_s))
-        else {
+        let Some(shape) = self.all.first().map(|first| first.shape.clone()) else {
             return;
         };
         let separation = self.shapers[0].spec().buffered_separation();
-        let shapes = (0..count).map(|_| random(shape, &separation, rng));
-        self.add(shapes.collect(), 0, &[later_s]);
+        for _ in 0..count {
+            let shape = random(&shape, &separation, rng);
+            let mut one_of = |count: usize| match count {
+                1 => 0,
+                _ => rng.random_range(0..count),
+            };
+            let speed = one_of(self.shapers.len());
+            let later_s = self.later_s[one_of(self.later_s.len())];
+            self.add(vec![shape], speed, &[later_s]);
+        }
+    }
+
+    /// Adds the variant that a rule for all makes of the first.
+    pub(super) fn add_ruled(&mut self, rule: Ruled) -> Option<usize> {
+        let first = self.all.first()?;
+        let vehicle = self.vehicle();
+        let later_s = match (rule.window, vehicle.retiming.depart_s) {
+            (Some(share), Some(window)) => {
+                let at_s = window.least + share * (window.most - window.least);
+                (at_s * 10.0).round() / 10.0 - vehicle.depart_s
+            }
+            _ => first.later_s,
+        };
+        let separation = self.shapers[0].spec().buffered_separation();
+        let shape = ruled(&first.shape, &separation, rule);
+        let known = self.all.len();
+        self.add(vec![shape], 0, &[later_s]);
+        (self.all.len() > known).then_some(known)
+    }
+
+    fn vehicle(&self) -> &Vehicle {
+        &self.shapers[0].spec().vehicles[self.index]
+    }
+
+    pub(super) fn can_wait(&self) -> bool {
+        self.vehicle().retiming.depart_s.is_some()
+    }
+
+    /// The direction from the beginning of the path to its end.
+    pub(super) fn direction_rad(&self) -> f64 {
+        let shape = self.all.first().map(|first| &first.shape);
+        let routes = shape.map_or(&[][..], |shape| &shape.control_points[..]);
+        let first = routes.first().and_then(|route| route.first());
+        let last = routes.last().and_then(|route| route.last());
+        first
+            .zip(last)
+            .map_or(0.0, |(from, to)| heading_rad(from.at, to.at))
     }
 
     /// Adds shapes between that of a variant and the first.
@@ -123,9 +166,6 @@ impl<'a> Variants<'a> {
         let paths = plan.routes.iter().map(|route| route.path.clone());
         let routes: Vec<Vec<TimedPoint>> = paths.collect();
         let mission = mission::build(&spec, world, self.index, &routes).ok()?;
-        if !judge.keeps_limits(self.index, &mission) {
-            return None;
-        }
         judge.execute(self.index, &mission)
     }
 

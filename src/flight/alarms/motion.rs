@@ -50,7 +50,7 @@ impl Motion {
 }
 
 fn jump(last: &Here, here: &Here) -> Option<String> {
-    let dt_s = here.fix.t_s - last.fix.t_s;
+    let dt_s = last.fix.passed_s(&here.fix);
     if !(0.0..=UNKNOWN_S).contains(&dt_s) {
         return None;
     }
@@ -63,4 +63,48 @@ fn jump(last: &Here, here: &Here) -> Option<String> {
     let off_m = off_m[0].hypot(off_m[1]).hypot(off_m[2]);
     let limit_m = JUMP_M + 0.5 * ACCEL_MPS2 * dt_s * dt_s;
     (off_m > limit_m).then(|| format!("position jumped {off_m:.0} m in {dt_s:.1} s"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::jump;
+    use crate::flight::alarms::Here;
+    use crate::flight::record::Fix;
+    use crate::geodesy::{Amsl, LatLon, PlanPoint};
+
+    /// A vehicle that flies north at 10 m/s, by two clocks.
+    fn here(t_s: f64, boot_ms: Option<u32>, north_m: f64) -> Here {
+        Here {
+            fix: Fix {
+                t_s,
+                place: LatLon {
+                    lat_deg: 36.0,
+                    lon_deg: -84.0,
+                },
+                amsl: Amsl(500.0),
+                speed_mps: 10.0,
+                item: 1,
+                items: 5,
+                boot_ms,
+            },
+            point: PlanPoint::new(0.0, north_m, Amsl(500.0)),
+            velocity_mps: [0.0, 10.0, 0.0],
+            agl_m: 60.0,
+        }
+    }
+
+    #[test]
+    fn a_step_of_the_fleets_clock_is_no_jump_and_a_jump_is_one_by_any_clock() {
+        let from = here(100.0, Some(50_000), 0.0);
+        // After a stall of the machine the vehicle's time lies elsewhere on the clock of the fleet.
+        assert_eq!(jump(&from, &here(100.1, Some(52_000), 20.0)), None);
+        assert_eq!(jump(&from, &here(102.5, Some(50_200), 2.0)), None);
+        let off = jump(&from, &here(100.1, Some(52_000), 60.0));
+        assert_eq!(off.as_deref(), Some("position jumped 40 m in 2.0 s"));
+        // Without a clock of its own, or after it was started again.
+        for boot_ms in [None, Some(10)] {
+            assert_eq!(jump(&from, &here(101.0, boot_ms, 11.0)), None);
+            assert!(jump(&from, &here(100.1, boot_ms, 20.0)).is_some());
+        }
+    }
 }

@@ -18,6 +18,7 @@ use limits::separation;
 use proof::CROSS_TRACK_M;
 use reference::{Deviation, Reference, to_segment};
 use report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
+use speed::clock_off_s;
 
 /// Around home and the place of landing the minimum height does not hold, metres.
 pub(super) const COLUMN_M: f64 = 25.0;
@@ -61,8 +62,9 @@ pub fn judge(spec: &MissionSpec, world: &World, record: &Record) -> FlightReport
         .iter()
         .flat_map(|track| {
             let limits = track.margins(spec, world, record);
-            let proof = track.proof(spec, world, ends_s);
-            let paces = track.paces(record.speedup);
+            let off_s = clock_off_s(record.speedup);
+            let proof = track.proof(spec, world, (ends_s, off_s));
+            let paces = track.paces(off_s);
             limits.into_iter().chain(proof).chain(paces)
         })
         .collect();

@@ -97,15 +97,20 @@ impl FlownTrack<'_> {
     }
 
     /// What the positions must show of a flight besides the limits of the spec; `ends_s` is when
-    /// the planned flight of the fleet ends.
-    pub(crate) fn proof(&self, spec: &MissionSpec, world: &World, ends_s: f64) -> Vec<Margin> {
+    /// the planned flight of the fleet ends, `off_s` what clocks may be off.
+    pub(crate) fn proof(
+        &self,
+        spec: &MissionSpec,
+        world: &World,
+        (ends_s, off_s): (f64, f64),
+    ) -> Vec<Margin> {
         let (Some(vehicle), false) = (self.vehicle, self.fixes().is_empty()) else {
             return Vec::new();
         };
         let tube = Tube::of(vehicle);
         let end = &self.flight.flown.end;
         let mut margins: Vec<Margin> = self.beginning(vehicle, world).into_iter().collect();
-        margins.extend(self.leaps(vehicle));
+        margins.extend(self.leaps(vehicle, off_s));
         // A vehicle that is ordered to hold or to land leaves its path, and does not end as planned.
         let left = [
             End::Held,
@@ -142,14 +147,18 @@ impl FlownTrack<'_> {
         self.worst(required, std::iter::once((away_m, first)))
     }
 
-    /// Between two positions no vehicle is much faster than it can be.
-    fn leaps(&self, vehicle: &Vehicle) -> Option<Margin> {
+    /// Between two positions no vehicle is much faster than it can be, in its own time as far as
+    /// that is not off by more than clocks are.
+    fn leaps(&self, vehicle: &Vehicle, off_s: f64) -> Option<Margin> {
         let required = at_most(Flown::Leap, FASTER * fastest_mps(vehicle), "m/s");
         let pairs = self.fixes().windows(2).zip(self.points.windows(2));
         let speeds = pairs.map(|(fixes, points)| {
             // Positions are off by so much, not vehicles fast.
             let gone_m = (points[0].distance_m(points[1]) - CROSS_TRACK_M).max(0.0);
-            (gone_m / (fixes[1].t_s - fixes[0].t_s), &fixes[1])
+            let by_fleet_s = fixes[1].t_s - fixes[0].t_s;
+            let own_s = fixes[0].passed_s(&fixes[1]);
+            let took_s = by_fleet_s.max(own_s.min(by_fleet_s + off_s));
+            (gone_m / took_s, &fixes[1])
         });
         self.worst(required, speeds)
     }

@@ -40,14 +40,19 @@ struct Stretch<'f> {
     fastest_mps: f64,
 }
 
+/// What the clock of a record may be off, seconds; `speedup` is how much faster than the wall's clock
+/// the time of its vehicles went.
+pub(super) fn clock_off_s(speedup: f64) -> f64 {
+    // A number that is none is the least.
+    (WAITS_S * speedup.max(1.0)).min(GAP_S)
+}
+
 impl FlownTrack<'_> {
-    /// The paces that it held; `speedup` is how much faster than the wall's clock its time went.
-    pub(crate) fn paces(&self, speedup: f64) -> Vec<Margin> {
+    /// The paces that it held; `off_s` is what clocks may be off.
+    pub(crate) fn paces(&self, off_s: f64) -> Vec<Margin> {
         let Some(vehicle) = self.vehicle else {
             return Vec::new();
         };
-        // A number that is none is the least.
-        let off_s = (WAITS_S * speedup.max(1.0)).min(GAP_S);
         let stretches = self.stretches(HELD_S + CLOCKS * off_s);
         let (across, upright) = match vehicle.airframe {
             Airframe::Copter => (COPTER, COPTER),

@@ -27,10 +27,16 @@ impl Fix {
     /// machine stalls, a simulated vehicle slips behind the clock of the fleet, and is not silent.
     #[must_use]
     pub fn until_s(&self, later: &Self) -> f64 {
-        let by_fleet_s = later.t_s - self.t_s;
+        (later.t_s - self.t_s).min(self.passed_s(later))
+    }
+
+    /// Time that has passed for the vehicle until a later position, seconds: by its own clock, or
+    /// that of the fleet where its own is not known. The one may step against the other.
+    #[must_use]
+    pub fn passed_s(&self, later: &Self) -> f64 {
         let own_ms = self.boot_ms.zip(later.boot_ms);
         // A vehicle that was started again begins at 0.
         let own_ms = own_ms.and_then(|(from, to)| to.checked_sub(from));
-        own_ms.map_or(by_fleet_s, |ms| by_fleet_s.min(f64::from(ms) / 1000.0))
+        own_ms.map_or(later.t_s - self.t_s, |ms| f64::from(ms) / 1000.0)
     }
 }

@@ -3,7 +3,6 @@
 
 use rayon::prelude::*;
 
-use super::retiming::can_retime;
 use super::{Planning, nearness};
 use crate::cost::{EarlierFlights, Margins};
 use crate::numeric::tracks::{Nearness, Track, Tracks};
@@ -224,7 +223,7 @@ impl<'a> Fleet<'a> {
     }
 
     fn can_retime(&self, index: usize) -> bool {
-        can_retime(&self.planning.spec.vehicles[index])
+        self.planning.spec.vehicles[index].retiming.is_open()
     }
 
     /// The next candidate of a chain.
@@ -312,6 +311,12 @@ impl<'a> Fleet<'a> {
             avoids.retain(|&other| other >= known.end);
         }
         avoids.extend(others);
+        if index >= HEAD {
+            // In a large fleet the way around them would meet more.
+            let path = planning.departing(index, path, *depart_s);
+            let track = planning.flight(index, &path).track();
+            avoids.extend(self.tracks.near_among(&track, &wider(&nearness), known));
+        }
         avoids.sort_unstable();
         avoids.dedup();
         let planning = Planning {

@@ -40,11 +40,6 @@ struct Choice {
     change_s: f64,
 }
 
-/// Whether the spec leaves anything open.
-pub(crate) fn can_retime(vehicle: &Vehicle) -> bool {
-    vehicle.retiming.depart_s.is_some() || vehicle.retiming.speed_mps.is_some()
-}
-
 impl Planning<'_> {
     /// The path that a vehicle would fly alone, at the departure and speed nearest to the
     /// specified ones at which it is apart from others; none if there is no such time and speed.
@@ -103,14 +98,7 @@ impl Planning<'_> {
         met: &(dyn Fn(&Track) -> Vec<usize> + Sync),
     ) -> Vec<(f64, Vec<usize>)> {
         let vehicle = &self.spec.vehicles[index];
-        let specified = Choice {
-            depart_s: vehicle.depart_s,
-            speed_mps: vehicle.speed_mps,
-            speed: 0,
-            terms: path.terms,
-            change_s: 0.0,
-        };
-        let path = self.retimed(index, path, specified);
+        let path = self.departing(index, path, vehicle.depart_s);
         let (whole, columns) = (
             self.flight(index, &path).track(),
             self.columns(index, &path),
@@ -129,6 +117,18 @@ impl Planning<'_> {
         found
             .map(|(_, depart_s, others)| (depart_s, others))
             .collect()
+    }
+
+    /// The same path at the specified speed and another departure.
+    pub(crate) fn departing(&self, index: usize, path: &VehiclePlan, depart_s: f64) -> VehiclePlan {
+        let choice = Choice {
+            depart_s,
+            speed_mps: self.spec.vehicles[index].speed_mps,
+            speed: 0,
+            terms: path.terms,
+            change_s: 0.0,
+        };
+        self.retimed(index, path, choice)
     }
 
     /// The flight before and after the routes.

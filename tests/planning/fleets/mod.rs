@@ -2,5 +2,6 @@
 
 mod conflicts;
 mod crowds;
+mod freedoms;
 mod retiming;
 mod table;

@@ -1,0 +1,175 @@
+//! Beginnings in which all vehicles follow one rule, like ships that all pass to starboard: every
+//! path is bent to the same side, and those of different groups fly at different heights or times.
+
+use std::f64::consts::TAU;
+
+use super::conflicts::{Conflicts, Flown};
+use super::search::Choice;
+
+/// Most groups.
+const MOST_GROUPS: usize = 3;
+/// Furthest that paths are bent, in separations.
+const MOST_ASIDE: f64 = 5.5;
+/// How often the bend is halved towards the least without a conflict.
+const HALVINGS: usize = 5;
+
+/// What sets groups apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Apart {
+    Height,
+    Time,
+}
+
+/// Which vehicles form a group: those that fly in like directions, or every second, third.. of
+/// them in the order of their directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Members {
+    Alike,
+    Alternate,
+}
+
+/// One rule for all.
+#[derive(Clone, Copy, Debug)]
+struct Rule {
+    groups: usize,
+    apart: Apart,
+    members: Members,
+    /// Left is 1, right -1.
+    side: f64,
+}
+
+/// How a rule changes the path of one vehicle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ruled {
+    /// How far it is bent to the left, in separations.
+    pub(super) aside: f64,
+    /// How far it is raised, in steps of a vertical separation.
+    pub(super) up: f64,
+    /// Its departure, as a share of its window; none for the specified one.
+    pub(super) window: Option<f64>,
+}
+
+/// Choices without a conflict, the cheapest first: rules with the least bend that keeps all
+/// apart, as far as they are cheaper than those before.
+pub(super) fn without_conflict(conflicts: &mut Conflicts<'_>) -> Vec<Choice> {
+    let order = by_direction(conflicts);
+    let mut found: Vec<Choice> = Vec::new();
+    let mut least = f64::INFINITY;
+    for rule in rules(conflicts.can_wait()) {
+        if let Some((cost, choice)) = least_bent(conflicts, &order, rule, least) {
+            least = cost;
+            found.insert(0, choice);
+        }
+    }
+    found
+}
+
+fn rules(can_wait: bool) -> Vec<Rule> {
+    let one = Rule {
+        groups: 1,
+        apart: Apart::Height,
+        members: Members::Alike,
+        side: 1.0,
+    };
+    let mut rules = vec![one, Rule { side: -1.0, ..one }];
+    for groups in 2..=MOST_GROUPS {
+        for members in [Members::Alike, Members::Alternate] {
+            let height = Rule {
+                groups,
+                members,
+                ..one
+            };
+            rules.push(height);
+            rules.extend(can_wait.then_some(Rule {
+                apart: Apart::Time,
+                ..height
+            }));
+        }
+    }
+    rules
+}
+
+/// The rank of each vehicle in the order of directions.
+fn by_direction(conflicts: &Conflicts<'_>) -> Vec<usize> {
+    let count = conflicts.vehicles();
+    let direction_rad: Vec<f64> = (0..count)
+        .map(|vehicle| conflicts.direction_rad(vehicle).rem_euclid(TAU))
+        .collect();
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_by(|&a, &b| direction_rad[a].total_cmp(&direction_rad[b]));
+    let mut rank = vec![0; count];
+    for (number, vehicle) in order.into_iter().enumerate() {
+        rank[vehicle] = number;
+    }
+    rank
+}
+
+/// The choice of a rule with the least bend at which no two vehicles are in conflict, and its cost,
+/// if that is below one that is known.
+fn least_bent(
+    conflicts: &mut Conflicts<'_>,
+    rank: &[usize],
+    rule: Rule,
+    known: f64,
+) -> Option<(f64, Choice)> {
+    let mut best = None;
+    // The first is as far as a path is bent, the others lie half way between what is too little
+    // and what is enough.
+    let (mut least, mut most, mut aside) = (0.0, MOST_ASIDE, MOST_ASIDE);
+    for _ in 0..=HALVINGS {
+        let choice: Option<Choice> = (0..rank.len())
+            .map(|vehicle| {
+                let own = rule.of(rank[vehicle], rank.len(), aside);
+                conflicts.add_ruled(vehicle, own)
+            })
+            .collect();
+        let choice = choice.filter(|choice| is_free(conflicts, choice));
+        match choice {
+            Some(choice) => {
+                let flown = choice.iter().copied().enumerate();
+                let cost: f64 = flown.map(|flown| conflicts.cost(flown)).sum();
+                best = Some((cost, choice));
+                most = aside;
+            }
+            None if aside >= MOST_ASIDE => return None,
+            None => least = aside,
+        }
+        aside = 0.5 * (least + most);
+    }
+    best.filter(|(cost, _)| *cost < known)
+}
+
+fn is_free(conflicts: &mut Conflicts<'_>, choice: &Choice) -> bool {
+    let all: Vec<Flown> = choice.iter().copied().enumerate().collect();
+    all.iter().enumerate().all(|(number, &own)| {
+        let later = &all[number + 1..];
+        conflicts.judge(own.0, &[own.1], later);
+        let mut later = later.iter();
+        conflicts.can_fly(own) && later.all(|&other| !conflicts.are_in_conflict(own, other))
+    })
+}
+
+impl Rule {
+    /// For the vehicle of a rank among some.
+    fn of(self, rank: usize, count: usize, aside: f64) -> Ruled {
+        let group = match self.members {
+            Members::Alike => rank * self.groups / count,
+            Members::Alternate => rank % self.groups,
+        };
+        #[expect(clippy::cast_precision_loss, reason = "few groups")]
+        let (group, last) = (group as f64, (self.groups - 1).max(1) as f64);
+        let aside = self.side * aside;
+        match self.apart {
+            Apart::Height => Ruled {
+                aside,
+                up: group,
+                window: None,
+            },
+            Apart::Time => Ruled {
+                aside,
+                up: 0.0,
+                window: Some(group / last),
+            },
+        }
+    }
+}
