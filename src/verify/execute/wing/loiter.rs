@@ -41,7 +41,7 @@ impl Pilot<'_> {
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
         let reach_m = match is_aligned {
-            true => ALIGNED_REACH * rim_m,
+            true => (ALIGNED_REACH * rim_m).max(rim_m + self.circle_wide_m()),
             false => self.wide_reach_m(rim_m),
         };
         let climb_m = rim.amsl_m - from.amsl_m;
@@ -149,6 +149,49 @@ impl Pilot<'_> {
         }
     }
 
+    /// How much further out than its radius a wing may be on a circle, metres.
+    pub(super) fn circle_wide_m(&self) -> f64 {
+        let share = self.vehicle.facts().behaviour.circle_wide_share;
+        let turn_radius_m = VehicleLimits::of(self.vehicle).turn_radius_m;
+        share.value(self.vehicle.autopilot_version) * turn_radius_m
+    }
+
+    /// How far off its altitude a wing may be on a circle, metres.
+    pub(super) fn circle_level_m(&self) -> f64 {
+        let figure = self.vehicle.facts().behaviour.circle_level_m;
+        figure.value(self.vehicle.autopilot_version)
+    }
+
+    /// Lays rings around a circle, to be judged in space, out to a distance beyond its radius, at its
+    /// altitude and where the wing may be below and above that.
+    pub(super) fn lay_rings(
+        &mut self,
+        row: usize,
+        over: PlanPoint,
+        (radius_m, wide_m): (f64, f64),
+    ) {
+        let times_s = (self.trajectory.t_s, self.trajectory.t_s);
+        let rings = steps(wide_m);
+        let off_m = self.circle_level_m();
+        for up_m in [0.0, -off_m, off_m] {
+            let over = over.raised(up_m);
+            for ring in 0..=rings {
+                let ring_m = radius_m + wide_m * f64::from(ring) / f64::from(rings);
+                let count = steps(TAU * ring_m).max(12);
+                let step_rad = TAU / f64::from(count);
+                let at = |step: u32| PlanPoint {
+                    at: along(over.at, step_rad * f64::from(step), ring_m),
+                    ..over
+                };
+                for step in 0..count {
+                    let ends = (at(step), at(step + 1));
+                    let chord = Chord::unflown((row, self.phase), times_s, ends);
+                    self.trajectory.chords.push(chord);
+                }
+            }
+        }
+    }
+
     /// Lays columns around a circle, to be judged in space: there it climbs or descends.
     fn lay_columns(
         &mut self,
@@ -189,6 +232,16 @@ impl Pilot<'_> {
         for chord in &mut self.trajectory.chords[first.unwrap_or(end)..end] {
             chord.wide_m = chord.wide_m.max(hull.reach_m);
         }
+        // It may begin a descent late.
+        let level = PlanPoint {
+            at: to.at,
+            ..hull.middle
+        };
+        if to.amsl_m < hull.middle.amsl.0 {
+            let times_s = (hull.from_s, hull.until_s);
+            let chord = Chord::unflown((to.row, to.phase), times_s, (hull.middle, level));
+            self.trajectory.chords.push(chord);
+        }
         let course_rad = heading_rad(hull.middle.at, to.at);
         let times_s = (hull.from_s, hull.until_s.max(self.trajectory.t_s));
         for (aside_m, half_m) in slices(hull.reach_m) {
@@ -214,7 +267,7 @@ fn slices(radius_m: f64) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// Into how many steps a length is cut.
-fn steps(length_m: f64) -> u32 {
+pub(super) fn steps(length_m: f64) -> u32 {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
