@@ -232,18 +232,10 @@ impl Pilot<'_> {
         for chord in &mut self.trajectory.chords[first.unwrap_or(end)..end] {
             chord.wide_m = chord.wide_m.max(hull.reach_m);
         }
-        // It may begin a descent late.
-        let level = PlanPoint {
-            at: to.at,
-            ..hull.middle
-        };
-        if to.amsl_m < hull.middle.amsl.0 {
-            let times_s = (hull.from_s, hull.until_s);
-            let chord = Chord::unflown((to.row, to.phase), times_s, (hull.middle, level));
-            self.trajectory.chords.push(chord);
-        }
         let course_rad = heading_rad(hull.middle.at, to.at);
         let times_s = (hull.from_s, hull.until_s.max(self.trajectory.t_s));
+        // It may begin a descent late, from above.
+        let over_m = self.circle_level_m();
         for (aside_m, half_m) in slices(hull.reach_m) {
             let side = along(hull.middle.at, course_rad + FRAC_PI_2, aside_m);
             let back = PlanPoint {
@@ -252,6 +244,15 @@ impl Pilot<'_> {
             };
             let chord = Chord::unflown((to.row, to.phase), times_s, (back, to.point()));
             self.trajectory.chords.push(chord);
+            let late = PlanPoint {
+                at: to.at,
+                ..back.raised(over_m)
+            };
+            if to.amsl_m < late.amsl.0 {
+                let ends = (back.raised(over_m), late);
+                let chord = Chord::unflown((to.row, to.phase), times_s, ends);
+                self.trajectory.chords.push(chord);
+            }
         }
     }
 }
