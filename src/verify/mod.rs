@@ -107,7 +107,8 @@
 //! the circle before, or `CIRCLE_RADIUS` (10 m). Not judged from within 3 m of the middle.
 //!
 //! **Circles that a wing leaves.** In space the orbit, and the hull of circle and next place: of ArduPlane, which leaves
-//! towards the next place (`Plane::verify_loiter_heading`), a circle of 1.2 radii, else one wider by two turn radii, as
+//! towards the next place (`Plane::verify_loiter_heading`), a circle of 1.2 radii (or 0.75 turn radii further out than
+//! its own, if that is more), else one wider by two turn radii, as
 //! for who begins inside of its circle. To an altitude, all altitudes on the circle. In time the vehicle is on the
 //! circle for its turns or time, and as late as 1.25 orbits more take.
 //!
@@ -176,7 +177,7 @@
 //! may be up to 12 s late and a plane up to 10 s early; two of one autopilot and airframe are so alike. A wing of
 //! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
-//! on its own; every leg of a PX4 copter up to 1.5 s, of ArduCopter 0.3 s, from its beginning on; every corner of
+//! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
 //! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. `src/path/lateness.rs` says what was measured.
 //!
 //! **Buffers.** A spec of version 2 has a buffer to each limit in space. The verdict adds it: to the
