@@ -220,7 +220,7 @@ fn a_wing_gains_time_on_its_way_and_separation_allows_for_it() {
     let frame = frame::GLOBAL_RELATIVE_ALT;
     let items = vec![
         at(command::NAV_VTOL_TAKEOFF, frame, beta.home, 80.0, 0.0),
-        alpha.items[1].clone(),
+        alpha.items[1],
         Item {
             params: [0.0, 0.0, 100.0, 0.0],
             ..at(

@@ -16,12 +16,11 @@ use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
 use super::decode::{self, After, Orders, Step, Unknown};
-use super::flight::{End, Flight, Hull, Last, Mark};
+use super::flight::{EarlyTop, End, Flight, Hull, Last, Mark};
 use super::item::{self, Height, Order};
 use super::legs::Knot;
 use super::trajectory::TrajectoryBuilder;
 use super::wing::altitude_lag;
-use super::wing::drift::EarlyTop;
 use super::wing::l1::Guidance;
 use crate::verify::measure::segment::Phase;
 

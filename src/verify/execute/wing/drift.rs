@@ -7,27 +7,18 @@ use crate::path::{VehicleLimits, along};
 
 use super::loiter::steps;
 use crate::verify::execute::executor::Pilot;
-use crate::verify::execute::flight::Hull;
+use crate::verify::execute::flight::{EarlyTop, Hull};
 use crate::verify::measure::segment::Chord;
 
 /// Directions in which a QuadPlane may be driven off on its rotors.
 const SIDES: u32 = 12;
 
-/// Where a plane may have the height of its takeoff.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct EarlyTop {
-    pub(crate) point: PlanPoint,
-    /// How far the wind may have carried it from there.
-    pub(crate) off: EastNorth,
-}
-
-impl EarlyTop {
-    /// That place as far off as the wind may have it, and those in between.
-    pub(crate) fn points(&self) -> impl Iterator<Item = PlanPoint> + use<> {
-        let Self { point, off } = *self;
-        let steps = steps(off.east_m.hypot(off.north_m));
-        (0..=steps).map(move |step| moved(point, off, f64::from(step) / f64::from(steps)))
-    }
+/// The place where a plane may have its height as far off as the wind may carry it, and those in
+/// between.
+pub(super) fn carried_points(early: EarlyTop) -> impl Iterator<Item = PlanPoint> {
+    let EarlyTop { point, off } = early;
+    let steps = steps(off.east_m.hypot(off.north_m));
+    (0..=steps).map(move |step| moved(point, off, f64::from(step) / f64::from(steps)))
 }
 
 impl Pilot<'_> {

@@ -95,6 +95,15 @@ impl Guidance {
         ]
     }
 
+    /// Its speed, m/s; in still air that over the ground to the last bit.
+    fn air_mps(&self, line: &Line, ground_mps: f64) -> f64 {
+        let [east_mps, north_mps] = self.through_air(line, ground_mps);
+        match self.wind_mps {
+            Some(_) => east_mps.hypot(north_mps),
+            None => ground_mps,
+        }
+    }
+
     /// The motion over the ground, as a unit vector and a speed, of a wing on a heading.
     fn over_ground(&self, heading_rad: f64, air_mps: f64) -> ([f64; 2], f64) {
         let (sin, cos) = heading_rad.sin_cos();
@@ -155,14 +164,7 @@ impl Guidance {
                 }
                 continue;
             }
-            let air_mps = match self.wind_mps {
-                Some(_) => {
-                    let [east_mps, north_mps] = self.through_air(line, speed_mps);
-                    east_mps.hypot(north_mps)
-                }
-                None => speed_mps,
-            };
-            wing.step(self, line, air_mps);
+            wing.step(self, line, self.air_mps(line, speed_mps));
             t_s += STEP_S;
             let cross_track_m = line.cross_track_m(wing.at);
             let before = leg
@@ -358,7 +360,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wind_widens_the_swing_out_of_a_corner_and_a_straight_leg_is_crabbed() {
+    fn the_wind_widens_the_overshoot_of_a_corner_and_a_straight_leg_is_crabbed() {
         let still = guidance(33.56, 50.0);
         let windy = |wind_mps| Guidance {
             wind_mps: Some(wind_mps),

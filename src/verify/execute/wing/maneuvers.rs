@@ -5,10 +5,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::path::{along, climb_out, heading_rad};
 
-use super::drift::EarlyTop;
+use super::drift::carried_points;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
-use crate::verify::execute::flight::{Circle, End, Mark};
+use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark};
 use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed};
 use crate::verify::limits::space::SLOPE_SHARE;
@@ -95,7 +95,7 @@ impl Pilot<'_> {
             },
             off: self.carried_off(climb_s),
         };
-        for point in early_top.points().skip(1) {
+        for point in carried_points(early_top).skip(1) {
             let chord = Chord {
                 slope_from_m: Some(lift_off.amsl_m),
                 ..Chord::unflown((top.row, self.phase), (t_s, t_s), (lift_off.point(), point))

@@ -2,6 +2,7 @@
 
 use crate::geodesy::{EastNorth, PlanPoint};
 
+use super::drift::carried_points;
 use super::l1::{Fix, STEP_S};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
@@ -111,7 +112,7 @@ impl Pilot<'_> {
                 chord.wide_m = aside_m + off_m;
             }
         }
-        for point in early.points() {
+        for point in carried_points(early) {
             let chord = Chord::unflown((next.row, next.phase), (t_s, t_s), (point, next.point()));
             self.trajectory.chords.push(chord);
         }
