@@ -139,8 +139,8 @@
 //! smaller, the leg is judged at the altitude of its end as well.
 //!
 //! **Lag.** ArduPlane is 3.3 s of its climb below a slope upwards and as much above one downwards,
-//! and still on the legs of the next 6.6 s: legs are judged there as well, in space, by the greatest of their own
-//! climb and those of the legs behind. Not where the ground is followed, nor on climb-out and glide.
+//! and still on the leg after, of a descent on the legs of the next 6.6 s: legs are judged there as well, in space, by the
+//! greatest of their own climb and those of the legs behind. Not where the ground is followed, nor on climb-out and glide.
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
 //! before it, by its sources.
 //!

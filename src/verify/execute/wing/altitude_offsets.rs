@@ -11,7 +11,7 @@ use crate::verify::measure::segment::Chord;
 
 /// Legs that are flown faster have no length to speak of, seconds.
 const MIN_FLOWN_S: f64 = 1e-3;
-/// A lag is still there after a leg for this many times the lag.
+/// A lag of a descent is still there after a leg for this many times the lag.
 const LASTS: f64 = 2.0;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
 const TOLERANCE_M: f64 = 0.01;
@@ -109,11 +109,10 @@ impl Pilot<'_> {
                 continue;
             }
             let climb_mps = line.change_m() / flown_s;
-            let rates = || behind.iter().map(|(rate_mps, _)| *rate_mps);
-            let (most_mps, least_mps) = (
-                rates().fold(climb_mps, f64::max),
-                rates().fold(climb_mps, f64::min),
-            );
+            let before_mps = behind.last().map_or(0.0, |(rate_mps, _)| *rate_mps);
+            let most_mps = climb_mps.max(before_mps);
+            let rates = behind.iter().map(|(rate_mps, _)| *rate_mps);
+            let least_mps = rates.fold(climb_mps.min(before_mps), f64::min);
             for lag_mps in [most_mps.max(0.0), least_mps.min(0.0)] {
                 let offset_m = -self.lag_s * lag_mps;
                 if offset_m.abs() > TOLERANCE_M {
