@@ -147,10 +147,23 @@ fn winged(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> 
         lift(&mut points, stations.start.amsl, vehicle.climb_mps);
     }
     let is_plane = vehicle.airframe == Airframe::Plane;
-    if is_plane {
-        append_at_speed(&mut points, &way.points, vehicle);
-    } else {
-        append_route(&mut points, &way.points, vehicle, stations.departure);
+    let mut from = 0;
+    let end = way.points.len().saturating_sub(1);
+    let stays = way.circles.iter().copied().chain([(end, 0.0)]);
+    for (to, circling_s) in stays {
+        // On its circle it is taken to be in the middle.
+        let part = way.points.get(from..=to).unwrap_or_default();
+        if is_plane {
+            append_at_speed(
+                &mut points,
+                part.get(from.min(1)..).unwrap_or_default(),
+                vehicle,
+            );
+        } else {
+            append_route(&mut points, part, vehicle, stations.departure);
+        }
+        rest(&mut points, circling_s);
+        from = to;
     }
     let route_starts_s = routes
         .iter()

@@ -201,11 +201,24 @@ pub(super) struct Way {
     pub(super) points: Vec<PlanPoint>,
     /// Where it touches down, if it does.
     pub(super) touchdown: PlanPoint,
+    /// Where it circles on its way, by the index of the point in the middle, and how long, seconds.
+    pub(super) circles: Vec<(usize, f64)>,
+}
+
+/// Where a wing is when it begins with its routes.
+fn lifted(stations: &Stations, climb: Option<&ClimbOut>) -> PlanPoint {
+    let over_home = PlanPoint {
+        at: stations.home.at,
+        ..stations.start
+    };
+    match stations.departure {
+        Departure::Airborne { point, .. } => point,
+        Departure::Ground => climb.map_or(over_home, |climb| climb.top),
+    }
 }
 
 /// The way along some routes, each of at least two points.
 pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoint>]) -> Way {
-    let start = stations.start;
     let takeoff_rad = vehicle
         .wing
         .and_then(|wing| wing.takeoff_heading_rad)
@@ -214,25 +227,25 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
         .filter(|_| vehicle.airframe == Airframe::Plane)
         .map(|course| {
             let (home, ground) = (stations.home.at, |_| stations.home.amsl);
-            climb_out(vehicle, home, course, ground, start.amsl)
+            climb_out(vehicle, home, course, ground, stations.start.amsl)
         });
-    let over_home = PlanPoint {
-        at: stations.home.at,
-        ..start
-    };
-    let first = match stations.departure {
-        Departure::Airborne { point, .. } => point,
-        Departure::Ground => climb.as_ref().map_or(over_home, |climb| climb.top),
-    };
+    let first = lifted(stations, climb.as_ref());
     let (mut at, mut course) = (first.at, takeoff_rad);
     let mut points = vec![first];
+    let mut circles = Vec::new();
     let level =
         |corners: Vec<EastNorth>, amsl| corners.into_iter().map(move |at| PlanPoint { at, amsl });
     for (number, route) in routes.iter().enumerate() {
         let [first, second, ..] = route.as_slice() else {
             continue;
         };
-        if number > 0 && vehicle.passes_after(number - 1) {
+        let stop = number
+            .checked_sub(1)
+            .filter(|stop| *stop < vehicle.stops.len());
+        if let Some(stop) = stop {
+            if !vehicle.passes_after(stop) {
+                circles.push((points.len() - 1, vehicle.rest_after_s(stop)));
+            }
             points.extend(&route[1..]);
         } else {
             let onto = (first.at, Some(heading_rad(first.at, second.at)));
@@ -261,5 +274,6 @@ pub(super) fn way(vehicle: &Vehicle, stations: &Stations, routes: &[Vec<PlanPoin
         climb,
         points,
         touchdown,
+        circles,
     }
 }

@@ -3,6 +3,7 @@
 use std::cmp::Ordering;
 
 use crate::geodesy::LatLon;
+use crate::spec::{Stop, Vehicle};
 use crate::verify::{Margin, Review, Sense, Topic};
 
 /// The margins of a review, worst first, with how near each is to its limit.
@@ -37,6 +38,18 @@ pub(super) fn ranked(review: &Review) -> Vec<Ranked<'_>> {
 pub fn worst_first(review: &Review) -> Vec<&Margin> {
     let ranked = ranked(review).into_iter();
     ranked.map(|entry| entry.margin).collect()
+}
+
+/// A stop: its id, how long the vehicle stays there, what it does.
+pub(super) fn stop(vehicle: &Vehicle, stop: &Stop) -> String {
+    let stay_s = vehicle.stay_s(stop);
+    let stays = (stay_s > 0.0).then(|| format!("{} s", number(stay_s, 1)));
+    let mut done: Vec<String> = stays.into_iter().collect();
+    done.extend(stop.actions.iter().map(|action| action.key().to_owned()));
+    match done.is_empty() {
+        true => format!("stop {}", stop.id),
+        false => format!("stop {}: {}", stop.id, done.join(", ")),
+    }
 }
 
 /// Whether the value says how near the limit is. A count that is all it must be

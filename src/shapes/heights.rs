@@ -3,7 +3,10 @@
 use super::{Geometry, Height};
 use crate::geodesy::{Ellipsoid, Geoid};
 
-const FEET_M: f64 = 0.3048;
+/// A foot, metres.
+pub(super) const FOOT_M: f64 = 0.3048;
+/// A nautical mile, metres.
+pub(super) const NAUTICAL_MILE_M: f64 = 1852.0;
 
 /// Which limit a height is: one above the ellipsoid becomes the widest that it can be anywhere
 /// over the shape.
@@ -20,7 +23,7 @@ pub(super) enum Side {
 pub(super) fn metres(value: f64, unit: &str) -> Result<f64, String> {
     match unit.to_lowercase().as_str() {
         "m" | "meter" | "meters" | "metre" | "metres" => Ok(value),
-        "ft" | "f" | "feet" | "foot" => Ok(value * FEET_M),
+        "ft" | "f" | "feet" | "foot" => Ok(value * FOOT_M),
         _ => Err(format!("unknown unit `{}`", unit.escape_debug())),
     }
 }
@@ -42,7 +45,7 @@ pub(super) fn height(
         "AMSL" | "MSL" => Ok(Height::Amsl(metres)),
         "AGL" | "GND" | "SFC" => Ok(Height::Agl(metres)),
         "WGS84" | "W84" | "HAE" => Ok(above_ellipsoid(metres, side, over)),
-        "STD" | "FL" => Ok(Height::FlightLevel(metres / FEET_M / 100.0)),
+        "STD" | "FL" => Ok(Height::FlightLevel(metres / FOOT_M / 100.0)),
         _ => Err(format!(
             "unknown reference `{}` of a height",
             reference.escape_debug()

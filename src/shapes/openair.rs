@@ -5,12 +5,11 @@ use ::openair::{Airspace, Altitude, Arc, ArcSegment, Coord, Direction, Geometry 
 use ::openair::{Class, PolygonSegment};
 use jiff::Timestamp;
 
+use super::heights::{FOOT_M, NAUTICAL_MILE_M};
 use super::{Collection, Geometry, Height, Refused, Shape, ShapesError, circle, malformed, place};
 use super::{periods::Period, ring};
 use crate::geodesy::{EastNorth, LatLon, LocalFrame};
 
-const NAUTICAL_MILE_M: f64 = 1852.0;
-const FOOT_M: f64 = 0.3048;
 /// Longest step of an arc, radians.
 const STEP_RAD: f64 = 0.06;
 

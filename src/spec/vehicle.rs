@@ -117,6 +117,13 @@ pub struct Retiming {
     pub speed_mps: Option<Span>,
 }
 
+impl Retiming {
+    /// The first departure that it allows, seconds after T0.
+    pub(super) fn opens_s(&self) -> f64 {
+        self.depart_s.map_or(0.0, |window| window.least)
+    }
+}
+
 /// All numbers from one to another, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {

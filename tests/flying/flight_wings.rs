@@ -121,6 +121,33 @@ fn every_shipped_wing_flies_its_mission_in_wind_too() {
 }
 
 #[test]
+fn wings_circle_at_their_stops_for_their_time() {
+    for (autopilot, airframe) in support::wings::KINDS {
+        let mut spec = support::wings::wing_with_stops(autopilot, airframe);
+        spec.vehicles[0].stops[1].hold_s = 40.0;
+        spec.vehicles[0].stops[1].actions = vec![StopAction::Photo];
+        let middle = spec.vehicles[0].stops[1].end.place;
+        let plan = plan_spec(spec);
+        let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+        assert_eq!(sky.fly_out(), Outcome::Flown, "{:?}", sky.events);
+        let report = plan.judge(&sky);
+        assert!(report.passes(), "{autopilot} {airframe}: {report:#?}");
+        assert!(sky.says("heron", "picture 2"), "{:?}", sky.events);
+        let (_, flown) = sky.fleet.flown().next().expect("flown");
+        let radius_m = plan.spec.vehicles[0].wing.expect("a wing").loiter_radius_m;
+        let around = flown.fixes.iter();
+        let around =
+            around.filter(|fix| (fix.place.chord_m(middle) - radius_m).abs() < 0.3 * radius_m);
+        let times: Vec<f64> = around.map(|fix| fix.t_s).collect();
+        let stays_s = times[times.len() - 1] - times[0];
+        assert!(
+            (40.0..110.0).contains(&stays_s),
+            "{autopilot} {airframe}: {stays_s}"
+        );
+    }
+}
+
+#[test]
 fn wings_fly_past_their_stops() {
     for (autopilot, airframe) in support::wings::KINDS {
         let plan = plan_spec(support::wings::wing_with_stops(autopilot, airframe));

@@ -8,7 +8,7 @@ use sortie::spec::{MissionSpec, StopAction};
 use sortie::verify::{Limit, Review, review};
 use sortie::world::World;
 use support::wings::{KINDS, wing_with_stops as spec};
-use support::world;
+use support::{world, world as world_of};
 
 fn dispatched(spec: &MissionSpec) -> (World, Dispatched) {
     let world = world(spec);
@@ -152,4 +152,71 @@ fn actions_that_arduplane_would_drop_at_the_next_waypoint_fail() {
             .any(|line| line.contains("the next waypoint is reached before it")),
         "{found:?}"
     );
+}
+
+#[test]
+fn a_hold_of_a_wing_is_a_circle_for_its_time_and_the_verdict_judges_it() {
+    for (autopilot, airframe) in KINDS {
+        let mut spec = spec(autopilot, airframe);
+        spec.vehicles[0].stops[1].hold_s = 30.0;
+        spec.vehicles[0].stops[1].actions = vec![StopAction::Photo];
+        let (world, done) = dispatched(&spec);
+        let mission = &done.missions[0].1;
+        let is_circle = |item: &&Item| item.command == command::NAV_LOITER_TIME;
+        let holds: Vec<f32> = mission
+            .items
+            .iter()
+            .filter(is_circle)
+            .map(|item| item.params[0])
+            .collect();
+        assert!(holds == [1.0, 29.0], "{holds:?}");
+        let limit = Limit::StopHold("t2".to_owned());
+        let margins = &done.review.margins;
+        let margin = margins.iter().find(|margin| margin.limit == limit);
+        assert!(margin.expect("judged").value >= 30.0);
+        let flight = &done.plan.flights(&spec, &world)[0];
+        let track = done.review.tracks[0].moments.last().expect("flown");
+        let planned_s = flight.points.last().expect("planned").t_s;
+        assert!(
+            (track.t_s - planned_s).abs() < 60.0,
+            "{} {planned_s}",
+            track.t_s
+        );
+        let judged = |change: &dyn Fn(&mut Vec<Item>)| {
+            let mut changed = mission.clone();
+            change(&mut changed.items);
+            failed(&review(&spec, &world, &[(0, &changed)]))
+        };
+        let named =
+            |failed: &[String], what: &str| failed.iter().any(|line| line.starts_with(what));
+        let at: Vec<usize> = (0..mission.items.len())
+            .filter(|&index| is_circle(&&mission.items[index]))
+            .collect();
+        let halved = judged(&|items| items[at[1]].params[0] = 14.0);
+        assert!(named(&halved, "hold at stop t2"), "{halved:?}");
+        let none = judged(&|items| {
+            items.drain(at[0]..=at[1]);
+        });
+        assert!(named(&none, "stop t2"), "{none:?}");
+        let moved = judged(&|items| {
+            for &index in &at {
+                items[index].x += 2700;
+            }
+        });
+        assert!(named(&moved, "stop t2"), "{moved:?}");
+        let dropped = judged(&|items| {
+            items.remove(at[0] + 1);
+        });
+        assert!(
+            named(&dropped, "actions at stop t2: action 1 (photo)"),
+            "{dropped:?}"
+        );
+        // Its circle is judged against all that is closed.
+        let mut near = spec.clone();
+        near.threats[0].place.lat_deg = 47.3855;
+        near.threats[0].radius_m = 20.0;
+        let closed = world_of(&near);
+        let found = failed(&review(&near, &closed, &[(0, mission)]));
+        assert!(named(&found, "threat mast"), "{found:?}");
+    }
 }

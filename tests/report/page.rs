@@ -3,7 +3,7 @@
 use std::fs;
 
 use sortie::plan::{BlockingElement, Change, Relaxation};
-use sortie::spec::Vehicle;
+use sortie::spec::{Arrival, Stop, StopAction, Vehicle};
 use sortie::verify::Limit;
 use sortie::world::{Terrain, TerrainGrid};
 
@@ -50,6 +50,37 @@ fn the_page_and_the_picture_are_well_formed_whatever_the_names() {
         let facts = facts(spec);
         assert_balanced(&facts.html());
         assert_balanced(&facts.svg());
+    }
+}
+
+#[test]
+fn the_page_and_the_picture_show_each_stop_with_what_is_done_there() {
+    let mut spec = hilly_spec(IDS);
+    let (start, goal) = (spec.vehicles[0].start, spec.vehicles[0].goal);
+    let middle = |a: f64, b: f64| f64::midpoint(a, b);
+    let mut end = goal;
+    end.place = place(
+        middle(start.place.lat_deg, goal.place.lat_deg),
+        middle(start.place.lon_deg, goal.place.lon_deg),
+    );
+    spec.vehicles[0].stops = vec![Stop {
+        id: "mast <1>".to_owned(),
+        end,
+        hold_s: 7.0,
+        acceptance_radius_m: None,
+        heading_rad: None,
+        actions: vec![StopAction::Photo],
+        speed_mps: None,
+        window_s: None,
+        wait_s: 0.0,
+        arrives: Arrival::Planned,
+        trigger_m: None,
+    }];
+    let facts = facts(spec);
+    let shown = "stop mast &lt;1&gt;: 7 s, photo</title>";
+    for markup in [facts.html(), facts.svg()] {
+        assert_balanced(&markup);
+        assert_eq!(markup.matches(shown).count(), 2, "a square and its eye");
     }
 }
 

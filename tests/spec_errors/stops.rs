@@ -115,8 +115,10 @@ fn a_wing_does_not_hover_at_its_stops_and_has_them_far_apart() {
     let good_ones = GOOD.replace(", hold_s: 3", "");
     let alpha = good(&wing(&good_ones)).vehicles.remove(0);
     assert!(alpha.passes_after(0) && !alpha.passes_after(2));
+    let alpha = good(&wing(GOOD)).vehicles.remove(0);
+    assert!(!alpha.passes_after(0) && alpha.passes_after(1));
+    assert!((alpha.stay_s(&alpha.stops[0]) - 3.0).abs() < 1e-9);
     for (key, path) in [
-        ("hold_s: 3", "hold_s"),
         ("heading_deg: 90", "heading_deg"),
         ("speed_mps: 8", "speed_mps"),
         (

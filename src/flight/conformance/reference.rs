@@ -3,7 +3,7 @@
 use crate::flight::record::fix::Fix;
 use crate::geodesy::{AboveHome, Agl, Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
-use crate::spec::Airframe;
+use crate::spec::{Airframe, Autopilot};
 use crate::verify::{Moment, Track};
 use crate::world::World;
 
@@ -16,7 +16,7 @@ pub struct Waypoint {
     pub point: PlanPoint,
     /// When the plan has it there, seconds after T0.
     pub t_s: f64,
-    /// A wing circles around it for ever, metres; 0 for a place that is flown to.
+    /// A wing circles around it, metres; 0 for a place that is flown to.
     pub radius_m: f64,
 }
 
@@ -242,8 +242,10 @@ impl Deviation {
             east_m: mix(from.point.at.east_m, to.point.at.east_m),
             north_m: mix(from.point.at.north_m, to.point.at.north_m),
         };
+        // A wing leaves a circle beside its middle.
+        let aside_m = from.radius_m * (1.0 - share);
         let straight = Self {
-            cross_track_m: point.at.distance_m(foot),
+            cross_track_m: (point.at.distance_m(foot) - aside_m).max(0.0),
             above_m: point.amsl.0 - mix(from.point.amsl.0, to.point.amsl.0),
             t_s: mix(from.t_s, to.t_s),
             circle_m: to.radius_m,
@@ -290,11 +292,16 @@ pub(crate) fn to_segment(point: PlanPoint, from: PlanPoint, to: PlanPoint) -> (f
 
 /// The radius of the circle that a wing stays on at an item, metres; 0 where it does not.
 fn circle_m(item: &Item, mission: &VehicleMission) -> f64 {
-    let circles = mission.airframe.has_wing() && item.command == command::NAV_LOITER_UNLIM;
-    if !circles {
+    let circles = [command::NAV_LOITER_UNLIM, command::NAV_LOITER_TIME];
+    if !mission.airframe.has_wing() || !circles.contains(&item.command) {
         return 0.0;
     }
-    let own_m = f64::from(item.params[2]).abs();
+    let is_sign =
+        mission.autopilot == Autopilot::ArduPilot && item.command == command::NAV_LOITER_TIME;
+    let own_m = match is_sign {
+        true => 0.0,
+        false => f64::from(item.params[2]).abs(),
+    };
     let names = ["WP_LOITER_RAD", "NAV_LOITER_RAD"];
     let mut params = mission.params.iter();
     match params.find(|param| names.contains(&param.name.as_str())) {

@@ -8,7 +8,7 @@ use crate::spec::{Stop, StopAction};
 use crate::world::NoData;
 
 /// Rest before anything is done at a stop, seconds.
-const FIRST_REST_S: f64 = 1.0;
+pub(super) const FIRST_REST_S: f64 = 1.0;
 
 /// A picture at once and then one at each multiple of a distance; 0 m: a last one and no more.
 ///

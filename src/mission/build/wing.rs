@@ -1,13 +1,13 @@
 //! The items of planes and vtol: takeoff along a course or on rotors, turns onto the routes
 //! and off them, circles, glides.
 
-use super::stops::trigger;
+use super::stops::{FIRST_REST_S, trigger};
 use super::{ItemWriter, float};
 use crate::autopilot::command;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
 use crate::mission::item::Item;
 use crate::path::{Approach, TimedPoint, VehicleLimits, climb_out, heading_rad, join, landing};
-use crate::spec::{Airframe, Autopilot, Finish};
+use crate::spec::{Airframe, Autopilot, Finish, Stop};
 use crate::world::{Departure, NoData, Stations};
 
 /// A route that ends in a circle ends this many radii before its middle: from there the
@@ -20,6 +20,8 @@ struct ItemList {
     at: EastNorth,
     /// Course there, radians clockwise from north; none where any will do.
     course_rad: Option<f64>,
+    /// Whether it circles there, and heads for the next place from its circle.
+    leaves_circle: bool,
 }
 
 /// Routes that meet at stops that are flown past, as one path.
@@ -66,14 +68,30 @@ impl ItemWriter<'_> {
         };
         let mut chain = Chain::default();
         for (index, route) in routes.iter().enumerate() {
-            let route = match route.last() {
+            let circled = self.circled_after(index);
+            let mut route = match route.last() {
                 Some(end) if index + 1 == routes.len() => outside(route, end.point.at, left_out_m),
+                Some(end) if circled.is_some() => outside(route, end.point.at, OUTSIDE * radius_m),
                 _ => route.clone(),
             };
+            let from = index
+                .checked_sub(1)
+                .and_then(|before| self.circled_after(before));
+            if let (Some(_), Some(begin)) = (from, route.first().copied()) {
+                // It leaves the circle for the first place of the route that is outside.
+                route.reverse();
+                route = outside(&route, begin.point.at, OUTSIDE * radius_m);
+                route.reverse();
+            }
             chain.append(index, &route);
             if !self.vehicle.passes_after(index) {
                 self.fly(&mut list, &chain)?;
                 chain = Chain::default();
+            }
+            if let Some(stop) = circled {
+                let point = stations.stops.get(index).copied().unwrap_or(stations.goal);
+                list.items.extend(self.circles(stop, point)?);
+                (list.at, list.course_rad, list.leaves_circle) = (point.at, None, true);
             }
             if index == self.vehicle.stops.len() {
                 list.items.extend(self.trigger_off());
@@ -95,6 +113,7 @@ impl ItemWriter<'_> {
                 items: Vec::new(),
                 at: point.at,
                 course_rad: None,
+                leaves_circle: false,
             });
         }
         let (home, start) = (stations.home, stations.start);
@@ -116,6 +135,7 @@ impl ItemWriter<'_> {
                 items: vec![with(item, 0, float(pitch_deg))],
                 at: climb.top.at,
                 course_rad: Some(course_rad),
+                leaves_circle: false,
             });
         }
         let above_home = PlanPoint {
@@ -138,7 +158,46 @@ impl ItemWriter<'_> {
             items,
             at: home.at,
             course_rad,
+            leaves_circle: false,
         })
+    }
+
+    /// The stop at the end of a route around which the vehicle circles for a time.
+    fn circled_after(&self, route: usize) -> Option<&Stop> {
+        let stop = self.vehicle.stops.get(route)?;
+        (!self.vehicle.passes_after(route)).then_some(stop)
+    }
+
+    /// The items of a stop that is circled around: with actions two circles, and these in between.
+    fn circles(&self, stop: &Stop, point: PlanPoint) -> Result<Vec<Item>, NoData> {
+        let actions = self.actions(stop)?;
+        if actions.is_empty() {
+            return Ok(vec![self.circle(stop.rest_s(), point, true)?]);
+        }
+        let mut items = vec![self.circle(FIRST_REST_S, point, false)?];
+        items.extend(actions);
+        items.push(self.circle(stop.rest_s() - FIRST_REST_S, point, true)?);
+        Ok(items)
+    }
+
+    /// Circles clockwise for a time, and until the vehicle heads for the next place.
+    fn circle(&self, hold_s: f64, point: PlanPoint, heads_on: bool) -> Result<Item, NoData> {
+        let radius_m = self.vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
+        let item = self.encoder.item(
+            command::NAV_LOITER_TIME,
+            match self.vehicle.autopilot {
+                // It keeps the sign of the radius alone, which is that of its parameters.
+                Autopilot::ArduPilot => [float(hold_s), 0.0, 1.0, 1.0],
+                Autopilot::Px4 => [
+                    float(hold_s),
+                    f32::from(u8::from(heads_on)),
+                    float(radius_m.ceil()),
+                    1.0,
+                ],
+            },
+            point,
+        )?;
+        Ok(item)
     }
 
     /// Turns onto a chain of routes and flies it.
@@ -148,7 +207,9 @@ impl ItemWriter<'_> {
         let [first, second, ..] = route.as_slice() else {
             return Ok(());
         };
-        self.turn(list, first.at, heading_rad(first.at, second.at), first.amsl)?;
+        if !std::mem::take(&mut list.leaves_circle) {
+            self.turn(list, first.at, heading_rad(first.at, second.at), first.amsl)?;
+        }
         let is_here = list.at.distance_m(first.at) <= 0.0;
         if is_here && chain.first == 0 {
             list.items.extend(self.begin()?);

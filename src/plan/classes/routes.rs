@@ -43,28 +43,11 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
         };
     }
     let nodes = if budget >= FINE { 81 } else { 41 };
-    let narrowest_m = narrowest_gap_m(context.world);
-    let narrowest_zone_m = narrow_zones::narrowest_zone_m(context.world);
-    // What is narrower lets nobody through.
-    let between_zones_m =
-        narrow_zones::narrowest_gap_m(context.world, 2.0 * context.margins.threat_m);
+    let narrows = Narrows::of(context);
     let prices = context.prices();
     let (near, whole) = (context.near_box(), context.frame());
     let search = |south_west, north_east| {
-        let mut grid = Grid::over(south_west, north_east, nodes);
-        let cell_m = grid.spacing_m;
-        let narrow_m = ZONE_GAP_CELLS * cell_m;
-        let is_tight = between_zones_m < narrow_m || narrowest_zone_m < narrow_m;
-        let mut finer = 1;
-        if narrowest_m < GAP_CELLS * cell_m || between_zones_m < narrow_m {
-            finer = 2;
-        }
-        if between_zones_m < 0.5 * narrow_m {
-            finer = 4;
-        }
-        if finer > 1 {
-            grid = Grid::over(south_west, north_east, finer * (nodes - 1) + 1);
-        }
+        let (grid, tight_m) = narrows.grid((south_west, north_east), nodes);
         let relief = Relief::new(
             (context.world, context.layer()),
             grid,
@@ -89,10 +72,10 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
         found.truncate(MAX_CLASSES);
         let class = obstacles.signature(&[start, goal]);
         // Straight through a thin wall is short, but no way: it does not stand for those that are.
-        let class = class.wrapping_add(u64::from(is_tight));
+        let class = class.wrapping_add(u64::from(tight_m.is_some()));
         found.push(straight(start, goal, class));
         HomotopyClasses {
-            tight_m: is_tight.then_some(TIGHT_CELLS * cell_m),
+            tight_m,
             classes: found,
             grounds: fields.iter().map(|field| relief.ground(field)).collect(),
         }
@@ -103,6 +86,45 @@ pub(crate) fn homotopy_classes(context: &RouteContext<'_>, budget: usize) -> Hom
         return search(whole.south_west, whole.north_east);
     }
     found
+}
+
+/// The narrowest things of a map, metres.
+struct Narrows {
+    between_threats_m: f64,
+    zone_m: f64,
+    between_zones_m: f64,
+}
+
+impl Narrows {
+    fn of(context: &RouteContext<'_>) -> Self {
+        let world = context.world;
+        Self {
+            between_threats_m: narrowest_gap_m(world),
+            zone_m: narrow_zones::narrowest_zone_m(world),
+            // What is narrower lets nobody through.
+            between_zones_m: narrow_zones::narrowest_gap_m(world, 2.0 * context.margins.threat_m),
+        }
+    }
+
+    /// A grid over a box of the map that shows them, and [`HomotopyClasses::tight_m`].
+    fn grid(&self, corners: (EastNorth, EastNorth), nodes: usize) -> (Grid, Option<f64>) {
+        let grid = Grid::over(corners.0, corners.1, nodes);
+        let cell_m = grid.spacing_m;
+        let narrow_m = ZONE_GAP_CELLS * cell_m;
+        let is_tight = self.between_zones_m < narrow_m || self.zone_m < narrow_m;
+        let is_narrow = self.between_threats_m < GAP_CELLS * cell_m;
+        let finer = match self.between_zones_m {
+            gap_m if gap_m < 0.5 * narrow_m => 4,
+            gap_m if gap_m < narrow_m || is_narrow => 2,
+            _ => 1,
+        };
+        let tight_m = is_tight.then_some(TIGHT_CELLS * cell_m);
+        if finer == 1 {
+            return (grid, tight_m);
+        }
+        let finer = Grid::over(corners.0, corners.1, finer * (nodes - 1) + 1);
+        (finer, tight_m)
+    }
 }
 
 /// The least distance between the rims of two threats that do not touch, metres.

@@ -103,6 +103,7 @@ pub(in crate::report) fn plan_view(input: &ReviewInput<'_>, scene: &Scene, inlin
     }
     for (index, vehicle) in scene.vehicles.iter().enumerate().filter(|_| names) {
         stations(&mut svg, &view, index, vehicle);
+        stops(&mut svg, &view, index, vehicle);
     }
     let size = if inline { PAGE_NAME_SIZE } else { NAME_SIZE };
     write_names(&mut svg, &view, scene, size);
@@ -190,8 +191,16 @@ fn ground(svg: &mut String, view: &View, scene: &Scene, contours: &Contours) {
     );
 }
 
-/// Zones, threats, violations and rally points.
+/// Areas that tasks cover, zones, threats, violations and rally points.
 fn obstacles(svg: &mut String, view: &View, scene: &Scene) {
+    for (id, outline) in &scene.covered {
+        let _ = write!(
+            svg,
+            "<path class=\"covered\" d=\"{}\" fill=\"{INK}\" fill-opacity=\".05\" stroke=\"{INK}\" stroke-width=\"1.5\" stroke-dasharray=\"6 3\"><title>{}</title></path>",
+            view.ring(outline),
+            escaped(id),
+        );
+    }
     for zone in &scene.zones {
         let data = view.ring(&zone.ring);
         let _ = write!(
@@ -290,6 +299,9 @@ fn write_names(svg: &mut String, view: &View, scene: &Scene, size: f64) {
         for vehicle in &scene.vehicles {
             labels.avoid(view.at(&vehicle.start), size);
             labels.avoid(view.at(&vehicle.goal), size);
+            for stop in &vehicle.stops {
+                labels.avoid(view.at(&stop.at), size);
+            }
         }
     }
     for name in names(scene, view) {
@@ -382,6 +394,24 @@ fn stations(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape)
     dot(start, "start", colour, "13", "round");
     dot(goal, "goal", colour, "15", "round");
     dot(goal, "goal-eye", PAPER, "8", "round");
+}
+
+/// Stops (hollow squares), each with what is done there as its title.
+fn stops(svg: &mut String, view: &View, index: usize, vehicle: &VehicleShape) {
+    let (class, colour) = (index % COLOURS.len(), COLOURS[index % COLOURS.len()][0]);
+    for stop in &vehicle.stops {
+        let (x, y) = view.at(&stop.at);
+        let (at, title) = (
+            format!("M{} {}h0", one(x), one(y)),
+            escaped(&format!("{}: {}", vehicle.id, stop.text)),
+        );
+        for (name, colour, width) in [("stop", colour, "11"), ("stop-eye", PAPER, "6")] {
+            let _ = write!(
+                svg,
+                "<path class=\"{name} v{class}\" d=\"{at}\" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linecap=\"square\"><title>{title}</title></path>"
+            );
+        }
+    }
 }
 
 /// Scale bar and north arrow; the page moves them when it zooms.

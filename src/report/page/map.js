@@ -60,7 +60,7 @@ const map = (() => {
   /** Writes the names in view where they have room, away from the stations and from what else is taken. */
   function writeNames(frame, k, taken) {
     const few = scene.vehicles.length <= MANY;
-    for (const vehicle of few ? scene.vehicles : []) for (const [e, n] of [vehicle.start, vehicle.goal]) {
+    for (const vehicle of few ? scene.vehicles : []) for (const [e, n] of [vehicle.start, vehicle.goal, ...vehicle.stops.map((stop) => stop.at)]) {
       taken.push({ left: x(e) - 6 * k, right: x(e) + 6 * k, top: y(n) - 6 * k, bottom: y(n) + 6 * k });
     }
     const place = placer(frame, taken);

@@ -277,6 +277,7 @@ const scene3d = (() => {
         spot(vehicle.home, 4, true, false);
         spot(vehicle.start, 4.5, false, false);
         spot(vehicle.goal, 4.5, false, true);
+        for (const stop of vehicle.stops) spot(stop.at, 3.5, true, true);
       }
       const fix = fixAt(vehicle.track, state.t);
       if (fix) {

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use crate::geodesy::{EastNorth, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
-use crate::report::ReviewInput;
-use crate::spec::{Finish, MissionSpec, Vehicle};
+use crate::report::{ReviewInput, words};
+use crate::spec::{Arrival, Finish, MissionSpec, Stop, SweepShape, Vehicle};
 use crate::verify::Limit;
 use crate::world::{PlanZone, World};
 use flown::FlownShape;
@@ -45,6 +45,9 @@ pub(in crate::report) struct Scene {
     pub(in crate::report) threats: Vec<ThreatShape>,
     pub(in crate::report) zones: Vec<ZoneShape>,
     pub(in crate::report) rally: Vec<[f64; 2]>,
+    /// Outlines of what tasks cover, holes too.
+    #[serde(skip)]
+    pub(in crate::report) covered: Vec<(String, Vec<[f64; 2]>)>,
     /// Where the paths of a failed plan violate a limit most, and which.
     #[serde(skip)]
     pub(in crate::report) violations: Vec<([f64; 2], String)>,
@@ -74,6 +77,15 @@ pub(in crate::report) struct ZoneShape {
     pub(in crate::report) below_m: Option<f64>,
 }
 
+/// A place that a vehicle visits, and what it does there.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(in crate::report) struct StopShape {
+    /// East, north, altitude.
+    pub(in crate::report) at: [f64; 3],
+    /// Its id, how long the vehicle stays, and its actions.
+    pub(in crate::report) text: String,
+}
+
 /// One vehicle: points are east, north, altitude.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(in crate::report) struct VehicleShape {
@@ -81,6 +93,8 @@ pub(in crate::report) struct VehicleShape {
     pub(in crate::report) home: [f64; 3],
     pub(in crate::report) start: [f64; 3],
     pub(in crate::report) goal: [f64; 3],
+    /// Its stops, those apart between which lines are flown.
+    pub(in crate::report) stops: Vec<StopShape>,
     /// Whether it flies a planned path home from the goal.
     returns: bool,
     pub(in crate::report) track: TrackShape,
@@ -153,6 +167,7 @@ impl Scene {
                 .iter()
                 .map(|rally| flat(world.frame.to_plan(rally.place)))
                 .collect(),
+            covered: covered(spec, world),
             violations: violations(input),
             vehicles,
         }
@@ -194,6 +209,21 @@ fn violations(input: &ReviewInput<'_>) -> Vec<([f64; 2], String)> {
         }
     }
     violations
+}
+
+/// Outlines of the areas that tasks cover.
+fn covered(spec: &MissionSpec, world: &World) -> Vec<(String, Vec<[f64; 2]>)> {
+    let mut outlines = Vec::new();
+    for task in &spec.tasks {
+        let shape = task.sweep.as_ref().map(|sweep| &sweep.shape);
+        let Some(SweepShape::Survey { polygon, holes, .. }) = shape else {
+            continue;
+        };
+        for corners in std::iter::once(polygon).chain(holes) {
+            outlines.push((task.id.clone(), ring(&world.frame.outline(corners))));
+        }
+    }
+    outlines
 }
 
 /// The altitude up to which a zone is drawn: its ceiling, over the highest ground at its corners
@@ -265,6 +295,15 @@ fn vehicle_shape(input: &ReviewInput<'_>, index: usize, vehicle: &Vehicle) -> Ve
         home: station(|stations| stations.home),
         start: station(|stations| stations.start),
         goal: station(|stations| stations.goal),
+        stops: stations.map_or_else(Vec::new, |stations| {
+            let stops = vehicle.stops.iter().zip(&stations.stops);
+            let visited = stops.filter(|(stop, _)| !matches!(stop.arrives, Arrival::OnLine(_)));
+            let shape = |(stop, at): (&Stop, &PlanPoint)| StopShape {
+                at: point(*at),
+                text: words::stop(vehicle, stop),
+            };
+            visited.map(shape).collect()
+        }),
         returns: vehicle.finish == Finish::Return,
         ground: ground_under(&track, world, share(MAX_GROUND_SAMPLES, 24).min(600)),
         track,

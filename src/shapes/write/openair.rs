@@ -3,10 +3,9 @@
 
 use super::Rewritten;
 use crate::geodesy::LatLon;
+use crate::shapes::heights::{FOOT_M, NAUTICAL_MILE_M};
 use crate::shapes::{Geometry, Height, Shape};
 
-const MILE_M: f64 = 1852.0;
-const FEET_M: f64 = 0.3048;
 /// Classes that a record begins with; any other shape is prohibited airspace.
 const CLASSES: [&str; 13] = [
     "A", "B", "C", "D", "E", "F", "CTR", "GP", "P", "Q", "R", "RMZ", "TMZ",
@@ -54,7 +53,7 @@ fn record(shape: &Shape, rewritten: &mut Rewritten) -> Option<String> {
     }
     match &shape.geometry {
         Geometry::Circle { center, radius_m } => {
-            let miles = (radius_m / MILE_M * 1e4).ceil() / 1e4;
+            let miles = (radius_m / NAUTICAL_MILE_M * 1e4).ceil() / 1e4;
             record += &format!("V X={}\nDC {miles}\n", place(center));
         }
         Geometry::Polygon { outer, holes } => {
@@ -81,8 +80,8 @@ fn limit(of: Height, round: fn(f64) -> f64) -> String {
     };
     match of {
         Height::Amsl(metres) if metres < 0.0 => "0ft AMSL".to_owned(),
-        Height::Amsl(metres) => format!("{}ft AMSL", whole(metres / FEET_M)),
-        Height::Agl(metres) => format!("{}ft AGL", whole(metres / FEET_M)),
+        Height::Amsl(metres) => format!("{}ft AMSL", whole(metres / FOOT_M)),
+        Height::Agl(metres) => format!("{}ft AGL", whole(metres / FOOT_M)),
         Height::FlightLevel(level) => format!("FL{}", whole(level)),
     }
 }

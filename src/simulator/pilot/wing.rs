@@ -3,11 +3,13 @@
 mod items;
 mod landing;
 
+use super::mission::place;
 use super::{Doing, Event, Pilot, STEP_S};
 use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::link::LandedState;
+use crate::link::Time;
 use crate::mission::Item;
-use crate::simulator::dynamics::guidance::Motion;
+use crate::simulator::dynamics::guidance::{Motion, wrapped};
 use crate::simulator::dynamics::steering;
 use crate::simulator::dynamics::steering::Leg;
 use crate::simulator::dynamics::wing::{Demand, Wing};
@@ -16,6 +18,8 @@ use crate::simulator::parameters::{Passes, WingLimits};
 use crate::simulator::profile::Profile;
 use crate::spec::Airframe;
 
+/// A circle is left when the nose points this near to the next place, radians.
+const LINED_UP_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Slower than this on its wheels it stands, m/s.
 const STANDS_MPS: f64 = 0.1;
 
@@ -30,15 +34,30 @@ pub(in crate::simulator) enum Winged {
     Following(Following),
     /// Circles around a point, onto whose altitude a leg leads, if one does; clockwise with a
     /// positive radius. On its way down it ends on the ground.
-    Circling {
-        leg: Leg,
-        radius_m: f64,
-        lands: bool,
-    },
+    Circling(Circle),
     /// Glides to the ground at the end of a leg; since its flare from a height, with a sink.
     Gliding { leg: Leg, flare: Option<(f64, f64)> },
     /// Runs out on its wheels.
     RunningOut,
+}
+
+/// A circle around the end of a leg.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulator) struct Circle {
+    leg: Leg,
+    radius_m: f64,
+    lands: bool,
+    /// How long, since when it is on its circle; none: for ever.
+    stay: Option<Stay>,
+}
+
+/// A circle that is left again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::simulator) struct Stay {
+    /// Milliseconds.
+    time_ms: u64,
+    /// When the time is over, once it runs.
+    until: Option<Time>,
 }
 
 /// A takeoff along a course.
@@ -65,13 +84,23 @@ pub(in crate::simulator) struct Following {
     descends: bool,
 }
 
+impl Stay {
+    /// One of this many milliseconds, which do not run yet.
+    pub(super) fn of(time_ms: u64) -> Self {
+        Self {
+            time_ms,
+            until: None,
+        }
+    }
+}
+
 impl Winged {
     pub(crate) fn landed_state(&self) -> LandedState {
         match self {
             Self::Running(_) | Self::RunningOut => LandedState::ON_GROUND,
             Self::ClimbingOut(_) => LandedState::TAKEOFF,
             Self::Gliding { .. } => LandedState::LANDING,
-            Self::Following(_) | Self::Circling { .. } => LandedState::IN_AIR,
+            Self::Following(_) | Self::Circling(_) => LandedState::IN_AIR,
         }
     }
 
@@ -129,11 +158,12 @@ impl Pilot {
         };
         let radius_m = self.settings.wing().loiter_radius_m;
         self.carry(None);
-        self.doing = Doing::OnWing(Winged::Circling {
+        self.doing = Doing::OnWing(Winged::Circling(Circle {
             leg,
             radius_m,
             lands,
-        });
+            stay: None,
+        }));
     }
 
     /// The wing carries from now on, if it does not yet; its nose towards a point, or where
@@ -160,11 +190,7 @@ impl Pilot {
             Winged::Running(takeoff) => self.run(takeoff, &limits),
             Winged::ClimbingOut(takeoff) => self.climb_out(takeoff, at_m, items, &limits),
             Winged::Following(following) => self.follow(following, at_m, items, &limits),
-            Winged::Circling {
-                leg,
-                radius_m,
-                lands,
-            } => self.go_round((leg, radius_m, lands), at_m, &limits),
+            Winged::Circling(circle) => self.go_round(circle, at_m, items, &limits),
             Winged::Gliding { leg, flare } => self.glide(leg, flare, at_m, &limits),
             Winged::RunningOut => self.run_out(),
         }
@@ -296,17 +322,20 @@ impl Pilot {
 
     fn go_round(
         &mut self,
-        (mut leg, radius_m, lands): (Leg, f64, bool),
+        mut circle: Circle,
         at_m: [f64; 3],
+        items: &[Item],
         limits: &WingLimits,
     ) {
+        let (leg, radius_m) = (&mut circle.leg, circle.radius_m);
         let middle_m = [leg.to_m[0], leg.to_m[1]];
         let (across_mps2, circles) = self.motion(at_m).around(middle_m, radius_m, limits);
         if circles {
             leg.from_m[2] = leg.to_m[2];
         }
+        let leg = *leg;
         let following = Following::new(leg, self.profile == Profile::Px4);
-        if lands {
+        if circle.lands {
             let ground_m = self.ground_m(at_m);
             self.fly_at(across_mps2, ground_m - 10.0, at_m, true);
             if self.body.at_m[2] <= ground_m {
@@ -316,11 +345,32 @@ impl Pilot {
             let amsl_m = altitude_m(&following, at_m, limits);
             self.fly_at(across_mps2, amsl_m, at_m, false);
         }
-        self.doing = Doing::OnWing(Winged::Circling {
-            leg,
-            radius_m,
-            lands,
-        });
+        if let Some(stay) = &mut circle.stay {
+            if circles {
+                stay.until.get_or_insert(self.clock + stay.time_ms);
+            }
+            if stay.until.is_some_and(|until| self.clock >= until) && self.heads_on(leg, items) {
+                self.complete(items);
+                return;
+            }
+        }
+        self.doing = Doing::OnWing(Winged::Circling(circle));
+    }
+
+    /// Whether a wing that circles heads for the next place, within 10 degrees; where that is within
+    /// its circle it goes on at once (`ModeLoiter::isHeadingLinedUp`).
+    fn heads_on(&self, leg: Leg, items: &[Item]) -> bool {
+        let mut ahead = items.iter().skip(self.at + 1);
+        let next = ahead.find_map(|item| place(item).and_then(|_| self.point_m(item, leg.to_m)));
+        let Some(next_m) = next else { return true };
+        let within_m = 1.05 * self.settings.wing().loiter_radius_m.abs();
+        if steering::across_m(leg.to_m, next_m) < within_m {
+            return true;
+        }
+        let at_m = self.body.at_m;
+        let bearing_rad = (next_m[0] - at_m[0]).atan2(next_m[1] - at_m[1]);
+        let [east, north, _] = self.body.velocity_mps;
+        wrapped(bearing_rad - east.atan2(north)).abs() <= LINED_UP_RAD
     }
 }
 

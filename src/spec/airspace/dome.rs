@@ -16,7 +16,8 @@ pub(crate) fn dome_layers(threat: &Threat, buffers: &Buffers) -> Vec<Zone> {
         |layer: u32| std::f64::consts::FRAC_PI_2 * f64::from(layer) / f64::from(LAYERS);
     let layer = |layer: u32| {
         let radius_m = threat.radius_m * elevation_rad(layer).cos();
-        let top_m = threat.radius_m * elevation_rad(layer + 1).sin();
+        // Upwards to decimetres: no longer figure is printed.
+        let top_m = (10.0 * threat.radius_m * elevation_rad(layer + 1).sin()).ceil() / 10.0;
         // Each disc is closed from the ground up: a wider one lies below it.
         Zone {
             circle: Some((threat.place, radius_m)),

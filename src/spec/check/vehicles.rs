@@ -12,7 +12,7 @@ use nalgebra::Vector3;
 
 use super::super::keys;
 use super::super::{
-    AltitudeReference, BufferedLimit, EndPoint, Link, Placement, Separation, Vehicle, Wind,
+    AltitudeReference, BufferedLimit, EndPoint, Link, Placement, Separation, Stop, Vehicle, Wind,
     turn_radius_by_load_m,
 };
 use super::Checker;
@@ -40,6 +40,15 @@ struct Ends {
     goal: Option<EndPoint>,
     /// From a home of its own, metres.
     home_to_start_m: Option<f64>,
+}
+
+/// What a vehicle is called, and how it is reached; none where broken.
+struct Identity {
+    id: Option<String>,
+    sysid: Option<u8>,
+    autopilot: Option<Autopilot>,
+    autopilot_version: Option<Version>,
+    link: Option<Link>,
 }
 
 /// How far stops must be apart at least, metres: a wing needs a few turns from one to the next.
@@ -139,29 +148,13 @@ impl Checker {
         map: Option<&Map>,
         wind: Option<Wind>,
     ) -> Option<Vehicle> {
-        let at = |key: &str| format!("{path}.{key}");
-        let id = self.required(path, "id", keys.id.clone());
-        if let Some(id) = &id {
-            self.file_name(&at("id"), id);
-        }
-        let sysid = self.required(path, "sysid", keys.sysid);
-        let autopilot = self.required(path, "autopilot", keys.autopilot);
-        let link = self.required(path, "link", keys.link.as_deref());
-        let link = link.and_then(|link| self.link(&at("link"), link));
+        let identity = self.identity(path, keys);
         let finish = self.required(path, "finish", keys.finish);
         let speed_mps = self.required(path, "speed_mps", keys.speed_mps);
-        let ends = self.ends(path, keys, map);
-        let stops = self.stops(path, keys, map);
-        let on_way = self.on_way(path, keys);
-        if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
-            let least_m = least_apart_m(keys);
-            self.stops_apart(path, keys, (start.place, goal.place), (&stops, least_m));
-        }
-        let (autopilot, speed_mps, finish) = (autopilot?, speed_mps?, finish?);
+        let (ends, stops) = self.ends_and_stops(path, keys, map);
+        let (autopilot, speed_mps, finish) = (identity.autopilot?, speed_mps?, finish?);
         let airframe = keys.airframe.unwrap_or_default();
         let defaults = facts(autopilot, airframe).defaults;
-        let version = keys.autopilot_version.as_deref();
-        let autopilot_version = self.version(&at("autopilot_version"), version, autopilot);
         let flown = Flown {
             airframe,
             finish,
@@ -177,7 +170,6 @@ impl Checker {
         let climb_mps = keys.climb_mps.unwrap_or(defaults.climb_mps);
         let endurance = self.endurance(path, keys.endurance.as_ref(), (airframe, climb_mps));
         let retiming = self.retiming(path, keys, (autopilot, airframe));
-        let opens_s = retiming.depart_s.map(|window| window.least);
         Some(Vehicle {
             wing,
             speed_mps,
@@ -188,26 +180,62 @@ impl Checker {
             descent_mps: flown.descent_mps,
             accel_mps2: keys.accel_mps2.unwrap_or(defaults.accel_mps2),
             max_airspeed_mps: keys.max_airspeed_mps,
-            depart_s: keys.depart_s.or(opens_s).unwrap_or(0.0),
+            depart_s: keys.depart_s.unwrap_or_else(|| retiming.opens_s()),
             retiming,
             altitudes,
             endurance,
             fence_points: keys.fence_points,
             return_amsl: keys.return_amsl_m.map(Amsl),
-            id: id?,
-            sysid: u8::try_from(sysid?).ok()?,
+            id: identity.id?,
+            sysid: identity.sysid?,
             autopilot,
-            autopilot_version,
+            autopilot_version: identity.autopilot_version,
             airframe,
-            link: link?,
+            link: identity.link?,
             home: ends.home?,
             start: ends.start?,
             goal: ends.goal?,
             stops,
-            on_way,
+            on_way: self.on_way(path, keys),
             order: keys.order.unwrap_or_default(),
             finish,
         })
+    }
+
+    /// Where it stands, its path ends, and what it visits, far enough apart.
+    fn ends_and_stops(
+        &mut self,
+        path: &str,
+        keys: &keys::Vehicle,
+        map: Option<&Map>,
+    ) -> (Ends, Vec<Stop>) {
+        let ends = self.ends(path, keys, map);
+        let stops = self.stops(path, keys, map);
+        if let (Some(start), Some(goal)) = (ends.start, ends.goal) {
+            let least_m = least_apart_m(keys);
+            self.stops_apart(path, keys, (start.place, goal.place), (&stops, least_m));
+        }
+        (ends, stops)
+    }
+
+    fn identity(&mut self, path: &str, keys: &keys::Vehicle) -> Identity {
+        let at = |key: &str| format!("{path}.{key}");
+        let id = self.required(path, "id", keys.id.clone());
+        if let Some(id) = &id {
+            self.file_name(&at("id"), id);
+        }
+        let sysid = self.required(path, "sysid", keys.sysid);
+        let autopilot = self.required(path, "autopilot", keys.autopilot);
+        let link = self.required(path, "link", keys.link.as_deref());
+        let version = keys.autopilot_version.as_deref();
+        Identity {
+            id,
+            sysid: sysid.and_then(|sysid| u8::try_from(sysid).ok()),
+            autopilot,
+            autopilot_version: autopilot
+                .and_then(|of| self.version(&at("autopilot_version"), version, of)),
+            link: link.and_then(|link| self.link(&at("link"), link)),
+        }
     }
 
     /// The speed of a copter that its autopilot cannot reach in still air at any lean angle that a

@@ -24,7 +24,8 @@ pub struct Stop {
     /// Metres above mean sea level.
     #[schemars(range(min = -500, max = 20000))]
     pub amsl_m: Option<f64>,
-    /// How long a copter stays there, seconds, rounded up to whole ones; absent: 1, to come to rest.
+    /// How long it stays there, seconds, rounded up to whole ones; a plane or VTOL circles around it.
+    /// Absent: a copter comes to rest for 1 s, the others fly past.
     #[schemars(range(min = 0, max = 3600))]
     pub hold_s: Option<f64>,
     /// How near it must come, metres; absent: mission.tolerance_m, and on planes and VTOLs 20 or more.

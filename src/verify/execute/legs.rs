@@ -214,14 +214,14 @@ pub(crate) fn run(
             to: knots[leg + 1].at,
             length_m,
         };
-        let cruise_mps = grounds_mps[leg];
-        found.peak_mps.push(line.cruise(
-            stretch,
-            speeds,
-            cruise_mps,
-            vehicle.accel_mps2,
-            &mut found.pieces,
-        ));
+        let pace = Pace {
+            from_mps: speeds.0,
+            to_mps: speeds.1,
+            cruise_mps: grounds_mps[leg],
+            accel_mps2: vehicle.accel_mps2,
+        };
+        let peak_mps = line.cruise(stretch, &pace, &mut found.pieces);
+        found.peak_mps.push(peak_mps);
         if let Some(after) = knots.get(leg + 2) {
             let share = (1.0 - after_m / length_m, after_m / legs[leg + 1]);
             let corner = (knots[leg].at, knots[leg + 1].at, after.at);
@@ -307,17 +307,24 @@ struct Line {
     length_m: f64,
 }
 
+/// The speeds of a leg at its ends and at most, m/s, and how fast they change.
+struct Pace {
+    from_mps: f64,
+    to_mps: f64,
+    cruise_mps: f64,
+    accel_mps2: f64,
+}
+
 impl Line {
     /// Pieces from one distance along the leg to another: speed up, cruise, slow
     /// down, as far as there is room. Returns the highest speed, m/s.
-    fn cruise(
-        &self,
-        (start_m, end_m): (f64, f64),
-        (from_mps, to_mps): (f64, f64),
-        cruise_mps: f64,
-        accel_mps2: f64,
-        pieces: &mut Vec<Piece>,
-    ) -> f64 {
+    fn cruise(&self, (start_m, end_m): (f64, f64), pace: &Pace, pieces: &mut Vec<Piece>) -> f64 {
+        let &Pace {
+            from_mps,
+            to_mps,
+            cruise_mps,
+            accel_mps2,
+        } = pace;
         let length_m = end_m - start_m;
         let squares = 0.5 * (from_mps * from_mps + to_mps * to_mps);
         let peak_mps = cruise_mps

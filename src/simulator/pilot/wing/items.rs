@@ -1,6 +1,6 @@
 //! The items of a mission as a wing flies them.
 
-use super::{Following, Takeoff, Winged};
+use super::{Circle, Following, Stay, Takeoff, Winged};
 use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::mission::{Item, command};
 use crate::simulator::dynamics::steering;
@@ -99,9 +99,14 @@ impl Pilot {
     /// Circles around the place of an item, with its radius or that of the parameters.
     fn circling(&mut self, item: &Item, from_m: [f64; 3]) -> Option<Doing> {
         let to_m = self.point_m(item, from_m)?;
-        let own_m = f64::from(item.params[2]);
+        let own_m = match (self.profile, item.command) {
+            // It keeps the sign alone.
+            (Profile::ArduPilot, command::NAV_LOITER_TIME) => 0.0,
+            _ => f64::from(item.params[2]),
+        };
+        let is_timed = item.command == command::NAV_LOITER_TIME;
         self.carry(Some(to_m));
-        Some(Doing::OnWing(Winged::Circling {
+        Some(Doing::OnWing(Winged::Circling(Circle {
             leg: Leg { from_m, to_m },
             radius_m: if own_m.is_finite() && own_m.abs() > 0.0 {
                 own_m
@@ -109,7 +114,8 @@ impl Pilot {
                 self.settings.wing().loiter_radius_m
             },
             lands: false,
-        }))
+            stay: is_timed.then(|| Stay::of(milliseconds(item.params[0]))),
+        })))
     }
 
     /// ArduPlane runs where it points, PX4 towards the place of the item.

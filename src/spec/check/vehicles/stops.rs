@@ -106,14 +106,6 @@ impl Checker {
             let found = "a heading, on a wing: it flies past a stop, or around it";
             self.report(&format!("{path}.heading_deg"), found, "no heading_deg");
         }
-        if stop.hold_s.is_some_and(|hold_s| hold_s > 0.0) {
-            let found = "a hold, on a wing, which does not hover";
-            self.report(
-                &format!("{path}.hold_s"),
-                found,
-                "0: it flies past the stop",
-            );
-        }
         if stop.speed_mps.is_some() {
             let found = "a speed from a stop on, on a wing";
             self.report(

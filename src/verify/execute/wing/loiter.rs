@@ -12,11 +12,13 @@ use crate::path::{VehicleLimits, along, heading_rad};
 
 use crate::verify::execute::decode::{After, Unknown};
 use crate::verify::execute::executor::Pilot;
-use crate::verify::execute::flight::Hull;
+use crate::verify::execute::flight::{Hull, Rest};
 use crate::verify::execute::item::{Circling, Height, Order, Until};
 use crate::verify::execute::legs::Knot;
 use crate::verify::measure::segment::Chord;
 
+/// Circles around one place that begin within this time of each other are one stay, seconds.
+const SAME_STAY_S: f64 = 60.0;
 /// Lines and columns that stand for a region are no further apart, metres.
 const APART_M: f64 = 15.0;
 /// A wing that leaves its circle on course keeps within this many radii of the middle.
@@ -65,6 +67,7 @@ impl Pilot<'_> {
             at: middle,
             amsl: Amsl(rim.amsl_m),
         };
+        self.note_circle(row, over, (begin_s, needed_s));
         let stay = self.trajectory.chords.len();
         self.trajectory
             .straight((row, self.phase), (over, over), lasts_s, false);
@@ -84,6 +87,21 @@ impl Pilot<'_> {
         }
         self.leave(Knot { at: middle, ..rim }, hull);
         Ok(())
+    }
+
+    /// Notes that it stays around a place; circles there that follow each other are one stay.
+    fn note_circle(&mut self, row: usize, over: PlanPoint, (from_s, needed_s): (f64, f64)) {
+        match self.flight.rests.last_mut() {
+            Some(last) if last.point == over && from_s - last.until_s < SAME_STAY_S => {
+                (last.until_s, last.rows.1) = (last.until_s + needed_s, row);
+            }
+            _ => self.flight.rests.push(Rest {
+                point: over,
+                from_s,
+                until_s: from_s + needed_s,
+                rows: (row, row),
+            }),
+        }
     }
 
     /// Goes on from a circle, which the knot at its middle stands for.
