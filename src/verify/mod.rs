@@ -153,8 +153,8 @@
 //!
 //! **Rotors of a QuadPlane.** As long as it climbs it leans little, and the wind drives it to any side with 0.31 of its
 //! speed: the climb is judged there as well. From the top it flies on where its nose points, which nobody knows: it is
-//! judged anywhere within 80 m, two turn radii and 3.6 s of the wind more, and in the hull of that disc and the first
-//! place. In more than 4 m/s of wind the verdict fails.
+//! judged anywhere within 80 m, two turn radii and 21 s of the wind more, in the hull of that disc and the first place (and
+//! the next, from a place within the disc), and as late as two turn radii take. In more than 4 m/s of wind the verdict fails.
 //!
 //! **In the air.** A vehicle that departs in the air is at its position at that time, and begins its
 //! first leg with as much of its speed as points along it. On a wing that is inside of its circle

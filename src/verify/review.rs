@@ -666,7 +666,7 @@ mod tests {
             "with up to 10 s early",
             "else 15 m) at once",
             "is 3.3 s of its climb",
-            "with 0.31 of the wind and 3.6 s of it more",
+            "with 0.31 of the wind and 21 s of it more",
             "is 3.5 s of its climb",
             "default 17 and 0.75",
             "at 0.7 of a coordinated turn",

@@ -54,6 +54,8 @@ impl Pilot<'_> {
             }
         }
         let turn_m = 2.0 * VehicleLimits::of(self.vehicle).turn_radius_m;
+        // Half a turn more than along its first leg.
+        self.trajectory.late_s += turn_m / self.vehicle.speed_mps;
         self.hull = Some(Hull {
             middle: top,
             reach_m: off_m + onto_leg_m + transition_m + turn_m,

@@ -239,17 +239,29 @@ impl Pilot<'_> {
         self.lay_disc(row, foot, radius_m, times_s);
     }
 
-    /// Lays the hull of a circle and the first leg from it, to be judged in space; for the
-    /// separation, widens the chords of that leg by as much.
+    /// Lays the hull of a circle and the first leg from it, and of further ones that begin within the
+    /// circle, to be judged in space; for the separation, widens the chords of those legs by as much.
     pub(crate) fn leave_hull(&mut self, knots: &[Knot], firsts: &[usize]) {
-        let (Some(hull), [_, to, ..]) = (self.hull.take(), knots) else {
+        let Some(hull) = self.hull.take().filter(|_| knots.len() > 1) else {
             return;
         };
-        let (first, end) = (firsts.first().copied(), firsts.get(1).copied());
-        let end = end.unwrap_or(self.trajectory.chords.len());
-        for chord in &mut self.trajectory.chords[first.unwrap_or(end)..end] {
-            chord.wide_m = chord.wide_m.max(hull.reach_m);
+        let flown = self.trajectory.chords.len();
+        for (leg, pair) in knots.windows(2).enumerate() {
+            let is_within = pair[0].at.distance_m(hull.middle.at) < hull.reach_m;
+            if leg > 0 && !is_within {
+                break;
+            }
+            let first = firsts.get(leg).copied().unwrap_or(flown);
+            let end = firsts.get(leg + 1).copied().unwrap_or(flown);
+            for chord in &mut self.trajectory.chords[first.min(end)..end] {
+                chord.wide_m = chord.wide_m.max(hull.reach_m);
+            }
+            self.lay_hull(&hull, &pair[1]);
         }
+    }
+
+    /// Lays the hull of a circle and a place.
+    fn lay_hull(&mut self, hull: &Hull, to: &Knot) {
         let course_rad = heading_rad(hull.middle.at, to.at);
         let times_s = (hull.from_s, hull.until_s.max(self.trajectory.t_s));
         // It may begin a descent late, from above.
