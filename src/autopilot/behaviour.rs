@@ -89,6 +89,8 @@ pub(super) const NONE: Figure = Figure(&[]);
 pub struct Behaviour {
     /// The vehicle may be this early from its takeoff on, seconds.
     pub takeoff_early_s: Figure,
+    /// Since its takeoff the vehicle may have gained this share of the time, besides.
+    pub early_share: Figure,
     /// The vehicle may be this late from its takeoff on, seconds. Two vehicles of one autopilot
     /// and airframe are equally late within 5.5 s, which `time_slack_s` covers.
     pub takeoff_late_s: Figure,
@@ -106,10 +108,20 @@ pub struct Behaviour {
     pub climb_out_share: Figure,
     /// A plane may exceed the height of its takeoff by this before it levels off, metres.
     pub climb_out_overshoot_m: Figure,
-    /// During a climb on rotors the wind carries the vehicle with this share of its speed.
+    /// During its planned climb the vehicle is driven off with this share of the speed of the wind:
+    /// a plane downwind, a QuadPlane on its rotors to any side.
     pub drift_share: Figure,
-    /// After the climb the wind carries the vehicle for this time, seconds.
+    /// After the climb the wind carries a QuadPlane for this time, seconds.
     pub drift_s: Figure,
+    /// A QuadPlane is in forward flight this far from the end of its climb at most, where its nose
+    /// points, and turns from there, metres.
+    pub transition_m: Figure,
+    /// The wind up to which these figures hold, m/s: in more the verdict fails.
+    pub max_wind_mps: Figure,
+    /// On a circle a wing is further out than its radius by up to this share of its turn radius.
+    pub circle_wide_share: Figure,
+    /// On a circle and the leg to it a wing is off its altitude by up to this, besides its lag, metres.
+    pub circle_level_m: Figure,
     /// Share of `g tan(bank)` that turns the wing under the L1 law.
     pub turning_share: Figure,
     /// Time constant of the bank under the L1 law, seconds.
@@ -154,9 +166,10 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 13] {
+    pub fn figures(&self) -> [(&'static str, Figure); 18] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
+            ("early_share", self.early_share),
             ("takeoff_late_s", self.takeoff_late_s),
             ("stop_late_s", self.stop_late_s),
             ("leg_late_s", self.leg_late_s),
@@ -166,6 +179,10 @@ impl Behaviour {
             ("climb_out_overshoot_m", self.climb_out_overshoot_m),
             ("drift_share", self.drift_share),
             ("drift_s", self.drift_s),
+            ("transition_m", self.transition_m),
+            ("max_wind_mps", self.max_wind_mps),
+            ("circle_wide_share", self.circle_wide_share),
+            ("circle_level_m", self.circle_level_m),
             ("turning_share", self.turning_share),
             ("bank_lag_s", self.bank_lag_s),
             ("lean_speed_mps", self.lean_speed_mps),

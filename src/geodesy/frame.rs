@@ -177,6 +177,15 @@ impl PlanPoint {
         )
     }
 
+    /// The point higher by a height, metres.
+    #[must_use]
+    pub fn raised(self, by_m: f64) -> Self {
+        Self {
+            amsl: Amsl(self.amsl.0 + by_m),
+            ..self
+        }
+    }
+
     /// A point from its three coordinates, metres.
     #[must_use]
     pub fn new(east_m: f64, north_m: f64, amsl: Amsl) -> Self {

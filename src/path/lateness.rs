@@ -69,21 +69,24 @@ pub fn with_stops_s(shift_s: Span, late_s: f64, other_late_s: f64) -> Span {
     }
 }
 
-/// The most that two of these may be shifted against each other by what autopilots are late,
-/// seconds; each comes with what its stops make it late by.
+/// The most that two of these may be shifted against each other by what autopilots are late or
+/// early, seconds; each comes with what its stops make it late by, and its way early (negative).
 #[must_use]
-pub fn most_shift_s<'a>(fleet: impl Iterator<Item = (&'a Vehicle, f64)>) -> f64 {
-    let (mut least_s, mut most_s, mut stops_s) = (0.0_f64, 0.0_f64, 0.0_f64);
+pub fn most_shift_s<'a>(fleet: impl Iterator<Item = (&'a Vehicle, Span)>) -> f64 {
+    let (mut least_s, mut most_s) = (0.0_f64, 0.0_f64);
+    let (mut late_s, mut early_s) = (0.0_f64, 0.0_f64);
     let (mut first, mut are_alike) = (None, true);
-    for (vehicle, late_s) in fleet {
+    for (vehicle, on_its_way) in fleet {
         let late = takeoff_lateness_s(vehicle);
         (least_s, most_s) = (least_s.min(late.least), most_s.max(late.most));
-        stops_s = stops_s.max(late_s);
+        late_s = late_s.max(on_its_way.most);
+        early_s = early_s.max(-on_its_way.least);
         are_alike &= are_late_alike(first.get_or_insert(vehicle), vehicle);
     }
+    let alike_s = late_s + early_s;
     if are_alike {
-        stops_s
+        alike_s
     } else {
-        stops_s + most_s - least_s
+        alike_s + most_s - least_s
     }
 }

@@ -42,6 +42,8 @@ pub struct TrajectorySegment {
     pub wide_m: Option<f64>,
     /// By how much the vehicle may be late here, for what is behind it, seconds.
     pub late_s: Option<f64>,
+    /// By how much the vehicle may be early here, besides what it may be from its takeoff on, seconds.
+    pub early_s: Option<f64>,
 }
 
 /// Decimals of metres and seconds.
@@ -70,5 +72,6 @@ fn segment(of: &VerifiedSegment) -> TrajectorySegment {
         error_m: rounded(of.error_m, PER_UNIT),
         wide_m: rounded(of.wide_m, PER_UNIT),
         late_s: rounded(of.late_s, PER_UNIT),
+        early_s: rounded(of.early_s, PER_UNIT),
     }
 }

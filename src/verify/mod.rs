@@ -107,7 +107,8 @@
 //! the circle before, or `CIRCLE_RADIUS` (10 m). Not judged from within 3 m of the middle.
 //!
 //! **Circles that a wing leaves.** In space the orbit, and the hull of circle and next place: of ArduPlane, which leaves
-//! towards the next place (`Plane::verify_loiter_heading`), a circle of 1.2 radii, else one wider by two turn radii, as
+//! towards the next place (`Plane::verify_loiter_heading`), a circle of 1.2 radii (or 0.75 turn radii further out than
+//! its own, if that is more), else one wider by two turn radii, as
 //! for who begins inside of its circle. To an altitude, all altitudes on the circle. In time the vehicle is on the
 //! circle for its turns or time, and as late as 1.25 orbits more take.
 //!
@@ -138,15 +139,22 @@
 //! smaller, the leg is judged at the altitude of its end as well.
 //!
 //! **Lag.** ArduPlane is 3.3 s of its climb below a slope upwards and as much above one downwards,
-//! and still on the leg after: legs are judged there as well, in space, by the greater of their own
-//! climb and that of the leg before. Not where the ground is followed, nor on climb-out and glide.
+//! and still on the leg after, of a descent on the legs of the next 6.6 s: legs are judged there as well, in space, by the
+//! greatest of their own climb and those of the legs behind. Not where the ground is followed, nor on climb-out and glide.
 //! A wing of PX4 is judged likewise with 3.5 s, and with the altitude of a waypoint a loiter radius
 //! before it, by its sources.
 //!
 //! **Swings.** ArduPlane follows its legs by the L1 law, in `src/verify/execute/wing/l1.rs`: the way that it gives
 //! is judged in space besides the legs, and for the separation the vehicle is anywhere within what
 //! that way is beside the legs 2 s before and after, and late by what it takes longer. A climb-out
-//! of ArduPlane is judged 14 m higher from 0.4 of it on, and straight on from there to the next place.
+//! of ArduPlane is judged 14 m higher from 0.4 of it on, and straight on from there to the next place; and in wind, as
+//! it holds its heading, up to as far downwind as the wind goes in 0.32 of the planned climb. On the circle of its end it
+//! is up to 0.75 turn radii further out than the radius.
+//!
+//! **Rotors of a QuadPlane.** As long as it climbs it leans little, and the wind drives it to any side with 0.31 of its
+//! speed: the climb is judged there as well. From the top it flies on where its nose points, which nobody knows: it is
+//! judged anywhere within 80 m, two turn radii and 21 s of the wind more, in the hull of that disc and the first place (and
+//! the next, from a place within the disc), and as late as two turn radii take. In more than 4 m/s of wind the verdict fails.
 //!
 //! **In the air.** A vehicle that departs in the air is at its position at that time, and begins its
 //! first leg with as much of its speed as points along it. On a wing that is inside of its circle
@@ -166,7 +174,8 @@
 //! ends in the air, stays for ever.
 //!
 //! **Lateness.** Real vehicles are late, and not all alike. From its takeoff on a copter, and a vtol,
-//! may be up to 12 s late and a plane up to 9 s early; two of one autopilot and airframe are so alike.
+//! may be up to 12 s late and a plane up to 10 s early; two of one autopilot and airframe are so alike. A wing of
+//! ArduPlane gains up to 0.05 of the time since its takeoff besides, each on its own.
 //! Every stop at the end of legs adds up to 4.5 s to what a vehicle is late by from then on, to each
 //! on its own; every leg of a PX4 copter up to 1.5 s, from its beginning on; every corner of
 //! ArduCopter where not all of the ramp overlaps up to 0.2 s, from its end on. `src/path/lateness.rs` says what was measured.

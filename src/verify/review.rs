@@ -8,7 +8,7 @@ use crate::autopilot::{Airframe, Autopilot, facts, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Home, Item, VehicleMission, command};
 use crate::path::most_shift_s;
-use crate::spec::{MissionSpec, Separation, Vehicle};
+use crate::spec::{MissionSpec, Separation, Span, Vehicle};
 use crate::world::{Layer, Stations, Terrain, World};
 
 use super::execute::executor;
@@ -19,6 +19,7 @@ use super::limits::fence::Fence;
 use super::limits::mission::{Contract, coverage, tasks};
 use super::limits::separation;
 use super::limits::space::Space;
+use super::measure::segment::Chord;
 use super::measure::timeline::Timeline;
 use super::{Limit, Margin, Moment, Review, Track};
 
@@ -187,8 +188,12 @@ fn stay_long_enough(sorties: &mut [Sortie<'_>], separation: &Separation) {
         .fold(0.0, f64::max);
     let late_s = most_shift_s(sorties.iter().map(|sortie| {
         let chords = sortie.flight.chords.iter();
-        let late_s = chords.map(|chord| chord.late_s).fold(0.0, f64::max);
-        (sortie.vehicle, late_s)
+        let most = |of: fn(&Chord) -> f64| chords.clone().map(of).fold(0.0, f64::max);
+        let on_its_way = Span {
+            least: 0.0 - most(|chord| chord.early_s),
+            most: most(|chord| chord.late_s),
+        };
+        (sortie.vehicle, on_its_way)
     }));
     for sortie in sorties {
         sortie
@@ -482,8 +487,16 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
     (
         |s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::ArduPilot,
         "ArduPlane climbs out more steeply (4.7.0-dev, simulated: 10 m/s where 3 were planned, the height reached after {plane.climb_out_share} of the planned climb, \
-         {plane.climb_out_overshoot_m} over it for some seconds, at its start 8 s early): the ceiling is judged {plane.climb_out_overshoot_m} over that height and the way on from {plane.climb_out_share} of the climb, \
-         separation counts with the height in between and with up to {plane.takeoff_early_s} early",
+         {plane.climb_out_overshoot_m} over it for some seconds) and holds its heading, so that the wind carries it off for {plane.drift_share} of the planned climb: the ceiling is judged {plane.climb_out_overshoot_m} over that height and the way on from {plane.climb_out_share} of the climb, \
+         also as far downwind, separation counts with the height in between and with up to {plane.takeoff_early_s} early",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
+        "a wing of ArduPlane gains up to {plane.early_share} of the time since its takeoff (4.7.0-dev, simulated, up to 6 m/s of wind; airspeed sensors are off as much): separation holds for any earliness up to that",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.flight.circle.is_some(),
+        "ArduPlane is up to {plane.circle_wide_share} of its turn radius further out than the radius of its circle (4.7.0-dev, simulated: 46 m at 20 m/s on a circle of 80 m)",
     ),
     (
         |s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::Px4,
@@ -507,12 +520,12 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
                 s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
             is_quadplane && s.vehicle.wing.is_some_and(|wing| wing.wind.is_some())
         },
-        "a QuadPlane drifts downwind as it climbs, with {quadplane.drift_share} of the wind and {quadplane.drift_s} of it more until it is on its first leg (one flight, 4.7.0-dev, simulated, 5 m/s): \
-         climb and first leg are judged there too; its landing is not. In 6 to 8 m/s others were driven off by up to 195 m, to the side too",
+        "a QuadPlane may be driven off to any side as it climbs, with {quadplane.drift_share} of the wind and {quadplane.drift_s} of it more until it is on its first leg (4.7.0-dev, simulated, up to 5 m/s): \
+         climb and first leg are judged there too; its landing is not. In more than {quadplane.max_wind_mps} it was driven off by up to 267 m, and the verdict fails",
     ),
     (
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
-        "a QuadPlane stands with its nose along its first leg: it begins its transition where the nose points, and with the nose across the leg it was up to 276 m beside it (4.7.0-dev, simulated)",
+        "a QuadPlane goes on from its climb where its nose points, anywhere, and turns from there: it is judged anywhere within {quadplane.transition_m} and two turn radii of the end of its climb, and between there and its first place (4.7.0-dev, simulated, nose backwards: 180 m beside its first leg)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
@@ -523,7 +536,7 @@ const ASSUMED_OF_SOME: &[Assumption] = &[
         |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
         "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default {NAVL1_PERIOD} and {NAVL1_DAMPING}), WP_RADIUS and ROLL_LIMIT_DEG, \
          at {plane.turning_share} of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
-         2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; no wind)",
+         2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; in still air, the wind is added as the law has it)",
     ),
     (
         |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
@@ -650,10 +663,10 @@ mod tests {
             "up to 4.5 s more",
             "up to 1.5 s later",
             "after 0.4 of the planned climb, 14 m over it",
-            "with up to 9 s early",
+            "with up to 10 s early",
             "else 15 m) at once",
             "is 3.3 s of its climb",
-            "with 0.31 of the wind and 3.6 s of it more",
+            "with 0.31 of the wind and 21 s of it more",
             "is 3.5 s of its climb",
             "default 17 and 0.75",
             "at 0.7 of a coordinated turn",

@@ -25,6 +25,8 @@ pub struct VerifiedSegment {
     pub wide_m: f64,
     /// By how much the vehicle may be late here, for the stops, legs and corners behind it, seconds.
     pub late_s: f64,
+    /// By how much the vehicle may be early here, besides what it may be from its takeoff on, seconds.
+    pub early_s: f64,
 }
 
 /// The verified trajectory of one vehicle.
@@ -55,6 +57,7 @@ pub fn verified_trajectories(
             error_m: chord.error_m,
             wide_m: chord.wide_m,
             late_s: chord.late_s,
+            early_s: chord.early_s,
         });
         Some(VerifiedTrajectory {
             vehicle: vehicle.id.clone(),

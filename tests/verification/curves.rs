@@ -413,12 +413,13 @@ fn a_wing_flies_its_turns_its_time_and_to_its_altitude_and_goes_on() {
                 nearest_m(&spec, &mission, spot(1900.0, 60.0)) < 10.0,
                 "{number}"
             );
-            // No further: ArduPlane leaves on course, within 1.2 radii of the middle; PX4 on any
+            // No further: ArduPlane leaves on course, within 1.2 radii of the middle
+            // or as far out as it swings on a circle; PX4 on any
             // course, within two turn radii of the circle. Both fly to the left rim of the next
             // circle, which is flown clockwise.
             let turn_m = sortie::path::VehicleLimits::of(&spec.vehicles[0]).turn_radius_m;
             let reach_m = match autopilot {
-                Autopilot::ArduPilot => 1.2 * radius_m,
+                Autopilot::ArduPilot => (1.2 * radius_m).max(radius_m + 0.75 * turn_m),
                 Autopilot::Px4 => radius_m + 2.0 * turn_m,
             };
             let (sin, cos) = (100.0_f64 / 1500.0).asin().sin_cos();

@@ -14,3 +14,4 @@ mod other_world;
 mod verify;
 mod verify_independent;
 mod verify_sampled;
+mod wings;

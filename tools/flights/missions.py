@@ -15,6 +15,8 @@ KINDS = {
     "px4-copter": ("px4", "copter"),
 }
 WINDS_MPS = [0, 2, 4, 5, 6, 8]
+# The verdict fails a QuadPlane in more wind.
+QUADPLANE_WIND_MPS = 4
 # The greatest speed through the air that `check` allows a copter, less a little.
 COPTER_AIRSPEED_MPS = {"ardupilot": 13.0, "px4": 10.2}
 
@@ -50,6 +52,8 @@ def make(kind, seed):
     rng = random.Random(f"{kind} {seed}")
     autopilot, airframe = KINDS[kind]
     wind = {"from_deg": rng.randrange(0, 360, 5), "speed_mps": rng.choice(WINDS_MPS)}
+    if kind == "quadplane":
+        wind["speed_mps"] = min(wind["speed_mps"], QUADPLANE_WIND_MPS)
     course_deg = rng.uniform(0, 360)
     draw = corners if kind == "zigzag" else copter if airframe == "copter" else wing
     vehicle, start, goal = draw(rng, autopilot, airframe, course_deg, wind["speed_mps"])
@@ -71,6 +75,11 @@ def make(kind, seed):
     hills = [] if vehicle["finish"] == "land" and airframe == "copter" or "stops" in vehicle else hills
     mission = rng.choice(["amsl", "relative"]), rng.choice([2, 5])
     return with_area(kind, seed, vehicle, threats, hills, wind, mission), wind
+
+
+def nose_deg(kind, seed, vehicle):
+    """Where the nose points on the ground: a plane's along its takeoff, any other's anywhere."""
+    return vehicle.get("takeoff_heading_deg", random.Random(f"nose {kind} {seed}").randrange(0, 360, 5))
 
 
 def with_area(kind, seed, vehicle, threats, hills, wind, mission):

@@ -1,7 +1,6 @@
 """One flight: a mission is planned, flown by `sortie fly` on a real simulator, and compared."""
 
 import json
-import math
 import pathlib
 import shutil
 import subprocess
@@ -41,13 +40,6 @@ def plan(sortie, spec, folder):
     return out, json.loads((folder / "trajectories.json").read_text())
 
 
-def course(vehicle):
-    """From start to goal, whole degrees."""
-    north = vehicle["goal"]["lat"] - vehicle["start"]["lat"]
-    east = (vehicle["goal"]["lon"] - vehicle["start"]["lon"]) * math.cos(math.radians(missions.LAT))
-    return round(math.degrees(math.atan2(east, north))) % 360
-
-
 def home(out, vehicle):
     """Where a plan has a vehicle stand: latitude, longitude, metres above the sea."""
     fields = (out / f"{vehicle}.waypoints").read_text().splitlines()[1].split("\t")
@@ -73,7 +65,7 @@ def fly(options, kind, seed, slot):
         result["not_flown"] = f"not planned: {trajectories}"
     else:
         try:
-            result.update(fly_plan(options, (kind, slot), (folder, out), (wind, spec)))
+            result.update(fly_plan(options, (kind, seed, slot), (folder, out), (wind, spec)))
         except (OSError, ValueError, KeyError, subprocess.TimeoutExpired) as error:
             result["not_flown"] = f"{type(error).__name__}: {error}"
     summary.write_text(json.dumps(result))
@@ -82,10 +74,9 @@ def fly(options, kind, seed, slot):
     return result
 
 
-def fly_plan(options, kind_slot, folders, given):
-    (kind, slot), (folder, out), (wind, spec) = kind_slot, folders, given
-    # A QuadPlane begins its transition where its nose points: along its first leg, as an operator puts it.
-    heading = spec["vehicles"][0].get("takeoff_heading_deg", course(spec["vehicles"][0]))
+def fly_plan(options, flight, folders, given):
+    (kind, seed, slot), (folder, out), (wind, spec) = flight, folders, given
+    heading = missions.nose_deg(kind, seed, spec["vehicles"][0])
     binary = options.copter if kind in ("copter", "zigzag") else options.plane
     place = (*home(out, "v"), heading)
     child, link = simulator.ardupilot(binary, kind, folder / "sim", slot, place, wind, options.speedup)

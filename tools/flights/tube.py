@@ -26,7 +26,8 @@ class Tube:
         self.to_s = np.array([s["to"]["t_s"] if s["to"]["t_s"] is not None else np.inf for s in segments], float)
         self.row = np.array([s["to"]["item"] for s in segments])
         self.flown = np.array([s["flown"] for s in segments])
-        self.error, self.wide, self.late = (np.array([s[k] for s in segments], float) for k in ("error_m", "wide_m", "late_s"))
+        names = ("error_m", "wide_m", "late_s", "early_s")
+        self.error, self.wide, self.late, self.early = (np.array([s.get(k, 0.0) for s in segments], float) for k in names)
         along = np.linalg.norm(self.end - self.start, axis=1)
         with np.errstate(invalid="ignore", divide="ignore"):
             self.speed = np.where(self.to_s > self.from_s, along / (self.to_s - self.from_s), 0.0)
@@ -122,12 +123,13 @@ def compare(tube, truth, buffer_m, is_plane=False):
             continue
         planned = tube.from_s[segment] + at * (tube.to_s - tube.from_s)[segment]
         late, allowed_late = (t[here] - planned)[moves], tube.late[segment][moves]
+        allowed_early = tube.early[segment][moves]
         middle = len(late) // 2
         first_late = late[0] if first_late is None else first_late
         found["late_s"].append(late[middle])
         found["late_growth_s"].append(late[middle] - first_late)
         # Late, and by how much more than a vehicle of its kind that was as late at its start.
-        for what, value, limit in (("late", late, tube.late_s + allowed_late), ("early", -late, tube.early_s + 0 * late)):
+        for what, value, limit in (("late", late, tube.late_s + allowed_late), ("early", -late, tube.early_s + allowed_early)):
             worst = int(np.argmax(value - limit))
             if value[worst] > limit[worst]:
                 escapes.append({"what": what, "row": int(order[row]), "t_s": round(float(t[here][moves][worst]), 1),

@@ -7,6 +7,7 @@ use crate::autopilot::facts;
 use crate::flight::conformance::COLUMN_M;
 use crate::flight::conformance::proof::Tube;
 use crate::flight::conformance::reference::{Deviation, Reference};
+use crate::flight::record::Fix;
 use crate::mission::VehicleMission;
 use crate::path::{corner_late_s, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, AlarmKind, Vehicle};
@@ -36,6 +37,8 @@ pub(super) struct TubeWatch {
     pub(super) late_s: Option<f64>,
     /// Whether it is outside of the tube.
     pub(super) is_off: bool,
+    /// Its first position.
+    first: Option<Fix>,
 }
 
 impl TubeWatch {
@@ -52,7 +55,15 @@ impl TubeWatch {
             wide_m: (1.0 - early_share) * climb_out_m,
             late_s: None,
             is_off: false,
+            first: None,
         }
+    }
+
+    /// By how much its own clock has slipped behind that of the fleet since its first position,
+    /// seconds: a simulated vehicle does so where the machine stalls, and is not late on its way.
+    fn slip_s(&mut self, fix: &Fix) -> f64 {
+        let first = self.first.get_or_insert(*fix);
+        first.slip_s(fix)
     }
 
     /// Whether it takes off or lands, where neither minimum height nor legs count.
@@ -138,6 +149,7 @@ impl Alarms<'_> {
         let of = &mut self.vehicles[vehicle];
         let is_due = of.duty.flies && of.duty.is_up && !of.tube.is_in_column(&of.plan, here);
         let is_on_plan = of.is_on_plan();
+        let slip_s = of.tube.slip_s(&here.fix);
         let (corridor, late) = if is_due && !of.duty.is_ordered {
             let found = of.tube.deviation(&of.plan, here);
             let found = found.filter(|found| !has_come(&of.plan, here, found));
@@ -145,7 +157,8 @@ impl Alarms<'_> {
             of.tube.late_s = late_s.filter(|_| is_on_plan);
             let assumed_s = assumed_late_s(of.vehicle, of.mission, &of.plan, here.fix.item);
             let most_s = assumed_s + slack_s + LATE_ERROR_S;
-            let late = of.tube.late_s.filter(|late_s| *late_s > most_s);
+            let own_s = of.tube.late_s.map(|late_s| late_s - slip_s);
+            let late = own_s.filter(|late_s| *late_s > most_s);
             let late = late.map(|late_s| {
                 format!("{late_s:.0} s behind its plan (the verdict assumed at most {most_s:.0} s)")
             });

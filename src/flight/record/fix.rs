@@ -39,4 +39,43 @@ impl Fix {
         let own_ms = own_ms.and_then(|(from, to)| to.checked_sub(from));
         own_ms.map_or(later.t_s - self.t_s, |ms| f64::from(ms) / 1000.0)
     }
+
+    /// By how much the vehicle's own clock has fallen behind that of the fleet until a later
+    /// position, seconds.
+    #[must_use]
+    pub fn slip_s(&self, later: &Self) -> f64 {
+        later.t_s - self.t_s - self.until_s(later)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vehicle_on_a_machine_that_stalls_slips_and_one_that_was_started_again_does_not() {
+        let fix = |t_s, boot_ms| Fix {
+            t_s,
+            place: LatLon {
+                lat_deg: 47.0,
+                lon_deg: 8.0,
+            },
+            amsl: Amsl(500.0),
+            speed_mps: 10.0,
+            item: 3,
+            items: 9,
+            boot_ms,
+        };
+        let first = fix(10.0, Some(40_000));
+        for (later, slip_s) in [
+            (fix(60.0, Some(90_000)), 0.0),
+            (fix(60.0, Some(78_000)), 12.0),
+            // Its clock is fast, was started again, or is not known.
+            (fix(60.0, Some(90_500)), 0.0),
+            (fix(60.0, Some(2_000)), 0.0),
+            (fix(60.0, None), 0.0),
+        ] {
+            assert!((first.slip_s(&later) - slip_s).abs() < 1e-9, "{later:?}");
+        }
+    }
 }

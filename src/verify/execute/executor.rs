@@ -16,7 +16,7 @@ use crate::spec::{Airframe, Autopilot, Vehicle};
 use crate::world::{Departure, Stations, World};
 
 use super::decode::{self, After, Orders, Step, Unknown};
-use super::flight::{End, Flight, Hull, Last, Mark};
+use super::flight::{EarlyTop, End, Flight, Hull, Last, Mark};
 use super::item::{self, Height, Order};
 use super::legs::Knot;
 use super::trajectory::TrajectoryBuilder;
@@ -56,7 +56,6 @@ pub(crate) fn fly(
         at_once_m: altitude_lag::threshold_m(mission),
         guidance: Guidance::of(vehicle, mission),
         early_top: None,
-        drift: None,
         accept_m: acceptance_m(mission, 0),
         law: vehicle.facts().corners.map(|law| {
             let corner_mps2 = corner_accel_mps2(vehicle.accel_mps2, Some(mission));
@@ -70,6 +69,7 @@ pub(crate) fn fly(
     };
     pilot.depart();
     pilot.flight.unknown = pilot.fly(&orders, mission);
+    pilot.gain();
     pilot.flight.chords = pilot.trajectory.chords;
     pilot.flight.cut_at_nan()
 }
@@ -104,9 +104,7 @@ pub(crate) struct Pilot<'a> {
     /// What steers it, if that is known to leave its legs.
     pub(crate) guidance: Option<Guidance>,
     /// Where a plane may have the height of its takeoff, until it goes on from there.
-    pub(crate) early_top: Option<PlanPoint>,
-    /// Where the wind has driven it as it rose, until it goes on from there: metres.
-    pub(crate) drift: Option<EastNorth>,
+    pub(crate) early_top: Option<EarlyTop>,
     /// A copter accepts the place of the item at work within this radius, metres.
     accept_m: f64,
     /// How a copter flies around corners.
@@ -132,6 +130,23 @@ impl Pilot<'_> {
             self.trajectory.t_s = at_s;
             self.knots = vec![self.knot(0, point.at, point.amsl.0, None)];
             self.mark();
+        }
+    }
+
+    /// A wing may have gained time since its takeoff.
+    fn gain(&mut self) {
+        let behaviour = &self.vehicle.facts().behaviour;
+        let share = behaviour.early_share.value(self.vehicle.autopilot_version);
+        let Some(first_s) = self.trajectory.chords.first().map(|chord| chord.from_s) else {
+            return;
+        };
+        for chord in &mut self.trajectory.chords {
+            let until_s = if chord.to_s.is_finite() {
+                chord.to_s
+            } else {
+                chord.from_s
+            };
+            chord.early_s = share * (until_s - first_s).max(0.0);
         }
     }
 

@@ -66,6 +66,14 @@ pub(crate) struct Circle {
     pub(crate) chord: usize,
 }
 
+/// Where a plane may have the height of its takeoff.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EarlyTop {
+    pub(crate) point: PlanPoint,
+    /// How far the wind may have carried it from there.
+    pub(crate) off: EastNorth,
+}
+
 /// A circle that a wing leaves somewhere: on its way to the next place it is within the hull of both.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hull {

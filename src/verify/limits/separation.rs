@@ -79,8 +79,14 @@ impl Near {
             .map(|chord| chord.error_m + chord.wide_m)
             .fold(0.0, f64::max);
         let fleet = timelines.iter().map(|timeline| {
-            let late_s = timeline.span().map_or(0.0, |span| span.late_s);
-            (timeline.vehicle, late_s)
+            let (late_s, early_s) = timeline
+                .span()
+                .map_or((0.0, 0.0), |span| (span.late_s, span.early_s));
+            let on_its_way = Span {
+                least: 0.0 - early_s,
+                most: late_s,
+            };
+            (timeline.vehicle, on_its_way)
         });
         let late_s = most_shift_s(fleet);
         let allowed_m = 2.0 * error_m + TOLERANCE_M;
@@ -202,7 +208,11 @@ fn judge(
     let shift_s = found.times_s.1 - found.times_s.0;
     let split = if how.is_empty() { "" } else { "; " };
     let alone_s = takeoff_shift_s(a.vehicle, b.vehicle);
-    let alone_s = with_stops_s(alone_s, mine.late_s, other.late_s);
+    let alone_s = with_stops_s(
+        alone_s,
+        mine.late_s + other.early_s,
+        other.late_s + mine.early_s,
+    );
     let lateness = if alone_s.most > alone_s.least {
         format!(
             ", of it {:.1} to {:.1} s by what autopilots are late",
@@ -236,7 +246,7 @@ fn never_together(
 ) -> Option<Margin> {
     let (p, q) = (a.span()?, b.span()?);
     let shift_s = takeoff_shift_s(a.vehicle, b.vehicle);
-    let shift_s = with_stops_s(shift_s, p.late_s, q.late_s);
+    let shift_s = with_stops_s(shift_s, p.late_s + q.early_s, q.late_s + p.early_s);
     let gap_s = (p.from_s - q.to_s + shift_s.least).max(q.from_s - p.to_s - shift_s.most);
     if below_m.is_finite() || gap_s <= 0.0 {
         return None;
@@ -328,8 +338,8 @@ mod tests {
         };
         is(crossed_m([&copter, &copter], [0.0, 0.0], 5.0), 5.0);
         is(crossed_m([&copter, &other], [0.0, 0.0], 5.0), 17.0);
-        // The first may be 12 s late and the second 9 s early, and not the other way round.
-        is(crossed_m([&copter, &plane], [0.0, 0.0], 5.0), 26.0);
+        // The first may be 12 s late and the second 10 s early, and not the other way round.
+        is(crossed_m([&copter, &plane], [0.0, 0.0], 5.0), 27.0);
         is(crossed_m([&plane, &copter], [0.0, 0.0], 5.0), 5.0);
         // A stop behind the first brings it nearer to the second; one behind the second does not.
         is(crossed_m([&copter, &copter], [4.5, 0.0], 5.0), 9.5);

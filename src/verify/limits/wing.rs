@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::mission::Contract;
 use crate::verify::measure::worst::Worst;
-use crate::verify::{Limit, Margin};
+use crate::verify::{Limit, Margin, Moment};
 
 /// A course may differ from the planned one by this, degrees.
 const COURSE_DEG: f64 = 2.0;
@@ -13,6 +13,26 @@ const COURSE_DEG: f64 = 2.0;
 const GLIDE_DEG: f64 = 0.5;
 
 impl Contract<'_> {
+    /// The wind of the spec, against the greatest in which the flight model holds.
+    fn wind_allowed(&self, at: Moment) -> Option<Margin> {
+        let facts = self.vehicle.facts();
+        let figure = facts.behaviour.max_wind_mps;
+        let most = figure.of(self.vehicle.autopilot_version)?;
+        let wind = self.spec.wind.filter(|wind| wind.speed_mps > 0.0)?;
+        let mut worst = Worst::default();
+        worst.at_most(wind.speed_mps, most.value, || at);
+        let margin = worst.margin(self.id(), Limit::Wind, most.unit)?;
+        let note = if margin.ok {
+            String::new()
+        } else {
+            format!(
+                "{} leaves what the verdict judges in more than {most} of wind ({}): plan for less wind",
+                facts.firmware, most.source
+            )
+        };
+        Some(Margin { note, ..margin })
+    }
+
     /// Takeoff, landing and circle of a plane or vtol, as far as there are any.
     pub(crate) fn wing(&self) -> Vec<Margin> {
         let Some(wing) = self.vehicle.wing else {
@@ -23,6 +43,7 @@ impl Contract<'_> {
             return Vec::new();
         };
         let mut margins = Vec::new();
+        margins.extend(self.wind_allowed(first.moment(frame, 0.0)));
         let mut course = |is_rad: f64, planned_rad: f64, limit: Limit, at| {
             let off_rad = (is_rad - planned_rad + PI).rem_euclid(TAU) - PI;
             let mut worst = Worst::default();

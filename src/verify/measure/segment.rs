@@ -42,6 +42,8 @@ pub(crate) struct Chord {
     pub(crate) wide_m: f64,
     /// By how much the vehicle may be late here, for the stops behind it, seconds.
     pub(crate) late_s: f64,
+    /// By how much the vehicle may be early here, besides what it may be from its takeoff on, seconds.
+    pub(crate) early_s: f64,
     /// Whether it is flown: the ends of a leg at a fillet are judged in space, not in time.
     pub(crate) flown: bool,
 }
@@ -67,6 +69,7 @@ impl Chord {
             grounded: false,
             wide_m: 0.0,
             late_s: 0.0,
+            early_s: 0.0,
             flown: false,
         }
     }

@@ -17,6 +17,7 @@ pub(crate) struct Bounds {
     high: Vector3<f64>,
     error_m: f64,
     pub(crate) late_s: f64,
+    pub(crate) early_s: f64,
 }
 
 /// The chords of one vehicle and a binary tree of boxes around them.
@@ -95,6 +96,7 @@ impl Bounds {
             high: from.sup(&to),
             error_m: chord.error_m + chord.wide_m,
             late_s: chord.late_s,
+            early_s: chord.early_s,
         }
     }
 
@@ -106,12 +108,17 @@ impl Bounds {
             high: self.high.sup(&other.high),
             error_m: self.error_m.max(other.error_m),
             late_s: self.late_s.max(other.late_s),
+            early_s: self.early_s.max(other.early_s),
         }
     }
 
     /// At least so far apart is anything in the two boxes; infinite if never at the same time.
     fn apart_m(&self, other: &Self, metric: &Metric) -> f64 {
-        let shift_s = with_stops_s(metric.shift_s, self.late_s, other.late_s);
+        let shift_s = with_stops_s(
+            metric.shift_s,
+            self.late_s + other.early_s,
+            other.late_s + self.early_s,
+        );
         let is_later = other.from_s - self.to_s > shift_s.most;
         let is_earlier = self.from_s - other.to_s > -shift_s.least;
         if is_later || is_earlier {
@@ -135,7 +142,7 @@ impl Metric {
     /// The closest approach of two chords, less what the chords may be off.
     fn measure(&self, a: &Chord, b: &Chord) -> Option<Approach> {
         let error_m = a.error_m + a.wide_m + b.error_m + b.wide_m;
-        let shift_s = with_stops_s(self.shift_s, a.late_s, b.late_s);
+        let shift_s = with_stops_s(self.shift_s, a.late_s + b.early_s, b.late_s + a.early_s);
         let (middle_s, slack_s) = (
             0.5 * (shift_s.least + shift_s.most),
             0.5 * (shift_s.most - shift_s.least),

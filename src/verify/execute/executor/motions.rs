@@ -117,7 +117,6 @@ impl Pilot<'_> {
             .take_stock(&legs, &self.trajectory.chords, self.trajectory.t_s);
         self.lay_altitude_offsets(&knots, &firsts)?;
         self.lay_overshoot(&knots, &grounds_mps, &firsts)?;
-        self.drift_onto(&knots, &firsts);
         self.leave_hull(&knots, &firsts);
         if last_mps <= 0.0 {
             self.trajectory.late_s += stop_late_s(self.vehicle);

@@ -11,6 +11,8 @@ use crate::verify::measure::segment::Chord;
 
 /// Legs that are flown faster have no length to speak of, seconds.
 const MIN_FLOWN_S: f64 = 1e-3;
+/// A lag of a descent is still there after a leg for this many times the lag.
+const LASTS: f64 = 2.0;
 /// Offsets that are not looked at, metres: less than the altitude is encoded to.
 const TOLERANCE_M: f64 = 0.01;
 
@@ -89,7 +91,8 @@ impl Pilot<'_> {
         firsts: &[usize],
     ) -> Result<Vec<Vec<AltitudeLine>>, Unknown> {
         let mut all = Vec::new();
-        let mut before_mps = 0.0;
+        // Climb rates of the legs behind, and how long ago each ended, seconds.
+        let mut behind: Vec<(f64, f64)> = Vec::new();
         for (pair, when) in knots.windows(2).zip(self.times_s(firsts)) {
             let mut lines = Vec::new();
             let line = self.trajectory.altitude_line(&pair[0], &pair[1])?;
@@ -101,19 +104,26 @@ impl Pilot<'_> {
             let flown_s = when.1 - when.0;
             // A leg without length is no slope.
             if is_free || line.follows || flown_s < MIN_FLOWN_S {
-                before_mps = 0.0;
+                behind.clear();
                 all.push(lines);
                 continue;
             }
             let climb_mps = line.change_m() / flown_s;
-            let (most_mps, least_mps) = (climb_mps.max(before_mps), climb_mps.min(before_mps));
+            let before_mps = behind.last().map_or(0.0, |(rate_mps, _)| *rate_mps);
+            let most_mps = climb_mps.max(before_mps);
+            let rates = behind.iter().map(|(rate_mps, _)| *rate_mps);
+            let least_mps = rates.fold(climb_mps.min(before_mps), f64::min);
             for lag_mps in [most_mps.max(0.0), least_mps.min(0.0)] {
                 let offset_m = -self.lag_s * lag_mps;
                 if offset_m.abs() > TOLERANCE_M {
                     lines.push(line.raised(offset_m));
                 }
             }
-            before_mps = climb_mps;
+            behind.push((climb_mps, -flown_s));
+            for (_, ago_s) in &mut behind {
+                *ago_s += flown_s;
+            }
+            behind.retain(|(_, ago_s)| *ago_s < LASTS * self.lag_s);
             all.push(lines);
         }
         Ok(all)

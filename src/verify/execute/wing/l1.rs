@@ -29,6 +29,8 @@ pub(crate) struct Guidance {
     turning_share: f64,
     /// How long an error of bank lasts, seconds.
     bank_lag_s: f64,
+    /// What the air moves with, m/s east and north; none in still air.
+    wind_mps: Option<[f64; 2]>,
 }
 
 /// A place on the way, and the leg that it is flown to follow.
@@ -55,8 +57,8 @@ struct Line {
 /// The state of the wing.
 struct Wing {
     at: [f64; 2],
-    /// Of the ground track, radians counter-clockwise from east.
-    course_rad: f64,
+    /// Of the motion through the air, radians counter-clockwise from east.
+    heading_rad: f64,
     bank_rad: f64,
     integral_rad: f64,
 }
@@ -80,7 +82,37 @@ impl Guidance {
             bank_rad: held("ROLL_LIMIT_DEG").map_or(planned_rad, f64::to_radians),
             turning_share,
             bank_lag_s: facts.behaviour.bank_lag_s.value(version),
+            wind_mps: vehicle.carried_by().map(|wind| wind.velocity_mps()),
         })
+    }
+
+    /// The motion through the air, m/s, of a wing that makes a ground speed along a line.
+    fn through_air(&self, line: &Line, ground_mps: f64) -> [f64; 2] {
+        let [east_mps, north_mps] = self.wind_mps.unwrap_or_default();
+        [
+            line.unit[0] * ground_mps - east_mps,
+            line.unit[1] * ground_mps - north_mps,
+        ]
+    }
+
+    /// Its speed, m/s; in still air that over the ground to the last bit.
+    fn air_mps(&self, line: &Line, ground_mps: f64) -> f64 {
+        let [east_mps, north_mps] = self.through_air(line, ground_mps);
+        match self.wind_mps {
+            Some(_) => east_mps.hypot(north_mps),
+            None => ground_mps,
+        }
+    }
+
+    /// The motion over the ground, as a unit vector and a speed, of a wing on a heading.
+    fn over_ground(&self, heading_rad: f64, air_mps: f64) -> ([f64; 2], f64) {
+        let (sin, cos) = heading_rad.sin_cos();
+        let Some([east_mps, north_mps]) = self.wind_mps else {
+            return ([cos, sin], air_mps);
+        };
+        let ground = [air_mps * cos + east_mps, air_mps * sin + north_mps];
+        let speed_mps = ground[0].hypot(ground[1]).max(1e-3);
+        (ground.map(|part| part / speed_mps), speed_mps)
     }
 
     fn ahead_m(&self, speed_mps: f64) -> f64 {
@@ -104,9 +136,13 @@ impl Guidance {
         let Some(first) = lines.first() else {
             return Vec::new();
         };
+        let [east_mps, north_mps] = match self.wind_mps {
+            Some(_) => self.through_air(first, grounds_mps[0]),
+            None => first.unit,
+        };
         let mut wing = Wing {
             at: [first.from.east_m, first.from.north_m],
-            course_rad: first.unit[1].atan2(first.unit[0]),
+            heading_rad: north_mps.atan2(east_mps),
             bank_rad: 0.0,
             integral_rad: 0.0,
         };
@@ -128,7 +164,7 @@ impl Guidance {
                 }
                 continue;
             }
-            wing.step(self, line, speed_mps);
+            wing.step(self, line, self.air_mps(line, speed_mps));
             t_s += STEP_S;
             let cross_track_m = line.cross_track_m(wing.at);
             let before = leg
@@ -193,9 +229,9 @@ impl Line {
 }
 
 impl Wing {
-    fn step(&mut self, guidance: &Guidance, line: &Line, speed_mps: f64) {
+    fn step(&mut self, guidance: &Guidance, line: &Line, air_mps: f64) {
+        let (velocity, speed_mps) = guidance.over_ground(self.heading_rad, air_mps);
         let ahead_m = guidance.ahead_m(speed_mps);
-        let velocity = [self.course_rad.cos(), self.course_rad.sin()];
         let aside = line.right(line.gone(self.at)) / ahead_m;
         let mut to_leg_rad = aside.clamp(-FRAC_1_SQRT_2, FRAC_1_SQRT_2).asin();
         if to_leg_rad.abs() < INTEGRAL_WITHIN_RAD {
@@ -213,10 +249,10 @@ impl Wing {
         self.bank_rad +=
             (demand_rad - self.bank_rad) * (1.0 - (-STEP_S / guidance.bank_lag_s).exp());
         let across_mps2 = guidance.turning_share * GRAVITY_MPS2 * self.bank_rad.tan();
-        self.course_rad += across_mps2 / speed_mps * STEP_S;
-        let (sin, cos) = self.course_rad.sin_cos();
-        self.at[0] += speed_mps * cos * STEP_S;
-        self.at[1] += speed_mps * sin * STEP_S;
+        self.heading_rad += across_mps2 / air_mps * STEP_S;
+        let (velocity, speed_mps) = guidance.over_ground(self.heading_rad, air_mps);
+        self.at[0] += speed_mps * velocity[0] * STEP_S;
+        self.at[1] += speed_mps * velocity[1] * STEP_S;
     }
 }
 
@@ -236,6 +272,7 @@ mod tests {
             bank_rad: bank_deg.to_radians(),
             turning_share: behaviour.turning_share.value(None),
             bank_lag_s: behaviour.bank_lag_s.value(None),
+            wind_mps: None,
         }
     }
 
@@ -320,6 +357,42 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn the_wind_widens_the_overshoot_of_a_corner_and_a_straight_leg_is_crabbed() {
+        let still = guidance(33.56, 50.0);
+        let windy = |wind_mps| Guidance {
+            wind_mps: Some(wind_mps),
+            ..still
+        };
+        let overshoot = |guidance: &Guidance, turn_deg: f64, grounds_mps: [f64; 2]| {
+            let knots = corner(turn_deg, 440.0);
+            let next = Line::new(knots[1].at, knots[2].at);
+            let fixes = guidance.follow(&knots, &grounds_mps);
+            let after = fixes.iter().map(|fix| [fix.at.east_m, fix.at.north_m]);
+            let after = after.filter(|at| next.along(*at) > 0.0);
+            after
+                .map(|at| next.right(next.gone(at)) * turn_deg.signum())
+                .fold(0.0, f64::max)
+        };
+        let across_mps = (18.78_f64.powi(2) - 25.0).sqrt();
+        let calm_m = overshoot(&still, 90.0, [18.78, 18.78]);
+        let none_m = overshoot(&windy([0.0, 0.0]), 90.0, [18.78, 18.78]);
+        assert!((calm_m - none_m).abs() < 0.1, "{calm_m} {none_m}");
+        // 5 m/s from behind on the first leg, which it comes to across the second; ArduPlane
+        // 4.7.0-dev was 35 m beside the next leg there, and more.
+        let tail_m = overshoot(&windy([5.0, 0.0]), 90.0, [23.78, across_mps]);
+        let mirrored_m = overshoot(&windy([5.0, 0.0]), -90.0, [23.78, across_mps]);
+        let head_m = overshoot(&windy([-5.0, 0.0]), 90.0, [13.78, across_mps]);
+        assert!(
+            tail_m > calm_m + 10.0 && head_m < calm_m,
+            "{head_m} {calm_m} {tail_m}"
+        );
+        assert!((tail_m - mirrored_m).abs() < 1e-6, "{tail_m} {mirrored_m}");
+        let knots = [knot(0.0, 0.0, 440.0), knot(2000.0, 0.0, 440.0)];
+        let fixes = windy([0.0, 5.0]).follow(&knots, &[across_mps]);
+        assert!(fixes.iter().all(|fix| fix.cross_track_m < 1.0));
     }
 
     proptest! {

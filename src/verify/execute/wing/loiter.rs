@@ -43,7 +43,7 @@ impl Pilot<'_> {
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
         let reach_m = match is_aligned {
-            true => ALIGNED_REACH * rim_m,
+            true => (ALIGNED_REACH * rim_m).max(rim_m + self.circle_wide_m()),
             false => self.wide_reach_m(rim_m),
         };
         let climb_m = rim.amsl_m - from.amsl_m;
@@ -167,6 +167,49 @@ impl Pilot<'_> {
         }
     }
 
+    /// How much further out than its radius a wing may be on a circle, metres.
+    pub(super) fn circle_wide_m(&self) -> f64 {
+        let share = self.vehicle.facts().behaviour.circle_wide_share;
+        let turn_radius_m = VehicleLimits::of(self.vehicle).turn_radius_m;
+        share.value(self.vehicle.autopilot_version) * turn_radius_m
+    }
+
+    /// How far off its altitude a wing may be on a circle, metres.
+    pub(super) fn circle_level_m(&self) -> f64 {
+        let figure = self.vehicle.facts().behaviour.circle_level_m;
+        figure.value(self.vehicle.autopilot_version)
+    }
+
+    /// Lays rings around a circle, to be judged in space, out to a distance beyond its radius, at its
+    /// altitude and where the wing may be below and above that.
+    pub(super) fn lay_rings(
+        &mut self,
+        row: usize,
+        over: PlanPoint,
+        (radius_m, wide_m): (f64, f64),
+    ) {
+        let times_s = (self.trajectory.t_s, self.trajectory.t_s);
+        let rings = steps(wide_m);
+        let off_m = self.circle_level_m();
+        for up_m in [0.0, -off_m, off_m] {
+            let over = over.raised(up_m);
+            for ring in 0..=rings {
+                let ring_m = radius_m + wide_m * f64::from(ring) / f64::from(rings);
+                let count = steps(TAU * ring_m).max(12);
+                let step_rad = TAU / f64::from(count);
+                let at = |step: u32| PlanPoint {
+                    at: along(over.at, step_rad * f64::from(step), ring_m),
+                    ..over
+                };
+                for step in 0..count {
+                    let ends = (at(step), at(step + 1));
+                    let chord = Chord::unflown((row, self.phase), times_s, ends);
+                    self.trajectory.chords.push(chord);
+                }
+            }
+        }
+    }
+
     /// Lays columns around a circle, to be judged in space: there it climbs or descends.
     fn lay_columns(
         &mut self,
@@ -196,19 +239,33 @@ impl Pilot<'_> {
         self.lay_disc(row, foot, radius_m, times_s);
     }
 
-    /// Lays the hull of a circle and the first leg from it, to be judged in space; for the
-    /// separation, widens the chords of that leg by as much.
+    /// Lays the hull of a circle and the first leg from it, and of further ones that begin within the
+    /// circle, to be judged in space; for the separation, widens the chords of those legs by as much.
     pub(crate) fn leave_hull(&mut self, knots: &[Knot], firsts: &[usize]) {
-        let (Some(hull), [_, to, ..]) = (self.hull.take(), knots) else {
+        let Some(hull) = self.hull.take().filter(|_| knots.len() > 1) else {
             return;
         };
-        let (first, end) = (firsts.first().copied(), firsts.get(1).copied());
-        let end = end.unwrap_or(self.trajectory.chords.len());
-        for chord in &mut self.trajectory.chords[first.unwrap_or(end)..end] {
-            chord.wide_m = chord.wide_m.max(hull.reach_m);
+        let flown = self.trajectory.chords.len();
+        for (leg, pair) in knots.windows(2).enumerate() {
+            let is_within = pair[0].at.distance_m(hull.middle.at) < hull.reach_m;
+            if leg > 0 && !is_within {
+                break;
+            }
+            let first = firsts.get(leg).copied().unwrap_or(flown);
+            let end = firsts.get(leg + 1).copied().unwrap_or(flown);
+            for chord in &mut self.trajectory.chords[first.min(end)..end] {
+                chord.wide_m = chord.wide_m.max(hull.reach_m);
+            }
+            self.lay_hull(&hull, &pair[1]);
         }
+    }
+
+    /// Lays the hull of a circle and a place.
+    fn lay_hull(&mut self, hull: &Hull, to: &Knot) {
         let course_rad = heading_rad(hull.middle.at, to.at);
         let times_s = (hull.from_s, hull.until_s.max(self.trajectory.t_s));
+        // It may begin a descent late, from above.
+        let over_m = self.circle_level_m();
         for (aside_m, half_m) in slices(hull.reach_m) {
             let side = along(hull.middle.at, course_rad + FRAC_PI_2, aside_m);
             let back = PlanPoint {
@@ -217,6 +274,15 @@ impl Pilot<'_> {
             };
             let chord = Chord::unflown((to.row, to.phase), times_s, (back, to.point()));
             self.trajectory.chords.push(chord);
+            let late = PlanPoint {
+                at: to.at,
+                ..back.raised(over_m)
+            };
+            if to.amsl_m < late.amsl.0 {
+                let ends = (back.raised(over_m), late);
+                let chord = Chord::unflown((to.row, to.phase), times_s, ends);
+                self.trajectory.chords.push(chord);
+            }
         }
     }
 }
@@ -232,7 +298,7 @@ fn slices(radius_m: f64) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// Into how many steps a length is cut.
-fn steps(length_m: f64) -> u32 {
+pub(super) fn steps(length_m: f64) -> u32 {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,

@@ -5,9 +5,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
 use crate::path::{along, climb_out, heading_rad};
 
+use super::drift::carried_points;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
-use crate::verify::execute::flight::{Circle, End, Mark};
+use crate::verify::execute::flight::{Circle, EarlyTop, End, Mark};
 use crate::verify::execute::item::Height;
 use crate::verify::execute::legs::{Knot, ground_speed};
 use crate::verify::limits::space::SLOPE_SHARE;
@@ -86,10 +87,22 @@ impl Pilot<'_> {
         let ends = (over(early), over(top.at));
         let chord = Chord::unflown((top.row, self.phase), (t_s, t_s), ends);
         self.trajectory.chords.push(chord);
-        self.early_top = Some(PlanPoint {
-            at: early,
-            amsl: Amsl(top.amsl_m),
-        });
+        let climb_s = (top.amsl_m - lift_off.amsl_m) / self.vehicle.climb_mps;
+        let early_top = EarlyTop {
+            point: PlanPoint {
+                at: early,
+                amsl: Amsl(top.amsl_m),
+            },
+            off: self.carried_off(climb_s),
+        };
+        for point in carried_points(early_top).skip(1) {
+            let chord = Chord {
+                slope_from_m: Some(lift_off.amsl_m),
+                ..Chord::unflown((top.row, self.phase), (t_s, t_s), (lift_off.point(), point))
+            };
+            self.trajectory.chords.push(chord);
+        }
+        self.early_top = Some(early_top);
     }
 
     /// Glides from where it is to a place, at the altitude of the item: that of the ground there.
@@ -191,11 +204,16 @@ impl Pilot<'_> {
     ) -> Result<(), Unknown> {
         let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
         let rim_m = radius_m.abs();
+        let (first, wide_m) = (self.trajectory.chords.len(), self.circle_wide_m());
         self.orbit(row, middle, rim, radius_m)?;
         let over = PlanPoint {
             at: middle,
             amsl: Amsl(rim.amsl_m),
         };
+        if wide_m > 0.0 {
+            self.widen_from(first, wide_m);
+            self.lay_rings(row, over, (rim_m, wide_m));
+        }
         self.flight.route.push(Mark {
             point: over,
             row,
@@ -209,7 +227,7 @@ impl Pilot<'_> {
         self.trajectory
             .straight((row, self.phase), (over, over), f64::INFINITY, false);
         if let Some(stay) = self.trajectory.chords.last_mut() {
-            stay.error_m = rim_m;
+            stay.error_m = rim_m + wide_m;
         }
         self.ended = true;
         self.flight.end = Some(End::Stays(middle));
@@ -271,6 +289,18 @@ impl Pilot<'_> {
         };
         let chord = Chord::unflown((row, self.phase), (t_s, t_s), (from.point(), to));
         self.trajectory.chords.push(chord);
+        let level_m = self.circle_level_m();
+        if level_m <= 0.0 {
+            return;
+        }
+        let rise_m = (amsl_m - from.amsl_m).abs();
+        let flown_s = from.at.distance_m(middle) / self.vehicle.speed_mps;
+        let off_m = level_m + self.lag_s * (rise_m / flown_s.max(1.0)).min(self.vehicle.climb_mps);
+        for up_m in [-off_m, off_m] {
+            let ends = (from.point().raised(up_m), to.raised(up_m));
+            let chord = Chord::unflown((row, self.phase), (t_s, t_s), ends);
+            self.trajectory.chords.push(chord);
+        }
     }
 
     /// Once around.

@@ -2,6 +2,7 @@
 
 use crate::geodesy::{EastNorth, PlanPoint};
 
+use super::drift::carried_points;
 use super::l1::{Fix, STEP_S};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
@@ -98,20 +99,23 @@ impl Pilot<'_> {
             return;
         };
         let (early_share, overshoot_m) = self.climb_out_figures();
-        let rise_m = early.amsl.0 - knots[0].amsl_m;
+        let off_m = early.off.east_m.hypot(early.off.north_m);
+        let rise_m = early.point.amsl.0 - knots[0].amsl_m;
         let t_s = self.trajectory.t_s;
         let top = knots.iter().rfind(|knot| knot.phase == Phase::Join);
-        let aside_m = top.map_or(0.0, |top| cross_track_m(early.at, next.at, top.at));
+        let aside_m = top.map_or(0.0, |top| cross_track_m(early.point.at, next.at, top.at));
         let first = firsts.first().copied().unwrap_or_default();
         for chord in &mut self.trajectory.chords[first..] {
             if chord.phase == Phase::Join {
-                chord.wide_m = ((1.0 - early_share) * rise_m).max(overshoot_m);
+                chord.wide_m = ((1.0 - early_share) * rise_m).max(overshoot_m).max(off_m);
             } else if chord.row == next.row {
-                chord.wide_m = aside_m;
+                chord.wide_m = aside_m + off_m;
             }
         }
-        let chord = Chord::unflown((next.row, next.phase), (t_s, t_s), (early, next.point()));
-        self.trajectory.chords.push(chord);
+        for point in carried_points(early) {
+            let chord = Chord::unflown((next.row, next.phase), (t_s, t_s), (point, next.point()));
+            self.trajectory.chords.push(chord);
+        }
     }
 
     /// Widens the chords of the legs by the distance of the path from them, and makes them late by

@@ -1,0 +1,246 @@
+//! Where real ArduPlanes and QuadPlanes were beside their missions: judged as far as they go.
+#![allow(clippy::cast_possible_truncation)]
+
+use crate::support;
+use crate::support::missions;
+use missions::{GROUND_M, at, mission, waypoint};
+use sortie::geodesy::{EastNorth, LatLon};
+use sortie::mission::{Item, Parameter, VehicleMission, command, frame};
+use sortie::spec::*;
+use sortie::verify::{Limit, Margin, review, verified_trajectories};
+use support::{empty_spec, plane, threat, vtol, world};
+
+const UP_M: f64 = GROUND_M + 80.0;
+const SPEED_MPS: f64 = 18.0;
+
+/// A place by metres east and north of the origin.
+fn spot(east_m: f64, north_m: f64) -> LatLon {
+    let spec = empty_spec(vec![]);
+    spec.frame.from_plan(EastNorth { east_m, north_m })
+}
+
+/// The items and parameters of a wing after its takeoff: eastward to a circle of 100 m at 3 km.
+fn eastward(mut vehicle: Vehicle, takeoff: Item) -> (MissionSpec, VehicleMission) {
+    (vehicle.finish, vehicle.speed_mps) = (Finish::Loiter, SPEED_MPS);
+    let speed = Item {
+        params: [0.0, SPEED_MPS as f32, -1.0, 0.0],
+        ..missions::speed(SPEED_MPS as f32)
+    };
+    let circle = Item {
+        params: [0.0, 0.0, 100.0, 0.0],
+        ..at(
+            command::NAV_LOITER_UNLIM,
+            frame::GLOBAL,
+            spot(3000.0, 0.0),
+            UP_M,
+            0.0,
+        )
+    };
+    let items = vec![takeoff, speed, waypoint(spot(1500.0, 0.0), UP_M), circle];
+    let mut mission = mission(&vehicle, GROUND_M, items);
+    mission.params.push(Parameter {
+        name: "WP_LOITER_RAD".to_owned(),
+        value: 100.0,
+        why: String::new(),
+    });
+    (empty_spec(vec![vehicle]), mission)
+}
+
+/// A QuadPlane that rises at the origin.
+fn quadplane(autopilot: Autopilot) -> (MissionSpec, VehicleMission) {
+    let mut vehicle = vtol(plane("osprey", 1, spot(0.0, 0.0), spot(3000.0, 0.0)));
+    vehicle.autopilot = autopilot;
+    let frame = frame::GLOBAL_RELATIVE_ALT;
+    eastward(
+        vehicle,
+        at(command::NAV_VTOL_TAKEOFF, frame, spot(0.0, 0.0), 80.0, 0.0),
+    )
+}
+
+/// A plane that takes off eastward from 600 m before the origin, where it has its height.
+fn climbing_plane() -> (MissionSpec, VehicleMission) {
+    let mut vehicle = plane("heron", 1, spot(0.0, 0.0), spot(3000.0, 0.0));
+    (vehicle.home, vehicle.climb_mps) = (spot(-600.0, 0.0), 3.0);
+    eastward(
+        vehicle,
+        at(
+            command::NAV_TAKEOFF,
+            frame::GLOBAL,
+            spot(0.0, 0.0),
+            UP_M,
+            8.0,
+        ),
+    )
+}
+
+/// With a wind from a direction, in the spec and on the wing.
+fn windy(spec: &mut MissionSpec, from_deg: f64, speed_mps: f64) {
+    let wind = Some(Wind {
+        from_rad: from_deg.to_radians(),
+        speed_mps,
+    });
+    spec.wind = wind;
+    for vehicle in &mut spec.vehicles {
+        if let Some(wing) = &mut vehicle.wing {
+            wing.wind = wind;
+        }
+    }
+}
+
+fn margin(spec: &MissionSpec, mission: &VehicleMission, limit: &Limit) -> Option<Margin> {
+    let review = review(spec, &world(spec), &[(0, mission)]);
+    review
+        .margins
+        .into_iter()
+        .find(|margin| margin.limit == *limit)
+}
+
+/// How far the flight keeps from a place, metres.
+fn nearest_m(spec: &MissionSpec, mission: &VehicleMission, place: LatLon) -> f64 {
+    let mut spec = spec.clone();
+    spec.threats = vec![threat("mast", place, 1.0)];
+    let found = margin(&spec, mission, &Limit::Threat("mast".to_owned()));
+    found.expect("judged").value
+}
+
+#[test]
+fn a_quadplane_goes_on_where_its_nose_points_before_it_turns_onto_its_first_leg() {
+    let (spec, mission) = quadplane(Autopilot::ArduPilot);
+    // Two turn radii of 50 m and 80 m: flown with the nose backwards, 180 m beside and behind.
+    for (east_m, north_m) in [(0.0, 150.0), (0.0, -150.0), (-150.0, 0.0), (400.0, 120.0)] {
+        let found_m = nearest_m(&spec, &mission, spot(east_m, north_m));
+        assert!(found_m < 10.0, "{east_m} {north_m}: {found_m}");
+    }
+    for (east_m, north_m) in [(0.0, 300.0), (-300.0, 0.0), (1200.0, 150.0)] {
+        let found_m = nearest_m(&spec, &mission, spot(east_m, north_m));
+        assert!(found_m > 60.0, "{east_m} {north_m}: {found_m}");
+    }
+    // PX4 turns its nose to its first leg before it flies on.
+    let (spec, mission) = quadplane(Autopilot::Px4);
+    assert!(nearest_m(&spec, &mission, spot(0.0, 150.0)) > 100.0);
+}
+
+#[test]
+fn a_quadplane_may_be_driven_off_to_any_side_of_its_climb() {
+    let (mut spec, mission) = quadplane(Autopilot::ArduPilot);
+    windy(&mut spec, 270.0, 4.0);
+    // Low over the ground, where nothing but the climb is: a wall lower than the first leg.
+    let wall = |east_m: f64, north_m: f64| Zone {
+        id: "wall".to_owned(),
+        polygon: [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
+            .map(|(east, north)| spot(east_m + east, north_m + north))
+            .to_vec(),
+        ceiling: Some(Placement::Amsl(sortie::geodesy::Amsl(UP_M - 8.0))),
+        ..Zone::default()
+    };
+    for (east_m, north_m) in [(20.0, 0.0), (-20.0, 0.0), (0.0, 20.0), (0.0, -20.0)] {
+        let mut spec = spec.clone();
+        spec.no_fly.push(wall(east_m, north_m));
+        let found = margin(&spec, &mission, &Limit::Zone("wall".to_owned())).expect("judged");
+        assert!(found.value < 5.0, "{east_m} {north_m}: {found:?}");
+    }
+}
+
+#[test]
+fn a_quadplane_is_refused_in_more_wind_than_the_model_holds_for() {
+    let (mut spec, mission) = quadplane(Autopilot::ArduPilot);
+    assert_eq!(margin(&spec, &mission, &Limit::Wind), None);
+    windy(&mut spec, 270.0, 4.0);
+    let held = margin(&spec, &mission, &Limit::Wind).expect("judged");
+    assert!(held.ok && (held.bound - 4.0).abs() < 1e-9, "{held:?}");
+    windy(&mut spec, 270.0, 6.0);
+    let broken = margin(&spec, &mission, &Limit::Wind).expect("judged");
+    assert!(
+        !broken.ok && (broken.value - 6.0).abs() < 1e-9,
+        "{broken:?}"
+    );
+    assert!(
+        broken.note.contains("more than 4 m/s of wind"),
+        "{}",
+        broken.note
+    );
+    // Not so a PX4 VTOL, of which nothing was measured.
+    let (mut spec, mission) = quadplane(Autopilot::Px4);
+    windy(&mut spec, 270.0, 6.0);
+    assert_eq!(margin(&spec, &mission, &Limit::Wind), None);
+}
+
+#[test]
+fn the_wind_carries_a_plane_off_its_climb_out() {
+    let (mut spec, mission) = climbing_plane();
+    // From the south: to the left. 5 m/s of 0.32 of a climb of 27 s: 43 m.
+    let beside = |spec: &MissionSpec| {
+        [40.0, -40.0].map(|north_m| nearest_m(spec, &mission, spot(-330.0, north_m)))
+    };
+    assert!(beside(&spec).into_iter().all(|away_m| away_m > 30.0));
+    windy(&mut spec, 180.0, 5.0);
+    let [downwind_m, upwind_m] = beside(&spec);
+    assert!(
+        downwind_m < 12.0 && upwind_m > 30.0,
+        "{downwind_m} {upwind_m}"
+    );
+    // And so it is on its way to the next place.
+    assert!(nearest_m(&spec, &mission, spot(0.0, 33.0)) < 12.0);
+}
+
+#[test]
+fn an_arduplane_swings_out_of_its_circle() {
+    let beyond_m = |autopilot, away_m: f64| {
+        let (spec, mission) = quadplane(autopilot);
+        nearest_m(&spec, &mission, spot(3000.0 + 100.0 + away_m, 0.0))
+    };
+    // Turns of 50 m: 38 m further out.
+    for away_m in [10.0, 25.0, 35.0] {
+        let found_m = beyond_m(Autopilot::ArduPilot, away_m);
+        assert!(found_m < 11.0, "{away_m}: {found_m}");
+    }
+    assert!(beyond_m(Autopilot::ArduPilot, 80.0) > 30.0);
+    assert!(beyond_m(Autopilot::Px4, 35.0) > 30.0);
+}
+
+#[test]
+fn a_wing_gains_time_on_its_way_and_separation_allows_for_it() {
+    let (mut spec, alpha) = quadplane(Autopilot::ArduPilot);
+    let all = verified_trajectories(&spec, &world(&spec), &[(0, &alpha)]);
+    let flown = all[0]
+        .segments
+        .iter()
+        .filter(|of| of.is_flown && of.to.t_s.is_finite());
+    for of in flown {
+        assert!((of.early_s - 0.05 * of.to.t_s).abs() < 1e-6, "{of:?}");
+    }
+    // A second one of its kind crosses the first leg 1300 m on, 75 s and 95 s after the takeoff.
+    let mut beta = vtol(plane(
+        "beta",
+        2,
+        spot(1300.0, -2000.0),
+        spot(1300.0, 4000.0),
+    ));
+    (beta.finish, beta.speed_mps) = (Finish::Loiter, SPEED_MPS);
+    let frame = frame::GLOBAL_RELATIVE_ALT;
+    let items = vec![
+        at(command::NAV_VTOL_TAKEOFF, frame, beta.home, 80.0, 0.0),
+        alpha.items[1],
+        Item {
+            params: [0.0, 0.0, 100.0, 0.0],
+            ..at(
+                command::NAV_LOITER_UNLIM,
+                frame::GLOBAL,
+                spot(1300.0, 4000.0),
+                UP_M,
+                0.0,
+            )
+        },
+    ];
+    let beta_mission = mission(&beta, GROUND_M, items);
+    spec.vehicles.push(beta);
+    let review = review(&spec, &world(&spec), &[(0, &alpha), (1, &beta_mission)]);
+    let mut margins = review.margins.iter();
+    let found = margins
+        .find(|margin| margin.limit == Limit::Separation)
+        .expect("a pair");
+    let shift = found.shift.expect("a shift");
+    let slack_s = spec.separation.time_slack_s;
+    assert!(shift.allowed_s.least < -slack_s - 3.0, "{shift:?}");
+    assert!(shift.allowed_s.most > slack_s + 3.0, "{shift:?}");
+}
