@@ -64,8 +64,8 @@ impl<'a> Judge<'a> {
     pub fn execute(&self, index: usize, mission: &VehicleMission) -> Option<Executed<'a>> {
         let sortie = self.sortie(index, mission)?;
         let margins = sortie.margins(self.spec, self.world, &self.space);
-        let is_kept = |margin: &Margin| margin.ok || margin.limit == Limit::Separation;
-        if !margins.iter().all(is_kept) {
+        let holds = |margin: &Margin| margin.ok || margin.limit == Limit::Separation;
+        if !margins.iter().all(holds) {
             return None;
         }
         let mut flight = sortie.flight;

@@ -199,6 +199,27 @@ fn an_arduplane_swings_out_of_its_circle() {
 }
 
 #[test]
+fn an_arduplane_swings_out_of_a_circle_that_it_leaves_again() {
+    let (spec, mut mission) = quadplane(Autopilot::ArduPilot);
+    let hold = Item {
+        params: [60.0, 0.0, 1.0, 1.0],
+        ..at(
+            command::NAV_LOITER_TIME,
+            frame::GLOBAL,
+            spot(1500.0, 0.0),
+            UP_M,
+            0.0,
+        )
+    };
+    mission.items[2] = hold;
+    for away_m in [10.0, 25.0, 35.0] {
+        let found_m = nearest_m(&spec, &mission, spot(1500.0, -100.0 - away_m));
+        assert!(found_m < 11.0, "{away_m}: {found_m}");
+    }
+    assert!(nearest_m(&spec, &mission, spot(1500.0, -180.0)) > 30.0);
+}
+
+#[test]
 fn a_wing_gains_time_on_its_way_and_separation_allows_for_it() {
     let (mut spec, alpha) = quadplane(Autopilot::ArduPilot);
     let all = verified_trajectories(&spec, &world(&spec), &[(0, &alpha)]);

@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 
-use super::conflicts::{Conflicts, Flown};
-use super::search::Choice;
+use super::conflicts::{Choice, Conflicts, Flown};
+use super::moves::Ruled;
 
 /// Most groups.
 const MOST_GROUPS: usize = 3;
@@ -36,17 +36,6 @@ struct Rule {
     members: Members,
     /// Left is 1, right -1.
     side: f64,
-}
-
-/// How a rule changes the path of one vehicle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Ruled {
-    /// How far it is bent to the left, in separations.
-    pub(super) aside: f64,
-    /// How far it is raised, in steps of a vertical separation.
-    pub(super) up: f64,
-    /// Its departure, as a share of its window; none for the specified one.
-    pub(super) window: Option<f64>,
 }
 
 /// Choices without a conflict, the cheapest first: rules with the least bend that keeps all

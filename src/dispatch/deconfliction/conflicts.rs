@@ -10,11 +10,14 @@ use crate::spec::MissionSpec;
 use crate::verify::{Executed, Judge};
 use crate::world::World;
 
-use super::collective::Ruled;
+use super::moves::Ruled;
 use super::variants::Variants;
 
 /// A vehicle and one of its variants.
 pub(super) type Flown = (usize, usize);
+
+/// The variant of each vehicle.
+pub(super) type Choice = Vec<usize>;
 
 /// The variants of a fleet, and what has been judged of them.
 pub(super) struct Conflicts<'a> {

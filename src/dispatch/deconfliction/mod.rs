@@ -21,8 +21,8 @@ use crate::plan::{FleetPlan, VehiclePlan};
 use crate::spec::{MissionSpec, Objective};
 use crate::world::World;
 
-use conflicts::Conflicts;
-use search::{Choice, Search};
+use conflicts::{Choice, Conflicts};
+use search::Search;
 
 /// Plans of a fleet with as few conflicts as were found, each vehicle on a variant of its path
 /// alone, the best first: one for each of the specs, which give the fleet more or fewer freedoms.

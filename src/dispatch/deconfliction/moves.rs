@@ -10,8 +10,6 @@ use crate::geodesy::PlanPoint;
 use crate::plan::Shape;
 use crate::spec::Separation;
 
-use super::collective::Ruled;
-
 /// How far a path is bent to either side, in separations.
 const ASIDE: [f64; 8] = [0.4, 0.8, 1.2, 1.7, 2.3, 3.0, 4.0, 5.5];
 /// Where on a route it is furthest aside, as a share of it.
@@ -28,6 +26,17 @@ const BOTH_UP_TO: f64 = 3.0;
 /// Least share of a route over which it rises, and metres for each metre that it rises.
 const RAMP: f64 = 0.12;
 const GENTLE: f64 = 4.5;
+
+/// How a rule changes the path of one vehicle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ruled {
+    /// How far it is bent to the left, in separations.
+    pub(super) aside: f64,
+    /// How far it is raised, in steps of a vertical separation.
+    pub(super) up: f64,
+    /// Its departure, as a share of its window; none for the specified one.
+    pub(super) window: Option<f64>,
+}
 
 /// Most that a path sways to either side, in separations.
 const MOST_SWAY: f64 = 4.0;

@@ -5,7 +5,7 @@ use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 
 use super::collective;
-use super::conflicts::{Conflicts, Flown};
+use super::conflicts::{Choice, Conflicts, Flown};
 
 /// Changes of one vehicle for each vehicle of the fleet, at most, until no conflict is left.
 const REPAIRS: usize = 60;
@@ -27,9 +27,6 @@ const ENOUGH: f64 = 1e-3;
 const CHUNK: usize = 16;
 /// Variants that a vehicle in conflict gets besides, at random, from the second beginning on.
 const MORE: usize = 8;
-
-/// The variant of each vehicle.
-pub(super) type Choice = Vec<usize>;
 
 pub(super) struct Search<'s, 'a> {
     pub(super) conflicts: &'s mut Conflicts<'a>,

@@ -11,8 +11,7 @@ use crate::spec::{MissionSpec, Span, Vehicle};
 use crate::verify::{Executed, Judge};
 use crate::world::World;
 
-use super::collective::Ruled;
-use super::moves::{between, random, ruled, shapes};
+use super::moves::{Ruled, between, random, ruled, shapes};
 
 /// Departures of a window that are tried with the path alone.
 const DEPARTURES: u32 = 30;

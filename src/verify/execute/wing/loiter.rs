@@ -42,10 +42,7 @@ impl Pilot<'_> {
         self.orbit(row, middle, rim, circle.radius_m)?;
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
-        let reach_m = match is_aligned {
-            true => (ALIGNED_REACH * rim_m).max(rim_m + self.circle_wide_m()),
-            false => self.wide_reach_m(rim_m),
-        };
+        let reach_m = self.reach_of_circle_m(rim_m, is_aligned);
         let climb_m = rim.amsl_m - from.amsl_m;
         let (needed_s, more_s) = match circle.until {
             Until::Turns(turns) => (turns * orbit_s, 0.0),
@@ -84,6 +81,8 @@ impl Pilot<'_> {
         }
         if !is_aligned {
             self.lay_disc(row, over, reach_m, times_s);
+        } else if self.circle_wide_m() > 0.0 {
+            self.lay_rings(row, over, (rim_m, reach_m - rim_m), times_s);
         }
         self.leave(Knot { at: middle, ..rim }, hull);
         Ok(())
@@ -101,6 +100,14 @@ impl Pilot<'_> {
                 until_s: from_s + needed_s,
                 rows: (row, row),
             }),
+        }
+    }
+
+    /// How far from its middle a wing is at most that leaves a circle on course or not, metres.
+    fn reach_of_circle_m(&self, rim_m: f64, is_aligned: bool) -> f64 {
+        match is_aligned {
+            true => (ALIGNED_REACH * rim_m).max(rim_m + self.circle_wide_m()),
+            false => self.wide_reach_m(rim_m),
         }
     }
 
@@ -187,8 +194,8 @@ impl Pilot<'_> {
         row: usize,
         over: PlanPoint,
         (radius_m, wide_m): (f64, f64),
+        times_s: (f64, f64),
     ) {
-        let times_s = (self.trajectory.t_s, self.trajectory.t_s);
         let rings = steps(wide_m);
         let off_m = self.circle_level_m();
         for up_m in [0.0, -off_m, off_m] {
