@@ -96,11 +96,20 @@ impl Pilot<'_> {
             off: self.carried_off(climb_s),
         };
         for point in carried_points(early_top).skip(1) {
-            let chord = Chord {
-                slope_from_m: Some(lift_off.amsl_m),
-                ..Chord::unflown((top.row, self.phase), (t_s, t_s), (lift_off.point(), point))
+            let mut from = *lift_off;
+            let reached = Knot {
+                at: point.at,
+                ..*top
             };
-            self.trajectory.chords.push(chord);
+            for to in self.in_two(lift_off, reached, lift_off.amsl_m) {
+                let ends = (from.point(), to.point());
+                let chord = Chord {
+                    slope_from_m: to.slope_from_m,
+                    ..Chord::unflown((top.row, self.phase), (t_s, t_s), ends)
+                };
+                self.trajectory.chords.push(chord);
+                from = to;
+            }
         }
         self.early_top = Some(early_top);
     }
