@@ -430,7 +430,7 @@ fn a_quadplane_is_judged_where_the_wind_drives_it_as_it_climbs() {
     let (px4_m, _) = clearance_m(Autopilot::Px4);
     let (ardupilot_m, turn_m) = clearance_m(Autopilot::ArduPilot);
     let (reached_m, reach_m) = (px4_m - ardupilot_m, 19.8 + 84.0 + 80.0 + 2.0 * turn_m);
-    assert!((reached_m - reach_m).abs() < 2.0, "{reached_m} {reach_m}");
+    assert!((reached_m - reach_m).abs() < 2.0, "{px4_m} - {ardupilot_m} against {reach_m}");
 }
 
 /// Seconds from one row of the track to another.

@@ -107,7 +107,9 @@ impl Pilot<'_> {
                     slope_from_m: to.slope_from_m,
                     ..Chord::unflown((top.row, self.phase), (t_s, t_s), ends)
                 };
-                self.trajectory.chords.push(chord);
+                if from.point() != to.point() {
+                    self.trajectory.chords.push(chord);
+                }
                 from = to;
             }
         }
