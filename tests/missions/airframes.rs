@@ -420,8 +420,9 @@ fn a_quadplane_is_judged_where_the_wind_drives_it_as_it_climbs() {
             place: place(36.30 - 500.0 / 110_990.0, -84.28),
             radius_m: 50.0,
         });
+        let spec = in_wind(spec, 0.0, 4.0);
         let turn_m = VehicleLimits::of(&spec.vehicles[0]).turn_radius_m;
-        let (_, review) = judged(&in_wind(spec, 0.0, 4.0));
+        let (_, review) = judged(&spec);
         (
             margin(&review, Limit::Threat("mast".to_owned())).value,
             turn_m,
@@ -430,7 +431,10 @@ fn a_quadplane_is_judged_where_the_wind_drives_it_as_it_climbs() {
     let (px4_m, _) = clearance_m(Autopilot::Px4);
     let (ardupilot_m, turn_m) = clearance_m(Autopilot::ArduPilot);
     let (reached_m, reach_m) = (px4_m - ardupilot_m, 19.8 + 84.0 + 80.0 + 2.0 * turn_m);
-    assert!((reached_m - reach_m).abs() < 2.0, "{px4_m} - {ardupilot_m} against {reach_m}");
+    assert!(
+        (reached_m - reach_m).abs() < 2.0,
+        "{px4_m} - {ardupilot_m} against {reach_m}"
+    );
 }
 
 /// Seconds from one row of the track to another.

@@ -368,7 +368,8 @@ fn a_plane_whose_mission_ends_in_the_air_returns_and_circles_over_home() {
     let flags = ["--no-terrain", "--airframe", "plane", "--max-amsl", "900"];
     let (code, out, errors) = review(HOME, &rows, &flags);
     assert_eq!(code, Some(0), "{out}{errors}");
-    assert!((top_m(&out) - 600.0).abs() < 0.06, "{out}");
+    // On its circle it is judged 6 m higher, and by what it is late as it stops to climb.
+    assert!((606.0..608.0).contains(&top_m(&out)), "{out}");
     for assumed in [
         "RTL_ALTITUDE 100",
         "WP_LOITER_RAD 60",
