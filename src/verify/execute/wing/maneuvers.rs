@@ -96,24 +96,30 @@ impl Pilot<'_> {
             off: self.carried_off(climb_s),
         };
         for point in carried_points(early_top).skip(1) {
-            let mut from = *lift_off;
-            let reached = Knot {
+            let carried = Knot {
                 at: point.at,
                 ..*top
             };
-            for to in self.in_two(lift_off, reached, lift_off.amsl_m) {
-                let ends = (from.point(), to.point());
-                let chord = Chord {
-                    slope_from_m: to.slope_from_m,
-                    ..Chord::unflown((top.row, self.phase), (t_s, t_s), ends)
-                };
-                if from.point() != to.point() {
-                    self.trajectory.chords.push(chord);
-                }
-                from = to;
-            }
+            self.lay_climb(lift_off, carried);
         }
         self.early_top = Some(early_top);
+    }
+
+    /// Lays a climb from the ground, to be judged in space.
+    fn lay_climb(&mut self, lift_off: &Knot, top: Knot) {
+        let t_s = self.trajectory.t_s;
+        let mut from = *lift_off;
+        for to in self.in_two(lift_off, top, lift_off.amsl_m) {
+            // Where no height above ground is asked for, the first part has no length.
+            if from.point() != to.point() {
+                let ends = (from.point(), to.point());
+                self.trajectory.chords.push(Chord {
+                    slope_from_m: to.slope_from_m,
+                    ..Chord::unflown((to.row, self.phase), (t_s, t_s), ends)
+                });
+            }
+            from = to;
+        }
     }
 
     /// Glides from where it is to a place, at the altitude of the item: that of the ground there.
