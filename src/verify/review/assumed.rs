@@ -1,0 +1,314 @@
+//! What a review takes for granted: of every mission, and of those that a text is about.
+
+use crate::autopilot::{Airframe, Autopilot, facts, parameter};
+use crate::mission::{Item, command};
+use crate::spec::MissionSpec;
+use crate::world::{Terrain, World};
+
+use super::Sortie;
+use crate::verify::execute::executor;
+use crate::verify::execute::flight::End;
+use crate::verify::execute::home;
+use crate::verify::limits::{assumptions, separation};
+
+/// How far from home the furthest rally point of a vehicle with ArduPilot lies, metres.
+fn furthest_rally_m(sorties: &[Sortie<'_>]) -> f64 {
+    sorties
+        .iter()
+        .filter(|s| s.mission.autopilot == Autopilot::ArduPilot)
+        .flat_map(|s| {
+            let home = s.home.unwrap_or(s.vehicle.home);
+            let points = s.mission.rally.iter().filter_map(Item::place);
+            points.map(move |place| place.chord_m(home))
+        })
+        .fold(0.0, f64::max)
+}
+
+/// What the flight model assumes of every mission.
+const ASSUMED: [&str; 4] = [
+    "legs are straight in the local frame, altitude linear with distance",
+    "corners are flown as arcs, on a wing at unchanged speed with the turn radius; the legs are judged as far as the corner too",
+    "vehicles speed up and slow down with accel_mps2, climb and descend vertically with climb_mps and descent_mps",
+    "each vehicle stands on the ground at the place of its home row when its mission starts, and takes that for home",
+];
+
+/// What the flight model assumes of some missions: the condition, and the text with figures of
+/// [`crate::autopilot`] as `{vehicle.figure}` or `{PARAMETER}`.
+type Assumption = (fn(&Sortie<'_>) -> bool, &'static str);
+
+const ASSUMED_OF_SOME: &[Assumption] = &[
+    (
+        |s| s.vehicle.airframe != Airframe::Plane,
+        "copters and vtol are up to {copter.takeoff_late_s} late from their takeoff on, all of one autopilot and airframe alike, and up to {copter.stop_late_s} more \
+         after every stop: separation holds for any lateness up to that (measured on five ArduCopters 4.7.0-dev, simulated: \
+         over their homes 6 s late, on their way 6 to 8.5 s, over a ridge 8 to 12 s, after a stop 4.4 s more, at most 0.9 m beside the way \
+         and 1 m over or under it; of others assumed): those of one kind differ by up to 5.5 s, which time_slack_s must cover",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Copter,
+        "ArduCopter slows down for corners as far as WPNAV_RADIUS and a jerk of 1 m/s3 ask for, cuts them within that radius, and is up to \
+         {copter.corner_late_s} later after each (measured on 4.6.3, simulated, still air: speeds within 0.2 m/s, legs within 0.3 s); \
+         it stops before a landing at another place and where altitudes above terrain begin or end",
+    ),
+    (
+        |s| {
+            s.holds(command::NAV_SPLINE_WAYPOINT)
+                || s.holds(command::NAV_LOITER_TURNS)
+                || s.holds(command::NAV_PAYLOAD_PLACE)
+        },
+        "splines, turns and the placing of payloads are flown as the sources of ArduCopter 4.7 say (CIRCLE_RADIUS {CIRCLE_RADIUS} m and CIRCLE_RATE {CIRCLE_RATE} degrees a second \
+         where the .params file has none); none of them was measured, and each may take {copter.stop_late_s} longer",
+    ),
+    (
+        |s| {
+            let circles = [
+                command::NAV_LOITER_TURNS,
+                command::NAV_LOITER_TIME,
+                command::NAV_LOITER_TO_ALT,
+            ];
+            s.vehicle.airframe.has_wing() && circles.into_iter().any(|circle| s.holds(circle))
+        },
+        "a wing that leaves a circle is judged anywhere between that circle and its next place, and as late as 1.25 orbits more take: ArduPlane circles until it heads for the next place, \
+         PX4 leaves on any course (by their sources, not measured)",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
+        "PX4 copters fly corners as arcs within NAV_ACC_RAD, at the speed that half of accel_mps2 allows across (by its sources, not measured)",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe == Airframe::Copter,
+        "PX4 copters are up to {px4_copter.leg_late_s} later after every leg, and separation holds for any lateness up to that (measured on six PX4 1.16 alpha, simulated, still air: \
+         6 to 10 s late over their homes, 1 to 1.7 s more after a corner or a change of slope, 20.7 s more after 23 legs, 4.6 s with a turn back, at most 2.1 m beside \
+         the way and 2.2 m over or under it); that the airframe can fly the speed of the spec, also in a descent, is assumed: one that could not was 44 s late after 7 minutes",
+    ),
+    (
+        |s| {
+            s.flight
+                .cruises
+                .iter()
+                .any(|cruise| cruise.speed_mps.is_none())
+                && s.mission.autopilot == Autopilot::Px4
+        },
+        "PX4 flies with the speed of the spec: MPC_XY_CRUISE (on a wing FW_AIRSPD_TRIM) as in its .params file",
+    ),
+    (
+        |s| {
+            let is_launched = executor::is_launched(s.vehicle, s.mission.autopilot);
+            is_launched && s.flight.delay_s.is_none() && s.vehicle.depart_s > 0.0
+        },
+        "PX4 vehicles, planes and vtol are started depart_s after T0 by the station that launches them",
+    ),
+    (
+        |s| s.holds(command::NAV_RETURN_TO_LAUNCH),
+        "a return to launch climbs to return_amsl_m however near home it begins, flies straight home and lands at once: RTL_ALT, RTL_CONE_SLOPE and RTL_LOIT_TIME (PX4: RTL_RETURN_ALT, RTL_CONE_ANG and RTL_LAND_DELAY) as in the .params file of the vehicle",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.holds(command::DO_CHANGE_SPEED),
+        "PX4 obeys DO_CHANGE_SPEED: a copter was seen to stick or to drift off with it, leave it out and set MPC_XY_CRUISE",
+    ),
+    (
+        |s| home::counts_from_home(s.mission),
+        "altitudes above home count from the ground under the home row; a home that lies lower, or is measured too high, takes as much from every clearance",
+    ),
+    (
+        |s| s.flight.follows_terrain,
+        "vehicles that follow the terrain have the same elevation data and keep their height above it exactly",
+    ),
+    (
+        |s| s.flight.takeoff_rad.is_some(),
+        "a plane stands on the course of its takeoff, runs with accel_mps2 on the ground, and climbs straight at its planned speed with climb_mps, no steeper than max_climb_deg, to the height of the takeoff item",
+    ),
+    (
+        |s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::ArduPilot,
+        "ArduPlane climbs out more steeply (4.7.0-dev, simulated: 10 m/s where 3 were planned, the height reached after {plane.climb_out_share} of the planned climb, \
+         {plane.climb_out_overshoot_m} over it for some seconds) and holds its heading, so that the wind carries it off for {plane.drift_share} of the planned climb: the ceiling is judged {plane.climb_out_overshoot_m} over that height and the way on from {plane.climb_out_share} of the climb, \
+         also as far downwind, separation counts with the height in between and with up to {plane.takeoff_early_s} early",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
+        "a wing of ArduPlane gains up to {plane.early_share} of the time since its takeoff (4.7.0-dev, simulated, up to 6 m/s of wind; airspeed sensors are off as much): separation holds for any earliness up to that",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.flight.circle.is_some(),
+        "ArduPlane is up to {plane.circle_wide_share} of its turn radius further out than the radius of its circle (4.7.0-dev, simulated: 46 m at 20 m/s on a circle of 80 m)",
+    ),
+    (
+        |s| s.flight.takeoff_rad.is_some() && s.mission.autopilot == Autopilot::Px4,
+        "separation counts with a plane up to {plane.takeoff_early_s} early at its start, as ArduPlane was; that a PX4 plane climbs out more steeply than planned \
+         (1.16 alpha, simulated: 36 m above the planned line) is not judged",
+    ),
+    (
+        |s| s.vehicle.airframe.has_wing(),
+        "a wing flies at its planned indicated airspeed all the way, faster through thinner air as the standard atmosphere has it, on a warm day \
+         by 1 % more for every 6 degrees, and turns with max_load_factor; turns of more than a right angle follow waypoints on the way around",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
+        "ArduPlane flies changes of altitude smaller than ALT_SLOPE_MIN (before 4.7 GLIDE_SLOPE_MIN; as in the .params file, else {ALT_SLOPE_MIN} m) at once, \
+         and is {plane.altitude_lag_s} of its climb under a slope upwards and as much over one downwards (measured: 3 m at 1 m/s, 5 m at 1.6 m/s, 11 m at 2.9 m/s): \
+         such legs are judged there too, but not the separation there, nor the lag over ground that is followed",
+    ),
+    (
+        |s| {
+            let is_quadplane =
+                s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol;
+            is_quadplane && s.vehicle.wing.is_some_and(|wing| wing.wind.is_some())
+        },
+        "a QuadPlane may be driven off to any side as it climbs, with {quadplane.drift_share} of the wind and {quadplane.drift_s} of it more until it is on its first leg (4.7.0-dev, simulated, up to 5 m/s): \
+         climb and first leg are judged there too; its landing is not. In more than {quadplane.max_wind_mps} it was driven off by up to 267 m, and the verdict fails",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe == Airframe::Vtol,
+        "a QuadPlane goes on from its climb where its nose points, anywhere, and turns from there: it is judged anywhere within {quadplane.transition_m} and two turn radii of the end of its climb, and between there and its first place (4.7.0-dev, simulated, nose backwards: 180 m beside its first leg)",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
+        "PX4 on a wing is {px4_plane.altitude_lag_s} of its climb under a slope upwards and as much over one downwards, by its sources with FW_T_HRATE_FF 0.3 and FW_T_ALT_TC 5: \
+         such legs are judged there too, and with the altitude of their end NAV_LOITER_RAD before it, by its sources as well (neither was measured)",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::ArduPilot && s.vehicle.airframe.has_wing(),
+        "ArduPlane swings out of corners: it is judged along the way of its L1 law too, with NAVL1_PERIOD and NAVL1_DAMPING (default {NAVL1_PERIOD} and {NAVL1_DAMPING}), WP_RADIUS and ROLL_LIMIT_DEG, \
+         at {plane.turning_share} of a coordinated turn, and separation counts with what that way is beside the legs (measured on 4.7.0-dev, simulated, at 18 m/s with a bank of 34 degrees: \
+         2 m at 5 degrees, 10 m at 30, 15 m at 60, 30 m at 90, 74 m at 120, which this law gives or up to 45 % more; in still air, the wind is added as the law has it)",
+    ),
+    (
+        |s| s.mission.autopilot == Autopilot::Px4 && s.vehicle.airframe.has_wing(),
+        "a wing of PX4 keeps to its legs and arcs: what it swings out of corners was not measured and is not judged",
+    ),
+    (
+        |s| s.flight.landing.is_some(),
+        "a plane glides straight from the waypoint before its landing to the place of the landing: flare and roll are not judged; on a climb-out or glide the ground must stay half of the height above the runway below the vehicle, until that is min_agl_m",
+    ),
+    (
+        |s| s.flight.circle.is_some(),
+        "a circle is entered between its tangent and the straight way to its middle, and from then on the vehicle may be anywhere on it",
+    ),
+    (
+        |s| s.vehicle.airframe == Airframe::Vtol,
+        "a vtol climbs and lands vertically over its positions, with climb_mps and descent_mps, and speeds up and slows down on its way with accel_mps2",
+    ),
+    (
+        |s| s.flight.end == Some(End::Repeats),
+        "a mission that repeats for ever (DO_JUMP -1) is judged with one lap more; from then on the vehicle may be anywhere around that lap, for the separation; how long it lasts is not judged",
+    ),
+    (
+        |s| matches!(s.flight.end, Some(End::Stays(_))) && s.flight.circle.is_none(),
+        "a vehicle that loiters, or whose mission ends in the air, hovers there for ever",
+    ),
+];
+
+/// Kinds of vehicles whose figures the texts name.
+const KINDS: [(&str, Autopilot, Airframe); 5] = [
+    ("copter", Autopilot::ArduPilot, Airframe::Copter),
+    ("plane", Autopilot::ArduPilot, Airframe::Plane),
+    ("quadplane", Autopilot::ArduPilot, Airframe::Vtol),
+    ("px4_copter", Autopilot::Px4, Airframe::Copter),
+    ("px4_plane", Autopilot::Px4, Airframe::Plane),
+];
+
+/// A text of an assumption with its figures: `{plane.bank_lag_s}` is the figure of that name in
+/// the table of a plane, `{NAVL1_PERIOD}` the default of a parameter in SI units.
+fn with_figures(text: &str) -> String {
+    let (mut filled, mut rest) = (String::new(), text);
+    while let Some((before, name, after)) = placeholder(rest) {
+        filled += before;
+        filled += &figure(name).unwrap_or_else(|| name.to_owned());
+        rest = after;
+    }
+    filled + rest
+}
+
+/// The first name in braces, with the text before and after it.
+fn placeholder(text: &str) -> Option<(&str, &str, &str)> {
+    let (before, rest) = text.split_once('{')?;
+    let (name, after) = rest.split_once('}')?;
+    Some((before, name, after))
+}
+
+fn figure(name: &str) -> Option<String> {
+    let Some((kind, name)) = name.split_once('.') else {
+        return parameter(name).map(|row| row.default_si().to_string());
+    };
+    let (_, autopilot, airframe) = KINDS.into_iter().find(|(known, ..)| *known == kind)?;
+    let figures = facts(autopilot, airframe).behaviour.figures();
+    let found = figures.into_iter().find(|(known, _)| *known == name)?;
+    Some(found.1.to_string())
+}
+
+/// What the flight model assumes and used.
+pub(super) fn of_sorties(spec: &MissionSpec, world: &World, sorties: &[Sortie<'_>]) -> Vec<String> {
+    let used = ASSUMED_OF_SOME
+        .iter()
+        .filter(|(is_used, _)| sorties.iter().any(is_used))
+        .map(|(_, text)| *text);
+    let unknown = (world.terrain == Terrain::Unknown)
+        .then_some("the ground is not known: landings end at the altitude of home");
+    let texts = ASSUMED.into_iter().chain(used).chain(unknown);
+    let mut list: Vec<String> = texts.map(with_figures).collect();
+    let flown = || sorties.iter().map(|s| (s.vehicle, &s.flight));
+    list.extend(assumptions::raised_ground(world.terrain.raised_m()));
+    list.extend(assumptions::windy_copters(flown(), spec.wind));
+    list.extend(assumptions::leaning_copters(flown(), spec));
+    list.extend(assumptions::carried_wings(
+        sorties.iter().map(|s| s.vehicle),
+    ));
+    list.extend(assumptions::bent_map(flown(), world));
+    list.extend(assumptions::other_posts(
+        sorties.iter().map(|s| &s.flight),
+        world,
+    ));
+    list.extend(assumptions::rally_limit(furthest_rally_m(sorties)));
+    list.extend(separation::assumption(
+        sorties.len(),
+        &spec.buffered_separation(),
+    ));
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn assumptions_state_the_figures_of_the_table() {
+        let mut named = Vec::new();
+        for (_, text) in ASSUMED_OF_SOME {
+            let mut rest = *text;
+            while let Some((_, name, after)) = placeholder(rest) {
+                assert!(figure(name).is_some(), "{name}");
+                named.push(name);
+                rest = after;
+            }
+        }
+        for (kind, autopilot, airframe) in KINDS {
+            for (name, found) in facts(autopilot, airframe).behaviour.figures() {
+                let is_named = named.contains(&format!("{kind}.{name}").as_str());
+                let text = found.to_string();
+                assert!(!is_named || text != "nothing", "{kind}.{name}");
+            }
+        }
+        let texts: Vec<String> = ASSUMED_OF_SOME
+            .iter()
+            .map(|(_, t)| with_figures(t))
+            .collect();
+        for expected in [
+            "up to 12 s late",
+            "up to 4.5 s more",
+            "up to 1.5 s later",
+            "after 0.4 of the planned climb, 14 m over it",
+            "with up to 10 s early",
+            "else 15 m) at once",
+            "is 3.3 s of its climb",
+            "with 0.31 of the wind and 21 s of it more",
+            "is 3.5 s of its climb",
+            "default 17 and 0.75",
+            "at 0.7 of a coordinated turn",
+        ] {
+            assert!(
+                texts.iter().any(|text| text.contains(expected)),
+                "{expected}"
+            );
+        }
+    }
+}
