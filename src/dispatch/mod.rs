@@ -6,6 +6,7 @@ mod deconfliction;
 mod freedoms;
 mod rounds;
 mod tighten;
+mod timed_zones;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -214,9 +215,14 @@ fn missed_windows(spec: &MissionSpec, review: &Review) -> Vec<usize> {
     late.map(|(index, _)| index).collect()
 }
 
-/// Dispatches a fleet whose stops are those that it makes, in their order: a crowd as a whole, and
-/// others so only where planning one after the other leaves vehicles too near.
+/// Dispatches a fleet whose stops are those that it makes, in their order.
 fn dispatch_ordered(job: Job<'_>) -> Dispatched {
+    timed_zones::with_times(job, dispatch_among_zones)
+}
+
+/// Dispatches a fleet among zones that are always closed: a crowd as a whole, and others so only
+/// where planning one after the other leaves vehicles too near.
+fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
     let is_crowd = crowd::is_crowd(job.spec, job.world);
     let together = || planned_together(job);
     if job.run.earlier.is_some() {
@@ -340,7 +346,9 @@ fn encode_and_verify(
     before: Option<&Dispatched>,
 ) -> (Vec<(usize, VehicleMission)>, Review) {
     let Job { spec, world, .. } = job;
-    let retimed = plan.retimed(spec);
+    let mut retimed = plan.retimed(spec);
+    // A fence lists the zones that were left out of a plan for their times.
+    retimed.no_fly.clone_from(&job.judged.0.no_fly);
     let mut unchanged: Vec<Option<&VehicleMission>> = vec![None; plan.vehicles.len()];
     if let Some(before) = before {
         for (index, mission) in &before.missions {

@@ -23,3 +23,4 @@ mod study;
 mod study_fleet;
 mod surveys;
 mod tasks;
+mod timed_zones;

@@ -1,0 +1,136 @@
+//! Zones with times. The planner takes every zone as closed at all times; a fleet that flies while
+//! one is inactive, or that may wait on the ground until it is, is planned without it as well, and
+//! the verdict, which knows the times, decides.
+
+use super::{Dispatched, Job};
+use crate::path::route_ends;
+use crate::spec::{MissionSpec, Span, Vehicle};
+use crate::world::World;
+
+/// A plan this near to its bound has nothing to gain, as a share of the bound.
+const WORTH: f64 = 0.01;
+/// Most plans with other departures.
+const MOST: usize = 4;
+/// A flight is estimated at so many times its straight routes.
+const DETOUR: f64 = 2.0;
+/// After the end of a zone's time a vehicle waits so much longer, seconds.
+const AFTER_S: f64 = 1.0;
+
+/// The best plan of a fleet: through zones that are inactive as it departs by the spec, then among
+/// all zones, then departing after their times. Of two plans that cost nearly the same the earlier
+/// departure is kept.
+pub(super) fn with_times<'a>(
+    job: Job<'a>,
+    dispatch_closed: impl Fn(Job<'_>) -> Dispatched,
+) -> Dispatched {
+    let (at_once, after) = variants(job.spec, job.world);
+    let open = |variant: &(MissionSpec, World)| {
+        let (spec, world) = variant;
+        dispatch_closed(Job { spec, world, ..job })
+    };
+    let is_good = |found: &Dispatched| {
+        found.review.passes() && found.plan.gap().is_some_and(|gap| gap < WORTH)
+    };
+    let through = at_once
+        .as_ref()
+        .map(open)
+        .filter(|found| found.review.passes());
+    if let Some(found) = through.as_ref().filter(|found| is_good(found)) {
+        return found.clone();
+    }
+    let closed = dispatch_closed(job);
+    let mut best = match through {
+        Some(found) if found.is_better_than(closed.rank()) => found,
+        _ => closed,
+    };
+    for variant in &after {
+        if is_good(&best) || job.run.is_cancelled() {
+            break;
+        }
+        let later = open(variant);
+        let most = best.plan.cost() * (1.0 - WORTH);
+        if later.review.passes() && (!best.review.passes() || later.plan.cost() < most) {
+            best = later;
+        }
+    }
+    best
+}
+
+/// The spec and the world without zones that are inactive while the fleet flies: as it departs by
+/// the spec, if there are any, and after each zone's time, where the windows of departures reach so
+/// far.
+fn variants(
+    spec: &MissionSpec,
+    world: &World,
+) -> (Option<(MissionSpec, World)>, Vec<(MissionSpec, World)>) {
+    let times = world.zones.iter().filter_map(|zone| zone.active_s);
+    let mut waits_s: Vec<f64> = times.map(|(_, to_s)| to_s + AFTER_S).collect();
+    waits_s.sort_by(f64::total_cmp);
+    waits_s.dedup();
+    let mut fewest = spec.no_fly.len();
+    let mut opening = |wait_s: f64| {
+        let open = without_inactive(departing_after(spec, wait_s), world.clone());
+        let is_more = open.0.no_fly.len() < fewest;
+        fewest = fewest.min(open.0.no_fly.len());
+        is_more.then_some(open)
+    };
+    let at_once = opening(f64::NEG_INFINITY);
+    (
+        at_once,
+        waits_s.into_iter().filter_map(opening).take(MOST).collect(),
+    )
+}
+
+/// Without the zones that are inactive from the first departure to the last landing.
+fn without_inactive(mut spec: MissionSpec, mut world: World) -> (MissionSpec, World) {
+    let (first_s, last_s) = flight_s(&spec, &world);
+    let is_open = |(from_s, to_s): (f64, f64)| to_s < first_s || last_s < from_s;
+    let zones = world.zones.iter();
+    let is_kept: Vec<bool> = zones
+        .map(|zone| !zone.active_s.is_some_and(is_open))
+        .collect();
+    keep(&mut spec.no_fly, &is_kept);
+    keep(&mut world.zones, &is_kept);
+    (spec, world)
+}
+
+fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    all.retain(|_| kept.next().is_none_or(|kept| *kept));
+}
+
+/// The spec with departures not before a time, where a vehicle's window has such.
+fn departing_after(spec: &MissionSpec, wait_s: f64) -> MissionSpec {
+    let mut spec = spec.clone();
+    for vehicle in &mut spec.vehicles {
+        let Some(window) = vehicle.retiming.depart_s else {
+            continue;
+        };
+        let least = window.least.max(wait_s);
+        if least <= window.most {
+            vehicle.retiming.depart_s = Some(Span { least, ..window });
+            vehicle.depart_s = vehicle.depart_s.max(least);
+        }
+    }
+    spec
+}
+
+/// From the first departure to about the last landing, seconds after T0. Whether that is long
+/// enough is for the verdict to say.
+fn flight_s(spec: &MissionSpec, world: &World) -> (f64, f64) {
+    let fleet = spec.vehicles.iter().zip(&world.stations);
+    let flights = fleet.map(|(vehicle, stations)| {
+        let departs_s = vehicle.departures().least.min(vehicle.depart_s);
+        let routes = route_ends(vehicle, stations).into_iter();
+        let straight_m: f64 = routes.map(|(from, to)| from.distance_m(to)).sum();
+        let climb_m = (stations.start.amsl.0 - stations.home.amsl.0).abs();
+        let airborne_s = DETOUR * (straight_m / vehicle.speed_mps + climb_m / climb_mps(vehicle));
+        (departs_s, vehicle.depart_s + airborne_s)
+    });
+    let whole = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    flights.fold((f64::INFINITY, f64::NEG_INFINITY), whole)
+}
+
+fn climb_mps(vehicle: &Vehicle) -> f64 {
+    vehicle.climb_mps.min(vehicle.descent_mps)
+}
