@@ -7,6 +7,7 @@ use crate::autopilot::facts;
 use crate::flight::conformance::COLUMN_M;
 use crate::flight::conformance::proof::Tube;
 use crate::flight::conformance::reference::{Deviation, Reference};
+use crate::flight::conformance::takeoff::TakeoffTube;
 use crate::flight::record::Fix;
 use crate::mission::VehicleMission;
 use crate::path::{corner_late_s, leg_late_s, stop_late_s};
@@ -26,13 +27,15 @@ const WIDE_CIRCLE: f64 = 1.5;
 const SLOW_MPS: f64 = 1.0;
 
 /// What the verdict allows one vehicle around its plan.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct TubeWatch {
     tube: Tube,
     airframe: Airframe,
     /// By how much a plane may be off the legs until it has passed the place after its climb-out,
     /// metres.
     wide_m: f64,
+    /// Where a QuadPlane may be before it is on its first leg.
+    takeoff: Option<TakeoffTube>,
     /// How late it is, seconds, if it is on its plan.
     pub(super) late_s: Option<f64>,
     /// Whether it is outside of the tube.
@@ -53,6 +56,7 @@ impl TubeWatch {
             tube: Tube::of(vehicle),
             airframe: vehicle.airframe,
             wide_m: (1.0 - early_share) * climb_out_m,
+            takeoff: TakeoffTube::of(vehicle, plan),
             late_s: None,
             is_off: false,
             first: None,
@@ -77,7 +81,11 @@ impl TubeWatch {
             Airframe::Plane => {
                 here.fix.item <= top.item || plan.lands && here.fix.item >= last.item
             }
-            Airframe::Copter | Airframe::Vtol => near(home) || plan.lands && near(last),
+            Airframe::Copter | Airframe::Vtol => {
+                let takeoff = self.takeoff.as_ref();
+                let climbs = takeoff.is_some_and(|of| of.climbs(here.fix.item, here.point.at));
+                near(home) || climbs || plan.lands && near(last)
+            }
         }
     }
 
@@ -106,7 +114,9 @@ impl TubeWatch {
         let climbs_out = self.climbs_out(plan, here);
         let wide_m = if climbs_out { self.wide_m } else { 0.0 };
         let across_m = self.tube.across_m + wide_m + of.circle_m;
-        if of.cross_track_m > across_m {
+        let takeoff = self.takeoff.as_ref();
+        let is_within = takeoff.is_some_and(|of| of.holds(here.fix.item, here.point.at));
+        if of.cross_track_m > across_m && !is_within {
             let aside_m = of.cross_track_m;
             return Some(format!(
                 "{aside_m:.0} m beside its path (at most {across_m:.0} m)"
@@ -155,7 +165,9 @@ impl Alarms<'_> {
             let found = found.filter(|found| !has_come(&of.plan, here, found));
             let late_s = found.map(|of| here.fix.t_s - of.t_s);
             of.tube.late_s = late_s.filter(|_| is_on_plan);
-            let assumed_s = assumed_late_s(of.vehicle, of.mission, &of.plan, here.fix.item);
+            let takeoff_s = of.tube.takeoff.as_ref().map_or(0.0, TakeoffTube::late_s);
+            let assumed_s =
+                takeoff_s + assumed_late_s(of.vehicle, of.mission, &of.plan, here.fix.item);
             let most_s = assumed_s + slack_s + LATE_ERROR_S;
             let own_s = of.tube.late_s.map(|late_s| late_s - slip_s);
             let late = own_s.filter(|late_s| *late_s > most_s);

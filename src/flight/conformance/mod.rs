@@ -6,6 +6,7 @@ pub(super) mod proof;
 pub(super) mod reference;
 pub(super) mod report;
 pub(super) mod speed;
+pub(super) mod takeoff;
 
 use super::record::{Fix, Flight, Record};
 use super::session::end::End;
