@@ -1,5 +1,7 @@
-//! Where a QuadPlane may be between its climb and its first legs: the region that the verdict judges.
+//! Where a QuadPlane may be between its climb and its first legs, and in its descent: the regions that
+//! the verdict judges.
 
+use super::COLUMN_M;
 use super::proof::at_its_fastest;
 use super::reference::Reference;
 use crate::geodesy::EastNorth;
@@ -8,6 +10,19 @@ use crate::spec::{TakeoffRegion, Vehicle};
 
 /// Home and the top of a takeoff that leads straight up are no further apart, metres.
 const UPRIGHT_M: f64 = 1.0;
+
+/// How far from its landing a vehicle may be that is on its way to it, metres, where neither minimum height
+/// nor legs count.
+pub(crate) fn landing_column_m(vehicle: &Vehicle, plan: &Reference) -> f64 {
+    let mut legs = plan.waypoints.windows(2).rev();
+    let leg = legs.find(|leg| leg[0].point.at.distance_m(leg[1].point.at) > UPRIGHT_M);
+    let course_rad = leg.map(|leg| heading_rad(leg[0].point.at, leg[1].point.at));
+    let drift_m = vehicle.landing_drift_m(course_rad);
+    match drift_m > 0.0 {
+        true => COLUMN_M.max(drift_m + vehicle.facts().buffer_m),
+        false => COLUMN_M,
+    }
+}
 
 /// The region of one plan.
 #[derive(Clone, Debug, PartialEq)]

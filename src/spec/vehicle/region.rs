@@ -72,6 +72,24 @@ impl Vehicle {
 }
 
 impl Vehicle {
+    /// How far to any side the wind may drive a vehicle that descends to its landing, metres. It does
+    /// so from behind: with it from ahead or across a QuadPlane keeps over its place. `course_rad` is
+    /// the one it comes on; none: not known.
+    #[must_use]
+    pub fn landing_drift_m(&self, course_rad: Option<f64>) -> f64 {
+        let figure = self.facts().behaviour.landing_drift_s;
+        let Some(wind) = self.carried_by() else {
+            return 0.0;
+        };
+        let is_ahead = course_rad.is_some_and(|course_rad| (course_rad - wind.from_rad).cos() >= 0.0);
+        match is_ahead {
+            true => 0.0,
+            false => wind.speed_mps * figure.value(self.autopilot_version),
+        }
+    }
+}
+
+impl Vehicle {
     /// Why the wind that carries it is more than it was flown in, and what to do: what the verdict
     /// assumes of a wing holds as far as it was measured.
     #[must_use]

@@ -56,7 +56,43 @@ impl Pilot<'_> {
             reach_m: region.reach_m(),
             from_s: end_s,
             until_s: end_s,
+            any_course: true,
         });
+    }
+
+    /// Lays a descent to every side too, as far as the wind may drive the vehicle that came to it on a
+    /// course, to be judged in space; for the separation, widens the chords from one on.
+    pub(crate) fn drift_down(
+        &mut self,
+        row: usize,
+        (first, top): (usize, PlanPoint),
+        course_rad: Option<f64>,
+    ) {
+        let drift_m = self.vehicle.landing_drift_m(course_rad);
+        let down = self.here();
+        let begun = self.trajectory.chords.get(first);
+        let times_s = (begun.map_or(0.0, |chord| chord.from_s), self.trajectory.t_s);
+        if drift_m <= 0.0 {
+            return;
+        }
+        self.widen_from(first, drift_m);
+        let disc = self.trajectory.chords.len();
+        self.lay_disc(row, top, drift_m, times_s);
+        let rings = steps(drift_m);
+        for ring in 1..=rings {
+            let ring_m = drift_m * f64::from(ring) / f64::from(rings);
+            let count = steps(TAU * ring_m);
+            for step in 0..count {
+                let at = along(down.at, TAU * f64::from(step) / f64::from(count), ring_m);
+                let ends = (PlanPoint { at, ..top }, PlanPoint { at, ..down });
+                let chord = Chord::unflown((row, self.phase), times_s, ends);
+                self.trajectory.chords.push(chord);
+            }
+        }
+        // As in the column itself no height is asked for.
+        for chord in &mut self.trajectory.chords[disc..] {
+            chord.grounded = true;
+        }
     }
 
     /// How far the wind carries a plane in a climb-out that is planned to take so long: it holds its

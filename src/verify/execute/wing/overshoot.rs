@@ -1,11 +1,13 @@
 //! Paths of ArduPlane off its legs: it overshoots corners, and climbs out early.
 
 use crate::geodesy::{EastNorth, PlanPoint};
+use crate::path::{along, heading_rad};
 
 use super::drift::carried_points;
 use super::l1::{Fix, STEP_S};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
+use crate::verify::execute::flight::Hull;
 use crate::verify::execute::legs::Knot;
 use crate::verify::measure::segment::{Chord, Phase};
 
@@ -15,6 +17,8 @@ const TOLERANCE_M: f64 = 0.5;
 const EVERY: usize = 10;
 /// A way is taken to be as far from a chord as it is within this of its time, seconds.
 const WITHIN_S: f64 = 2.0;
+/// Legs after the place at the end of a hull that a wing swings beside.
+const ARRIVAL_LEGS: usize = 3;
 
 impl Pilot<'_> {
     /// Lays the path that a wing of ArduPilot flies off its legs, to be judged in space. For the
@@ -34,6 +38,49 @@ impl Pilot<'_> {
         }
         let fixes = guidance.follow(knots, grounds_mps);
         self.widen(knots, firsts, &fixes);
+        self.lay_way(knots, firsts, &fixes)
+    }
+
+    /// Lays the way on from the place at the end of a hull, to be judged in space, for a wing that comes
+    /// to it from either side of the hull; for the separation, widens the chords of the legs by as much.
+    pub(crate) fn lay_arrivals(
+        &mut self,
+        (hull, leg): (&Hull, usize),
+        knots: &[Knot],
+        grounds_mps: &[f64],
+        firsts: &[usize],
+    ) -> Result<(), Unknown> {
+        let guidance = self.guidance.filter(|_| hull.any_course);
+        let (Some(guidance), Some([_, place, _, ..])) = (guidance, knots.get(leg..)) else {
+            return Ok(());
+        };
+        let course_rad = heading_rad(hull.middle.at, place.at);
+        let away_m = hull.middle.at.distance_m(place.at);
+        let tangent_rad = (hull.reach_m / away_m).min(1.0).acos();
+        let end = (leg + 1 + ARRIVAL_LEGS).min(knots.len() - 1);
+        for side in [tangent_rad, -tangent_rad] {
+            let mut way = knots[leg..=end].to_vec();
+            way[0].at = along(hull.middle.at, course_rad + side, hull.reach_m);
+            let mut fixes = guidance.follow(&way, &grounds_mps[leg..end]);
+            // The first leg is the hull.
+            fixes.retain(|fix| fix.leg > 0);
+            for fix in &fixes {
+                let first = firsts[leg + fix.leg];
+                let next = firsts.get(leg + fix.leg + 1).copied();
+                let next = next.unwrap_or(self.trajectory.chords.len());
+                for chord in &mut self.trajectory.chords[first.min(next)..next] {
+                    if chord.flown {
+                        chord.wide_m = chord.wide_m.max(fix.cross_track_m);
+                    }
+                }
+            }
+            self.lay_way(&way, &firsts[leg..end], &fixes)?;
+        }
+        Ok(())
+    }
+
+    /// Lays a way along legs, as far as it is off them.
+    fn lay_way(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) -> Result<(), Unknown> {
         let own = knots.windows(2);
         let own = own.map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]));
         let own = own.collect::<Result<Vec<_>, _>>()?;
