@@ -128,8 +128,10 @@ fn a_wing_does_not_return_on_its_own() {
 #[test]
 fn a_vtol_needs_none_of_the_keys_and_may_have_all() {
     good(&plane().replace("airframe: plane", "airframe: vtol"));
-    let bare = with("    airframe: copter\n", "    airframe: vtol\n")
-        .replace("wind: {from_deg: 270, speed_mps: 5}", "wind: {from_deg: 270, speed_mps: 4}");
+    let bare = with("    airframe: copter\n", "    airframe: vtol\n").replace(
+        "wind: {from_deg: 270, speed_mps: 5}",
+        "wind: {from_deg: 270, speed_mps: 4}",
+    );
     let vehicle = good(&bare.replace("    return_amsl_m: 900\n", ""))
         .vehicles
         .remove(0);
@@ -178,7 +180,11 @@ fn an_approach_begins_in_the_area_and_high_enough() {
 /// The first vehicle in a wind, by its autopilot and airframe.
 fn in_wind(autopilot: &str, airframe: &str, wind_mps: f64) -> String {
     let text = plane()
-        .replacen("autopilot: ardupilot", &format!("autopilot: {autopilot}"), 1)
+        .replacen(
+            "autopilot: ardupilot",
+            &format!("autopilot: {autopilot}"),
+            1,
+        )
         .replace("airframe: plane", &format!("airframe: {airframe}"))
         .replace("return_amsl_m: 900\n", "\n");
     format!("{text}\nwind: {{from_deg: 0, speed_mps: {wind_mps}}}\n")
@@ -212,9 +218,12 @@ fn a_wing_in_more_wind_than_it_was_flown_in_is_an_error_that_says_what_was_measu
 
 /// A QuadPlane in the corner of the area: its region has 80 m, and two turn radii of 40.1 m.
 fn quadplane() -> String {
-    with("    airframe: copter\n", "    airframe: vtol\n    loiter_radius_m: 80\n")
-        .replace("    return_amsl_m: 900\n", "")
-        .replace("wind: {from_deg: 270, speed_mps: 5}\n", "")
+    with(
+        "    airframe: copter\n",
+        "    airframe: vtol\n    loiter_radius_m: 80\n",
+    )
+    .replace("    return_amsl_m: 900\n", "")
+    .replace("wind: {from_deg: 270, speed_mps: 5}\n", "")
 }
 
 #[test]
@@ -231,7 +240,9 @@ fn what_is_nearer_to_the_takeoff_of_a_quadplane_than_where_it_may_be_is_named() 
     let mast = "  - {id: mast, kind: mast, lat: 36.2122, lon: -84.39, radius_m: 100}\nno_fly:";
     let found = one(&text.replace("no_fly:", mast));
     assert!(
-        found.found.contains("home is 244 m from the axis of threat `mast`"),
+        found
+            .found
+            .contains("home is 244 m from the axis of threat `mast`"),
         "{found:?}"
     );
     for part in [
@@ -260,9 +271,14 @@ fn what_is_nearer_to_the_takeoff_of_a_quadplane_than_where_it_may_be_is_named() 
     world::load(&parse(&text.replace("no_fly:", &low)).expect("good")).expect("above the yard");
     let edge = text.replace("south_west: {lat: 36.20,", "south_west: {lat: 36.209,");
     let found = one(&edge);
-    assert!(found.found.contains("home is 111 m from the edge"), "{found:?}");
+    assert!(
+        found.found.contains("home is 111 m from the edge"),
+        "{found:?}"
+    );
     let hill = "    hills:\n      - {lat: 36.2095, lon: -84.3905, height_m: 75, radius_m: 200}\n";
     let found = over_ground(&text.replace("    hills:\n", hill));
-    let of_region = found.iter().find(|issue| issue.allowed.contains("a higher start"));
+    let of_region = found
+        .iter()
+        .find(|issue| issue.allowed.contains("a higher start"));
     assert!(of_region.is_some(), "{found:#?}");
 }

@@ -163,7 +163,10 @@ fn a_quadplane_is_refused_in_more_wind_than_the_model_holds_for() {
     let (mut spec, mission) = quadplane(Autopilot::Px4);
     windy(&mut spec, 270.0, 6.0);
     let broken = margin(&spec, &mission, &Limit::Wind).expect("judged");
-    assert!(!broken.ok && broken.note.contains("PX4 (VTOL)"), "{broken:?}");
+    assert!(
+        !broken.ok && broken.note.contains("PX4 (VTOL)"),
+        "{broken:?}"
+    );
 }
 
 #[test]
@@ -172,7 +175,10 @@ fn a_plane_is_refused_in_more_wind_than_it_was_flown_in() {
     for (wind_mps, holds) in [(6.0, true), (6.5, false)] {
         windy(&mut spec, 270.0, wind_mps);
         let found = margin(&spec, &mission, &Limit::Wind).expect("judged");
-        assert!(found.ok == holds && (found.bound - 6.0).abs() < 1e-9, "{found:?}");
+        assert!(
+            found.ok == holds && (found.bound - 6.0).abs() < 1e-9,
+            "{found:?}"
+        );
     }
 }
 

@@ -69,7 +69,9 @@ impl TakeoffTube {
             return true;
         }
         let ahead = self.places.iter().filter(|(to, _)| item <= *to);
-        ahead.into_iter().any(|(_, to)| self.outside_m(at, *to) <= self.buffer_m)
+        ahead
+            .into_iter()
+            .any(|(_, to)| self.outside_m(at, *to) <= self.buffer_m)
     }
 
     /// Whether it is in its climb, as far off as the wind may drive it.

@@ -65,8 +65,8 @@ impl Vehicle {
             carried_m: wind_mps * value(behaviour.drift_s),
             transition_m,
             turn_m,
-            // Half a turn more than along its first leg.
-            late_s: turn_m / self.speed_mps,
+            // It may have come so far away from its first leg, and back against the wind.
+            late_s: (transition_m + turn_m) / (self.speed_mps - wind_mps).max(1.0),
         })
     }
 }
@@ -81,7 +81,8 @@ impl Vehicle {
         let Some(wind) = self.carried_by() else {
             return 0.0;
         };
-        let is_ahead = course_rad.is_some_and(|course_rad| (course_rad - wind.from_rad).cos() >= 0.0);
+        let is_ahead =
+            course_rad.is_some_and(|course_rad| (course_rad - wind.from_rad).cos() >= 0.0);
         match is_ahead {
             true => 0.0,
             false => wind.speed_mps * figure.value(self.autopilot_version),

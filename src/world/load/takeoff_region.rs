@@ -154,7 +154,9 @@ impl Check<'_> {
         let least_m = self.least_agl().buffered_m;
         let vehicle = around.vehicle;
         let by_speed = vehicle.climb_mps / vehicle.speed_mps;
-        let slope = vehicle.max_climb_rad.map_or(by_speed, |rad| rad.tan().min(by_speed));
+        let slope = vehicle
+            .max_climb_rad
+            .map_or(by_speed, |rad| rad.tan().min(by_speed));
         let reach_m = around.region.reach_m();
         let over_m = |at: EastNorth| {
             let ground = self.terrain.height(spec.frame.from_plan(at)).ok()?;

@@ -286,10 +286,7 @@ impl Pilot<'_> {
         // It may begin a descent late, from above.
         let over_m = self.circle_level_m();
         for at in rim(hull, to.at) {
-            let back = PlanPoint {
-                at,
-                ..hull.middle
-            };
+            let back = PlanPoint { at, ..hull.middle };
             let chord = Chord::unflown((to.row, to.phase), times_s, (back, to.point()));
             self.trajectory.chords.push(chord);
             let late = PlanPoint {
