@@ -282,3 +282,22 @@ fn what_is_nearer_to_the_takeoff_of_a_quadplane_than_where_it_may_be_is_named() 
         .find(|issue| issue.allowed.contains("a higher start"));
     assert!(of_region.is_some(), "{found:#?}");
 }
+
+#[test]
+fn a_quadplane_that_may_land_with_the_wind_from_behind_is_warned() {
+    let text = quadplane() + "wind: {from_deg: 300, speed_mps: 3}\n";
+    let note = |text: &str| good(text).vehicles[0].landing_note();
+    let told = note(&text).expect("a warning");
+    assert!(
+        told.contains("60 m from its place; landing.heading_deg 300"),
+        "{told}"
+    );
+    let heading = |deg: u32| {
+        let own = format!("    landing: {{heading_deg: {deg}, glide_deg: 5}}\n    loiter_radius_m");
+        text.replacen("    loiter_radius_m", &own, 1)
+    };
+    assert!(note(&heading(120)).is_some());
+    assert_eq!(note(&heading(300)), None);
+    assert_eq!(note(&heading(29)), None);
+    assert_eq!(note(&quadplane()), None);
+}

@@ -2,7 +2,7 @@
 
 use crate::autopilot::Figure;
 
-use super::{Vehicle, turn_radius_by_load_m};
+use super::{Finish, Vehicle, turn_radius_by_load_m};
 
 /// How far a vehicle may be from the column of its takeoff, and around the top of it until it is on
 /// its first leg. What is judged, checked and raised as an alarm is the same region.
@@ -91,6 +91,21 @@ impl Vehicle {
 }
 
 impl Vehicle {
+    /// A warning where a vehicle may come to its landing with the wind from behind, and what to state.
+    #[must_use]
+    pub fn landing_note(&self) -> Option<String> {
+        let (wing, wind) = (self.wing?, self.carried_by()?);
+        let drift_m = self.landing_drift_m(wing.landing.map(|landing| landing.heading_rad));
+        (self.finish != Finish::Loiter && drift_m > 0.0).then(|| {
+            format!(
+                "{}: with the wind from behind it may touch down {drift_m:.0} m from its place; landing.heading_deg {:.0} has it \
+                 come into the wind",
+                self.id,
+                wind.from_rad.to_degrees()
+            )
+        })
+    }
+
     /// Why the wind that carries it is more than it was flown in, and what to do: what the verdict
     /// assumes of a wing holds as far as it was measured.
     #[must_use]
