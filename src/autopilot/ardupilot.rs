@@ -196,13 +196,13 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
         5,
         "ArduPlane 4.7.0-dev, simulated, 0 to 6 m/s of wind: 46 m with a turn radius of 64 m",
     )]),
-    // They come to it 16.6 m below its altitude after a climb (QuadPlanes 16.7 m), or above it, the lag
-    // of the leg included; with 4 m/s of wind from behind 26 m below.
+    // They come to it 16.6 m below its altitude after a climb (QuadPlanes 16.7 m; 4.6.3: 27 m), or above
+    // it; what is left of that climb at the rim, and its lag, included.
     circle_level_m: Figure(&[measured(
-        (14.0, "m"),
-        version(4, 6),
-        16,
-        "ArduPlane 4.6.3, simulated, 0 to 4 m/s of wind: 27 m below a circle, the lag of the climb to it and a buffer included",
+        (6.0, "m"),
+        DEV,
+        10,
+        "ArduPlane 4.7.0-dev, simulated, 0 to 6 m/s of wind: 16.7 m below a circle, the lag of the climb to it and a buffer included",
     )]),
     // One plane and one QuadPlane: 3.1 to 3.7 m at 1.15 m/s, 5.2 m at 1.6 m/s, 10.9 m at 2.9 m/s,
     // and most of it still on the next leg (TECS_HDEM_TCONST is 3).

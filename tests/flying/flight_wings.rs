@@ -226,8 +226,8 @@ fn lone_quadplane(wind_mps: f64) -> Planned {
 
 /// How far behind its takeoff the verdict judges a vehicle, metres.
 fn judged_behind_m(plan: &Planned) -> f64 {
-    let missions: Vec<_> = plan.dispatched.missions.iter().collect();
-    let missions: Vec<_> = missions.iter().map(|(index, of)| (*index, of)).collect();
+    let missions = plan.dispatched.missions.iter();
+    let missions: Vec<_> = missions.map(|(index, of)| (*index, of)).collect();
     let judged = verified_trajectories(&plan.spec, &plan.world, &missions);
     let home = plan.world.frame.to_plan(plan.spec.vehicles[0].home);
     let ends = judged[0].segments.iter().flat_map(|of| [of.from, of.to]);

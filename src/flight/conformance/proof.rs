@@ -179,9 +179,8 @@ impl FlownTrack<'_> {
             let is_within = takeoff
                 .as_ref()
                 .is_some_and(|takeoff| takeoff.holds(fix.item, self.points[index].at));
-            if !is_within || of.cross_track_m <= tube.across_m {
-                aside.push((of.cross_track_m, tube.across_m + wide_m, fix));
-            }
+            let aside_m = if is_within { 0.0 } else { of.cross_track_m };
+            aside.push((aside_m, tube.across_m + wide_m, fix));
             let level = early.is_none() && !follows && !self.follows_ground(index);
             if level {
                 up.push((of.above_m.abs(), tube.up_m, fix));

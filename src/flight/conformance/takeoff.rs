@@ -32,7 +32,7 @@ pub(crate) struct TakeoffTube {
     /// Item of the takeoff.
     top_item: usize,
     /// The places that it may be on its way to, with their items.
-    places: Vec<(usize, EastNorth)>,
+    ahead: Vec<(usize, EastNorth)>,
     /// How far outside of it a position may be, metres: what keeps everything else away from it.
     buffer_m: f64,
 }
@@ -58,7 +58,7 @@ impl TakeoffTube {
             region,
             middle,
             top_item: top.item,
-            places: legs.map(|(_, (_, to))| (to.item, to.point.at)).collect(),
+            ahead: legs.map(|(_, (_, to))| (to.item, to.point.at)).collect(),
             buffer_m: vehicle.facts().buffer_m,
         })
     }
@@ -68,10 +68,8 @@ impl TakeoffTube {
         if self.climbs(item, at) {
             return true;
         }
-        let ahead = self.places.iter().filter(|(to, _)| item <= *to);
-        ahead
-            .into_iter()
-            .any(|(_, to)| self.outside_m(at, *to) <= self.buffer_m)
+        let mut ahead = self.ahead.iter().filter(|(to, _)| item <= *to);
+        ahead.any(|(_, to)| self.outside_m(at, *to) <= self.buffer_m)
     }
 
     /// Whether it is in its climb, as far off as the wind may drive it.

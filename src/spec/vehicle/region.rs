@@ -48,7 +48,7 @@ impl TakeoffRegion {
 }
 
 impl Vehicle {
-    /// The region after a climb of so many metres; none for a vehicle that keeps its column.
+    /// The region after a climb of a height, metres; none for a vehicle that keeps its column.
     #[must_use]
     pub fn takeoff_region(&self, climb_m: f64) -> Option<TakeoffRegion> {
         let behaviour = &self.facts().behaviour;

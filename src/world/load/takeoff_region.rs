@@ -163,9 +163,9 @@ impl Check<'_> {
             let climbed_m = slope * (reach_m + at.distance_m(around.top.at));
             Some((around.top.amsl.above_ground(ground).0, climbed_m))
         };
-        let heights = places(around.top.at, reach_m).filter_map(|at| Some((at, over_m(at)?)));
-        let lowest = heights.min_by(|(_, a), (_, b)| (a.0 + a.1).total_cmp(&(b.0 + b.1)));
-        let Some((at, (over_m, climbed_m))) = lowest else {
+        let heights = disc(around.top.at, reach_m).filter_map(|at| Some((at, over_m(at)?)));
+        let worst = heights.min_by(|(_, a), (_, b)| (a.0 + a.1).total_cmp(&(b.0 + b.1)));
+        let Some((at, (over_m, climbed_m))) = worst else {
             return;
         };
         if over_m + climbed_m < least_m {
@@ -192,7 +192,7 @@ impl Check<'_> {
 }
 
 /// Places of a disc.
-fn places(middle: EastNorth, radius_m: f64) -> impl Iterator<Item = EastNorth> {
+fn disc(middle: EastNorth, radius_m: f64) -> impl Iterator<Item = EastNorth> {
     let rings = steps(radius_m);
     (0..=rings).flat_map(move |ring| {
         let ring_m = radius_m * f64::from(ring) / f64::from(rings);

@@ -83,7 +83,8 @@ impl Pilot<'_> {
         if !is_aligned {
             self.lay_disc(row, over, reach_m, times_s);
         } else if self.circle_wide_m() > 0.0 {
-            self.lay_rings(row, over, (rim_m, reach_m - rim_m), times_s);
+            let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));
+            self.lay_rings((row, over), (rim_m, reach_m - rim_m), late_m, times_s);
         }
         self.leave(Knot { at: middle, ..rim }, hull);
         Ok(())
@@ -189,17 +190,19 @@ impl Pilot<'_> {
     }
 
     /// Lays rings around a circle, to be judged in space, out to a distance beyond its radius, at its
-    /// altitude and where the wing may be below and above that.
+    /// altitude and where the wing may be below and above that, with what is left there of its climb
+    /// (metres, negative of a descent).
     pub(super) fn lay_rings(
         &mut self,
-        row: usize,
-        over: PlanPoint,
+        (row, over): (usize, PlanPoint),
         (radius_m, wide_m): (f64, f64),
+        late_m: f64,
         times_s: (f64, f64),
     ) {
         let rings = steps(wide_m);
         let off_m = self.circle_level_m();
-        for up_m in [0.0, -off_m, off_m] {
+        let (low_m, high_m) = (off_m + late_m.max(0.0), off_m - late_m.min(0.0));
+        for up_m in [0.0, -low_m, high_m] {
             let over = over.raised(up_m);
             for ring in 0..=rings {
                 let ring_m = radius_m + wide_m * f64::from(ring) / f64::from(rings);

@@ -1,10 +1,12 @@
 //! Paths of ArduPlane off its legs: it overshoots corners, and climbs out early.
 
+use std::f64::consts::PI;
+
 use crate::geodesy::{EastNorth, PlanPoint};
 use crate::path::{along, heading_rad};
 
 use super::drift::carried_points;
-use super::l1::{Fix, STEP_S};
+use super::l1::{Fix, Line, STEP_S};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
 use crate::verify::execute::flight::Hull;
@@ -19,6 +21,8 @@ const EVERY: usize = 10;
 const WITHIN_S: f64 = 2.0;
 /// Legs after the place at the end of a hull that a wing swings beside.
 const ARRIVAL_LEGS: usize = 3;
+/// Courses on which it may come to that place are no further apart, radians.
+const ARRIVAL_RAD: f64 = 10.0 * PI / 180.0;
 
 impl Pilot<'_> {
     /// Lays the path that a wing of ArduPilot flies off its legs, to be judged in space. For the
@@ -56,17 +60,21 @@ impl Pilot<'_> {
         };
         let course_rad = heading_rad(hull.middle.at, place.at);
         let away_m = hull.middle.at.distance_m(place.at);
-        let tangent_rad = (hull.reach_m / away_m).min(1.0).acos();
-        let end = (leg + 1 + ARRIVAL_LEGS).min(knots.len() - 1);
-        for side in [tangent_rad, -tangent_rad] {
-            let mut way = knots[leg..=end].to_vec();
-            way[0].at = along(hull.middle.at, course_rad + side, hull.reach_m);
-            let mut fixes = guidance.follow(&way, &grounds_mps[leg..end]);
-            // The first leg is the hull.
-            fixes.retain(|fix| fix.leg > 0);
+        let most_rad = (hull.reach_m / away_m).min(1.0).asin();
+        let steps = steps(most_rad / ARRIVAL_RAD);
+        let on = leg + 1;
+        let end = (on + ARRIVAL_LEGS).min(knots.len() - 1);
+        for step in -steps..=steps {
+            let off_rad = most_rad * f64::from(step) / f64::from(steps);
+            let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
+            let fixes = guidance.arrive(
+                Line::new(from, place.at),
+                &knots[on..=end],
+                &grounds_mps[on..end],
+            );
             for fix in &fixes {
-                let first = firsts[leg + fix.leg];
-                let next = firsts.get(leg + fix.leg + 1).copied();
+                let first = firsts[on + fix.leg];
+                let next = firsts.get(on + fix.leg + 1).copied();
                 let next = next.unwrap_or(self.trajectory.chords.len());
                 for chord in &mut self.trajectory.chords[first.min(next)..next] {
                     if chord.flown {
@@ -74,7 +82,7 @@ impl Pilot<'_> {
                     }
                 }
             }
-            self.lay_way(&way, &firsts[leg..end], &fixes)?;
+            self.lay_way(&knots[on..=end], &firsts[on..end], &fixes)?;
         }
         Ok(())
     }
@@ -208,6 +216,16 @@ impl Pilot<'_> {
         }
         self.trajectory.late_s = before_s + late_s;
     }
+}
+
+/// Into how many steps an angle is cut.
+fn steps(share: f64) -> i32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "clamped to a small positive count"
+    )]
+    let steps = share.ceil().clamp(1.0, 9.0) as i32;
+    steps
 }
 
 /// The first of the places of a way that is not before a time.
