@@ -113,6 +113,7 @@ pub(super) const COPTER_BEHAVIOUR: Behaviour = Behaviour {
     climb_out_overshoot_m: NONE,
     drift_share: NONE,
     drift_s: NONE,
+    landing_drift_s: NONE,
     transition_m: NONE,
     max_wind_mps: NONE,
     circle_wide_share: NONE,
@@ -157,7 +158,24 @@ pub(super) const CLIMB_OUT_OVERSHOOT_M: Figure = Figure(&[measured(
     "ArduPlane 4.7.0-dev, simulated: for some seconds",
 )]);
 
+/// Planes were flown in 0 to 6 m/s of wind. Not measured is not passed.
+pub(super) const PLANE_MAX_WIND_MPS: Figure = Figure(&[measured(
+    (6.0, "m/s"),
+    DEV,
+    10,
+    "ArduPlane 4.7.0-dev, simulated: flown in 0 to 6 m/s, in more it was not",
+)]);
+
+/// In more a QuadPlane goes where it will as it climbs.
+pub(super) const QUADPLANE_MAX_WIND_MPS: Figure = Figure(&[measured(
+    (4.0, "m/s"),
+    DEV,
+    22,
+    "ArduPlane 4.7.0-dev, simulated: in 6 m/s up to 181 m off in its climb, in 8 m/s up to 267 m",
+)]);
+
 const WING_BEHAVIOUR: Behaviour = Behaviour {
+    max_wind_mps: PLANE_MAX_WIND_MPS,
     lean_speed_mps: NONE,
     lean_deg: 0.0,
     // QuadPlanes in up to 4 m/s of wind: 7.7 s early after 159 s, 7.5 s after 148 s; a plane gains
@@ -178,8 +196,8 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
         5,
         "ArduPlane 4.7.0-dev, simulated, 0 to 6 m/s of wind: 46 m with a turn radius of 64 m",
     )]),
-    // They come to it 16.6 m below its altitude after a climb (QuadPlanes 16.7 m), or above it, the lag
-    // of the leg included.
+    // They come to it 16.6 m below its altitude after a climb (QuadPlanes 16.7 m; 4.6.3: 27 m), or above
+    // it; what is left of that climb at the rim, and its lag, included.
     circle_level_m: Figure(&[measured(
         (6.0, "m"),
         DEV,
@@ -332,22 +350,32 @@ pub(super) static QUADPLANE: Facts = Facts {
         ..ARDUCOPTER.defaults
     },
     behaviour: Behaviour {
+        // The wind carries it along its first leg before that begins: 4.6 s early after 22 s.
         takeoff_early_s: Figure(&[measured(
-            (1.0, "s"),
-            DEV,
-            5,
-            "ArduPlane 4.7.0-dev, simulated, 0 to 4 m/s of wind: with early_share, 2.3 s early after 42 s",
+            (4.0, "s"),
+            version(4, 6),
+            32,
+            "ArduPlane 4.6.3, simulated, 0 to 4 m/s of wind: with early_share, 4.6 s early after 22 s",
         )]),
-        // On its way up at 2.5 to 3.5 m/s the rotors give nearly all of their thrust to the climb, and
+        // On its way up at 2.5 to 4 m/s the rotors give nearly all of their thrust to the climb, and
         // the lean angle that they have left (`get_althold_lean_angle_max_rad`) is a few degrees.
-        // In 5 m/s it was 41 m downwind after a planned climb of 27 s, and began its first leg
-        // 59 m off; in 4 m/s with the nose across 33 m off. In 6 to 8 m/s it goes where it will:
-        // 43 to 267 m.
+        // With the nose more than 80 degrees off the wind it was 25 to 63 m off at the top of a climb
+        // of 20 to 28 s in 4 m/s; with its nose into it 1 m. In 6 to 8 m/s (4.7.0-dev) it goes where
+        // it will: 43 to 267 m.
         drift_share: Figure(&[measured(
-            (0.31, ""),
-            DEV,
-            1,
-            "ArduPlane 4.7.0-dev, simulated, wind of 5 m/s",
+            (0.8, ""),
+            version(4, 6),
+            32,
+            "ArduPlane 4.6.3, simulated, 0 to 4 m/s of wind: 63 m off after a climb planned for 20 s in 4 m/s",
+        )]),
+        // With the wind from behind its tail is blown around as it descends, and it circles: 29 m off
+        // in 2 m/s, 22 m in 3 m/s, 55 m (where it touched down) in 4 m/s. Into the wind and across at
+        // most 8 m.
+        landing_drift_s: Figure(&[measured(
+            (20.0, "s"),
+            version(4, 6),
+            14,
+            "ArduPlane 4.6.3, simulated, 1 to 4 m/s of wind from behind: 55 m off in 4 m/s, 29 m in 2 m/s",
         )]),
         // With the nose backwards and 4 m/s from behind it was 68 m outside of the region that 3.6 s gave.
         drift_s: Figure(&[measured(
@@ -364,12 +392,7 @@ pub(super) static QUADPLANE: Facts = Facts {
             3,
             "ArduPlane 4.7.0-dev, simulated, 0 to 2 m/s of wind: 180 m beside its first leg, turns of 52 m included",
         )]),
-        max_wind_mps: Figure(&[measured(
-            (4.0, "m/s"),
-            DEV,
-            22,
-            "ArduPlane 4.7.0-dev, simulated: in 6 m/s up to 181 m off in its climb, in 8 m/s up to 267 m",
-        )]),
+        max_wind_mps: QUADPLANE_MAX_WIND_MPS,
         ..WING_BEHAVIOUR
     },
     ..ARDUPLANE

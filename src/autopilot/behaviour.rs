@@ -113,6 +113,9 @@ pub struct Behaviour {
     pub drift_share: Figure,
     /// After the climb the wind carries a QuadPlane for this time, seconds.
     pub drift_s: Figure,
+    /// In its descent the wind from behind drives a QuadPlane off to any side, as far as it goes in
+    /// this time, seconds.
+    pub landing_drift_s: Figure,
     /// A QuadPlane is in forward flight this far from the end of its climb at most, where its nose
     /// points, and turns from there, metres.
     pub transition_m: Figure,
@@ -166,7 +169,7 @@ impl Behaviour {
 
     /// Every measured figure with its name, for documents and tests.
     #[must_use]
-    pub fn figures(&self) -> [(&'static str, Figure); 18] {
+    pub fn figures(&self) -> [(&'static str, Figure); 19] {
         [
             ("takeoff_early_s", self.takeoff_early_s),
             ("early_share", self.early_share),
@@ -179,6 +182,7 @@ impl Behaviour {
             ("climb_out_overshoot_m", self.climb_out_overshoot_m),
             ("drift_share", self.drift_share),
             ("drift_s", self.drift_s),
+            ("landing_drift_s", self.landing_drift_s),
             ("transition_m", self.transition_m),
             ("max_wind_mps", self.max_wind_mps),
             ("circle_wide_share", self.circle_wide_share),

@@ -114,6 +114,8 @@ const WING_BEHAVIOUR: Behaviour = Behaviour {
     // Assumed: ArduPlane was measured.
     climb_out_share: ardupilot::CLIMB_OUT_SHARE,
     climb_out_overshoot_m: ardupilot::CLIMB_OUT_OVERSHOOT_M,
+    // Its planes were flown in still air alone, its VTOLs not at all.
+    max_wind_mps: ardupilot::PLANE_MAX_WIND_MPS,
     ..COPTER_BEHAVIOUR
 };
 
@@ -204,7 +206,11 @@ pub(super) static VTOL: Facts = Facts {
         ..COPTER.defaults
     },
     corners: None,
-    behaviour: WING_BEHAVIOUR,
+    behaviour: Behaviour {
+        // Assumed: QuadPlanes of ArduPlane were measured.
+        max_wind_mps: ardupilot::QUADPLANE_MAX_WIND_MPS,
+        ..WING_BEHAVIOUR
+    },
     buffer_m: ardupilot::WING_BUFFER_M,
     ..COPTER
 };

@@ -23,9 +23,9 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
             let spec = &file.spec;
             for vehicle in &spec.vehicles {
                 let leans = lean_note(spec, vehicle, vehicle.speeds().most);
-                leans
-                    .iter()
-                    .for_each(|text| note(&format!("warning: {text}")));
+                for text in leans.iter().chain(&vehicle.landing_note()) {
+                    note(&format!("warning: {text}"));
+                }
             }
             for text in verify::distant_from_area(spec, &[]) {
                 note(&format!("warning: {text}"));

@@ -5,8 +5,8 @@
 
 use super::item::{Parameter, VehicleMission};
 use crate::autopilot::{
-    Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, SLOPE_MIN, SLOW_LANDING_M, command, facts,
-    parameter,
+    Airframe, Autopilot, COPTER_LEAN, PX4_LEAN, ParameterRow, SLOPE_MIN, SLOW_LANDING_M, command,
+    facts, parameter,
 };
 use crate::geodesy::Amsl;
 use crate::path::VehicleLimits;
@@ -224,6 +224,10 @@ impl List<'_> {
             turn_radius_by_load_m(at_sea_mps, v.max_load_factor).ceil(),
             "turns onto the next leg begin no further before a waypoint than this, at sea level",
         );
+        for name in ["NAVL1_PERIOD", "NAVL1_DAMPING"] {
+            let default = parameter(name).map_or(0.0, ParameterRow::default_si);
+            self.set(name, default, "the verdict judges corners with it");
+        }
         let [new, old] = SLOPE_MIN;
         self.set(new, 1.0, "smaller changes of altitude are flown at once, m");
         self.set(old, 1.0, "the same before ArduPlane 4.7");

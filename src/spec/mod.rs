@@ -58,6 +58,6 @@ pub use table::TableFile;
 pub use vehicle::{
     ACTION_S, AltitudeLimits, ApproachLengths, Arrival, Capacity, EndPoint, Endurance, Energy,
     Finish, GRAVITY_MPS2, Landing, Link, MAX_STOPS, OnWay, Order, Placement, Retiming, Span, Stop,
-    StopAction, Vehicle, Wing, turn_radius_by_load_m,
+    StopAction, TakeoffRegion, Vehicle, Wing, turn_radius_by_load_m,
 };
 pub use wind::Wind;

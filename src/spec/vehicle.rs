@@ -2,10 +2,12 @@
 
 mod action;
 mod endurance;
+mod region;
 mod stop;
 
 pub use action::StopAction;
 pub use endurance::{Capacity, Endurance, Energy};
+pub use region::TakeoffRegion;
 pub use stop::{ACTION_S, Arrival, MAX_STOPS, OnWay, Order, Stop};
 
 use schemars::JsonSchema;

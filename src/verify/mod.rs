@@ -151,10 +151,12 @@
 //! it holds its heading, up to as far downwind as the wind goes in 0.32 of the planned climb. On the circle of its end it
 //! is up to 0.75 turn radii further out than the radius.
 //!
-//! **Rotors of a QuadPlane.** As long as it climbs it leans little, and the wind drives it to any side with 0.31 of its
+//! **Rotors of a QuadPlane.** As long as it climbs it leans little, and the wind drives it to any side with 0.8 of its
 //! speed: the climb is judged there as well. From the top it flies on where its nose points, which nobody knows: it is
 //! judged anywhere within 80 m, two turn radii and 21 s of the wind more, in the hull of that disc and the first place (and
-//! the next, from a place within the disc), and as late as two turn radii take. In more than 4 m/s of wind the verdict fails.
+//! the next, from a place within the disc), on the ways of its L1 law that come to that place on any course through the hull,
+//! and as late as 80 m and two turn radii take against the wind. A descent to which it comes with the wind from behind is judged anywhere within 20 s
+//! of that wind. In more than 4 m/s of wind the verdict fails, on a plane in more than 6 m/s.
 //!
 //! **In the air.** A vehicle that departs in the air is at its position at that time, and begins its
 //! first leg with as much of its speed as points along it. On a wing that is inside of its circle

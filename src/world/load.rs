@@ -1,6 +1,7 @@
 //! From a spec file to its world: reads the terrain, then checks what needs ground.
 
 mod altitudes;
+mod takeoff_region;
 mod tasks;
 
 use std::path::PathBuf;
@@ -21,8 +22,9 @@ use crate::spec::{
 /// A terrain that cannot be used; or else every problem that shows only over the
 /// ground: no data where a vehicle stands or where a rally point is, a start or goal
 /// under ground, below the minimum altitude, above the ceiling or in a zone, an
-/// approach to a landing that begins at such a place, in a threat or outside the area, two
-/// goals at which vehicles loiter within each other's separation.
+/// approach to a landing that begins at such a place, in a threat or outside the area, a takeoff
+/// around which a QuadPlane may be at such a place before it is on its first leg, two goals at which
+/// vehicles loiter within each other's separation.
 pub fn load(file: &SpecFile) -> Result<World, SpecError> {
     let terrain = terrain(file).map_err(|error| {
         let path = match file.spec.terrain {
@@ -128,6 +130,7 @@ impl Check<'_> {
             self.zones(&home, "takeoff", vehicle.home, ground);
         }
         self.airborne((&format!("{path}.start"), "start"), vehicle, vehicle.start);
+        self.takeoff_region(path, vehicle);
         self.tolerance(vehicle);
         let goal = format!("{path}.goal");
         self.airborne((&goal, "goal"), vehicle, vehicle.goal);

@@ -12,7 +12,7 @@ use serde_json::Value;
 use sky::{Planned, Sky, plan, plan_shipped, plan_spec};
 use sortie::flight::*;
 use sortie::spec::*;
-use sortie::verify::Limit;
+use sortie::verify::{Flown, Limit, verified_trajectories};
 use support::place;
 
 fn missions() -> PathBuf {
@@ -208,6 +208,77 @@ fn four() -> Vec<Vehicle> {
 fn ends<'a>(plan: &Planned, sky: &Sky<'a>) -> Vec<String> {
     let report = plan.judge(sky);
     report.vehicles.iter().map(|v| v.end.clone()).collect()
+}
+
+/// A QuadPlane, planned alone in a wind from the west.
+fn lone_quadplane(wind_mps: f64) -> Planned {
+    let mut vehicle = vtol("osprey", 1, Autopilot::ArduPilot, 36.31);
+    let wind = Some(Wind {
+        from_rad: 1.5 * PI,
+        speed_mps: wind_mps,
+    });
+    let wing = vehicle.wing.as_mut().expect("a wing");
+    (wing.wind, wing.loiter_radius_m) = (wind, 120.0);
+    let mut spec = support::empty_spec(vec![vehicle]);
+    (spec.wind, spec.planner.evaluations) = (wind, 1000);
+    plan_spec(spec)
+}
+
+/// How far behind its takeoff the verdict judges a vehicle, metres.
+fn judged_behind_m(plan: &Planned) -> f64 {
+    let missions = plan.dispatched.missions.iter();
+    let missions: Vec<_> = missions.map(|(index, of)| (*index, of)).collect();
+    let judged = verified_trajectories(&plan.spec, &plan.world, &missions);
+    let home = plan.world.frame.to_plan(plan.spec.vehicles[0].home);
+    let ends = judged[0].segments.iter().flat_map(|of| [of.from, of.to]);
+    ends.map(|end| home.east_m - plan.world.frame.to_plan(end.place).east_m)
+        .fold(0.0, f64::max)
+}
+
+/// A QuadPlane on its first leg, as far behind its takeoff as given: alarms of its corridor, and
+/// whether the verdict on its flight so far has it beside its way.
+fn off_behind(plan: &Planned, behind_m: f64) -> (Vec<String>, bool) {
+    let mut sky = Sky::new(plan.fleet(false, true), plan.vehicles());
+    let last = |sky: &Sky<'_>| {
+        let flown = sky.fleet.flown().next().expect("a vehicle").1;
+        flown.fixes.last().copied()
+    };
+    sky.fly_to(1.0);
+    while last(&sky).is_none_or(|fix| fix.item <= 1) {
+        sky.step();
+    }
+    sky.vehicles[0].fail(sortie::simulator::Fault::Jump {
+        east_m: -behind_m,
+        north_m: 0.0,
+    });
+    let at_s = sky.fleet.t_s(sky.now).expect("it flies");
+    sky.fly_to(at_s + 2.0);
+    let is_it = |event: &&Event| {
+        let alarm = event.alarm.as_ref();
+        alarm.is_some_and(|alarm| alarm.is_raised && alarm.kind == AlarmKind::Corridor)
+    };
+    let alarms = sky.events.iter().filter(is_it);
+    let alarms = alarms.map(|event| event.text.clone()).collect();
+    let report = plan.judge(&sky);
+    let mut beside = report.margins.iter();
+    let beside = beside.find(|margin| margin.limit == Limit::Flown(Flown::CrossTrack));
+    (alarms, !beside.expect("judged").ok)
+}
+
+#[test]
+fn a_quadplane_is_on_its_way_wherever_the_verdict_has_it_after_its_climb() {
+    for wind_mps in [0.0, 4.0] {
+        let plan = lone_quadplane(wind_mps);
+        let judged_m = judged_behind_m(&plan);
+        assert!(judged_m > 150.0, "{judged_m}");
+        let (alarms, is_beside) = off_behind(&plan, judged_m - 5.0);
+        assert!(alarms.is_empty() && !is_beside, "{wind_mps}: {alarms:?}");
+        // As far outside as nothing keeps away from it.
+        let (alarms, is_beside) = off_behind(&plan, judged_m + 40.0);
+        assert_eq!(alarms.len(), 1, "{wind_mps}: {alarms:?}");
+        assert!(alarms[0].contains("m beside its path"), "{alarms:?}");
+        assert!(is_beside, "{wind_mps}");
+    }
 }
 
 #[test]

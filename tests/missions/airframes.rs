@@ -410,7 +410,7 @@ fn a_wing_in_a_moderate_wind_from_anywhere_passes_as_it_is_built() {
 
 #[test]
 fn a_quadplane_is_judged_where_the_wind_drives_it_as_it_climbs() {
-    // 80 m at 5 m/s are 16 s: 0.31 of 4 m/s leave it 19.8 m off, and 21 s of it 84 m; its nose may
+    // 80 m at 5 m/s are 16 s: 0.8 of 4 m/s leave it 51.2 m off, and 21 s of it 84 m; its nose may
     // point to the mast, 80 m and two turn radii.
     let clearance_m = |autopilot| {
         let mut spec = empty_spec(vec![vtol(autopilot)]);
@@ -430,7 +430,7 @@ fn a_quadplane_is_judged_where_the_wind_drives_it_as_it_climbs() {
     };
     let (px4_m, _) = clearance_m(Autopilot::Px4);
     let (ardupilot_m, turn_m) = clearance_m(Autopilot::ArduPilot);
-    let (reached_m, reach_m) = (px4_m - ardupilot_m, 19.8 + 84.0 + 80.0 + 2.0 * turn_m);
+    let (reached_m, reach_m) = (px4_m - ardupilot_m, 51.2 + 84.0 + 80.0 + 2.0 * turn_m);
     assert!(
         (reached_m - reach_m).abs() < 2.0,
         "{px4_m} - {ardupilot_m} against {reach_m}"
@@ -713,8 +713,7 @@ fn a_wing_of_px4_is_judged_at_the_altitude_of_a_waypoint_a_circle_before_it() {
 
 /// How far a vtol that turns north by a right angle stays from a threat east of its second leg,
 /// metres; the threat is 120 m beside the leg, 70 m of them outside of it.
-fn clearance_outside_a_corner(autopilot: Autopilot) -> f64 {
-    let mut vehicle = vtol(autopilot);
+fn clearance_outside_a_corner(mut vehicle: Vehicle) -> f64 {
     vehicle.goal.place = place(36.33, -84.25);
     let mut spec = empty_spec(vec![vehicle]);
     spec.threats.push(Threat {
@@ -737,9 +736,12 @@ fn clearance_outside_a_corner(autopilot: Autopilot) -> f64 {
 
 #[test]
 fn arduplane_is_judged_where_it_swings_out_of_a_corner() {
-    let exact_m = clearance_outside_a_corner(Autopilot::Px4);
+    let exact_m = clearance_outside_a_corner(vtol(Autopilot::Px4));
     assert!((exact_m - 70.0).abs() < 1.0, "{exact_m}");
     // A second implementation of the law, in Python, has it 23.8 m outside, 59 m after the corner.
-    let swung_m = exact_m - clearance_outside_a_corner(Autopilot::ArduPilot);
+    let swung_m = exact_m - clearance_outside_a_corner(plane(Autopilot::ArduPilot));
     assert!((swung_m - 23.8).abs() < 0.5, "{swung_m}");
+    // A QuadPlane may come to it from aside of its first leg, 3.6 degrees further round.
+    let from_aside_m = exact_m - clearance_outside_a_corner(vtol(Autopilot::ArduPilot));
+    assert!((24.5..28.0).contains(&from_aside_m), "{from_aside_m}");
 }

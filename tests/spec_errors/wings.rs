@@ -128,7 +128,10 @@ fn a_wing_does_not_return_on_its_own() {
 #[test]
 fn a_vtol_needs_none_of_the_keys_and_may_have_all() {
     good(&plane().replace("airframe: plane", "airframe: vtol"));
-    let bare = with("    airframe: copter\n", "    airframe: vtol\n");
+    let bare = with("    airframe: copter\n", "    airframe: vtol\n").replace(
+        "wind: {from_deg: 270, speed_mps: 5}",
+        "wind: {from_deg: 270, speed_mps: 4}",
+    );
     let vehicle = good(&bare.replace("    return_amsl_m: 900\n", ""))
         .vehicles
         .remove(0);
@@ -172,4 +175,129 @@ fn an_approach_begins_in_the_area_and_high_enough() {
         found[0].found.contains("inside threat `radar-1`"),
         "{found:?}"
     );
+}
+
+/// The first vehicle in a wind, by its autopilot and airframe.
+fn in_wind(autopilot: &str, airframe: &str, wind_mps: f64) -> String {
+    let text = plane()
+        .replacen(
+            "autopilot: ardupilot",
+            &format!("autopilot: {autopilot}"),
+            1,
+        )
+        .replace("airframe: plane", &format!("airframe: {airframe}"))
+        .replace("return_amsl_m: 900\n", "\n");
+    format!("{text}\nwind: {{from_deg: 0, speed_mps: {wind_mps}}}\n")
+}
+
+#[test]
+fn a_wing_in_more_wind_than_it_was_flown_in_is_an_error_that_says_what_was_measured() {
+    for (autopilot, airframe, kind, most) in [
+        ("ardupilot", "plane", "ArduPlane", 6.0),
+        ("ardupilot", "vtol", "ArduPlane (QuadPlane)", 4.0),
+        ("px4", "plane", "PX4 (plane)", 6.0),
+        ("px4", "vtol", "PX4 (VTOL)", 4.0),
+    ] {
+        good(&in_wind(autopilot, airframe, most));
+        let found = issues(&in_wind(autopilot, airframe, most + 0.5));
+        assert_eq!(found.len(), 1, "{kind}: {found:#?}");
+        assert_eq!(found[0].path, "wind.speed_mps");
+        assert!(found[0].position.is_some(), "{found:?}");
+        let is = format!("{} m/s, and `alpha` is of {kind}", most + 0.5);
+        assert_eq!(found[0].found, is);
+        for part in [
+            &format!("in more than {most} m/s of wind (ArduPlane 4.7.0-dev, simulated"),
+            "plan for less wind",
+        ] {
+            assert!(found[0].allowed.contains(part), "{part}: {found:?}");
+        }
+    }
+    // A copter is judged by the speed that it needs through the air.
+    good(&with("speed_mps: 5}", "speed_mps: 9}"));
+}
+
+/// A QuadPlane in the corner of the area: its region has 80 m, and two turn radii of 40.1 m.
+fn quadplane() -> String {
+    with(
+        "    airframe: copter\n",
+        "    airframe: vtol\n    loiter_radius_m: 80\n",
+    )
+    .replace("    return_amsl_m: 900\n", "")
+    .replace("wind: {from_deg: 270, speed_mps: 5}\n", "")
+}
+
+#[test]
+fn what_is_nearer_to_the_takeoff_of_a_quadplane_than_where_it_may_be_is_named() {
+    let text = quadplane();
+    world::load(&parse(&text).expect("good")).expect("nothing near");
+    let one = |text: &str| {
+        let found = over_ground(text);
+        assert_eq!(found.len(), 1, "{found:#?}");
+        assert_eq!(found[0].path, "vehicles[0].home");
+        found[0].clone()
+    };
+    // 0.0022 degrees of latitude are 244 m.
+    let mast = "  - {id: mast, kind: mast, lat: 36.2122, lon: -84.39, radius_m: 100}\nno_fly:";
+    let found = one(&text.replace("no_fly:", mast));
+    assert!(
+        found
+            .found
+            .contains("home is 244 m from the axis of threat `mast`"),
+        "{found:?}"
+    );
+    for part in [
+        "at least 261 m: its radius of 100 m, and 161 m in which ArduPlane (QuadPlane) may be",
+        "80 m to forward flight, 80 m for two turn radii)",
+    ] {
+        assert!(found.allowed.contains(part), "{part}: {found:?}");
+    }
+    // The same mast 40 m further away, and then in a wind.
+    let away = text.replace("no_fly:", &mast.replace("36.2122", "36.2126"));
+    world::load(&parse(&away).expect("good")).expect("far enough");
+    let windy = format!("{away}wind: {{from_deg: 90, speed_mps: 2}}\n");
+    let found = one(&windy);
+    assert!(found.allowed.contains("m in this wind"), "{found:?}");
+    // PX4 turns its nose to its first leg before it flies on; a copter keeps its column.
+    let px4 = text.replacen("autopilot: ardupilot", "autopilot: px4", 1);
+    world::load(&parse(&px4.replace("no_fly:", mast)).expect("good")).expect("no region");
+    let zone = "no_fly:\n  - {id: yard, polygon: [[36.2112, -84.391], [36.2112, -84.389], [36.213, -84.39]]}";
+    let found = one(&text.replace("no_fly:", zone));
+    assert!(
+        found.found.contains("m from no-fly zone `yard`") && found.allowed.contains("its outline"),
+        "{found:?}"
+    );
+    // Lower than the region.
+    let low = zone.replace("-84.39]]}", "-84.39]], below_amsl_m: 320}");
+    world::load(&parse(&text.replace("no_fly:", &low)).expect("good")).expect("above the yard");
+    let edge = text.replace("south_west: {lat: 36.20,", "south_west: {lat: 36.209,");
+    let found = one(&edge);
+    assert!(
+        found.found.contains("home is 111 m from the edge"),
+        "{found:?}"
+    );
+    let hill = "    hills:\n      - {lat: 36.2095, lon: -84.3905, height_m: 75, radius_m: 200}\n";
+    let found = over_ground(&text.replace("    hills:\n", hill));
+    let of_region = found
+        .iter()
+        .find(|issue| issue.allowed.contains("a higher start"));
+    assert!(of_region.is_some(), "{found:#?}");
+}
+
+#[test]
+fn a_quadplane_that_may_land_with_the_wind_from_behind_is_warned() {
+    let text = quadplane() + "wind: {from_deg: 300, speed_mps: 3}\n";
+    let note = |text: &str| good(text).vehicles[0].landing_note();
+    let told = note(&text).expect("a warning");
+    assert!(
+        told.contains("60 m from its place; landing.heading_deg 300"),
+        "{told}"
+    );
+    let heading = |deg: u32| {
+        let own = format!("    landing: {{heading_deg: {deg}, glide_deg: 5}}\n    loiter_radius_m");
+        text.replacen("    loiter_radius_m", &own, 1)
+    };
+    assert!(note(&heading(120)).is_some());
+    assert_eq!(note(&heading(300)), None);
+    assert_eq!(note(&heading(29)), None);
+    assert_eq!(note(&quadplane()), None);
 }

@@ -159,10 +159,27 @@ fn a_quadplane_is_refused_in_more_wind_than_the_model_holds_for() {
         "{}",
         broken.note
     );
-    // Not so a PX4 VTOL, of which nothing was measured.
+    // Nor is a PX4 VTOL passed, of which nothing was measured.
     let (mut spec, mission) = quadplane(Autopilot::Px4);
     windy(&mut spec, 270.0, 6.0);
-    assert_eq!(margin(&spec, &mission, &Limit::Wind), None);
+    let broken = margin(&spec, &mission, &Limit::Wind).expect("judged");
+    assert!(
+        !broken.ok && broken.note.contains("PX4 (VTOL)"),
+        "{broken:?}"
+    );
+}
+
+#[test]
+fn a_plane_is_refused_in_more_wind_than_it_was_flown_in() {
+    let (mut spec, mission) = climbing_plane();
+    for (wind_mps, holds) in [(6.0, true), (6.5, false)] {
+        windy(&mut spec, 270.0, wind_mps);
+        let found = margin(&spec, &mission, &Limit::Wind).expect("judged");
+        assert!(
+            found.ok == holds && (found.bound - 6.0).abs() < 1e-9,
+            "{found:?}"
+        );
+    }
 }
 
 #[test]

@@ -15,8 +15,8 @@ KINDS = {
     "px4-copter": ("px4", "copter"),
 }
 WINDS_MPS = [0, 2, 4, 5, 6, 8]
-# The verdict fails a QuadPlane in more wind.
-QUADPLANE_WIND_MPS = 4
+# `check` fails these in more wind.
+MOST_WIND_MPS = {"quadplane": 4, "plane": 6}
 # The greatest speed through the air that `check` allows a copter, less a little.
 COPTER_AIRSPEED_MPS = {"ardupilot": 13.0, "px4": 10.2}
 
@@ -52,8 +52,7 @@ def make(kind, seed):
     rng = random.Random(f"{kind} {seed}")
     autopilot, airframe = KINDS[kind]
     wind = {"from_deg": rng.randrange(0, 360, 5), "speed_mps": rng.choice(WINDS_MPS)}
-    if kind == "quadplane":
-        wind["speed_mps"] = min(wind["speed_mps"], QUADPLANE_WIND_MPS)
+    wind["speed_mps"] = min(wind["speed_mps"], MOST_WIND_MPS.get(kind, wind["speed_mps"]))
     course_deg = rng.uniform(0, 360)
     draw = corners if kind == "zigzag" else copter if airframe == "copter" else wing
     vehicle, start, goal = draw(rng, autopilot, airframe, course_deg, wind["speed_mps"])

@@ -119,6 +119,8 @@ def compare(tube, truth, buffer_m, is_plane=False):
                 escapes.append({"what": what, "row": int(order[row]), "t_s": round(float(t[here][worst]), 1),
                                 "value": round(float(value[worst]), 2), "limit": buffer_m})
         moves = (tube.speed[segment] > MOVES_MPS) & (at > 0) & (at < 1) & np.isfinite(tube.to_s[segment])
+        # One that comes past the column of its takeoff again is not late in its climb.
+        moves &= (tube_rank[segment] > 0) | (row == 0)
         if is_column or not moves.any() or not lands and row == last:
             continue
         planned = tube.from_s[segment] + at * (tube.to_s - tube.from_s)[segment]

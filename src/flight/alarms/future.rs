@@ -144,7 +144,7 @@ impl Alarms<'_> {
         if let (Some(late_s), Some(other_s)) = (a.late_s, b.late_s) {
             let late = |of: &Watched<'_>| {
                 let item = of.here.map_or(0, |here| here.fix.item);
-                let all_s = assumed_late_s(of.vehicle, of.mission, &of.plan, item);
+                let all_s = assumed_late_s(of, item);
                 let behaviour = &of.vehicle.facts().behaviour;
                 all_s - behaviour.takeoff_late_s.value(of.vehicle.autopilot_version)
             };

@@ -1,14 +1,14 @@
 //! Whether a vehicle is where and when the verdict has it: corridor, clearance, lateness.
 
 use super::breach::{Depth, error_m};
-use super::{Alarms, Here};
+use super::{Alarms, Here, Watched};
 use crate::autopilot::Autopilot;
 use crate::autopilot::facts;
 use crate::flight::conformance::COLUMN_M;
 use crate::flight::conformance::proof::Tube;
 use crate::flight::conformance::reference::{Deviation, Reference};
+use crate::flight::conformance::takeoff::{TakeoffTube, landing_column_m};
 use crate::flight::record::Fix;
-use crate::mission::VehicleMission;
 use crate::path::{corner_late_s, leg_late_s, stop_late_s};
 use crate::spec::{Airframe, AlarmKind, Vehicle};
 
@@ -26,13 +26,17 @@ const WIDE_CIRCLE: f64 = 1.5;
 const SLOW_MPS: f64 = 1.0;
 
 /// What the verdict allows one vehicle around its plan.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct TubeWatch {
     tube: Tube,
     airframe: Airframe,
     /// By how much a plane may be off the legs until it has passed the place after its climb-out,
     /// metres.
     wide_m: f64,
+    /// Where a QuadPlane may be before it is on its first leg.
+    takeoff: Option<TakeoffTube>,
+    /// How far from its landing it may be in its descent, metres.
+    landing_m: f64,
     /// How late it is, seconds, if it is on its plan.
     pub(super) late_s: Option<f64>,
     /// Whether it is outside of the tube.
@@ -53,6 +57,8 @@ impl TubeWatch {
             tube: Tube::of(vehicle),
             airframe: vehicle.airframe,
             wide_m: (1.0 - early_share) * climb_out_m,
+            takeoff: TakeoffTube::of(vehicle, plan),
+            landing_m: landing_column_m(vehicle, plan),
             late_s: None,
             is_off: false,
             first: None,
@@ -72,12 +78,18 @@ impl TubeWatch {
             return true;
         };
         let top = plan.waypoints.get(1).unwrap_or(last);
-        let near = |of: &crate::flight::Waypoint| of.point.at.distance_m(here.point.at) < COLUMN_M;
+        let away_m = |of: &crate::flight::Waypoint| of.point.at.distance_m(here.point.at);
+        let near = |of: &crate::flight::Waypoint| away_m(of) < COLUMN_M;
+        let is_down = here.fix.item >= last.item && away_m(last) < self.landing_m;
         match self.airframe {
             Airframe::Plane => {
                 here.fix.item <= top.item || plan.lands && here.fix.item >= last.item
             }
-            Airframe::Copter | Airframe::Vtol => near(home) || plan.lands && near(last),
+            Airframe::Copter | Airframe::Vtol => {
+                let takeoff = self.takeoff.as_ref();
+                let climbs = takeoff.is_some_and(|of| of.climbs(here.fix.item, here.point.at));
+                near(home) || climbs || plan.lands && (near(last) || is_down)
+            }
         }
     }
 
@@ -106,7 +118,9 @@ impl TubeWatch {
         let climbs_out = self.climbs_out(plan, here);
         let wide_m = if climbs_out { self.wide_m } else { 0.0 };
         let across_m = self.tube.across_m + wide_m + of.circle_m;
-        if of.cross_track_m > across_m {
+        let takeoff = self.takeoff.as_ref();
+        let is_within = takeoff.is_some_and(|of| of.holds(here.fix.item, here.point.at));
+        if of.cross_track_m > across_m && !is_within {
             let aside_m = of.cross_track_m;
             return Some(format!(
                 "{aside_m:.0} m beside its path (at most {across_m:.0} m)"
@@ -155,7 +169,7 @@ impl Alarms<'_> {
             let found = found.filter(|found| !has_come(&of.plan, here, found));
             let late_s = found.map(|of| here.fix.t_s - of.t_s);
             of.tube.late_s = late_s.filter(|_| is_on_plan);
-            let assumed_s = assumed_late_s(of.vehicle, of.mission, &of.plan, here.fix.item);
+            let assumed_s = assumed_late_s(of, here.fix.item);
             let most_s = assumed_s + slack_s + LATE_ERROR_S;
             let own_s = of.tube.late_s.map(|late_s| late_s - slip_s);
             let late = own_s.filter(|late_s| *late_s > most_s);
@@ -197,12 +211,8 @@ fn has_come(plan: &Reference, here: &Here, found: &Deviation) -> bool {
 
 /// How late the verdict assumes a vehicle at most on its way to an item, seconds: as
 /// [`crate::path`] has it, with the stops and legs behind it.
-pub(super) fn assumed_late_s(
-    vehicle: &Vehicle,
-    mission: &VehicleMission,
-    plan: &Reference,
-    item: usize,
-) -> f64 {
+pub(super) fn assumed_late_s(of: &Watched<'_>, item: usize) -> f64 {
+    let (vehicle, mission, plan) = (of.vehicle, of.mission, &of.plan);
     let behaviour = &vehicle.facts().behaviour;
     let takeoff_s = behaviour.takeoff_late_s.value(vehicle.autopilot_version);
     let behind = plan.waypoints.windows(2).filter(|pair| pair[0].item < item);
@@ -219,7 +229,9 @@ pub(super) fn assumed_late_s(
         stops += 1.0;
         holds_s = f64::from(hold.params[0]).max(holds_s);
     }
+    let region_s = of.tube.takeoff.as_ref().map_or(0.0, TakeoffTube::late_s);
     takeoff_s
+        + region_s
         + (stops + 1.0) * stop_late_s(vehicle)
         + legs * (leg_late_s(vehicle) + corner_late_s(vehicle))
         + holds_s

@@ -6,6 +6,7 @@ pub(super) mod proof;
 pub(super) mod reference;
 pub(super) mod report;
 pub(super) mod speed;
+pub(super) mod takeoff;
 
 use super::record::{Fix, Flight, Record};
 use super::session::end::End;
@@ -19,6 +20,7 @@ use proof::CROSS_TRACK_M;
 use reference::{Deviation, Reference, to_segment};
 use report::{FlightReport, MadeStop, Passage, Spread, VehicleReport};
 use speed::clock_off_s;
+use takeoff::landing_column_m;
 
 /// Around home and the place of landing the minimum height does not hold, metres.
 pub(super) const COLUMN_M: f64 = 25.0;
@@ -126,17 +128,26 @@ impl<'a> FlownTrack<'a> {
     pub(super) fn on_route(&self) -> impl Iterator<Item = usize> {
         let first = self.flight.plans.first().map(|plan| &plan.reference);
         let home = first.and_then(|plan| plan.waypoints.first().map(|w| w.point.at));
+        let columns = self.flight.plans.iter().map(|plan| {
+            let column = |vehicle| landing_column_m(vehicle, &plan.reference);
+            self.vehicle.map_or(COLUMN_M, column)
+        });
+        let columns: Vec<f64> = columns.collect();
         (0..self.points.len()).filter(move |&index| {
             let at = self.points[index].at;
-            let near = |place: Option<EastNorth>| {
-                place.is_some_and(|place| place.distance_m(at) < COLUMN_M)
+            let near = |place: Option<EastNorth>, column_m: f64| {
+                place.is_some_and(|place| place.distance_m(at) < column_m)
             };
             let plan = self.plan(index).filter(|plan| plan.lands);
             let end = plan.and_then(|plan| plan.waypoints.last().map(|w| w.point.at));
+            let end_m = match self.flies_to_landing(index) {
+                true => columns[self.plan_of[index]],
+                false => COLUMN_M,
+            };
             match self.airframe {
                 Airframe::Plane => !self.rises(index) && !self.glides(index),
                 Airframe::Copter | Airframe::Vtol => {
-                    !self.rises(index) && !near(home) && !near(end)
+                    !self.rises(index) && !near(home, COLUMN_M) && !near(end, end_m)
                 }
             }
         })

@@ -3,6 +3,7 @@
 //! without positions that show it is no more than a word.
 
 use super::reference::Waypoint;
+use super::takeoff::TakeoffTube;
 use super::{FlownTrack, GAP_S, Part};
 use crate::autopilot::{Airframe, Autopilot, ParameterRow, SLOPE_MIN, facts, parameter};
 use crate::flight::launch::readiness::STANDS_M;
@@ -166,6 +167,7 @@ impl FlownTrack<'_> {
     /// How far it was beside its way, and over or under it, where that is worst.
     fn off_the_way(&self, spec: &MissionSpec, tube: Tube) -> Vec<Margin> {
         let climb_out = self.climb_out();
+        let takeoff = self.takeoff_tube();
         let follows = spec.mission.altitude == AltitudeReference::Terrain;
         let mut aside = Vec::new();
         let mut up = Vec::new();
@@ -173,7 +175,12 @@ impl FlownTrack<'_> {
             let fix = &self.fixes()[index];
             let early = climb_out.filter(|climb| fix.t_s < climb.until_s);
             let wide_m = early.map_or(0.0, |climb| climb.wide_m) + of.circle_m;
-            aside.push((of.cross_track_m, tube.across_m + wide_m, fix));
+            // Where the verdict judges a whole region it is beside no way.
+            let is_within = takeoff
+                .as_ref()
+                .is_some_and(|takeoff| takeoff.holds(fix.item, self.points[index].at));
+            let aside_m = if is_within { 0.0 } else { of.cross_track_m };
+            aside.push((aside_m, tube.across_m + wide_m, fix));
             let level = early.is_none() && !follows && !self.follows_ground(index);
             if level {
                 up.push((of.above_m.abs(), tube.up_m, fix));
@@ -182,6 +189,12 @@ impl FlownTrack<'_> {
         let [aside, up] = [(Flown::CrossTrack, aside), (Flown::Altitude, up)]
             .map(|(limit, values)| self.furthest(limit, values));
         aside.into_iter().chain(up).collect()
+    }
+
+    /// The region around its takeoff, of the first plan.
+    fn takeoff_tube(&self) -> Option<TakeoffTube> {
+        let first = self.flight.plans.first()?;
+        TakeoffTube::of(self.vehicle?, &first.reference)
     }
 
     /// The worst of distances, each with its own limit.

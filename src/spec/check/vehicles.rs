@@ -85,6 +85,7 @@ impl Checker {
                 vehicles.push((path, checked));
             }
         }
+        self.wind_was_flown(&vehicles);
         let buffer_m = map.map_or(0.0, |map| map.buffers.separation_m);
         self.pads(&vehicles, keys.separation, buffer_m);
         vehicles.into_iter().map(|(_, vehicle)| vehicle).collect()

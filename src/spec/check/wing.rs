@@ -1,7 +1,7 @@
 //! What only planes and vtol have: takeoff heading, landing, circles.
 
 use super::super::keys;
-use super::super::{Airframe, Finish, Landing, Wind, Wing, turn_radius_by_load_m};
+use super::super::{Airframe, Finish, Landing, Vehicle, Wind, Wing, turn_radius_by_load_m};
 use super::Checker;
 use crate::geodesy::{Amsl, true_airspeed_ratio};
 use crate::numeric::digits;
@@ -72,6 +72,23 @@ impl Checker {
             wind: flown.wind,
             ceiling: flown.ceiling,
         })
+    }
+
+    /// More wind than wings of the fleet were flown in; reported once for each kind of them.
+    pub(super) fn wind_was_flown(&mut self, fleet: &[(String, Vehicle)]) {
+        let mut kinds = Vec::new();
+        for (_, vehicle) in fleet {
+            let kind = vehicle.facts().firmware;
+            let (Some(why), Some(wind)) = (vehicle.too_much_wind(), vehicle.carried_by()) else {
+                continue;
+            };
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+                let speed = digits::plain(wind.speed_mps);
+                let found = format!("{speed} m/s, and `{}` is of {kind}", vehicle.id);
+                self.report("wind.speed_mps", found, why);
+            }
+        }
     }
 
     /// A plane needs a course to take off on, and a distance between home and start; so does a

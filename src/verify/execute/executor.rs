@@ -387,7 +387,7 @@ impl Pilot<'_> {
             .unwrap_or_else(|| self.knot(0, self.home.at, self.home.amsl.0, None))
     }
 
-    fn here(&self) -> PlanPoint {
+    pub(crate) fn here(&self) -> PlanPoint {
         self.last().point()
     }
 

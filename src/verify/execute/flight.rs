@@ -83,6 +83,8 @@ pub(crate) struct Hull {
     /// When it may be there, seconds.
     pub(crate) from_s: f64,
     pub(crate) until_s: f64,
+    /// Whether it may come to the next place from anywhere in the hull, off the course of its leg.
+    pub(crate) any_course: bool,
 }
 
 /// How the flight ends.

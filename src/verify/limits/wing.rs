@@ -15,21 +15,14 @@ const GLIDE_DEG: f64 = 0.5;
 impl Contract<'_> {
     /// The wind of the spec, against the greatest in which the flight model holds.
     fn wind_allowed(&self, at: Moment) -> Option<Margin> {
-        let facts = self.vehicle.facts();
-        let figure = facts.behaviour.max_wind_mps;
+        let figure = self.vehicle.facts().behaviour.max_wind_mps;
         let most = figure.of(self.vehicle.autopilot_version)?;
         let wind = self.spec.wind.filter(|wind| wind.speed_mps > 0.0)?;
         let mut worst = Worst::default();
         worst.at_most(wind.speed_mps, most.value, || at);
         let margin = worst.margin(self.id(), Limit::Wind, most.unit)?;
-        let note = if margin.ok {
-            String::new()
-        } else {
-            format!(
-                "{} leaves what the verdict judges in more than {most} of wind ({}): plan for less wind",
-                facts.firmware, most.source
-            )
-        };
+        let note = self.vehicle.too_much_wind().filter(|_| !margin.ok);
+        let note = note.unwrap_or_default();
         Some(Margin { note, ..margin })
     }
 

@@ -4,12 +4,15 @@ use super::Pilot;
 use crate::autopilot::{Autopilot, Motion, SLOW_LANDING_M, command_row, parameter};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::{Item, VehicleMission, command};
+use crate::path::heading_rad;
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::flight::End;
 use crate::verify::execute::item::Height;
 use crate::verify::measure::segment::{Chord, Phase};
 use crate::world::Terrain;
 
+/// Places nearer than this are one, metres.
+const SAME_M: f64 = 1.0;
 /// `RTL_ALT_MIN` of ArduCopter, metres.
 const LEAST_RETURN_M: f64 = 2.0;
 /// `RTL_MIN_CONE_SLOPE` of ArduCopter: with less there is no cone.
@@ -64,9 +67,21 @@ impl Pilot<'_> {
             }
             self.append(knot)?;
         }
+        let course_rad = self.course_rad();
         self.stop()?;
         self.phase = Phase::Finish;
-        self.touch_down(row)
+        let top = self.here();
+        let first = self.trajectory.chords.len();
+        self.touch_down(row)?;
+        self.drift_down(row, (first, top), course_rad);
+        Ok(())
+    }
+
+    /// The course on which it comes to the last place of the legs that are gathered, if it has one.
+    fn course_rad(&self) -> Option<f64> {
+        let mut legs = self.knots.windows(2).rev();
+        let leg = legs.find(|leg| leg[0].at.distance_m(leg[1].at) > SAME_M)?;
+        Some(heading_rad(leg[0].at, leg[1].at))
     }
 
     pub(crate) fn return_home(

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::geodesy::{EastNorth, PlanPoint};
-use crate::path::{VehicleLimits, along};
+use crate::path::along;
 
 use super::loiter::steps;
 use crate::verify::execute::executor::Pilot;
@@ -26,21 +26,18 @@ impl Pilot<'_> {
     /// little as long as it climbs, and the wind on its wing takes it anywhere. From the top it flies on
     /// where its nose points, and turns onto its first leg: until then it is within a hull.
     pub(crate) fn drift_up(&mut self, row: usize, top: PlanPoint) {
-        let behaviour = &self.vehicle.facts().behaviour;
-        let version = self.vehicle.autopilot_version;
-        let transition_m = behaviour.transition_m.value(version);
-        if transition_m <= 0.0 {
+        let rise_m = top.amsl.0 - self.home.amsl.0;
+        let Some(region) = self.vehicle.takeoff_region(rise_m) else {
             return;
-        }
-        let climb_s = (top.amsl.0 - self.home.amsl.0) / self.vehicle.climb_mps;
-        let (off_m, onto_leg_m) = self.driven_m(climb_s);
+        };
+        let climb_s = rise_m / self.vehicle.climb_mps;
         let end_s = self.trajectory.t_s;
-        if off_m > 0.0 {
-            self.widen_from(0, off_m);
+        if region.drift_m > 0.0 {
+            self.widen_from(0, region.drift_m);
             for side in 0..SIDES {
                 let course_rad = TAU * f64::from(side) / f64::from(SIDES);
                 let aside = PlanPoint {
-                    at: along(top.at, course_rad, off_m),
+                    at: along(top.at, course_rad, region.drift_m),
                     ..top
                 };
                 self.trajectory.chords.push(Chord {
@@ -53,44 +50,61 @@ impl Pilot<'_> {
                 });
             }
         }
-        let turn_m = 2.0 * VehicleLimits::of(self.vehicle).turn_radius_m;
-        // Half a turn more than along its first leg.
-        self.trajectory.late_s += turn_m / self.vehicle.speed_mps;
+        self.trajectory.late_s += region.late_s;
         self.hull = Some(Hull {
             middle: top,
-            reach_m: off_m + onto_leg_m + transition_m + turn_m,
+            reach_m: region.reach_m(),
             from_s: end_s,
             until_s: end_s,
+            any_course: true,
         });
     }
 
-    /// How far the wind drives a vehicle off in a climb that is planned to take so long, and after it
-    /// until it steers for its first leg, metres.
-    fn driven_m(&self, climb_s: f64) -> (f64, f64) {
-        let behaviour = &self.vehicle.facts().behaviour;
-        let version = self.vehicle.autopilot_version;
-        let wind_mps = self.vehicle.carried_by().map_or(0.0, |wind| wind.speed_mps);
-        let share = behaviour.drift_share.value(version);
-        let onto_leg_s = behaviour.drift_s.value(version);
-        (wind_mps * share * climb_s, wind_mps * onto_leg_s)
+    /// Lays a descent to every side too, as far as the wind may drive the vehicle that came to it on a
+    /// course, to be judged in space; for the separation, widens the chords from one on.
+    pub(crate) fn drift_down(
+        &mut self,
+        row: usize,
+        (first, top): (usize, PlanPoint),
+        course_rad: Option<f64>,
+    ) {
+        let drift_m = self.vehicle.landing_drift_m(course_rad);
+        let down = self.here();
+        let begun = self.trajectory.chords.get(first);
+        let times_s = (begun.map_or(0.0, |chord| chord.from_s), self.trajectory.t_s);
+        if drift_m <= 0.0 {
+            return;
+        }
+        self.widen_from(first, drift_m);
+        let disc = self.trajectory.chords.len();
+        self.lay_disc(row, top, drift_m, times_s);
+        let rings = steps(drift_m);
+        for ring in 1..=rings {
+            let ring_m = drift_m * f64::from(ring) / f64::from(rings);
+            let count = steps(TAU * ring_m);
+            for step in 0..count {
+                let at = along(down.at, TAU * f64::from(step) / f64::from(count), ring_m);
+                let ends = (PlanPoint { at, ..top }, PlanPoint { at, ..down });
+                let chord = Chord::unflown((row, self.phase), times_s, ends);
+                self.trajectory.chords.push(chord);
+            }
+        }
+        // As in the column itself no height is asked for.
+        for chord in &mut self.trajectory.chords[disc..] {
+            chord.grounded = true;
+        }
     }
 
     /// How far the wind carries a plane in a climb-out that is planned to take so long: it holds its
     /// heading, not its course.
     pub(crate) fn carried_off(&self, climb_s: f64) -> EastNorth {
-        let (off_m, _) = self.driven_m(climb_s);
+        let behaviour = &self.vehicle.facts().behaviour;
+        let share = behaviour.drift_share.value(self.vehicle.autopilot_version);
         let wind = self.vehicle.carried_by();
         let [east_mps, north_mps] = wind.map_or([0.0; 2], |wind| wind.velocity_mps());
-        let speed_mps = east_mps.hypot(north_mps);
-        if speed_mps <= 0.0 {
-            return EastNorth {
-                east_m: 0.0,
-                north_m: 0.0,
-            };
-        }
         EastNorth {
-            east_m: off_m * east_mps / speed_mps,
-            north_m: off_m * north_mps / speed_mps,
+            east_m: share * climb_s * east_mps,
+            north_m: share * climb_s * north_mps,
         }
     }
 }

@@ -47,7 +47,7 @@ pub(crate) struct Fix {
 
 /// A straight leg.
 #[derive(Clone, Copy)]
-struct Line {
+pub(crate) struct Line {
     from: EastNorth,
     to: EastNorth,
     unit: [f64; 2],
@@ -129,6 +129,15 @@ impl Guidance {
     /// The way along knots, begun at the first on the course of its leg, at a speed over the
     /// ground on each leg; ends past the last knot, or when it takes too long.
     pub(crate) fn follow(&self, knots: &[Knot], grounds_mps: &[f64]) -> Vec<Fix> {
+        let pair = knots.first().zip(knots.get(1));
+        pair.map_or_else(Vec::new, |(from, to)| {
+            self.arrive(Line::new(from.at, to.at), knots, grounds_mps)
+        })
+    }
+
+    /// The way of a wing that comes to the first knot along a line. It does not begin to turn before
+    /// that: how far before a place it does, ArduPlane takes from the legs of the mission.
+    pub(crate) fn arrive(&self, along: Line, knots: &[Knot], grounds_mps: &[f64]) -> Vec<Fix> {
         let lines: Vec<Line> = knots
             .windows(2)
             .map(|pair| Line::new(pair[0].at, pair[1].at))
@@ -137,8 +146,8 @@ impl Guidance {
             return Vec::new();
         };
         let [east_mps, north_mps] = match self.wind_mps {
-            Some(_) => self.through_air(first, grounds_mps[0]),
-            None => first.unit,
+            Some(_) => self.through_air(&along, grounds_mps[0]),
+            None => along.unit,
         };
         let mut wing = Wing {
             at: [first.from.east_m, first.from.north_m],
@@ -185,7 +194,7 @@ impl Guidance {
 }
 
 impl Line {
-    fn new(from: EastNorth, to: EastNorth) -> Self {
+    pub(crate) fn new(from: EastNorth, to: EastNorth) -> Self {
         let length_m = from.distance_m(to).max(1e-3);
         Self {
             from,

@@ -74,6 +74,7 @@ impl Pilot<'_> {
             reach_m,
             from_s: begin_s,
             until_s: begin_s + needed_s + late_s,
+            any_course: false,
         };
         let times_s = (hull.from_s, hull.until_s);
         if circle.until == Until::Altitude {
@@ -82,7 +83,8 @@ impl Pilot<'_> {
         if !is_aligned {
             self.lay_disc(row, over, reach_m, times_s);
         } else if self.circle_wide_m() > 0.0 {
-            self.lay_rings(row, over, (rim_m, reach_m - rim_m), times_s);
+            let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));
+            self.lay_rings((row, over), (rim_m, reach_m - rim_m), late_m, times_s);
         }
         self.leave(Knot { at: middle, ..rim }, hull);
         Ok(())
@@ -188,17 +190,19 @@ impl Pilot<'_> {
     }
 
     /// Lays rings around a circle, to be judged in space, out to a distance beyond its radius, at its
-    /// altitude and where the wing may be below and above that.
+    /// altitude and where the wing may be below and above that, with what is left there of its climb
+    /// (metres, negative of a descent).
     pub(super) fn lay_rings(
         &mut self,
-        row: usize,
-        over: PlanPoint,
+        (row, over): (usize, PlanPoint),
         (radius_m, wide_m): (f64, f64),
+        late_m: f64,
         times_s: (f64, f64),
     ) {
         let rings = steps(wide_m);
         let off_m = self.circle_level_m();
-        for up_m in [0.0, -off_m, off_m] {
+        let (low_m, high_m) = (off_m + late_m.max(0.0), off_m - late_m.min(0.0));
+        for up_m in [0.0, -low_m, high_m] {
             let over = over.raised(up_m);
             for ring in 0..=rings {
                 let ring_m = radius_m + wide_m * f64::from(ring) / f64::from(rings);
@@ -248,37 +252,44 @@ impl Pilot<'_> {
 
     /// Lays the hull of a circle and the first leg from it, and of further ones that begin within the
     /// circle, to be judged in space; for the separation, widens the chords of those legs by as much.
-    pub(crate) fn leave_hull(&mut self, knots: &[Knot], firsts: &[usize]) {
-        let Some(hull) = self.hull.take().filter(|_| knots.len() > 1) else {
-            return;
-        };
+    ///
+    /// What is left, and the last of those legs.
+    pub(crate) fn leave_hull(&mut self, knots: &[Knot], firsts: &[usize]) -> Option<(Hull, usize)> {
+        let hull = self.hull.take().filter(|_| knots.len() > 1)?;
+        let mut last = 0;
         let flown = self.trajectory.chords.len();
         for (leg, pair) in knots.windows(2).enumerate() {
             let is_within = pair[0].at.distance_m(hull.middle.at) < hull.reach_m;
             if leg > 0 && !is_within {
                 break;
             }
+            last = leg;
             let first = firsts.get(leg).copied().unwrap_or(flown);
             let end = firsts.get(leg + 1).copied().unwrap_or(flown);
             for chord in &mut self.trajectory.chords[first.min(end)..end] {
                 chord.wide_m = chord.wide_m.max(hull.reach_m);
             }
             self.lay_hull(&hull, &pair[1]);
+            if leg > 0 {
+                // It may have come to the altitude of the place before.
+                let amsl = pair[0].point().amsl;
+                let middle = PlanPoint {
+                    amsl,
+                    ..hull.middle
+                };
+                self.lay_hull(&Hull { middle, ..hull }, &pair[1]);
+            }
         }
+        Some((hull, last))
     }
 
     /// Lays the hull of a circle and a place.
     fn lay_hull(&mut self, hull: &Hull, to: &Knot) {
-        let course_rad = heading_rad(hull.middle.at, to.at);
         let times_s = (hull.from_s, hull.until_s.max(self.trajectory.t_s));
         // It may begin a descent late, from above.
         let over_m = self.circle_level_m();
-        for (aside_m, half_m) in slices(hull.reach_m) {
-            let side = along(hull.middle.at, course_rad + FRAC_PI_2, aside_m);
-            let back = PlanPoint {
-                at: along(side, course_rad, -half_m),
-                ..hull.middle
-            };
+        for at in rim(hull, to.at) {
+            let back = PlanPoint { at, ..hull.middle };
             let chord = Chord::unflown((to.row, to.phase), times_s, (back, to.point()));
             self.trajectory.chords.push(chord);
             let late = PlanPoint {
@@ -292,6 +303,21 @@ impl Pilot<'_> {
             }
         }
     }
+}
+
+/// Places on the part of the rim of a disc that a place sees through the disc, from the one tangent to
+/// the other: the lines from them to the place cover the hull of both.
+fn rim(hull: &Hull, place: EastNorth) -> impl Iterator<Item = EastNorth> {
+    let (middle, reach_m) = (hull.middle.at, hull.reach_m);
+    let course_rad = heading_rad(middle, place);
+    // From a place within the disc all of its rim.
+    let tangent_rad = (reach_m / middle.distance_m(place)).min(1.0).acos();
+    let arc_rad = TAU - 2.0 * tangent_rad;
+    let steps = steps(arc_rad * reach_m);
+    (0..=steps).map(move |step| {
+        let off_rad = tangent_rad + arc_rad * f64::from(step) / f64::from(steps);
+        along(middle, course_rad + off_rad, reach_m)
+    })
 }
 
 /// Lines across a disc: how far each is aside of the middle, and half its length, metres.

@@ -219,8 +219,10 @@ impl Pilot<'_> {
         height: Height,
         radius_m: f64,
     ) -> Result<(), Unknown> {
+        let from = self.last();
         let (middle, rim) = self.enter_circle((row, place, height), radius_m)?;
         let rim_m = radius_m.abs();
+        let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));
         let (first, wide_m) = (self.trajectory.chords.len(), self.circle_wide_m());
         self.orbit(row, middle, rim, radius_m)?;
         let over = PlanPoint {
@@ -230,7 +232,7 @@ impl Pilot<'_> {
         if wide_m > 0.0 {
             self.widen_from(first, wide_m);
             let times_s = (self.trajectory.t_s, self.trajectory.t_s);
-            self.lay_rings(row, over, (rim_m, wide_m), times_s);
+            self.lay_rings((row, over), (rim_m, wide_m), late_m, times_s);
         }
         self.flight.route.push(Mark {
             point: over,
@@ -311,14 +313,27 @@ impl Pilot<'_> {
         if level_m <= 0.0 {
             return;
         }
-        let rise_m = (amsl_m - from.amsl_m).abs();
-        let flown_s = from.at.distance_m(middle) / self.vehicle.speed_mps;
-        let off_m = level_m + self.lag_s * (rise_m / flown_s.max(1.0)).min(self.vehicle.climb_mps);
+        let off_m = level_m + self.climbs_late_m(&from, middle, (amsl_m, 0.0)).abs();
         for up_m in [-off_m, off_m] {
             let ends = (from.point().raised(up_m), to.raised(up_m));
             let chord = Chord::unflown((row, self.phase), (t_s, t_s), ends);
             self.trajectory.chords.push(chord);
         }
+    }
+
+    /// How much of a climb to a circle is left at its rim, negative of a descent, metres: it leads to the
+    /// middle, and the wing lags it.
+    pub(super) fn climbs_late_m(
+        &self,
+        from: &Knot,
+        middle: EastNorth,
+        (amsl_m, rim_m): (f64, f64),
+    ) -> f64 {
+        let rise_m = amsl_m - from.amsl_m;
+        let away_m = from.at.distance_m(middle).max(1.0);
+        let flown_s = (away_m / self.vehicle.speed_mps).max(1.0);
+        let lag_m = self.lag_s * (rise_m.abs() / flown_s).min(self.vehicle.climb_mps);
+        lag_m.copysign(rise_m) + rise_m * (rim_m / away_m).min(1.0)
     }
 
     /// Once around.

@@ -1,11 +1,15 @@
 //! Paths of ArduPlane off its legs: it overshoots corners, and climbs out early.
 
+use std::f64::consts::PI;
+
 use crate::geodesy::{EastNorth, PlanPoint};
+use crate::path::{along, heading_rad};
 
 use super::drift::carried_points;
-use super::l1::{Fix, STEP_S};
+use super::l1::{Fix, Line, STEP_S};
 use crate::verify::execute::decode::Unknown;
 use crate::verify::execute::executor::Pilot;
+use crate::verify::execute::flight::Hull;
 use crate::verify::execute::legs::Knot;
 use crate::verify::measure::segment::{Chord, Phase};
 
@@ -15,6 +19,10 @@ const TOLERANCE_M: f64 = 0.5;
 const EVERY: usize = 10;
 /// A way is taken to be as far from a chord as it is within this of its time, seconds.
 const WITHIN_S: f64 = 2.0;
+/// Legs after the place at the end of a hull that a wing swings beside.
+const ARRIVAL_LEGS: usize = 3;
+/// Courses on which it may come to that place are no further apart, radians.
+const ARRIVAL_RAD: f64 = 10.0 * PI / 180.0;
 
 impl Pilot<'_> {
     /// Lays the path that a wing of ArduPilot flies off its legs, to be judged in space. For the
@@ -34,6 +42,53 @@ impl Pilot<'_> {
         }
         let fixes = guidance.follow(knots, grounds_mps);
         self.widen(knots, firsts, &fixes);
+        self.lay_way(knots, firsts, &fixes)
+    }
+
+    /// Lays the way on from the place at the end of a hull, to be judged in space, for a wing that comes
+    /// to it from either side of the hull; for the separation, widens the chords of the legs by as much.
+    pub(crate) fn lay_arrivals(
+        &mut self,
+        (hull, leg): (&Hull, usize),
+        knots: &[Knot],
+        grounds_mps: &[f64],
+        firsts: &[usize],
+    ) -> Result<(), Unknown> {
+        let guidance = self.guidance.filter(|_| hull.any_course);
+        let (Some(guidance), Some([_, place, _, ..])) = (guidance, knots.get(leg..)) else {
+            return Ok(());
+        };
+        let course_rad = heading_rad(hull.middle.at, place.at);
+        let away_m = hull.middle.at.distance_m(place.at);
+        let most_rad = (hull.reach_m / away_m).min(1.0).asin();
+        let steps = steps(most_rad / ARRIVAL_RAD);
+        let on = leg + 1;
+        let end = (on + ARRIVAL_LEGS).min(knots.len() - 1);
+        for step in -steps..=steps {
+            let off_rad = most_rad * f64::from(step) / f64::from(steps);
+            let from = along(place.at, course_rad + PI + off_rad, away_m.max(1.0));
+            let fixes = guidance.arrive(
+                Line::new(from, place.at),
+                &knots[on..=end],
+                &grounds_mps[on..end],
+            );
+            for fix in &fixes {
+                let first = firsts[on + fix.leg];
+                let next = firsts.get(on + fix.leg + 1).copied();
+                let next = next.unwrap_or(self.trajectory.chords.len());
+                for chord in &mut self.trajectory.chords[first.min(next)..next] {
+                    if chord.flown {
+                        chord.wide_m = chord.wide_m.max(fix.cross_track_m);
+                    }
+                }
+            }
+            self.lay_way(&knots[on..=end], &firsts[on..end], &fixes)?;
+        }
+        Ok(())
+    }
+
+    /// Lays a way along legs, as far as it is off them.
+    fn lay_way(&mut self, knots: &[Knot], firsts: &[usize], fixes: &[Fix]) -> Result<(), Unknown> {
         let own = knots.windows(2);
         let own = own.map(|pair| self.trajectory.altitude_line(&pair[0], &pair[1]));
         let own = own.collect::<Result<Vec<_>, _>>()?;
@@ -161,6 +216,16 @@ impl Pilot<'_> {
         }
         self.trajectory.late_s = before_s + late_s;
     }
+}
+
+/// Into how many steps an angle is cut.
+fn steps(share: f64) -> i32 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "clamped to a small positive count"
+    )]
+    let steps = share.ceil().clamp(1.0, 9.0) as i32;
+    steps
 }
 
 /// The first of the places of a way that is not before a time.
