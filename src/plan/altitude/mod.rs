@@ -20,6 +20,7 @@
 //! will tell.
 
 pub(super) mod floor;
+pub(super) mod least_cost;
 pub(super) mod simplex;
 mod spans;
 mod violated;
@@ -192,6 +193,11 @@ impl AltitudeLp {
         (0..4)
             .filter(move |i| first + i > 0 && first + i < last)
             .map(move |i| (first + i - 1, weights[i]))
+    }
+
+    /// The weights of the samples.
+    pub(super) fn rows(&self) -> &[Row] {
+        &self.rows
     }
 
     /// One coordinate at all samples, from that of the control points.
