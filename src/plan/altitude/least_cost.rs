@@ -17,9 +17,9 @@ const STEEPER: f64 = 5e-4;
 /// A path of no more than this above the LP's rise is inside its limits, metres.
 const RISE_M: f64 = 1e-4;
 /// Weights of the objective against the barrier, as gaps that they leave, in shares of the cost.
-const GAPS: [f64; 3] = [3e-3, 3e-4, 3e-5];
+const GAPS: [f64; 2] = [2e-3, 1e-4];
 /// Most Newton steps for each of them, and the decrease that ends them.
-const STEPS: usize = 14;
+const STEPS: usize = 30;
 const DECREASE: f64 = 0.05;
 /// Share of the way to the nearest limit that a step may go.
 const WITHIN: f64 = 0.95;
@@ -68,8 +68,8 @@ struct Newton {
 }
 
 impl<'a> LeastCost<'a> {
-    /// Around the path of the LP with the altitudes `amsl_m` of its control points; no sample may
-    /// be higher than `roof_m`. None where samples are too few for the band.
+    /// Around a path with the altitudes `amsl_m` of its control points that keeps a demand, as that
+    /// of the LP does; no sample may be higher than `roof_m`. None where samples are too few for the band.
     pub(crate) fn new(
         rows: &'a [Row],
         (demand, runs_m): (&Demand, &'a [f64]),
@@ -159,7 +159,9 @@ impl<'a> LeastCost<'a> {
     /// Cost of the profile, but for a constant.
     fn cost(&self, at: &Profile) -> f64 {
         let pieces = at.rise_m.iter().zip(self.runs_m);
-        let length_m: f64 = pieces.map(|(rise_m, run_m)| rise_m.hypot(*run_m)).sum();
+        let length_m: f64 = pieces
+            .map(|(rise_m, run_m)| length_m(*rise_m, *run_m))
+            .sum();
         let heights = at.amsl_m.iter().zip(&self.altitude).zip(&self.limits.low_m);
         let altitude: f64 = heights
             .map(|((amsl_m, price), low_m)| price * (amsl_m - low_m))
@@ -200,7 +202,7 @@ impl<'a> LeastCost<'a> {
                 1.0 / (limits.up_m[k] - rise_m),
                 1.0 / (limits.down_m[k] + rise_m),
             );
-            let length_m = rise_m.hypot(*run_m).max(1e-9);
+            let length_m = length_m(rise_m, *run_m).max(1e-9);
             let price = weight * self.length / length_m;
             let slope = price * rise_m + up - down;
             let flat = run_m / length_m;
@@ -296,7 +298,7 @@ impl Profile {
 
     /// Length of a piece in three dimensions, metres.
     fn length_m(&self, runs_m: &[f64], piece: usize) -> f64 {
-        self.rise_m[piece].hypot(runs_m[piece])
+        length_m(self.rise_m[piece], runs_m[piece])
     }
 }
 
@@ -353,6 +355,11 @@ impl Limits {
         }
         sum
     }
+}
+
+/// Length of a piece; `f64::hypot` guards against overflow and is many times slower.
+fn length_m(rise_m: f64, run_m: f64) -> f64 {
+    (rise_m * rise_m + run_m * run_m).sqrt()
 }
 
 /// The logarithm of both spaces; where there is no roof, of one.

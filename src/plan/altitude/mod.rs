@@ -195,11 +195,6 @@ impl AltitudeLp {
             .map(move |i| (first + i - 1, weights[i]))
     }
 
-    /// The weights of the samples.
-    pub(super) fn rows(&self) -> &[Row] {
-        &self.rows
-    }
-
     /// One coordinate at all samples, from that of the control points.
     pub(super) fn sample(&self, controls: &[f64], samples: &mut Vec<f64>) {
         dispatch!(self.level, simd => self.spans.sample(simd, controls, samples));

@@ -6,24 +6,30 @@
 //! are solved for anew, as long as that pays.
 
 use super::fit::Line;
-use super::problem::Sampled;
-use super::{Found, fine, judged};
-use crate::cost::{CostTerms, Margins};
+use super::problem::UNDER_CEILING_M;
+use super::{Found, JUDGED_ABOVE_M, JUDGED_SAMPLES, judged};
+use crate::cost::Margins;
 use crate::geodesy::EastNorth;
 use crate::numeric::Basis;
-use crate::numeric::bspline::halved;
-use crate::path::route_ends;
-use crate::plan::altitude::least_cost::AltitudePrices;
+use crate::path::{VehicleLimits, route_ends};
+use crate::plan::altitude::floor::SampledLine;
+use crate::plan::altitude::least_cost::{AltitudePrices, LeastCost};
+use crate::plan::altitude::{Demand, Row};
 use crate::plan::route_context::{RouteContext, with_free_controls};
 use crate::plan::spline::Spline;
 use crate::spec::{Algorithm, Objective};
 
-/// Most control points after spans were halved.
+/// Most control points after spans were halved, and how often that is.
 const MAX_CONTROLS: usize = 200;
-/// How often spans are halved.
 const HALVINGS: usize = 3;
-/// Halving spans that gains less than this share of the cost is the last.
+/// Spans are no shorter than this, metres, than the turn radius, and than so many cells of the
+/// ground.
+const LEAST_SPAN_M: f64 = 25.0;
+const SPAN_CELLS: f64 = 1.0;
+/// Less than this share of the cost is not worth the work.
 const GAIN: f64 = 1e-4;
+/// Where climbs and altitude cost no more than this share, nothing is tried.
+const LEAST_SHARE: f64 = 1e-3;
 /// Share of the mission items allowed that the bends of a vehicle's routes may need: takeoff, turns
 /// and landing need others.
 const ITEM_SHARE: f64 = 0.6;
@@ -31,29 +37,26 @@ const ITEM_SHARE: f64 = 0.6;
 const BEND_SAMPLES: usize = 501;
 
 /// A found route, or the same line in the plane at altitudes that cost less, where these keep all
-/// limits.
+/// limits: with spans as short as pays, or else with longer ones.
 pub(super) fn polished(context: &RouteContext<'_>, found: Found) -> Found {
-    if !can_polish(context, &found) {
+    if !can_polish(context, &found) || !is_worth_it(context, &found) {
         return found;
     }
-    let mut best = found;
-    for _ in 0..HALVINGS {
-        let finer = line(&best.spline).map(|values| halved(values));
-        if finer[0].len() > MAX_CONTROLS || context.is_cancelled() {
-            break;
-        }
-        let before = best.strict.total();
-        let cheaper = at_least_cost(context, finer.each_ref().map(Vec::as_slice));
-        let gains = cheaper.strict.is_clean() && cheaper.strict.total() < (1.0 - GAIN) * before;
-        if !gains || !fits_items(context, &cheaper.spline) {
-            break;
-        }
-        best = Found {
-            evaluations: best.evaluations,
-            ..cheaper
-        };
+    let mut finer: Vec<Spline> = Vec::new();
+    while finer.len() < halvings(context, &found.spline) {
+        finer.push(finer.last().unwrap_or(&found.spline).halved());
     }
-    best
+    for spline in finer.into_iter().rev() {
+        if context.is_cancelled() {
+            break;
+        }
+        if let Some(cheaper) = cheaper(context, &found, spline, GAIN)
+            && fits_items(context, &cheaper.spline)
+        {
+            return cheaper;
+        }
+    }
+    found
 }
 
 /// A found route, or the same with the altitudes of its own control points at least cost.
@@ -61,13 +64,7 @@ pub(super) fn polished_as_is(context: &RouteContext<'_>, found: Found) -> Found 
     if !can_polish(context, &found) {
         return found;
     }
-    let cheaper = at_least_cost(context, line(&found.spline));
-    let gains = cheaper.strict.is_clean() && cheaper.strict.total() < found.strict.total();
-    let evaluations = found.evaluations;
-    Found {
-        evaluations,
-        ..if gains { cheaper } else { found }
-    }
+    cheaper(context, &found, found.spline.clone(), 0.0).unwrap_or(found)
 }
 
 /// Only a clean route, and not the paper's sums over samples, which are no lengths.
@@ -79,56 +76,114 @@ fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
         && found.strict.is_clean()
 }
 
-/// East and north of the control points.
-fn line(spline: &Spline) -> [&[f64]; 2] {
-    [&spline.east_m, &spline.north_m]
+/// Whether climbs and altitude cost enough.
+fn is_worth_it(context: &RouteContext<'_>, found: &Found) -> bool {
+    let plane_km = length_m(&plane(&found.spline)) / 1000.0;
+    let climbs = found.terms.length - context.spec.planner.weights.length * plane_km;
+    climbs + found.terms.altitude > LEAST_SHARE * found.terms.total()
 }
 
-/// A line in the plane, east and north of its control points, at the altitudes of least cost.
-fn at_least_cost(context: &RouteContext<'_>, [east_m, north_m]: [&[f64]; 2]) -> Found {
-    let free = east_m.len() - 2;
-    let spec = with_free_controls(context.spec, free);
+/// How often the spans of a spline are halved.
+fn halvings(context: &RouteContext<'_>, spline: &Spline) -> usize {
+    let least_m = (SPAN_CELLS * context.world.ground.spacing_m)
+        .max(VehicleLimits::of(context.vehicle()).turn_radius_m)
+        .max(LEAST_SPAN_M);
+    let length_m = length_m(&plane(spline));
+    let mut spans = spline.east_m.len() - 3;
+    let mut halvings = 0;
+    #[expect(clippy::cast_precision_loss, reason = "hundreds of spans")]
+    while halvings < HALVINGS
+        && 2 * spans + 3 <= MAX_CONTROLS
+        && length_m >= least_m * (2 * spans) as f64
+    {
+        spans *= 2;
+        halvings += 1;
+    }
+    halvings
+}
+
+/// A spline along the line that was found at the altitudes of least cost, where it keeps all limits
+/// and costs less by a share.
+fn cheaper(context: &RouteContext<'_>, found: &Found, spline: Spline, gain: f64) -> Option<Found> {
+    let spec = with_free_controls(context.spec, spline.east_m.len() - 2);
     let context = &RouteContext {
         spec: &spec,
         ..*context
     };
-    let prices = AltitudePrices {
-        length: spec.planner.weights.length,
-        altitude: spec.planner.weights.altitude,
-    };
-    let line = east_m.iter().zip(north_m).skip(1).take(free);
-    let line = line.map(|(&east_m, &north_m)| EastNorth { east_m, north_m });
-    let sampled: Sampled<'_> = fine(context);
-    let spline = sampled.least_cost(line, prices);
-    let splines = std::slice::from_ref(&spline);
-    let first = |terms: Vec<CostTerms>| terms.first().copied().unwrap_or_default();
-    let strict = first(judged(context, splines, context.margins));
-    let terms = first(judged(context, splines, Margins::default()));
-    Found {
+    let splines = [at_least_cost(context, spline)?];
+    let judged = |margins: Margins| judged(context, &splines, margins).first().copied();
+    let strict = judged(context.margins)?;
+    let gains = strict.is_clean() && strict.total() < (1.0 - gain) * found.strict.total();
+    let terms = gains.then(|| judged(Margins::default()))??;
+    let [spline] = splines;
+    Some(Found {
         terms,
         strict,
         spline,
-        evaluations: 0,
+        evaluations: found.evaluations,
+    })
+}
+
+/// A spline that keeps all limits, with its altitudes at least cost.
+fn at_least_cost(context: &RouteContext<'_>, mut spline: Spline) -> Option<Spline> {
+    let basis = Basis::new(context.controls(), &context.parameters(JUDGED_SAMPLES));
+    let rows: Vec<Row> = (0..basis.samples()).map(|k| basis.row(k)).collect();
+    let [east_m, north_m, amsl_m] = sampled(&basis, &spline);
+    let floor = context.floor(JUDGED_ABOVE_M, context.margins.climb_fraction);
+    let (from, to) = (context.ends.from, context.ends.to);
+    let line = SampledLine {
+        east_m: &east_m,
+        north_m: &north_m,
+        ends_m: (from.amsl.0, to.amsl.0),
+    };
+    let (mut demand, mut runs_m) = (Demand::default(), Vec::new());
+    floor.fill(&line, &mut demand, &mut runs_m);
+    let mut roof_m = floor.roofs_m((&east_m, &north_m), &amsl_m);
+    for roof_m in &mut roof_m {
+        *roof_m -= UNDER_CEILING_M;
     }
+    let weights = &context.spec.planner.weights;
+    let prices = AltitudePrices {
+        length: weights.length,
+        altitude: weights.altitude,
+    };
+    let least = LeastCost::new(&rows, (&demand, &runs_m), &roof_m, prices, &spline.amsl_m)?;
+    least.improve(&mut spline.amsl_m);
+    Some(spline)
+}
+
+/// East, north and altitude at samples.
+fn sampled(basis: &Basis, spline: &Spline) -> [Vec<f64>; 3] {
+    [&spline.east_m, &spline.north_m, &spline.amsl_m].map(|values| basis.sampled(values))
+}
+
+/// Points of a spline in the plane.
+fn plane(spline: &Spline) -> Vec<EastNorth> {
+    let basis = Basis::uniform(spline.east_m.len(), BEND_SAMPLES);
+    let [east_m, north_m, _] = sampled(&basis, spline);
+    east_m.into_iter().zip(north_m).map(at).collect()
+}
+
+fn at((east_m, north_m): (f64, f64)) -> EastNorth {
+    EastNorth { east_m, north_m }
+}
+
+fn length_m(line: &[EastNorth]) -> f64 {
+    line.windows(2).map(|two| two[0].distance_m(two[1])).sum()
 }
 
 /// Whether a route needs few enough mission items: no more than its bends in the plane and in its
 /// profile.
 fn fits_items(context: &RouteContext<'_>, spline: &Spline) -> bool {
-    let basis = Basis::uniform(spline.east_m.len(), BEND_SAMPLES);
-    let [east_m, north_m, amsl_m] =
-        [&spline.east_m, &spline.north_m, &spline.amsl_m].map(|values| basis.sampled(values));
-    let at = |(&east_m, &north_m): (&f64, &f64)| EastNorth { east_m, north_m };
-    let plane: Vec<EastNorth> = east_m.iter().zip(&north_m).map(at).collect();
+    let plane = plane(spline);
+    let amsl_m = Basis::uniform(spline.east_m.len(), BEND_SAMPLES).sampled(&spline.amsl_m);
     let mut along_m = 0.0;
     let steps = plane.windows(2).map(|two| two[0].distance_m(two[1]));
-    let along: Vec<f64> = (std::iter::once(0.0).chain(steps))
-        .map(|step_m| {
-            along_m += step_m;
-            along_m
-        })
-        .collect();
-    let profile: Vec<EastNorth> = along.iter().zip(&amsl_m).map(at).collect();
+    let along = std::iter::once(0.0).chain(steps).map(|step_m| {
+        along_m += step_m;
+        along_m
+    });
+    let profile: Vec<EastNorth> = along.zip(amsl_m).map(at).collect();
     let tolerance_m = context.spec.mission.tolerance_m;
     let bends = |points: Vec<EastNorth>| Line::new(points).corners(tolerance_m).len();
     #[expect(clippy::cast_precision_loss, reason = "thousands of items")]

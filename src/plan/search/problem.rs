@@ -8,7 +8,6 @@ use crate::geodesy::{EastNorth, PlanPoint};
 use crate::numeric::Basis;
 use crate::optimize::Problem;
 use crate::plan::altitude::floor::{FloorMaker, SampledLine};
-use crate::plan::altitude::least_cost::{AltitudePrices, LeastCost};
 use crate::plan::altitude::{AltitudeLp, Demand, Row, Workspace};
 use crate::plan::route_context::RouteContext;
 use crate::plan::spline::{Frame, Spline};
@@ -175,41 +174,8 @@ impl<'a> Sampled<'a> {
     }
 }
 
-impl Sampled<'_> {
-    /// The spline of least cost over free control points in the plane, at least as low in cost as
-    /// the lowest one.
-    pub(crate) fn least_cost(
-        &self,
-        free: impl Iterator<Item = EastNorth>,
-        prices: AltitudePrices,
-    ) -> Spline {
-        let mut buffer = Buffers::default();
-        self.decode(free, &mut buffer);
-        let Buffers {
-            mut spline,
-            east_m,
-            north_m,
-            demand,
-            lengths_m,
-            ..
-        } = buffer;
-        let mut amsl_m = Vec::new();
-        self.altitude_lp.sample(&spline.amsl_m, &mut amsl_m);
-        let mut roof_m = self.floor.roofs_m((&east_m, &north_m), &amsl_m);
-        for roof_m in &mut roof_m {
-            *roof_m -= UNDER_CEILING_M;
-        }
-        let rows = self.altitude_lp.rows();
-        let demand = (&demand, lengths_m.as_slice());
-        if let Some(least) = LeastCost::new(rows, demand, &roof_m, prices, &spline.amsl_m) {
-            least.improve(&mut spline.amsl_m);
-        }
-        spline
-    }
-}
-
 /// Height under the ceiling that keeps rounding below it, metres.
-const UNDER_CEILING_M: f64 = 0.05;
+pub(super) const UNDER_CEILING_M: f64 = 0.05;
 /// A lid this near to the ceiling needs care that a path over it stays below, metres.
 const NEAR_CEILING_M: f64 = 10.0;
 
