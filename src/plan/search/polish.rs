@@ -22,7 +22,7 @@ use crate::spec::{Algorithm, Objective};
 /// Most control points after spans were halved, and how often that is.
 const MAX_CONTROLS: usize = 200;
 const HALVINGS: usize = 3;
-/// Spans are no shorter than this, metres, than the turn radius, and than so many cells of the
+/// Spans are no shorter than this, metres, than the turn radius, and than these cells of the
 /// ground.
 const LEAST_SPAN_M: f64 = 25.0;
 const SPAN_CELLS: f64 = 1.0;
