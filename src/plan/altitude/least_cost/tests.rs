@@ -61,20 +61,17 @@ fn dips(depth_m: f64, count: f64) -> Vec<f64> {
 }
 
 #[test]
-fn a_path_over_short_dips_is_flatter_than_the_lowest_and_costs_less() {
+fn over_short_dips_the_lowest_path_is_not_the_cheapest() {
     let Solved {
         lowest,
         cheapest,
         cost: (before, after),
         ..
     } = solved(dips(20.0, 6.0), f64::INFINITY);
-    let range = |of: &Profile| {
-        let middle = &of.amsl_m[100..300];
-        let high = middle.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        high - middle.iter().copied().fold(f64::INFINITY, f64::min)
-    };
     assert!(after < before - 1e-3, "{before} {after}");
-    assert!(range(&cheapest) < 0.9 * range(&lowest));
+    // It is higher for what it saves in length.
+    let height_m = |of: &Profile| of.amsl_m.iter().sum::<f64>();
+    assert!(height_m(&cheapest) > height_m(&lowest));
 }
 
 #[test]
