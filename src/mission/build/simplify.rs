@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn where_a_path_is_strict_its_legs_stay_closer() {
-        // A long swell, of which the second half is strict.
+        // A long swell, strict in its second half.
         let path: Vec<Point> = (0..=400)
             .map(|i| {
                 let along = f64::from(i) * 10.0;

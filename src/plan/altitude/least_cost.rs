@@ -224,7 +224,7 @@ fn difference((first, from): &Row, (next, to): &Row) -> [f64; BAND] {
 }
 
 impl Newton {
-    /// Adds what depends on one sum of control points, the first of which is given, ends included.
+    /// Adds what depends on one sum of control points from number `first` on, ends included.
     fn add(&mut self, first: usize, weights: [f64; BAND], slope: f64, curvature: f64) {
         let free = self.slope.len();
         for (i, weight) in weights.iter().enumerate() {

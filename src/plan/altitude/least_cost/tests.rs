@@ -16,7 +16,7 @@ const PRICES: AltitudePrices = AltitudePrices {
 
 struct Solved {
     demand: Demand,
-    lowest: Profile,
+    decoded: Profile,
     cheapest: Profile,
     cost: (f64, f64),
 }
@@ -41,13 +41,13 @@ fn solved(floor_m: Vec<f64>, roof_m: f64) -> Solved {
     let roof_m = vec![roof_m; SAMPLES];
     let least = LeastCost::new(&rows, (&demand, &runs_m), &roof_m, PRICES, &amsl_m);
     let least = least.expect("samples are dense");
-    let lowest = Profile::of(&rows, &amsl_m);
+    let decoded = Profile::of(&rows, &amsl_m);
     least.improve(&mut amsl_m);
     let cheapest = Profile::of(&rows, &amsl_m);
-    let cost = (least.cost(&lowest), least.cost(&cheapest));
+    let cost = (least.cost(&decoded), least.cost(&cheapest));
     Solved {
         demand,
-        lowest,
+        decoded,
         cheapest,
         cost,
     }
@@ -61,9 +61,9 @@ fn dips(depth_m: f64, count: f64) -> Vec<f64> {
 }
 
 #[test]
-fn over_short_dips_the_lowest_path_is_not_the_cheapest() {
+fn over_short_dips_the_decoded_path_is_not_the_cheapest() {
     let Solved {
-        lowest,
+        decoded,
         cheapest,
         cost: (before, after),
         ..
@@ -71,11 +71,11 @@ fn over_short_dips_the_lowest_path_is_not_the_cheapest() {
     assert!(after < before - 1e-3, "{before} {after}");
     // It is higher for what it saves in length.
     let height_m = |of: &Profile| of.amsl_m.iter().sum::<f64>();
-    assert!(height_m(&cheapest) > height_m(&lowest));
+    assert!(height_m(&cheapest) > height_m(&decoded));
 }
 
 #[test]
-fn over_long_dips_the_lowest_path_is_the_cheapest() {
+fn over_long_dips_the_decoded_path_is_the_cheapest() {
     let Solved {
         cost: (before, after),
         ..
@@ -87,7 +87,7 @@ proptest! {
     /// Up to what the limits are wider than those of the LP; where its path misses one, that
     /// of least cost misses it by no more.
     #[test]
-    fn limits_are_kept_as_the_lowest_path_keeps_them(
+    fn limits_are_kept_as_the_decoded_path_keeps_them(
         heights in proptest::collection::vec(0.0..120.0_f64, 9), over_m in 5.0..80.0_f64
     ) {
         let floor_m = (0..401_u32)
@@ -100,13 +100,13 @@ proptest! {
             })
             .collect();
         let roof_m = 120.0 + over_m;
-        let Solved { demand, lowest, cheapest, cost } = solved(floor_m, roof_m);
+        let Solved { demand, decoded, cheapest, cost } = solved(floor_m, roof_m);
         prop_assert!(cost.1 <= cost.0);
-        for (k, (low_m, cheap_m)) in lowest.amsl_m.iter().zip(&cheapest.amsl_m).enumerate() {
+        for (k, (low_m, cheap_m)) in decoded.amsl_m.iter().zip(&cheapest.amsl_m).enumerate() {
             prop_assert!(*cheap_m > demand.floor_m[k].min(*low_m) - WIDER_M);
             prop_assert!(*cheap_m < roof_m.max(low_m + WIDER_M));
         }
-        for (low_m, cheap_m) in lowest.rise_m.iter().zip(&cheapest.rise_m) {
+        for (low_m, cheap_m) in decoded.rise_m.iter().zip(&cheapest.rise_m) {
             let most_m = 0.3 * RUN_M * (1.0 + STEEPER);
             prop_assert!(cheap_m.abs() < most_m.max(low_m.abs() + RISE_M));
         }
