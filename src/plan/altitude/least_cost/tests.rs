@@ -87,7 +87,7 @@ proptest! {
     /// Up to what the limits are wider than those of the LP; where its path misses one, that
     /// of least cost misses it by no more.
     #[test]
-    fn limits_are_kept_as_the_decoded_path_keeps_them(
+    fn no_limit_is_violated_that_the_decoded_path_satisfies(
         heights in proptest::collection::vec(0.0..120.0_f64, 9), over_m in 5.0..80.0_f64
     ) {
         let floor_m = (0..401_u32)
