@@ -121,6 +121,37 @@ impl Basis {
     }
 }
 
+/// The control points, one coordinate of them, of the same curve with each span halved (Boehm
+/// 1980: knots are put in one after the other).
+#[must_use]
+pub fn halved(control_points: &[f64]) -> Vec<f64> {
+    let spans = control_points.len().saturating_sub(3);
+    #[expect(clippy::cast_precision_loss, reason = "few control points")]
+    let knot = |i: usize| i.saturating_sub(3).min(spans) as f64;
+    let mut knots: Vec<f64> = (0..spans + 7).map(knot).collect();
+    let mut points = control_points.to_vec();
+    for span in 0..spans {
+        // Each span before this one has one more knot by now.
+        let last = 2 * span + 3;
+        let at = knots[last] + 0.5;
+        let finer = |i: usize| {
+            let share = match i {
+                _ if i + 3 <= last => 1.0,
+                _ if i > last => 0.0,
+                _ => (at - knots[i]) / (knots[i + 3] - knots[i]),
+            };
+            match share {
+                0.0 => points[i - 1],
+                1.0 => points[i],
+                _ => share * points[i] + (1.0 - share) * points[i - 1],
+            }
+        };
+        points = (0..=points.len()).map(finer).collect();
+        knots.insert(last + 1, at);
+    }
+    points
+}
+
 /// One row: the span and the four basis functions that are not 0 there, by the
 /// recurrence of Cox and de Boor.
 fn row(control_points: usize, parameter: f64) -> (usize, [f64; 4]) {
@@ -160,7 +191,7 @@ fn row(control_points: usize, parameter: f64) -> (usize, [f64; 4]) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Basis, uniform_parameters};
+    use super::{Basis, halved, uniform_parameters};
     use proptest::prelude::*;
 
     /// The definition itself: N(i, p) by recursion over the full knot vector.
@@ -184,6 +215,16 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_curve_with_halved_spans_is_the_same(
+            control_points in proptest::collection::vec(-100.0..100.0_f64, 4..40), t in 0.0..=1.0_f64
+        ) {
+            let finer = halved(&control_points);
+            prop_assert_eq!(finer.len(), 2 * control_points.len() - 3);
+            let at = |points: &[f64]| Basis::new(points.len(), &[t]).sampled(points)[0];
+            prop_assert!((at(&finer) - at(&control_points)).abs() < 1e-9);
+        }
+
         #[test]
         fn weights_are_those_of_the_definition_and_a_partition_of_one(
             control_points in 4_u32..33, t in 0.0..1.0_f64

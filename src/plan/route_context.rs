@@ -239,7 +239,7 @@ impl<'a> RouteContext<'a> {
             Objective::Operational => Prices {
                 length: planner.weights.length,
                 altitude: planner.weights.altitude,
-                above_floor: true,
+                above_ground: true,
                 threat: (110.0, 100.0),
                 closed: 110.0,
             },
@@ -250,7 +250,7 @@ impl<'a> RouteContext<'a> {
                 Prices {
                     length: planner.weights.length,
                     altitude: planner.weights.altitude * per_km,
-                    above_floor: false,
+                    above_ground: false,
                     threat: (10.0, 5.0),
                     closed: 110.0,
                 }

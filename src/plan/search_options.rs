@@ -24,6 +24,8 @@ pub struct SearchOptions {
     pub restarts: bool,
     /// Whether a swarm that begins again fits its best path anew.
     pub redrawing: bool,
+    /// Whether the altitudes of what is found are solved for at least cost.
+    pub polishing: bool,
     /// Whether each control point is judged by the part of the path that it moves.
     pub windows: bool,
     /// Price of violated limits, in units of the judge's: a short cut through the rim of a
@@ -46,6 +48,7 @@ impl Default for SearchOptions {
             offspring: true,
             restarts: true,
             redrawing: true,
+            polishing: true,
             windows: true,
             penalty: Some(4.0),
             relaxed_share: 0.05,

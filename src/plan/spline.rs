@@ -2,6 +2,7 @@
 
 use crate::cost::Controls;
 use crate::geodesy::{Amsl, EastNorth, PlanPoint};
+use crate::numeric::bspline::halved;
 
 /// The part of the plane in which control points are searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,6 +96,15 @@ impl Spline {
             east_m: &self.east_m,
             north_m: &self.north_m,
             amsl_m: &self.amsl_m,
+        }
+    }
+
+    /// The same curve with its spans halved.
+    pub(crate) fn halved(&self) -> Self {
+        Self {
+            east_m: halved(&self.east_m),
+            north_m: halved(&self.north_m),
+            amsl_m: halved(&self.amsl_m),
         }
     }
 

@@ -110,6 +110,12 @@ impl PlanZone {
         Offset::new(Ring::around(&self.outline), self.buffer_m)
     }
 
+    /// What the zone closes in the plane, and as much as `by_m` around it.
+    #[must_use]
+    pub fn wider(&self, by_m: f64) -> Offset {
+        Offset::new(Ring::around(&self.outline), self.buffer_m + by_m)
+    }
+
     /// Whether a point of the plane lies in the box around the outline.
     #[must_use]
     pub fn is_near(&self, at: EastNorth) -> bool {
@@ -141,17 +147,13 @@ impl PlanZone {
         is_agl(self.floor) || is_agl(self.ceiling)
     }
 
-    /// What a path over the zone can keep of a distance above it, metres: half of what is left
-    /// below `max_amsl`, where the zone ends so near below that.
+    /// What a path over the zone can keep of a distance above it, metres: at most half of what is
+    /// left below `max_amsl`, so that as much is left above the path.
     pub(crate) fn margin_over_m(&self, over_m: f64, max_amsl: Amsl) -> f64 {
         match self.ceiling {
             Some(Placement::Amsl(top)) if top <= max_amsl => {
                 let left_m = max_amsl.0 - top.0;
-                if over_m <= left_m {
-                    over_m
-                } else {
-                    0.5 * left_m
-                }
+                over_m.min(0.5 * left_m)
             }
             _ => over_m,
         }

@@ -65,7 +65,7 @@ fn ground_that_reaches_the_ceiling_is_gone_around() {
 }
 
 #[test]
-fn a_zone_that_can_be_flown_over_closes_nothing() {
+fn a_zone_that_can_be_flown_over_costs_no_more_than_the_way_around_and_nothing_if_it_is_low() {
     let mut spec = quick(empty_spec(vec![copter("alpha", 1, WEST, EAST)]));
     let corners = [
         (36.25, -84.27),
@@ -83,13 +83,45 @@ fn a_zone_that_can_be_flown_over_closes_nothing() {
         spec.no_fly = vec![zone(below)];
         plan(&spec).1.vehicles[0].bound
     };
-    let (over, around) = (bound(Some(Amsl(900.0))), bound(None));
+    let (low, over, around) = (
+        bound(Some(Amsl(450.0))),
+        bound(Some(Amsl(900.0))),
+        bound(None),
+    );
     let straight_km = {
         let (world, _) = plan(&empty_spec(vec![copter("alpha", 1, WEST, EAST)]));
         world.stations[0].start.distance_m(world.stations[0].goal) / 1000.0
     };
-    assert!((over - straight_km).abs() < 1e-9, "{over} {straight_km}");
+    assert!((low - straight_km).abs() < 1e-9, "{low} {straight_km}");
+    assert!(straight_km < over && over <= around + 1e-9, "{over}");
     assert!(around > 1.02 * straight_km, "{around} {straight_km}");
+}
+
+/// Across the whole area, over flat ground: up and down at the limits, by hand.
+#[test]
+fn over_a_zone_that_nobody_can_pass_beside_the_bound_is_the_climb() {
+    let mut spec = quick(empty_spec(vec![copter("alpha", 1, WEST, EAST)]));
+    let corners = [
+        (36.20, -84.26),
+        (36.20, -84.24),
+        (36.40, -84.24),
+        (36.40, -84.26),
+    ];
+    spec.no_fly = vec![Zone {
+        id: "belt".to_owned(),
+        polygon: corners.map(|(lat, lon)| place(lat, lon)).to_vec(),
+        ceiling: Some(Placement::Amsl(Amsl(700.0))),
+        ..Zone::default()
+    }];
+    let (world, plan) = plan(&spec);
+    let stations = world.stations[0].clone();
+    let straight_m = stations.start.at.distance_m(stations.goal.at);
+    // 700 m is 240 m above the least height over 400 m, and 220 m above the ends.
+    let side_m2 = |slope_deg: f64| 240.0 * 240.0 / (2.0 * slope_deg.to_radians().tan());
+    let altitude = 1e-6 * (side_m2(15.0) + side_m2(10.0));
+    let exact = straight_m.hypot(440.0) / 1000.0 + altitude;
+    let share = plan.vehicles[0].bound / exact;
+    assert!((0.998..=1.0).contains(&share), "{share}");
 }
 
 proptest! {
@@ -104,6 +136,9 @@ proptest! {
         ]),
         threats in prop::collection::vec((36.24..36.36_f64, -84.32..-84.18_f64, 300.0..2500.0_f64), 0..5),
         hills in prop::collection::vec((36.22..36.38_f64, -84.32..-84.18_f64, 200.0..900.0_f64), 0..4),
+        lids in prop::collection::vec(
+            (36.27..36.33_f64, -84.29..-84.21_f64, 0.005..0.05_f64, 500.0..790.0_f64), 0..4
+        ),
     ) {
         let mut spec = empty_spec(vec![copter("alpha", 1, WEST, EAST)]);
         spec.planner.seed = seed;
@@ -121,6 +156,18 @@ proptest! {
                 place: place(lat, lon), height_m, radius_m: 1200.0,
             }).collect(),
         };
+        spec.no_fly = lids
+            .iter()
+            .enumerate()
+            .map(|(index, &(lat, lon, half, top_m))| Zone {
+                id: format!("z{index}"),
+                polygon: [(-1.0, -0.3), (-1.0, 0.3), (1.0, 0.3), (1.0, -0.3)]
+                    .map(|(north, east)| place(lat + half * north, lon + half * east))
+                    .to_vec(),
+                ceiling: Some(Placement::Amsl(Amsl(top_m))),
+                ..Zone::default()
+            })
+            .collect();
         let (world, plan) = plan(&spec);
         let (vehicle, stations) = (&plan.vehicles[0], &world.stations[0]);
         let straight_km = stations.start.distance_m(stations.goal) / 1000.0;

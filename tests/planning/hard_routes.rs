@@ -1,4 +1,5 @@
-//! Problems for which cost fields alone find no path: thin walls and mazes.
+//! Problems for which cost fields alone find no path, thin walls and mazes, and zones that are
+//! flown over where that is cheaper than around.
 
 use crate::support;
 
@@ -11,13 +12,18 @@ use support::world;
 /// Plans a spec of `tests/data/hard` with few evaluations, and returns the cost of the plan that
 /// passes verification.
 fn passing_cost(name: &str) -> f64 {
+    passing_cost_with(name, 2000, 1)
+}
+
+/// The same with a number of evaluations and a seed.
+fn passing_cost_with(name: &str, evaluations: usize, seed: u64) -> f64 {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("tests/data/hard")
         .join(name);
     let text = std::fs::read_to_string(&path).expect("a test spec");
     let mut spec = SpecFile::parse(&path, text).expect("a valid spec").spec;
-    spec.planner.evaluations = 2000;
-    let found = dispatch(&spec, &world(&spec), 1, &|_| ());
+    spec.planner.evaluations = evaluations;
+    let found = dispatch(&spec, &world(&spec), seed, &|_| ());
     let failed: Vec<String> = (found.review.margins.iter())
         .filter(|margin| !margin.ok)
         .map(|margin| format!("{margin:?}"))
@@ -45,4 +51,22 @@ fn serpentine_walls_with_gaps_at_their_ends_are_flown_around() {
 fn a_maze_of_corridors_of_140_m_with_12_turns_is_flown_through() {
     let cost = passing_cost("maze.yaml");
     assert!(cost > 8.0 && cost < 9.5, "{cost}");
+}
+
+/// A zone across the whole area ends 3 m below the ceiling. A leg that left the path by the whole
+/// tolerance of 5 m would cut it.
+#[test]
+fn a_zone_that_ends_3_m_below_the_ceiling_is_flown_over() {
+    for seed in [1, 2] {
+        let cost = passing_cost_with("lid-across.yaml", 2000, seed);
+        assert!(cost < 5.6, "{cost}");
+    }
+}
+
+/// The same with open ground beside the zone: around it are 5.2 km, and over it there are 5 km and
+/// a climb of 160 m.
+#[test]
+fn a_zone_is_flown_around_where_the_climb_over_it_costs_more() {
+    let cost = passing_cost_with("lid-beside.yaml", 10_000, 1);
+    assert!(cost < 5.3, "{cost}");
 }

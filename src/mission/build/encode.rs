@@ -8,8 +8,10 @@
 use crate::autopilot::{command, frame};
 use crate::geodesy::{Amsl, LatLon, PlanPoint};
 use crate::mission::item::{Home, Item};
+use crate::numeric::geometry::Offset;
+use crate::path::TimedPoint;
 use crate::spec::{AltitudeReference, EndPoint, Placement};
-use crate::world::{NoData, World};
+use crate::world::{NoData, PlanZone, World};
 
 /// Furthest that encoding moves a point, metres: a quarter up, half of 1e-7 degrees aside;
 /// more only where a height just below 0 becomes a quarter.
@@ -69,6 +71,38 @@ impl<'a> Encoder<'a> {
             AltitudeReference::Relative => point.amsl.above_home(self.home_amsl()).0,
             AltitudeReference::Terrain => point.amsl.above_ground(self.ground(point)?).0,
         })
+    }
+
+    /// How many times closer than a tolerance legs must stay to each point of a route, so that they
+    /// do not cut what may be flown over and ends less than the tolerance below it: 1 elsewhere.
+    pub(crate) fn strictness(&self, route: &[TimedPoint], tolerance_m: f64) -> Vec<f64> {
+        /// Share of the height over a zone that legs may take: the rest is for rounding.
+        const SHARE: f64 = 0.9;
+        /// Nearer than this part of the tolerance is not asked for.
+        const MOST: f64 = 20.0;
+        let zones = self
+            .world
+            .zones
+            .iter()
+            .filter(|zone| zone.ceiling.is_some());
+        let wider: Vec<(&PlanZone, Offset)> =
+            zones.map(|zone| (zone, zone.wider(tolerance_m))).collect();
+        let strictness = |timed: &TimedPoint| {
+            let PlanPoint { at, amsl } = timed.point;
+            let ground_m = self.world.ground.height_m(at);
+            let over_m = |(zone, wider): &(&PlanZone, Offset)| {
+                let over_m = amsl.0 - zone.closed_m(ground_m).1;
+                let is_near = over_m > 0.0 && SHARE * over_m < tolerance_m;
+                let at = [at.east_m, at.north_m];
+                (is_near && !wider.is_far_from(at, at) && wider.contains(at)).then_some(over_m)
+            };
+            let least_m = wider
+                .iter()
+                .filter_map(over_m)
+                .fold(tolerance_m / SHARE, f64::min);
+            (tolerance_m / (SHARE * least_m)).clamp(1.0, MOST)
+        };
+        route.iter().map(strictness).collect()
     }
 
     /// Altitude of height 0 in the reference of the mission; the terrain's is not one altitude.

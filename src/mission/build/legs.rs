@@ -38,8 +38,10 @@ pub(crate) struct Legs<'a> {
 /// A leg that keeps the tolerance.
 struct Leg {
     to: usize,
-    /// Furthest that the path leaves it, metres.
+    /// Furthest that the path leaves it, metres times the strictness there.
     deviation_m: f64,
+    /// Strictness at its end.
+    strictness: f64,
     /// Rise beyond what the vehicle may climb or descend, as encoded, metres.
     too_steep_m: f64,
     /// In the plane, metres.
@@ -69,9 +71,14 @@ struct Name {
 }
 
 impl<'a> Legs<'a> {
-    /// The path may be further from a leg than the points are, by `slack_m`.
-    /// No leg passes a point that is needed.
-    pub(crate) fn new(points: &[Point], needed: &[bool], slack_m: f64, keep: &'a Keep) -> Self {
+    /// Of points with the strictness at each. The path may be further from a leg than the points
+    /// are, by `slack_m`. No leg passes a point that is needed.
+    pub(crate) fn new(
+        points: &[(Point, f64)],
+        needed: &[bool],
+        slack_m: f64,
+        keep: &'a Keep,
+    ) -> Self {
         let from = (0..points.len())
             .map(|from| {
                 let rest = needed.iter().skip(from + 1);
@@ -139,8 +146,8 @@ impl<'a> Legs<'a> {
         for (onward, ways) in self.from[leg.to].iter().zip(onward_ways) {
             let corner = Corner::between(leg, onward, self.keep.limits.turn_radius_m);
             let too_long_m = way.used_m + corner.used_m - leg.length_m;
-            let too_far_m =
-                corner.cut_m + leg.deviation_m.max(onward.deviation_m) - self.keep.tolerance_m;
+            let too_far_m = leg.strictness * corner.cut_m + leg.deviation_m.max(onward.deviation_m)
+                - self.keep.tolerance_m;
             let misfit_m = too_long_m.max(0.0) + too_far_m.max(0.0) + onward.too_steep_m;
             offer(
                 ways,
@@ -157,13 +164,13 @@ impl<'a> Legs<'a> {
 impl Leg {
     /// The leg between the first and the last point, if it keeps the tolerance to those
     /// between; neighbours always do.
-    fn new(points: &[Point], to: usize, slack_m: f64, keep: &Keep) -> Option<Self> {
-        let [first, between @ .., last] = points else {
+    fn new(points: &[(Point, f64)], to: usize, slack_m: f64, keep: &Keep) -> Option<Self> {
+        let [(first, _), between @ .., (last, strictness)] = points else {
             return None;
         };
         let mut deviation_m = slack_m;
-        for &point in between {
-            deviation_m = deviation_m.max(slack_m + distance_m(point, *first, *last));
+        for &(point, strictness) in between {
+            deviation_m = deviation_m.max(slack_m + strictness * distance_m(point, *first, *last));
             if deviation_m > keep.tolerance_m {
                 return None;
             }
@@ -173,6 +180,7 @@ impl Leg {
         Some(Self {
             to,
             deviation_m,
+            strictness: *strictness,
             too_steep_m: too_steep_m(first.z, last.z, length_m, keep),
             length_m,
             heading_rad: along.y.atan2(along.x),

@@ -404,7 +404,8 @@ impl ItemWriter<'_> {
             limits: VehicleLimits::of(&self.vehicle.on_route(number)),
             zero: self.encoder.zero(),
         };
-        Ok(waypoints(&path, through, &keep))
+        let strictness = self.encoder.strictness(route, keep.tolerance_m);
+        Ok(waypoints((&path, &strictness), through, &keep))
     }
 }
 

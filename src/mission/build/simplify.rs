@@ -19,10 +19,21 @@ const CANDIDATE_SHARE: f64 = 0.05;
 ///
 /// The fewest candidates whose legs and arcs keep the limits. Where none do, those that miss them
 /// least, which the verdict rejects. The ends are flown from and to rest.
-pub(crate) fn waypoints(path: &[Point], through: &[usize], keep: &Keep) -> Vec<usize> {
+///
+/// `strictness` is by how many times closer than the tolerance legs stay to each sample, at least 1;
+/// where it is empty, 1.
+pub(crate) fn waypoints(
+    (path, strictness): (&[Point], &[f64]),
+    through: &[usize],
+    keep: &Keep,
+) -> Vec<usize> {
     let slack_m = CANDIDATE_SHARE * keep.tolerance_m;
-    let candidates = douglas_peucker(path, through, slack_m);
-    let points: Vec<Point> = candidates.iter().map(|&index| path[index]).collect();
+    let strict = |index: usize| strictness.get(index).copied().unwrap_or(1.0);
+    let candidates = douglas_peucker((path, &strict), through, slack_m);
+    let points: Vec<(Point, f64)> = candidates
+        .iter()
+        .map(|&index| (path[index], strict(index)))
+        .collect();
     let is_needed = |index: &usize| through.binary_search(index).is_ok();
     let needed: Vec<bool> = candidates.iter().map(is_needed).collect();
     Legs::new(&points, &needed, slack_m, keep)
@@ -33,7 +44,11 @@ pub(crate) fn waypoints(path: &[Point], through: &[usize], keep: &Keep) -> Vec<u
 }
 
 /// Indices of a subset of the samples within `tolerance_m` of every sample, some of them given.
-fn douglas_peucker(path: &[Point], given: &[usize], tolerance_m: f64) -> Vec<usize> {
+fn douglas_peucker(
+    (path, strict): (&[Point], &impl Fn(usize) -> f64),
+    given: &[usize],
+    tolerance_m: f64,
+) -> Vec<usize> {
     let Some(last) = path.len().checked_sub(1) else {
         return Vec::new();
     };
@@ -43,7 +58,12 @@ fn douglas_peucker(path: &[Point], given: &[usize], tolerance_m: f64) -> Vec<usi
     let mut open: Vec<(usize, usize)> = chosen.windows(2).map(|pair| (pair[0], pair[1])).collect();
     while let Some((from, to)) = open.pop() {
         let farthest = (from + 1..to)
-            .map(|index| (index, distance_m(path[index], path[from], path[to])))
+            .map(|index| {
+                (
+                    index,
+                    strict(index) * distance_m(path[index], path[from], path[to]),
+                )
+            })
             .max_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((index, deviation_m)) = farthest
             && deviation_m > tolerance_m
@@ -87,7 +107,7 @@ mod tests {
     }
 
     fn simplified(path: &[Point]) -> Vec<Point> {
-        waypoints(path, &[], &keep())
+        waypoints((path, &[]), &[], &keep())
             .into_iter()
             .map(|index| path[index])
             .collect()
@@ -122,11 +142,36 @@ mod tests {
     }
 
     #[test]
+    fn where_a_path_is_strict_its_legs_stay_closer() {
+        // A long swell, strict in its second half.
+        let path: Vec<Point> = (0..=400)
+            .map(|i| {
+                let along = f64::from(i) * 10.0;
+                Point::new(along, 0.0, 500.0 + 30.0 * (along / 500.0).sin())
+            })
+            .collect();
+        let strictness: Vec<f64> = (0..=400).map(|i| if i < 200 { 1.0 } else { 5.0 }).collect();
+        let worst_m = |strictness: &[f64], from: usize| {
+            let chosen = waypoints((&path, strictness), &[], &keep());
+            let legs = chosen.windows(2).flat_map(|leg| {
+                let (a, b) = (leg[0], leg[1]);
+                (a..b).map(move |index| (index, a, b))
+            });
+            let strict = legs.filter(|(index, ..)| *index >= from);
+            let away_m = strict.map(|(index, a, b)| distance_m(path[index], path[a], path[b]));
+            away_m.fold(0.0, f64::max)
+        };
+        assert!(worst_m(&[], 200) > 2.0);
+        assert!(worst_m(&strictness, 200) <= 1.0);
+        assert!(worst_m(&strictness, 0) > 2.0);
+    }
+
+    #[test]
     fn a_straight_path_is_two_waypoints() {
         let path: Vec<Point> = (0..=100)
             .map(|i| Point::new(f64::from(i) * 10.0, f64::from(i) * 3.0, 500.0))
             .collect();
-        assert_eq!(waypoints(&path, &[], &keep()), [0, 100]);
+        assert_eq!(waypoints((&path, &[]), &[], &keep()), [0, 100]);
     }
 
     #[test]
@@ -134,7 +179,7 @@ mod tests {
         let path: Vec<Point> = (0..=100)
             .map(|i| Point::new(f64::from(i) * 10.0, 0.0, 500.0 + f64::from((i - 50).max(0))))
             .collect();
-        let chosen = waypoints(&path, &[], &keep());
+        let chosen = waypoints((&path, &[]), &[], &keep());
         assert_eq!(chosen.len(), 3);
         assert!(chosen[1].abs_diff(50) <= 10, "bend at {}", chosen[1]);
     }
@@ -182,7 +227,7 @@ mod tests {
                 let run_m = 300.0 * std::f64::consts::PI * f64::from(step) / 4000.0;
                 point.z = 500.1 + slope * run_m;
             }
-            let chosen: Vec<Point> = waypoints(&path, &[], &keep)
+            let chosen: Vec<Point> = waypoints((&path, &[]), &[], &keep)
                 .into_iter()
                 .map(|index| path[index])
                 .collect();
@@ -199,7 +244,7 @@ mod tests {
             Point::new(30.0, 0.0, 500.0),
             Point::new(0.0, 1.0, 500.0),
         ];
-        assert_eq!(waypoints(&path, &[], &keep()), [0, 1, 2]);
+        assert_eq!(waypoints((&path, &[]), &[], &keep()), [0, 1, 2]);
     }
 
     #[test]
@@ -249,7 +294,7 @@ mod tests {
             .map(|subset| subset.len())
             .min();
         // The choice of candidates takes a twentieth of the tolerance; this path has no choice that close to it.
-        assert_eq!(Some(waypoints(&path, &[], &keep()).len()), fewest);
+        assert_eq!(Some(waypoints((&path, &[]), &[], &keep()).len()), fewest);
     }
 
     proptest! {
@@ -264,7 +309,7 @@ mod tests {
                 let last = path[path.len() - 1];
                 path.push(last + Point::new(length * heading.cos(), length * heading.sin(), climb));
             }
-            let chosen = waypoints(&path, &[], &keep());
+            let chosen = waypoints((&path, &[]), &[], &keep());
             prop_assert_eq!((chosen[0], chosen[chosen.len() - 1]), (0, path.len() - 1));
             for leg in chosen.windows(2) {
                 for index in leg[0]..=leg[1] {

@@ -15,6 +15,9 @@ use crate::world::{Layer, PlanZone, World};
 /// What is kept beyond the minimum grows to the full over one part in this many of the path.
 const RAMP: usize = 20;
 
+/// How many times the distance over a zone near the ceiling that the objective asks for is kept.
+const AIM: f64 = 1.1;
+
 /// Steepest slopes, rise over run, both positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Slopes {
@@ -82,7 +85,7 @@ impl<'a> FloorMaker<'a> {
             .iter()
             .filter_map(|zone| {
                 let under_m = over_m;
-                let over_m = zone.margin_over_m(over_m, world.max_amsl);
+                let over_m = over_m.min(AIM * zone.margin_over_m(over_m, world.max_amsl));
                 let has_room = match (zone.floor, zone.ceiling) {
                     (None, None) => false,
                     (None, Some(Placement::Amsl(top))) => top.0 + over_m <= world.max_amsl.0,
@@ -164,6 +167,24 @@ impl<'a> FloorMaker<'a> {
         raise(ends_m, demand);
     }
 
+    /// The highest altitudes of a path at those of its samples that are under a zone, `amsl_m` at
+    /// present, and under the ceiling everywhere, metres.
+    pub(crate) fn roofs_m(&self, (east_m, north_m): (&[f64], &[f64]), amsl_m: &[f64]) -> Vec<f64> {
+        let roof_m = |((east_m, north_m), amsl_m): ((&f64, &f64), &f64)| {
+            let ground_m = (self.world.ground).height_m(EastNorth {
+                east_m: *east_m,
+                north_m: *north_m,
+            });
+            let top_m = self.layer.ceiling_m(ground_m, self.world.max_amsl.0);
+            let zones = self.zones.iter();
+            let under_m =
+                zones.filter_map(|zone| zone.above((*east_m, *north_m), *amsl_m, ground_m));
+            under_m.fold(top_m, f64::min)
+        };
+        let line = east_m.iter().zip(north_m);
+        line.zip(amsl_m).map(roof_m).collect()
+    }
+
     /// The floor of the ground alone, with what is kept over it.
     #[inline(always)]
     fn over_ground(&self, ends_m: (f64, f64), demand: &mut Demand) {
@@ -237,6 +258,19 @@ fn ramp((end_m, full_m): (f64, f64), samples: usize, all: usize) -> f64 {
 }
 
 impl LowZone<'_> {
+    /// Altitude under which a path stays that passes under the zone, metres; none where it does
+    /// not.
+    fn above(&self, at: (f64, f64), amsl_m: f64, ground_m: f64) -> Option<f64> {
+        let (from_m, _) = self.zone.closed_m(ground_m);
+        let is_under = amsl_m < from_m && self.is_near(at) && self.holds(at);
+        is_under.then_some(from_m - self.under_m)
+    }
+
+    fn is_near(&self, at: (f64, f64)) -> bool {
+        let (min, max) = self.closed.bounds();
+        min[0] <= at.0 && at.0 <= max[0] && min[1] <= at.1 && at.1 <= max[1]
+    }
+
     fn holds(&self, at: (f64, f64)) -> bool {
         match self.zone.buffer_m > 0.0 {
             true => self.closed.contains([at.0, at.1]),
@@ -250,9 +284,7 @@ impl LowZone<'_> {
     /// A floor, raised to the top of the zone where it is in it; left alone where it is below the
     /// zone, and where the zone reaches up to the ceiling at `most_m`.
     fn raised(&self, floor_m: f64, ground_m: f64, at: (f64, f64), most_m: f64) -> f64 {
-        let (min, max) = self.closed.bounds();
-        let near = min[0] <= at.0 && at.0 <= max[0] && min[1] <= at.1 && at.1 <= max[1];
-        if !near || !self.holds(at) {
+        if !self.is_near(at) || !self.holds(at) {
             return floor_m;
         }
         let (from_m, below_m) = self.zone.closed_m(ground_m);

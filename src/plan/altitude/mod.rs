@@ -20,6 +20,7 @@
 //! will tell.
 
 pub(super) mod floor;
+pub(super) mod least_cost;
 pub(super) mod simplex;
 mod spans;
 mod violated;

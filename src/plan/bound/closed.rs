@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::closed_ground::closed_ground;
 use crate::numeric::geometry::{Point, Ring};
-use crate::spec::{MissionSpec, Placement};
+use crate::spec::{MissionSpec, Placement, Zone};
 use crate::world::{Disc, PlanZone, World};
 
 /// Corners of the polygon inside of a disc.
@@ -21,21 +21,26 @@ pub(super) fn closed_rings(spec: &MissionSpec, world: &World) -> Vec<Vec<Point>>
         if !is_closed_throughout(zone, world) {
             continue;
         }
-        // The outline of a circle reaches beyond it.
-        match given.circle {
-            Some((center, radius_m)) => rings.extend(inscribed(&Disc {
-                center: world.frame.to_plan(center),
-                radius_m,
-            })),
-            None => rings.push(Ring::around(&zone.outline).corners().to_vec()),
-        }
+        rings.extend(zone_ring(world, zone, given));
     }
     rings.extend(closed_ground(world));
     rings
 }
 
+/// A polygon inside of a zone.
+pub(super) fn zone_ring(world: &World, zone: &PlanZone, given: &Zone) -> Option<Vec<Point>> {
+    // The outline of a circle reaches beyond it.
+    match given.circle {
+        Some((center, radius_m)) => inscribed(&Disc {
+            center: world.frame.to_plan(center),
+            radius_m,
+        }),
+        None => Some(Ring::around(&zone.outline).corners().to_vec()),
+    }
+}
+
 /// Whether a zone is closed at every time and every altitude that a path may have in it.
-fn is_closed_throughout(zone: &PlanZone, world: &World) -> bool {
+pub(super) fn is_closed_throughout(zone: &PlanZone, world: &World) -> bool {
     let to_above = match zone.ceiling {
         None => true,
         Some(Placement::Amsl(ceiling)) => ceiling > world.max_amsl,

@@ -4,7 +4,8 @@
 //! all outside of the area are closed at any altitude. [`closed`] approximates them from inside,
 //! so that the rest of the plane holds every path that passes. The shortest path in it, bends
 //! included but turns not limited, is no longer than any of them, and neither is its length in
-//! three dimensions with the difference in altitude of its ends. No other term of the objective is
+//! three dimensions with the difference in altitude of its ends. A zone that can be flown over is
+//! passed on one side, or costs the climb over it ([`lids`]). No other term of the objective is
 //! negative. Lengths are those of the objective: in planning coordinates.
 //!
 //! **Estimated.** [`estimate`] solves the relaxed problem on a grid. It errs upward.
@@ -13,12 +14,14 @@ mod closed;
 mod closed_ground;
 mod estimate;
 mod level_set;
+mod lids;
 mod potential;
 
 pub(super) use estimate::estimate;
 pub use potential::RouteCertificate;
 pub(super) use potential::certify;
 
+use lids::{Climbs, Lid, lids};
 use rayon::prelude::*;
 
 use crate::geodesy::{EastNorth, PlanPoint};
@@ -33,32 +36,110 @@ const MAX_STEPS: usize = 2_000_000;
 /// samples: a share, and metres.
 const TOLERANCE: (f64, f64) = (1e-6, 0.1);
 
+/// Most closed polygons, and most ends of routes, for which zones that can be flown over are looked
+/// at.
+const MAX_CLOSED: usize = 400;
+const MAX_SITES: usize = 64;
+
 /// Start and goal of each route of a vehicle.
 pub(super) type VehicleRoutes = Vec<(PlanPoint, PlanPoint)>;
 
 /// Proven for each vehicle by the ends of its routes: no path that keeps its limits costs less.
 pub(super) fn proven(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]) -> Vec<f64> {
-    // The paper's objective reads threats at a few samples alone: its paths may cut them.
-    let sights = match spec.planner.objective {
-        Objective::Operational => sights(spec, world, routes),
-        Objective::Paper => None,
+    let passages = match spec.planner.objective {
+        Objective::Operational => Passages::new(spec, world, routes),
+        // The paper's objective reads threats at a few samples alone: its paths may cut them.
+        Objective::Paper => Passages::open(spec, world),
     };
     let mut place = 0;
     routes
         .iter()
         .map(|routes| {
-            let km = routes.iter().map(|&(from, to)| {
+            let costs = routes.iter().map(|&ends| {
                 place += 2;
-                let plane_m = (sights.as_ref())
-                    .and_then(|sights| sights.shortest(place - 2, place - 1, MAX_STEPS));
-                let plane_m = plane_m.map_or(0.0, |found| found.length_m);
-                let proven_m = plane_m * (1.0 - TOLERANCE.0) - TOLERANCE.1;
-                let rise_m = to.amsl.0 - from.amsl.0;
-                proven_m.max(0.0).hypot(rise_m).max(from.distance_m(to)) / 1000.0
+                passages.least(place - 2, ends)
             });
-            spec.planner.weights.length * km.sum::<f64>()
+            costs.sum()
         })
         .collect()
+}
+
+/// Shortest paths past what is closed, and past more and more of the zones that can be flown over.
+/// A path crosses none of these zones, or one of them first in their order: it then passes all
+/// before that one, and climbs over it.
+struct Passages {
+    /// Past the first zones, none of them to begin with; none where nothing is known.
+    past: Vec<Option<Sights>>,
+    lids: Vec<Lid>,
+    climbs: Climbs,
+    /// Cost of a kilometre.
+    length: f64,
+}
+
+impl Passages {
+    /// Without anything that is closed.
+    fn open(spec: &MissionSpec, world: &World) -> Self {
+        Self {
+            past: vec![None],
+            lids: Vec::new(),
+            climbs: Climbs::new(spec, world),
+            length: spec.planner.weights.length,
+        }
+    }
+
+    fn new(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]) -> Self {
+        let sites = sites(routes);
+        let area = Ring::around(&world.area);
+        let mut closed = closed::closed_rings(spec, world);
+        let past =
+            |closed: &[Vec<Point>]| FreeSpace::new(area.corners(), closed, &sites).map(Sights::new);
+        let first = past(&closed);
+        let is_small = closed.len() <= MAX_CLOSED && sites.len() <= MAX_SITES;
+        let lids = match is_small && first.is_some() {
+            true => lids(spec, world),
+            false => Vec::new(),
+        };
+        let mut all = vec![first];
+        for lid in &lids {
+            closed.push(lid.ring.clone());
+            all.push(past(&closed));
+        }
+        Self {
+            past: all,
+            lids,
+            ..Self::open(spec, world)
+        }
+    }
+
+    /// What a route between two ends costs at least, the first of them being site number `site`.
+    fn least(&self, site: usize, (from, to): (PlanPoint, PlanPoint)) -> f64 {
+        let mut least = f64::INFINITY;
+        let mut plane_m = 0.0;
+        for (number, sights) in self.past.iter().enumerate() {
+            if let Some(sights) = sights {
+                match sights.shortest(site, site + 1, MAX_STEPS) {
+                    Some(found) => plane_m = found.length_m,
+                    // None passes these zones: all cross one of them.
+                    None if number > 0 => break,
+                    None => {}
+                }
+            }
+            let proven_m = (plane_m * (1.0 - TOLERANCE.0) - TOLERANCE.1).max(0.0);
+            let straight_m = from.at.distance_m(to.at);
+            let (rise_m, altitude) = match self.lids.get(number) {
+                Some(lid) => {
+                    let above_m = |end: PlanPoint| (lid.top_m - end.amsl.0).max(0.0);
+                    let climb = self.climbs.over(lid, (from, to));
+                    (above_m(from) + above_m(to), climb * (1.0 - TOLERANCE.0))
+                }
+                None => (0.0, 0.0),
+            };
+            let rise_m = rise_m.max((to.amsl.0 - from.amsl.0).abs());
+            let length_m = proven_m.hypot(rise_m).max(straight_m.hypot(rise_m));
+            least = least.min(self.length * length_m / 1000.0 + altitude);
+        }
+        least
+    }
 }
 
 /// No path that keeps the limits is shorter: for each two of these places, metres, in three
@@ -84,14 +165,17 @@ pub(super) fn shortest_m(spec: &MissionSpec, world: &World, sites: &[PlanPoint])
 
 /// Sights past all that is closed, with a place at each end of each route.
 fn sights(spec: &MissionSpec, world: &World, routes: &[VehicleRoutes]) -> Option<Sights> {
-    let ends = routes
-        .iter()
-        .flatten()
-        .flat_map(|&(from, to)| [from.at, to.at]);
-    let sites: Vec<Point> = ends.map(point).collect();
+    let sites = sites(routes);
     let area = Ring::around(&world.area);
     let closed = closed::closed_rings(spec, world);
     FreeSpace::new(area.corners(), &closed, &sites).map(Sights::new)
+}
+
+/// Both ends of each route.
+fn sites(routes: &[VehicleRoutes]) -> Vec<Point> {
+    let routes = routes.iter().flatten();
+    let ends = routes.flat_map(|&(from, to)| [from.at, to.at]);
+    ends.map(point).collect()
 }
 
 fn point(at: EastNorth) -> Point {

@@ -56,9 +56,8 @@ pub(crate) struct Prices {
     pub length: f64,
     /// Cost per kilometre of path and kilometre of altitude.
     pub altitude: f64,
-    /// Whether that altitude counts from the floor (minimum height over ground) or
-    /// from the sea.
-    pub above_floor: bool,
+    /// Whether that altitude counts from the minimum height over ground or from the sea.
+    pub above_ground: bool,
     /// Cost per kilometre inside a threat: at the axis, and how much less at the rim.
     pub threat: (f64, f64),
     /// Cost per kilometre where flying is not allowed at all.
@@ -71,6 +70,8 @@ pub(crate) struct Relief {
     pub grid: Grid,
     /// The lowest altitude allowed; NaN where there is none.
     floor_m: Vec<f64>,
+    /// The minimum height over ground, from which altitude costs: below the floor over a zone.
+    base_m: Vec<f64>,
     /// What threats cost per kilometre.
     threats: Vec<f64>,
     /// What closed places cost per kilometre.
@@ -136,16 +137,18 @@ impl Relief {
             closed.push(if is_closed { prices.closed } else { 0.0 });
         }
         Self {
-            grid,
             floor_m,
+            base_m: base_m(world, &grid),
             threats,
             closed,
+            grid,
         }
     }
 
     /// Of lowest altitudes (NaN where there is none) and what closed places cost, without threats.
-    pub(crate) fn of(grid: Grid, floor_m: Vec<f64>, closed: Vec<f64>) -> Self {
+    pub(crate) fn of(world: &World, grid: Grid, floor_m: Vec<f64>, closed: Vec<f64>) -> Self {
         Self {
+            base_m: base_m(world, &grid),
             threats: vec![0.0; grid.len()],
             grid,
             floor_m,
@@ -173,11 +176,11 @@ impl Relief {
         };
         let cost = altitude_m
             .iter()
-            .zip(&self.floor_m)
+            .zip(&self.base_m)
             .zip(self.threats.iter().zip(&self.closed))
-            .map(|((&altitude_m, &floor_m), (threats, closed))| {
-                let counted_m = if prices.above_floor {
-                    altitude_m - floor_m
+            .map(|((&altitude_m, &base_m), (threats, closed))| {
+                let counted_m = if prices.above_ground {
+                    altitude_m - base_m
                 } else {
                     altitude_m
                 };
@@ -239,6 +242,13 @@ pub(crate) fn dilate(grid: &Grid, slope: f64, values: &mut [f64]) {
     for node in (0..grid.len()).rev() {
         relax(node, -1);
     }
+}
+
+/// The minimum height over ground at the nodes of a grid, metres above the sea.
+fn base_m(world: &World, grid: &Grid) -> Vec<f64> {
+    (0..grid.len())
+        .map(|node| world.ground.height_m(grid.at(node)) + world.min_agl.0)
+        .collect()
 }
 
 /// The lowest altitude allowed at a place, metres; `None` where flying is closed, or

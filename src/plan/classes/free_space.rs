@@ -169,7 +169,12 @@ impl FreeSpace {
                 false => CLOSED,
             }
         });
-        let relief = Relief::of(self.grid.clone(), self.floor_m.clone(), closed.collect());
+        let relief = Relief::of(
+            context.world,
+            self.grid.clone(),
+            self.floor_m.clone(),
+            closed.collect(),
+        );
         Field {
             rises: relief.rises(context.layer(), slope, &prices),
             ..relief.field(slope, &prices)

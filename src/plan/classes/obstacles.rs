@@ -8,7 +8,7 @@ use super::field::Field;
 use crate::geodesy::EastNorth;
 
 /// A maximum is an obstacle if it stands out by so much cost per kilometre.
-const PERSISTENCE: f64 = 0.3;
+const PERSISTENCE: f64 = 0.1;
 /// Costs above this are all the same to an obstacle: walls merge to one.
 const WALL: f64 = 6.0;
 /// Obstacles nearer than this many cells are the same one.

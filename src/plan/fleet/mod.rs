@@ -185,10 +185,17 @@ pub fn plan_fleet_with(
     })
 }
 
-/// Plans every vehicle as if it were alone.
+/// Plans every vehicle as if it were alone, all of its routes with the control points that are
+/// searched, as their points are recombined.
 #[must_use]
 pub fn plan_each_alone(spec: &MissionSpec, world: &World, request: &Request<'_>) -> FleetPlan {
-    let planning = Planning::new(spec, world, request);
+    let planning = Planning {
+        options: SearchOptions {
+            polishing: false,
+            ..SearchOptions::default()
+        },
+        ..Planning::new(spec, world, request)
+    };
     let fleet = (0..spec.vehicles.len()).into_par_iter();
     with_bounds(spec, world, || FleetPlan {
         seed: request.seed,

@@ -4,6 +4,7 @@ pub(super) mod corridor;
 pub(super) mod detour;
 pub(super) mod fit;
 pub(super) mod objective;
+pub(super) mod polish;
 pub(super) mod problem;
 pub(super) mod published;
 pub(super) mod seeds;
@@ -100,12 +101,13 @@ pub(super) struct Found {
 }
 
 /// Searches one route within a budget; where that finds no path that keeps the limits, once more
-/// through the corridors of free space.
+/// through the corridors of free space. What is found is polished.
 pub(super) fn search(context: &RouteContext<'_>, run: Run<'_>) -> Found {
     if context.is_cancelled() {
         return found_among(context, Vec::new(), 0);
     }
-    corridor::or_through_corridors(context, run, search_classes(context, run))
+    let found = corridor::or_through_corridors(context, run, search_classes(context, run));
+    polish::polished(context, found)
 }
 
 /// Searches one route from the classes of the soft fields.
@@ -385,7 +387,7 @@ fn judged(context: &RouteContext<'_>, splines: &[Spline], margins: Margins) -> V
 /// then keeps all of them: what is too low by a hand's breadth need not be searched again.
 pub(super) fn lifted(context: &RouteContext<'_>, outline: &[EastNorth]) -> Option<Found> {
     let found = along(context, outline);
-    found.strict.is_clean().then_some(found)
+    (found.strict.is_clean()).then(|| polish::polished_as_is(context, found))
 }
 
 /// The straight route between the ends at the altitudes that its margins ask for, whatever limits

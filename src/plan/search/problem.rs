@@ -175,7 +175,7 @@ impl<'a> Sampled<'a> {
 }
 
 /// Height under the ceiling that keeps rounding below it, metres.
-const UNDER_CEILING_M: f64 = 0.05;
+pub(super) const UNDER_CEILING_M: f64 = 0.05;
 /// A lid this near to the ceiling needs care that a path over it stays below, metres.
 const NEAR_CEILING_M: f64 = 10.0;
 
