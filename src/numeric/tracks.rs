@@ -179,7 +179,9 @@ impl Track {
     pub fn new(segments: Vec<Segment>) -> Self {
         let mut runs = Vec::new();
         // What stays for ever is at rest, and far from any motion over others.
-        let stays = segments.iter().position(|segment| !segment.t1_s.is_finite());
+        let stays = segments
+            .iter()
+            .position(|segment| !segment.t1_s.is_finite());
         let (moving, staying) = segments.split_at(stays.unwrap_or(segments.len()));
         for part in [(0, moving), (moving.len(), staying)] {
             if !part.1.is_empty() {

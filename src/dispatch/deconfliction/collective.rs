@@ -8,10 +8,12 @@ use super::moves::Ruled;
 
 /// Most groups.
 const MOST_GROUPS: usize = 3;
-/// Furthest that paths are bent, in separations.
-const MOST_ASIDE: f64 = 5.5;
-/// How often the bend is halved towards the least without a conflict.
-const HALVINGS: usize = 5;
+/// How far paths are bent, in separations: as far as the first without a conflict.
+const ASIDE: [f64; 12] = [0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.6, 3.3, 4.2, 5.5, 8.0, 12.0];
+/// How often the step to the bend before is halved towards the least without a conflict.
+const HALVINGS: usize = 6;
+/// Share of the cost that finding the least may save.
+const WORTH: f64 = 0.05;
 
 /// What sets groups apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +47,9 @@ pub(super) fn without_conflict(conflicts: &mut Conflicts<'_>) -> Vec<Choice> {
     let mut found: Vec<Choice> = Vec::new();
     let mut least = f64::INFINITY;
     for rule in rules(conflicts.can_wait()) {
-        if let Some((cost, choice)) = least_bent(conflicts, &order, rule, least) {
+        let found_ = least_bent(conflicts, &order, rule, least);
+        eprintln!("rule {rule:?} {:?}", found_.as_ref().map(|f| f.0));
+        if let Some((cost, choice)) = found_ {
             least = cost;
             found.insert(0, choice);
         }
@@ -101,31 +105,34 @@ fn least_bent(
     rule: Rule,
     known: f64,
 ) -> Option<(f64, Choice)> {
-    let mut best = None;
-    // The first is as far as a path is bent, the others lie half way between what is too little
-    // and what is enough.
-    let (mut least, mut most, mut aside) = (0.0, MOST_ASIDE, MOST_ASIDE);
-    for _ in 0..=HALVINGS {
+    let mut at = |aside: f64| -> Option<(f64, Choice)> {
         let choice: Option<Choice> = (0..rank.len())
             .map(|vehicle| {
                 let own = rule.of(rank[vehicle], rank.len(), aside);
                 conflicts.add_ruled(vehicle, own)
             })
             .collect();
-        let choice = choice.filter(|choice| is_free(conflicts, choice));
-        match choice {
-            Some(choice) => {
-                let flown = choice.iter().copied().enumerate();
-                let cost: f64 = flown.map(|flown| conflicts.cost(flown)).sum();
-                best = Some((cost, choice));
-                most = aside;
-            }
-            None if aside >= MOST_ASIDE => return None,
-            None => least = aside,
+        let choice = choice.filter(|choice| is_free(conflicts, choice))?;
+        let flown = choice.iter().copied().enumerate();
+        Some((flown.map(|flown| conflicts.cost(flown)).sum(), choice))
+    };
+    let found = ASIDE.iter().enumerate().find_map(|(step, &aside)| {
+        let too_little = if step > 0 { ASIDE[step - 1] } else { 0.0 };
+        at(aside).map(|found| (found, too_little, aside))
+    });
+    // Between what is too little and what is enough.
+    let (mut best, mut too_little, mut enough) = found?;
+    for _ in 0..HALVINGS {
+        if best.0 - known > WORTH * known {
+            break;
         }
-        aside = 0.5 * (least + most);
+        let aside = 0.5 * (too_little + enough);
+        match at(aside) {
+            Some(found) => (best, enough) = (found, aside),
+            None => too_little = aside,
+        }
     }
-    best.filter(|(cost, _)| *cost < known)
+    Some(best).filter(|(cost, _)| *cost < known)
 }
 
 fn is_free(conflicts: &mut Conflicts<'_>, choice: &Choice) -> bool {
