@@ -9,7 +9,9 @@ use super::moves::Ruled;
 /// Most groups.
 const MOST_GROUPS: usize = 3;
 /// How far paths are bent, in separations: as far as the first without a conflict.
-const ASIDE: [f64; 12] = [0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.6, 3.3, 4.2, 5.5, 8.0, 12.0];
+const ASIDE: [f64; 14] = [
+    0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.6, 3.3, 4.2, 5.5, 8.0, 12.0, 15.0, 18.0,
+];
 /// How often the step to the bend before is halved towards the least without a conflict.
 const HALVINGS: usize = 6;
 /// Share of the cost that finding the least may save.
@@ -19,6 +21,8 @@ const WORTH: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Apart {
     Height,
+    /// The same from soon after the beginning of the route until shortly before its end.
+    HeightThroughout,
     Time,
 }
 
@@ -47,9 +51,7 @@ pub(super) fn without_conflict(conflicts: &mut Conflicts<'_>) -> Vec<Choice> {
     let mut found: Vec<Choice> = Vec::new();
     let mut least = f64::INFINITY;
     for rule in rules(conflicts.can_wait()) {
-        let found_ = least_bent(conflicts, &order, rule, least);
-        eprintln!("rule {rule:?} {:?}", found_.as_ref().map(|f| f.0));
-        if let Some((cost, choice)) = found_ {
+        if let Some((cost, choice)) = least_bent(conflicts, &order, rule, least) {
             least = cost;
             found.insert(0, choice);
         }
@@ -73,6 +75,10 @@ fn rules(can_wait: bool) -> Vec<Rule> {
                 ..one
             };
             rules.push(height);
+            rules.push(Rule {
+                apart: Apart::HeightThroughout,
+                ..height
+            });
             rules.extend(can_wait.then_some(Rule {
                 apart: Apart::Time,
                 ..height
@@ -155,17 +161,15 @@ impl Rule {
         #[expect(clippy::cast_precision_loss, reason = "few groups")]
         let (group, last) = (group as f64, (self.groups - 1).max(1) as f64);
         let aside = self.side * aside;
-        match self.apart {
-            Apart::Height => Ruled {
-                aside,
-                up: group,
-                window: None,
-            },
-            Apart::Time => Ruled {
-                aside,
-                up: 0.0,
-                window: Some(group / last),
-            },
+        let (up, window) = match self.apart {
+            Apart::Height | Apart::HeightThroughout => (group, None),
+            Apart::Time => (0.0, Some(group / last)),
+        };
+        Ruled {
+            aside,
+            up,
+            is_wide: self.apart == Apart::HeightThroughout,
+            window,
         }
     }
 }

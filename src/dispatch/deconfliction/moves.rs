@@ -18,6 +18,8 @@ const PEAKS: [f64; 3] = [0.5, 0.3, 0.7];
 const RAISED: [f64; 6] = [1.15, 1.5, 2.3, 2.8, 3.5, 4.6];
 /// Where on a route it is raised, as the middle and half of the length, as shares of it.
 const RAISED_FROM: [(f64, f64); 4] = [(0.5, 0.1), (0.28, 0.1), (0.72, 0.1), (0.5, 0.3)];
+/// The same where a rule raises it over most of its length.
+const RAISED_WIDE: (f64, f64) = (0.5, 0.2);
 /// How far a path that is raised is bent at the same time, in separations.
 const BOTH: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Highest that is combined with a bend, in vertical separations.
@@ -25,7 +27,7 @@ const BOTH_UP_TO: f64 = 3.0;
 
 /// Least share of a route over which it rises, and metres for each metre that it rises.
 const RAMP: f64 = 0.12;
-const GENTLE: f64 = 4.5;
+const GENTLE: f64 = 11.0;
 
 /// How a rule changes the path of one vehicle.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +36,8 @@ pub(super) struct Ruled {
     pub(super) aside: f64,
     /// How far it is raised, in steps of a vertical separation.
     pub(super) up: f64,
+    /// Whether it is raised over most of its length.
+    pub(super) is_wide: bool,
     /// Its departure, as a share of its window; none for the specified one.
     pub(super) window: Option<f64>,
 }
@@ -156,7 +160,11 @@ pub(super) fn ruled(shape: &Shape, separation: &Separation, rule: Ruled) -> Shap
         aside_m: rule.aside * side_m,
         peak: PEAKS[0],
         up_m: rule.up * RAISED[0] * up_m,
-        raised: RAISED_FROM[0],
+        raised: if rule.is_wide {
+            RAISED_WIDE
+        } else {
+            RAISED_FROM[0]
+        },
         sway_m: 0.0,
     };
     let routes = 0..shape.control_points.len();

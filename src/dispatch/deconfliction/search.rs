@@ -59,10 +59,6 @@ impl<'s, 'a> Search<'s, 'a> {
         for (choice, cost) in free.iter_mut().zip(costs) {
             if cost <= PROMISING * least {
                 self.improve(choice);
-                eprintln!(
-                    "improve {cost} -> {:?}",
-                    (self.cost(choice), self.conflicts.work())
-                );
             }
         }
         let cheapest = free
