@@ -3,6 +3,8 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::approach::{
     Segment, are_surely_apart, closest_approach, closest_horizontal, may_be_near,
 };
@@ -358,6 +360,67 @@ impl Tracks {
         numbers(&is_near)
     }
 
+    /// The same of a track at several delays, seconds: the index is looked through once for all.
+    #[must_use]
+    pub fn near_delayed(
+        &self,
+        own: &Track,
+        nearness: &Nearness,
+        among: Range<usize>,
+        delays_s: &[f64],
+    ) -> Vec<Vec<usize>> {
+        let pairs = self.pairs_of_runs(own, nearness, among, delays_s);
+        let near = |later_s: f64| {
+            let own = own.delayed(later_s);
+            let reaches: Vec<Extent> = own.runs.iter().map(|run| run.reach(nearness)).collect();
+            let mut is_near = vec![false; self.tracks.len()];
+            for &(run, track, other) in &pairs {
+                if is_near[track] {
+                    continue;
+                }
+                let track_of = &self.tracks[track];
+                let (reach, other) = (&reaches[run], &track_of.runs[other]);
+                let run = &own.runs[run];
+                is_near[track] = run.may_meet(reach, other, nearness)
+                    && own.meets(run, track_of, other, nearness);
+            }
+            numbers(&is_near)
+        };
+        delays_s.par_iter().map(|&later_s| near(later_s)).collect()
+    }
+
+    /// Runs of a track and those of others that may meet at some delay: by number, the track, and
+    /// the run of it.
+    fn pairs_of_runs(
+        &self,
+        own: &Track,
+        nearness: &Nearness,
+        among: Range<usize>,
+        delays_s: &[f64],
+    ) -> Vec<(usize, usize, usize)> {
+        /// More than rounding takes from a time, seconds.
+        const ROUNDING_S: f64 = 1e-3;
+        let least_s = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
+        let most_s = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut pairs = Vec::new();
+        for (number, run) in own.runs.iter().enumerate() {
+            let mut reach = run.reach(nearness);
+            reach[0].0 += least_s - ROUNDING_S;
+            reach[0].1 += most_s + ROUNDING_S;
+            for part in &self.parts {
+                part.cells.each(&reach, |item| {
+                    let (track, other) = part.items[item];
+                    let (track, other) = (track as usize, other as usize);
+                    let other_run = &self.tracks[track].runs[other];
+                    if among.contains(&track) && run.may_meet(&reach, other_run, nearness) {
+                        pairs.push((number, track, other));
+                    }
+                });
+            }
+        }
+        pairs
+    }
+
     /// Whether any track comes too near.
     #[must_use]
     pub fn is_any_near(&self, own: &Track, nearness: &Nearness) -> bool {
@@ -481,6 +544,25 @@ mod tests {
                     at_once.near_by_all(own, &nearness, from)
                 );
                 one_by_one.extend([own.clone()]);
+            }
+        }
+
+        #[test]
+        fn looks_at_several_delays_are_those_at_each_of_them(
+            fleet in prop::collection::vec(flight(), 1..9),
+            nearness in nearness(),
+            delays in prop::collection::vec(-60.0..90.0_f64, 1..5),
+            from in 0..3_usize,
+        ) {
+            let mut tracks = Tracks::new(&nearness);
+            tracks.extend(fleet.iter().cloned());
+            let among = from.min(fleet.len())..fleet.len();
+            for own in &fleet {
+                let all = tracks.near_delayed(own, &nearness, among.clone(), &delays);
+                for (found, &later_s) in all.into_iter().zip(&delays) {
+                    let later = own.delayed(later_s);
+                    prop_assert_eq!(found, tracks.near_by_all(&later, &nearness, from));
+                }
             }
         }
 
