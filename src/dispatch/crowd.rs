@@ -9,6 +9,9 @@ use crate::world::World;
 const FEWEST: usize = 8;
 /// Most vehicles: the work grows with their square.
 pub(super) const MOST: usize = 60;
+/// Most vehicles of a crowd that are planned one by one where no plan as a whole is found: each is
+/// then planned around nearly all others, round after round.
+pub(super) const MOST_ONE_BY_ONE: usize = 14;
 /// Others that each vehicle of a crowd meets, on average.
 const MET: usize = 5;
 

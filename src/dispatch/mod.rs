@@ -221,20 +221,27 @@ fn dispatch_ordered(job: Job<'_>) -> Dispatched {
 }
 
 /// Dispatches a fleet among zones that are always closed: a crowd as a whole, and others so only
-/// where planning one after the other leaves vehicles too near.
+/// where planning one after the other leaves vehicles too near. A large crowd for which no plan as
+/// a whole is found is not planned one by one: it ends with who is in whose way.
 fn dispatch_among_zones(job: Job<'_>) -> Dispatched {
-    let is_crowd = crowd::is_crowd(job.spec, job.world);
-    let together = || planned_together(job);
     if job.run.earlier.is_some() {
         return dispatch_in_rounds(job);
     }
-    if let Some(found) = is_crowd.then(together).flatten() {
-        return found;
+    let count = job.spec.vehicles.len();
+    let is_crowd = crowd::is_crowd(job.spec, job.world);
+    if is_crowd {
+        let found = planned_together(job);
+        let ends = |found: &Dispatched| found.review.passes() || count > crowd::MOST_ONE_BY_ONE;
+        if let Some(mut found) = found.filter(ends) {
+            found.name_those_too_near(job.spec);
+            return found;
+        }
     }
     let one_by_one = with_fewer_freedoms(job);
     let mut broken = (one_by_one.review.margins.iter()).filter(|margin| !margin.ok);
     let are_too_near = broken.any(|margin| margin.limit == Limit::Separation);
-    let is_worth_it = !is_crowd && are_too_near && job.spec.vehicles.len() <= crowd::MOST;
+    let is_worth_it = !is_crowd && are_too_near && count <= crowd::MOST;
+    let together = || planned_together(job).filter(|found| found.review.passes());
     is_worth_it.then(together).flatten().unwrap_or(one_by_one)
 }
 
@@ -259,8 +266,9 @@ fn with_fewer_freedoms(job: Job<'_>) -> Dispatched {
     best
 }
 
-/// Plans every vehicle alone, and then all of them on variants of these paths. None where no such
-/// plan passes.
+/// Plans every vehicle alone, and then all of them on variants of these paths: the first plan that
+/// passes, and where none does the one with the fewest conflicts. None where a vehicle has no path
+/// even alone, or paths have no variants.
 fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     let Job {
         spec, world, run, ..
@@ -281,9 +289,17 @@ fn planned_together(job: Job<'_>) -> Option<Dispatched> {
     let mut reviewer = Reviewer::new(judged_spec, judged_world);
     let specs = freedoms::with_fewer(spec);
     let plans = deconfliction::resolved(&specs, world, run.seed, &alone).into_iter();
-    plans
-        .map(|plan| judged(job, &mut reviewer, (1, plan), None))
-        .find(|found| found.review.passes())
+    let mut best: Option<Dispatched> = None;
+    for plan in plans {
+        let found = judged(job, &mut reviewer, (1, plan), None);
+        if found.review.passes() {
+            return Some(found);
+        }
+        if (best.as_ref()).is_none_or(|best| found.is_better_than(best.rank())) {
+            best = Some(found);
+        }
+    }
+    best
 }
 
 /// Encodes the missions of the plan of a round and judges them. Those of paths that are as they

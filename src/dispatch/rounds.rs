@@ -108,7 +108,7 @@ impl Dispatched {
 
     /// Those before a vehicle that its mission comes too near to are in its way, where nothing
     /// else is known to be.
-    fn name_those_too_near(&mut self, spec: &MissionSpec) {
+    pub(super) fn name_those_too_near(&mut self, spec: &MissionSpec) {
         let index = |id: &str| spec.vehicles.iter().position(|vehicle| vehicle.id == id);
         let broken = self.review.margins.iter().filter(|margin| !margin.ok);
         let near = broken.filter(|margin| margin.limit == Limit::Separation);

@@ -91,14 +91,9 @@ impl Cells {
 
     /// Calls `act` with the number of everything in the cells that an extent touches, once.
     pub fn each(&self, extent: &Extent, mut act: impl FnMut(usize)) {
-        let range = self.range(extent);
-        self.visit(&range, |[cell, at @ ..]| {
-            let members = self.starts[cell] as usize..self.starts[cell + 1] as usize;
-            for member in &self.members[members] {
-                if member.is_first_in(at, &range) {
-                    act(member.item as usize);
-                }
-            }
+        self.any(extent, |item| {
+            act(item);
+            false
         });
     }
 
@@ -108,6 +103,11 @@ impl Cells {
         let range = self.range(extent);
         for time in range[0].0..range[0].1 + 1 {
             for east in range[1].0..range[1].1 + 1 {
+                // Cells along north follow each other, so one look finds that all are empty.
+                let row = [range[2].0, range[2].1 + 1].map(|north| self.index([time, east, north]));
+                if self.starts[row[0]] == self.starts[row[1]] {
+                    continue;
+                }
                 for north in range[2].0..range[2].1 + 1 {
                     let at = [time, east, north];
                     let cell = self.index(at);

@@ -3,11 +3,21 @@
 
 use std::ops::Range;
 
-use super::approach::{Segment, are_surely_apart, closest_approach, closest_horizontal};
+use rayon::prelude::*;
+
+use super::approach::{
+    Segment, are_surely_apart, closest_approach, closest_horizontal, may_be_near,
+};
 use super::cells::{Cells, Extent};
 
-/// Motions that share a box.
-const RUN: usize = 8;
+/// Most motions that share a box, and fewest that are split once more.
+const MOST_OF_RUN: usize = 64;
+const SPLIT: usize = 8;
+/// Motions share a box where they are that near to one motion over all of them, metres.
+const STRAIGHT_M: f64 = 8.0;
+
+/// How many times as large as the next a part of the index is.
+const PARTS: usize = 4;
 
 /// When two tracks are too near each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,13 +52,65 @@ pub struct Track {
     runs: Vec<Run>,
 }
 
-/// A box around motions that follow each other.
+/// A box around motions that follow each other, and one motion that is near to all of them.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     first: usize,
     end: usize,
     extent: Extent,
     up_m: (f64, f64),
+    whole: Whole,
+}
+
+/// One motion over several, and the furthest that these are from it at the same time, metres.
+#[derive(Clone, Copy, Debug)]
+struct Whole {
+    motion: Segment,
+    off_m: f64,
+    off_up_m: f64,
+}
+
+impl Whole {
+    fn over(segments: &[Segment]) -> Self {
+        let (first, last) = (segments[0], segments[segments.len() - 1]);
+        let end = |segment: &Segment| match segment.t1_s.is_finite() {
+            true => segment.at(segment.t1_s),
+            false => segment.from_m,
+        };
+        let motion = match segments {
+            [one] => *one,
+            _ => Segment::between((first.t0_s, first.from_m), (last.t1_s, end(&last))),
+        };
+        let (mut off_m, mut off_up_m) = (0.0_f64, 0.0_f64);
+        let mut see = |t_s: f64, at: [f64; 3]| {
+            let there = match t_s.is_finite() && motion.t1_s.is_finite() {
+                true => motion.at(t_s),
+                false => motion.from_m,
+            };
+            off_m = off_m.max((at[0] - there[0]).hypot(at[1] - there[1]));
+            off_up_m = off_up_m.max((at[2] - there[2]).abs());
+        };
+        for segment in segments {
+            see(segment.t0_s, segment.from_m);
+            see(segment.t1_s, end(segment));
+        }
+        Self {
+            motion,
+            off_m,
+            off_up_m,
+        }
+    }
+
+    /// Whether a motion may come too near to any of those.
+    fn may_be_near(&self, own: &Self, nearness: &Nearness) -> bool {
+        may_be_near(
+            &own.motion,
+            &self.motion,
+            nearness.slack_s,
+            nearness.distance_m + self.off_m + own.off_m,
+            nearness.height_m() + self.off_up_m + own.off_up_m,
+        )
+    }
 }
 
 impl Run {
@@ -73,7 +135,24 @@ impl Run {
             end: first + segments.len(),
             extent: [all[0], all[1], all[2]],
             up_m: all[3],
+            whole: Whole::over(segments),
         }
+    }
+
+    /// Runs of motions, the first of which has this number: as long as they are nearly straight
+    /// and steady.
+    fn push_all(first: usize, segments: &[Segment], runs: &mut Vec<Self>) {
+        let is_straight = || {
+            let whole = Whole::over(segments);
+            whole.off_m.max(whole.off_up_m) <= STRAIGHT_M
+        };
+        if segments.len() <= SPLIT || segments.len() <= MOST_OF_RUN && is_straight() {
+            runs.push(Self::around(first, segments));
+            return;
+        }
+        let (one, other) = segments.split_at(segments.len() / 2);
+        Self::push_all(first, one, runs);
+        Self::push_all(first + one.len(), other, runs);
     }
 
     /// The extent in which something may be too near, with a hair for rounding.
@@ -100,11 +179,17 @@ impl Track {
     /// A track of motions in order of time.
     #[must_use]
     pub fn new(segments: Vec<Segment>) -> Self {
-        let runs = segments
-            .chunks(RUN)
-            .enumerate()
-            .map(|(index, segments)| Run::around(index * RUN, segments))
-            .collect();
+        let mut runs = Vec::new();
+        // What stays for ever is at rest, and far from any motion over others.
+        let stays = segments
+            .iter()
+            .position(|segment| !segment.t1_s.is_finite());
+        let (moving, staying) = segments.split_at(stays.unwrap_or(segments.len()));
+        for part in [(0, moving), (moving.len(), staying)] {
+            if !part.1.is_empty() {
+                Run::push_all(part.0, part.1, &mut runs);
+            }
+        }
         Self { segments, runs }
     }
 
@@ -119,6 +204,8 @@ impl Track {
         for run in &mut later.runs {
             let times = &mut run.extent[0];
             *times = (times.0 + later_s, times.1 + later_s);
+            let motion = &mut run.whole.motion;
+            (motion.t0_s, motion.t1_s) = (motion.t0_s + later_s, motion.t1_s + later_s);
         }
         later
     }
@@ -136,7 +223,17 @@ impl Track {
     /// Whether two runs come too near each other.
     fn meets(&self, own: &Run, other: &Self, run: &Run, nearness: &Nearness) -> bool {
         let (distance_m, height_m) = (nearness.distance_m, nearness.height_m());
-        self.segments_of(own).iter().any(|a| {
+        if !run.whole.may_be_near(&own.whole, nearness) {
+            return false;
+        }
+        let one = |motion: &Segment| Whole {
+            motion: *motion,
+            off_m: 0.0,
+            off_up_m: 0.0,
+        };
+        let own = self.segments_of(own).iter();
+        let mut own = own.filter(|a| run.whole.may_be_near(&one(a), nearness));
+        own.any(|a| {
             other.segments_of(run).iter().any(|b| {
                 !are_surely_apart(a, b, nearness.slack_s, distance_m, height_m)
                     && nearness.is_broken(a, b)
@@ -147,7 +244,7 @@ impl Track {
 
 /// Tracks in the order in which they came, found by time and place.
 ///
-/// The index has parts, each about twice as large as the next: a new
+/// The index has parts, each some times as large as the next: a new
 /// track makes a part of its own, and parts that have become alike are made one. So
 /// adding `n` tracks costs `n log n`, and a look goes through `log n` parts.
 #[derive(Clone, Debug)]
@@ -201,7 +298,7 @@ impl Tracks {
         let mut first = self.tracks.len();
         self.tracks.extend(tracks);
         while let Some(part) = self.parts.last() {
-            if first - part.first > self.tracks.len() - first {
+            if first - part.first > PARTS * (self.tracks.len() - first) {
                 break;
             }
             first = part.first;
@@ -261,6 +358,67 @@ impl Tracks {
             }
         }
         numbers(&is_near)
+    }
+
+    /// The same of a track at several delays, seconds: the index is looked through once for all.
+    #[must_use]
+    pub fn near_delayed(
+        &self,
+        own: &Track,
+        nearness: &Nearness,
+        among: Range<usize>,
+        delays_s: &[f64],
+    ) -> Vec<Vec<usize>> {
+        let pairs = self.pairs_of_runs(own, nearness, among, delays_s);
+        let near = |later_s: f64| {
+            let own = own.delayed(later_s);
+            let reaches: Vec<Extent> = own.runs.iter().map(|run| run.reach(nearness)).collect();
+            let mut is_near = vec![false; self.tracks.len()];
+            for &(run, track, other) in &pairs {
+                if is_near[track] {
+                    continue;
+                }
+                let track_of = &self.tracks[track];
+                let (reach, other) = (&reaches[run], &track_of.runs[other]);
+                let run = &own.runs[run];
+                is_near[track] = run.may_meet(reach, other, nearness)
+                    && own.meets(run, track_of, other, nearness);
+            }
+            numbers(&is_near)
+        };
+        delays_s.par_iter().map(|&later_s| near(later_s)).collect()
+    }
+
+    /// Runs of a track and those of others that may meet at some delay: by number, the track, and
+    /// the run of it.
+    fn pairs_of_runs(
+        &self,
+        own: &Track,
+        nearness: &Nearness,
+        among: Range<usize>,
+        delays_s: &[f64],
+    ) -> Vec<(usize, usize, usize)> {
+        /// More than rounding takes from a time, seconds.
+        const ROUNDING_S: f64 = 1e-3;
+        let least_s = delays_s.iter().copied().fold(f64::INFINITY, f64::min);
+        let most_s = delays_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut pairs = Vec::new();
+        for (number, run) in own.runs.iter().enumerate() {
+            let mut reach = run.reach(nearness);
+            reach[0].0 += least_s - ROUNDING_S;
+            reach[0].1 += most_s + ROUNDING_S;
+            for part in &self.parts {
+                part.cells.each(&reach, |item| {
+                    let (track, other) = part.items[item];
+                    let (track, other) = (track as usize, other as usize);
+                    let other_run = &self.tracks[track].runs[other];
+                    if among.contains(&track) && run.may_meet(&reach, other_run, nearness) {
+                        pairs.push((number, track, other));
+                    }
+                });
+            }
+        }
+        pairs
     }
 
     /// Whether any track comes too near.
@@ -386,6 +544,25 @@ mod tests {
                     at_once.near_by_all(own, &nearness, from)
                 );
                 one_by_one.extend([own.clone()]);
+            }
+        }
+
+        #[test]
+        fn looks_at_several_delays_are_those_at_each_of_them(
+            fleet in prop::collection::vec(flight(), 1..9),
+            nearness in nearness(),
+            delays in prop::collection::vec(-60.0..90.0_f64, 1..5),
+            from in 0..3_usize,
+        ) {
+            let mut tracks = Tracks::new(&nearness);
+            tracks.extend(fleet.iter().cloned());
+            let among = from.min(fleet.len())..fleet.len();
+            for own in &fleet {
+                let all = tracks.near_delayed(own, &nearness, among.clone(), &delays);
+                for (found, &later_s) in all.into_iter().zip(&delays) {
+                    let later = own.delayed(later_s);
+                    prop_assert_eq!(found, tracks.near_by_all(&later, &nearness, from));
+                }
             }
         }
 

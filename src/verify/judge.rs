@@ -1,16 +1,17 @@
 //! What is a conflict: one answer for resolving conflicts and for the verdict.
 //!
-//! [`Judge::conflicts`] flies encoded missions by the same model, and measures them by the same
+//! [`Judge::are_in_conflict`] measures encoded missions, flown by the same model, by the same
 //! function as the margins of [`super::review`]: distance, vertical rule, allowed shifts, what
 //! autopilots are late, and buffers.
 
 use crate::mission::VehicleMission;
-use crate::spec::{MissionSpec, Separation, Vehicle};
+use crate::spec::{MissionSpec, Separation};
 use crate::world::World;
 
-use super::execute::flight::Flight;
-use super::limits::separation::{self, Traffic};
+use super::limits::separation;
 use super::limits::space::Space;
+use super::measure::segment::Chord;
+use super::measure::timeline::Timeline;
 use super::review::Sortie;
 use super::{Limit, Margin};
 
@@ -28,22 +29,7 @@ pub struct Judge<'a> {
 /// The flight that an encoded mission makes in the model of the verdict.
 #[derive(Clone, Debug)]
 pub struct Executed<'a> {
-    vehicle: &'a Vehicle,
-    flight: Flight,
-}
-
-/// Executed flights, ready for many questions.
-pub struct Others<'a> {
-    traffic: Traffic<'a>,
-}
-
-/// A conflict with another vehicle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Conflict {
-    /// Which of the others, by its position.
-    pub other: usize,
-    /// Where the two are nearest, seconds after T0.
-    pub t_s: f64,
+    timeline: Timeline<'a, Chord>,
 }
 
 impl<'a> Judge<'a> {
@@ -70,8 +56,13 @@ impl<'a> Judge<'a> {
         }
         let mut flight = sortie.flight;
         flight.stay_until(HORIZON_S);
+        let mut chords = flight.chords;
+        chords.retain(|chord| chord.flown);
+        chords.shrink_to_fit();
         let vehicle = self.spec.vehicles.get(index)?;
-        Some(Executed { vehicle, flight })
+        Some(Executed {
+            timeline: Timeline::of(vehicle, chords),
+        })
     }
 
     fn sortie<'m>(&self, index: usize, mission: &'m VehicleMission) -> Option<Sortie<'m>>
@@ -85,26 +76,9 @@ impl<'a> Judge<'a> {
         ))
     }
 
-    /// The others of some flights, in their order.
+    /// Whether two flights break the separation, as the verdict judges it.
     #[must_use]
-    pub fn others<'e>(&self, flights: &'e [&'e Executed<'a>]) -> Others<'e> {
-        let flights = flights
-            .iter()
-            .map(|executed| (executed.vehicle, &executed.flight.chords[..]));
-        Others {
-            traffic: Traffic::new(flights),
-        }
-    }
-
-    /// The conflicts of a flight with others, in their order.
-    #[must_use]
-    pub fn conflicts(&self, own: &Executed<'_>, others: &Others<'_>) -> Vec<Conflict> {
-        let own = (own.vehicle, &own.flight.chords[..]);
-        let found =
-            separation::conflicts(own, &others.traffic, &self.separation, &self.world.frame);
-        found
-            .into_iter()
-            .map(|(other, t_s)| Conflict { other, t_s })
-            .collect()
+    pub fn are_in_conflict(&self, one: &Executed<'_>, other: &Executed<'_>) -> bool {
+        separation::are_in_conflict(&one.timeline, &other.timeline, &self.separation)
     }
 }

@@ -206,7 +206,7 @@ mod measure;
 mod review;
 mod verified;
 
-pub use judge::{Conflict, Executed, Judge, Others};
+pub use judge::{Executed, Judge};
 pub use limit::{Basis, Flown, Limit, Repair, Topic};
 pub use limits::distant::{distant_from_area, distant_from_home};
 pub use review::{Reviewer, review};

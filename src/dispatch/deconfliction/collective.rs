@@ -8,15 +8,21 @@ use super::moves::Ruled;
 
 /// Most groups.
 const MOST_GROUPS: usize = 3;
-/// Furthest that paths are bent, in separations.
-const MOST_ASIDE: f64 = 5.5;
-/// How often the bend is halved towards the least without a conflict.
-const HALVINGS: usize = 5;
+/// How far paths are bent, in separations: as far as the first without a conflict.
+const ASIDE: [f64; 14] = [
+    0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.6, 3.3, 4.2, 5.5, 8.0, 12.0, 15.0, 18.0,
+];
+/// How often the step to the bend before is halved towards the least without a conflict.
+const HALVINGS: usize = 6;
+/// Share of the cost that finding the least may save.
+const WORTH: f64 = 0.05;
 
 /// What sets groups apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Apart {
     Height,
+    /// The same from soon after the beginning of the route until shortly before its end.
+    HeightThroughout,
     Time,
 }
 
@@ -69,6 +75,10 @@ fn rules(can_wait: bool) -> Vec<Rule> {
                 ..one
             };
             rules.push(height);
+            rules.push(Rule {
+                apart: Apart::HeightThroughout,
+                ..height
+            });
             rules.extend(can_wait.then_some(Rule {
                 apart: Apart::Time,
                 ..height
@@ -101,31 +111,34 @@ fn least_bent(
     rule: Rule,
     known: f64,
 ) -> Option<(f64, Choice)> {
-    let mut best = None;
-    // The first is as far as a path is bent, the others lie half way between what is too little
-    // and what is enough.
-    let (mut least, mut most, mut aside) = (0.0, MOST_ASIDE, MOST_ASIDE);
-    for _ in 0..=HALVINGS {
+    let mut at = |aside: f64| -> Option<(f64, Choice)> {
         let choice: Option<Choice> = (0..rank.len())
             .map(|vehicle| {
                 let own = rule.of(rank[vehicle], rank.len(), aside);
                 conflicts.add_ruled(vehicle, own)
             })
             .collect();
-        let choice = choice.filter(|choice| is_free(conflicts, choice));
-        match choice {
-            Some(choice) => {
-                let flown = choice.iter().copied().enumerate();
-                let cost: f64 = flown.map(|flown| conflicts.cost(flown)).sum();
-                best = Some((cost, choice));
-                most = aside;
-            }
-            None if aside >= MOST_ASIDE => return None,
-            None => least = aside,
+        let choice = choice.filter(|choice| is_free(conflicts, choice))?;
+        let flown = choice.iter().copied().enumerate();
+        Some((flown.map(|flown| conflicts.cost(flown)).sum(), choice))
+    };
+    let found = ASIDE.iter().enumerate().find_map(|(step, &aside)| {
+        let too_little = if step > 0 { ASIDE[step - 1] } else { 0.0 };
+        at(aside).map(|found| (found, too_little, aside))
+    });
+    // Between what is too little and what is enough.
+    let (mut best, mut too_little, mut enough) = found?;
+    for _ in 0..HALVINGS {
+        if best.0 - known > WORTH * known {
+            break;
         }
-        aside = 0.5 * (least + most);
+        let aside = 0.5 * (too_little + enough);
+        match at(aside) {
+            Some(found) => (best, enough) = (found, aside),
+            None => too_little = aside,
+        }
     }
-    best.filter(|(cost, _)| *cost < known)
+    Some(best).filter(|(cost, _)| *cost < known)
 }
 
 fn is_free(conflicts: &mut Conflicts<'_>, choice: &Choice) -> bool {
@@ -148,17 +161,15 @@ impl Rule {
         #[expect(clippy::cast_precision_loss, reason = "few groups")]
         let (group, last) = (group as f64, (self.groups - 1).max(1) as f64);
         let aside = self.side * aside;
-        match self.apart {
-            Apart::Height => Ruled {
-                aside,
-                up: group,
-                window: None,
-            },
-            Apart::Time => Ruled {
-                aside,
-                up: 0.0,
-                window: Some(group / last),
-            },
+        let (up, window) = match self.apart {
+            Apart::Height | Apart::HeightThroughout => (group, None),
+            Apart::Time => (0.0, Some(group / last)),
+        };
+        Ruled {
+            aside,
+            up,
+            is_wide: self.apart == Apart::HeightThroughout,
+            window,
         }
     }
 }

@@ -19,14 +19,23 @@ pub(super) type Flown = (usize, usize);
 /// The variant of each vehicle.
 pub(super) type Choice = Vec<usize>;
 
+/// What flying one variant counts for, where judging one pair counts for one.
+const FLYING: usize = 20;
+/// Most flights that are remembered: the others are flown again when they are needed.
+const MOST_FLIGHTS: usize = 2000;
+
 /// The variants of a fleet, and what has been judged of them.
 pub(super) struct Conflicts<'a> {
     world: &'a World,
     judge: Judge<'a>,
     fleet: Vec<Variants<'a>>,
-    /// The flight of each variant; none inside where its mission breaks a limit of its own.
-    flights: HashMap<Flown, Option<Executed<'a>>>,
-    pairs: HashMap<(Flown, Flown), bool>,
+    /// Whether the mission of a variant keeps every limit of its own.
+    flies: HashMap<Flown, bool>,
+    /// Of those that do, some.
+    flights: HashMap<Flown, Executed<'a>>,
+    pairs: HashMap<u64, bool>,
+    /// What has been flown and judged so far, in pairs.
+    work: usize,
 }
 
 impl<'a> Conflicts<'a> {
@@ -35,16 +44,28 @@ impl<'a> Conflicts<'a> {
         (spec, world): (&'a MissionSpec, &'a World),
         alone: &[VehiclePlan],
     ) -> Option<Self> {
+        let judge = Judge::new(spec, world);
         let fleet: Option<Vec<_>> = (alone.par_iter().enumerate())
-            .map(|(index, plan)| Variants::new((spec, world), index, plan))
+            .map(|(index, plan)| {
+                let even = Variants::new((spec, world), index, plan, true);
+                let even = even.filter(|even| even.executed(&judge, world, 0).is_some());
+                even.or_else(|| Variants::new((spec, world), index, plan, false))
+            })
             .collect();
         Some(Self {
             world,
-            judge: Judge::new(spec, world),
+            judge,
             fleet: fleet?,
+            flies: HashMap::new(),
             flights: HashMap::new(),
             pairs: HashMap::new(),
+            work: 0,
         })
+    }
+
+    /// What has been flown and judged so far, in pairs.
+    pub(super) fn work(&self) -> usize {
+        self.work
     }
 
     /// Vehicles of the fleet.
@@ -88,6 +109,22 @@ impl<'a> Conflicts<'a> {
         self.fleet[vehicle].direction_rad()
     }
 
+    /// Adds variants of a vehicle that are near to one of them, at random.
+    pub(super) fn add_near(
+        &mut self,
+        (vehicle, variant): Flown,
+        count: usize,
+        rng: &mut ChaCha8Rng,
+    ) {
+        self.fleet[vehicle].add_near(variant, count, rng);
+    }
+
+    /// Adds the variant that is nearer to the path alone by a share. None if it breaks a limit of
+    /// its own.
+    pub(super) fn add_drawn(&mut self, (vehicle, variant): Flown, share: f64) -> Option<usize> {
+        self.fleet[vehicle].add_drawn(variant, share)
+    }
+
     /// Adds variants between one and the path alone.
     pub(super) fn add_between(&mut self, (vehicle, variant): Flown) {
         self.fleet[vehicle].add_between(variant);
@@ -99,50 +136,50 @@ impl<'a> Conflicts<'a> {
 
     /// Judges some variants of a vehicle against those of others, on all threads.
     pub(super) fn judge(&mut self, vehicle: usize, variants: &[usize], others: &[Flown]) {
-        self.fly(variants.iter().map(|&variant| (vehicle, variant)));
-        self.fly(others.iter().copied());
-        let new: Vec<(Flown, Vec<Flown>)> = variants
-            .iter()
-            .map(|&variant| {
-                let own = (vehicle, variant);
+        if self.flights.len() > MOST_FLIGHTS {
+            self.flights.clear();
+        }
+        let all = || variants.iter().map(|&variant| (vehicle, variant));
+        let not_known: Vec<Flown> = all()
+            .filter(|flown| !self.flies.contains_key(flown))
+            .collect();
+        self.fly(not_known);
+        let new: Vec<(Flown, Vec<Flown>)> = all()
+            .filter(|&own| self.can_fly(own))
+            .map(|own| {
                 let known = |other: &&Flown| self.pairs.contains_key(&pair(own, **other));
                 let new = others.iter().filter(|other| !known(other)).copied();
                 (own, new.collect())
             })
             .filter(|(_, others): &(_, Vec<Flown>)| !others.is_empty())
             .collect();
-        let judged: Vec<(Flown, Vec<(Flown, bool)>)> = new
-            .into_par_iter()
-            .map(|(own, others)| (own, self.judged(own, &others)))
-            .collect();
-        for (own, found) in judged {
-            let found = found.into_iter();
-            self.pairs
-                .extend(found.map(|(other, near)| (pair(own, other), near)));
-        }
-    }
-
-    fn judged(&self, own: Flown, others: &[Flown]) -> Vec<(Flown, bool)> {
-        let flight = |flown: &Flown| self.flights.get(flown).and_then(Option::as_ref);
-        let Some(mine) = flight(&own) else {
-            return Vec::new();
-        };
-        let flown: Vec<(Flown, &Executed<'a>)> = others
-            .iter()
-            .filter_map(|other| Some((*other, flight(other)?)))
-            .collect();
-        let flights: Vec<&Executed<'a>> = flown.iter().map(|(_, executed)| *executed).collect();
-        let near = self.judge.conflicts(mine, &self.judge.others(&flights));
-        let is_near = |position: usize| near.iter().any(|conflict| conflict.other == position);
-        let all = flown.iter().enumerate();
-        all.map(|(position, (other, _))| (*other, is_near(position)))
-            .collect()
-    }
-
-    fn fly(&mut self, flown: impl Iterator<Item = Flown>) {
-        let new: Vec<Flown> = flown
+        let mut needed: Vec<Flown> = (new.iter())
+            .flat_map(|(own, others)| others.iter().chain([own]).copied())
             .filter(|flown| !self.flights.contains_key(flown))
+            .filter(|flown| self.flies.get(flown) != Some(&false))
             .collect();
+        needed.sort_unstable();
+        needed.dedup();
+        self.fly(needed);
+        let this = &*self;
+        let judged: Vec<(u64, bool)> = new
+            .into_par_iter()
+            .flat_map_iter(|(own, others)| {
+                let others = others.into_iter();
+                others.filter_map(move |other| Some((pair(own, other), this.meet(own, other)?)))
+            })
+            .collect();
+        self.work += judged.len();
+        self.pairs.extend(judged);
+    }
+
+    /// Whether two that have been flown meet.
+    fn meet(&self, own: Flown, other: Flown) -> Option<bool> {
+        let (own, other) = (self.flights.get(&own)?, self.flights.get(&other)?);
+        Some(self.judge.are_in_conflict(own, other))
+    }
+
+    fn fly(&mut self, new: Vec<Flown>) {
         let flights: Vec<_> = new
             .into_par_iter()
             .map(|(vehicle, variant)| {
@@ -151,12 +188,17 @@ impl<'a> Conflicts<'a> {
                 ((vehicle, variant), executed)
             })
             .collect();
-        self.flights.extend(flights);
+        self.work += FLYING * flights.len();
+        for (flown, executed) in flights {
+            self.flies.insert(flown, executed.is_some());
+            self.flights
+                .extend(executed.map(|executed| (flown, executed)));
+        }
     }
 
     /// Whether a judged variant keeps every limit that concerns its vehicle alone.
     pub(super) fn can_fly(&self, flown: Flown) -> bool {
-        self.flights.get(&flown).is_some_and(Option::is_some)
+        self.flies.get(&flown) == Some(&true)
     }
 
     /// Whether two judged variants are in conflict.
@@ -165,6 +207,9 @@ impl<'a> Conflicts<'a> {
     }
 }
 
-fn pair(a: Flown, b: Flown) -> (Flown, Flown) {
-    (a.min(b), a.max(b))
+/// One number for two variants, whatever their order.
+fn pair(a: Flown, b: Flown) -> u64 {
+    let number = |(vehicle, variant): Flown| ((vehicle as u64) << 24) | variant as u64;
+    let (a, b) = (number(a), number(b));
+    (a.min(b) << 32) | a.max(b)
 }

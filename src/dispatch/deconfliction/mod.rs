@@ -10,6 +10,7 @@
 
 mod collective;
 mod conflicts;
+mod improve;
 mod moves;
 mod search;
 mod variants;

@@ -7,7 +7,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::geodesy::PlanPoint;
-use crate::plan::Shape;
+use crate::plan::{Shape, VehiclePlan};
 use crate::spec::Separation;
 
 /// How far a path is bent to either side, in separations.
@@ -18,6 +18,8 @@ const PEAKS: [f64; 3] = [0.5, 0.3, 0.7];
 const RAISED: [f64; 6] = [1.15, 1.5, 2.3, 2.8, 3.5, 4.6];
 /// Where on a route it is raised, as the middle and half of the length, as shares of it.
 const RAISED_FROM: [(f64, f64); 4] = [(0.5, 0.1), (0.28, 0.1), (0.72, 0.1), (0.5, 0.3)];
+/// The same where a rule raises it over most of its length.
+const RAISED_WIDE: (f64, f64) = (0.5, 0.2);
 /// How far a path that is raised is bent at the same time, in separations.
 const BOTH: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 /// Highest that is combined with a bend, in vertical separations.
@@ -25,7 +27,7 @@ const BOTH_UP_TO: f64 = 3.0;
 
 /// Least share of a route over which it rises, and metres for each metre that it rises.
 const RAMP: f64 = 0.12;
-const GENTLE: f64 = 4.5;
+const GENTLE: f64 = 11.0;
 
 /// How a rule changes the path of one vehicle.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +36,8 @@ pub(super) struct Ruled {
     pub(super) aside: f64,
     /// How far it is raised, in steps of a vertical separation.
     pub(super) up: f64,
+    /// Whether it is raised over most of its length.
+    pub(super) is_wide: bool,
     /// Its departure, as a share of its window; none for the specified one.
     pub(super) window: Option<f64>,
 }
@@ -119,6 +123,36 @@ pub(super) fn random(shape: &Shape, separation: &Separation, rng: &mut ChaCha8Rn
     )
 }
 
+/// A shape moved a little at random: one route is bent, and sometimes raised, over a part of it, by
+/// up to `most` separations.
+pub(super) fn nudged(
+    shape: &Shape,
+    separation: &Separation,
+    most: f64,
+    rng: &mut ChaCha8Rng,
+) -> Shape {
+    let (side_m, up_m) = units(separation);
+    let mut shape = shape.clone();
+    let route = rng.random_range(0..shape.control_points.len());
+    let (middle, half) = (rng.random_range(0.1..0.9), rng.random_range(0.1..0.6));
+    let aside_m = rng.random_range(-most..most) * side_m;
+    let raises = rng.random_bool(0.3);
+    let raised_m = rng.random_range(-most..most) * up_m * f64::from(u8::from(raises));
+    let points = &mut shape.control_points[route];
+    let Some((left_east, left_north)) = across(points) else {
+        return shape;
+    };
+    let shares = shares(points);
+    let last = points.len() - 1;
+    for (point, share) in points.iter_mut().zip(shares).take(last).skip(1) {
+        let bump = (1.0 - (share - middle).abs() / half).max(0.0);
+        point.at.east_m += bump * aside_m * left_east;
+        point.at.north_m += bump * aside_m * left_north;
+        point.amsl.0 += bump * raised_m;
+    }
+    shape
+}
+
 /// A shape with all routes moved by a rule.
 pub(super) fn ruled(shape: &Shape, separation: &Separation, rule: Ruled) -> Shape {
     let (side_m, up_m) = units(separation);
@@ -126,7 +160,11 @@ pub(super) fn ruled(shape: &Shape, separation: &Separation, rule: Ruled) -> Shap
         aside_m: rule.aside * side_m,
         peak: PEAKS[0],
         up_m: rule.up * RAISED[0] * up_m,
-        raised: RAISED_FROM[0],
+        raised: if rule.is_wide {
+            RAISED_WIDE
+        } else {
+            RAISED_FROM[0]
+        },
         sway_m: 0.0,
     };
     let routes = 0..shape.control_points.len();
@@ -139,12 +177,50 @@ fn units(separation: &Separation) -> (f64, f64) {
     (side_m, separation.vertical_m.unwrap_or(side_m))
 }
 
+/// The shape with the control points of each route evenly apart along its path.
+pub(super) fn even(plan: &VehiclePlan) -> Option<Shape> {
+    let mut shape = plan.shape();
+    for (points, route) in shape.control_points.iter_mut().zip(&plan.routes) {
+        let path = route.points();
+        let along = shares(&path);
+        let last = points.len().checked_sub(1).filter(|&last| last > 0)?;
+        for (step, point) in points.iter_mut().enumerate().take(last).skip(1) {
+            #[expect(clippy::cast_precision_loss, reason = "few control points")]
+            let share = step as f64 / last as f64;
+            let after = along.partition_point(|&at| at < share);
+            let (from, to) = (after.checked_sub(1)?, after.min(path.len() - 1));
+            let gap = (along[to] - along[from]).max(1e-12);
+            *point = path[from].toward(path[to], ((share - along[from]) / gap).clamp(0.0, 1.0));
+        }
+    }
+    Some(shape)
+}
+
+/// How far along the way through some points each is, as a share of the whole.
+fn shares(points: &[PlanPoint]) -> Vec<f64> {
+    let mut gone_m = vec![0.0];
+    for pair in points.windows(2) {
+        let before_m = gone_m[gone_m.len() - 1];
+        gone_m.push(before_m + pair[0].at.distance_m(pair[1].at));
+    }
+    let whole_m = gone_m[gone_m.len() - 1].max(1e-9);
+    gone_m.into_iter().map(|gone_m| gone_m / whole_m).collect()
+}
+
+/// The unit vector to the left of the straight line from the first to the last of some points.
+fn across(points: &[PlanPoint]) -> Option<(f64, f64)> {
+    points
+        .first()
+        .zip(points.last())
+        .map(|(first, last)| left(*first, *last))
+}
+
 /// Shapes between one and a cheaper one, the nearest to the cheaper one first.
 pub(super) fn between(shape: &Shape, cheaper: &Shape) -> Vec<Shape> {
     SHARES.map(|share| blend(shape, cheaper, share)).to_vec()
 }
 
-fn blend(shape: &Shape, cheaper: &Shape, share: f64) -> Shape {
+pub(super) fn blend(shape: &Shape, cheaper: &Shape, share: f64) -> Shape {
     let mut blended = shape.clone();
     let routes = (blended.control_points.iter_mut()).zip(&cheaper.control_points);
     for (point, to) in routes.flat_map(|(own, other)| own.iter_mut().zip(other)) {
@@ -164,13 +240,9 @@ fn moved(shape: &Shape, route: usize, change: &Move) -> Shape {
     };
     let (left_east, left_north) = left(first, last);
     let length_m = first.at.distance_m(last.at);
-    let count = points.len();
-    for (step, point) in points.iter_mut().enumerate() {
-        if step == 0 || step + 1 == count {
-            continue;
-        }
-        #[expect(clippy::cast_precision_loss, reason = "few control points")]
-        let share = step as f64 / (count - 1) as f64;
+    let shares = shares(points);
+    let inner = points.len() - 1;
+    for (point, share) in points.iter_mut().zip(shares).take(inner).skip(1) {
         let bend = (share / change.peak).min((1.0 - share) / (1.0 - change.peak));
         let aside_m = change.aside_m * bend + change.sway_m * (TAU * share).sin();
         point.at.east_m += aside_m * left_east;

@@ -11,22 +11,17 @@ use super::conflicts::{Choice, Conflicts, Flown};
 const REPAIRS: usize = 60;
 /// Beginnings from other orders of vehicles.
 const BEGINNINGS: usize = 8;
+/// Beginnings that cost at most so many times the least are improved.
+const PROMISING: f64 = 1.01;
 /// Beginnings by one rule for all that are improved: more than one of them end alike.
 const RULES: usize = 1;
-/// Groups that are tried for a cheaper fleet, for each vehicle.
-const GROUPS: usize = 12;
-/// Most of them in one round.
-const MOST_GROUPED: usize = 120;
-/// Most vehicles of a group.
-const GROUP: usize = 4;
-/// Most rounds in which groups get others and all shapes are drawn towards the path alone.
-const MOST_DRAWN: usize = 6;
-/// The last round makes the fleet cheaper by less than this share.
-const ENOUGH: f64 = 1e-3;
 /// Variants that are judged at once, where the first without a conflict is enough.
 const CHUNK: usize = 16;
 /// Variants that a vehicle in conflict gets besides, at random, from the second beginning on.
 const MORE: usize = 8;
+
+/// Most work until no conflict is left, and after it for a cheaper fleet, in pairs judged.
+const MOST_REPAIR: usize = 400_000;
 
 pub(super) struct Search<'s, 'a> {
     pub(super) conflicts: &'s mut Conflicts<'a>,
@@ -59,8 +54,12 @@ impl<'s, 'a> Search<'s, 'a> {
             free.truncate(RULES);
             free.extend(self.all_free());
         }
-        for choice in &mut free {
-            self.improve(choice);
+        let costs: Vec<f64> = free.iter().map(|choice| self.cost(choice)).collect();
+        let least = costs.iter().copied().fold(f64::INFINITY, f64::min);
+        for (choice, cost) in free.iter_mut().zip(costs) {
+            if cost <= PROMISING * least {
+                self.improve(choice);
+            }
         }
         let cheapest = free
             .into_iter()
@@ -93,7 +92,7 @@ impl<'s, 'a> Search<'s, 'a> {
             if best.as_ref().is_none_or(|(_, least)| left < *least) {
                 best = Some((choice, left));
             }
-            if left == 0 {
+            if left == 0 || self.conflicts.work() > MOST_REPAIR {
                 break;
             }
         }
@@ -117,8 +116,19 @@ impl<'s, 'a> Search<'s, 'a> {
     }
 
     /// The cheapest variant without a conflict.
-    fn free(&mut self, vehicle: usize, others: &[Flown]) -> Option<usize> {
-        let order = self.conflicts.cheapest_first(vehicle);
+    pub(super) fn free(&mut self, vehicle: usize, others: &[Flown]) -> Option<usize> {
+        self.free_below(vehicle, others, f64::INFINITY)
+    }
+
+    /// The same of those that cost less than this.
+    pub(super) fn free_below(
+        &mut self,
+        vehicle: usize,
+        others: &[Flown],
+        cost: f64,
+    ) -> Option<usize> {
+        let mut order = self.conflicts.cheapest_first(vehicle);
+        order.retain(|&variant| self.conflicts.cost((vehicle, variant)) < cost);
         for chunk in order.chunks(CHUNK) {
             self.conflicts.judge(vehicle, chunk, others);
             let found = chunk.iter().find(|&&variant| {
@@ -163,13 +173,10 @@ impl<'s, 'a> Search<'s, 'a> {
     /// The best choice that was met, and its number of conflicts. With each change the vehicle gets
     /// `more` variants.
     fn repair(&mut self, choice: &mut Choice, more: usize) -> usize {
-        let mut best = (self.pairs(choice).len(), choice.clone());
+        let mut pairs = self.pairs(choice);
+        let mut best = (pairs.len(), choice.clone());
         for _ in 0..REPAIRS * choice.len() {
-            let pairs = self.pairs(choice);
-            if pairs.len() < best.0 {
-                best = (pairs.len(), choice.clone());
-            }
-            if pairs.is_empty() {
+            if pairs.is_empty() || self.conflicts.work() > MOST_REPAIR {
                 break;
             }
             let (a, b) = pairs[self.rng.random_range(0..pairs.len())];
@@ -186,14 +193,21 @@ impl<'s, 'a> Search<'s, 'a> {
             let others = others(choice, &[vehicle]);
             if let Some(found) = self.least_in_conflict(vehicle, &others, Some(choice[vehicle])) {
                 choice[vehicle] = found;
+                pairs.retain(|&(a, b)| a != vehicle && b != vehicle);
+                let own = (vehicle, found);
+                let near = others
+                    .iter()
+                    .filter(|&&other| self.conflicts.are_in_conflict(own, other));
+                pairs.extend(near.map(|other| (vehicle.min(other.0), vehicle.max(other.0))));
+            }
+            if pairs.len() < best.0 {
+                best = (pairs.len(), choice.clone());
             }
         }
-        let left = self.pairs(choice).len();
-        if left <= best.0 {
-            return left;
+        if pairs.len() > best.0 {
+            *choice = best.1;
         }
-        *choice = best.1;
-        best.0
+        best.0.min(pairs.len())
     }
 
     /// Pairs in conflict.
@@ -211,69 +225,6 @@ impl<'s, 'a> Search<'s, 'a> {
         pairs
     }
 
-    /// Gives new variants to groups, and draws shapes towards the path alone, as long as the fleet
-    /// becomes cheaper.
-    fn improve(&mut self, choice: &mut Choice) {
-        for _ in 0..MOST_DRAWN {
-            let before = self.cost(choice);
-            for _ in 0..(GROUPS * choice.len()).min(MOST_GROUPED) {
-                self.regroup(choice);
-            }
-            for vehicle in 0..choice.len() {
-                if choice[vehicle] != 0 {
-                    self.conflicts.add_between((vehicle, choice[vehicle]));
-                }
-                let found = self.free(vehicle, &others(choice, &[vehicle]));
-                choice[vehicle] = found.unwrap_or(choice[vehicle]);
-            }
-            if before - self.cost(choice) < ENOUGH * before {
-                break;
-            }
-        }
-    }
-
-    /// Gives new variants to a dear vehicle and a few others, one after the other, if that is
-    /// cheaper.
-    fn regroup(&mut self, choice: &mut Choice) {
-        let Some(first) = self.dear(choice) else {
-            return;
-        };
-        self.conflicts.add_random(first, 1, &mut self.rng);
-        let mut rest: Vec<usize> = (0..choice.len()).filter(|&other| other != first).collect();
-        rest.shuffle(&mut self.rng);
-        let size = self.rng.random_range(1..GROUP);
-        let mut group = vec![first];
-        group.extend(rest.into_iter().take(size));
-        let mut next = choice.clone();
-        let mut set = others(choice, &group);
-        for &vehicle in &group {
-            let Some(found) = self.free(vehicle, &set) else {
-                return;
-            };
-            next[vehicle] = found;
-            set.push((vehicle, found));
-        }
-        if self.cost(&next) <= self.cost(choice) {
-            *choice = next;
-        }
-    }
-
-    /// One of the vehicles that cost more than alone, by how much.
-    fn dear(&mut self, choice: &Choice) -> Option<usize> {
-        let over = |vehicle: usize| {
-            self.conflicts.cost((vehicle, choice[vehicle])) - self.conflicts.cost((vehicle, 0))
-        };
-        let all = (0..choice.len()).map(|vehicle| (vehicle, over(vehicle)));
-        let dear: Vec<(usize, f64)> = all.filter(|(_, over)| *over > 1e-6).collect();
-        let sum: f64 = dear.iter().map(|(_, over)| over).sum();
-        let mut left = self.rng.random::<f64>() * sum;
-        let found = dear.iter().find(|(_, over)| {
-            left -= over;
-            left <= 0.0
-        });
-        found.or(dear.last()).map(|(vehicle, _)| *vehicle)
-    }
-
     pub(super) fn cost(&self, choice: &Choice) -> f64 {
         let all = choice.iter().copied().enumerate();
         all.map(|flown| self.conflicts.cost(flown)).sum()
@@ -281,7 +232,7 @@ impl<'s, 'a> Search<'s, 'a> {
 }
 
 /// What all but some vehicles fly.
-fn others(choice: &Choice, but: &[usize]) -> Vec<Flown> {
+pub(super) fn others(choice: &Choice, but: &[usize]) -> Vec<Flown> {
     let all = choice.iter().copied().enumerate();
     all.filter(|(vehicle, _)| !but.contains(vehicle)).collect()
 }

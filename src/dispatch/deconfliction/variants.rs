@@ -11,12 +11,17 @@ use crate::spec::{MissionSpec, Span, Vehicle};
 use crate::verify::{Executed, Judge};
 use crate::world::World;
 
-use super::moves::{Ruled, between, random, ruled, shapes};
+use super::moves::{Ruled, between, blend, even, nudged, random, ruled, shapes};
 
 /// Departures of a window that are tried with the path alone.
 const DEPARTURES: u32 = 30;
 /// Speeds of a range that are tried, besides the specified one.
 const SPEEDS: u32 = 4;
+
+/// Share of the cost that control points evenly apart may add.
+const EVENLY: f64 = 1e-3;
+/// How far variants near to another are bent, in separations.
+const NUDGES: [f64; 4] = [1.0, 0.4, 0.15, 0.05];
 
 /// A path, a speed and a departure.
 pub(super) struct Variant {
@@ -40,11 +45,13 @@ pub(super) struct Variants<'a> {
 
 impl<'a> Variants<'a> {
     /// Around the path of a vehicle alone, at the departures and speeds that the spec leaves open.
-    /// None where paths have no shapes that could be moved.
+    /// None where paths have no shapes that could be moved. With its control points evenly apart
+    /// a path bends alike everywhere, and like those of others.
     pub(super) fn new(
         (spec, world): (&'a MissionSpec, &'a World),
         index: usize,
         alone: &VehiclePlan,
+        evenly: bool,
     ) -> Option<Self> {
         let vehicle = spec.vehicles.get(index)?;
         let speeds = choices(vehicle.speed_mps, vehicle.retiming.speed_mps, SPEEDS);
@@ -61,8 +68,15 @@ impl<'a> Variants<'a> {
         };
         let shape = Shape {
             depart_s: vehicle.depart_s,
-            ..alone.shape()
+            ..if evenly { even(alone)? } else { alone.shape() }
         };
+        let terms = found.shapers[0].terms(std::slice::from_ref(&shape));
+        let is_good = |terms: &CostTerms| {
+            terms.is_clean() && terms.total() <= (1.0 + EVENLY) * alone.terms.total()
+        };
+        if evenly && !terms.iter().all(is_good) {
+            return None;
+        }
         found.add(shapes(&shape, &spec.buffered_separation()), 0, &[0.0]);
         let others = found.later_s[1..].to_vec();
         found.add(vec![shape.clone()], 0, &others);
@@ -104,6 +118,42 @@ impl<'a> Variants<'a> {
             let later_s = self.later_s[one_of(self.later_s.len())];
             self.add(vec![shape], speed, &[later_s]);
         }
+    }
+
+    /// Adds variants near to one, at random: bent a little, or drawn towards the first, and where
+    /// the spec leaves it open sometimes at another departure or speed.
+    pub(super) fn add_near(&mut self, variant: usize, count: usize, rng: &mut ChaCha8Rng) {
+        let separation = self.shapers[0].spec().buffered_separation();
+        for _ in 0..count {
+            let (own, first) = (&self.all[variant], &self.all[0]);
+            let shape = if rng.random_bool(0.5) {
+                let most = NUDGES[rng.random_range(0..NUDGES.len())];
+                nudged(&own.shape, &separation, most, rng)
+            } else {
+                blend(
+                    &own.shape,
+                    &first.shape,
+                    rng.random_range(0.0..1.0_f64).powi(2),
+                )
+            };
+            let (mut speed, mut later_s) = (own.speed, own.later_s);
+            if self.shapers.len() > 1 && rng.random_bool(0.3) {
+                speed = rng.random_range(0..self.shapers.len());
+            }
+            if self.later_s.len() > 1 && rng.random_bool(0.5) {
+                later_s = self.later_s[rng.random_range(0..self.later_s.len())];
+            }
+            self.add(vec![shape], speed, &[later_s]);
+        }
+    }
+
+    /// Adds the variant that is nearer to the first by a share.
+    pub(super) fn add_drawn(&mut self, variant: usize, share: f64) -> Option<usize> {
+        let (own, first) = (&self.all[variant], &self.all[0]);
+        let shape = blend(&own.shape, &first.shape, share);
+        let (speed, later_s, known) = (own.speed, own.later_s, self.all.len());
+        self.add(vec![shape], speed, &[later_s]);
+        (self.all.len() > known).then_some(known)
     }
 
     /// Adds the variant that a rule for all makes of the first.

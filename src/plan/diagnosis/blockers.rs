@@ -13,7 +13,7 @@ use crate::spec::MissionSpec;
 use crate::world::World;
 
 /// Vehicles for which relaxations are tried, at most: each costs a dozen searches.
-const MAX_TRIED: usize = 4;
+const MAX_TRIED: usize = 2;
 
 /// Why no path was found.
 enum Reason {

@@ -68,7 +68,16 @@ pub(crate) fn relaxations(
         let changed = relaxation.applied(spec, index);
         finds(&changed, of_tolerance(margins, spec, &changed))
     };
-    let first = |kind: Vec<Relaxation>| kind.into_iter().find(helps);
+    // Where the widest of a kind does not help, no narrower one is tried.
+    let narrowest = |kind: &Vec<Relaxation>| {
+        let (widest, narrower) = kind.split_last()?;
+        if !helps(widest) {
+            return None;
+        }
+        let first = narrower.iter().find(|relaxation| helps(relaxation));
+        first.or(Some(widest)).cloned()
+    };
+    let first = |kinds: Vec<Vec<Relaxation>>| kinds.iter().find_map(narrowest);
     let found: Vec<_> = trials(spec, index).into_par_iter().map(first).collect();
     let mut found: Vec<Relaxation> = found.into_iter().flatten().collect();
     // Where other control points are enough, nobody needs more than them.
@@ -79,34 +88,36 @@ pub(crate) fn relaxations(
     Some(found)
 }
 
-/// What is tried, the mildest of each kind first.
-fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Relaxation>> {
+/// What is tried: of each list the first kind that helps, and each kind from narrow to wide.
+fn trials(spec: &MissionSpec, index: usize) -> Vec<Vec<Vec<Relaxation>>> {
     let limits = VehicleLimits::of(&spec.vehicles[index]);
     let bends = spec.planner.control_points;
     let mut numbers = Vec::new();
     for count in [2 * bends, bends / 2] {
         let count = count.min(MOST_CONTROL_POINTS);
         if count > 2 && count != bends {
-            numbers.push(Relaxation(vec![Change::ControlPoints(count)]));
+            numbers.push(vec![Relaxation(vec![Change::ControlPoints(count)])]);
         }
     }
     let mut trials = vec![numbers];
     if spec.planner.evaluations < MORE_EVALUATIONS {
-        trials.push(vec![Relaxation(vec![Change::Evaluations(
-            MORE_EVALUATIONS,
-        )])]);
+        let more = Relaxation(vec![Change::Evaluations(MORE_EVALUATIONS)]);
+        trials.push(vec![vec![more]]);
     }
     let nearer = TOLERANCES_M.into_iter();
     let nearer = nearer.filter(|tolerance_m| *tolerance_m < spec.mission.tolerance_m);
     let nearer = nearer.map(|tolerance_m| Relaxation(vec![Change::Tolerance(tolerance_m)]));
-    trials.push(nearer.collect());
+    trials.push(vec![nearer.collect()]);
     // Tighter turns and steeper slopes are of use to who may bend often enough.
-    let of_limits = |changes: &[Change]| -> Vec<Relaxation> {
+    let of_limits = |changes: &[Change]| -> Vec<Vec<Relaxation>> {
         let alone = changes.iter().map(|change| vec![*change]);
         let bent = changes
             .iter()
             .map(|change| vec![*change, Change::ControlPoints(MOST_CONTROL_POINTS)]);
-        alone.chain(bent).map(Relaxation).collect()
+        vec![
+            alone.map(Relaxation).collect(),
+            bent.map(Relaxation).collect(),
+        ]
     };
     trials.push(of_limits(
         &RADII.map(|share| Change::TurnRadius(share * limits.turn_radius_m)),

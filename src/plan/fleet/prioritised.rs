@@ -302,7 +302,10 @@ impl<'a> Fleet<'a> {
         };
         let nearness = planning.nearness(index);
         let known = 0..first_of_window(index);
-        let met = |track: &Track| self.tracks.near_among(track, &nearness, known.clone());
+        let met = |track: &Track, delays_s: &[f64]| {
+            let among = known.clone();
+            self.tracks.near_delayed(track, &nearness, among, delays_s)
+        };
         let departures = planning.departures_by_conflicts(index, path, &met);
         let next = unclean(chain).min(departures.len() - 1);
         let (depart_s, others) = &departures[next];

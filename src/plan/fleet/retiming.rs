@@ -90,12 +90,13 @@ impl Planning<'_> {
 
     /// Departures of a path, and the vehicles that it then meets: first those at which its takeoff
     /// and landing are free, because the search cannot move them, then by the number of vehicles,
-    /// then by the change of departure. `met` finds the vehicles that come near a track.
+    /// then by the change of departure. `met` finds the vehicles that come near a track at each of
+    /// some delays.
     pub(crate) fn departures_by_conflicts(
         &self,
         index: usize,
         path: &VehiclePlan,
-        met: &(dyn Fn(&Track) -> Vec<usize> + Sync),
+        met: &(dyn Fn(&Track, &[f64]) -> Vec<Vec<usize>> + Sync),
     ) -> Vec<(f64, Vec<usize>)> {
         let vehicle = &self.spec.vehicles[index];
         let path = self.departing(index, path, vehicle.depart_s);
@@ -104,13 +105,11 @@ impl Planning<'_> {
             self.columns(index, &path),
         );
         let all = departures(vehicle, AROUND);
-        let mut found: Vec<(bool, f64, Vec<usize>)> = all
-            .into_par_iter()
-            .map(|depart_s| {
-                let later_s = depart_s - vehicle.depart_s;
-                let is_blocked = !met(&columns.delayed(later_s)).is_empty();
-                (is_blocked, depart_s, met(&whole.delayed(later_s)))
-            })
+        let later_s: Vec<f64> = all.iter().map(|at_s| at_s - vehicle.depart_s).collect();
+        let (of_whole, of_columns) = (met(&whole, &later_s), met(&columns, &later_s));
+        let each = all.into_iter().zip(of_whole).zip(of_columns);
+        let mut found: Vec<(bool, f64, Vec<usize>)> = each
+            .map(|((depart_s, others), blocking)| (!blocking.is_empty(), depart_s, others))
             .collect();
         found.sort_by_key(|(is_blocked, _, others)| (*is_blocked, others.len()));
         let found = found.into_iter();

@@ -7,10 +7,12 @@ use rayon::prelude::*;
 use crate::geodesy::LocalFrame;
 use crate::numeric::tracks::{Nearness, Track, Tracks};
 use crate::path::{most_shift_s, takeoff_shift_s, with_stops_s};
-use crate::spec::{Separation, Span, Vehicle};
+use crate::spec::{Separation, Span};
 
 use crate::verify::measure::segment::Chord;
-use crate::verify::measure::timeline::{Distance, Metric, Nearest, Timeline, motion, nearest};
+use crate::verify::measure::timeline::{
+    Distance, Metric, Nearest, Timeline, come_nearer, motion, nearest,
+};
 use crate::verify::{Limit, Margin, Requirement, Shift};
 
 /// Every pair of a fleet up to this size is listed; of a larger one, those that come near.
@@ -118,38 +120,23 @@ pub(crate) fn assumption(fleet: usize, separation: &Separation) -> Option<String
     })
 }
 
-/// Flights of other vehicles, ready for many questions.
-pub(crate) struct Traffic<'a> {
-    timelines: Vec<Timeline<'a>>,
-}
-
-impl<'a> Traffic<'a> {
-    pub(crate) fn new(flights: impl Iterator<Item = (&'a Vehicle, &'a [Chord])>) -> Self {
-        Self {
-            timelines: flights
-                .map(|(vehicle, chords)| Timeline::new(vehicle, chords))
-                .collect(),
-        }
-    }
-}
-
-/// With which others a flight breaks the separation, and when: exactly where [`margins`] has a
-/// margin that is not kept. A flight without chords breaks none.
-pub(crate) fn conflicts(
-    (vehicle, chords): (&Vehicle, &[Chord]),
-    others: &Traffic<'_>,
+/// Whether two flights break the separation: exactly where [`margins`] has a margin that is not
+/// kept. A flight without chords breaks none.
+pub(crate) fn are_in_conflict(
+    a: &Timeline<'_, Chord>,
+    b: &Timeline<'_, Chord>,
     separation: &Separation,
-    frame: &LocalFrame,
-) -> Vec<(usize, f64)> {
-    let own = Timeline::new(vehicle, chords);
-    let worst = |other: &Timeline<'_>| {
-        let margin = pair_margin(&own, other, separation, frame, separation.distance_m)?;
-        (!margin.ok).then(|| margin.at.map_or(0.0, |at| at.t_s))
+) -> bool {
+    let metric = Metric {
+        distance: separation
+            .vertical_m
+            .map_or(Distance::Space, Distance::Horizontal),
+        shift_s: with_slack(
+            takeoff_shift_s(a.vehicle, b.vehicle),
+            separation.time_slack_s,
+        ),
     };
-    let others = others.timelines.iter().enumerate();
-    others
-        .filter_map(|(other, timeline)| Some((other, worst(timeline)?)))
-        .collect()
+    come_nearer(a, b, &metric, separation.distance_m)
 }
 
 fn pair_margin(
@@ -368,6 +355,27 @@ mod tests {
             }
             chords
         })
+    }
+
+    proptest! {
+        #[test]
+        fn two_flights_are_in_conflict_exactly_where_the_verdict_has_a_margin_that_is_not_kept(
+            one in flight(),
+            other in flight(),
+            distance_m in 20.0..400.0_f64,
+            vertical_m in prop::option::of(5.0..40.0_f64),
+            time_slack_s in prop_oneof![Just(0.0), 0.0..8.0_f64],
+        ) {
+            let separation = Separation { distance_m, vertical_m, time_slack_s };
+            let frame = LocalFrame::new(LatLon { lat_deg: 36.0, lon_deg: -84.0 });
+            let copter = vehicle(Autopilot::ArduPilot, Airframe::Copter);
+            let timelines = [&one, &other].map(|chords| Timeline::new(&copter, chords));
+            let margins = margins(&timelines, &[false; 2], &separation, &frame);
+            let is_broken = margins.iter().any(|(_, margin)| !margin.ok && margin.unit == "m"
+                && (margin.bound - distance_m).abs() < 1e-9);
+            let [one, other] = [&one, &other].map(|chords| Timeline::of(&copter, chords.clone()));
+            prop_assert_eq!(are_in_conflict(&one, &other, &separation), is_broken);
+        }
     }
 
     proptest! {

@@ -1,5 +1,7 @@
 //! The chords of one vehicle in time, and the nearest that two vehicles come.
 
+use std::borrow::Borrow;
+
 use nalgebra::Vector3;
 
 use crate::numeric::approach::{self, Approach, closest_approach, closest_horizontal, least_ratio};
@@ -20,11 +22,11 @@ pub(crate) struct Bounds {
     pub(crate) early_s: f64,
 }
 
-/// The chords of one vehicle and a binary tree of boxes around them.
+/// The chords of one vehicle, its own or those of a flight, and a binary tree of boxes around them.
 #[derive(Clone, Debug)]
-pub(crate) struct Timeline<'a> {
+pub(crate) struct Timeline<'a, C = &'a Chord> {
     pub(crate) vehicle: &'a Vehicle,
-    pub(crate) chords: Vec<&'a Chord>,
+    pub(crate) chords: Vec<C>,
     /// Heap order: the children of `n` are `2 n + 1` and `2 n + 2`.
     bounds: Vec<Option<Bounds>>,
 }
@@ -57,10 +59,17 @@ pub(crate) struct Nearest {
 
 impl<'a> Timeline<'a> {
     pub(crate) fn new(vehicle: &'a Vehicle, chords: &'a [Chord]) -> Self {
-        let chords: Vec<&Chord> = chords.iter().filter(|chord| chord.flown).collect();
+        let chords = chords.iter().filter(|chord| chord.flown).collect();
+        Self::of(vehicle, chords)
+    }
+}
+
+impl<'a, C: Borrow<Chord>> Timeline<'a, C> {
+    /// Of chords that are all flown.
+    pub(crate) fn of(vehicle: &'a Vehicle, chords: Vec<C>) -> Self {
         let leaves = chords.len().next_power_of_two();
         let mut bounds: Vec<Option<Bounds>> = vec![None; leaves - 1];
-        bounds.extend(chords.iter().map(|chord| Some(Bounds::of(chord))));
+        bounds.extend(chords.iter().map(|chord| Some(Bounds::of(chord.borrow()))));
         bounds.resize(2 * leaves - 1, None);
         for node in (0..leaves - 1).rev() {
             bounds[node] = match (bounds[2 * node + 1], bounds[2 * node + 2]) {
@@ -183,13 +192,33 @@ fn moved(motion: approach::Segment, by_s: f64) -> approach::Segment {
     }
 }
 
-/// The nearest that two vehicles come, if nearer than `below_m`: a walk down both
-/// trees at once, nearer pairs of boxes first.
+/// The nearest that two vehicles come, if nearer than `below_m`.
 pub(crate) fn nearest(
     a: &Timeline<'_>,
     b: &Timeline<'_>,
     metric: &Metric,
     below_m: f64,
+) -> Option<Nearest> {
+    nearest_until(a, b, metric, (below_m, f64::NEG_INFINITY))
+}
+
+/// Whether two vehicles come nearer than `below_m`.
+pub(crate) fn come_nearer(
+    a: &Timeline<'_, Chord>,
+    b: &Timeline<'_, Chord>,
+    metric: &Metric,
+    below_m: f64,
+) -> bool {
+    nearest_until(a, b, metric, (below_m, below_m)).is_some()
+}
+
+/// The nearest that two vehicles come, if nearer than `below_m`; one that is nearer than `enough_m`
+/// will do. A walk down both trees at once, nearer pairs of boxes first.
+fn nearest_until<C: Borrow<Chord>>(
+    a: &Timeline<'_, C>,
+    b: &Timeline<'_, C>,
+    metric: &Metric,
+    (below_m, enough_m): (f64, f64),
 ) -> Option<Nearest> {
     let mut best: Option<Nearest> = None;
     let mut limit_m = below_m;
@@ -203,7 +232,7 @@ pub(crate) fn nearest(
             continue;
         }
         if let (Some(i), Some(j)) = (a.leaf(x), b.leaf(y)) {
-            let Some(found) = metric.measure(a.chords[i], b.chords[j]) else {
+            let Some(found) = metric.measure(a.chords[i].borrow(), b.chords[j].borrow()) else {
                 continue;
             };
             if found.value < limit_m {
@@ -213,6 +242,9 @@ pub(crate) fn nearest(
                     chords: (i, j),
                     times_s: (found.t_s, found.u_s),
                 });
+            }
+            if found.value < enough_m {
+                break;
             }
             continue;
         }

@@ -5,17 +5,23 @@ use std::path::Path;
 
 use sortie::dispatch::{Dispatched, dispatch};
 use sortie::spec::SpecFile;
+use sortie::verify::Limit;
 use sortie::world;
 
-/// Copters on a circle, each with its goal opposite of its start.
+/// Copters on a circle, each with its goal opposite of its start, 50 m apart or more.
 fn circle(count: u32, seed: u64) -> Dispatched {
-    let mut text = "sortie: 1\nname: circle\narea:\n  \
+    circle_apart(count, 50, seed)
+}
+
+/// The same with another separation, metres.
+fn circle_apart(count: u32, separation_m: u32, seed: u64) -> Dispatched {
+    let head = "sortie: 1\nname: circle\narea:\n  \
         south_west: {lat: -35.387, lon: 149.132}\n  \
         north_east: {lat: -35.333, lon: 149.198}\n  \
         min_agl_m: 40\n  max_amsl_m: 904\nterrain: {flat: {amsl_m: 584}}\n\
         separation: {distance_m: 50, time_slack_s: 5}\n\
-        planner: {evaluations: 2000}\nvehicles:\n"
-        .to_owned();
+        planner: {evaluations: 2000}\nvehicles:\n";
+    let mut text = head.replace("distance_m: 50", &format!("distance_m: {separation_m}"));
     for number in 0..count {
         let angle = std::f64::consts::TAU * f64::from(number) / f64::from(count);
         let (north, east) = (0.0135 * angle.sin(), 0.01652 * angle.cos());
@@ -52,6 +58,40 @@ fn fourteen_that_cross_at_one_place_pass() {
         cost >= bound && cost < 1.06 * bound,
         "{cost}, bound {bound}"
     );
+}
+
+#[test]
+fn ten_far_apart_cost_little_more_than_a_ring_around_the_place_where_they_would_meet() {
+    let found = circle_apart(10, 180, 1);
+    assert!(found.review.passes());
+    let bound: f64 = found.plan.vehicles.iter().map(|plan| plan.bound).sum();
+    let cost = found.plan.cost();
+    assert!(
+        cost >= bound && cost < 1.045 * bound,
+        "{cost}, bound {bound}"
+    );
+}
+
+#[test]
+fn a_crowd_without_any_plan_ends_with_who_is_in_whose_way() {
+    // Neighbours start hardly further apart than they must be, and their ways converge.
+    let found = circle_apart(16, 560, 1);
+    assert!(!found.review.passes());
+    let near = (found.review.margins.iter())
+        .filter(|margin| !margin.ok && margin.limit == Limit::Separation);
+    let index = |id: &str| id.trim_start_matches('v').parse::<usize>().expect("an id");
+    for margin in near {
+        let other = index(margin.other.as_deref().expect("a pair"));
+        let (first, second) = (
+            index(&margin.vehicle).min(other),
+            index(&margin.vehicle).max(other),
+        );
+        let blocked_by = &found.plan.vehicles[second].blocked_by;
+        assert!(
+            blocked_by.contains(&first),
+            "v{second}: {blocked_by:?}, not {first}"
+        );
+    }
 }
 
 #[test]
