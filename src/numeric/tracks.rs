@@ -139,7 +139,7 @@ impl Run {
         }
     }
 
-    /// Runs of motions, the first of which has this number: as long as they are nearly straight
+    /// Runs of motions numbered from `first` on, as long as they are nearly straight
     /// and steady.
     fn push_all(first: usize, segments: &[Segment], runs: &mut Vec<Self>) {
         let is_straight = || {
