@@ -11,7 +11,7 @@ use super::conflicts::{Choice, Conflicts, Flown};
 const REPAIRS: usize = 60;
 /// Beginnings from other orders of vehicles.
 const BEGINNINGS: usize = 8;
-/// Beginnings that cost at most so many times the least are improved.
+/// Beginnings whose cost is at most this multiple of the least are improved.
 const PROMISING: f64 = 1.01;
 /// Beginnings by one rule for all that are improved: more than one of them end alike.
 const RULES: usize = 1;

@@ -28,6 +28,9 @@ const SPEEDS: f64 = 8.0;
 /// Costs that differ by less are the same.
 const TOLERANCE: f64 = 1e-9;
 
+/// Finds the vehicles that come near a track at each of some delays, seconds.
+type Met<'m> = dyn Fn(&Track, &[f64]) -> Vec<Vec<usize>> + 'm;
+
 /// A departure and a speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Choice {
@@ -96,7 +99,7 @@ impl Planning<'_> {
         &self,
         index: usize,
         path: &VehiclePlan,
-        met: &(dyn Fn(&Track, &[f64]) -> Vec<Vec<usize>> + Sync),
+        met: &Met<'_>,
     ) -> Vec<(f64, Vec<usize>)> {
         let vehicle = &self.spec.vehicles[index];
         let path = self.departing(index, path, vehicle.depart_s);

@@ -359,7 +359,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn two_flights_are_in_conflict_exactly_where_the_verdict_has_a_margin_that_is_not_kept(
+        fn two_flights_are_in_conflict_exactly_where_a_margin_of_the_verdict_is_broken(
             one in flight(),
             other in flight(),
             distance_m in 20.0..400.0_f64,
