@@ -110,6 +110,7 @@ impl<'a> LeastCost<'a> {
     /// limits allow.
     pub(crate) fn improve(&self, amsl_m: &mut [f64]) {
         let mut here = Profile::of(self.rows, amsl_m);
+        #[expect(clippy::cast_precision_loss, reason = "thousands of limits")]
         let count = (4 * self.rows.len()) as f64;
         let cost = self.cost(&here).max(1e-9);
         for gap in GAPS {

@@ -26,6 +26,8 @@ const HALVINGS: usize = 3;
 /// ground.
 const LEAST_SPAN_M: f64 = 25.0;
 const SPAN_CELLS: f64 = 1.0;
+/// Fewest evaluations of each route.
+const MIN_EVALUATIONS: usize = 10_000;
 /// Less than this share of the cost is not worth the work.
 const GAIN: f64 = 1e-4;
 /// Where climbs and altitude cost no more than this share, nothing is tried.
@@ -67,10 +69,14 @@ pub(super) fn polished_as_is(context: &RouteContext<'_>, found: Found) -> Found 
     cheaper(context, &found, found.spline.clone(), 0.0).unwrap_or(found)
 }
 
-/// Only a clean route, and not the paper's sums over samples, which are no lengths.
+/// Only a clean route, and not the paper's sums over samples, which are no lengths; and not where
+/// the search itself is no more work, as in a large fleet.
 fn can_polish(context: &RouteContext<'_>, found: &Found) -> bool {
     let planner = &context.spec.planner;
-    planner.objective == Objective::Operational
+    let stations = &context.world.stations[context.index];
+    let routes = route_ends(context.vehicle(), stations).len();
+    planner.evaluations >= MIN_EVALUATIONS * routes
+        && planner.objective == Objective::Operational
         && planner.algorithm == Algorithm::Msfoa
         && context.options.polishing
         && found.strict.is_clean()
