@@ -37,8 +37,7 @@ impl Pilot<'_> {
         let from = self.last();
         let (middle, rim) = self.enter_circle((row, place, height), circle.radius_m)?;
         let rim_m = circle.radius_m.abs();
-        let begin_s = self.trajectory.t_s;
-        let first = self.trajectory.chords.len();
+        let (begin_s, first) = (self.trajectory.t_s, self.trajectory.chords.len());
         self.orbit(row, middle, rim, circle.radius_m)?;
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
@@ -195,10 +194,11 @@ impl Pilot<'_> {
     pub(super) fn lay_rings(
         &mut self,
         (row, over): (usize, PlanPoint),
-        (radius_m, wide_m): (f64, f64),
+        radii_m: (f64, f64),
         late_m: f64,
         times_s: (f64, f64),
     ) {
+        let (radius_m, wide_m) = radii_m;
         let rings = steps(wide_m);
         let off_m = self.circle_level_m();
         let (low_m, high_m) = (off_m + late_m.max(0.0), off_m - late_m.min(0.0));
