@@ -3,7 +3,7 @@
 //! without positions that show it is no more than a word.
 
 use super::reference::Waypoint;
-use super::takeoff::TakeoffTube;
+use super::takeoff::{TakeoffTube, at_its_fastest};
 use super::{FlownTrack, GAP_S, Part};
 use crate::autopilot::{Airframe, Autopilot, ParameterRow, SLOPE_MIN, facts, parameter};
 use crate::flight::launch::readiness::STANDS_M;
@@ -365,12 +365,4 @@ pub(crate) fn at_most(limit: Flown, bound: f64, unit: &'static str) -> Requireme
 fn fastest_mps(vehicle: &Vehicle) -> f64 {
     let upright_mps = vehicle.climb_mps.max(vehicle.descent_mps);
     at_its_fastest(vehicle).fastest_mps().hypot(upright_mps)
-}
-
-/// A vehicle whose speed the spec leaves open, at the greatest that it may have.
-pub(crate) fn at_its_fastest(vehicle: &Vehicle) -> Vehicle {
-    Vehicle {
-        speed_mps: vehicle.speeds().most,
-        ..vehicle.clone()
-    }
 }

@@ -2,7 +2,8 @@
 //! gets further than its reported speed takes it.
 
 use super::limits::moment;
-use super::proof::{CROSS_TRACK_M, at_its_fastest, at_most};
+use super::proof::{CROSS_TRACK_M, at_most};
+use super::takeoff::at_its_fastest;
 use super::{FlownTrack, GAP_S};
 use crate::flight::record::Fix;
 use crate::spec::{Airframe, Vehicle};

@@ -2,7 +2,6 @@
 //! the verdict judges.
 
 use super::COLUMN_M;
-use super::proof::at_its_fastest;
 use super::reference::Reference;
 use crate::geodesy::EastNorth;
 use crate::path::heading_rad;
@@ -88,5 +87,13 @@ impl TakeoffTube {
         let away_m = at.distance_m(self.middle);
         let next_m = to.distance_m(self.middle);
         self.region.outside_m((away_m * cos, away_m * sin), next_m)
+    }
+}
+
+/// A vehicle whose speed the spec leaves open, at the greatest that it may have.
+pub(crate) fn at_its_fastest(vehicle: &Vehicle) -> Vehicle {
+    Vehicle {
+        speed_mps: vehicle.speeds().most,
+        ..vehicle.clone()
     }
 }

@@ -37,8 +37,7 @@ impl Pilot<'_> {
         let from = self.last();
         let (middle, rim) = self.enter_circle((row, place, height), circle.radius_m)?;
         let rim_m = circle.radius_m.abs();
-        let begin_s = self.trajectory.t_s;
-        let first = self.trajectory.chords.len();
+        let (begin_s, first) = (self.trajectory.t_s, self.trajectory.chords.len());
         self.orbit(row, middle, rim, circle.radius_m)?;
         let orbit_s = self.trajectory.t_s - begin_s;
         let is_aligned = circle.leaves_aligned && self.goes_elsewhere(next, middle, rim_m);
@@ -84,7 +83,7 @@ impl Pilot<'_> {
             self.lay_disc(row, over, reach_m, times_s);
         } else if self.circle_wide_m() > 0.0 {
             let late_m = self.climbs_late_m(&from, middle, (rim.amsl_m, rim_m));
-            self.lay_rings((row, over), (rim_m, reach_m - rim_m), late_m, times_s);
+            self.lay_rings((row, over), [rim_m, reach_m - rim_m], late_m, times_s);
         }
         self.leave(Knot { at: middle, ..rim }, hull);
         Ok(())
@@ -194,11 +193,12 @@ impl Pilot<'_> {
     /// (metres, negative of a descent).
     pub(super) fn lay_rings(
         &mut self,
-        (row, over): (usize, PlanPoint),
-        (radius_m, wide_m): (f64, f64),
+        at: (usize, PlanPoint),
+        radii_m: [f64; 2],
         late_m: f64,
         times_s: (f64, f64),
     ) {
+        let ((row, over), [radius_m, wide_m]) = (at, radii_m);
         let rings = steps(wide_m);
         let off_m = self.circle_level_m();
         let (low_m, high_m) = (off_m + late_m.max(0.0), off_m - late_m.min(0.0));

@@ -232,7 +232,7 @@ impl Pilot<'_> {
         if wide_m > 0.0 {
             self.widen_from(first, wide_m);
             let times_s = (self.trajectory.t_s, self.trajectory.t_s);
-            self.lay_rings((row, over), (rim_m, wide_m), late_m, times_s);
+            self.lay_rings((row, over), [rim_m, wide_m], late_m, times_s);
         }
         self.flight.route.push(Mark {
             point: over,
