@@ -16,6 +16,9 @@ const DETOUR: f64 = 2.0;
 /// After the end of a zone's time a vehicle waits so much longer, seconds.
 const AFTER_S: f64 = 1.0;
 
+/// What a fleet is planned from instead.
+type Variant = (MissionSpec, World);
+
 /// The best plan of a fleet: through zones that are inactive as it departs by the spec, then among
 /// all zones, then departing after their times. Of two plans that cost nearly the same the earlier
 /// departure is kept.
@@ -24,7 +27,7 @@ pub(super) fn with_times<'a>(
     dispatch_closed: impl Fn(Job<'_>) -> Dispatched,
 ) -> Dispatched {
     let (at_once, after) = variants(job.spec, job.world);
-    let open = |variant: &(MissionSpec, World)| {
+    let open = |variant: &Variant| {
         let (spec, world) = variant;
         dispatch_closed(Job { spec, world, ..job })
     };
@@ -59,10 +62,7 @@ pub(super) fn with_times<'a>(
 /// The spec and the world without zones that are inactive while the fleet flies: as it departs by
 /// the spec, if there are any, and after each zone's time, where the windows of departures reach so
 /// far.
-fn variants(
-    spec: &MissionSpec,
-    world: &World,
-) -> (Option<(MissionSpec, World)>, Vec<(MissionSpec, World)>) {
+fn variants(spec: &MissionSpec, world: &World) -> (Option<Variant>, Vec<Variant>) {
     let times = world.zones.iter().filter_map(|zone| zone.active_s);
     let mut waits_s: Vec<f64> = times.map(|(_, to_s)| to_s + AFTER_S).collect();
     waits_s.sort_by(f64::total_cmp);
@@ -82,7 +82,7 @@ fn variants(
 }
 
 /// Without the zones that are inactive from the first departure to the last landing.
-fn without_inactive(mut spec: MissionSpec, mut world: World) -> (MissionSpec, World) {
+fn without_inactive(mut spec: MissionSpec, mut world: World) -> Variant {
     let (first_s, last_s) = flight_s(&spec, &world);
     let is_open = |(from_s, to_s): (f64, f64)| to_s < first_s || last_s < from_s;
     let zones = world.zones.iter();
