@@ -11,7 +11,7 @@ use crate::world::World;
 const WORTH: f64 = 0.01;
 /// Most plans with other departures.
 const MOST: usize = 4;
-/// A flight is estimated at so many times its straight routes.
+/// A flight is estimated at this multiple of its straight routes.
 const DETOUR: f64 = 2.0;
 /// After the end of a zone's time a vehicle waits so much longer, seconds.
 const AFTER_S: f64 = 1.0;
@@ -26,6 +26,9 @@ pub(super) fn with_times<'a>(
     job: Job<'a>,
     dispatch_closed: impl Fn(Job<'_>) -> Dispatched,
 ) -> Dispatched {
+    if !job.spec.no_fly.iter().any(|zone| zone.active_s.is_some()) {
+        return dispatch_closed(job);
+    }
     let (at_once, after) = variants(job.spec, job.world);
     let open = |variant: &Variant| {
         let (spec, world) = variant;
@@ -86,17 +89,17 @@ fn without_inactive(mut spec: MissionSpec, mut world: World) -> Variant {
     let (first_s, last_s) = flight_s(&spec, &world);
     let is_open = |(from_s, to_s): (f64, f64)| to_s < first_s || last_s < from_s;
     let zones = world.zones.iter();
-    let is_kept: Vec<bool> = zones
+    let stays: Vec<bool> = zones
         .map(|zone| !zone.active_s.is_some_and(is_open))
         .collect();
-    keep(&mut spec.no_fly, &is_kept);
-    keep(&mut world.zones, &is_kept);
+    keep(&mut spec.no_fly, &stays);
+    keep(&mut world.zones, &stays);
     (spec, world)
 }
 
-fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
-    let mut kept = kept.iter();
-    all.retain(|_| kept.next().is_none_or(|kept| *kept));
+fn keep<T>(all: &mut Vec<T>, stays: &[bool]) {
+    let mut stays = stays.iter();
+    all.retain(|_| stays.next().is_none_or(|stays| *stays));
 }
 
 /// The spec with departures not before a time, where a vehicle's window has such.
