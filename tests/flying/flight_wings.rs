@@ -384,7 +384,7 @@ fn a_wind_that_nobody_told_of_drives_a_wing_into_a_threat_and_the_verdict_says_s
         &plan,
         Some(Wind {
             from_rad: 1.5 * PI,
-            speed_mps: 10.0,
+            speed_mps: 6.0,
         }),
     );
     let broken: Vec<_> = report.margins.iter().filter(|m| !m.ok).collect();
