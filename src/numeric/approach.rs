@@ -63,6 +63,15 @@ impl Segment {
     }
 }
 
+/// More than rounding takes from a distance of places on earth, metres.
+const ROUNDING_M: f64 = 1e-6;
+
+/// When the first of two motions has a time of the other within the slack, from and to, seconds;
+/// the end is before the beginning where it never has.
+fn shared_s(a: &Segment, b: &Segment, slack_s: f64) -> (f64, f64) {
+    (a.t0_s.max(b.t0_s - slack_s), a.t1_s.min(b.t1_s + slack_s))
+}
+
 /// Whether two motions are surely further apart than some distances, horizontally or in
 /// height, at all pairs of times that count, or have no such pair: by the boxes of what
 /// each covers meanwhile. `false` proves nothing.
@@ -74,10 +83,8 @@ pub fn are_surely_apart(
     horizontal_m: f64,
     vertical_m: f64,
 ) -> bool {
-    /// More than rounding takes from a distance of places on earth, metres.
-    const ROUNDING_M: f64 = 1e-6;
-    let (t0, t1) = (a.t0_s.max(b.t0_s - slack_s), a.t1_s.min(b.t1_s + slack_s));
-    let (u0, u1) = (b.t0_s.max(a.t0_s - slack_s), b.t1_s.min(a.t1_s + slack_s));
+    let (t0, t1) = shared_s(a, b, slack_s);
+    let (u0, u1) = shared_s(b, a, slack_s);
     if t0 > t1 || u0 > u1 {
         return true;
     }
@@ -118,9 +125,7 @@ pub fn may_be_near(
     horizontal_m: f64,
     vertical_m: f64,
 ) -> bool {
-    /// More than rounding takes from a distance of places on earth, metres.
-    const ROUNDING_M: f64 = 1e-6;
-    let (t0, t1) = (a.t0_s.max(b.t0_s - slack_s), a.t1_s.min(b.t1_s + slack_s));
+    let (t0, t1) = shared_s(a, b, slack_s);
     if t0 > t1 {
         return false;
     }
