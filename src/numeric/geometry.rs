@@ -164,6 +164,20 @@ pub(crate) fn doubled_area(corners: &[Point]) -> f64 {
     corners.iter().zip(next).map(|(a, b)| cross(*a, *b)).sum()
 }
 
+/// Into how many steps, each at most `apart`, a length is cut: within a range.
+#[must_use]
+pub fn steps(length: f64, apart: f64, (least, most): (u16, u16)) -> u16 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the range"
+    )]
+    let steps = (length / apart)
+        .ceil()
+        .clamp(f64::from(least), f64::from(most)) as u16;
+    steps
+}
+
 #[cfg(test)]
 mod tests {
     use super::{Point, Ring, disc_chord, point_segment_distance, turn_angle};

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use super::{Check, within};
 use crate::geodesy::{Agl, EastNorth, PlanPoint};
 use crate::numeric::digits;
-use crate::numeric::geometry::Ring;
+use crate::numeric::geometry::{self, Ring};
 use crate::spec::{TakeoffRegion, Vehicle, Zone};
 use crate::world::PlanZone;
 
@@ -208,12 +208,6 @@ fn disc(middle: EastNorth, radius_m: f64) -> impl Iterator<Item = EastNorth> {
 }
 
 /// Into how many steps a length is cut.
-fn steps(length_m: f64) -> u32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to a small positive count"
-    )]
-    let steps = (length_m / APART_M).ceil().clamp(1.0, 1e3) as u32;
-    steps
+fn steps(length_m: f64) -> u16 {
+    geometry::steps(length_m, APART_M, (1, 1000))
 }

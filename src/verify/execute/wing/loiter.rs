@@ -8,6 +8,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::geodesy::{Amsl, EastNorth, LatLon, PlanPoint};
+use crate::numeric::geometry;
 use crate::path::{VehicleLimits, along, heading_rad};
 
 use crate::verify::execute::decode::{After, Unknown};
@@ -208,7 +209,7 @@ impl Pilot<'_> {
                 let ring_m = radius_m + wide_m * f64::from(ring) / f64::from(rings);
                 let count = steps(TAU * ring_m).max(12);
                 let step_rad = TAU / f64::from(count);
-                let at = |step: u32| PlanPoint {
+                let at = |step: u16| PlanPoint {
                     at: along(over.at, step_rad * f64::from(step), ring_m),
                     ..over
                 };
@@ -331,12 +332,6 @@ fn slices(radius_m: f64) -> impl Iterator<Item = (f64, f64)> {
 }
 
 /// Into how many steps a length is cut.
-pub(super) fn steps(length_m: f64) -> u32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to a small positive count"
-    )]
-    let steps = (length_m / APART_M).ceil().clamp(2.0, 1e4) as u32;
-    steps
+pub(super) fn steps(length_m: f64) -> u16 {
+    geometry::steps(length_m, APART_M, (2, 10_000))
 }

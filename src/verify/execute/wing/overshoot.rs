@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::geodesy::{EastNorth, PlanPoint};
+use crate::numeric::geometry;
 use crate::path::{along, heading_rad};
 
 use super::drift::carried_points;
@@ -61,7 +62,7 @@ impl Pilot<'_> {
         let course_rad = heading_rad(hull.middle.at, place.at);
         let away_m = hull.middle.at.distance_m(place.at);
         let most_rad = (hull.reach_m / away_m).min(1.0).asin();
-        let steps = steps(most_rad / ARRIVAL_RAD);
+        let steps = i32::from(geometry::steps(most_rad, ARRIVAL_RAD, (1, 9)));
         let on = leg + 1;
         let end = (on + ARRIVAL_LEGS).min(knots.len() - 1);
         for step in -steps..=steps {
@@ -216,16 +217,6 @@ impl Pilot<'_> {
         }
         self.trajectory.late_s = before_s + late_s;
     }
-}
-
-/// Into how many steps an angle is cut.
-fn steps(share: f64) -> i32 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        reason = "clamped to a small positive count"
-    )]
-    let steps = share.ceil().clamp(1.0, 9.0) as i32;
-    steps
 }
 
 /// The first of the places of a way that is not before a time.
