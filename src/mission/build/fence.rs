@@ -116,7 +116,7 @@ fn fitted(
                 items.extend(&boundary.items);
                 continue;
             }
-            Outline::Circle(center, radius_m) => Shape::Circle(plane.flat(center), radius_m),
+            Outline::Circle(center, radius_m) => plane.disc(center, radius_m),
             Outline::Polygon(corners) => {
                 let mut corners: Vec<_> = corners.iter().map(|&at| plane.flat(at)).collect();
                 if twice_area(&corners) < 0.0 {
