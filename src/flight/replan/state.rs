@@ -327,7 +327,9 @@ impl VehicleState {
 /// Index of the first item after a waypoint that is more than something done there.
 fn after_actions(items: &[Item], waypoint: usize) -> usize {
     let rest = items.iter().skip(waypoint + 1);
-    let is_action = |item: &&Item| item.command > command::NAV_LAST;
+    let is_action = |item: &&Item| {
+        item.command > command::NAV_LAST || item.command == command::NAV_PAYLOAD_PLACE
+    };
     waypoint + 1 + rest.take_while(is_action).count()
 }
 
