@@ -124,7 +124,7 @@ impl<'a> FlownTrack<'a> {
     }
 
     /// Indices of positions on the route: neither in the column of the takeoff nor in that
-    /// of the landing; of a plane, neither on its climb-out nor on its glide.
+    /// of the landing, nor below a place where a load is put down; of a plane, neither on its climb-out nor on its glide.
     pub(super) fn on_route(&self) -> impl Iterator<Item = usize> {
         let first = self.flight.plans.first().map(|plan| &plan.reference);
         let home = first.and_then(|plan| plan.waypoints.first().map(|w| w.point.at));
@@ -133,6 +133,8 @@ impl<'a> FlownTrack<'a> {
             self.vehicle.map_or(COLUMN_M, column)
         });
         let columns: Vec<f64> = columns.collect();
+        let plans = self.flight.plans.iter();
+        let dips: Vec<Vec<(usize, EastNorth)>> = plans.map(|plan| plan.reference.dips()).collect();
         (0..self.points.len()).filter(move |&index| {
             let at = self.points[index].at;
             let near = |place: Option<EastNorth>, column_m: f64| {
@@ -147,7 +149,12 @@ impl<'a> FlownTrack<'a> {
             match self.airframe {
                 Airframe::Plane => !self.rises(index) && !self.glides(index),
                 Airframe::Copter | Airframe::Vtol => {
-                    !self.rises(index) && !near(home, COLUMN_M) && !near(end, end_m)
+                    let item = self.fixes()[index].item;
+                    let mut dips = dips[self.plan_of[index]].iter();
+                    !self.rises(index)
+                        && !near(home, COLUMN_M)
+                        && !near(end, end_m)
+                        && !dips.any(|dip| dip.0 == item && near(Some(dip.1), COLUMN_M))
                 }
             }
         })

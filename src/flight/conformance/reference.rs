@@ -93,6 +93,16 @@ impl Reference {
         reference
     }
 
+    /// Where the vehicle comes straight down between two waypoints, and up again.
+    pub(crate) fn dips(&self) -> Vec<(usize, EastNorth)> {
+        let is_above = |top: &Waypoint, low: &Waypoint| {
+            top.point.at.distance_m(low.point.at) < CHORD_M && top.point.amsl.0 > low.point.amsl.0
+        };
+        let interior = self.waypoints.windows(3).skip(1);
+        let dips = interior.filter(|of| is_above(&of[0], &of[1]) && is_above(&of[2], &of[1]));
+        dips.map(|of| (of[1].item, of[1].point.at)).collect()
+    }
+
     /// Whether a place is about on the circle that the flight ends with.
     pub(crate) fn is_on_circle(&self, at: EastNorth) -> bool {
         self.waypoints.last().is_some_and(|last| {
@@ -348,7 +358,8 @@ fn point(
                 amsl: amsl(Some(place))?,
             })
         }
-        command::NAV_LAND | command::NAV_VTOL_LAND => {
+        // Down to the ground, from the waypoint before it to the one after it.
+        command::NAV_LAND | command::NAV_VTOL_LAND | command::NAV_PAYLOAD_PLACE => {
             let at = place().map_or(before.at, |place| world.frame.to_plan(place));
             let amsl = ground(world.frame.from_plan(at))?;
             Some(PlanPoint { at, amsl })
