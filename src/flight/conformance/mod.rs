@@ -133,8 +133,6 @@ impl<'a> FlownTrack<'a> {
             self.vehicle.map_or(COLUMN_M, column)
         });
         let columns: Vec<f64> = columns.collect();
-        let plans = self.flight.plans.iter();
-        let dips: Vec<Vec<(usize, EastNorth)>> = plans.map(|plan| plan.reference.dips()).collect();
         (0..self.points.len()).filter(move |&index| {
             let at = self.points[index].at;
             let near = |place: Option<EastNorth>, column_m: f64| {
@@ -150,11 +148,9 @@ impl<'a> FlownTrack<'a> {
                 Airframe::Plane => !self.rises(index) && !self.glides(index),
                 Airframe::Copter | Airframe::Vtol => {
                     let item = self.fixes()[index].item;
-                    let mut dips = dips[self.plan_of[index]].iter();
-                    !self.rises(index)
-                        && !near(home, COLUMN_M)
-                        && !near(end, end_m)
-                        && !dips.any(|dip| dip.0 == item && near(Some(dip.1), COLUMN_M))
+                    let plan = self.plan(index);
+                    let puts_down = plan.is_some_and(|plan| plan.dips_at(item, at));
+                    !self.rises(index) && !near(home, COLUMN_M) && !near(end, end_m) && !puts_down
                 }
             }
         })

@@ -1,5 +1,6 @@
 //! The planned flight of one vehicle, as what is flown is held against it.
 
+use super::COLUMN_M;
 use crate::flight::record::fix::Fix;
 use crate::geodesy::{AboveHome, Agl, Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
 use crate::mission::{Item, VehicleMission, command, frame};
@@ -93,14 +94,19 @@ impl Reference {
         reference
     }
 
-    /// Where the vehicle comes straight down between two waypoints, and up again.
-    pub(crate) fn dips(&self) -> Vec<(usize, EastNorth)> {
+    /// Whether a place is in the column of an item to which the vehicle comes straight down between two
+    /// waypoints, and from which it rises again: it puts down a load.
+    pub(crate) fn dips_at(&self, item: usize, at: EastNorth) -> bool {
         let is_above = |top: &Waypoint, low: &Waypoint| {
             top.point.at.distance_m(low.point.at) < CHORD_M && top.point.amsl.0 > low.point.amsl.0
         };
-        let interior = self.waypoints.windows(3).skip(1);
-        let dips = interior.filter(|of| is_above(&of[0], &of[1]) && is_above(&of[2], &of[1]));
-        dips.map(|of| (of[1].item, of[1].point.at)).collect()
+        let mut interior = self.waypoints.windows(3).skip(1);
+        interior.any(|of| {
+            of[1].item == item
+                && is_above(&of[0], &of[1])
+                && is_above(&of[2], &of[1])
+                && of[1].point.at.distance_m(at) < COLUMN_M
+        })
     }
 
     /// Whether a place is about on the circle that the flight ends with.
