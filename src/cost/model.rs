@@ -184,6 +184,9 @@ impl CostModel {
 struct Heights {
     least_m: f64,
     most_m: f64,
+    /// Of both ends above the relief: allowed by the terrain itself, from which a grid of it
+    /// differs by millimetres, metres.
+    ends_m: [f64; 2],
     /// Margins of both at the start, on the way, and at the end, metres.
     margins_m: [[f64; 3]; 2],
 }
@@ -204,6 +207,7 @@ impl Heights {
         Self {
             least_m,
             most_m,
+            ends_m: agl_m,
             margins_m: [
                 [over_m(agl_m[0]), above_m, over_m(agl_m[1])],
                 [under_m(agl_m[0]), below_m, under_m(agl_m[1])],
@@ -220,13 +224,20 @@ impl Heights {
         let margin_m = |[from_m, full_m, to_m]: [f64; 3], at: f64| {
             ramp(from_m, full_m, at).min(ramp(to_m, full_m, 1.0 - at))
         };
-        (0..count)
+        let mut heights: Vec<[f64; 2]> = (0..count)
             .map(|index| {
                 #[expect(clippy::cast_precision_loss, reason = "few samples")]
                 let at = index as f64 / (count - 1).max(1) as f64;
                 let [above_m, below_m] = self.margins_m.map(|margins| margin_m(margins, at));
                 [self.least_m + above_m, self.most_m - below_m]
             })
-            .collect()
+            .collect();
+        for (end, agl_m) in [0, count.saturating_sub(1)].into_iter().zip(self.ends_m) {
+            if let Some([least_m, most_m]) = heights.get_mut(end) {
+                *least_m = least_m.min(agl_m);
+                *most_m = most_m.max(agl_m);
+            }
+        }
+        heights
     }
 }

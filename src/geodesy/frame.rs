@@ -75,6 +75,17 @@ pub struct LocalFrame {
     ecef_to_enu: Matrix3<f64>,
 }
 
+/// Mean radius of the earth, metres (IUGG).
+pub(crate) const EARTH_RADIUS_M: f64 = 6_371_000.0;
+
+/// How far a line of some length that is straight in latitude and longitude leaves the straight
+/// line on the earth between its ends, metres: `L^2 tan(lat) / 8 R`.
+#[must_use]
+pub fn bend_m(length_m: f64, lat_deg: f64) -> f64 {
+    let tan_lat = lat_deg.abs().min(89.0).to_radians().tan();
+    length_m * length_m * tan_lat / (8.0 * EARTH_RADIUS_M)
+}
+
 impl LatLon {
     /// A checked place.
     ///

@@ -7,5 +7,6 @@ mod geoid;
 
 pub use altitude::{AboveHome, Agl, Amsl, Ellipsoid};
 pub use atmosphere::{flight_level, true_airspeed_ratio};
-pub use frame::{EastNorth, GeodesyError, LatLon, LocalFrame, PlanPoint};
+pub(crate) use frame::EARTH_RADIUS_M;
+pub use frame::{EastNorth, GeodesyError, LatLon, LocalFrame, PlanPoint, bend_m};
 pub use geoid::Geoid;

@@ -433,3 +433,17 @@ vehicles:
   - {id: a, sysid: 1, autopilot: ardupilot, link: sim, finish: land, speed_mps: 10, start: {lat: -35.36, lon: 149.16, agl_m: 60}, goal: {lat: -35.36, lon: 149.172, agl_m: 60}}
 planner: {evaluations: 1000}
 ";
+
+/// Ends stand as high as the exact terrain asks; the grid of the objective is millimetres above it.
+#[test]
+fn a_fleet_that_passes_breaks_no_limit_in_its_cost_either() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("missions/harbour.yaml");
+    let mut file = SpecFile::read(&path).expect("a shipped mission");
+    file.spec.planner.evaluations = 2_000;
+    let world = sortie::world::load(&file).expect("the ground is analytic");
+    let found = dispatched(&file.spec, &world);
+    assert!(found.review.passes());
+    for plan in &found.plan.vehicles {
+        assert!(plan.terms.is_clean(), "{:?}", plan.terms);
+    }
+}

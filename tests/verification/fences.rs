@@ -331,3 +331,34 @@ fn a_fence_that_fits_what_a_vehicle_keeps_holds_every_zone_as_it_is() {
     less.1.fence.truncate(needs - zones[29].len());
     assert!(fails(&mission, &less, |limit| *limit == Limit::FenceComplete));
 }
+
+/// Over 90 km a line that is straight on the earth is 150 m north of one that is straight in
+/// latitude and longitude. Masts at the middle of the way, beyond the reach of 540 m by 40 to 240 m.
+#[test]
+fn what_a_fence_leaves_out_along_a_way_of_90_km_is_far_by_the_verdict_too() {
+    let masts: Vec<String> = (0..200)
+        .map(|index| {
+            let (side, away_m) = (
+                if index % 2 == 0 { 1.0 } else { -1.0 },
+                f64::from(index / 2),
+            );
+            let at = (f64::from(index % 5) * 400.0, side * (600.0 + 2.0 * away_m));
+            let (lat, lon) = (47.2 + at.1 / NORTH_M, 8.5 + at.0 / EAST_M);
+            format!("  - {{id: m{index}, lat: {lat}, lon: {lon}, radius_m: 20}}\n")
+        })
+        .collect();
+    let text = format!(
+        "sortie: 2\nname: far\narea: {{south_west: {{lat: 46.9, lon: 7.8}}, north_east: {{lat: 47.5, lon: 9.2}}, \
+         min_agl_m: 40, max_amsl_m: 600}}\nterrain: {{flat: {{amsl_m: 200}}}}\nthreats:\n{}vehicles:\n  \
+         - {{id: alpha, sysid: 1, autopilot: ardupilot, link: sim, speed_mps: 9, finish: land, \
+         start: {{lat: 47.2, lon: 7.9, agl_m: 60}}, goal: {{lat: 47.2, lon: 9.1, agl_m: 60}}}}\n\
+         planner: {{evaluations: 2000}}\n",
+        masts.concat(),
+    );
+    let mission = Mission::parse(".", text).unwrap_or_else(|error| panic!("{error}"));
+    let review = plan(&mission).review;
+    let failed: Vec<String> = (review.margins.iter().filter(|margin| !margin.ok))
+        .map(|margin| format!("{}: {}", margin.limit, margin.value))
+        .collect();
+    assert!(review.passes(), "{failed:?}");
+}

@@ -130,7 +130,7 @@ fn fitted(
     }
     let left = capacity.saturating_sub(items.len());
     // The verdict measures from what is flown, which leaves the legs by the tolerance.
-    let far_m = plane.at_least_m(reach_m) + spec.mission.tolerance_m + FAR_M;
+    let far_m = plane.at_least_m(reach_m) + spec.mission.tolerance_m + clear.bend_m + FAR_M;
     let covers = fit::fit(&pieces, (&plane, &clear), (left, far_m));
     let mut circles = Vec::new();
     for cover in &covers {
@@ -174,7 +174,7 @@ fn clear(spec: &MissionSpec, vehicle: &Vehicle, flown: &[Item], plane: &Plane) -
         .collect();
     let turn_m = vehicle.wing.map_or(0.0, |wing| wing.loiter_radius_m);
     let keep_m = spec.fence_margin_m() + spec.mission.tolerance_m + turn_m;
-    Clear::new(&route, &pads, plane.at_least_m(keep_m))
+    Clear::new(&route, &pads, plane, plane.at_least_m(keep_m))
 }
 
 /// What the fence is instead of the spec's.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::geodesy::{EastNorth, LatLon};
+use crate::geodesy::{EastNorth, LatLon, bend_m};
 use crate::path::lean_note;
 use crate::spec::{Airframe, Autopilot, MissionSpec, Vehicle, Wind};
 use crate::world::World;
@@ -10,12 +10,11 @@ use crate::world::World;
 use crate::verify::execute::flight::Flight;
 use crate::verify::measure::outline::metres_per_degree;
 
-const EARTH_RADIUS_M: f64 = 6_371_000.0;
 /// Doubts about less than this are not worth a line, metres.
 const WORTH_M: f64 = 0.1;
 
 /// The map of ArduPilot scales longitudes by the latitude halfway to its origin. Its straight lines
-/// leave the geodesic by at most `L^2 tan(lat) / 8 R`; PX4's map keeps azimuths and has no such bend.
+/// leave the geodesic by at most [`bend_m`]; PX4's map keeps azimuths and has no such bend.
 pub(crate) fn bent_map<'a>(
     flown: impl Iterator<Item = (&'a Vehicle, &'a Flight)>,
     world: &World,
@@ -24,8 +23,7 @@ pub(crate) fn bent_map<'a>(
         .filter(|(vehicle, _)| vehicle.autopilot == Autopilot::ArduPilot)
         .map(|(_, flight)| longest_leg_m(flight))
         .fold(0.0, f64::max);
-    let tan_lat = world.frame.origin().lat_deg.to_radians().tan().abs();
-    let bend_m = longest_m * longest_m * tan_lat / (8.0 * EARTH_RADIUS_M);
+    let bend_m = bend_m(longest_m, world.frame.origin().lat_deg);
     (bend_m > WORTH_M).then(|| {
         format!(
             "legs are straight on the earth: the map that ArduPilot steers by bends the longest, {:.1} km, by up to {bend_m:.1} m",

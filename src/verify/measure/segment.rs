@@ -1,6 +1,6 @@
 //! Straight motions at constant velocity: what every limit is judged on.
 
-use crate::geodesy::{Amsl, EastNorth, LatLon, LocalFrame, PlanPoint};
+use crate::geodesy::{Amsl, EARTH_RADIUS_M, EastNorth, LatLon, LocalFrame, PlanPoint};
 
 use crate::verify::Moment;
 
@@ -175,7 +175,6 @@ pub(crate) fn stretches(
     (from, first): (EastNorth, LatLon),
     to: EastNorth,
 ) -> Vec<Stretch> {
-    const EARTH_RADIUS_M: f64 = 6_371_000.0;
     let length_m = from.distance_m(to);
     if length_m <= 0.0 {
         return vec![Stretch {

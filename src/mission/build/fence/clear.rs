@@ -1,6 +1,6 @@
 //! What a wider fence must stay clear of: the path of a vehicle, its pads, its way back.
 
-use crate::geodesy::{LatLon, LocalFrame};
+use crate::geodesy::{LatLon, LocalFrame, bend_m};
 use crate::numeric::geometry::cover::{
     distance_between, distance_to_segment, enclosing_circle, is_inside,
 };
@@ -76,6 +76,8 @@ pub(super) struct Plane {
     scale: Point,
     /// Greatest relative error of a distance.
     error: f64,
+    /// Latitude furthest from the equator, degrees.
+    steepest_deg: f64,
 }
 
 impl Plane {
@@ -101,6 +103,7 @@ impl Plane {
             scale: [east_m / STEP_DEG, north_m / STEP_DEG],
             // How much the length of a degree of longitude changes towards the edges.
             error: 1e-3 + half_rad * steepest.min(1.5).tan(),
+            steepest_deg: steepest.to_degrees(),
         }
     }
 
@@ -123,6 +126,11 @@ impl Plane {
         true_m * (1.0 + self.error)
     }
 
+    /// How far the straight line on the earth leaves one of this plane, metres.
+    pub(super) fn bend_m(&self, length_m: f64) -> f64 {
+        bend_m(self.at_least_m(length_m), self.steepest_deg)
+    }
+
     /// A circle around corners, over the earth.
     pub(super) fn circle(&self, corners: &[Point]) -> Shape {
         let (center, radius) = enclosing_circle(corners);
@@ -138,20 +146,28 @@ pub(super) struct Clear {
     returns: Vec<[Point; 3]>,
     /// Distance that a wider shape keeps from legs, metres.
     keep_m: f64,
+    /// How far legs and ways back leave the lines of the plane, metres.
+    pub(super) bend_m: f64,
 }
 
 impl Clear {
     /// `route` in order of flight, from home on; `pads` apart from them.
-    pub(super) fn new(route: &[Point], pads: &[Point], keep_m: f64) -> Self {
+    pub(super) fn new(route: &[Point], pads: &[Point], plane: &Plane, keep_m: f64) -> Self {
         let mut legs: Vec<(Point, Point)> = pads.iter().map(|&pad| (pad, pad)).collect();
         legs.extend(route.windows(2).map(|pair| (pair[0], pair[1])));
         let home = route.first().copied().unwrap_or_default();
+        let longest = |lines: &mut dyn Iterator<Item = (Point, Point)>| {
+            lines.fold(0.0, |most, (a, b)| distance(a, b).max(most))
+        };
+        let leg_m = longest(&mut legs.iter().copied());
+        let back_m = longest(&mut route.iter().map(|&at| (at, home)));
         let is_leg = |pair: &&[Point]| distance(pair[0], pair[1]) > 0.0;
         let returns = route.windows(2).filter(is_leg);
         Self {
             returns: returns.map(|pair| [home, pair[0], pair[1]]).collect(),
             legs,
-            keep_m,
+            keep_m: keep_m + plane.bend_m(leg_m),
+            bend_m: plane.bend_m(leg_m.max(back_m)),
         }
     }
 
