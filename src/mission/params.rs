@@ -208,7 +208,7 @@ impl List<'_> {
             "height of the slow end of a landing, cm",
         );
         self.slow_landing("LAND_SPEED", "speed of the slow end of a landing, cm/s");
-        if v.places_payloads() {
+        if v.has_payload_place() {
             self.set(PLACING, 0.0, "loads are placed at LAND_SPEED");
         }
         self.armed_until_departure("DISARM_DELAY", 0.0);

@@ -136,11 +136,11 @@ impl VehicleState {
         let reference = Reference::new(&held, &no_times, &plan.world);
         let (origin, mut ahead) = split_path(&reference, row);
         // A load is put down at a stop: no waypoint of its own.
-        let places = |index: usize| {
+        let puts_down = |index: usize| {
             let item = held.items.get(index);
             item.is_some_and(|item| item.command == command::NAV_PAYLOAD_PLACE)
         };
-        ahead.retain(|(index, _)| !places(*index));
+        ahead.retain(|(index, _)| !puts_down(*index));
         let stands = observed.position.above_home_m() < AIRBORNE_M;
         let rising = held.items.get(row - 1).is_some_and(is_takeoff);
         if let (true, Some((_, top))) = (rising, ahead.first_mut()) {

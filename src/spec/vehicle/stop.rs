@@ -221,7 +221,7 @@ impl Vehicle {
 
     /// Whether it places a load on the ground somewhere.
     #[must_use]
-    pub fn places_payloads(&self) -> bool {
+    pub fn has_payload_place(&self) -> bool {
         let ends = self.on_way.start.iter().chain(&self.on_way.goal);
         let mut actions = self.stops.iter().flat_map(|stop| &stop.actions).chain(ends);
         actions.any(|action| matches!(action, StopAction::PayloadPlace { .. }))

@@ -18,7 +18,7 @@ const EXCHANGE: u32 = 10;
 const MOST_REMOVED: usize = 6;
 /// In one round of this number jobs are taken out at random.
 const RANDOM: u32 = 3;
-/// Most vehicles of which strings of visits are taken out.
+/// Most vehicles that lose a string of visits.
 const MOST_STRINGS: usize = 3;
 /// Most visits in such a string.
 const MOST_IN_STRING: usize = 10;
@@ -78,8 +78,8 @@ impl Assignment<'_> {
     /// For each job the jobs in order of the time from one to the other, itself first.
     fn near(&self, free: &[usize]) -> Vec<Vec<usize>> {
         let apart = |one: usize, other: usize| {
-            let places = |job: usize| self.jobs[job].visits.iter().map(|visit| visit.place);
-            let pairs = places(one).flat_map(|from| places(other).map(move |to| (from, to)));
+            let sites = |job: usize| self.jobs[job].visits.iter().map(|visit| visit.place);
+            let pairs = sites(one).flat_map(|from| sites(other).map(move |to| (from, to)));
             let ways = self
                 .vehicles
                 .iter()

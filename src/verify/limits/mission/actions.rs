@@ -146,8 +146,8 @@ impl Contract<'_> {
     /// ArduPilot runs commands while it is on its way to the waypoint after them or holds there, and
     /// drops those that have not run when it goes on from there. At a stop of a copter the hold counts.
     fn is_run(&self, stay: &Rest, items: &[Item], index: usize) -> bool {
-        let places = |item: &Item| item.command == command::NAV_PAYLOAD_PLACE;
-        if self.mission.autopilot != Autopilot::ArduPilot || places(&items[index]) {
+        let puts_down = |item: &Item| item.command == command::NAV_PAYLOAD_PLACE;
+        if self.mission.autopilot != Autopilot::ArduPilot || puts_down(&items[index]) {
             return true;
         }
         let holds = [
@@ -169,7 +169,7 @@ impl Contract<'_> {
         }
         let after = items[index..].iter().find(is_waypoint);
         // It places a load for longer than actions take to begin.
-        after.is_some_and(|item| places(item) || f64::from(item.params[0]) >= needed_s)
+        after.is_some_and(|item| puts_down(item) || f64::from(item.params[0]) >= needed_s)
     }
 
     /// How long a wing flies past a stop until its autopilot turns to the leg after the next
