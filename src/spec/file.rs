@@ -1,5 +1,7 @@
 //! A spec file: read, parsed and checked, with its text for messages and copies.
 
+pub(super) mod structure;
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -8,11 +10,11 @@ use super::builder::Builder;
 use super::check;
 use super::keys;
 use super::positions::Positions;
-use super::structure::{self, KeysRead, Unknown};
 use super::table::{Table, TableFile};
 use super::value_sources::{ValueSources, in_order};
 use super::{Issue, MissionSpec, SpecError, TerrainSource};
 use crate::numeric::text::open_regular;
+use structure::{KeysRead, Unknown};
 
 /// Largest spec file. A thousand vehicles need half of one MiB.
 const MAX_BYTES: u64 = 8 << 20;

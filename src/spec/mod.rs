@@ -34,7 +34,6 @@ mod link;
 mod model;
 mod positions;
 mod scenario;
-mod structure;
 mod table;
 mod value_sources;
 mod vehicle;

@@ -566,7 +566,7 @@ fn a_copter_places_its_load_on_the_ground_and_flies_on() {
     alpha.speed_mps = 9.0;
     let end = EndPoint {
         place: place(36.302, -84.254),
-        altitude: Placement::Agl(Agl(60.0)),
+        altitude: Placement::Agl(Agl(80.0)),
     };
     let max_descent_m = None;
     alpha.stops = vec![Stop {
@@ -594,7 +594,7 @@ fn a_copter_places_its_load_on_the_ground_and_flies_on() {
         .iter()
         .filter(|fix| plan.world.frame.to_plan(fix.place).distance_m(at) < 3.0);
     let lowest_m = below.map(|fix| fix.amsl.0).fold(f64::INFINITY, f64::min);
-    let ground_m = plan.world.stations[0].stops[0].amsl.0 - 60.0;
+    let ground_m = plan.world.stations[0].stops[0].amsl.0 - 80.0;
     assert!((lowest_m - ground_m).abs() < 1.0, "{lowest_m} {ground_m}");
 }
 

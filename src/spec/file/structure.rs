@@ -7,10 +7,10 @@
 use serde_json::Value as Schema;
 use serde_yaml::{Mapping, Number, Value};
 
-use super::check::resolved;
-use super::positions::Positions;
-use super::{Issue, keys};
 use crate::numeric::digits;
+use crate::spec::check::resolved;
+use crate::spec::positions::Positions;
+use crate::spec::{Issue, keys};
 
 /// How the parser, and the check, name a missing key.
 const MISSING: &str = "missing field `";
@@ -20,16 +20,16 @@ const MAX_PROBLEMS: usize = 50;
 const MAX_TEXT: usize = 16 << 20;
 
 /// Keys of a spec, as far as they are known.
-pub(super) struct KeysRead {
-    pub(super) keys: keys::Spec,
+pub(in crate::spec) struct KeysRead {
+    pub(in crate::spec) keys: keys::Spec,
     /// What is wrong with keys and types.
-    pub(super) issues: Vec<Issue>,
+    pub(in crate::spec) issues: Vec<Issue>,
     /// Where nothing more can be known.
-    pub(super) unknown: Vec<Unknown>,
+    pub(in crate::spec) unknown: Vec<Unknown>,
 }
 
 /// What is not known for a problem that is reported already.
-pub(super) enum Unknown {
+pub(in crate::spec) enum Unknown {
     /// What is at a path, but for keys that are missing there.
     At(String),
     /// What is at a path and below it.
@@ -50,7 +50,7 @@ impl From<keys::Spec> for KeysRead {
 ///
 /// # Errors
 /// Those problems, where nothing can be known beside them.
-pub(super) fn read(yaml: &str, positions: &Positions) -> Result<KeysRead, Vec<Issue>> {
+pub(in crate::spec) fn read(yaml: &str, positions: &Positions) -> Result<KeysRead, Vec<Issue>> {
     let mut error = match serde_yaml::from_str::<keys::Spec>(yaml) {
         Ok(keys) => return Ok(keys.into()),
         Err(error) => error,
@@ -100,7 +100,7 @@ pub(super) fn read(yaml: &str, positions: &Positions) -> Result<KeysRead, Vec<Is
 }
 
 /// Whether an issue may come of a problem that is reported already.
-pub(super) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
+pub(in crate::spec) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
     let is_of = |unknown: &Unknown| match unknown {
         Unknown::At(path) => issue.path == *path && !issue.found.starts_with(MISSING),
         Unknown::Within(path) => {
@@ -112,7 +112,7 @@ pub(super) fn is_unknown(issue: &Issue, unknown: &[Unknown]) -> bool {
 }
 
 /// The problem that ended a parse.
-pub(super) fn problem(error: &serde_yaml::Error) -> Issue {
+pub(in crate::spec) fn problem(error: &serde_yaml::Error) -> Issue {
     Found::of(error).issue
 }
 
