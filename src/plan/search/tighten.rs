@@ -58,8 +58,11 @@ impl FieldCost<'_> {
         let ramp_m = RAMP_CELLS * self.ground.grid.spacing_m;
         let (axis, fall) = self.price;
         for threat in self.threats {
-            let away_m = at.distance_m(threat.center);
             let radius_m = threat.radius_m + self.wider_m;
+            if is_surely_beyond(at, threat.center, radius_m + ramp_m) {
+                continue;
+            }
+            let away_m = at.distance_m(threat.center);
             let (cost, slope) = if away_m < radius_m {
                 (axis - fall * away_m / radius_m, -fall / radius_m)
             } else if away_m < radius_m + ramp_m {
@@ -77,6 +80,13 @@ impl FieldCost<'_> {
         }
         sum
     }
+}
+
+/// Whether two places are further apart than a distance, by more than rounding: most threats are
+/// passed over without a root.
+fn is_surely_beyond(a: EastNorth, b: EastNorth, distance_m: f64) -> bool {
+    let (east_m, north_m) = (a.east_m - b.east_m, a.north_m - b.north_m);
+    east_m * east_m + north_m * north_m > distance_m * distance_m * (1.0 + 1e-9)
 }
 
 /// Bilinear between the nodes of a field; outside of it as at its edge.
