@@ -35,7 +35,6 @@ use crate::spec::{MissionSpec, Vehicle};
 
 /// The paths of a fleet, in the order of the spec.
 #[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
 pub struct FleetPlan {
     /// The seed every stream came from.
     pub seed: u64,
