@@ -9,7 +9,7 @@ use crate::mission;
 use crate::path::lean_note;
 use crate::spec::{Document, MissionSpec, Survey, Vehicle};
 use crate::verify;
-use crate::world;
+use crate::world::{self, Stations};
 
 /// Zones of one file that are listed.
 const MAX_LISTED: usize = 20;
@@ -19,18 +19,20 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
     let mut needs = Vec::new();
     let (kind, vehicles, threats, zones) = match Document::read(&arguments.spec)? {
         Document::Mission(file) => {
-            world::load(&file)?;
+            let world = world::load(&file)?;
             let spec = &file.spec;
-            for vehicle in &spec.vehicles {
+            for (vehicle, stations) in spec.vehicles.iter().zip(&world.stations) {
                 let leans = lean_note(spec, vehicle, vehicle.speeds().most);
-                for text in leans.iter().chain(&vehicle.landing_note()) {
+                let lands = vehicle.landing_note(stations.landing_rad);
+                for text in leans.iter().chain(&lands) {
                     note(&format!("warning: {text}"));
                 }
+                needs.extend(landing_course(vehicle, stations));
             }
             for text in verify::distant_from_area(spec, &[]) {
                 note(&format!("warning: {text}"));
             }
-            needs = fences(spec);
+            needs.extend(fences(spec));
             let (vehicles, threats) = (spec.vehicles.len(), spec.threats.len());
             surveys.clone_from(&file.surveys);
             ("", vehicles, threats, spec.no_fly.len())
@@ -63,6 +65,12 @@ pub(super) fn run(arguments: &args::Check) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// The course of a landing that was found.
+fn landing_course(vehicle: &Vehicle, stations: &Stations) -> Option<String> {
+    let note = mission::landing_course_note(vehicle, stations)?;
+    Some(format!("  {}: {note}", vehicle.id))
 }
 
 /// What the fence of a spec needs, and what each kind of vehicle keeps.

@@ -210,6 +210,7 @@ fn world(scenario: &Scenario, frame: LocalFrame) -> World {
                 start: mover.start,
                 goal: mover.goal,
                 landing: mover.goal.at,
+                landing_rad: None,
                 goal_ground: on_ground(mover.goal.at).amsl,
                 stops: Vec::new(),
             })

@@ -172,6 +172,8 @@ impl<'a> JointPlan<'a> {
             start: from,
             goal: to,
             landing: to.at,
+            // Whoever is led onto a new path lands from anywhere.
+            landing_rad: None,
             goal_ground: ground(&self.world, to),
             stops: Vec::new(),
             ..stations.clone()
