@@ -107,35 +107,9 @@ impl World {
     pub fn new(spec: &MissionSpec, terrain: Terrain) -> Result<Self, NoData> {
         let frame = spec.frame;
         let area = frame.outline(&spec.area.outline());
-        let stations = spec
-            .vehicles
-            .iter()
-            .map(|vehicle| {
-                let goal_ground = terrain.height(vehicle.goal.place)?;
-                let over_goal = resolve(&frame, &terrain, vehicle.goal)?;
-                let landing = vehicle.wing.and_then(|wing| wing.landing);
-                let landing_rad = landing.and_then(|landing| landing.heading_rad);
-                Ok(Stations {
-                    departure: Departure::Ground,
-                    home: PlanPoint {
-                        at: frame.to_plan(vehicle.home),
-                        amsl: terrain.height(vehicle.home)?,
-                    },
-                    start: resolve(&frame, &terrain, vehicle.start)?,
-                    goal: route_end(
-                        vehicle,
-                        landing_rad,
-                        raised(spec, vehicle, over_goal, goal_ground),
-                        goal_ground,
-                    ),
-                    landing: over_goal.at,
-                    landing_rad,
-                    goal_ground,
-                    stops: (vehicle.stops.iter())
-                        .map(|stop| resolve(&frame, &terrain, stop.end))
-                        .collect::<Result<_, NoData>>()?,
-                })
-            })
+        let stations = spec.vehicles.iter();
+        let stations = stations
+            .map(|vehicle| Stations::of(spec, vehicle, &terrain))
             .collect::<Result<_, NoData>>()?;
         let sites = |task: &Task| {
             let stops = task.stops.iter();
@@ -212,6 +186,38 @@ impl World {
     #[must_use]
     pub fn in_area(&self, at: EastNorth) -> bool {
         self.area.contains(&Point::new(at.east_m, at.north_m))
+    }
+}
+
+impl Stations {
+    /// Those of a vehicle, over a terrain.
+    fn of(spec: &MissionSpec, vehicle: &Vehicle, terrain: &Terrain) -> Result<Self, NoData> {
+        let frame = spec.frame;
+        let goal_ground = terrain.height(vehicle.goal.place)?;
+        let over_goal = resolve(&frame, terrain, vehicle.goal)?;
+        let landing = vehicle.wing.and_then(|wing| wing.landing);
+        let landing_rad = landing.and_then(|landing| landing.heading_rad);
+        let stops = vehicle.stops.iter();
+        Ok(Self {
+            departure: Departure::Ground,
+            home: PlanPoint {
+                at: frame.to_plan(vehicle.home),
+                amsl: terrain.height(vehicle.home)?,
+            },
+            start: resolve(&frame, terrain, vehicle.start)?,
+            goal: route_end(
+                vehicle,
+                landing_rad,
+                raised(spec, vehicle, over_goal, goal_ground),
+                goal_ground,
+            ),
+            landing: over_goal.at,
+            landing_rad,
+            goal_ground,
+            stops: stops
+                .map(|stop| resolve(&frame, terrain, stop.end))
+                .collect::<Result<_, NoData>>()?,
+        })
     }
 }
 

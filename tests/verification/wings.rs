@@ -305,10 +305,12 @@ fn a_quadplane_beside_its_second_leg_is_judged_as_low_as_one_was_flown_there() {
     spec.vehicles[0].climb_mps = 3.4;
     let speed = mission.items[1];
     let circle = mission.items[3];
-    let ways = [(-104.5, 137.5, 71.5), (-353.1, 464.2, 107.0), (-507.8, 663.5, 96.25)];
-    let ways = ways.map(|(east_m, north_m, up_m)| {
-        waypoint(spot(east_m, north_m), GROUND_M + up_m)
-    });
+    let ways = [
+        (-104.5, 137.5, 71.5),
+        (-353.1, 464.2, 107.0),
+        (-507.8, 663.5, 96.25),
+    ];
+    let ways = ways.map(|(east_m, north_m, up_m)| waypoint(spot(east_m, north_m), GROUND_M + up_m));
     mission.items = vec![mission.items[0], speed, ways[0], ways[1], ways[2], circle];
     let flown = spot(-227.0, 273.7);
     spec.no_fly.push(low_wall(flown, GROUND_M + 81.5));
@@ -327,7 +329,8 @@ fn a_plane_that_climbs_to_its_circle_is_judged_inside_of_it_where_one_was_flown(
     let before = waypoint(spot(2532.0, 0.0), UP_M - 43.75);
     mission.items.insert(3, before);
     mission.items[2] = waypoint(spot(1500.0, 0.0), UP_M - 43.75);
-    spec.no_fly.push(low_wall(spot(3000.0 - 95.3, 55.0), UP_M - 19.0));
+    spec.no_fly
+        .push(low_wall(spot(3000.0 - 95.3, 55.0), UP_M - 19.0));
     let found = margin(&spec, &mission, &Limit::Zone("wall".to_owned())).expect("judged");
     assert!(found.value < 5.0, "{found:?}");
 }
