@@ -78,7 +78,7 @@ wind: {from_deg: 270, speed_mps: 3}
 vehicles:
   - {id: osprey, sysid: 1, autopilot: ardupilot, airframe: vtol, link: sim, speed_mps: 18, climb_mps: 4, descent_mps: 3,
      start: {lat: 36.2900, lon: -84.290, agl_m: 80}, goal: {lat: 36.2900, lon: -84.220, agl_m: 80}, finish: land,
-     loiter_radius_m: 80}
+     loiter_radius_m: 100}
 separation: {distance_m: 100, time_slack_s: 5}
 planner: {algorithm: msfoa, seed: 1, evaluations: 2000, control_points: 8}
 ";
