@@ -86,7 +86,7 @@ planner: {algorithm: msfoa, seed: 1, evaluations: 2000, control_points: 8}
 #[test]
 fn a_quadplane_that_was_to_land_into_the_wind_is_led_around_a_threat_all_the_same() {
     let (folder, runs) = planned("windy", WINDY);
-    let mut flight = take_off(folder.path(), "windy.yaml", "12");
+    let mut flight = take_off(folder.path(), "windy.yaml", "6");
     wait_for(&runs, "osprey", 60.0);
     let threat = "--threat=36.2900,-84.250,400";
     let output = sortie(folder.path(), &["replan", "windy.yaml", threat]);
